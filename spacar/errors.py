@@ -1,0 +1,69 @@
+"""Errors a caller can act on. Every one carries a stable short name (`code`) that the log prints in brackets."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+
+@dataclass(frozen=True, slots=True)
+class Message:
+    """One line about the input: `severity: file:line: KEYWORD: text` (severity error, warning or information)."""
+
+    severity: str
+    file: str
+    line: int | None
+    keyword: str
+    text: str
+    code: str = "input"
+
+    def __str__(self) -> str:
+        place = self.file if self.line is None else f"{self.file}:{self.line}"
+        subject = f"{self.keyword}: " if self.keyword else ""
+        return f"{self.severity}: {place}: {subject}{self.text}"
+
+
+class SpacarError(Exception):
+    """Base of all errors that are reported without a traceback. `exit_status` follows the CLI contract."""
+
+    exit_status = 1
+
+    def __init__(self, text: str, code: str = "failure", **data: Any) -> None:
+        super().__init__(text)
+        self.code = code
+        self.data = data
+
+
+class UsageError(SpacarError):
+    """The call is wrong: unknown mode, missing file, unknown variable."""
+
+    exit_status = 2
+
+    def __init__(self, text: str, code: str = "usage", **data: Any) -> None:
+        super().__init__(text, code, **data)
+
+
+class InputError(SpacarError):
+    """The input file is wrong; `messages` holds every error (and warning) that was found."""
+
+    exit_status = 2
+
+    def __init__(self, messages: list[Message]) -> None:
+        errors = [m for m in messages if m.severity == "error"]
+        super().__init__("\n".join(str(m) for m in errors), "input")
+        self.messages = messages
+
+
+class AnalysisError(SpacarError):
+    """The analysis failed; the text says what, where, at which step or time, and what to try."""
+
+
+@dataclass(slots=True)
+class Report:
+    """Warnings and pieces of information that a run collects for its log, each said once."""
+
+    lines: list[str] = field(default_factory=list)
+
+    def add(self, line: str) -> None:
+        if line not in self.lines:
+            self.lines.append(line)
