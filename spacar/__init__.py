@@ -1,0 +1,35 @@
+"""spacar: analysis of planar and spatial mechanisms with rigid and flexible links.
+
+>>> import spacar
+>>> deck = spacar.Deck.build([("PLTRUSS", 1, 1, 2), ("X", 2, 1.0, 0.0), ("FIX", 1), ("FIX", 2, 2)])
+>>> result = spacar.run(0, deck)
+>>> int(result.mechanism.numbering.nx)
+4
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from spacar.deck import Deck, parse_deck, read_deck
+    from spacar.frame import Frame
+    from spacar.modes import Run, frames, run
+    from spacar.result import Result
+
+__version__ = "0.1.0"
+__all__ = ["Deck", "Frame", "Result", "Run", "frames", "parse_deck", "read_deck", "run"]
+
+_HOME = {
+    "Deck": "spacar.deck", "parse_deck": "spacar.deck", "read_deck": "spacar.deck", "Frame": "spacar.frame",
+    "Result": "spacar.result", "Run": "spacar.modes", "frames": "spacar.modes", "run": "spacar.modes",
+}  # fmt: skip
+
+
+def __getattr__(name: str) -> Any:
+    """Import lazily: `spacar --version` must not pay for NumPy."""
+    if name in _HOME:
+        from importlib import import_module
+
+        return getattr(import_module(_HOME[name]), name)
+    raise AttributeError(f"module 'spacar' has no attribute '{name}'")

@@ -1,0 +1,53 @@
+"""What an analysis yields: one Frame per stored step. Sinks (log, result files, progress, plot) consume the stream."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(slots=True)
+class Frame:
+    """One stored state. Orders of x, e, q: files.md section 3. A field that the mode does not compute is None.
+
+    t             time [s]; in the stationary modes the number of the stored load step
+    x, xd, xdd    (nx,) coordinates and time derivatives [m, rad; Euler parameters 1]
+    e, ed, edd    (ne,) deformations and time derivatives [m, rad]
+    sig           (ne,) generalized stress resultants, dual to e [N, N m]
+    fx            (nx,) applied nodal forces;  fxgrav (nx,) gravity;  fxtot (nx,) total external forces, reactions included
+    dx, de        (nx, nkdof), (ne, nkdof) configuration transfer functions (OUTLEVEL)
+    dxc, dec      (nx, ndof), (ne, ndof) velocity transfer functions (OUTLEVEL)
+    d2x, d2e      (nx, nkdof**2), (ne, nkdof**2) second order transfer functions (OUTLEVEL)
+    bigd          (ne, nx) derivative of the deformations (mode 0)
+    xcompl        (nx,) directional nodal compliances [m/N ...] (mode 8)
+    matrices      m0 c0 d0 k0 n0 g0 b0 ak0 bk0, and eigval eigvre eigvim lmult bmode, by their file name
+    state_space   A B C D G sig0 u0 y0 m0 c0b k0b of the ltv file, by their file name
+    statistics    what the log prints of this step: right-hand sides, iterations, residuals
+    """
+
+    t: float
+    x: Array
+    xd: Array
+    xdd: Array
+    e: Array
+    ed: Array
+    edd: Array
+    sig: Array
+    fx: Array
+    fxgrav: Array
+    fxtot: Array
+    dx: Array | None = None
+    de: Array | None = None
+    dxc: Array | None = None
+    dec: Array | None = None
+    d2x: Array | None = None
+    d2e: Array | None = None
+    bigd: Array | None = None
+    xcompl: Array | None = None
+    matrices: dict[str, Array] = field(default_factory=dict)
+    state_space: dict[str, Array] = field(default_factory=dict)
+    statistics: dict[str, float] = field(default_factory=dict)

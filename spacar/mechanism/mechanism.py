@@ -1,0 +1,184 @@
+"""The mechanism: an immutable bundle of arrays that every analysis reads. Built from a Deck by `spacar.mechanism.build`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacar.deck import Deck
+from spacar.elements.base import Family
+from spacar.mechanism.numbering import Numbering
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Batch:
+    """A family with its place in the global vectors."""
+
+    family: Family
+    x: Index  # (n_coordinates, n) indices into x
+    e: Index  # (n_deformations, n) indices into e
+
+
+@dataclass(frozen=True)
+class Loads:
+    """Constant loads.
+
+    force (nx,) dual to x [N, N m]; moment (n, 3) global moments [N m] on the lambda rows moment_rows (4, n);
+    gravity (2 or 3,) [m/s^2]; preload (ne,) sigma0; flow: mass flow per tube element number [kg/s].
+    """
+
+    force: Array
+    moment: Array
+    moment_rows: Index
+    gravity: Array
+    preload: Array
+    flow: dict[int, float] = field(default_factory=dict)
+
+    def scaled(self, factor: float) -> Loads:
+        return Loads(
+            self.force * factor,
+            self.moment * factor,
+            self.moment_rows,
+            self.gravity * factor,
+            self.preload * factor,
+            {k: v * factor for k, v in self.flow.items()},
+        )
+
+    def plus(self, other: Loads) -> Loads:
+        """The sum of two sets of loads of the same mechanism."""
+        return Loads(
+            self.force + other.force,
+            np.concatenate((self.moment, other.moment)),
+            np.concatenate((self.moment_rows, other.moment_rows), axis=1),
+            self.gravity + other.gravity,
+            self.preload + other.preload,
+            {k: self.flow.get(k, 0.0) + other.flow.get(k, 0.0) for k in {*self.flow, *other.flow}},
+        )
+
+
+@dataclass(frozen=True)
+class DriveState:
+    """Values, rates and accelerations of the prescribed coordinates (n_xr) and deformations (n_er)."""
+
+    x: Array
+    xd: Array
+    xdd: Array
+    e: Array
+    ed: Array
+    edd: Array
+
+
+class Drive(Protocol):
+    """Prescribed motion of the input coordinates and deformations as functions of time."""
+
+    breaks: tuple[float, ...]  # times where derivatives jump
+
+    def at(self, t: float) -> DriveState: ...
+
+
+@dataclass(frozen=True)
+class Polynomial:
+    """start + rate t + acceleration t^2 / 2 for every input coordinate and deformation (keywords.md 5.4)."""
+
+    x: Array  # (n_xr, 3): start, rate, acceleration
+    e: Array  # (n_er, 3)
+    breaks: tuple[float, ...] = ()
+
+    def at(self, t: float) -> DriveState:
+        x, e = self.x.T, self.e.T
+        return DriveState(
+            x[0] + t * (x[1] + 0.5 * t * x[2]), x[1] + t * x[2], x[2],
+            e[0] + t * (e[1] + 0.5 * t * e[2]), e[1] + t * e[2], e[2],
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class UserForces:
+    """What USERSIG returned: stresses added to active rows, forces added to f, and their given stiffness and damping.
+
+    sigma (ne,), force (nx,), and diagonals k, d of both: positive k is +d sigma/de and -d f/dx.
+    """
+
+    sigma: Array
+    force: Array
+    sigma_k: Array
+    sigma_d: Array
+    force_k: Array
+    force_d: Array
+
+
+UserSignal = Callable[[float, Array, Array, Array, Array], UserForces]  # t, e, ed, x, xd
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Numbers of TIMESTEP, INTEGRAT, ERROR, ITERSTEP and OUTLEVEL with their defaults."""
+
+    duration: float | None = None
+    n_steps: int = 0
+    integrator: int = 0
+    step: float | None = None
+    atol: float = 1e-5
+    rtol: float = 1e-4
+    max_iterations: int = 10
+    load_steps: int = 4
+    tolerance: float = 5e-7
+    store_every: int = 1
+    stationary_type: int = 0
+    initial_steps: int = 0
+    log_level: int = 0
+    sbd_level: int | None = None  # None: the default of the mode
+
+    def with_options(self, **options: Any) -> Settings:
+        return replace(self, **{k: v for k, v in options.items() if v is not None})
+
+
+@dataclass(frozen=True)
+class Start:
+    """Start values and rates of the degrees of freedom that are dynamic or kinematic, by class and order of the file.
+
+    x_value, x_rate for x dynamic; e_value, e_rate for e dynamic; kinematic coordinates start at the reference configuration.
+    """
+
+    x_value: Array
+    x_rate: Array
+    e_value: Array
+    e_rate: Array
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    """Everything an analysis needs, without the text it came from (kept in `deck` for the log)."""
+
+    deck: Deck
+    numbering: Numbering
+    x0: Array  # (nx,) reference configuration
+    batches: tuple[Batch, ...]
+    loads: Loads
+    additional: Loads | None  # DEL... increments
+    additional_drive: DriveState | None  # DELINPX, DELINPE: total increments of the start values (rates unused)
+    drive: Drive
+    start: Start
+    user_signal: UserSignal | None
+    deformation_inertia: tuple[Index, Index, Array]  # MEE: rows, columns, values (both triangles)
+    stiffness: tuple[Index, Index, Array]  # S of active rows as rows, columns, values of e
+    damping: tuple[Index, Index, Array]
+    settings: Settings
+    length: float  # largest distance between two nodes of the reference configuration [m]; 1 without positions
+
+    @property
+    def scale(self) -> Array:
+        """(nx,) typical size of every coordinate: `length` for positions, 1 for angles and Euler parameters."""
+        n = self.numbering
+        scale = np.ones(n.nx)
+        for node in n.nodes:
+            if node.kind == "position":
+                scale[n.lnp[node.number - 1, : node.size] - 1] = self.length
+        return scale

@@ -1,0 +1,93 @@
+"""The table mode -> analysis, and the two calls that everybody uses: `frames` (a stream) and `run` (a result)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from spacar.errors import Report, UsageError
+from spacar.frame import Frame
+
+if TYPE_CHECKING:
+    from spacar.deck import Deck
+    from spacar.mechanism import Mechanism
+    from spacar.result import Result
+
+
+@dataclass(frozen=True)
+class Mode:
+    """One analysis: where its generator of frames is, and which result files it fills."""
+
+    number: int
+    title: str
+    analysis: str  # "module:function" of a generator (run: Run) -> Iterator[Frame]
+    files: tuple[str, ...]  # of "sbd", "sbm", "ltv"
+
+
+MODES = {
+    mode.number: mode
+    for mode in (
+        Mode(0, "kinematic check", "spacar.kinematics.analysis:check", ("sbd",)),
+        Mode(1, "forward dynamics", "spacar.dynamics.analysis:forward", ("sbd",)),
+        Mode(2, "inverse dynamics", "spacar.inverse.analysis:inverse", ("sbd", "ltv")),
+        Mode(3, "linearization along set-points", "spacar.inverse.analysis:along", ("sbd", "sbm", "ltv")),
+        Mode(4, "forward dynamics with linearization", "spacar.linear.analysis:forward", ("sbd", "sbm", "ltv")),
+        Mode(7, "stationary solution, eigenvalues", "spacar.linear.analysis:eigenvalues", ("sbd", "sbm")),
+        Mode(8, "stationary solution, buckling", "spacar.linear.analysis:buckling", ("sbd", "sbm")),
+        Mode(9, "stationary solution, state space", "spacar.linear.analysis:state_space", ("sbd", "sbm", "ltv")),
+        Mode(10, "stationary solution, eigenvalues and buckling", "spacar.linear.analysis:vibration_and_buckling",
+             ("sbd", "sbm")),
+    )
+}  # fmt: skip
+
+
+@dataclass
+class Run:
+    """One analysis, ready to be iterated over. Everything but `report` and `header` is fixed from the start.
+
+    report    warnings and information for the log, complete when the iteration has ended
+    header    scalars and arrays that the analysis states before its first frame (NNOM, NU, NY, condition ...)
+    n_frames  number of frames to come, None if unknown
+    nominal   mode 3 only: the earlier mode 2 result
+    """
+
+    mode: Mode
+    mechanism: Mechanism
+    report: Report = field(default_factory=Report)
+    header: dict[str, Any] = field(default_factory=dict)
+    n_frames: int | None = None
+    nominal: Any = None
+
+    def __iter__(self) -> Iterator[Frame]:
+        module, _, name = self.mode.analysis.partition(":")
+        analysis: Callable[[Run], Iterator[Frame]] = getattr(import_module(module), name)
+        return analysis(self)
+
+
+def frames(mode: int, source: str | Path | Deck, *, nominal: Any = None, **options: Any) -> Run:
+    """Prepare an analysis: read, check and number the model; the frames come when the returned Run is iterated over.
+
+    `options` override the deck for this run: atol, rtol, integrator, step, duration, n_steps (see Settings).
+    Raises UsageError (unknown mode), InputError (bad input) now; AnalysisError while iterating.
+    """
+    from spacar.deck import Deck, read_deck
+    from spacar.mechanism import build
+
+    number = abs(mode)
+    if number not in MODES:
+        known = ", ".join(str(m) for m in MODES)
+        hint = "; modes 5 and 6 were experimental in the original and are not provided" if number in (5, 6) else ""
+        raise UsageError(f"mode {mode} does not exist; the modes are {known}{hint}", "usage.mode")
+    deck = source if isinstance(source, Deck) else read_deck(source, number)
+    return Run(MODES[number], build(deck, number, **options), nominal=nominal)
+
+
+def run(mode: int, source: str | Path | Deck, *, nominal: Any = None, **options: Any) -> Result:
+    """Run an analysis to its end and keep all frames in memory. Arguments and errors as `frames`."""
+    from spacar.result import Result
+
+    prepared = frames(mode, source, nominal=nominal, **options)
+    return Result.collect(prepared)
