@@ -1,0 +1,130 @@
+"""Euler parameters lambda = (cos t/2, sin t/2 * axis) on component-first arrays (theory-spatial.md section 1).
+
+The homogeneous form of the rotation is used throughout,
+
+    R(lam) c = (lam0^2 - lv.lv) c + 2 (lv.c) lv + 2 lam0 lv x c,
+
+which does not assume |lam| = 1. It is quadratic, so with the constant tensor K_c = d2(R c)/dlam2 ("director tensor")
+everything an element needs is a contraction:
+
+    R(lam) c = 1/2 K_c lam lam,    B_c(lam) = d(R c)/dlam = K_c lam,    w.(R c) has the Hessian 2 N(w, c) = w.K_c.
+
+The parameters of q relative to p are bilinear: mu0 = lam_p.lam_q, mu_e = lam_p Z(e) lam_q.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacar.elements.base import Array
+
+Constants = tuple[Array, ...]
+
+
+def _director_coefficients() -> Array:
+    """T[i, j, k, m] with K_c[i, j, k] = sum_m T[i, j, k, m] c_m, from the second derivatives of R(lam) c."""
+    T = np.zeros((3, 4, 4, 3))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        T[i, 0, 0, i] = 2.0
+        T[i, [0, 1 + j], [1 + j, 0], k] += 2.0  # (e_j x c)_i = c_k for i, j, k cyclic
+        T[i, [0, 1 + k], [1 + k, 0], j] -= 2.0
+        for a in range(3):
+            T[i, 1 + a, 1 + a, i] -= 2.0
+            T[i, 1 + i, 1 + a, a] += 2.0
+            T[i, 1 + a, 1 + i, a] += 2.0
+    return T
+
+
+_DIRECTOR = _director_coefficients()
+_CROSS = np.zeros((3, 3, 3))  # Levi-Civita symbol
+_CROSS[[0, 1, 2], [1, 2, 0], [2, 0, 1]] = 1.0
+_CROSS[[0, 1, 2], [2, 0, 1], [1, 2, 0]] = -1.0
+
+
+def expand(constants: Constants, ndim: int) -> Constants:
+    """Constants with the element axis last, given trailing axes to broadcast against x of `ndim` axes."""
+    if ndim == 2:
+        return constants
+    tail = (1,) * (ndim - 2)
+    return tuple(a.reshape(a.shape + tail) for a in constants)
+
+
+def director_tensor(c: Array) -> Array:
+    """K_c (3, 4, 4, n) of the body-fixed vectors c (3, n): R c = 1/2 K_c lam lam, symmetric in its middle axes."""
+    return np.einsum("ijkm,m...->ijk...", _DIRECTOR, c)
+
+
+def relative_matrix(e: Array) -> Array:
+    """Z(e) (4, 4, n) = [0, e^T; -e, e~] (skew) of unit vectors e (3, n): mu_e = lam_p^T Z lam_q."""
+    Z = np.zeros((4, 4, *e.shape[1:]), e.dtype)
+    Z[0, 1:] = e
+    Z[1:, 0] = -e
+    Z[1:, 1:] = skew(e)
+    return Z
+
+
+def skew(v: Array) -> Array:
+    """v~ (3, 3, n) with v~ w = v x w, for v (3, n)."""
+    return np.einsum("ikj,k...->ij...", _CROSS, v)
+
+
+def cross(a: Array, b: Array) -> Array:
+    """a x b for component-first arrays that broadcast against each other behind the first axis."""
+    return np.stack((a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]))
+
+
+def rotate(lam: Array, c: Array) -> Array:
+    """R(lam) c (3, n) for lam (4, n) and c (3, n)."""
+    v = lam[1:]
+    return (lam[0] ** 2 - (v * v).sum(0)) * c + 2.0 * ((v * c).sum(0) * v + lam[0] * cross(v, c))
+
+
+def body_matrix(lam: Array) -> Array:
+    """Lambda (3, 4, n): w' = 2 Lambda dlam/dt is the angular velocity in body components."""
+    return _rate_matrix(lam, -1.0)
+
+
+def global_matrix(lam: Array) -> Array:
+    """Lambda-bar (3, 4, n): w = 2 Lambda-bar dlam/dt is the angular velocity in global components."""
+    return _rate_matrix(lam, 1.0)
+
+
+def _rate_matrix(lam: Array, sign: float) -> Array:
+    L = np.empty((3, *lam.shape), lam.dtype)
+    L[:, 0] = -lam[1:]
+    L[:, 1:] = sign * skew(lam[1:])
+    for i in range(3):
+        L[i, 1 + i] += lam[0]
+    return L
+
+
+def body_dual(w: Array) -> Array:
+    """K(w) (4, 4, n) = [0, -w^T; w, -w~] (skew): Lambda(a)^T w = K(w) a. With +w~ it is `global_dual`."""
+    return _dual(w, -1.0)
+
+
+def global_dual(w: Array) -> Array:
+    """K-bar(w) (4, 4, n) = [0, -w^T; w, w~] (skew): Lambda-bar(a)^T w = K-bar(w) a.
+
+    A constant global moment M on an orientation node is the force 2 K-bar(M) lam on its parameters.
+    """
+    return _dual(w, 1.0)
+
+
+def _dual(w: Array, sign: float) -> Array:
+    K = np.zeros((4, 4, *w.shape[1:]), w.dtype)
+    K[0, 1:] = -w
+    K[1:, 0] = w
+    K[1:, 1:] = sign * skew(w)
+    return K
+
+
+def arc_tangent(y: NDArray[Any], x: NDArray[Any]) -> NDArray[Any]:
+    """atan2(y, x); of complex arguments the continuation to first order, which is what a complex step needs."""
+    if not (np.iscomplexobj(x) or np.iscomplexobj(y)):
+        return np.arctan2(y, x)
+    slope = (x.real * y.imag - y.real * x.imag) / (x.real**2 + y.real**2)
+    return np.arctan2(y.real, x.real) + 1j * slope

@@ -1,0 +1,121 @@
+"""What an integrator needs from a problem and what it gives back: protocol, records and the counted evaluation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import isfinite
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from spacar.errors import AnalysisError
+
+
+class Problem(Protocol):
+    """First-order problem dy/dt = F(t, y) with y = (positions, velocities), shape (n,).
+
+    Positions include the kinematic coordinates of a non-holonomic system; the second-order codes 220 and 225 need
+    `len(y) == 2 * n_positions`. `rhs` may return the same array at every call: integrators copy what they keep. It
+    must neither change nor keep the `y` it is given. Two optional members are used when they are present:
+    `accepted(t, y) -> None`, called after each accepted step so that a problem can update its branch memory, and
+    `component_name(i) -> str`, the name of state component `i` in messages.
+    """
+
+    n_positions: int
+
+    def rhs(self, t: float, y: np.ndarray) -> np.ndarray:
+        """F(t, y), shape (n,)."""
+
+    def jacobian(self, t: float, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(dF/dy, dF/dt), shapes (n, n) and (n,); called by the linearly implicit and implicit codes only."""
+
+
+@dataclass(slots=True)
+class IntegrationStatistics:
+    """Work done: accepted and rejected steps, evaluations of F and of its Jacobian, Newton iterations."""
+
+    n_steps: int = 0
+    n_rhs: int = 0
+    n_jacobian: int = 0
+    n_rejected: int = 0
+    newton_iterations: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Output:
+    """State `y`, shape (n,), at the output time `t`, and the work done since the previous output."""
+
+    t: float
+    y: np.ndarray
+    n_steps: int
+    n_rhs: int
+    n_jacobian: int
+    n_rejected: int
+    newton_iterations: int
+
+
+class Step(NamedTuple):
+    """An accepted step to `t`; `y` and `interpolate` are valid until the integrator is asked for the next step."""
+
+    t: float
+    y: np.ndarray
+    interpolate: Callable[[float], np.ndarray]
+
+
+class Tolerance(NamedTuple):
+    """Absolute and relative error, ERROR positions 1 and 2; the weight of y_i is `relative * |y_i| + absolute`."""
+
+    absolute: float
+    relative: float
+
+
+class Evaluation:
+    """Counted, checked access to a problem inside the time window [first, last].
+
+    Times are clipped to the window. So nothing is evaluated beyond the last time, and the values next to a
+    discontinuity are those of the side on which the integrator works. Raises AnalysisError
+    `integrator.not-finite` when F has an infinite or undefined component.
+    """
+
+    __slots__ = ("_rhs", "accepted", "first", "last", "problem", "statistics")
+
+    def __init__(self, problem: Problem, first: float, last: float) -> None:
+        self.problem = problem
+        self.statistics = IntegrationStatistics()
+        self.first = first
+        self.last = last
+        self._rhs = problem.rhs
+        self.accepted: Callable[[float, np.ndarray], None] | None = getattr(problem, "accepted", None)
+
+    def rhs(self, t: float, y: np.ndarray) -> np.ndarray:
+        """F at the clipped time, shape (n,)."""
+        self.statistics.n_rhs += 1
+        if t > self.last:
+            t = self.last
+        elif t < self.first:
+            t = self.first
+        f = self._rhs(t, y)
+        # One dot product finds every inf and nan; only when it is not finite does the exact check run.
+        if not isfinite(f.dot(f)) and not np.isfinite(f).all():
+            i = int(np.flatnonzero(~np.isfinite(f))[0])
+            raise AnalysisError(
+                f"the derivative of {self.name(i)} is {f[i]} at t = {t:.9g} s", "integrator.not-finite", t=t, component=i
+            )
+        return f
+
+    def jacobian(self, t: float, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(dF/dy, dF/dt) at the clipped time."""
+        self.statistics.n_jacobian += 1
+        return self.problem.jacobian(min(max(t, self.first), self.last), y)
+
+    def step_accepted(self, t: float, y: np.ndarray) -> None:
+        """Counts a step and tells the problem about it."""
+        self.statistics.n_steps += 1
+        if self.accepted is not None:
+            self.accepted(t, y)
+
+    def name(self, i: int) -> str:
+        """State component `i` in words."""
+        component_name = getattr(self.problem, "component_name", None)
+        return f"state component {i}" if component_name is None else f"{component_name(i)} (state component {i})"

@@ -1,0 +1,144 @@
+"""Explicit Runge-Kutta codes in fixed steps (130, 140) and variable steps (135, 155, 853).
+
+A step is y+ = y + h b K with the stages K_i = F(t + c_i h, y + h sum_j a_ij K_j); K has one row per stage and a last row
+F(t + h, y+), which is the first stage of the next step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import sqrt
+
+import numpy as np
+
+from . import dop853
+from .problem import Evaluation, Tolerance
+from .tableaus import Tableau
+
+
+def hermite(t: float, h: float, y: np.ndarray, f: np.ndarray, y_new: np.ndarray, f_new: np.ndarray) -> np.ndarray:
+    """Cubic through y, y_new with slopes f, f_new, at t from the step start; for y = (q, v) it uses accelerations."""
+    s = t / h
+    r = 1.0 - s
+    return (r * r * (1.0 + 2.0 * s)) * y + (s * s * (3.0 - 2.0 * s)) * y_new + (h * s * r) * (r * f - s * f_new)
+
+
+class ExplicitRungeKutta:
+    """Fixed and variable steps with a tableau. `attempt` leaves y_new; `finish` leaves F(t + h, y_new)."""
+
+    def __init__(self, tableau: Tableau, evaluation: Evaluation, n: int, tolerance: Tolerance) -> None:
+        self.tableau, self.evaluation, self.tolerance = tableau, evaluation, tolerance
+        self.order = tableau.order
+        self.controller = tableau.controller
+        self.stages = np.zeros((len(tableau.c) + 1, n))
+        self.y, self.y_new, self.work, self.scaled = np.zeros((4, n))
+        self.t = self.h = 0.0
+
+    def start(self, t: float, y: np.ndarray) -> np.ndarray:
+        """Sets the state and returns F there."""
+        self.t = t
+        self.y_new[:] = y
+        self.stages[-1] = self.evaluation.rhs(t, self.y_new)
+        return self.stages[-1]
+
+    def _stages(self, t: float, h: float) -> None:
+        stages, work, rhs, c = self.stages, self.work, self.evaluation.rhs, self.tableau.c
+        for i in range(1, len(c)):
+            np.matmul(self.tableau.rows[i], stages[:i], work)
+            np.multiply(work, h, work)
+            np.add(work, self.y, work)
+            stages[i] = rhs(t + c[i] * h, work)
+        np.matmul(self.tableau.b, stages[:-1], work)
+        np.multiply(work, h, work)
+        np.add(work, self.y, self.y_new)
+
+    def fixed(self, t: float, h: float, y: np.ndarray) -> None:
+        """One step from (t, y) into y_new."""
+        self.y[:] = y
+        self.stages[0] = self.evaluation.rhs(t, self.y)
+        self._stages(t, h)
+
+    def begin(self, t: float) -> None:
+        """Makes the end of the last step the start of the next one."""
+        self.t = t
+        self.y[:] = self.y_new
+        self.stages[0] = self.stages[-1]
+
+    def attempt(self, h: float) -> float:
+        """A trial step; returns the error estimate as a multiple of the tolerance, `scaled` holds its components."""
+        self.h = h
+        self._stages(self.t, h)
+        self.stages[-1] = self.evaluation.rhs(self.t + h, self.y_new)
+        np.matmul(self.tableau.error, self.stages, self.scaled)  # type: ignore[arg-type]
+        np.divide(self.scaled, self.weights(), self.scaled)
+        return h * sqrt(self.scaled.dot(self.scaled) / len(self.scaled))
+
+    def weights(self) -> np.ndarray:
+        """Tolerance of each component, from the larger of the values at the two step ends."""
+        return self.tolerance.absolute + self.tolerance.relative * np.maximum(np.abs(self.y), np.abs(self.y_new))
+
+    def finish(self) -> None:
+        """Nothing left to evaluate: the last stage is F at the step end."""
+
+    def interpolate(self, t: float) -> np.ndarray:
+        """y(t) in the last step, shape (n,): quartic extension of 155, cubic Hermite otherwise."""
+        theta = t - self.t
+        first, last, h = self.stages[0], self.stages[-1], self.h
+        if self.tableau.dense is None:
+            return hermite(theta, h, self.y, first, self.y_new, last)
+        s = theta / h
+        r = 1.0 - s
+        rise = self.y_new - self.y
+        bend = h * first - rise
+        quartic = (h * r) * (self.tableau.dense @ self.stages)
+        return self.y + s * (rise + r * (bend + s * (rise - h * last - bend + quartic)))
+
+
+class DormandPrince853(ExplicitRungeKutta):
+    """Order 8 with error estimators of orders 5 and 3 and a continuous extension of order 7."""
+
+    def __init__(self, evaluation: Evaluation, n: int, tolerance: Tolerance) -> None:
+        super().__init__(dop853.TABLEAU, evaluation, n, tolerance)
+        self.extended = np.zeros((dop853.N_EXTENDED, n))
+        self.dense: np.ndarray | None = None
+
+    def attempt(self, h: float) -> float:
+        """A trial step; the two estimates e5, e3 combine to h e5^2 / sqrt(e5^2 + 0.01 e3^2)."""
+        self.h = h
+        self._stages(self.t, h)
+        weights = self.weights()
+        low = (dop853.ERROR_3 @ self.stages[:-1]) / weights
+        np.divide(dop853.ERROR_5 @ self.stages[:-1], weights, self.scaled)
+        e5, e3 = float(self.scaled.dot(self.scaled)), float(low.dot(low))
+        if e5 == 0.0:
+            return 0.0
+        return h * e5 / sqrt((e5 + 0.01 * e3) * len(low))
+
+    def finish(self) -> None:
+        """F at the step end, first stage of the next step."""
+        self.stages[-1] = self.evaluation.rhs(self.t + self.h, self.y_new)
+        self.dense = None
+
+    def interpolate(self, t: float) -> np.ndarray:
+        """y(t) in the last step; the first call in a step costs three evaluations."""
+        if self.dense is None:
+            self.dense = self._extension()
+        s = (t - self.t) / self.h
+        factors = np.empty(len(self.dense))
+        factors[::2] = s
+        factors[1::2] = 1.0 - s
+        np.multiply.accumulate(factors, out=factors)
+        return self.y + factors @ self.dense
+
+    def _extension(self) -> np.ndarray:
+        """Rows r_j of y(theta) = y + s (r_0 + (1-s) (r_1 + s (r_2 + (1-s) (...)))), shape (7, n)."""
+        extended, n_stages, h = self.extended, len(self.stages), self.h
+        extended[:n_stages] = self.stages
+        for i, (c, row) in enumerate(zip(dop853.C_EXTRA, dop853.A_EXTRA, strict=True), n_stages):
+            extended[i] = self.evaluation.rhs(self.t + c * h, self.y + h * (row[:i] @ extended[:i]))
+        rise = self.y_new - self.y
+        bend = h * self.stages[0] - rise
+        twist = rise - h * self.stages[-1] - bend
+        return np.vstack([rise, bend, twist, h * (dop853.DENSE @ extended)])
+
+

@@ -1,0 +1,9 @@
+"""Deck to Mechanism: numbering, classification, element batches, loads, drives."""
+
+from spacar.mechanism.build import build
+from spacar.mechanism.mechanism import Batch, DriveState, Loads, Mechanism, Polynomial, Settings, Start
+from spacar.mechanism.numbering import Numbering, number
+
+__all__ = [
+    "Batch", "DriveState", "Loads", "Mechanism", "Numbering", "Polynomial", "Settings", "Start", "build", "number",
+]  # fmt: skip

@@ -1,0 +1,118 @@
+"""Assemble the Mechanism: read the classes and the start configuration from the deck, number, and gather the parts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from spacar.deck import ELEMENT_TYPES, Deck
+from spacar.errors import InputError, Message
+from spacar.mechanism import inertia, inputs
+from spacar.mechanism.batches import element_batches, node_batches
+from spacar.mechanism.mechanism import Array, Batch, Index, Mechanism
+from spacar.mechanism.numbering import Numbering, number
+
+X_STATEMENTS = {"FIX": "fixed", "INPUTX": "input", "DYNX": "dynamic", "KINX": "kinematic"}
+E_STATEMENTS = {"RLSE": "calculable", "INPUTE": "input", "DYNE": "dynamic", "KINE": "kinematic"}
+
+
+def build(deck: Deck, mode: int = 1, **options: Any) -> Mechanism:
+    """Mechanism of a checked deck. `options` override Settings fields. Raises InputError for impossible geometry."""
+    elements = element_list(deck)
+    if not elements:
+        raise InputError([Message("error", deck.source, None, "", "the model has no elements")])
+    numbering = number(elements, *classes(deck, elements))
+    x0 = reference_configuration(deck, numbering)
+    batches = element_batches(deck, numbering, x0)
+    batches += node_batches(numbering, inertia.lumped(deck, numbering, batches))
+    loads = inputs.loads(deck, numbering, batches)
+    return Mechanism(
+        deck=deck,
+        numbering=numbering,
+        x0=x0,
+        batches=tuple(batches),
+        loads=loads,
+        additional=inputs.loads(deck, numbering, batches, "DEL") if mode not in (0, 1, 2, 3, 4) else None,
+        additional_drive=inputs.additional_drive(deck, numbering),
+        drive=inputs.drive(deck, numbering, x0),
+        start=inputs.start(deck, numbering, x0),
+        user_signal=inputs.user_signal(deck, numbering),
+        deformation_inertia=inertia.deformation_inertia(deck, numbering),
+        stiffness=_constitutive(batches, 0),
+        damping=_constitutive(batches, 1),
+        settings=inputs.settings(deck).with_options(**options),
+        length=_size(numbering, x0),
+    )
+
+
+def element_list(deck: Deck) -> list[tuple[int, str, tuple[int, ...]]]:
+    """(number, keyword, nodes) of every element statement."""
+    return [
+        (int(s.values[0]), s.keyword, tuple(int(v) for v in s.values[1 : 1 + len(ELEMENT_TYPES[s.keyword].nodes)]))
+        for s in deck.of(*ELEMENT_TYPES, block=1)
+    ]
+
+
+def classes(
+    deck: Deck, elements: list[tuple[int, str, tuple[int, ...]]]
+) -> tuple[dict[tuple[int, int], str], dict[tuple[int, int], str]]:
+    """Classes of coordinates and deformations that statements give (keywords.md 4.2, notes k5 and k6)."""
+    kinds = {n: role for _, k, nodes in elements for n, role in zip(nodes, ELEMENT_TYPES[k].nodes, strict=True)}
+    keyword = {n: k for n, k, _ in elements}
+    planar = ELEMENT_TYPES[elements[0][1]].planar
+    independent = {
+        "position": (1, 2) if planar else (1, 2, 3),
+        "orientation": (1,) if planar else (2, 3, 4),
+    }
+    x_class: dict[tuple[int, int], str] = {}
+    for s in deck.of(*X_STATEMENTS, block=1):
+        node, *which = (int(v) for v in s.values)
+        if node in kinds:
+            for coordinate in which or independent[kinds[node]]:
+                x_class[node, coordinate] = X_STATEMENTS[s.keyword]
+    e_class: dict[tuple[int, int], str] = {}
+    for s in deck.of(*E_STATEMENTS, block=1):
+        element, *which = (int(v) for v in s.values)
+        for mode in which or range(1, len(ELEMENT_TYPES[keyword[element]].modes) + 1):
+            e_class[element, mode] = E_STATEMENTS[s.keyword]
+    return x_class, e_class
+
+
+def reference_configuration(deck: Deck, numbering: Numbering) -> Array:
+    """Positions of X, zero angles, Euler parameters (1, 0, 0, 0)."""
+    x0 = np.zeros(numbering.nx)
+    for node in numbering.nodes:
+        if node.kind == "orientation" and node.size == 4:
+            x0[numbering.x_index(node.number, 1)] = 1.0
+    size = {node.number: node.size for node in numbering.nodes}
+    for s in deck.of("X", block=1):
+        node_number = int(s.values[0])
+        if node_number in size:
+            for coordinate, value in enumerate(s.values[1 : 1 + size[node_number]], 1):
+                x0[numbering.x_index(node_number, coordinate)] = float(value)
+    return x0
+
+
+def _size(numbering: Numbering, x0: Array) -> float:
+    """Diagonal of the box around all position nodes; 1 when there are none."""
+    rows = [numbering.lnp[n.number - 1, : n.size] - 1 for n in numbering.nodes if n.kind == "position"]
+    if len(rows) < 2:
+        return 1.0
+    extent = float(np.linalg.norm(np.ptp(x0[np.array(rows)], axis=0)))
+    return extent if extent > 0.0 else 1.0
+
+
+def _constitutive(batches: list[Batch], which: int) -> tuple[Index, Index, Array]:
+    """Non-zero entries of S (0) or S_d (1) of all elements as rows, columns, values."""
+    rows, columns, values = [], [], []
+    for batch in batches:
+        if batch.family.n_deformations:
+            S = batch.family.stiffness()[which]
+            i, j, k = np.nonzero(S)
+            rows.append(batch.e[i, k])
+            columns.append(batch.e[j, k])
+            values.append(S[i, j, k])
+    if not rows:
+        return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0)
+    return np.concatenate(rows), np.concatenate(columns), np.concatenate(values)

@@ -1,0 +1,144 @@
+"""Loads, prescribed motion, start values and settings of the dynamics block."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spacar.deck import Deck
+from spacar.mechanism.batches import TUBES
+from spacar.mechanism.mechanism import (
+    Array, Batch, Drive, DriveState, Loads, Polynomial, Settings, Start, UserSignal,
+)  # fmt: skip
+from spacar.mechanism.numbering import Numbering
+
+
+def loads(deck: Deck, numbering: Numbering, batches: list[Batch], prefix: str = "") -> Loads:
+    """Initial loads (prefix empty) or their increments (prefix DEL): XF, GRAVITY, ESIG, mass flow.
+
+    Three numbers on a spatial orientation node are a global moment, four the forces dual to lambda (keywords.md 5.2).
+    """
+    force = np.zeros(numbering.nx)
+    moments, rows = [], []
+    for s in deck.of(f"{prefix}XF", block=2):
+        node, values = int(s.values[0]), [float(v) for v in s.values[1:]]
+        spatial_orientation = not numbering.planar and numbering.kind[node] == "orientation"
+        if spatial_orientation and len(values) == 3:
+            moments.append(values)
+            rows.append(numbering.lnp[node - 1] - 1)
+        else:
+            size = int(np.count_nonzero(numbering.lnp[node - 1]))
+            for coordinate, value in enumerate(values[:size], 1):
+                force[numbering.x_index(node, coordinate)] += value
+    dimension = 2 if numbering.planar else 3
+    gravity = np.zeros(dimension)
+    for s in deck.of("GRAVITY" if not prefix else "DELGRAV", block=2):
+        given = [float(v) for v in s.values[:dimension]]
+        gravity[: len(given)] = given
+    preload = np.zeros(numbering.ne)
+    for s in deck.of(f"{prefix}ESIG", block=2):
+        for mode, value in enumerate(s.values[1:], 1):
+            preload[numbering.e_index(int(s.values[0]), mode)] = float(value)
+    if prefix:
+        flow = {int(s.values[0]): float(s.values[1]) for s in deck.of("DELOMF", block=2)}
+    else:
+        tubes = {n for n, k, _ in numbering.elements if k in TUBES}
+        flow = {
+            int(s.values[0]): float(s.values[3])
+            for s in deck.of("EM", block=2)
+            if int(s.values[0]) in tubes and len(s.values) > 3
+        }
+    return Loads(
+        force=force,
+        moment=np.array(moments).reshape(-1, 3),
+        moment_rows=np.array(rows, np.int64).reshape(-1, 4).T,
+        gravity=gravity,
+        preload=preload,
+        flow=flow,
+    )
+
+
+def drive(deck: Deck, numbering: Numbering, x0: Array) -> Drive:
+    """Prescribed motion: the polynomials of INPUTX and INPUTE, overridden by USERINP where it speaks."""
+    xr, er = numbering.x_class["input"], numbering.e_class["input"]
+    x = np.zeros((xr.stop - xr.start, 3))
+    x[:, 0] = x0[xr]
+    e = np.zeros((er.stop - er.start, 3))
+    for s in deck.of("INPUTX", block=2):
+        i = numbering.x_index(int(s.values[0]), int(s.values[1])) - xr.start
+        for k, value in enumerate(s.values[2:]):
+            x[i, k] = float(value)
+    for s in deck.of("INPUTE", block=2):
+        i = numbering.e_index(int(s.values[0]), int(s.values[1])) - er.start
+        for k, value in enumerate(s.values[2:]):
+            e[i, k] = float(value)
+    polynomial = Polynomial(x, e)
+    user = deck.last("USERINP", block=2)
+    if user is None:
+        return polynomial
+    from spacar.mechanism.user_functions import UserDrive
+
+    return UserDrive.load(deck, user, numbering, polynomial, settings(deck))
+
+
+def user_signal(deck: Deck, numbering: Numbering) -> UserSignal | None:
+    """The function of USERSIG, wrapped."""
+    statement = deck.last("USERSIG", block=2)
+    if statement is None:
+        return None
+    from spacar.mechanism.user_functions import load_user_signal
+
+    return load_user_signal(deck, statement, numbering)
+
+
+def start(deck: Deck, numbering: Numbering, x0: Array) -> Start:
+    """Start values and rates of the dynamic degrees of freedom (STARTDX, STARTDE)."""
+    xm, em = numbering.x_class["dynamic"], numbering.e_class["dynamic"]
+    x = np.zeros((xm.stop - xm.start, 2))
+    x[:, 0] = x0[xm]
+    e = np.zeros((em.stop - em.start, 2))
+    for s in deck.of("STARTDX", block=2):
+        i = numbering.x_index(int(s.values[0]), int(s.values[1])) - xm.start
+        for k, value in enumerate(s.values[2:]):
+            x[i, k] = float(value)
+    for s in deck.of("STARTDE", block=2):
+        i = numbering.e_index(int(s.values[0]), int(s.values[1])) - em.start
+        for k, value in enumerate(s.values[2:]):
+            e[i, k] = float(value)
+    return Start(x[:, 0], x[:, 1], e[:, 0], e[:, 1])
+
+
+def additional_drive(deck: Deck, numbering: Numbering) -> DriveState | None:
+    """Total increments of the start values (DELINPX, DELINPE), or None without any."""
+    statements = deck.of("DELINPX", "DELINPE", block=2)
+    if not statements:
+        return None
+    xr, er = numbering.x_class["input"], numbering.e_class["input"]
+    x, e = np.zeros(xr.stop - xr.start), np.zeros(er.stop - er.start)
+    for s in statements:
+        a, b, value = int(s.values[0]), int(s.values[1]), float(s.values[2])
+        if s.keyword == "DELINPX":
+            x[numbering.x_index(a, b) - xr.start] = value
+        else:
+            e[numbering.e_index(a, b) - er.start] = value
+    return DriveState(x, 0 * x, 0 * x, e, 0 * e, 0 * e)
+
+
+def settings(deck: Deck) -> Settings:
+    """TIMESTEP, INTEGRAT, ERROR, ITERSTEP, OUTLEVEL with their defaults (keywords.md 4.2, 5.4, 5.5)."""
+    names = {
+        "TIMESTEP": ("duration", "n_steps"),
+        "INTEGRAT": ("integrator", "step"),
+        "ERROR": ("atol", "rtol"),
+        "ITERSTEP": (
+            "max_iterations", "load_steps", "tolerance", "store_every", "stationary_type", "initial_steps",
+        ),
+        "OUTLEVEL": ("log_level", "sbd_level"),
+    }  # fmt: skip
+    found = {}
+    for keyword, fields in names.items():
+        statement = deck.last(keyword)
+        if statement is not None:
+            found.update(zip(fields, statement.values, strict=False))
+    if found.get("integrator") == 255:
+        found["integrator"] = 225
+    return Settings(**found)  # type: ignore[arg-type]

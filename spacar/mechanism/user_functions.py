@@ -1,0 +1,151 @@
+"""Python functions beside the input file: USERSIG (forces and stresses) and USERINP, USERTRAJ (prescribed motion).
+
+Signatures (keywords.md notes d5 and d12; index arrays 0-based with -1 for "does not exist"):
+
+    time, sig, f = name(t, ne, le, e, ep, nx, lnp, x, xp)     rows: number, mode or coordinate, value[, k, d]
+    t, e, x = name(t, step)                                   rows: number, mode or coordinate, value, rate, acceleration
+
+The returned rows use the numbers of the input file. A missing or wrong function raises InputError before the run; an
+exception, a wrong shape or a non-finite value during the run raises AnalysisError with time and row.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from spacar.deck import Deck, Statement
+from spacar.errors import AnalysisError, InputError, Message
+from spacar.mechanism.mechanism import Array, DriveState, Polynomial, Settings, UserForces, UserSignal
+from spacar.mechanism.numbering import Numbering
+
+
+def load_function(deck: Deck, statement: Statement) -> Callable[..., Any]:
+    """The function `name` of `name.py` in the directory of the input file."""
+    name = str(statement.values[0])
+
+    def refuse(reason: str) -> InputError:
+        return InputError([Message("error", deck.source, statement.line, statement.keyword, reason, "input.user-function")])
+
+    folder = deck.path.parent if deck.path else Path.cwd()
+    candidates = [p for p in (folder / f"{name}.py", folder / f"{name.lower()}.py") if p.exists()]
+    if not candidates:
+        raise refuse(f"the function file {name}.py was not found in {folder}")
+    path = candidates[0]
+    spec = importlib.util.spec_from_file_location(f"spacar_user_{path.stem}", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:  # a user's file may fail in any way
+        raise refuse(f"{path} cannot be loaded: {type(error).__name__}: {error}") from error
+    function = getattr(module, path.stem, None) or getattr(module, name, None)
+    if not callable(function):
+        raise refuse(f"{path} does not define a function {name}")
+    return function  # type: ignore[no-any-return]
+
+
+def call(function: Callable[..., Any], name: str, t: float, *arguments: Any) -> tuple[Any, Any]:
+    """Call a user function and return its second and third result."""
+    try:
+        _, first, second = function(t, *arguments)
+    except Exception as error:  # a user's function may fail in any way
+        text = f"the user function {name} failed at t = {t:.9g}: {type(error).__name__}: {error}"
+        raise AnalysisError(text, "user-function.failed") from error
+    return first, second
+
+
+def checked_rows(name: str, what: str, rows: Any, widths: tuple[int, ...], t: float) -> Array:
+    """Rows as a 2-D float array; raises AnalysisError naming the time and the row that is wrong."""
+    try:
+        array = np.atleast_2d(np.asarray(rows if rows is not None else [], float))
+    except (TypeError, ValueError) as error:
+        raise AnalysisError(f"{name} at t = {t:.9g}: {what} is not an array of numbers ({error})", "user-function.shape") from error
+    if array.size == 0:
+        return np.zeros((0, max(widths)))
+    if array.ndim != 2 or array.shape[1] not in widths:
+        expected = " or ".join(str(w) for w in widths)
+        text = f"{name} at t = {t:.9g}: {what} has the shape {array.shape}; expected rows of {expected} numbers"
+        raise AnalysisError(text, "user-function.shape")
+    bad = np.flatnonzero(~np.isfinite(array).all(axis=1))
+    if len(bad):
+        text = f"{name} at t = {t:.9g}: row {bad[0] + 1} of {what} is not finite: {array[bad[0]].tolist()}"
+        raise AnalysisError(text, "user-function.not-finite")
+    return np.pad(array, ((0, 0), (0, max(widths) - array.shape[1])))
+
+
+def load_user_signal(deck: Deck, statement: Statement, numbering: Numbering) -> UserSignal:
+    """USERSIG as a function (t, e, ed, x, xd) -> UserForces."""
+    function, name = load_function(deck, statement), str(statement.values[0])
+    le, lnp = numbering.le - 1, numbering.lnp - 1
+
+    def place(find: Callable[[int, int], int], row: Array, what: str, k: int, t: float) -> int:
+        try:
+            return find(int(row[0]), int(row[1]))
+        except KeyError:
+            text = f"{name} at t = {t:.9g}: row {k + 1} of {what} names {row[0]:g} {row[1]:g}, which does not exist"
+            raise AnalysisError(text, "user-function.index") from None
+
+    def signal(t: float, e: Array, ed: Array, x: Array, xd: Array) -> UserForces:
+        sig, f = call(function, name, t, numbering.ne, le, e, ed, numbering.nx, lnp, x, xd)
+        result = UserForces(*(np.zeros(n) for n in (numbering.ne, numbering.nx) + 2 * (numbering.ne,) + 2 * (numbering.nx,)))
+        for k, row in enumerate(checked_rows(name, "sig", sig, (3, 5), t)):
+            i = place(numbering.e_index, row, "sig", k, t)
+            result.sigma[i] += row[2]
+            result.sigma_k[i] += row[3]
+            result.sigma_d[i] += row[4]
+        for k, row in enumerate(checked_rows(name, "f", f, (3, 5), t)):
+            i = place(numbering.x_index, row, "f", k, t)
+            result.force[i] += row[2]
+            result.force_k[i] += row[3]
+            result.force_d[i] += row[4]
+        return result
+
+    return signal
+
+
+@dataclass(frozen=True)
+class UserDrive:
+    """Prescribed motion from a user function; inputs that it does not mention follow `base`."""
+
+    function: Callable[..., Any]
+    name: str
+    numbering: Numbering
+    base: Polynomial
+    interval: float  # output step [s], turns the time into a step number
+    breaks: tuple[float, ...] = ()
+
+    @classmethod
+    def load(
+        cls, deck: Deck, statement: Statement, numbering: Numbering, base: Polynomial, settings: Settings
+    ) -> UserDrive:
+        interval = settings.duration / settings.n_steps if settings.duration and settings.n_steps else 1.0
+        return cls(load_function(deck, statement), str(statement.values[0]), numbering, base, interval)
+
+    def at(self, t: float) -> DriveState:
+        e_rows, x_rows = call(self.function, self.name, t, round(t / self.interval))
+        base = self.base.at(t)
+        x = np.array([base.x, base.xd, base.xdd])
+        e = np.array([base.e, base.ed, base.edd])
+        self._fill(x, self.numbering.x_index, "input coordinate", self.numbering.x_class["input"], "x", x_rows, t)
+        self._fill(e, self.numbering.e_index, "input deformation", self.numbering.e_class["input"], "e", e_rows, t)
+        return DriveState(*x, *e)
+
+    def _fill(
+        self, target: Array, find: Callable[[int, int], int], kind: str, place: slice, what: str, rows: Any, t: float
+    ) -> None:
+        for k, row in enumerate(checked_rows(self.name, what, rows, (5,), t)):
+            try:
+                i = find(int(row[0]), int(row[1])) - place.start
+            except KeyError:
+                i = -1
+            if not 0 <= i < target.shape[1]:
+                text = f"{self.name} at t = {t:.9g}: row {k + 1} of {what} names {row[0]:g} {row[1]:g}, which is no {kind}"
+                raise AnalysisError(text, "user-function.index")
+            target[:, i] = row[2:5]
