@@ -187,7 +187,8 @@ def check_inertia(
         close(h, np.zeros_like(h), "constant mass has h = 0", 0.0)
     dx, dv = family.inertia_gradient(evaluate(family, x, near)[0], v, a)
     close(dx, gradient(lambda z: force(z, v, a), x), "d(M a + h)/dx", tolerance)
-    close(dv, gradient(lambda w: force(x, w, a), v), "dh/dv", tolerance)
+    z = x.astype(complex)  # families take the number type of everything from x
+    close(dv, gradient(lambda w: force(z, w, a), v), "dh/dv", tolerance)
 
 
 def check_gravity(family: Family, x: Any, g: Any, near: Any = None, tolerance: float = TOLERANCE) -> Any:
