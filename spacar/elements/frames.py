@@ -90,7 +90,7 @@ def stack(frames: Sequence[Array]) -> Array:
     return np.stack(frames, axis=-1) if frames else np.zeros((3, 3, 0))
 
 
-def section_tensor(frame: Array, j: Array, mass_length: Array) -> Array:
+def section_tensor(frame: Array, j: Array, length: Array) -> Array:
     """Rotary inertia (n, 3, 3) [kg m^2] of bars: R0 J' R0^T times a length (n,).
 
     frame (3, 3, n); j (n, 4) are Jx'x', Jy'y', Jz'z', Jy'z' per length [kg m]; Jx'y' = Jx'z' = 0.
@@ -98,4 +98,4 @@ def section_tensor(frame: Array, j: Array, mass_length: Array) -> Array:
     J = np.zeros((len(j), 3, 3))
     J[:, [0, 1, 2], [0, 1, 2]] = j[:, :3]
     J[:, [1, 2], [2, 1]] = j[:, 3:4]
-    return np.einsum("ian,nab,jbn,n->nij", frame, J, frame, mass_length)
+    return np.einsum("ian,nab,jbn,n->nij", frame, J, frame, length)

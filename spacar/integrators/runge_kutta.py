@@ -6,7 +6,6 @@ F(t + h, y+), which is the first stage of the next step.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import sqrt
 
 import numpy as np
@@ -140,5 +139,3 @@ class DormandPrince853(ExplicitRungeKutta):
         bend = h * self.stages[0] - rise
         twist = rise - h * self.stages[-1] - bend
         return np.vstack([rise, bend, twist, h * (dop853.DENSE @ extended)])
-
-

@@ -1,0 +1,28 @@
+"""The keyword table of the input language, assembled: look up a keyword by block, by name, by place in the file."""
+
+from __future__ import annotations
+
+from spacar.deck import table_dynamics, table_elements, table_io, table_kinematics
+from spacar.deck.table_elements import ELEMENT_TYPES
+from spacar.deck.table_types import Block, ElementType, Keyword
+
+_ROWS = (*table_elements.KEYWORDS, *table_kinematics.KEYWORDS, *table_dynamics.KEYWORDS, *table_io.KEYWORDS)
+
+KEYWORDS: dict[tuple[str, Block], Keyword] = {(k.name, k.block): k for k in _ROWS}
+"""Every keyword of every kind of block."""
+
+ALIASES: dict[str, str] = {alias: k.name for k in _ROWS for alias in k.aliases}
+"""Older names of keywords."""
+
+NAMES: dict[int, dict[str, int]] = {number: {} for number in (1, 2, 3)}
+"""For each block number the keywords that may stand there, with the largest number of arguments of any form."""
+for _row in _ROWS:
+    NAMES[_row.block.number][_row.name] = _row.most
+
+
+def blocks_of(name: str) -> tuple[Block, ...]:
+    """The kinds of block in which a keyword may stand, in the order of the file."""
+    return tuple(block for block in Block if (name, block) in KEYWORDS)
+
+
+__all__ = ["ALIASES", "ELEMENT_TYPES", "KEYWORDS", "NAMES", "Block", "ElementType", "Keyword", "blocks_of"]

@@ -1,0 +1,292 @@
+"""Keywords of the dynamics block (reference/keywords.md section 5)."""
+
+from __future__ import annotations
+
+from spacar.deck.table_elements import ELEMENT_TYPES
+from spacar.deck.table_types import (
+    COORDINATE,
+    ELEMENT,
+    MODE,
+    NODE,
+    ORIENTATION,
+    Block,
+    Keyword,
+    Parameter,
+    Variant,
+    form,
+    integer,
+    real,
+    span,
+    vector,
+)
+
+_D = Block.DYNAMICS
+_TRUSSES = "PLTRUSS TRUSS"
+_BODIES2 = "PLPINBOD PLRBEAM"
+_BODIES3 = "PINBODY RBEAM"
+_SIX = "WHEEL TWHEEL SCREW"  # coefficients as given, one for every mode
+
+# -- inertia ----------------------------------------------------------------------------------------------------------
+
+_TENSOR = vector("", "Jxx Jxy Jxz Jyy Jyz Jzz", "kg m^2", 0.0)
+_MASS = (NODE, real("mass", "kg"))
+_TURN = (NODE, real("moment of inertia J", "kg m^2"))
+XM_FORMS = (
+    form(_MASS, 2, role="position"),
+    form(_TURN, 2, space="planar", role="orientation"),
+    form((NODE, *_TENSOR), *span(2, 7), space="spatial", role="orientation"),
+)
+_PER_LENGTH = real("mass per length", "kg/m")
+_JS = vector("", "Jx'x' Jy'y' Jz'z' Jy'z'", "kg m", 0.0)
+_FLOW = (
+    real("tube mass per length", "kg/m"),
+    real("fluid mass per length", "kg/m", 0.0),
+    real("mass flow rate", "kg/s", 0.0),
+    real("flow shape factor", "", 1.0),
+    integer("end condition 0-3", default=0),
+)
+_WOUND = (
+    real("angle wound over the first pulley", "rad", 0.0),
+    real("angle wound over the second pulley", "rad", 0.0),
+)
+_EM = (
+    form((ELEMENT, _PER_LENGTH), 2, types=_TRUSSES),
+    form((ELEMENT, _PER_LENGTH, real("J per length", "kg m", 0.0)), 2, 3, types="PLBEAM PLRBEAM"),
+    form((ELEMENT, _PER_LENGTH, *_JS), *span(2, 6), types="BEAM RBEAM"),
+    form((ELEMENT, _PER_LENGTH, *_WOUND), *span(2, 4), types="PLBELT"),
+    form((ELEMENT, *_FLOW, real("J per length", "kg m", 0.0)), *span(2, 7), types="PLTUBE"),
+    form((ELEMENT, *_FLOW, *_JS), *span(2, 10), types="TUBE"),
+)
+
+# -- stiffness, damping, preload --------------------------------------------------------------------------------------
+
+
+def _coefficients(prefix: str, damping: bool) -> tuple[Variant, ...]:
+    d = "d" if damping else ""
+    s = " s" if damping else ""
+    stretch = real(f"E{d}A", f"N{s}")
+    bend2 = real(f"E{d}I", f"N m^2{s}", 0.0)
+    torsion, bend_y, bend_z = (real(n, f"N m^2{s}", 0.0) for n in (f"G{d}It", f"E{d}Iy", f"E{d}Iz"))
+    generic = tuple(real(f"{prefix}{i}", f"coefficient of mode {i}", None if i == 1 else 0.0) for i in range(1, 7))
+    beam2: tuple[Parameter, ...] = (stretch, bend2)
+    beam3: tuple[Parameter, ...] = (stretch, torsion, bend_y, bend_z)
+    if not damping:
+        beam2 = (*beam2, real("shear parameter EI/(GAk)", "m^2", 0.0))
+        beam3 = (
+            *beam3,
+            real("shear parameter EIy/(GAkz)", "m^2", 0.0),
+            real("shear parameter EIz/(GAky)", "m^2", 0.0),
+        )
+    return (
+        form((ELEMENT, stretch), types=f"{_TRUSSES} PLBELT"),
+        form((ELEMENT, generic[0]), types="PLTOR"),
+        form((ELEMENT, *generic[:2]), types=_BODIES2 + (" PLWHEEL" if damping else "")),
+        form((ELEMENT, *generic[:3]), types=f"HINGE {_BODIES3}"),
+        form((ELEMENT, *beam2), types="PLBEAM PLTUBE"),
+        form((ELEMENT, *beam3), types="BEAM TUBE"),
+        form((ELEMENT, *generic), types=_SIX),
+    )
+
+
+def _preload(text: str) -> tuple[Variant, ...]:
+    groups: dict[int, list[str]] = {}
+    for t in ELEMENT_TYPES.values():
+        groups.setdefault(len(t.modes), []).append(t.keyword)
+    return tuple(
+        form(
+            (ELEMENT, *(real(f"{text} of mode {i}", "", None if i == 1 else 0.0) for i in range(1, n + 1))),
+            types=" ".join(names),
+        )
+        for n, names in sorted(groups.items())
+    )
+
+
+# -- forces -----------------------------------------------------------------------------------------------------------
+
+
+def _force(text: str) -> tuple[Variant, ...]:
+    force = tuple(real(f"{text} {c}", "N", None if c == "Fx" else 0.0) for c in ("Fx", "Fy", "Fz"))
+    dual = tuple(real(f"{text} dual to lambda{i}", "N m", None if i == 0 else 0.0) for i in range(4))
+    return (
+        form((NODE, *force[:2]), 2, 3, space="planar", role="position", components=True),
+        form((NODE, *force), 2, 3, 4, space="spatial", role="position"),
+        form((NODE, real(f"{text} moment", "N m")), 2, space="planar", role="orientation"),
+        form((NODE, *dual), 2, 3, 5, space="spatial", role="orientation"),
+        form((NODE, *vector(f"{text} moment", "Mx My Mz", "N m")), 4, space="spatial", role="orientation"),
+    )
+
+
+_XF_NOTES = (
+    "Four numbers on a spatial orientation node are dual to lambda0 ... lambda3 (a moment M in the reference "
+    "orientation is 0 2Mx 2My 2Mz); exactly three are a moment about the global axes; one or two are dual to lambda.",
+)
+
+
+def _acceleration(text: str) -> tuple[Variant, ...]:
+    g = vector(text, "gx gy gz", "m/s^2", 0.0)
+    return (form(g[:2], 1, 2, space="planar", components=True), form(g, 1, 2, 3, space="spatial"))
+
+
+# -- motion -----------------------------------------------------------------------------------------------------------
+
+_MOTION = (real("start value", "", 0.0), real("start rate", "1/s", 0.0), real("constant acceleration", "1/s^2", 0.0))
+_START_X = "The default start value of a position is the value given with X; lambda0 has 1."
+_START_E = "A start value is the deformation with respect to the configuration given with X."
+
+KEYWORDS = (
+    Keyword(
+        "XM",
+        _D,
+        "lumped mass or inertia of a node",
+        XM_FORMS,
+        unique=1,
+        notes=("Components of the tensor about the global axes in the initial configuration; Jxy etc. carry a minus sign "
+               "against the products of inertia.",),
+    ),
+    Keyword(
+        "EM",
+        _D,
+        "distributed mass of an element",
+        _EM,
+        unique=1,
+        notes=("End condition of a tube: 0 spherical flow at p and q, 1 jet at p, 2 jet at q, 3 jets at both.",),
+    ),
+    Keyword(
+        "XGYRO",
+        _D,
+        "gyrostat: a rotor carried by an orientation node",
+        (
+            form(
+                (
+                    ORIENTATION,
+                    *vector("angular velocity", "Omega1 Omega2 Omega3", "rad/s"),
+                    real("rotor inertia J", "kg m^2"),
+                    integer("type: 0 free, 1 prescribed", default=0),
+                ),
+                5,
+                6,
+                space="spatial",
+            ),
+        ),
+        unique=1,
+        notes=("Free rotor: components of its absolute angular velocity; prescribed: of the constant one relative to the "
+               "carrier.",),
+    ),
+    Keyword(
+        "MEE",
+        _D,
+        "fixed entry of the mass matrix for deformations",
+        (
+            form((ELEMENT, MODE, real("value on the diagonal", "kg")), 3),
+            form((ELEMENT, MODE, ELEMENT, MODE, real("coupling value", "kg")), 5),
+        ),
+        unique=-1,
+    ),
+    Keyword("XF", _D, "external force on a node, constant in time", _force("force"), unique=1, notes=_XF_NOTES),
+    Keyword(
+        "USERSIG",
+        _D,
+        "user function with forces and stresses",
+        (form((Parameter("name of the function", "name"),)),),
+        unique=0,
+        notes=("time, sig, f = name(t, ne, le, e, ep, nx, lnp, x, xp), in name.py beside the input file.",),
+    ),
+    Keyword(
+        "GRAVITY", _D, "acceleration of gravity", _acceleration("component"), unique=0,
+        notes=("Acts on lumped and distributed mass.",),
+    ),
+    Keyword(
+        "ESTIFF", _D, "stiffness of an element", _coefficients("S", False), unique=1,
+        notes=("Unspecified values are zero; a zero shear parameter means no shear flexibility.",),
+    ),
+    Keyword("EDAMP", _D, "damping of an element (Kelvin-Voigt)", _coefficients("Sd", True), unique=1),
+    Keyword("ESIG", _D, "preload of an element", _preload("preload stress"), unique=1),
+    Keyword(
+        "TIMESTEP",
+        _D,
+        "length of the time interval and number of time steps",
+        (form((real("length of the time interval", "s"), integer("number of time steps"))),),
+        unique=0,
+    ),
+    Keyword(
+        "INPUTX", _D, "time function of a prescribed coordinate",
+        (form((NODE, COORDINATE, *_MOTION)),), unique=2, notes=(_START_X,),
+    ),
+    Keyword(
+        "INPUTE", _D, "time function of a prescribed deformation",
+        (form((ELEMENT, MODE, *_MOTION)),), unique=2, notes=(_START_E,),
+    ),
+    Keyword(
+        "STARTDX", _D, "start value of a dynamic coordinate",
+        (form((NODE, COORDINATE, *_MOTION[:2])),), unique=2, notes=(_START_X,),
+    ),
+    Keyword(
+        "STARTDE", _D, "start value of a dynamic deformation",
+        (form((ELEMENT, MODE, *_MOTION[:2])),), unique=2, notes=(_START_E,),
+    ),
+    Keyword(
+        "USERINP",
+        _D,
+        "user function with prescribed motion",
+        (form((Parameter("name of the function", "name"),)),),
+        unique=0,
+        notes=("t, e, x = name(t, is), in name.py beside the input file; each row of e and x is number, mode or coordinate "
+               "number, value, rate, acceleration.",),
+    ),
+    Keyword(
+        "INTEGRAT",
+        _D,
+        "integration method",
+        (form((integer("type of integrator"), real("step size or initial step size", "s", 0.0))),),
+        unique=0,
+        notes=("Types: 0 Shampine-Gordon (default); 130, 140 explicit Runge-Kutta of order 3, 4 with fixed step, 135, 155 of "
+               "order 3, 5 with variable step; 220, 225 for second order systems, fixed and variable; 310, 320, 330 "
+               "Rosenbrock; 410 implicit Euler; 420, 430 diagonally implicit Runge-Kutta.",),
+    ),
+    Keyword(
+        "ERROR",
+        _D,
+        "error tolerances of the integration",
+        (form((real("absolute error", "", 1e-5), real("relative error", "", 1e-4)), 1, 2),),
+        unique=0,
+        notes=("Used by types 0, 135, 155, 225; for 410, 420, 430 the absolute error is the tolerance of the Newton iteration.",),
+    ),
+    Keyword(
+        "ITERSTEP",
+        _D,
+        "settings of the stationary solution",
+        (
+            form(
+                (
+                    integer("maximum number of iterations", default=10),
+                    integer("number of load steps", default=4),
+                    real("error tolerance", "", 5e-7),
+                    integer("number of steps between output steps", default=1),
+                    integer("type of analysis 0-3", default=0),
+                    integer("number of load steps for the initial solution", default=0),
+                ),
+                *span(1, 6),
+            ),
+        ),
+        unique=0,
+        notes=("Type 0: initial loading; 1: the same with N0 zero; 2: initial and additional loading; 3: the same with N0 zero.",),
+    ),
+    Keyword("DELXF", _D, "increment of the force on a node", _force("increment of force"), unique=1, notes=_XF_NOTES),
+    Keyword("DELGRAV", _D, "increment of the acceleration of gravity", _acceleration("increment"), unique=0),
+    Keyword(
+        "DELOMF", _D, "increment of the mass flow rate of a tube",
+        (form((ELEMENT, real("increment of the mass flow rate", "kg/s")), types="PLTUBE TUBE"),), unique=1,
+    ),
+    Keyword("DELESIG", _D, "increment of the preload of an element", _preload("increment of the stress"), unique=1),
+    Keyword(
+        "DELINPX", _D, "increment of a prescribed coordinate",
+        (form((NODE, COORDINATE, real("increment of the start value"))),), unique=2,
+    ),
+    Keyword(
+        "DELINPE", _D, "increment of a prescribed deformation",
+        (form((ELEMENT, MODE, real("increment of the start value"))),), unique=2,
+    ),
+)
+
+INTEGRATORS = (0, 130, 135, 140, 155, 220, 225, 310, 320, 330, 410, 420, 430)
+

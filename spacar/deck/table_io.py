@@ -1,0 +1,171 @@
+"""Keywords of the third block: trajectories, nominal inputs and outputs, linearization, simulation (sections 6-9)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from spacar.deck.table_types import (
+    COORDINATE,
+    ELEMENT,
+    MODE,
+    NODE,
+    ORIENTATION,
+    POSITION,
+    Block,
+    Keyword,
+    Parameter,
+    form,
+    integer,
+    real,
+    vector,
+)
+
+_T = Block.TRAJECTORY
+_NUMBER = integer("trajectory number")
+_INPUT = integer("input number", "input")
+_OUTPUT = integer("output number", "output")
+_RISE = (real("rise time", "s", 0.0), real("extreme velocity", "1/s", 0.0))
+_PROFILE = "No or zero rise time: symmetric; no extreme velocity: no period of constant velocity."
+
+PATHS = ("TROT", "TRANS", "TRCIRL", "TRE")
+_TENSOR = vector("extra", "Jxx Jxy Jxz Jyy Jyz Jzz", "kg m^2", 0.0)
+
+TRAJECTORIES = (
+    Keyword("TRAJECT", _T, "starts a trajectory; holds until the next TRAJECT", (form((_NUMBER,)),)),
+    Keyword(
+        "TROT",
+        _T,
+        "path: rotation of an orientation node",
+        (
+            form((ORIENTATION, real("total angle", "rad")), 2, space="planar"),
+            form((ORIENTATION, real("total angle", "rad"), *vector("fixed axis", "h1 h2 h3")), 5, space="spatial"),
+        ),
+    ),
+    Keyword(
+        "TRANS",
+        _T,
+        "path: straight line of a position node",
+        (
+            form((POSITION, *vector("end position", "x1 x2", "m")), 3, space="planar", components=True),
+            form((POSITION, *vector("end position", "x1 x2 x3", "m")), 4, space="spatial"),
+        ),
+    ),
+    Keyword(
+        "TRCIRL",
+        _T,
+        "path: circular arc of a position node",
+        (
+            form((POSITION, *vector("centre", "c1 c2", "m"), *vector("end point", "x1 x2", "m")), 5, space="planar"),
+            form(
+                (POSITION, *vector("centre", "c1 c2 c3", "m"), *vector("end point", "x1 x2 x3", "m")),
+                7,
+                space="spatial",
+            ),
+        ),
+        notes=("Only the direction from the centre to the end point counts: the arc ends on that line.",),
+    ),
+    Keyword(
+        "TRE",
+        _T,
+        "path: first deformation mode of an element",
+        (form((ELEMENT, real("total displacement (angle or elongation)"))),),
+    ),
+    Keyword(
+        "USERTRAJ",
+        _T,
+        "path: user function, called as USERINP",
+        (form((Parameter("name of the function", "name"),)),),
+    ),
+    Keyword(
+        "TRTIME",
+        _T,
+        "time of the trajectory",
+        (
+            form((real("total time of this trajectory", "s"), integer("number of time steps")), 2),
+            form(
+                (
+                    real("total time of this trajectory", "s"),
+                    integer("number of steps with an extended analysis"),
+                    integer("number of intermediate steps within each"),
+                ),
+                3,
+            ),
+        ),
+    ),
+    Keyword("TREPMAX", _T, "velocity profile of an element", (form((ELEMENT, *_RISE), 2, 3),), notes=(_PROFILE,)),
+    Keyword("TRVMAX", _T, "velocity profile of a node", (form((NODE, *_RISE), 2, 3),), notes=(_PROFILE,)),
+    Keyword(
+        "TRFRONT",
+        _T,
+        "shape of the fronts of the velocity profile",
+        (
+            form(
+                (
+                    integer("node or element number"),
+                    integer("front type: 0 constant acceleration, 1 sine, 2 squared sine", default=0),
+                ),
+                1,
+                2,
+            ),
+        ),
+    ),
+    Keyword(
+        "TRM",
+        _T,
+        "extra mass of a node during a trajectory",
+        (
+            form((NODE, real("extra mass", "kg")), 2, role="position"),
+            form((NODE, real("extra J", "kg m^2")), 2, space="planar", role="orientation"),
+            form((NODE, *_TENSOR), *range(2, 8), space="spatial", role="orientation"),
+        ),
+    ),
+    Keyword(
+        "TRF",
+        _T,
+        "extra force on a position node during a trajectory",
+        (
+            form((POSITION, *vector("extra force", "Fx Fy", "N")), 3, space="planar", components=True),
+            form((POSITION, *vector("extra force", "Fx Fy Fz", "N")), 4, space="spatial"),
+        ),
+    ),
+)
+
+
+def _port(name: str, block: Block, text: str) -> Keyword:
+    """An input or output statement; the names say what it refers to: ...E or ...S deformations, ...X or ...F coordinates."""
+    first = _INPUT if name.startswith(("IN", "NOM")) else _OUTPUT
+    stem = name.removeprefix("NOM").removeprefix("REF").removeprefix("INPUT").removeprefix("OUT").removeprefix("IN")
+    target = (ELEMENT, MODE) if stem[0] in "ES" else (NODE, COORDINATE)
+    return Keyword(name, block, text, (form((first, *target)),))
+
+
+_QUANTITIES = (("", ""), ("P", "first time derivative of a "), ("DP", "second time derivative of a "))
+
+
+def _series(stem: str, block: Block, text: str, noun: str) -> tuple[Keyword, ...]:
+    return tuple(_port(stem + end, block, f"{text}: {what}{noun}") for end, what in _QUANTITIES)
+
+
+_L = Block.LINEARIZATION
+NOMINAL = (
+    _port("NOMS", _T, "nominal input: generalized stress of an actuator element"),
+    _port("NOMF", _T, "nominal input: nodal force"),
+    *_series("REFE", _T, "reference output", "deformation"),
+    *_series("REFX", _T, "reference output", "coordinate"),
+    _port("REFES", _T, "reference output: deformation, with second order expression"),
+    _port("REFXS", _T, "reference output: coordinate, with second order expression"),
+)
+LINEARIZATION = (
+    _port("INPUTS", _L, "input: stress of a dynamic or calculable deformation"),
+    _port("INPUTF", _L, "input: force on a calculable or dynamic coordinate"),
+    *_series("INE", _L, "input", "prescribed deformation"),
+    *_series("INX", _L, "input", "prescribed coordinate"),
+    _port("OUTS", _L, "output: stress of a deformation"),
+    *_series("OUTE", _L, "output", "deformation"),
+    _port("OUTF", _L, "output: reaction force of a fixed or prescribed coordinate"),
+    *_series("OUTX", _L, "output", "coordinate"),
+)
+_SIMULATED = ("INPUTS", "INPUTF", "OUTE", "OUTEP", "OUTEDP", "OUTX", "OUTXP", "OUTXDP")
+SIMULATION = tuple(replace(k, block=Block.SIMULATION) for k in LINEARIZATION if k.name in _SIMULATED)
+
+KEYWORDS = (*TRAJECTORIES, *NOMINAL, *LINEARIZATION, *SIMULATION)

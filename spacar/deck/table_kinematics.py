@@ -1,0 +1,145 @@
+"""Keywords of the kinematics block other than the elements (reference/keywords.md section 4.2)."""
+
+from __future__ import annotations
+
+from spacar.deck.table_types import (
+    ELEMENT,
+    NODE,
+    Block,
+    Keyword,
+    Variant,
+    form,
+    integer,
+    real,
+    span,
+    vector,
+)
+
+_BEAMS = "PLBEAM BEAM"
+_BODIES2 = "PLPINBOD PLRBEAM"
+_BODIES3 = "PINBODY RBEAM"
+_K5 = (
+    "Without coordinate numbers: all independent coordinates of the node (x1, x2, x3; the planar angle; lambda1, lambda2, "
+    "lambda3). Coordinates are numbered 1 2 3 for positions, 1 for an angle, 1 2 3 4 for lambda0 ... lambda3."
+)
+_K6 = "Without mode numbers: all modes of the element."
+_DEFAULT_X = "A coordinate without FIX, INPUTX, DYNX or KINX is calculable."
+_DEFAULT_E = "A deformation without RLSE, INPUTE, DYNE or KINE is fixed."
+
+
+def _coordinates() -> tuple[Variant, ...]:
+    more = integer("coordinate number", "coordinate", 0)
+    return (
+        form((NODE, more, more), *span(1, 3), space="planar"),
+        form((NODE, more, more, more), *span(1, 4), space="spatial", role="position"),
+        form((NODE, more, more, more, more), *span(1, 5), space="spatial", role="orientation"),
+    )
+
+
+def _modes() -> tuple[Variant, ...]:
+    more = integer("mode number", "mode", 0)
+    return (form((ELEMENT, *(more,) * 6), *span(1, 7)),)
+
+
+def _class(name: str, text: str, of: str, note: str = "") -> Keyword:
+    variants = _coordinates() if of == "node" else _modes()
+    notes = (_K5, _DEFAULT_X) if of == "node" else (_K6, _DEFAULT_E)
+    return Keyword(name, Block.KINEMATICS, text, variants, notes=(*notes, note) if note else notes)
+
+
+_WHEELS = "Only for mechanisms with wheels: its rate is not an independent velocity."
+_X1, _X2, _X3 = (real(f"coordinate {c}", "m", 0.0) for c in ("x1", "x2", "x3"))
+
+KEYWORDS = (
+    Keyword(
+        "X",
+        Block.KINEMATICS,
+        "position of a node in the reference configuration",
+        (
+            form((NODE, _X1, _X2), 2, 3, space="planar", components=True),
+            form((NODE, _X1, _X2, _X3), 2, 3, 4, space="spatial"),
+        ),
+        notes=("Nodes without X are at the origin. Initial orientations cannot be chosen.",),
+    ),
+    _class("FIX", "support: coordinates that keep their reference value", "node"),
+    _class("INPUTX", "coordinates that are prescribed functions of time", "node"),
+    _class("DYNX", "coordinates that are dynamic degrees of freedom", "node"),
+    _class("KINX", "coordinates that are kinematic configuration coordinates", "node", _WHEELS),
+    _class("RLSE", "released (calculable) deformations", "element"),
+    _class("INPUTE", "deformations that are prescribed functions of time", "element"),
+    _class("DYNE", "deformations that are dynamic degrees of freedom", "element"),
+    _class("KINE", "deformations that are kinematic configuration coordinates", "element", _WHEELS),
+    Keyword(
+        "LDEFORM",
+        Block.KINEMATICS,
+        "leave out the non-linear terms in the strains of a beam",
+        (form((ELEMENT,), types=_BEAMS),),
+    ),
+    Keyword(
+        "ORPINBOD",
+        Block.KINEMATICS,
+        "measuring directions of a pinbody or rigid beam",
+        (
+            form((ELEMENT, *vector("direction of x',", "x y")), 3, types=_BODIES2),
+            form((ELEMENT, *vector("direction of", "x'x x'y y'x y'y")), 5, types=_BODIES2),
+            form(
+                (ELEMENT, *vector("direction of x',", "x y z"), *vector("vector in the x'y' plane,", "x y z")),
+                7,
+                types=_BODIES3,
+            ),
+            form((ELEMENT, *vector("direction of", "x'x x'y x'z y'x y'y y'z z'x z'y z'z")), 10, types=_BODIES3),
+        ),
+        unique=1,
+        notes=(
+            "Planar, two numbers: x', normalized, y' turned 90 degrees to the left; four: both vectors as they are.",
+            "Spatial, six numbers: made orthonormal and completed; nine: three vectors as they are.",
+        ),
+    ),
+    Keyword(
+        "DRPINBOD",
+        Block.KINEMATICS,
+        "undeformed projections of xq - xp on the directions of a pinbody or rigid beam",
+        (
+            form(
+                (ELEMENT, *vector("undeformed projection on direction", "1 2", "m", 0.0)),
+                2,
+                3,
+                types=_BODIES2,
+                components=True,
+            ),
+            form((ELEMENT, *vector("undeformed projection on direction", "1 2 3", "m", 0.0)), 2, 3, 4, types=_BODIES3),
+        ),
+        unique=1,
+    ),
+    Keyword(
+        "ORTUBE",
+        Block.KINEMATICS,
+        "initial tangents and end direction of a curved spatial tube",
+        (
+            form(
+                (
+                    ELEMENT,
+                    *vector("tangent at p (local x'),", "x y z"),
+                    *vector("tangent at q,", "x y z"),
+                    *vector("direction of the local y' axis at q,", "x y z"),
+                ),
+                types="TUBE",
+            ),
+        ),
+        unique=1,
+    ),
+    Keyword(
+        "OUTLEVEL",
+        Block.KINEMATICS,
+        "amount of output in the log and in the .sbd file (sums of flags, -1: everything)",
+        (form((integer("level of the log"), integer("level of the .sbd file", default=0))),),
+        unique=0,
+        aliases=("LEVELLOG",),
+        notes=(
+            "Log: 1 first order transfer functions, 2 second order, 4 third order, 8 derivatives of the global "
+            "deformation function (2, 4, 8: modes 4, 7, 8, 9).",
+            ".sbd: 1 adds de, dx; 2 adds d2e, d2x; 3 both. Without OUTLEVEL: 0, but 1 in modes 7, 8 and 9.",
+        ),
+    ),
+)
+

@@ -1,0 +1,165 @@
+"""The records of which the keyword table is made: blocks, parameters, variants of a statement, keywords, element types."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Block(Enum):
+    """A kind of input block. The third block of a file has one of the last three kinds."""
+
+    KINEMATICS = "kinematics block"
+    DYNAMICS = "dynamics block"
+    TRAJECTORY = "block of trajectories, nominal inputs and reference outputs (modes 2 and 3)"
+    LINEARIZATION = "block of linearization inputs and outputs (modes 4 and 9)"
+    SIMULATION = "block of simulation inputs and outputs"
+
+    @property
+    def number(self) -> int:
+        """Place of the block in the file: 1, 2 or 3."""
+        return {"KINEMATICS": 1, "DYNAMICS": 2}.get(self.name, 3)
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """One position of a statement.
+
+    `kind` is integer, real or name. `of` says what a number refers to: element, node, position node, orientation
+    node, coordinate, mode, input, output. `default` None means that the value must be given.
+    """
+
+    meaning: str
+    kind: str = "real"
+    unit: str = ""
+    default: float | None = None
+    of: str = ""
+
+    @property
+    def text(self) -> str:
+        """Meaning with unit, for messages and the reference."""
+        return f"{self.meaning} ({self.unit})" if self.unit else self.meaning
+
+
+@dataclass(frozen=True, slots=True)
+class Variant:
+    """One form of a statement: which models, nodes or elements it is for, its parameters and allowed counts.
+
+    `space` (planar, spatial), `role` (position, orientation) and `types` (element keywords) restrict the variant;
+    empty means any. `counts` are the allowed numbers of arguments. `components` marks forms whose last values are
+    vector components, where a surplus zero third component of a planar model is dropped with a warning.
+    """
+
+    parameters: tuple[Parameter, ...]
+    counts: tuple[int, ...]
+    space: str = ""
+    role: str = ""
+    types: tuple[str, ...] = ()
+    components: bool = False
+
+    def fits(self, space: str, role: str, kind: str) -> bool:
+        """Whether the variant applies; an unknown ("") property of the statement excludes nothing."""
+        return (
+            (not self.space or not space or self.space == space)
+            and (not self.role or not role or self.role == role)
+            and (not self.types or not kind or kind in self.types)
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Keyword:
+    """One keyword of one block. `unique` leading arguments identify a statement that may be given only once
+    (0: once per file, -1: all arguments but the last, None: may be repeated)."""
+
+    name: str
+    block: Block
+    help: str
+    variants: tuple[Variant, ...]
+    unique: int | None = None
+    aliases: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    @property
+    def most(self) -> int:
+        """Largest number of arguments of any variant."""
+        return max(v.counts[-1] for v in self.variants)
+
+    @property
+    def subject(self) -> int | None:
+        """Index of the argument that names the node or element that the statement is about."""
+        for i, parameter in enumerate(self.variants[0].parameters):
+            if parameter.of == "element" or parameter.of.endswith("node"):
+                return i
+        return None
+
+
+@dataclass(frozen=True, slots=True)
+class ElementType:
+    """One element type.
+
+    `nodes` are the roles (position, orientation) in the order of the statement, `node_names` their names there.
+    `modes` are (name, unit), `slips` the 0-based non-holonomic modes, `code` the number in the array `it`.
+    `stiffness` gives for each mode the position of its coefficient in ESTIFF (argument number, 1 = element).
+    `length` says when the distance between the position nodes must not be zero: always, with direction, or never.
+    `direction` is (first argument number, number of components, role) of the direction vector, with the role
+    plane (a vector in the x'y' plane, not parallel to pq), axis (any direction) or spin (not parallel to pq).
+    """
+
+    keyword: str
+    title: str
+    code: int
+    planar: bool
+    nodes: tuple[str, ...]
+    node_names: tuple[str, ...]
+    modes: tuple[tuple[str, str], ...]
+    geometry: tuple[Parameter, ...] = ()
+    counts: tuple[int, ...] = ()
+    slips: tuple[int, ...] = ()
+    stiffness: tuple[int, ...] = ()
+    length: str = "never"
+    direction: tuple[int, int, str] | None = None
+    supported: bool = True
+    notes: tuple[str, ...] = ()
+
+
+def integer(meaning: str, of: str = "", default: float | None = None) -> Parameter:
+    """An integer position."""
+    return Parameter(meaning, "integer", "", default, of)
+
+
+def real(meaning: str, unit: str = "", default: float | None = None) -> Parameter:
+    """A real position."""
+    return Parameter(meaning, "real", unit, default)
+
+
+def vector(meaning: str, names: str, unit: str = "", default: float | None = None) -> tuple[Parameter, ...]:
+    """One real position for every name: `vector("start of", "x y")` -> "start of x", "start of y"."""
+    return tuple(real(f"{meaning} {name}".strip(), unit, default) for name in names.split())
+
+
+def span(first: int, last: int) -> tuple[int, ...]:
+    """The allowed counts first ... last."""
+    return tuple(range(first, last + 1))
+
+
+def form(
+    parameters: tuple[Parameter, ...],
+    *counts: int,
+    space: str = "",
+    role: str = "",
+    types: str = "",
+    components: bool = False,
+) -> Variant:
+    """A variant; without counts every parameter up to the last one without default is needed."""
+    if not counts:
+        needed = max((i + 1 for i, p in enumerate(parameters) if p.default is None), default=0)
+        counts = span(needed, len(parameters))
+    return Variant(parameters, counts, space, role, tuple(types.split()), components)
+
+
+ELEMENT = integer("element number", "element")
+NODE = integer("node number", "node")
+POSITION = integer("position node", "position node")
+ORIENTATION = integer("orientation node", "orientation node")
+COORDINATE = integer("coordinate number", "coordinate")
+MODE = integer("mode number", "mode")

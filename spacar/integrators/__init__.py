@@ -1,0 +1,7 @@
+"""Integration of the equations of motion in time (INTEGRAT, ERROR): one table of codes, one function `integrate`."""
+
+from .drive import integrate
+from .methods import METHODS, Method
+from .problem import IntegrationStatistics, Output, Problem, Step
+
+__all__ = ["METHODS", "IntegrationStatistics", "Method", "Output", "Problem", "Step", "integrate"]

@@ -1,0 +1,264 @@
+"""From an initial state to a stream of outputs: segments between discontinuities, step loops, dense output.
+
+Step control of the variable one-step codes: theory-system.md section 9. Their first step follows Hairer, Norsett,
+Wanner, "Solving Ordinary Differential Equations I", section II.4. Fixed steps are shortened until an integer number of
+them fits between two outputs (or breaks), so fixed-step codes need no interpolation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import astuple
+from math import ceil
+from typing import Any, NoReturn
+
+import numpy as np
+
+from spacar.errors import AnalysisError, UsageError
+
+from .adams import Adams
+from .failures import MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small, too_many_steps
+from .methods import Method, method
+from .problem import Evaluation, Output, Problem, Step, Tolerance
+
+EPS = float(np.finfo(float).eps)
+DEFAULT_MAX_STEPS = 1_000_000
+# A fixed step not given: this part of the output step.
+STEPS_PER_OUTPUT = 10
+
+
+def integrate(
+    problem: Problem,
+    y0: np.ndarray,
+    times: Sequence[float] | np.ndarray,
+    code: int = 0,
+    atol: float = 1e-5,
+    rtol: float = 1e-4,
+    step: float | None = None,
+    max_steps: int = DEFAULT_MAX_STEPS,
+    breaks: Sequence[float] = (),
+) -> Iterator[Output]:
+    """Integrates from times[0] and yields the state at every time of `times`, the first included.
+
+    y0        initial state (positions, velocities), shape (n,)
+    times     output times in s, increasing, at least two; the problem is never evaluated outside of them
+    code      a key of METHODS
+    atol      absolute error; for 410, 420, 430 the tolerance of the Newton iteration; > 0
+    rtol      relative error of the variable-step codes, >= 0
+    step      step of fixed-step codes (default a tenth of the output step), first step of the others, in s
+    max_steps largest number of steps between two outputs
+    breaks    times of discontinuities of F: a step ends and a new start is made at each; the values used on either
+              side are those four rounding units of the time away from it
+
+    Raises UsageError for wrong arguments and AnalysisError (codes `integrator.*`, or the code of the error raised by
+    the problem) when the integration fails. The arguments are checked at the call, not at the first output.
+    """
+    row = method(code)
+    state = np.array(y0, dtype=float)
+    output_times = np.asarray(times, dtype=float)
+    _check(state, output_times, atol, rtol, step)
+    first, last = float(output_times[0]), float(output_times[-1])
+    evaluation = Evaluation(problem, first, last)
+    integrator = row.build(evaluation, len(state), Tolerance(float(atol), float(rtol)))
+    segments = _segments(first, last, breaks)
+    loop = _variable if row.variable_step else _fixed
+    return _outputs(loop(row, integrator, evaluation, state, output_times, segments, step), state, output_times,
+                    evaluation, max_steps)  # fmt: skip
+
+
+def _check(y0: np.ndarray, times: np.ndarray, atol: float, rtol: float, step: float | None) -> None:
+    """Raises UsageError that says what is wrong with the arguments of `integrate`."""
+
+    def wrong(text: str, code: str) -> NoReturn:
+        raise UsageError(text, code)
+
+    if y0.ndim != 1 or not len(y0) or not np.isfinite(y0).all():
+        wrong("the initial state must be a non-empty vector of finite numbers", "integrator.state")
+    if times.ndim != 1 or len(times) < 2 or not np.isfinite(times).all():
+        wrong("the integration needs a start time and at least one later output time", "integrator.times")
+    bad = np.flatnonzero(np.diff(times) <= 0.0)
+    if len(bad):
+        a, b = times[bad[0]], times[bad[0] + 1]
+        wrong(f"output times must increase: {b:.9g} s follows {a:.9g} s", "integrator.times")
+    if not (atol > 0.0 and rtol >= 0.0):
+        wrong(f"ERROR: the absolute error must be positive and the relative one not negative ({atol}, {rtol})",
+              "integrator.tolerance")  # fmt: skip
+    if step is not None and not step > 0.0:
+        wrong(f"INTEGRAT: the step size must be positive, not {step}", "integrator.step")
+
+
+def _segments(first: float, last: float, breaks: Sequence[float]) -> list[tuple[float, float, float, float]]:
+    """(start, end, first time, last time of evaluation) of the smooth pieces of the interval."""
+    shift = 4.0 * EPS * max(abs(first), abs(last), last - first)
+    inner: list[float] = []
+    at_first = at_last = False
+    for b in sorted(float(b) for b in breaks):
+        if abs(b - first) <= 2.0 * shift:
+            at_first = True
+        elif abs(b - last) <= 2.0 * shift:
+            at_last = True
+        elif first < b < last and (not inner or b - inner[-1] > 4.0 * shift):
+            inner.append(b)
+    ends = [first, *inner, last]
+    return [
+        (a, b, a + shift if i or at_first else a, b - shift if i < len(inner) or at_last else b)
+        for i, (a, b) in enumerate(zip(ends, ends[1:], strict=False))
+    ]
+
+
+def _outputs(
+    steps: Iterator[Step], y0: np.ndarray, times: np.ndarray, evaluation: Evaluation, max_steps: int
+) -> Iterator[Output]:
+    """Dense output at `times` from a stream of steps."""
+    statistics = evaluation.statistics
+    yield Output(float(times[0]), y0.copy(), 0, 0, 0, 0, 0)
+    before = astuple(statistics)
+    i, n = 1, len(times)
+    next_time, step_start, limit = float(times[1]), float(times[0]), max_steps
+    for t, y, interpolate in steps:
+        while next_time <= t:
+            result = y.copy() if next_time == t else interpolate(next_time)
+            now = astuple(statistics)
+            yield Output(next_time, result, *(a - b for a, b in zip(now, before, strict=True)))
+            before = now
+            limit = statistics.n_steps + max_steps
+            i += 1
+            if i == n:
+                return
+            next_time = float(times[i])
+        if statistics.n_steps >= limit:
+            raise too_many_steps(t, t - step_start, max_steps)
+        step_start = t
+
+
+def _variable(
+    row: Method,
+    integrator: Any,
+    evaluation: Evaluation,
+    y0: np.ndarray,
+    times: np.ndarray,
+    segments: list[tuple[float, float, float, float]],
+    step: float | None,
+) -> Iterator[Step]:
+    """Steps of a variable-step code through all segments."""
+    run: Callable[..., Iterator[Step]] = integrator.steps if isinstance(integrator, Adams) else _one_step(integrator)
+    y = y0.copy()
+    # Nothing is known beyond the first output: a longer first step could jump over a short pulse of an input.
+    h = step if step is not None else float(times[1] - times[0])
+    estimate = step is None
+    for start, end, evaluation.first, evaluation.last in segments:
+        t = start
+        for taken in run(start, y, end, min(h, end - start), estimate):
+            size, t = taken.t - t, taken.t
+            yield taken
+        # After a break no longer steps than before it.
+        y, h, estimate = taken.y.copy(), max(size, 0.01 * h), row.code == 0
+    return
+
+
+def _one_step(integrator: Any) -> Callable[..., Iterator[Step]]:
+    """The variable-step loop of a Runge-Kutta code, in the form of Adams.steps."""
+    exponent, smallest, largest = integrator.controller
+    evaluation: Evaluation = integrator.evaluation
+
+    def run(t: float, y: np.ndarray, t_end: float, h: float, estimate: bool) -> Iterator[Step]:
+        h_min = 4.0 * EPS * max(abs(t), abs(t_end), t_end - t)
+        f = integrator.start(t, y)
+        if estimate:
+            h = min(h, _first_step(evaluation, integrator, t, y, f.copy()))
+        h = max(h, h_min)
+        final = False
+        while not final:
+            integrator.begin(t)
+            growth, reductions = largest, 0
+            while True:
+                final = t + 1.01 * h >= t_end
+                if final:
+                    h = t_end - t
+                try:
+                    error = integrator.attempt(h)
+                    if error <= 1.0:
+                        integrator.finish()
+                        break
+                except AnalysisError as cause:
+                    reductions += 1
+                    evaluation.statistics.n_rejected += 1
+                    if reductions > MAX_REDUCTIONS or h * REDUCTION < h_min:
+                        raise not_evaluated(cause, t, h, reductions) from cause
+                    h *= REDUCTION
+                    growth = 1.0
+                    continue
+                evaluation.statistics.n_rejected += 1
+                growth = 1.0
+                reduced = h * max(smallest, 0.9 * error ** (-1.0 / exponent))
+                if reduced < h_min:
+                    worst = int(np.argmax(np.abs(integrator.scaled)))
+                    raise step_too_small(evaluation, t, h, error, worst)
+                h = reduced
+            t = t_end if final else t + h
+            evaluation.step_accepted(t, integrator.y_new)
+            yield Step(t, integrator.y_new, integrator.interpolate)
+            factor = 0.9 * error ** (-1.0 / exponent) if error > 0.0 else largest
+            h = max(h * min(growth, max(smallest, factor)), h_min)
+
+    return run
+
+
+def _first_step(evaluation: Evaluation, integrator: Any, t: float, y: np.ndarray, f: np.ndarray) -> float:
+    """Step with a local error of about a hundredth of the tolerance, from |y|, |F| and one Euler step."""
+    weight = integrator.tolerance.absolute + integrator.tolerance.relative * np.abs(y)
+
+    def norm(v: np.ndarray) -> float:
+        return float(np.sqrt(np.mean((v / weight) ** 2)))
+
+    size, slope = norm(y), norm(f)
+    h0 = 1e-6 if min(size, slope) < 1e-5 else 0.01 * size / slope
+    h0 = min(h0, evaluation.last - t)
+    try:
+        bend = norm(evaluation.rhs(t + h0, y + h0 * f) - f) / h0
+    except AnalysisError:
+        return h0  # the step loop deals with it
+    largest = max(slope, bend)
+    h1 = max(1e-6, 1e-3 * h0) if largest <= 1e-15 else (0.01 / largest) ** (1.0 / (integrator.order + 1))
+    return min(100.0 * h0, h1)
+
+
+def _fixed(
+    row: Method,
+    integrator: Any,
+    evaluation: Evaluation,
+    y0: np.ndarray,
+    times: np.ndarray,
+    segments: list[tuple[float, float, float, float]],
+    step: float | None,
+) -> Iterator[Step]:
+    """Equal steps from output to output and from break to break."""
+    y = y0.copy()
+    i = 1
+    for start, end, evaluation.first, evaluation.last in segments:
+        integrator.start(start, y)
+        a = start
+        while a < end:
+            wanted = step if step is not None else float(times[i] - times[i - 1]) / STEPS_PER_OUTPUT
+            b = min(float(times[i]), end)
+            n = max(1, ceil((b - a) / wanted - 1e-9))
+            h = (b - a) / n
+            for j in range(n):
+                t = a + j * h
+                try:
+                    integrator.fixed(t, h, y)
+                except AnalysisError as cause:
+                    if cause.code.startswith("integrator.") and cause.code != "integrator.not-finite":
+                        raise
+                    raise not_evaluated(cause, t, h) from cause
+                y = integrator.y_new.copy()
+                t = b if j == n - 1 else a + (j + 1) * h
+                evaluation.step_accepted(t, y)
+                yield Step(t, y, _never)
+            a = b
+            if b == times[i]:
+                i += 1
+
+
+def _never(t: float) -> np.ndarray:
+    raise AssertionError(f"a fixed-step code has an output inside a step, t = {t}")

@@ -1,0 +1,158 @@
+"""Codes 310, 320, 330 (linearly implicit, Rosenbrock) and 410, 420, 430 (implicit Euler, SDIRK), fixed steps, L-stable.
+
+Formulas: theory-system.md section 9. Rosenbrock methods: H. H. Rosenbrock, Computer J. 5 (1963) 329; 330 is the
+three-stage method ROS3 of A. Sandu et al., Atmos. Environ. 31 (1997) 3459. SDIRK methods: R. Alexander, SIAM J. Numer.
+Anal. 14 (1977) 1006. The Jacobian J = dF/dy and F_t = dF/dt come from the exact linearization.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import sqrt
+
+import numpy as np
+
+from spacar.errors import AnalysisError
+
+from .failures import newton_failed
+from .problem import Evaluation, Tolerance
+
+GAMMA_2 = 1.0 - 1.0 / sqrt(2.0)
+GAMMA_3 = 0.43586652150845900
+MAX_NEWTON = 10
+
+
+def factored(matrix: np.ndarray, t: float, h: float) -> Callable[[np.ndarray], np.ndarray]:
+    """Solver with the LU factors of the iteration matrix. Raises AnalysisError `integrator.singular`."""
+    from scipy.linalg.lapack import dgetrf, dgetrs
+
+    lu, pivots, info = dgetrf(matrix)
+    if info > 0:
+        raise AnalysisError(
+            f"the iteration matrix of the implicit integrator is singular at t = {t:.9g} s with step size {h:.3g} s "
+            "(an unstable mode grows exactly with this step): change the step size (INTEGRAT position 2)",
+            "integrator.singular",
+            t=t,
+            step=h,
+        )
+    return lambda right: dgetrs(lu, pivots, right)[0]
+
+
+class _FixedStep:
+    """State common to the implicit codes: `fixed(t, h, y)` leaves the end of the step in y_new."""
+
+    def __init__(self, evaluation: Evaluation, n: int, tolerance: Tolerance) -> None:
+        self.evaluation, self.tolerance = evaluation, tolerance
+        self.identity = np.eye(n)
+        self.y_new = np.zeros(n)
+
+    def start(self, t: float, y: np.ndarray) -> None:
+        """Nothing to prepare."""
+
+
+class Rosenbrock1(_FixedStep):
+    """310: (I - hJ) k = F + h F_t, y+ = y + h k."""
+
+    def fixed(self, t: float, h: float, y: np.ndarray) -> None:
+        jacobian, f_t = self.evaluation.jacobian(t, y)
+        solve = factored(self.identity - h * jacobian, t, h)
+        self.y_new = y + h * solve(self.evaluation.rhs(t, y) + h * f_t)
+
+
+class Rosenbrock2(_FixedStep):
+    """320: two stages, gamma = 1 - 1/sqrt(2)."""
+
+    def fixed(self, t: float, h: float, y: np.ndarray) -> None:
+        jacobian, f_t = self.evaluation.jacobian(t, y)
+        gh = GAMMA_2 * h
+        gh_ft = gh * f_t
+        solve = factored(self.identity - gh * jacobian, t, h)
+        k1 = solve(self.evaluation.rhs(t, y) + gh_ft)
+        k2 = solve(self.evaluation.rhs(t + h, y + h * k1) - 2.0 * k1 - gh_ft)
+        self.y_new = y + (1.5 * h) * k1 + (0.5 * h) * k2
+
+
+class Rosenbrock3(_FixedStep):
+    """330: three stages, gamma = 0.4358..., two evaluations of F."""
+
+    c21, c31, c32 = -1.0156171083877702, 4.0759956452537700, 9.2076794298330791
+    g = (0.43586652150845900, 0.24291996454816804, 2.1851380027664058)
+    m = (1.0, 6.1697947043828246, -0.42772256543218573)
+
+    def fixed(self, t: float, h: float, y: np.ndarray) -> None:
+        jacobian, f_t = self.evaluation.jacobian(t, y)
+        # Multiplied by h gamma, so that the matrix is well scaled for small steps.
+        hg = h * GAMMA_3
+        solve = factored(self.identity - hg * jacobian, t, h)
+        h_ft = h * f_t
+        g, m = self.g, self.m
+        u1 = solve(hg * (self.evaluation.rhs(t, y) + g[0] * h_ft))
+        # Stages 2 and 3 have the same arguments (a21 = a31 = 1, a32 = 0, equal alpha), hence the same F. The copy
+        # is needed: F may live in a buffer of the problem.
+        f = self.evaluation.rhs(t + GAMMA_3 * h, y + u1).copy()
+        u2 = solve(hg * (f + (self.c21 / h) * u1 + g[1] * h_ft))
+        u3 = solve(hg * (f + (self.c31 / h) * u1 + (self.c32 / h) * u2 + g[2] * h_ft))
+        self.y_new = y + m[0] * u1 + m[1] * u2 + m[2] * u3
+
+
+def sdirk_tableau(code: int) -> tuple[np.ndarray, np.ndarray]:
+    """(c, A) of 410, 420 or 430; the last row of A is b (stiffly accurate)."""
+    if code == 410:
+        return np.array([1.0]), np.array([[1.0]])
+    if code == 420:
+        g = GAMMA_2
+        return np.array([g, 1.0]), np.array([[g, 0.0], [1.0 - g, g]])
+    g = GAMMA_3
+    b1, b2 = -(6.0 * g * g - 16.0 * g + 1.0) / 4.0, (6.0 * g * g - 20.0 * g + 5.0) / 4.0
+    a = np.array([[g, 0.0, 0.0], [(1.0 - g) / 2.0, g, 0.0], [b1, b2, g]])
+    return np.array([g, (1.0 + g) / 2.0, 1.0]), a
+
+
+class SinglyDiagonallyImplicit(_FixedStep):
+    """410, 420, 430: stages k_i = F(t + c_i h, y + h sum_j a_ij k_j) by modified Newton.
+
+    I - h gamma J is factored once per step. Converged when all |h dk_i| <= absolute error; after ten iterations once
+    more ten with the Jacobian at the iterate, then AnalysisError `integrator.newton`.
+    """
+
+    def __init__(self, code: int, evaluation: Evaluation, n: int, tolerance: Tolerance) -> None:
+        super().__init__(evaluation, n, tolerance)
+        self.c, self.a = sdirk_tableau(code)
+        self.gamma = float(self.a[0, 0])
+        self.stages = np.zeros((len(self.c), n))
+
+    def start(self, t: float, y: np.ndarray) -> None:
+        """First guess of the first stage: F at the start; later the last stage of the step before."""
+        self.stages[-1] = self.evaluation.rhs(t, y)
+
+    def fixed(self, t: float, h: float, y: np.ndarray) -> None:
+        hg = h * self.gamma
+        solve = factored(self.identity - hg * self.evaluation.jacobian(t, y)[0], t, h)
+        stages = self.stages
+        for i, c in enumerate(self.c):
+            base = y + h * (self.a[i, :i] @ stages[:i])
+            stages[i] = stages[i - 1]
+            t_i = t + c * h
+            if not self._newton(solve, t_i, h, base, stages[i]):
+                renewed = factored(self.identity - hg * self.evaluation.jacobian(t_i, base + hg * stages[i])[0], t, h)
+                solve = renewed
+                if not self._newton(solve, t_i, h, base, stages[i]):
+                    change = np.abs(h * self.last_change)
+                    worst = int(np.argmax(change))
+                    raise newton_failed(
+                        self.evaluation, t, h, float(change[worst]), worst, self.tolerance.absolute
+                    )
+        self.y_new = base + hg * stages[-1]
+
+    def _newton(
+        self, solve: Callable[[np.ndarray], np.ndarray], t: float, h: float, base: np.ndarray, k: np.ndarray
+    ) -> bool:
+        """Improves k in place; whether it converged."""
+        hg = h * self.gamma
+        for _ in range(MAX_NEWTON):
+            self.evaluation.statistics.newton_iterations += 1
+            self.last_change = solve(self.evaluation.rhs(t, base + hg * k) - k)
+            k += self.last_change
+            if h * np.abs(self.last_change).max() <= self.tolerance.absolute:
+                return True
+        return False

@@ -1,0 +1,69 @@
+"""The table of integration codes (INTEGRAT position 1): what each is, how it is run, where it comes from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
+
+from spacar.errors import UsageError
+
+from .adams import Adams
+from .implicit import Rosenbrock1, Rosenbrock2, Rosenbrock3, SinglyDiagonallyImplicit
+from .runge_kutta import DormandPrince853, ExplicitRungeKutta
+from .second_order import RungeKuttaNystrom
+from .tableaus import BOGACKI_SHAMPINE, DORMAND_PRINCE, KUTTA
+
+
+@dataclass(frozen=True, slots=True)
+class Method:
+    """One integration code. `order` 0 means variable order; `original` is False for codes that only we have."""
+
+    code: int
+    name: str
+    order: int
+    variable_step: bool
+    needs_jacobian: bool
+    citation: str
+    build: Callable[..., Any] = field(repr=False)
+    original: bool = True
+
+
+_ROWS = (
+    Method(0, "Adams predictor-corrector, order 1 to 12", 0, True, False, "Shampine & Gordon 1975", Adams),
+    Method(130, "explicit Runge-Kutta, order 3", 3, False, False, "Bogacki & Shampine 1989",
+           partial(ExplicitRungeKutta, BOGACKI_SHAMPINE)),
+    Method(135, "explicit Runge-Kutta 3(2)", 3, True, False, "Bogacki & Shampine 1989",
+           partial(ExplicitRungeKutta, BOGACKI_SHAMPINE)),
+    Method(140, "explicit Runge-Kutta, order 4", 4, False, False, "Kutta 1901", partial(ExplicitRungeKutta, KUTTA)),
+    Method(155, "explicit Runge-Kutta 5(4)", 5, True, False, "Dormand & Prince 1980",
+           partial(ExplicitRungeKutta, DORMAND_PRINCE)),
+    Method(220, "explicit Runge-Kutta for second order systems, order 2", 2, False, False, "Nystrom 1925",
+           partial(RungeKuttaNystrom, 220)),
+    Method(225, "explicit Runge-Kutta for second order systems, order 2", 2, True, False, "Nystrom 1925",
+           partial(RungeKuttaNystrom, 225)),
+    Method(310, "linearly implicit Euler", 1, False, True, "Rosenbrock 1963", Rosenbrock1),
+    Method(320, "Rosenbrock, order 2", 2, False, True, "Rosenbrock 1963", Rosenbrock2),
+    Method(330, "Rosenbrock, order 3", 3, False, True, "Sandu et al. 1997", Rosenbrock3),
+    Method(410, "implicit Euler", 1, False, True, "Euler 1768", partial(SinglyDiagonallyImplicit, 410)),
+    Method(420, "singly diagonally implicit Runge-Kutta, order 2", 2, False, True, "Alexander 1977",
+           partial(SinglyDiagonallyImplicit, 420)),
+    Method(430, "singly diagonally implicit Runge-Kutta, order 3", 3, False, True, "Alexander 1977",
+           partial(SinglyDiagonallyImplicit, 430)),
+    Method(853, "explicit Runge-Kutta 8(5,3) for tight tolerances", 8, True, False,
+           "Prince & Dormand 1981; Hairer, Norsett & Wanner 1993", DormandPrince853, original=False),
+)  # fmt: skip
+
+METHODS: dict[int, Method] = {row.code: row for row in _ROWS}
+# The original manual calls code 225 also 255.
+ALIASES = {255: 225}
+
+
+def method(code: int) -> Method:
+    """The row of `code`, aliases resolved. Raises UsageError `integrator.code`."""
+    try:
+        return METHODS[ALIASES.get(code, code)]
+    except KeyError:
+        known = " ".join(map(str, METHODS))
+        raise UsageError(f"unknown integration code {code}; known are {known}", "integrator.code") from None

@@ -1,0 +1,150 @@
+"""One pass over all element families: gather, evaluate, scatter, with preallocated arrays.
+
+The entries of V (ne x nx) and of the variable and constant parts of M (nx x nx) live in one flat array `entries`;
+every family writes through a view into it. All matrices of the system (D_cc, the saddle-point matrix, ...) are
+assembled from this array with index maps that are made once. Nothing here allocates per element.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from spacar.elements.base import Configuration, Family
+from spacar.mechanism.mechanism import Array, Batch, Index, Mechanism
+
+
+class Sweep:
+    """Evaluation of all batches at the current configuration."""
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        numbering = mechanism.numbering
+        self.nx, self.ne = numbering.nx, numbering.ne
+        self.batches = mechanism.batches
+        self.strained = [b for b in self.batches if b.family.n_deformations]
+        self.massive = [b for b in self.batches if b.family.has_mass]
+        self.moving = [b for b in self.massive if not b.family.constant_mass]
+        self.curved = [b for b in self.strained if not b.family.constant_gradient]
+        self._allocate()
+        self.configuration: dict[int, Configuration] = {}
+        self.e = np.zeros(self.ne)
+        self.near = np.zeros(self.ne)
+        self.count = 0  # evaluations of D, for the log and the benchmarks
+
+    def _allocate(self) -> None:
+        v_rows, v_columns, m_rows, m_columns = [], [], [], []
+        for b in self.strained:
+            nee, nxe = len(b.e), len(b.x)
+            v_rows.append(np.repeat(b.e[:, None, :], nxe, axis=1).ravel())
+            v_columns.append(np.repeat(b.x[None, :, :], nee, axis=0).ravel())
+        for b in self.massive:
+            nxe = len(b.x)
+            m_rows.append(np.repeat(b.x[:, None, :], nxe, axis=1).ravel())
+            m_columns.append(np.repeat(b.x[None, :, :], nxe, axis=0).ravel())
+        self.v_rows, self.v_columns = _join(v_rows), _join(v_columns)
+        self.m_rows, self.m_columns = _join(m_rows), _join(m_columns)
+        nv, nm = len(self.v_rows), len(self.m_rows)
+        self.entries = np.zeros(nv + nm)
+        self.v_entries, self.m_entries = self.entries[:nv], self.entries[nv:]
+        self.V = dict(zip(map(id, self.strained), _views(self.v_entries, self.strained, lambda b: (len(b.e), len(b.x))), strict=True))
+        self.M = dict(zip(map(id, self.massive), _views(self.m_entries, self.massive, lambda b: (len(b.x), len(b.x))), strict=True))
+        self.x_index = _join([b.x.ravel() for b in self.batches])
+        self.e_index = _join([b.e.ravel() for b in self.strained])
+        self.f_index = _join([b.x.ravel() for b in self.moving])
+        self._x, self._v, self._a = (np.zeros(len(self.x_index)) for _ in range(3))
+        self._e, self._near, self._h = (np.zeros(len(self.e_index)) for _ in range(3))
+        self._f = np.zeros(len(self.f_index))
+
+        def per_batch(buffer: Array, batches: list[Batch] | tuple[Batch, ...], rows: Callable[[Batch], int]) -> dict[int, Array]:
+            return dict(zip(map(id, batches), _views(buffer, batches, lambda b: (rows(b),)), strict=True))
+
+        self.x_of, self.v_of, self.a_of = (per_batch(u, self.batches, lambda b: len(b.x)) for u in (self._x, self._v, self._a))
+        self.e_of, self.near_of, self.h_of = (per_batch(u, self.strained, lambda b: len(b.e)) for u in (self._e, self._near, self._h))
+        self.f_of = per_batch(self._f, self.moving, lambda b: len(b.x))
+        self.plan = [(b.family, id(b)) for b in self.strained]
+        self.curved_plan = [(b.family, id(b)) for b in self.curved]
+        self.moving_plan = [(b.family, id(b)) for b in self.moving]
+
+    # -- kinematics ---------------------------------------------------------------------------------------------
+    def strain(self, x: Array) -> None:
+        """D(x) into `e`, V into `entries`; keeps the configurations for the calls below."""
+        np.take(x, self.x_index, out=self._x, mode="clip")
+        np.take(self.near, self.e_index, out=self._near, mode="clip")
+        for family, key in self.plan:
+            self.configuration[key] = family.strain(self.x_of[key], self.near_of[key], self.e_of[key], self.V[key])
+        self.e[self.e_index] = self._e
+        self.count += 1
+
+    def rate(self, v: Array) -> Array:
+        """V v, (ne,)."""
+        return np.bincount(self.v_rows, self.v_entries * v[self.v_columns], self.ne)
+
+    def rate_transposed(self, sigma: Array) -> Array:
+        """V^T sigma, (nx,)."""
+        return np.bincount(self.v_columns, self.v_entries * sigma[self.v_rows], self.nx)
+
+    def convective(self, v: Array) -> Array:
+        """H(v, v), (ne,): the part of the second time derivative of e that does not contain accelerations."""
+        out = np.zeros(self.ne)
+        if self.curved_plan:
+            np.take(v, self.x_index, out=self._v, mode="clip")
+            self._h[:] = 0.0
+            for family, key in self.curved_plan:
+                family.convective_strain(self.configuration[key], self.v_of[key], self.h_of[key])
+            out[self.e_index] = self._h
+        return out
+
+    def gradient(self) -> Array:
+        """V as a dense (ne, nx) array."""
+        V = np.zeros((self.ne, self.nx))
+        V[self.v_rows, self.v_columns] = self.v_entries
+        return V
+
+    # -- inertia ------------------------------------------------------------------------------------------------
+    def constant_mass(self) -> None:
+        """Evaluate the mass matrices that never change; once per run."""
+        for b in self.massive:
+            if b.family.constant_mass:
+                b.family.mass(None, self.M[id(b)])
+
+    def mass(self) -> None:
+        """M of the configuration-dependent families into `entries`."""
+        for family, key in self.moving_plan:
+            family.mass(self._configured(family, key), self.M[key])
+
+    def _configured(self, family: Family, key: int) -> Configuration:
+        if family.n_deformations == 0:
+            empty = np.zeros((0, *self.x_of[key].shape[1:]))
+            self.configuration[key] = family.strain(self.x_of[key], empty, empty, empty[:, None])
+        return self.configuration[key]
+
+    def mass_times(self, a: Array) -> Array:
+        """M a, (nx,)."""
+        return np.bincount(self.m_rows, self.m_entries * a[self.m_columns], self.nx)
+
+    def inertia_force(self, v: Array, a: Array | None) -> Array:
+        """M a + h of the configuration-dependent families, (nx,)."""
+        if not self.moving_plan:
+            return np.zeros(self.nx)
+        np.take(v, self.x_index, out=self._v, mode="clip")
+        if a is not None:
+            np.take(a, self.x_index, out=self._a, mode="clip")
+        for family, key in self.moving_plan:
+            acceleration = None if a is None else self.a_of[key]
+            self.f_of[key][...] = family.inertia_force(self._configured(family, key), self.v_of[key], acceleration)
+        return np.bincount(self.f_index, self._f, self.nx)
+
+
+def _join(parts: list[Index]) -> Index:
+    return np.concatenate(parts) if parts else np.zeros(0, np.int64)
+
+
+def _views(buffer: Array, batches: list[Batch] | tuple[Batch, ...], shape: Callable[[Batch], tuple[int, ...]]) -> list[Array]:
+    views, first = [], 0
+    for b in batches:
+        dimensions = (*shape(b), b.family.n)
+        size = int(np.prod(dimensions))
+        views.append(buffer[first : first + size].reshape(dimensions))
+        first += size
+    return views

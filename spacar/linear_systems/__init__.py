@@ -1,0 +1,38 @@
+"""Square linear systems with a fixed pattern, assembled from element entries and solved many times.
+
+The pattern is a list of (row, column) pairs, repeated pairs add up. The storage is chosen once per model:
+dense when the system is small, banded (reverse Cuthill-McKee ordering, LAPACK gbsv) when the band is narrow, else
+sparse (SuperLU). Measured in benchmarks/linear_systems.py; theory-system.md section 2.3 gives the rule.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacar.linear_systems.base import SingularMatrixError, System
+from spacar.linear_systems.dense import DenseSystem
+
+__all__ = ["DENSE_LIMIT", "SingularMatrixError", "System", "assemble"]
+
+DENSE_LIMIT = 60  # unknowns; below, NumPy's dense solver is faster than any ordering
+BAND_LIMIT = 100  # 3 * half bandwidth + 1
+
+
+def assemble(n: int, rows: NDArray[np.int64], columns: NDArray[np.int64], kind: str | None = None) -> System:
+    """System of n unknowns with this pattern. `kind` 'dense', 'banded' or 'sparse' forces the storage."""
+    if kind is None and n <= DENSE_LIMIT:
+        kind = "dense"
+    if kind == "dense":
+        return DenseSystem(n, rows, columns)
+    from spacar.linear_systems.banded import BandedSystem
+    from spacar.linear_systems.ordering import bandwidths, order
+    from spacar.linear_systems.sparse import SparseSystem
+
+    if kind == "sparse":
+        return SparseSystem(n, rows, columns)
+    row_rank, column_rank = order(n, rows, columns)
+    lower, upper = bandwidths(row_rank[rows], column_rank[columns])
+    if kind == "banded" or 2 * lower + upper + 1 < BAND_LIMIT:
+        return BandedSystem(n, row_rank, column_rank, rows, columns, lower, upper)
+    return SparseSystem(n, rows, columns)

@@ -1,0 +1,35 @@
+"""The contract of a linear system."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+class SingularMatrixError(ArithmeticError):
+    """The matrix cannot be factored; `position` is the unknown (original numbering) where it broke down, if known."""
+
+    def __init__(self, text: str, position: int | None = None) -> None:
+        super().__init__(text)
+        self.position = position
+
+
+class System(Protocol):
+    """Factor once, solve often. All arrays are in the caller's numbering, whatever the storage does inside."""
+
+    n: int
+    kind: str
+
+    def factor(self, entries: Array) -> None:
+        """Assemble the entries (in the order of the pattern) and factor. Raises SingularMatrixError."""
+
+    def solve(self, b: Array) -> Array:
+        """x with A x = b; b is (n,) or (n, k)."""
+
+    def solve_transposed(self, b: Array) -> Array:
+        """x with A^T x = b; b is (n,) or (n, k)."""

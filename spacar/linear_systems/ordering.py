@@ -1,0 +1,40 @@
+"""Orderings that make the matrices of chains narrow: reverse Cuthill-McKee on the bipartite pattern.
+
+Rows and columns of a square, possibly unsymmetric matrix A are the two node sets of the graph of [0 A; A^T 0]; its
+reverse Cuthill-McKee order gives one order of the rows and one of the columns, so that A becomes banded. A matrix
+with a symmetric pattern and a zero-free diagonal is ordered symmetrically by its own graph.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+from spacar.linear_systems.base import Index
+
+
+def order(n: int, rows: Index, columns: Index) -> tuple[Index, Index]:
+    """Rank (new position) of every row and of every column, each (n,)."""
+    pattern = coo_matrix((np.ones(len(rows)), (rows, columns)), (n, n)).tocsr()
+    difference = pattern.astype(bool) != pattern.T.astype(bool)
+    if difference.nnz == 0:
+        rank = _rank(reverse_cuthill_mckee(pattern, symmetric_mode=True))
+        return rank, rank
+    both = coo_matrix(
+        (np.ones(2 * len(rows)), (np.r_[rows, columns + n], np.r_[columns + n, rows])), (2 * n, 2 * n)
+    ).tocsr()
+    permutation = reverse_cuthill_mckee(both, symmetric_mode=True)
+    return _rank(permutation[permutation < n]), _rank(permutation[permutation >= n] - n)
+
+
+def bandwidths(rows: Index, columns: Index) -> tuple[int, int]:
+    """Number of diagonals below and above the main one."""
+    offset = rows - columns
+    return int(max(offset.max(), 0)), int(max(-offset.min(), 0))
+
+
+def _rank(permutation: Index) -> Index:
+    rank = np.empty(len(permutation), np.int64)
+    rank[permutation] = np.arange(len(permutation))
+    return rank

@@ -1,0 +1,160 @@
+"""Text, Unicode and LaTeX of scalars, vectors and dyads, as on paper: b1 n1, ṡ1, (n̂₁ × b̂₁).
+
+Time is not printed: q1(t) is q1, its derivative q1_dot (text), q̇1 (Unicode) or a dot (LaTeX). Derivatives of fields
+are written with subscripts, u_x, u_xt.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+from sympy.printing.latex import LatexPrinter
+from sympy.printing.str import StrPrinter
+
+from spacar.symbolic.units import TIME, HeldCross, HeldScalar, Key, Unit
+
+_CROSS = {"text": " >< ", "unicode": " × ", "latex": r" \times "}
+_SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+
+
+def _derivative_name(expr: sp.Derivative, dot: str, prime: str = "") -> str:
+    """Name of d^n f / dt^n or of a field derivative: q_dot, u_xt."""
+    function = expr.expr
+    name = function.func.__name__
+    if function.args == (TIME,):
+        order = sum(n for _, n in expr.variable_count)
+        return dot * order if prime == "prefix" else name + dot * order
+    letters = "".join(str(v) * int(n) for v, n in sorted(expr.variable_count, key=lambda p: p[0] == TIME))
+    return f"{name}_{letters}"
+
+
+class _Text(StrPrinter):
+    def _print_Function(self, expr: Any) -> str:
+        return expr.func.__name__ if isinstance(expr, AppliedUndef) else super()._print_Function(expr)
+
+    def _print_Derivative(self, expr: sp.Derivative) -> str:
+        return _derivative_name(expr, "_dot")
+
+
+class _Unicode(_Text):
+    def _print_Derivative(self, expr: sp.Derivative) -> str:
+        name = _derivative_name(expr, "\0")
+        dots = name.count("\0")
+        name = name.replace("\0", "")
+        return name[0] + ("\u0307" if dots == 1 else "\u0308" if dots == 2 else "") + name[1:]
+
+    def _print_Symbol(self, expr: sp.Symbol) -> str:
+        name = expr.name
+        return name[0] + "\u0307" + name[1:-4] if name.endswith("_dot") else name
+
+    def _print_UnitDot(self, expr: HeldScalar) -> str:
+        return "·".join(unit_unicode(u) for u in expr.units)
+
+    def _print_UnitTriple(self, expr: HeldScalar) -> str:
+        a, b, c = (unit_unicode(u) for u in expr.units)
+        return f"[{a} {b} {c}]"
+
+    def _print_Pow(self, expr: sp.Pow, rational: bool = False) -> str:
+        return super()._print_Pow(expr, rational).replace("**2", "²").replace("**3", "³")
+
+
+class _Latex(LatexPrinter):
+    def _print_Function(self, expr: Any, exp: str | None = None) -> str:
+        if not isinstance(expr, AppliedUndef):
+            return super()._print_Function(expr, exp)
+        return symbol_latex(expr.func.__name__) + (f"^{{{exp}}}" if exp else "")
+
+    def _print_Symbol(self, expr: sp.Symbol, style: str = "plain") -> str:
+        return symbol_latex(expr.name)
+
+    def _print_Derivative(self, expr: sp.Derivative) -> str:
+        name = expr.expr.func.__name__
+        if expr.expr.args != (TIME,):
+            return symbol_latex(_derivative_name(expr, ""))
+        accent = "dot" if sum(n for _, n in expr.variable_count) == 1 else "ddot"
+        return rf"\{accent}{{{symbol_latex(name)}}}"
+
+
+def symbol_latex(name: str) -> str:
+    """q1 -> q_{1}, phi1_2 -> \\phi_{1,2}, s1_dot -> \\dot{s_{1}}."""
+    if name.endswith("_dot"):
+        return rf"\dot{{{symbol_latex(name[:-4])}}}"
+    match = re.fullmatch(r"([A-Za-z]+?)_?(\d[\d_]*|_\w+)?", name)
+    if not match:
+        head, _, tail = name.partition("_")
+        return rf"{head}_{{{tail}}}".replace("_{}", "") if tail else sp.latex(sp.Symbol(name))
+    head, tail = match.groups()
+    latex_head = sp.latex(sp.Symbol(head)) if len(head) > 1 else head
+    return f"{latex_head}_{{{tail.strip('_').replace('_', ',')}}}" if tail else latex_head
+
+
+def unit_latex(u: Unit) -> str:
+    head = re.fullmatch(r"(\D*)(.*)", u.frame.symbol)
+    assert head is not None
+    return rf"\hat{{{head[1]}}}_{{{head[2]}{u.index}}}"
+
+
+def unit_unicode(u: Unit) -> str:
+    symbol = u.frame.symbol
+    return symbol[0] + "\u0302" + (symbol[1:] + str(u.index)).translate(_SUBSCRIPTS)
+
+
+def _key(key: Key, style: str) -> str:
+    unit = {"text": str, "unicode": unit_unicode, "latex": unit_latex}[style]
+    if isinstance(key, HeldCross):
+        return f"{unit(key.a)}{_CROSS[style]}{unit(key.b)}"
+    return unit(key)
+
+
+def _keys(key: Any, style: str) -> str:
+    if not isinstance(key, tuple):
+        return _key(key, style)
+    return " ".join(f"({_key(k, style)})" if isinstance(k, HeldCross) else _key(k, style) for k in key)
+
+
+def _combination(value: Any, style: str) -> str:
+    scalar = {"text": text, "unicode": unicode, "latex": latex}[style]
+    pieces: list[str] = []
+    for key, coefficient in value.terms.items():
+        name, factor = _keys(key, style), coefficient
+        negative = not factor.is_Add and factor.could_extract_minus_sign()
+        if negative:
+            factor = -factor
+        piece = name if factor == 1 else f"({scalar(factor)}) {name}" if factor.is_Add else f"{scalar(factor)} {name}"
+        pieces += ["-" if negative else "+", piece]
+    if not pieces:
+        return "0"
+    return ("-" if pieces[0] == "-" else "") + " ".join(pieces[1:])
+
+
+def combination_text(value: Any) -> str:
+    return _combination(value, "text")
+
+
+def text(value: Any) -> str:
+    """Plain ASCII text of a scalar, vector or dyad.
+
+    >>> from sympy.physics.vector import dynamicsymbols
+    >>> print(text(dynamicsymbols("s1").diff() + sp.Symbol("x")))
+    x + s1_dot
+    """
+    return _combination(value, "text") if hasattr(value, "terms") else _Text().doprint(value)
+
+
+def unicode(value: Any) -> str:
+    """Text with hats, dots and subscripts for terminals and notebooks."""
+    return _combination(value, "unicode") if hasattr(value, "terms") else _Unicode().doprint(value)
+
+
+def latex(value: Any) -> str:
+    """LaTeX of a scalar, vector or dyad.
+
+    >>> from spacar.symbolic.units import Frame
+    >>> N, B = Frame("N", "n"), Frame("B1", "b1")
+    >>> print(latex(N[1] ^ B[2]))
+    \\hat{n}_{1} \\times \\hat{b}_{12}
+    """
+    return _combination(value, "latex") if hasattr(value, "terms") else _Latex().doprint(value)
