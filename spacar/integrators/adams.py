@@ -143,8 +143,8 @@ class Adams:
         np.add(weight, self.tolerance.absolute, weight)
         np.reciprocal(weight, weight)
 
-    def steps(self, t: float, y: np.ndarray, t_end: float, h: float, estimate: bool = True) -> Iterator[Step]:
-        """Accepted steps from (t, y) to exactly t_end; h is the first step, or its upper limit with `estimate`.
+    def steps(self, t: float, y: np.ndarray, t_end: float, h: float) -> Iterator[Step]:
+        """Accepted steps from (t, y) to exactly t_end; h is the largest first step.
 
         Raises AnalysisError `integrator.step-too-small`, or the error of F after ten reductions of the step.
         """
@@ -154,7 +154,7 @@ class Adams:
         phi[0] = rhs(t, self.y)
         self._set_weights()
         slope = self._norm(phi[0])
-        if estimate and 16.0 * h * h * slope > 1.0:
+        if 16.0 * h * h * slope > 1.0:
             h = 0.25 / sqrt(slope)
         h = max(h, h_min)
         k, k_old, n_s, h_old = 1, 0, 0, 0.0

@@ -141,27 +141,26 @@ def _variable(
     step: float | None,
 ) -> Iterator[Step]:
     """Steps of a variable-step code through all segments."""
-    run: Callable[..., Iterator[Step]] = integrator.steps if isinstance(integrator, Adams) else _one_step(integrator)
+    run: Callable[[float, np.ndarray, float, float], Iterator[Step]]
+    run = integrator.steps if isinstance(integrator, Adams) else _one_step(integrator, step is None)
     y = y0.copy()
     # Nothing is known beyond the first output: a longer first step could jump over a short pulse of an input.
     h = step if step is not None else float(times[1] - times[0])
-    estimate = step is None
     for start, end, evaluation.first, evaluation.last in segments:
-        t = start
-        for taken in run(start, y, end, min(h, end - start), estimate):
-            size, t = taken.t - t, taken.t
+        t, before, size = start, 0.0, 0.0
+        for taken in run(start, y, end, min(h, end - start)):
+            before, size, t = size, taken.t - t, taken.t
             yield taken
-        # After a break no longer steps than before it.
-        y, h, estimate = taken.y.copy(), max(size, 0.01 * h), row.code == 0
-    return
+        # After a break not longer than before it; the last step may have been shortened to end there.
+        y, h = taken.y.copy(), max(before, size)
 
 
-def _one_step(integrator: Any) -> Callable[..., Iterator[Step]]:
-    """The variable-step loop of a Runge-Kutta code, in the form of Adams.steps."""
+def _one_step(integrator: Any, estimate: bool) -> Callable[[float, np.ndarray, float, float], Iterator[Step]]:
+    """The variable-step loop of a Runge-Kutta code, in the form of Adams.steps; `estimate` the first step of a run."""
     exponent, smallest, largest = integrator.controller
     evaluation: Evaluation = integrator.evaluation
 
-    def run(t: float, y: np.ndarray, t_end: float, h: float, estimate: bool) -> Iterator[Step]:
+    def run(t: float, y: np.ndarray, t_end: float, h: float) -> Iterator[Step]:
         h_min = 4.0 * EPS * max(abs(t), abs(t_end), t_end - t)
         f = integrator.start(t, y)
         if estimate:
