@@ -1,0 +1,49 @@
+# `make crank` and `make test` work in a fresh clone: they create their own virtual environment in .venv.
+PYTHON ?= python3
+VENV   ?= .venv
+BIN    := $(VENV)/bin
+OUT    ?= out
+# One thread per process: the matrices are small, and test processes run side by side.
+export OMP_NUM_THREADS ?= 1
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+
+.PHONY: crank test test-all lint bench clean
+
+# A half-made environment (interrupted, or without pip) is made again; uv serves where Debian's python3-venv is missing.
+define environment
+	@if ! $(BIN)/python -m pip --version >/dev/null 2>&1; then \
+	    $(PYTHON) -m venv --clear $(VENV) \
+	    || { command -v uv >/dev/null && uv venv --quiet --seed --clear $(VENV); } \
+	    || { echo "cannot make a virtual environment: install Python >= 3.10 with venv (Debian: python3-venv) or uv" >&2; exit 1; }; \
+	fi
+endef
+
+$(VENV)/.installed: pyproject.toml
+	$(environment)
+	$(BIN)/python -m pip install --quiet -e .
+	@touch $@
+
+$(VENV)/.installed-dev: pyproject.toml
+	$(environment)
+	$(BIN)/python -m pip install --quiet -e '.[test,dev,symbolic,control]'
+	@touch $@ $(VENV)/.installed
+
+crank: $(VENV)/.installed
+	$(BIN)/spacar 1 data/crank.dat --output-dir $(OUT)
+	@echo "results: $(OUT)/crank.log $(OUT)/crank.sbd"
+
+test: lint
+	$(BIN)/python -m pytest -m "not slow" $(PYTEST)
+
+test-all: lint
+	$(BIN)/python -m pytest $(PYTEST)
+
+lint: $(VENV)/.installed-dev
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+
+bench: $(VENV)/.installed-dev
+	$(BIN)/python -m benchmarks
+
+clean:
+	rm -rf $(OUT) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis

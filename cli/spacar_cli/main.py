@@ -1,0 +1,111 @@
+"""The command `spacar`: finds the command or the mode, imports what it needs, and turns errors into exit statuses."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Sequence
+from contextlib import redirect_stderr, redirect_stdout
+from importlib import import_module
+
+import click
+
+import spacar
+from spacar_cli.environment import Environment
+from spacar_cli.status import ExitStatus, tell, tell_error
+from spacar_cli.table import COMMANDS, MODES
+
+MODE = re.compile(r"[+-]?\d+")
+HELP = {"help_option_names": ["-h", "--help"]}
+
+
+class Program(click.Group):
+    """A group whose commands are the modes (`1`, `-1`, ...) and the rows of the table, imported on demand."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        if args and MODE.fullmatch(args[0]):
+            args = ["--", *args]  # -1 is a mode here, not an option
+        return super().parse_args(ctx, args)
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if MODE.fullmatch(cmd_name):
+            from spacar_cli.commands.run import command_of_mode
+
+            return command_of_mode(cmd_name)
+        if cmd_name not in COMMANDS:
+            return None
+        module, _, name = COMMANDS[cmd_name][0].partition(":")
+        command: click.Command = getattr(import_module(module), name)
+        return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        word = args[0]
+        if not MODE.fullmatch(word) and word not in COMMANDS:
+            from difflib import get_close_matches
+
+            near = get_close_matches(word, COMMANDS, 1)
+            hint = f"did you mean '{near[0]}'?" if near else f"the modes are {', '.join(map(str, MODES))}"
+            ctx.fail(f"'{word}' is neither a mode nor a command; {hint}")
+        return super().resolve_command(ctx, args)
+
+    def collect_usage_pieces(self, ctx: click.Context) -> list[str]:
+        return ["MODE FILE [OPTIONS]", "|", "COMMAND ..."]
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Modes (a minus sign, as in -1, means without a plot)"):
+            formatter.write_dl([(str(number), title) for number, title in MODES.items()])
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, text) for name, (_, text) in COMMANDS.items()])
+
+
+@click.group(
+    cls=Program,
+    no_args_is_help=False,
+    context_settings=HELP,
+    epilog="`spacar MODE --help` and `spacar COMMAND --help` list the options. --debug, anywhere, shows the traceback "
+    "of an error. Exit status: 0 done, 1 the analysis failed, 2 wrong usage or input, 130 interrupted.",
+)
+@click.version_option(spacar.__version__, prog_name="spacar", message="%(prog)s %(version)s")
+def program() -> None:
+    """Analysis of planar and spatial mechanisms with rigid and flexible links.
+
+    Runs FILE (or FILE.dat) in a mode; the log and the results are written beside it.
+    """
+
+
+def main(arguments: Sequence[str] | None = None, environment: Environment | None = None) -> int:
+    """Run one command line (default: that of the process) and return its exit status. Raises only with --debug."""
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    debug = "--debug" in words
+    words = [word for word in words if word != "--debug"]
+    env = environment or Environment()
+    with redirect_stdout(env.stdout), redirect_stderr(env.stderr):
+        try:
+            outcome = program.main(words, prog_name="spacar", standalone_mode=False, obj=env)
+            return int(outcome or ExitStatus.DONE)
+        except click.UsageError as error:
+            if error.ctx is not None:
+                env.tell(error.ctx.get_usage())
+            tell(env, "error", error.format_message())
+            return ExitStatus.WRONG
+        except click.ClickException as error:
+            tell(env, "error", error.format_message())
+            return ExitStatus.WRONG
+        except (click.Abort, KeyboardInterrupt):
+            tell(env, "error", "interrupted")
+            return ExitStatus.INTERRUPTED
+        except SystemExit as stop:  # click: the reader of our output has gone away
+            return stop.code if isinstance(stop.code, int) else ExitStatus.FAILED
+        except Exception as error:
+            if debug:
+                raise
+            return tell_error(env, error)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,61 @@
+"""Exit statuses and how an error becomes lines on standard error (keywords.md section 10, messages.md)."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from typing import TYPE_CHECKING
+
+from spacar.errors import InputError, SpacarError
+from spacar_cli.environment import RED, YELLOW, Environment
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from spacar.errors import Message
+
+MOST_LINES = 20
+
+
+class ExitStatus(IntEnum):
+    """What a process says when it ends."""
+
+    DONE = 0
+    FAILED = 1  # the analysis failed
+    WRONG = 2  # wrong usage or bad input: nothing was analysed
+    INTERRUPTED = 130
+
+
+def tell_messages(environment: Environment, messages: Sequence[Message], severities: tuple[str, ...]) -> None:
+    """Print the messages of these severities in this order of importance, at most 20, then how many are left."""
+    chosen = [m for severity in severities for m in messages if m.severity == severity]
+    for message in chosen[:MOST_LINES]:
+        tell(environment, message.severity, str(message).removeprefix(f"{message.severity}: "))
+    if len(chosen) > MOST_LINES:
+        environment.tell(f"... and {len(chosen) - MOST_LINES} more")
+
+
+def tell(environment: Environment, severity: str, text: str) -> None:
+    """`severity: text`; further lines of a long explanation are indented below the first."""
+    first, *rest = text.splitlines() or [""]
+    colour = {"error": RED, "warning": YELLOW}.get(severity)
+    label = environment.paint(f"{severity}:", colour) if colour else f"{severity}:"
+    environment.tell("\n".join([f"{label} {first}", *(f"  {line}" for line in rest)]))
+
+
+def tell_error(environment: Environment, error: BaseException) -> ExitStatus:
+    """Explain an exception on standard error and give the status to end with."""
+    if isinstance(error, InputError):
+        tell_messages(environment, error.messages, ("error", "warning"))
+        return ExitStatus.WRONG
+    if isinstance(error, SpacarError):
+        tell(environment, "error", str(error))
+        return ExitStatus(error.exit_status)
+    if isinstance(error, OSError):
+        place = f"{error.filename}: " if error.filename else ""
+        tell(environment, "error", f"{place}{error.strerror or error}")
+        return ExitStatus.WRONG
+    if isinstance(error, MemoryError):
+        tell(environment, "error", "out of memory; store fewer steps or use fewer elements")
+        return ExitStatus.FAILED
+    tell(environment, "error", f"internal error: {type(error).__name__}: {error} (--debug shows where; please report it)")
+    return ExitStatus.FAILED

@@ -1,0 +1,125 @@
+"""The result files as consumers of a stream of frames (reference/files.md sections 4, 5, 6, 9).
+
+A sink is started with the run, gets every frame, and is finished with the error that ended the run, or None. Its
+file grows under the name `NAME.part`; only a run that came to its end gives it the final name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+
+from spacar.frame import Frame
+from spacar.modes import Run
+from spacar_formats import safety
+from spacar_formats.sbf import SbfWriter
+from spacar_formats.sinks.header import ltv_header, sbd_header, sbm_header
+
+STATE = ("x", "xd", "xdd", "fx", "fxgrav", "e", "ed", "edd", "sig")
+OPTIONAL = ("dx", "de", "dxc", "dec", "d2x", "d2e", "bigd", "xcompl")
+
+
+class Sink(Protocol):
+    """A consumer of frames: the log, a result file, a progress bar, a live plot."""
+
+    def start(self, run: Run) -> None: ...
+    def frame(self, frame: Frame) -> None: ...
+    def finish(self, error: BaseException | None) -> None: ...
+
+
+class ResultSink:
+    """One result file. The first frame decides which variables are stored: every frame of a run has the same ones.
+
+    Raises UsageError when the file cannot be written, AnalysisError when the disk refuses bytes during the run.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        header: Callable[[Run], Mapping[str, Any]],
+        values: Callable[[Frame], dict[str, Any]],
+    ) -> None:
+        self.path = path
+        self._header, self._values = header, values
+        self._run: Run | None = None
+        self._writer: SbfWriter | None = None
+
+    @property
+    def kind(self) -> str:
+        return self.path.suffix[1:]
+
+    @property
+    def written_to(self) -> Path | None:
+        """The file that holds the frames now; None when there was no frame."""
+        if self._writer is None:
+            return None
+        part = safety.part_path(self.path)
+        return part if part.exists() else self.path
+
+    def start(self, run: Run) -> None:
+        self._run = run
+
+    def frame(self, frame: Frame) -> None:
+        values = self._values(frame)
+        if self._writer is None:
+            assert self._run is not None
+            shapes = {name: _shape(value) for name, value in values.items()}
+            part = safety.part_path(self.path)
+            self._writer = SbfWriter(part, self.kind, self._header(self._run), shapes)
+        self._writer.append(values)
+
+    def finish(self, error: BaseException | None) -> None:
+        if self._writer is None:
+            return
+        self._writer.close(complete=error is None)
+        if error is None:
+            safety.finish(self.path)
+
+
+def result_sinks(stem: Path, kinds: tuple[str, ...]) -> list[ResultSink]:
+    """The sinks `stem.sbd`, `stem.sbm`, `stem.ltv` of a mode; results of an earlier run are moved to `.bak`.
+
+    Raises UsageError when the folder does not allow it.
+    """
+    sinks = [ResultSink(stem.with_name(f"{stem.name}.{kind}"), *KINDS[kind]) for kind in kinds]
+    for sink in sinks:
+        safety.begin(sink.path)
+    return sinks
+
+
+def sbd_values(frame: Frame) -> dict[str, Any]:
+    """Step variables of the `.sbd`; FXT is the MATLAB variable fxtot."""
+    values: dict[str, Any] = {"T": frame.t}
+    values |= {name.upper(): getattr(frame, name) for name in STATE}
+    values["FXT"] = frame.fxtot
+    for name in OPTIONAL:
+        value = getattr(frame, name)
+        if value is not None:
+            values[name.upper()] = value
+    return values
+
+
+def sbm_values(frame: Frame) -> dict[str, Any]:
+    """Time and the matrices of the linearized equations, as far as the mode computes them."""
+    return {"T": frame.t} | {name.upper(): value for name, value in frame.matrices.items()}
+
+
+def ltv_values(frame: Frame) -> dict[str, Any]:
+    """Time and the state space; a matrix without rows or columns (no inputs, no outputs) is not produced."""
+    return {"T": frame.t} | {n.upper(): v for n, v in frame.state_space.items() if np.size(v)}
+
+
+KINDS: dict[str, tuple[Callable[[Run], Mapping[str, Any]], Callable[[Frame], dict[str, Any]]]] = {
+    "sbd": (sbd_header, sbd_values),
+    "sbm": (sbm_header, sbm_values),
+    "ltv": (ltv_header, ltv_values),
+}
+
+
+def _shape(value: Any) -> tuple[int, int]:
+    """Rows and columns as stored: a number 1 x 1, a vector as a column."""
+    shape = np.shape(value)
+    return (1, 1) if not shape else (shape[0], 1) if len(shape) == 1 else (shape[0], shape[1])
