@@ -1,4 +1,4 @@
-"""Integration of the equations of motion in time (INTEGRAT, ERROR): one table of codes, one function `integrate`."""
+"""Integration in time (INTEGRAT, ERROR): one table of codes and one function, `integrate`."""
 
 from .drive import integrate
 from .methods import METHODS, Method

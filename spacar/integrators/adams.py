@@ -1,15 +1,16 @@
 """Code 0: Adams predictor-corrector of orders 1 to 12 in variable steps (PECE with local extrapolation).
 
-Formulas: theory-system.md section 9.1; method of L. F. Shampine and M. K. Gordon, "Computer Solution of Ordinary
-Differential Equations: The Initial Value Problem", Freeman 1975, chapters 5, 6 and 10. The history is kept as modified
-divided differences phi_1 ... phi_{k+1}, rows of one array, so that prediction and predicted differences of all
-components come from a single small matrix product. Scalar coefficients are plain Python floats: for at most twelve
-terms that is faster than arrays.
+Formulas: theory-system.md section 9.1; method of L. F. Shampine and M. K. Gordon, "Computer Solution of
+Ordinary Differential Equations: The Initial Value Problem", Freeman 1975, chapters 5, 6 and 10. The history
+is kept as modified divided differences phi_1 ... phi_{k+1}, rows of one array, so that prediction and
+predicted differences of all components come from a single small matrix product. Scalar coefficients are plain
+Python floats: for at most twelve terms that is faster than arrays.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import pairwise
 from math import sqrt
 
 import numpy as np
@@ -22,7 +23,8 @@ from .problem import Evaluation, Step, Tolerance
 MAX_ORDER = 12
 # |gamma*_i|, i = 0...13: error constants of the Adams methods in constant steps (index 0 is not used).
 GAMMA_STAR = (
-    0.0, 0.5, 0.0833, 0.0417, 0.0264, 0.0188, 0.0143, 0.0114, 0.00936, 0.00789, 0.00679, 0.00592, 0.00524, 0.00468,
+    0.0, 0.5, 0.0833, 0.0417, 0.0264, 0.0188, 0.0143,
+    0.0114, 0.00936, 0.00789, 0.00679, 0.00592, 0.00524, 0.00468,
 )  # fmt: skip
 
 
@@ -31,7 +33,7 @@ def predictor_weights(alpha: list[float], k: int) -> list[float]:
     row = [1.0 / (q * (q + 1)) for q in range(1, k + 1)]
     g = [1.0, row[0]]
     for a in alpha[1:k]:
-        row = [u - a * v for u, v in zip(row, row[1:], strict=False)]
+        row = [u - a * v for u, v in pairwise(row)]
         g.append(row[0])
     return g
 
@@ -52,8 +54,9 @@ def step_coefficients(
 ) -> tuple[list[float], list[float], list[float], np.ndarray]:
     """Coefficients of a step h of order k whose last n_s steps, this one included, are equal.
 
-    `psi` are the sums of the last i steps at the start of the step. Returns the sums at its end, g_1 ... g_{k+1},
-    sigma_1 ... sigma_{k+1} and the (k+1, k) matrix that maps phi to (sum g_i phi*_i, phi^e_1, ..., phi^e_k).
+    `psi` are the sums of the last i steps at the start of the step. Returns the sums at its end, g_1 ...
+    g_{k+1}, sigma_1 ... sigma_{k+1} and the (k+1, k) matrix that maps phi to (sum g_i phi*_i, phi^e_1, ...,
+    phi^e_k).
     """
     psi_new = [h]
     psi_new += [h + p for p in psi[:-1]]
@@ -84,7 +87,7 @@ def interpolation_weights(tau: float, k: int, psi: list[float]) -> list[float]:
     sum_before = 0.0
     for p in psi[:k]:
         gamma, eta = (tau + sum_before) / p, tau / p
-        row = [gamma * u - eta * v for u, v in zip(row, row[1:], strict=False)]
+        row = [gamma * u - eta * v for u, v in pairwise(row)]
         weights.append(row[0])
         sum_before = p
     return weights

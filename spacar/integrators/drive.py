@@ -1,14 +1,15 @@
 """From an initial state to a stream of outputs: segments between discontinuities, step loops, dense output.
 
-Step control of the variable one-step codes: theory-system.md section 9. Their first step follows Hairer, Norsett,
-Wanner, "Solving Ordinary Differential Equations I", section II.4. Fixed steps are shortened until an integer number of
-them fits between two outputs (or breaks), so fixed-step codes need no interpolation.
+Step control of the variable one-step codes: theory-system.md section 9. Their first step follows Hairer,
+Norsett, Wanner, "Solving Ordinary Differential Equations I", section II.4. Fixed steps are shortened until an
+integer number of them fits between two outputs (or breaks), so fixed-step codes need no interpolation.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import astuple
+from itertools import pairwise
 from math import ceil
 from typing import Any, NoReturn
 
@@ -47,11 +48,12 @@ def integrate(
     rtol      relative error of the variable-step codes, >= 0
     step      step of fixed-step codes (default a tenth of the output step), first step of the others, in s
     max_steps largest number of steps between two outputs
-    breaks    times of discontinuities of F: a step ends and a new start is made at each; the values used on either
-              side are those four rounding units of the time away from it
+    breaks    times of discontinuities of F: a step ends and a new start is made at each; the values used on
+              either side are those four rounding units of the time away from it
 
-    Raises UsageError for wrong arguments and AnalysisError (codes `integrator.*`, or the code of the error raised by
-    the problem) when the integration fails. The arguments are checked at the call, not at the first output.
+    Raises UsageError for wrong arguments and AnalysisError (codes `integrator.*`, or the code of the error
+    raised by the problem) when the integration fails. The arguments are checked at the call, not at the first
+    output.
     """
     row = method(code)
     state = np.array(y0, dtype=float)
@@ -62,8 +64,8 @@ def integrate(
     integrator = row.build(evaluation, len(state), Tolerance(float(atol), float(rtol)))
     segments = _segments(first, last, breaks)
     loop = _variable if row.variable_step else _fixed
-    return _outputs(loop(row, integrator, evaluation, state, output_times, segments, step), state, output_times,
-                    evaluation, max_steps)  # fmt: skip
+    steps = loop(row, integrator, evaluation, state, output_times, segments, step)
+    return _outputs(steps, state, output_times, evaluation, max_steps)
 
 
 def _check(y0: np.ndarray, times: np.ndarray, atol: float, rtol: float, step: float | None) -> None:
@@ -81,8 +83,8 @@ def _check(y0: np.ndarray, times: np.ndarray, atol: float, rtol: float, step: fl
         a, b = times[bad[0]], times[bad[0] + 1]
         wrong(f"output times must increase: {b:.9g} s follows {a:.9g} s", "integrator.times")
     if not (atol > 0.0 and rtol >= 0.0):
-        wrong(f"ERROR: the absolute error must be positive and the relative one not negative ({atol}, {rtol})",
-              "integrator.tolerance")  # fmt: skip
+        text = f"the absolute error must be positive and the relative one not negative, not {atol} and {rtol}"
+        wrong(f"ERROR: {text}", "integrator.tolerance")
     if step is not None and not step > 0.0:
         wrong(f"INTEGRAT: the step size must be positive, not {step}", "integrator.step")
 
@@ -102,7 +104,7 @@ def _segments(first: float, last: float, breaks: Sequence[float]) -> list[tuple[
     ends = [first, *inner, last]
     return [
         (a, b, a + shift if i or at_first else a, b - shift if i < len(inner) or at_last else b)
-        for i, (a, b) in enumerate(zip(ends, ends[1:], strict=False))
+        for i, (a, b) in enumerate(pairwise(ends))
     ]
 
 
@@ -156,7 +158,8 @@ def _variable(
 
 
 def _one_step(integrator: Any, estimate: bool) -> Callable[[float, np.ndarray, float, float], Iterator[Step]]:
-    """The variable-step loop of a Runge-Kutta code, in the form of Adams.steps; `estimate` the first step of a run."""
+    """The variable-step loop of a Runge-Kutta code, in the form of Adams.steps; `estimate` the first step
+    of a run."""
     exponent, smallest, largest = integrator.controller
     evaluation: Evaluation = integrator.evaluation
 

@@ -1,4 +1,5 @@
-"""The ways in which an integration can fail, as errors that say when, how far, which component and what to try."""
+"""The ways in which an integration can fail, as errors that say when, how far, which component and what to
+try."""
 
 from __future__ import annotations
 
@@ -11,16 +12,17 @@ MAX_REDUCTIONS = 10
 REDUCTION = 0.25
 
 STIFF_ADVICE = (
-    "A stiff model (high-frequency vibration) wants an implicit code, INTEGRAT 320, 330, 420 or 430, or its stiff "
-    "deformations made rigid; otherwise look for a singular position at this time or enlarge ERROR"
+    "A stiff model (high-frequency vibration) wants an implicit code, INTEGRAT 320, 330, 420 or 430, or its "
+    "stiff deformations made rigid; otherwise look for a singular position at this time or enlarge ERROR"
 )
 
 
 def step_too_small(evaluation: Evaluation, t: float, h: float, error: float, component: int) -> AnalysisError:
-    """The step fell below the resolution of the time; `error` is the estimate as a multiple of the tolerance."""
+    """The step fell below the resolution of the time; `error` is the estimate as a multiple of the
+    tolerance."""
     return AnalysisError(
-        f"the integration stopped at t = {t:.9g} s: with step size {h:.3g} s the error estimate is still {error:.3g} "
-        f"times the tolerance, largest in {evaluation.name(component)}. {STIFF_ADVICE}",
+        f"the integration stopped at t = {t:.9g} s: with step size {h:.3g} s the error estimate is "
+        f"still {error:.3g} times the tolerance, largest in {evaluation.name(component)}. {STIFF_ADVICE}",
         "integrator.step-too-small",
         t=t,
         step=h,
@@ -32,8 +34,8 @@ def step_too_small(evaluation: Evaluation, t: float, h: float, error: float, com
 def too_many_steps(t: float, h: float, limit: int) -> AnalysisError:
     """More than `limit` steps between two outputs."""
     return AnalysisError(
-        f"more than {limit} integration steps between two output times at t = {t:.9g} s (step size {h:.3g} s). "
-        f"{STIFF_ADVICE}",
+        f"more than {limit} integration steps between two output times at t = {t:.9g} s "
+        f"(step size {h:.3g} s). {STIFF_ADVICE}",
         "integrator.too-many-steps",
         t=t,
         step=h,
@@ -47,7 +49,9 @@ def not_evaluated(cause: AnalysisError, t: float, h: float, reductions: int = 0)
         advice = "look for a singular position or a vanishing mass at this time"
     else:
         what = f"with step size {h:.3g} s"
-        advice = "try a smaller step size (INTEGRAT position 2) or a code with variable steps (INTEGRAT 0 or 155)"
+        advice = (
+            "try a smaller step size (INTEGRAT position 2) or a code with variable steps (INTEGRAT 0 or 155)"
+        )
     return AnalysisError(
         f"{cause}; the integration stopped at t = {t:.9g} s {what}: {advice}",
         cause.code,
@@ -55,12 +59,15 @@ def not_evaluated(cause: AnalysisError, t: float, h: float, reductions: int = 0)
     )
 
 
-def newton_failed(evaluation: Evaluation, t: float, h: float, change: float, component: int, limit: float) -> AnalysisError:
+def newton_failed(
+    evaluation: Evaluation, t: float, h: float, change: float, component: int, limit: float
+) -> AnalysisError:
     """The stage equations of an implicit code were not solved."""
     return AnalysisError(
-        f"the implicit integrator's Newton iteration did not converge in the step of {h:.3g} s from t = {t:.9g} s: "
-        f"last change {change:.3g} in {evaluation.name(component)}, required {limit:.3g}. Try a smaller step size "
-        "(INTEGRAT position 2) or, when the change is at rounding level, a larger absolute error (ERROR position 1)",
+        "the implicit integrator's Newton iteration did not converge in the step of "
+        f"{h:.3g} s from t = {t:.9g} s: last change {change:.3g} in {evaluation.name(component)}, "
+        f"required {limit:.3g}. Try a smaller step size (INTEGRAT position 2) or, when the change is at "
+        "rounding level, a larger absolute error (ERROR position 1)",
         "integrator.newton",
         t=t,
         step=h,
@@ -72,8 +79,8 @@ def newton_failed(evaluation: Evaluation, t: float, h: float, change: float, com
 def second_order_needed(code: int, n_positions: int, n_velocities: int) -> AnalysisError:
     """Codes 220 and 225 on a system with kinematic coordinates."""
     return AnalysisError(
-        f"INTEGRAT {code} needs as many velocities as positions, the model has {n_velocities} and {n_positions} "
-        "(kinematic coordinates of non-holonomic constraints): use INTEGRAT 0, 155 or 140",
+        f"INTEGRAT {code} needs as many velocities as positions, the model has {n_velocities} and "
+        f"{n_positions} (kinematic coordinates of non-holonomic constraints): use INTEGRAT 0, 155 or 140",
         "integrator.second-order",
         n_positions=n_positions,
         n_velocities=n_velocities,

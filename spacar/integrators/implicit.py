@@ -1,8 +1,8 @@
-"""Codes 310, 320, 330 (linearly implicit, Rosenbrock) and 410, 420, 430 (implicit Euler, SDIRK), fixed steps, L-stable.
+"""Codes 310, 320, 330 (Rosenbrock) and 410, 420, 430 (implicit Euler, SDIRK): fixed steps, L-stable.
 
-Formulas: theory-system.md section 9. Rosenbrock methods: H. H. Rosenbrock, Computer J. 5 (1963) 329; 330 is the
-three-stage method ROS3 of A. Sandu et al., Atmos. Environ. 31 (1997) 3459. SDIRK methods: R. Alexander, SIAM J. Numer.
-Anal. 14 (1977) 1006. The Jacobian J = dF/dy and F_t = dF/dt come from the exact linearization.
+Formulas: theory-system.md section 9. Rosenbrock methods: H. H. Rosenbrock, Computer J. 5 (1963) 329; 330 is
+the three-stage method ROS3 of A. Sandu et al., Atmos. Environ. 31 (1997) 3459. SDIRK methods: R. Alexander,
+SIAM J. Numer. Anal. 14 (1977) 1006. The Jacobian J = dF/dy and F_t = dF/dt come from the exact linearization.
 """
 
 from __future__ import annotations
@@ -29,8 +29,9 @@ def factored(matrix: np.ndarray, t: float, h: float) -> Callable[[np.ndarray], n
     lu, pivots, info = dgetrf(matrix)
     if info > 0:
         raise AnalysisError(
-            f"the iteration matrix of the implicit integrator is singular at t = {t:.9g} s with step size {h:.3g} s "
-            "(an unstable mode grows exactly with this step): change the step size (INTEGRAT position 2)",
+            f"the iteration matrix of the implicit integrator is singular at t = {t:.9g} s with step size "
+            f"{h:.3g} s (an unstable mode grows exactly with this step): change the step size "
+            "(INTEGRAT position 2)",
             "integrator.singular",
             t=t,
             step=h,
@@ -87,9 +88,8 @@ class Rosenbrock3(_FixedStep):
         h_ft = h * f_t
         g, m = self.g, self.m
         u1 = solve(hg * (self.evaluation.rhs(t, y) + g[0] * h_ft))
-        # Stages 2 and 3 have the same arguments (a21 = a31 = 1, a32 = 0, equal alpha), hence the same F. The copy
-        # is needed: F may live in a buffer of the problem.
-        f = self.evaluation.rhs(t + GAMMA_3 * h, y + u1).copy()
+        # Stages 2 and 3 have the same arguments (a21 = a31 = 1, a32 = 0, equal alpha), hence the same F.
+        f = self.evaluation.rhs(t + GAMMA_3 * h, y + u1)
         u2 = solve(hg * (f + (self.c21 / h) * u1 + g[1] * h_ft))
         u3 = solve(hg * (f + (self.c31 / h) * u1 + (self.c32 / h) * u2 + g[2] * h_ft))
         self.y_new = y + m[0] * u1 + m[1] * u2 + m[2] * u3
@@ -111,8 +111,8 @@ def sdirk_tableau(code: int) -> tuple[np.ndarray, np.ndarray]:
 class SinglyDiagonallyImplicit(_FixedStep):
     """410, 420, 430: stages k_i = F(t + c_i h, y + h sum_j a_ij k_j) by modified Newton.
 
-    I - h gamma J is factored once per step. Converged when all |h dk_i| <= absolute error; after ten iterations once
-    more ten with the Jacobian at the iterate, then AnalysisError `integrator.newton`.
+    I - h gamma J is factored once per step. Converged when all |h dk_i| <= absolute error; after ten
+    iterations once more ten with the Jacobian at the iterate, then AnalysisError `integrator.newton`.
     """
 
     def __init__(self, code: int, evaluation: Evaluation, n: int, tolerance: Tolerance) -> None:
@@ -134,8 +134,8 @@ class SinglyDiagonallyImplicit(_FixedStep):
             stages[i] = stages[i - 1]
             t_i = t + c * h
             if not self._newton(solve, t_i, h, base, stages[i]):
-                renewed = factored(self.identity - hg * self.evaluation.jacobian(t_i, base + hg * stages[i])[0], t, h)
-                solve = renewed
+                jacobian = self.evaluation.jacobian(t_i, base + hg * stages[i])[0]
+                solve = factored(self.identity - hg * jacobian, t, h)
                 if not self._newton(solve, t_i, h, base, stages[i]):
                     change = np.abs(h * self.last_change)
                     worst = int(np.argmax(change))

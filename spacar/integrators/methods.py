@@ -18,7 +18,8 @@ from .tableaus import BOGACKI_SHAMPINE, DORMAND_PRINCE, KUTTA
 
 @dataclass(frozen=True, slots=True)
 class Method:
-    """One integration code. `order` 0 means variable order; `original` is False for codes that only we have."""
+    """One integration code. `order` 0 means variable order; `original` is False for codes that only we
+    have."""
 
     code: int
     name: str
@@ -36,7 +37,8 @@ _ROWS = (
            partial(ExplicitRungeKutta, BOGACKI_SHAMPINE)),
     Method(135, "explicit Runge-Kutta 3(2)", 3, True, False, "Bogacki & Shampine 1989",
            partial(ExplicitRungeKutta, BOGACKI_SHAMPINE)),
-    Method(140, "explicit Runge-Kutta, order 4", 4, False, False, "Kutta 1901", partial(ExplicitRungeKutta, KUTTA)),
+    Method(140, "explicit Runge-Kutta, order 4", 4, False, False, "Kutta 1901",
+           partial(ExplicitRungeKutta, KUTTA)),
     Method(155, "explicit Runge-Kutta 5(4)", 5, True, False, "Dormand & Prince 1980",
            partial(ExplicitRungeKutta, DORMAND_PRINCE)),
     Method(220, "explicit Runge-Kutta for second order systems, order 2", 2, False, False, "Nystrom 1925",

@@ -1,4 +1,5 @@
-"""What an integrator needs from a problem and what it gives back: protocol, records and the counted evaluation."""
+"""What an integrator needs from a problem and what it gives back: protocol, records and the counted
+evaluation."""
 
 from __future__ import annotations
 
@@ -15,11 +16,11 @@ from spacar.errors import AnalysisError
 class Problem(Protocol):
     """First-order problem dy/dt = F(t, y) with y = (positions, velocities), shape (n,).
 
-    Positions include the kinematic coordinates of a non-holonomic system; the second-order codes 220 and 225 need
-    `len(y) == 2 * n_positions`. `rhs` may return the same array at every call: integrators copy what they keep. It
-    must neither change nor keep the `y` it is given. Two optional members are used when they are present:
-    `accepted(t, y) -> None`, called after each accepted step so that a problem can update its branch memory, and
-    `component_name(i) -> str`, the name of state component `i` in messages.
+    Positions include the kinematic coordinates of a non-holonomic system; the second-order codes 220 and 225
+    need `len(y) == 2 * n_positions`. `rhs` may return the same array at every call: integrators copy what
+    they keep. It must neither change nor keep the `y` it is given. Two optional members are used when they
+    are present: `accepted(t, y) -> None`, called after each accepted step so that a problem can update its
+    branch memory, and `component_name(i) -> str`, the name of state component `i` in messages.
     """
 
     n_positions: int
@@ -56,7 +57,8 @@ class Output:
 
 
 class Step(NamedTuple):
-    """An accepted step to `t`; `y` and `interpolate` are valid until the integrator is asked for the next step."""
+    """An accepted step to `t`; `y` and `interpolate` are valid until the integrator is asked for the next
+    step."""
 
     t: float
     y: np.ndarray
@@ -64,7 +66,8 @@ class Step(NamedTuple):
 
 
 class Tolerance(NamedTuple):
-    """Absolute and relative error, ERROR positions 1 and 2; the weight of y_i is `relative * |y_i| + absolute`."""
+    """Absolute and relative error, ERROR positions 1 and 2; the weight of y_i is `relative * |y_i| +
+    absolute`."""
 
     absolute: float
     relative: float
@@ -99,9 +102,8 @@ class Evaluation:
         # One dot product finds every inf and nan; only when it is not finite does the exact check run.
         if not isfinite(f.dot(f)) and not np.isfinite(f).all():
             i = int(np.flatnonzero(~np.isfinite(f))[0])
-            raise AnalysisError(
-                f"the derivative of {self.name(i)} is {f[i]} at t = {t:.9g} s", "integrator.not-finite", t=t, component=i
-            )
+            text = f"the derivative of {self.name(i)} is {f[i]} at t = {t:.9g} s"
+            raise AnalysisError(text, "integrator.not-finite", t=t, component=i)
         return f
 
     def jacobian(self, t: float, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -118,4 +120,5 @@ class Evaluation:
     def name(self, i: int) -> str:
         """State component `i` in words."""
         component_name = getattr(self.problem, "component_name", None)
-        return f"state component {i}" if component_name is None else f"{component_name(i)} (state component {i})"
+        number = f"state component {i}"
+        return number if component_name is None else f"{component_name(i)} ({number})"

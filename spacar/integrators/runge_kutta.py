@@ -1,7 +1,7 @@
 """Explicit Runge-Kutta codes in fixed steps (130, 140) and variable steps (135, 155, 853).
 
-A step is y+ = y + h b K with the stages K_i = F(t + c_i h, y + h sum_j a_ij K_j); K has one row per stage and a last row
-F(t + h, y+), which is the first stage of the next step.
+A step is y+ = y + h b K with the stages K_i = F(t + c_i h, y + h sum_j a_ij K_j); K has one row per stage and
+a last row F(t + h, y+), which is the first stage of the next step.
 """
 
 from __future__ import annotations
@@ -15,11 +15,20 @@ from .problem import Evaluation, Tolerance
 from .tableaus import Tableau
 
 
-def hermite(t: float, h: float, y: np.ndarray, f: np.ndarray, y_new: np.ndarray, f_new: np.ndarray) -> np.ndarray:
-    """Cubic through y, y_new with slopes f, f_new, at t from the step start; for y = (q, v) it uses accelerations."""
+def hermite(
+    t: float, h: float, y: np.ndarray, f: np.ndarray, y_new: np.ndarray, f_new: np.ndarray
+) -> np.ndarray:
+    """Cubic through y, y_new with slopes f, f_new, at t from the step start; for y = (q, v) it uses
+    accelerations."""
     s = t / h
     r = 1.0 - s
-    return (r * r * (1.0 + 2.0 * s)) * y + (s * s * (3.0 - 2.0 * s)) * y_new + (h * s * r) * (r * f - s * f_new)
+    value = (r * r * (1.0 + 2.0 * s)) * y + (s * s * (3.0 - 2.0 * s)) * y_new
+    return value + (h * s * r) * (r * f - s * f_new)
+
+
+def weights(tolerance: Tolerance, y: np.ndarray, y_new: np.ndarray) -> np.ndarray:
+    """Tolerance of each component, from the larger of the values at the two step ends, shape (n,)."""
+    return tolerance.absolute + tolerance.relative * np.maximum(np.abs(y), np.abs(y_new))
 
 
 class ExplicitRungeKutta:
@@ -64,17 +73,14 @@ class ExplicitRungeKutta:
         self.stages[0] = self.stages[-1]
 
     def attempt(self, h: float) -> float:
-        """A trial step; returns the error estimate as a multiple of the tolerance, `scaled` holds its components."""
+        """A trial step; returns the error estimate as a multiple of the tolerance, `scaled` holds its
+        components."""
         self.h = h
         self._stages(self.t, h)
         self.stages[-1] = self.evaluation.rhs(self.t + h, self.y_new)
         np.matmul(self.tableau.error, self.stages, self.scaled)  # type: ignore[arg-type]
-        np.divide(self.scaled, self.weights(), self.scaled)
+        np.divide(self.scaled, weights(self.tolerance, self.y, self.y_new), self.scaled)
         return h * sqrt(self.scaled.dot(self.scaled) / len(self.scaled))
-
-    def weights(self) -> np.ndarray:
-        """Tolerance of each component, from the larger of the values at the two step ends."""
-        return self.tolerance.absolute + self.tolerance.relative * np.maximum(np.abs(self.y), np.abs(self.y_new))
 
     def finish(self) -> None:
         """Nothing left to evaluate: the last stage is F at the step end."""
@@ -105,9 +111,9 @@ class DormandPrince853(ExplicitRungeKutta):
         """A trial step; the two estimates e5, e3 combine to h e5^2 / sqrt(e5^2 + 0.01 e3^2)."""
         self.h = h
         self._stages(self.t, h)
-        weights = self.weights()
-        low = (dop853.ERROR_3 @ self.stages[:-1]) / weights
-        np.divide(dop853.ERROR_5 @ self.stages[:-1], weights, self.scaled)
+        weight = weights(self.tolerance, self.y, self.y_new)
+        low = (dop853.ERROR_3 @ self.stages[:-1]) / weight
+        np.divide(dop853.ERROR_5 @ self.stages[:-1], weight, self.scaled)
         e5, e3 = float(self.scaled.dot(self.scaled)), float(low.dot(low))
         if e5 == 0.0:
             return 0.0

@@ -1,7 +1,7 @@
 """Codes 220 and 225: two-stage explicit Runge-Kutta method for q'' = f(t, q, q').
 
-Formulas: theory-system.md section 9; a member of the Nystrom family, E. J. Nystrom, Acta Soc. Sci. Fenn. 50 (1925),
-see Hairer, Norsett, Wanner, "Solving Ordinary Differential Equations I", section II.14.
+Formulas: theory-system.md section 9; a member of the Nystrom family, E. J. Nystrom, Acta Soc. Sci. Fenn. 50
+(1925), see Hairer, Norsett, Wanner, "Solving Ordinary Differential Equations I", section II.14.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 
 from .failures import second_order_needed
 from .problem import Evaluation, Tolerance
-from .runge_kutta import hermite
+from .runge_kutta import hermite, weights
 
 
 class RungeKuttaNystrom:
@@ -64,11 +64,11 @@ class RungeKuttaNystrom:
         self._step(t, h)
 
     def attempt(self, h: float) -> float:
-        """A trial step; returns the error estimate as a multiple of the tolerance, `scaled` holds its components."""
+        """A trial step; returns the error estimate as a multiple of the tolerance, `scaled` holds its
+        components."""
         self.h = h
         self._step(self.t, h)
-        weights = self.tolerance.absolute + self.tolerance.relative * np.maximum(np.abs(self.y), np.abs(self.y_new))
-        np.divide(self.y_new - self.work, weights, self.scaled)
+        np.divide(self.y_new - self.work, weights(self.tolerance, self.y, self.y_new), self.scaled)
         return sqrt(self.scaled.dot(self.scaled) / len(self.scaled))
 
     def finish(self) -> None:
