@@ -67,6 +67,16 @@ class Run:
         return analysis(self)
 
 
+def find_mode(number: int) -> Mode:
+    """The mode of this number; a minus sign (no drawing) does not matter. Raises UsageError."""
+    if abs(number) not in MODES:
+        known = ", ".join(str(m) for m in MODES)
+        old = abs(number) in (5, 6)
+        hint = "; modes 5 and 6 were experimental in the original and are not provided" if old else ""
+        raise UsageError(f"mode {number} does not exist; the modes are {known}{hint}", "usage.mode")
+    return MODES[abs(number)]
+
+
 def frames(mode: int, source: str | Path | Deck, *, nominal: Any = None, **options: Any) -> Run:
     """Prepare an analysis: read, check and number the model; the frames come when the returned Run is iterated over.
 
@@ -76,13 +86,9 @@ def frames(mode: int, source: str | Path | Deck, *, nominal: Any = None, **optio
     from spacar.deck import Deck, read_deck
     from spacar.mechanism import build
 
-    number = abs(mode)
-    if number not in MODES:
-        known = ", ".join(str(m) for m in MODES)
-        hint = "; modes 5 and 6 were experimental in the original and are not provided" if number in (5, 6) else ""
-        raise UsageError(f"mode {mode} does not exist; the modes are {known}{hint}", "usage.mode")
-    deck = source if isinstance(source, Deck) else read_deck(source, number)
-    return Run(MODES[number], build(deck, number, **options), nominal=nominal)
+    found = find_mode(mode)
+    deck = source if isinstance(source, Deck) else read_deck(source, found.number)
+    return Run(found, build(deck, found.number, **options), nominal=nominal)
 
 
 def run(mode: int, source: str | Path | Deck, *, nominal: Any = None, **options: Any) -> Result:
