@@ -67,7 +67,9 @@ def _coefficients(prefix: str, damping: bool) -> tuple[Variant, ...]:
     stretch = real(f"E{d}A", f"N{s}")
     bend2 = real(f"E{d}I", f"N m^2{s}", 0.0)
     torsion, bend_y, bend_z = (real(n, f"N m^2{s}", 0.0) for n in (f"G{d}It", f"E{d}Iy", f"E{d}Iz"))
-    generic = tuple(real(f"{prefix}{i}", f"coefficient of mode {i}", None if i == 1 else 0.0) for i in range(1, 7))
+    generic = tuple(
+        real(f"{prefix}{i}", f"coefficient of mode {i}", None if i == 1 else 0.0) for i in range(1, 7)
+    )
     beam2: tuple[Parameter, ...] = (stretch, bend2)
     beam3: tuple[Parameter, ...] = (stretch, torsion, bend_y, bend_z)
     if not damping:
@@ -129,7 +131,11 @@ def _acceleration(text: str) -> tuple[Variant, ...]:
 
 # -- motion -----------------------------------------------------------------------------------------------------------
 
-_MOTION = (real("start value", "", 0.0), real("start rate", "1/s", 0.0), real("constant acceleration", "1/s^2", 0.0))
+_MOTION = (
+    real("start value", "", 0.0),
+    real("start rate", "1/s", 0.0),
+    real("constant acceleration", "1/s^2", 0.0),
+)
 _START_X = "The default start value of a position is the value given with X; lambda0 has 1."
 _START_E = "A start value is the deformation with respect to the configuration given with X."
 
@@ -140,8 +146,10 @@ KEYWORDS = (
         "lumped mass or inertia of a node",
         XM_FORMS,
         unique=1,
-        notes=("Components of the tensor about the global axes in the initial configuration; Jxy etc. carry a minus sign "
-               "against the products of inertia.",),
+        notes=(
+            "Components of the tensor about the global axes in the initial configuration; Jxy etc. carry a minus sign "
+            "against the products of inertia.",
+        ),
     ),
     Keyword(
         "EM",
@@ -149,7 +157,9 @@ KEYWORDS = (
         "distributed mass of an element",
         _EM,
         unique=1,
-        notes=("End condition of a tube: 0 spherical flow at p and q, 1 jet at p, 2 jet at q, 3 jets at both.",),
+        notes=(
+            "End condition of a tube: 0 spherical flow at p and q, 1 jet at p, 2 jet at q, 3 jets at both.",
+        ),
     ),
     Keyword(
         "XGYRO",
@@ -169,8 +179,10 @@ KEYWORDS = (
             ),
         ),
         unique=1,
-        notes=("Free rotor: components of its absolute angular velocity; prescribed: of the constant one relative to the "
-               "carrier.",),
+        notes=(
+            "Free rotor: components of its absolute angular velocity; prescribed: of the constant one relative to the "
+            "carrier.",
+        ),
     ),
     Keyword(
         "MEE",
@@ -182,7 +194,9 @@ KEYWORDS = (
         ),
         unique=-1,
     ),
-    Keyword("XF", _D, "external force on a node, constant in time", _force("force"), unique=1, notes=_XF_NOTES),
+    Keyword(
+        "XF", _D, "external force on a node, constant in time", _force("force"), unique=1, notes=_XF_NOTES
+    ),
     Keyword(
         "USERSIG",
         _D,
@@ -192,11 +206,19 @@ KEYWORDS = (
         notes=("time, sig, f = name(t, ne, le, e, ep, nx, lnp, x, xp), in name.py beside the input file.",),
     ),
     Keyword(
-        "GRAVITY", _D, "acceleration of gravity", _acceleration("component"), unique=0,
+        "GRAVITY",
+        _D,
+        "acceleration of gravity",
+        _acceleration("component"),
+        unique=0,
         notes=("Acts on lumped and distributed mass.",),
     ),
     Keyword(
-        "ESTIFF", _D, "stiffness of an element", _coefficients("S", False), unique=1,
+        "ESTIFF",
+        _D,
+        "stiffness of an element",
+        _coefficients("S", False),
+        unique=1,
         notes=("Unspecified values are zero; a zero shear parameter means no shear flexibility.",),
     ),
     Keyword("EDAMP", _D, "damping of an element (Kelvin-Voigt)", _coefficients("Sd", True), unique=1),
@@ -209,20 +231,36 @@ KEYWORDS = (
         unique=0,
     ),
     Keyword(
-        "INPUTX", _D, "time function of a prescribed coordinate",
-        (form((NODE, COORDINATE, *_MOTION)),), unique=2, notes=(_START_X,),
+        "INPUTX",
+        _D,
+        "time function of a prescribed coordinate",
+        (form((NODE, COORDINATE, *_MOTION)),),
+        unique=2,
+        notes=(_START_X,),
     ),
     Keyword(
-        "INPUTE", _D, "time function of a prescribed deformation",
-        (form((ELEMENT, MODE, *_MOTION)),), unique=2, notes=(_START_E,),
+        "INPUTE",
+        _D,
+        "time function of a prescribed deformation",
+        (form((ELEMENT, MODE, *_MOTION)),),
+        unique=2,
+        notes=(_START_E,),
     ),
     Keyword(
-        "STARTDX", _D, "start value of a dynamic coordinate",
-        (form((NODE, COORDINATE, *_MOTION[:2])),), unique=2, notes=(_START_X,),
+        "STARTDX",
+        _D,
+        "start value of a dynamic coordinate",
+        (form((NODE, COORDINATE, *_MOTION[:2])),),
+        unique=2,
+        notes=(_START_X,),
     ),
     Keyword(
-        "STARTDE", _D, "start value of a dynamic deformation",
-        (form((ELEMENT, MODE, *_MOTION[:2])),), unique=2, notes=(_START_E,),
+        "STARTDE",
+        _D,
+        "start value of a dynamic deformation",
+        (form((ELEMENT, MODE, *_MOTION[:2])),),
+        unique=2,
+        notes=(_START_E,),
     ),
     Keyword(
         "USERINP",
@@ -230,8 +268,10 @@ KEYWORDS = (
         "user function with prescribed motion",
         (form((Parameter("name of the function", "name"),)),),
         unique=0,
-        notes=("t, e, x = name(t, is), in name.py beside the input file; each row of e and x is number, mode or coordinate "
-               "number, value, rate, acceleration.",),
+        notes=(
+            "t, e, x = name(t, is), in name.py beside the input file; each row of e and x is number, mode or coordinate "
+            "number, value, rate, acceleration.",
+        ),
     ),
     Keyword(
         "INTEGRAT",
@@ -239,9 +279,11 @@ KEYWORDS = (
         "integration method",
         (form((integer("type of integrator"), real("step size or initial step size", "s", 0.0))),),
         unique=0,
-        notes=("Types: 0 Shampine-Gordon (default); 130, 140 explicit Runge-Kutta of order 3, 4 with fixed step, 135, 155 of "
-               "order 3, 5 with variable step; 220, 225 for second order systems, fixed and variable; 310, 320, 330 "
-               "Rosenbrock; 410 implicit Euler; 420, 430 diagonally implicit Runge-Kutta.",),
+        notes=(
+            "Types: 0 Shampine-Gordon (default); 130, 140 explicit Runge-Kutta of order 3, 4 with fixed step, 135, 155 of "
+            "order 3, 5 with variable step; 220, 225 for second order systems, fixed and variable; 310, 320, 330 "
+            "Rosenbrock; 410 implicit Euler; 420, 430 diagonally implicit Runge-Kutta.",
+        ),
     ),
     Keyword(
         "ERROR",
@@ -249,7 +291,9 @@ KEYWORDS = (
         "error tolerances of the integration",
         (form((real("absolute error", "", 1e-5), real("relative error", "", 1e-4)), 1, 2),),
         unique=0,
-        notes=("Used by types 0, 135, 155, 225; for 410, 420, 430 the absolute error is the tolerance of the Newton iteration.",),
+        notes=(
+            "Used by types 0, 135, 155, 225; for 410, 420, 430 the absolute error is the tolerance of the Newton iteration.",
+        ),
     ),
     Keyword(
         "ITERSTEP",
@@ -269,24 +313,43 @@ KEYWORDS = (
             ),
         ),
         unique=0,
-        notes=("Type 0: initial loading; 1: the same with N0 zero; 2: initial and additional loading; 3: the same with N0 zero.",),
+        notes=(
+            "Type 0: initial loading; 1: the same with N0 zero; 2: initial and additional loading; 3: the same with N0 zero.",
+        ),
     ),
-    Keyword("DELXF", _D, "increment of the force on a node", _force("increment of force"), unique=1, notes=_XF_NOTES),
+    Keyword(
+        "DELXF",
+        _D,
+        "increment of the force on a node",
+        _force("increment of force"),
+        unique=1,
+        notes=_XF_NOTES,
+    ),
     Keyword("DELGRAV", _D, "increment of the acceleration of gravity", _acceleration("increment"), unique=0),
     Keyword(
-        "DELOMF", _D, "increment of the mass flow rate of a tube",
-        (form((ELEMENT, real("increment of the mass flow rate", "kg/s")), types="PLTUBE TUBE"),), unique=1,
-    ),
-    Keyword("DELESIG", _D, "increment of the preload of an element", _preload("increment of the stress"), unique=1),
-    Keyword(
-        "DELINPX", _D, "increment of a prescribed coordinate",
-        (form((NODE, COORDINATE, real("increment of the start value"))),), unique=2,
+        "DELOMF",
+        _D,
+        "increment of the mass flow rate of a tube",
+        (form((ELEMENT, real("increment of the mass flow rate", "kg/s")), types="PLTUBE TUBE"),),
+        unique=1,
     ),
     Keyword(
-        "DELINPE", _D, "increment of a prescribed deformation",
-        (form((ELEMENT, MODE, real("increment of the start value"))),), unique=2,
+        "DELESIG", _D, "increment of the preload of an element", _preload("increment of the stress"), unique=1
+    ),
+    Keyword(
+        "DELINPX",
+        _D,
+        "increment of a prescribed coordinate",
+        (form((NODE, COORDINATE, real("increment of the start value"))),),
+        unique=2,
+    ),
+    Keyword(
+        "DELINPE",
+        _D,
+        "increment of a prescribed deformation",
+        (form((ELEMENT, MODE, real("increment of the start value"))),),
+        unique=2,
     ),
 )
 
 INTEGRATORS = (0, 130, 135, 140, 155, 220, 225, 310, 320, 330, 410, 420, 430)
-

@@ -18,13 +18,19 @@ from spacar.deck.table_types import (
     vector,
 )
 
-P, O = "position", "orientation"  # noqa: E741
+P, O = "position", "orientation"
 _BEAM = ((P, O, P, O), ("p position node", "p orientation node", "q position node", "q orientation node"))
 _BAR = ((P, P), ("p position node", "q position node"))
 _JOINT = ((O, O), ("p orientation node", "q orientation node"))
 _BODY = ((P, O, P), ("p position node", "p orientation node", "q position node"))
-_WHEEL = ((P, O, P), ("p position node (wheel centre)", "p orientation node (wheel)", "q position node (contact point)"))
-_PLWHEEL = ((P, O, O), ("position node (wheel centre)", "orientation node (yaw angle)", "orientation node (spin angle)"))
+_WHEEL = (
+    (P, O, P),
+    ("p position node (wheel centre)", "p orientation node (wheel)", "q position node (contact point)"),
+)
+_PLWHEEL = (
+    (P, O, O),
+    ("position node (wheel centre)", "orientation node (yaw angle)", "orientation node (spin angle)"),
+)
 
 _BEND2 = (("elongation", "m"), ("bending at p", "m"), ("bending at q", "m"))
 _BEND3 = (
@@ -58,7 +64,10 @@ _Y3 = vector("initial direction of the principal y' axis,", "x y z")
 _X3 = vector("initial direction of the x' axis (axis of rotation),", "x y z")
 _SPIN3 = vector("initial direction of the spin axis,", "x y z")
 _COUPLING = real("torsion-elongation coupling f", "m^2", 0.0)
-_RADII = (real("base circle radius of the first pulley", "m"), real("base circle radius of the second pulley", "m"))
+_RADII = (
+    real("base circle radius of the first pulley", "m"),
+    real("base circle radius of the second pulley", "m"),
+)
 _TANGENTS = (
     real("initial rotation of the tangent at p from the line pq", "rad", 0.0),
     real("initial rotation of the tangent at q from the line pq", "rad", 0.0),
@@ -132,7 +141,9 @@ _ALL = (
         notes=("Not supported, as in the original program.",),
     ),
     _type("PLPINBOD", "planar pinbody", 10, True, _BODY, _BODY_MODES[:2], stiffness=(2, 3)),
-    _type("PLRBEAM", "planar rigid beam", 10, True, _BODY, _BODY_MODES[:2], stiffness=(2, 3), length="always"),
+    _type(
+        "PLRBEAM", "planar rigid beam", 10, True, _BODY, _BODY_MODES[:2], stiffness=(2, 3), length="always"
+    ),
     _type(
         "PLWHEEL",
         "planar wheel",
@@ -286,7 +297,9 @@ def types_of(*, planar: bool | None = None, modes: int = 1, nodes: tuple[str, ..
     return " ".join(
         t.keyword
         for t in _ALL
-        if (planar is None or t.planar == planar) and len(t.modes) >= modes and (not nodes or t.nodes == nodes)
+        if (planar is None or t.planar == planar)
+        and len(t.modes) >= modes
+        and (not nodes or t.nodes == nodes)
     )
 
 

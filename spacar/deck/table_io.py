@@ -38,7 +38,11 @@ TRAJECTORIES = (
         "path: rotation of an orientation node",
         (
             form((ORIENTATION, real("total angle", "rad")), 2, space="planar"),
-            form((ORIENTATION, real("total angle", "rad"), *vector("fixed axis", "h1 h2 h3")), 5, space="spatial"),
+            form(
+                (ORIENTATION, real("total angle", "rad"), *vector("fixed axis", "h1 h2 h3")),
+                5,
+                space="spatial",
+            ),
         ),
     ),
     Keyword(
@@ -55,7 +59,11 @@ TRAJECTORIES = (
         _T,
         "path: circular arc of a position node",
         (
-            form((POSITION, *vector("centre", "c1 c2", "m"), *vector("end point", "x1 x2", "m")), 5, space="planar"),
+            form(
+                (POSITION, *vector("centre", "c1 c2", "m"), *vector("end point", "x1 x2", "m")),
+                5,
+                space="planar",
+            ),
             form(
                 (POSITION, *vector("centre", "c1 c2 c3", "m"), *vector("end point", "x1 x2 x3", "m")),
                 7,
@@ -92,7 +100,9 @@ TRAJECTORIES = (
             ),
         ),
     ),
-    Keyword("TREPMAX", _T, "velocity profile of an element", (form((ELEMENT, *_RISE), 2, 3),), notes=(_PROFILE,)),
+    Keyword(
+        "TREPMAX", _T, "velocity profile of an element", (form((ELEMENT, *_RISE), 2, 3),), notes=(_PROFILE,)
+    ),
     Keyword("TRVMAX", _T, "velocity profile of a node", (form((NODE, *_RISE), 2, 3),), notes=(_PROFILE,)),
     Keyword(
         "TRFRONT",
@@ -134,7 +144,13 @@ TRAJECTORIES = (
 def _port(name: str, block: Block, text: str) -> Keyword:
     """An input or output statement; the names say what it refers to: ...E or ...S deformations, ...X or ...F coordinates."""
     first = _INPUT if name.startswith(("IN", "NOM")) else _OUTPUT
-    stem = name.removeprefix("NOM").removeprefix("REF").removeprefix("INPUT").removeprefix("OUT").removeprefix("IN")
+    stem = (
+        name.removeprefix("NOM")
+        .removeprefix("REF")
+        .removeprefix("INPUT")
+        .removeprefix("OUT")
+        .removeprefix("IN")
+    )
     target = (ELEMENT, MODE) if stem[0] in "ES" else (NODE, COORDINATE)
     return Keyword(name, block, text, (form((first, *target)),))
 

@@ -28,7 +28,7 @@ _DEFAULT_E = "A deformation without RLSE, INPUTE, DYNE or KINE is fixed."
 
 
 def _coordinates() -> tuple[Variant, ...]:
-    more = integer("coordinate number", "coordinate", 0)
+    more = integer("coordinate number", "coordinate")
     return (
         form((NODE, more, more), *span(1, 3), space="planar"),
         form((NODE, more, more, more), *span(1, 4), space="spatial", role="position"),
@@ -37,7 +37,7 @@ def _coordinates() -> tuple[Variant, ...]:
 
 
 def _modes() -> tuple[Variant, ...]:
-    more = integer("mode number", "mode", 0)
+    more = integer("mode number", "mode")
     return (form((ELEMENT, *(more,) * 6), *span(1, 7)),)
 
 
@@ -83,11 +83,17 @@ KEYWORDS = (
             form((ELEMENT, *vector("direction of x',", "x y")), 3, types=_BODIES2),
             form((ELEMENT, *vector("direction of", "x'x x'y y'x y'y")), 5, types=_BODIES2),
             form(
-                (ELEMENT, *vector("direction of x',", "x y z"), *vector("vector in the x'y' plane,", "x y z")),
+                (
+                    ELEMENT,
+                    *vector("direction of x',", "x y z"),
+                    *vector("vector in the x'y' plane,", "x y z"),
+                ),
                 7,
                 types=_BODIES3,
             ),
-            form((ELEMENT, *vector("direction of", "x'x x'y x'z y'x y'y y'z z'x z'y z'z")), 10, types=_BODIES3),
+            form(
+                (ELEMENT, *vector("direction of", "x'x x'y x'z y'x y'y y'z z'x z'y z'z")), 10, types=_BODIES3
+            ),
         ),
         unique=1,
         notes=(
@@ -107,7 +113,13 @@ KEYWORDS = (
                 types=_BODIES2,
                 components=True,
             ),
-            form((ELEMENT, *vector("undeformed projection on direction", "1 2 3", "m", 0.0)), 2, 3, 4, types=_BODIES3),
+            form(
+                (ELEMENT, *vector("undeformed projection on direction", "1 2 3", "m", 0.0)),
+                2,
+                3,
+                4,
+                types=_BODIES3,
+            ),
         ),
         unique=1,
     ),
@@ -142,4 +154,3 @@ KEYWORDS = (
         ),
     ),
 )
-

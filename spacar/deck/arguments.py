@@ -1,0 +1,266 @@
+"""Raw statements to typed statements: the variant that applies, the number of arguments, their types, references.
+
+Every node, element, coordinate and mode number that the table declares as such is looked up here.
+"""
+
+from __future__ import annotations
+
+from spacar.deck.findings import Findings, alternatives, ordinal
+from spacar.deck.lexer import LARGEST_NUMBER, Word, integer_of, number_of
+from spacar.deck.outline import Outline
+from spacar.deck.splitter import Raw
+from spacar.deck.statement import Statement, Value
+from spacar.deck.table_elements import ELEMENT_TYPES
+from spacar.deck.table_types import Keyword, Parameter, Variant
+
+_UNUSED_NODES_ALLOWED = ("X", "FIX")
+
+
+def read_statement(raw: Raw, keyword: Keyword, outline: Outline, findings: Findings) -> Statement | None:
+    """Type and check the words of one statement; None when an error makes it useless."""
+    subject = keyword.subject
+    space, role, kind = outline.space, "", ""
+    if raw.keyword in ELEMENT_TYPES:
+        space, subject = "", None
+    if subject is not None and subject < len(raw.words):
+        number = integer_of(raw.words[subject].text)
+        wanted = keyword.variants[0].parameters[subject].of
+        if number is None:
+            pass
+        elif wanted == "element":
+            if number in outline.types:
+                kind = outline.types[number].keyword
+        else:
+            role = outline.roles.get(number, "")
+    variants = [v for v in keyword.variants if v.fits(space, role, kind)]
+    if not variants:
+        _refuse(raw, keyword, space, role, kind, findings)
+        return None
+    variant, words = _choose(raw, variants, space, findings)
+    values = _values(raw, words, variant, kind, role, findings)
+    if values is None or not _count(raw, words, variants, variant, kind, role, findings):
+        return None
+    statement = _statement(raw, words, values)
+    return statement if _references(statement, variant, outline, findings) else None
+
+
+def _statement(raw: Raw, words: list[Word], values: tuple[Value, ...]) -> Statement:
+    return Statement(
+        raw.keyword,
+        values,
+        raw.block,
+        raw.word.line,
+        tuple([w.line for w in words]),
+        tuple([w.column for w in words]),
+    )
+
+
+def _subject(raw: Raw) -> str:
+    return f"{raw.keyword} {raw.words[0].text}" if raw.words else raw.keyword
+
+
+def _refuse(raw: Raw, keyword: Keyword, space: str, role: str, kind: str, findings: Findings) -> None:
+    """No variant of the keyword is for this kind of model, node or element."""
+    if kind and any(v.types for v in keyword.variants):
+        allowed = ", ".join(dict.fromkeys(t for v in keyword.variants for t in v.types))
+        number = raw.words[keyword.subject or 0].text
+        text = f"element {number} is a {kind} ({ELEMENT_TYPES[kind].title}); {raw.keyword} is for {allowed}"
+    elif role and any(v.role for v in keyword.variants):
+        text = f"{raw.keyword} does not apply to the {_owner('', role, space)} {raw.words[0].text}"
+    else:
+        text = f"{raw.keyword} does not apply to a {space} model"
+    findings.add("error", raw.word.line, _subject(raw), text, "not-applicable")
+
+
+def _choose(raw: Raw, variants: list[Variant], space: str, findings: Findings) -> tuple[Variant, list[Word]]:
+    """The variant that takes this number of words; a surplus zero third component of a planar model is dropped."""
+    count = len(raw.words)
+    for variant in variants:
+        if count in variant.counts:
+            return variant, raw.words
+    first = max(variants, key=lambda v: v.counts[-1])
+    if space == "planar" and first.components and count == first.counts[-1] + 1:
+        surplus = raw.words[-1]
+        if number_of(surplus.text) == 0.0:
+            text = f"third component '{surplus.text}' of a planar model is ignored"
+            findings.add("warning", surplus.line, _subject(raw), text, "third-component")
+            return first, raw.words[:-1]
+    return first, raw.words
+
+
+def _values(
+    raw: Raw, words: list[Word], variant: Variant, kind: str, role: str, findings: Findings
+) -> tuple[Value, ...] | None:
+    """Typed values; every word that does not fit its position is reported."""
+    values: list[Value] = []
+    good = True
+    for i, word in enumerate(words[: len(variant.parameters)]):
+        parameter = variant.parameters[i]
+        value: Value | None
+        if parameter.kind == "real":
+            value = number_of(word.text)
+            problem = "is not a number"
+            if value is not None and abs(value) == float("inf"):
+                value, problem = None, "is too large for a number"
+        elif parameter.kind == "integer":
+            value = integer_of(word.text)
+            problem = "is not a number" if number_of(word.text) is None else "is not an integer"
+        else:
+            value = word.text if word.text.isidentifier() else None
+            problem = "is not a name of a function"
+        if value is None:
+            good = False
+            what = _expected(parameter, kind, role, raw)
+            text = f"{ordinal(i)} argument '{word.text}' {problem}; expected {what}"
+            findings.add("error", word.line, _subject(raw), text, "value")
+        else:
+            values.append(value)
+    return tuple(values) if good else None
+
+
+def _owner(kind: str, role: str, space: str = "") -> str:
+    """Whose value it is: "planar beam", "orientation node"."""
+    if kind:
+        return ELEMENT_TYPES[kind].title
+    return f"{space} {role} node".strip() if role else ""
+
+
+def _expected(parameter: Parameter, kind: str, role: str, raw: Raw) -> str:
+    """Meaning of a position with the kind of element or node it is for."""
+    owner = _owner(kind, role)
+    if raw.keyword in ELEMENT_TYPES:
+        owner = ELEMENT_TYPES[raw.keyword].title
+    if not owner or parameter.of:
+        return parameter.text
+    return f"{parameter.text} of {'an' if owner[0] in 'aeio' else 'a'} {owner}"
+
+
+def _count(
+    raw: Raw,
+    words: list[Word],
+    variants: list[Variant],
+    variant: Variant,
+    kind: str,
+    role: str,
+    findings: Findings,
+) -> bool:
+    """Whether the number of arguments is allowed; otherwise say which one is missing or surplus."""
+    counts = {n for v in variants for n in v.counts}
+    given = len(words)
+    if given in counts:
+        return True
+    owner = ELEMENT_TYPES[kind].title if kind else _owner("", role)
+    whom = f" for a {owner}" if owner and raw.keyword not in ELEMENT_TYPES else ""
+    takes = f"{raw.keyword} takes {alternatives(counts)} argument{'s' if counts != {1} else ''}{whom}"
+    if given > max(counts):
+        surplus = words[max(counts)]
+        findings.add(
+            "error",
+            surplus.line,
+            _subject(raw),
+            f"surplus argument '{surplus.text}'; {takes}",
+            "surplus-argument",
+        )
+        return False
+    fuller = min(
+        (v for v in variants if v.counts[-1] > given), key=lambda v: min(n for n in v.counts if n > given)
+    )
+    missing = fuller.parameters[given] if given < len(fuller.parameters) else variant.parameters[-1]
+    needed = min(n for n in counts if n > given)
+    line = words[-1].line if words else raw.word.line
+    findings.add(
+        "error",
+        line,
+        _subject(raw),
+        f"too few arguments: {given} given, {needed} needed; the {ordinal(given)} one is missing: "
+        f"{_expected(missing, kind, role, raw)}; {takes}",
+        "missing-argument",
+    )
+    return False
+
+
+def _references(statement: Statement, variant: Variant, outline: Outline, findings: Findings) -> bool:
+    """Whether all node, element, coordinate and mode numbers exist."""
+    if statement.keyword in ELEMENT_TYPES:
+        return _numbers_positive(statement, variant, findings)
+    good = True
+    owner: tuple[str, int] | None = None
+    for i in range(len(statement.values)):
+        of = variant.parameters[i].of
+        if not of:
+            continue
+        number = statement.integer(i)
+        if of == "element":
+            owner = ("element", number)
+            if number not in outline.types:
+                owner = None
+                good = False
+                if number not in outline.elements:
+                    findings.error(
+                        statement, i, outline.missing_element(number), "unknown-element", bare=i == 0
+                    )
+        elif of.endswith("node"):
+            owner = ("node", number)
+            if number not in outline.roles:
+                owner = None
+                good = _unknown_node(statement, i, number, outline, findings) and good
+            elif of != "node" and f"{outline.roles[number]} node" != of:
+                user = outline.users[number]
+                findings.error(
+                    statement,
+                    i,
+                    f"node {number} is an {outline.roles[number]} node".replace("an position", "a position")
+                    + f" (of {user.subject}, line {user.line}); expected a number of an {of}".replace(
+                        "an pos", "a pos"
+                    ),
+                    "node-role",
+                )
+                good = False
+        elif of in ("coordinate", "mode") and owner is not None:
+            good = _in_range(statement, i, owner, number, outline, findings) and good
+    return good
+
+
+def _unknown_node(statement: Statement, i: int, number: int, outline: Outline, findings: Findings) -> bool:
+    if not outline.complete:
+        return False
+    if statement.keyword in _UNUSED_NODES_ALLOWED and statement.block == 1:
+        findings.warning(
+            statement, i, f"{outline.missing_node(number)}; the statement has no effect", "unknown-node"
+        )
+        return False
+    findings.error(statement, i, outline.missing_node(number), "unknown-node", bare=i == 0)
+    return False
+
+
+def _in_range(
+    statement: Statement, i: int, owner: tuple[str, int], number: int, outline: Outline, findings: Findings
+) -> bool:
+    what, which = owner
+    if what == "element":
+        most, noun = outline.modes(which), "mode"
+        whose = f"element {which} ({outline.types[which].keyword})"
+    else:
+        most, noun = outline.coordinates(which), "coordinate"
+        whose = f"{outline.roles[which]} node {which}"
+    if 1 <= number <= most:
+        return True
+    allowed = "only 1" if most == 1 else f"1 to {most}"
+    findings.error(
+        statement, i, f"{noun} {number} does not exist; {whose} has {noun} {allowed}", f"{noun}-range"
+    )
+    return False
+
+
+def _numbers_positive(statement: Statement, variant: Variant, findings: Findings) -> bool:
+    """Element and node numbers of an element statement must be 1 ... LARGEST_NUMBER."""
+    good = True
+    for i in range(1 + len(ELEMENT_TYPES[statement.keyword].nodes)):
+        number = statement.integer(i)
+        if 1 <= number <= LARGEST_NUMBER:
+            continue
+        what = "element number" if i == 0 else variant.parameters[i].meaning
+        limit = "must be positive" if number < 1 else f"is larger than {LARGEST_NUMBER}"
+        findings.error(statement, i, f"{what} {number} {limit}", "number-range")
+        good = False
+    return good

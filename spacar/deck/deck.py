@@ -1,0 +1,145 @@
+"""The deck: an input file as typed statements, with its text, its visualization section and its messages."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+from spacar.deck.modes import Mode
+from spacar.deck.statement import Statement, Value
+from spacar.deck.table_types import Block
+from spacar.errors import Message, UsageError
+
+Span = tuple[tuple[int, int], tuple[int, int]]
+
+
+@dataclass(frozen=True)
+class Deck:
+    """A read and checked input file.
+
+    `statements` in file order; `source` names the file in messages; `path` is the file that was read (None for a deck
+    built in code); `text` the whole text; `visualization` the raw lines of that section or of NAME.spv; `messages`
+    warnings and information; `mode` the mode it was checked for; `third` the kind of its third block; `spans` where
+    each block begins and ends in the text (line, column).
+    """
+
+    statements: tuple[Statement, ...]
+    source: str
+    path: Path | None
+    text: str
+    data: bytes = field(repr=False)
+    visualization: tuple[str, ...] = ()
+    messages: tuple[Message, ...] = ()
+    mode: Mode = None
+    third: Block | None = None
+    spans: dict[int, Span] = field(default_factory=dict, repr=False)
+
+    @cached_property
+    def sha256(self) -> str:
+        """Digest of the bytes of the file (or of the text) in hexadecimal."""
+        from hashlib import sha256
+
+        return sha256(self.data).hexdigest()
+
+    @cached_property
+    def _index(self) -> dict[str, list[tuple[int, Statement]]]:
+        index: dict[str, list[tuple[int, Statement]]] = {}
+        for place, statement in enumerate(self.statements):
+            index.setdefault(statement.keyword, []).append((place, statement))
+        return index
+
+    def of(self, *keywords: str, block: int | None = None) -> list[Statement]:
+        """All statements with one of the keywords (and in the block), in file order."""
+        found = [pair for keyword in keywords for pair in self._index.get(keyword, ())]
+        if len(keywords) > 1:
+            found.sort(key=lambda pair: pair[0])
+        return [s for _, s in found if block is None or s.block == block]
+
+    def first(self, keyword: str, block: int | None = None) -> Statement | None:
+        """First statement with the keyword, None when there is none."""
+        return next(iter(self.of(keyword, block=block)), None)
+
+    def last(self, keyword: str, block: int | None = None) -> Statement | None:
+        """Last statement with the keyword, None when there is none."""
+        return next(iter(reversed(self.of(keyword, block=block))), None)
+
+    def where(self, statement: Statement, value_index: int | None = None) -> str:
+        """Place and subject of a statement or of one of its values: `crank.dat:12: DYNE 7`."""
+        return f"{self.source}:{_line(statement, value_index)}: {statement.subject}"
+
+    def message(
+        self,
+        severity: str,
+        statement: Statement,
+        text: str,
+        value_index: int | None = None,
+        code: str = "input",
+    ) -> Message:
+        """A message about a statement or one of its values, for checks that need more than the deck."""
+        return Message(severity, self.source, _line(statement, value_index), statement.subject, text, code)
+
+    def to_text(self) -> str:
+        """Canonical text, one statement a line, that reads back to the same statements."""
+        from spacar.deck.writer import write
+
+        return write(self.statements, self.visualization)
+
+    def set(
+        self, keyword: str, number: int | None, position: int, value: Value, block: int | None = None
+    ) -> Deck:
+        """A new deck with one value changed, checked again.
+
+        `number` is the first value of the statement (None: the keyword occurs once); `position` counts the arguments
+        from 1 as in the reference (1 is the number itself); `block` is needed when the keyword occurs in two blocks
+        with the same number. Raises UsageError when there is not exactly one such statement, InputError when the
+        new value is refused.
+        """
+        found = [
+            s for s in self.of(keyword.upper(), block=block) if number is None or s.values[:1] == (number,)
+        ]
+        what = keyword.upper() if number is None else f"{keyword.upper()} {number}"
+        if len(found) != 1:
+            how = "no" if not found else f"{len(found)}"
+            raise UsageError(
+                f"{self.source}: {how} statement{'s' * (len(found) > 1)} {what} to change", "usage.set"
+            )
+        return self.with_value(found[0], position, value)
+
+    def with_value(self, statement: Statement, position: int, value: Value) -> Deck:
+        """A new deck in which argument `position` (from 1) of the statement has another value; see `set`."""
+        from spacar.deck.reader import parse
+        from spacar.deck.writer import splice
+
+        text = splice(self.text, statement, position, value)
+        return parse(text, self.source, self.mode, path=self.path, visualization=self.visualization)
+
+    def for_mode(self, mode: Mode) -> Deck:
+        """The same text read for another mode."""
+        from spacar.deck.reader import parse
+
+        return parse(
+            self.text, self.source, mode, path=self.path, data=self.data, visualization=self.visualization
+        )
+
+    @classmethod
+    def build(
+        cls,
+        kinematics: Iterable[Sequence[Value]],
+        dynamics: Iterable[Sequence[Value]] = (),
+        third: Iterable[Sequence[Value]] = (),
+        *,
+        mode: Mode = None,
+        source: str = "<deck>",
+        path: Path | None = None,
+    ) -> Deck:
+        """A deck from rows such as `("PLBEAM", 1, 1, 2, 3, 4)`, checked like a file; raises InputError."""
+        from spacar.deck.reader import parse
+        from spacar.deck.writer import write_rows
+
+        return parse(write_rows([kinematics, dynamics, third]), source, mode, path=path)
+
+
+def _line(statement: Statement, index: int | None) -> int:
+    return statement.line if index is None or index >= len(statement.lines) else statement.lines[index]

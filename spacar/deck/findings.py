@@ -1,0 +1,80 @@
+"""Collecting messages about a deck: the place is that of the offending word, the subject names the statement."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from spacar.deck.statement import Statement
+from spacar.errors import Message
+
+_ORDINALS = ["first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth", "eleventh", "twelfth"]
+
+
+@dataclass(slots=True)
+class Findings:
+    """The messages found so far in one file."""
+
+    file: str
+    messages: list[Message] = field(default_factory=list)
+
+    def add(self, severity: str, line: int | None, keyword: str, text: str, code: str) -> None:
+        self.messages.append(
+            Message(severity, self.file, line, _clean(keyword), _clean(text), f"input.{code}")
+        )
+
+    def error(
+        self, statement: Statement, index: int | None, text: str, code: str, bare: bool = False
+    ) -> None:
+        """Error at the value `index` of a statement (None: at its keyword); `bare` names the keyword only."""
+        self.about("error", statement, index, text, code, bare)
+
+    def warning(self, statement: Statement, index: int | None, text: str, code: str) -> None:
+        self.about("warning", statement, index, text, code)
+
+    def information(self, statement: Statement, index: int | None, text: str, code: str) -> None:
+        self.about("information", statement, index, text, code)
+
+    def about(
+        self, severity: str, statement: Statement, index: int | None, text: str, code: str, bare: bool = False
+    ) -> None:
+        line = statement.line if index is None or index >= len(statement.lines) else statement.lines[index]
+        self.add(severity, line, statement.keyword if bare else statement.subject, text, code)
+
+    @property
+    def errors(self) -> list[Message]:
+        return [m for m in self.messages if m.severity == "error"]
+
+
+def _clean(text: str) -> str:
+    """Input is quoted in messages: control characters are shown escaped, monsters are cut."""
+    if len(text) > 500:
+        text = f"{text[:300]} ... {text[-100:]}"
+    return text if text.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+
+
+def ordinal(index: int) -> str:
+    """`ordinal(0)` is "first"."""
+    return _ORDINALS[index] if index < len(_ORDINALS) else f"{index + 1}th"
+
+
+def ranges(numbers: list[int] | set[int], most: int = 8) -> str:
+    """Numbers as ranges: "1-3, 7"; "none" when there are none, shortened after `most` ranges."""
+    runs: list[list[int]] = []
+    for n in sorted(numbers):
+        if runs and runs[-1][1] == n - 1:
+            runs[-1][1] = n
+        else:
+            runs.append([n, n])
+    parts = [str(a) if a == b else f"{a}-{b}" for a, b in runs]
+    if len(parts) > most:
+        parts = [*parts[:most], "..."]
+    return ", ".join(parts) or "none"
+
+
+def alternatives(counts: tuple[int, ...] | set[int]) -> str:
+    """Allowed counts in words: "2 to 4", "5, 8 or 9"."""
+    values = sorted(counts)
+    if len(values) > 2 and values[-1] - values[0] == len(values) - 1:
+        return f"{values[0]} to {values[-1]}"
+    texts = [str(n) for n in values]
+    return texts[0] if len(texts) == 1 else f"{', '.join(texts[:-1])} or {texts[-1]}"

@@ -1,0 +1,66 @@
+"""What the element statements say about the model: which elements and nodes exist, and what kind they are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from spacar.deck.findings import ranges
+from spacar.deck.statement import Statement
+from spacar.deck.table_elements import ELEMENT_TYPES
+from spacar.deck.table_types import ElementType
+
+
+@dataclass(slots=True)
+class Outline:
+    """Elements by number with their types, nodes by number with their roles and the element that used them first.
+
+    `space` is planar, spatial or "" (no element); `complete` is false when some element statement could not be
+    read, so that nodes may be missing here.
+    """
+
+    elements: dict[int, Statement] = field(default_factory=dict)
+    types: dict[int, ElementType] = field(default_factory=dict)
+    roles: dict[int, str] = field(default_factory=dict)
+    users: dict[int, Statement] = field(default_factory=dict)
+    space: str = ""
+    complete: bool = True
+
+    def coordinates(self, node: int) -> int:
+        """Number of coordinates of a node that exists."""
+        if self.roles[node] == "position":
+            return 2 if self.space == "planar" else 3
+        return 1 if self.space == "planar" else 4
+
+    def modes(self, element: int) -> int:
+        """Number of deformation modes of an element that exists."""
+        return len(self.types[element].modes)
+
+    def independent(self, node: int) -> tuple[int, ...]:
+        """Coordinates that a statement without coordinate numbers means: all, but of Euler parameters not lambda0."""
+        count = self.coordinates(node)
+        return (2, 3, 4) if count == 4 else tuple(range(1, count + 1))
+
+    def missing_element(self, number: int) -> str:
+        """Sentence about an element that does not exist."""
+        which = ranges(set(self.elements))
+        exist = f"elements {which} exist" if self.elements else "no elements exist"
+        return f"element {number} is not defined; {exist}"
+
+    def missing_node(self, number: int) -> str:
+        """Sentence about a node that no element uses."""
+        return f"node {number} is not used by any element; nodes {ranges(set(self.roles))} exist"
+
+    def add(self, statement: Statement) -> None:
+        """Take in an element statement whose arguments are right; first definitions win."""
+        kind = ELEMENT_TYPES[statement.keyword]
+        number = statement.integer(0)
+        if number in self.elements:
+            return
+        self.elements[number] = statement
+        self.types[number] = kind
+        self.space = self.space or ("planar" if kind.planar else "spatial")
+        for i, role in enumerate(kind.nodes, 1):
+            node = statement.integer(i)
+            if node not in self.roles:
+                self.roles[node] = role
+                self.users[node] = statement

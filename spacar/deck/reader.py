@@ -1,0 +1,178 @@
+"""Reading: bytes to text, text to words, words to statements, statements to a checked deck."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from spacar.deck.arguments import read_statement
+from spacar.deck.checks import check_block
+from spacar.deck.deck import Deck
+from spacar.deck.findings import Findings
+from spacar.deck.lexer import LONGEST_LINE, Source, integer_of, scan, visualization_of
+from spacar.deck.modes import Mode, third_block, uses
+from spacar.deck.outline import Outline
+from spacar.deck.splitter import Raw, split, third_kind
+from spacar.deck.statement import Statement
+from spacar.deck.table import KEYWORDS, Block, blocks_of
+from spacar.deck.table_elements import ELEMENT_TYPES
+from spacar.errors import InputError, UsageError
+
+_NOT_UTF8 = re.compile("[\ud800-\udfff]")
+_NAMES = {2: "dynamics block", 3: "third block"}
+
+
+def read_deck(path: str | Path, mode: Mode = None) -> Deck:
+    """Read and check an input file; `.dat` is appended when there is no such file.
+
+    Raises UsageError with the reason of the operating system, InputError with all errors of the file.
+    """
+    file = Path(path)
+    if not file.is_file() and file.suffix.lower() != ".dat":
+        file = file.with_name(file.name + ".dat")
+    data = _bytes(file)
+    text = data.decode("utf-8", "surrogateescape")
+    beside = file.with_suffix(".spv")
+    visualization = None
+    if beside.is_file():
+        visualization = visualization_of(_bytes(beside).decode("utf-8", "replace"))
+    return parse(text, file.name, mode, path=file, data=data, visualization=visualization)
+
+
+def parse_deck(text: str, source: str = "<deck>", mode: Mode = None) -> Deck:
+    """Check an input text; `source` names it in messages. Raises InputError with all errors."""
+    return parse(text, source, mode)
+
+
+def _bytes(file: Path) -> bytes:
+    try:
+        return file.read_bytes()
+    except (OSError, ValueError) as problem:
+        reason = getattr(problem, "strerror", None) or str(problem)
+        raise UsageError(f"cannot read {file}: {reason}", "files.not-readable") from None
+
+
+def parse(
+    text: str,
+    source: str,
+    mode: Mode = None,
+    *,
+    path: Path | None = None,
+    data: bytes | None = None,
+    visualization: tuple[str, ...] | None = None,
+) -> Deck:
+    """The common path of all readers; `visualization` is used when the text has no such section."""
+    findings = Findings(source)
+    scanned = scan(text)
+    _lexical(text, scanned, findings)
+    parts = split(scanned, findings)
+    third = third_kind(parts.statements, third_block(mode))
+    outline = Outline()
+    read: dict[int, Statement] = {}
+    skipped = {block: Findings(source) for block in (2, 3) if not uses(mode, block)}
+    for raw in parts.statements:
+        if raw.keyword in ELEMENT_TYPES:
+            statement = read_statement(raw, KEYWORDS[raw.keyword, Block.KINEMATICS], outline, findings)
+            if statement is None:
+                _remember_broken(raw, outline)
+            else:
+                read[id(raw)] = statement
+                outline.add(statement)
+    for raw in parts.statements:
+        if raw.keyword not in ELEMENT_TYPES:
+            kind = {1: Block.KINEMATICS, 2: Block.DYNAMICS}.get(raw.block, third)
+            into = skipped.get(raw.block, findings)
+            keyword = KEYWORDS.get((raw.keyword, kind)) if kind is not None else None
+            if keyword is None:
+                _wrong_kind(raw, kind, into)
+                continue
+            statement = read_statement(raw, keyword, outline, into)
+            if statement is not None:
+                read[id(raw)] = statement
+    statements = tuple([read[id(raw)] for raw in parts.statements if id(raw) in read])
+    for block in (1, 2, 3):
+        check_block(block, statements, outline, mode, third, skipped.get(block, findings), findings)
+    for block, found in skipped.items():
+        _report_skipped(block, parts.statements, mode, found, findings)
+    findings.messages.sort(key=lambda m: m.line or 0)
+    if findings.errors:
+        raise InputError(findings.messages)
+    if scanned.visualization is not None:
+        visualization = scanned.visualization
+    return Deck(
+        statements,
+        source,
+        path,
+        _NOT_UTF8.sub("\ufffd", text),
+        text.encode("utf-8", "surrogateescape") if data is None else data,
+        tuple([_NOT_UTF8.sub("\ufffd", line) for line in visualization or ()]),
+        tuple(findings.messages),
+        mode,
+        third,
+        parts.spans,
+    )
+
+
+def _lexical(text: str, source: Source, findings: Findings) -> None:
+    if source.long_lines:
+        first, count = source.long_lines[0], len(source.long_lines)
+        text_ = f"line longer than {LONGEST_LINE} characters; other programs that read this language do not accept it"
+        if count > 1:
+            text_ += f" ({count} such lines)"
+        findings.add("warning", first, "", text_, "long-line")
+    if text.isascii():
+        return
+    for word in source.words:
+        bad = _NOT_UTF8.search(word.text)
+        if bad:
+            byte = ord(bad.group()) & 0xFF
+            shown = _NOT_UTF8.sub("\ufffd", word.text)
+            findings.add(
+                "error",
+                word.line,
+                "",
+                f"byte 0x{byte:02X} in '{shown}' (column {word.column}) is not UTF-8; allowed in comments only",
+                "encoding",
+            )
+
+
+def _remember_broken(raw: Raw, outline: Outline) -> None:
+    """An element whose statement is wrong still exists, so that its other statements are not reported too."""
+    outline.complete = False
+    number = integer_of(raw.words[0].text) if raw.words else None
+    if number is not None:
+        stub = Statement(raw.keyword, (number,), raw.block, raw.word.line, (raw.words[0].line,))
+        outline.elements.setdefault(number, stub)
+
+
+def _wrong_kind(raw: Raw, kind: Block | None, findings: Findings) -> None:
+    here = kind.value if kind is not None else _NAMES[3]
+    other = ", ".join(b.value for b in blocks_of(raw.keyword))
+    findings.add(
+        "error",
+        raw.word.line,
+        raw.keyword,
+        f"belongs to the {other}; here it stands in the {here}",
+        "wrong-block",
+    )
+
+
+def _report_skipped(block: int, raws: list[Raw], mode: Mode, found: Findings, findings: Findings) -> None:
+    """One line about a block that the mode does not use, and one when it has errors that would matter elsewhere."""
+    first = next((r for r in raws if r.block == block), None)
+    if first is None:
+        return
+    line, name = first.word.line, _NAMES[block]
+    findings.add(
+        "information", line, "", f"the {name} is not used in mode {mode} and is skipped", "skipped-block"
+    )
+    errors = found.errors
+    if errors:
+        findings.add(
+            "warning",
+            line,
+            "",
+            f"the skipped {name} has {len(errors)} error{'s' * (len(errors) > 1)}, the first at line {errors[0].line}: "
+            f"{errors[0].keyword}: {errors[0].text}",
+            "skipped-block",
+        )
