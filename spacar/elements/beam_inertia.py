@@ -60,12 +60,12 @@ def line_state(p: LineConstants, x: Array) -> LineState:
 def line_mass(c: LineState, out: Array) -> None:
     """Write M (14, 14, n)."""
     C = c.p.C.reshape(2, 2, 2, 2, *c.p.C.shape[2:])  # [node, position or tangent, node, position or tangent]
-    view = out.reshape(2, 7, *out.shape[:1][:0], 2, 7, *out.shape[2:])
+    view = out.reshape(2, 7, 2, 7, *out.shape[2:])
     for i in range(3):
         view[:, i, :, i] = C[:, 0, :, 0]
-    mixed = C[:, 0, :, 1, None, None] * c.B  # (2, 2, 3, 4, n)
-    view[:, :3, :, 3:] = mixed.swapaxes(1, 2)
-    view[:, 3:, :, :3] = np.moveaxis(mixed, (0, 1, 2, 3), (2, 0, 3, 1))
+    mixed = (C[:, 0, :, 1, None, None] * c.B).swapaxes(1, 2)  # (2, 3, 2, 4, n)
+    view[:, :3, :, 3:] = mixed
+    view[:, 3:, :, :3] = mixed.swapaxes(0, 2).swapaxes(1, 3)
     CB = C[:, 1, :, 1, None, None] * c.B
     view[:, 3:, :, 3:] = _einsum("sij...,stik...->sjtk...", c.B, CB)
 

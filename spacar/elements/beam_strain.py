@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.elements.base import Array
-from spacar.elements.rotation import director_tensor, relative_matrix
+from spacar.elements.rotation import director_tensor, relative_parameters
 
 _einsum = np.einsum
 
@@ -92,41 +92,6 @@ def beam_constants(frame_p: Array, frame_q: Array, l0: Array, f1: Array, nonline
     return BeamConstants(K, F, l0, nonlinear / l0, nonlinear * f1 / l0**3)
 
 
-def relative_parameters(frame_p: Array, frame_q: Array) -> Array:
-    """F (4, 2, 4, 4, n): parameters of the frame at q relative to that at p, in components along the frame at p.
-
-    mu_i = lam_p F[i, 0] lam_q; the gradient with respect to lam_p is F[i, 0] lam_q, to lam_q it is F[i, 1] lam_p.
-    Frames that coincide at the start, the usual case, give mu0 = lam_p.lam_q and mu_i = lam_p Z(e_i) lam_q.
-    """
-    n = frame_p.shape[-1]
-    F = np.zeros((4, 2, 4, 4, n))
-    F[0, 0] = np.eye(4)[..., None]
-    for i in range(3):
-        F[1 + i, 0] = relative_matrix(frame_p[:, i])
-    if not np.array_equal(frame_p, frame_q):
-        F[:, 0] = _follow(F[:, 0], frame_p, frame_q)
-    F[:, 1] = F[:, 0].swapaxes(1, 2)
-    return F
-
-
-def _follow(F: Array, frame_p: Array, frame_q: Array) -> Array:
-    """F for the end q turned at the start by the rotation frame_q frame_p^T: lam_q is replaced by lam_q o lam_start."""
-    from scipy.spatial.transform import Rotation
-
-    turn = np.einsum("ian,jan->nij", frame_q, frame_p)
-    vector = np.roll(Rotation.from_matrix(turn).as_quat(), 1, axis=1).T  # scalar first, (4, n)
-    w, v = vector[0], vector[1:]
-    product = np.zeros((4, 4, len(w)))  # lam o lam_start = product lam
-    product[0, 0] = w
-    product[0, 1:] = -v
-    product[1:, 0] = v
-    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        product[1 + i, 1 + i] = w
-        product[1 + i, 1 + j] = v[k]
-        product[1 + i, 1 + k] = -v[j]
-    return np.asarray(np.einsum("aijn,jkn->aikn", F, product))
-
-
 def correction(p: BeamConstants, e: Array) -> Array:
     """Q_k e (6, 6, n) of raw deformations (or their rates) e (6, n)."""
     Q = (_Q @ (p.g * e).reshape(6, -1)).reshape(6, *e.shape)
@@ -135,8 +100,8 @@ def correction(p: BeamConstants, e: Array) -> Array:
 
 
 def second_order(Q: Array | None, e: Array) -> Array:
-    """e + Q e for rows (6, n) or (6, 2, 7, n): the chain rule through the second order terms."""
-    return e if Q is None else e + np.einsum("kj...,j...->k...", Q, e)
+    """T e for rates e (6, n) of the raw deformations, T = I + Q."""
+    return e if Q is None else e + _einsum("kj...,j...->k...", Q, e)
 
 
 def corrected(Q: Array | None, W: Array) -> Array:
@@ -223,14 +188,14 @@ def beam_rates(c: BeamState, v: Array) -> BeamRates:
     dtwist1 = _einsum("ksij...,sj...->ksi...", p.F, lam[::-1])
     twist1 = _einsum("ksi...,si...->k...", c.dtwist, lam)
     twist2 = _einsum("ksi...,si...->k...", dtwist1, lam)
-    raw2 = np.empty((6, *nu.shape), c.raw.dtype if v.dtype == float else v.dtype)
-    raw2[0] = kappa
-    raw2[1] = twist2[0] * c.twist[1] + c.twist[0] * twist2[1] + 2.0 * twist1[0] * twist1[1]
     bend2 = (
         _einsum("csi...,i...->cs...", c.U, n2)
         + _einsum("csi...,i...->cs...", U1, 2.0 * n1)
         + _einsum("csi...,i...->cs...", U2, n)
     )
+    raw2 = np.empty((6, *nu.shape), bend2.dtype)
+    raw2[0] = kappa
+    raw2[1] = twist2[0] * c.twist[1] + c.twist[0] * twist2[1] + 2.0 * twist1[0] * twist1[1]
     raw2[2:] = bend2.reshape(4, *nu.shape)
     return BeamRates(lam, d, nu, n1, kappa, n2, B1, U1, U2, twist1, dtwist1, twist2, raw2)
 

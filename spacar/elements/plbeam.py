@@ -1,22 +1,23 @@
-"""PLBEAM: planar flexible beam. Coordinates x_p, phi_p, x_q, phi_q; deformations e1 elongation, e2, e3 bending [m].
+"""PLBEAM: planar flexible beam. Coordinates x_p, phi_p, x_q, phi_q; e1 elongation, e2, e3 bending [m].
 
-Formulas: theory-planar.md section 3. With a_k = phi_k + beta_k - beta the rotation of end k relative to the chord (beta_k
-its start direction), signed lengths L = (l0, -l0), s, c = sin, cos of a_k:
+Formulas: theory-planar.md section 3. With a_k = phi_k + beta_k - beta the rotation of end k relative to the
+chord (beta_k its start direction), signed lengths L = (l0, -l0), s, c = sin, cos of a_k:
 
     b_k = L_k s_k,  k = p, q      e2 = b_p, e3 = b_q                                     (3)
     e1 = l - l0 + Q(b)            Q = A (b_p^2 + b_q^2) + B b_p b_q                      (4), (5)
 
-Q is the shortening of the chord by the bending (0 with LDEFORM); with shear flexibility Phi = 12 EI/(GAk l0^2)
+Q is the shortening of the chord by bending (0 with LDEFORM); with shear flexibility Phi = 12 EI/(GAk l0^2)
 
     A = (4 + 5 Phi + 2.5 Phi^2)/(60 l0 (1 + Phi)^2),  B = (2 + 10 Phi + 5 Phi^2)/(60 l0 (1 + Phi)^2)
 
 Derivatives (6), (7): with the row alpha_k = (1 at phi_k) - D beta and b'_k := L_k c_k, both ends at once
 
     D b = b' alpha                             H_b = -(b alpha_v^2 + b' H_beta)
-    H1_b = -(b alpha_v alpha + b' H1_beta)     T_b = -b' alpha_v^2 alpha + b (H_beta alpha + 2 alpha_v H1_beta) - b' T_beta
+    H1_b = -(b alpha_v alpha + b' H1_beta)
+    T_b = -b' alpha_v^2 alpha + b (H_beta alpha + 2 alpha_v H1_beta) - b' T_beta
 
-Inertia (9)-(12): cubic interpolation of the elastic line, y = (x_p, l0 t_p, x_q, l0 t_q) with the unit end tangents t;
-rotary inertia J per length is lumped, J l0/2 at each end.
+Inertia (9)-(12): cubic interpolation of the elastic line, y = (x_p, l0 t_p, x_q, l0 t_q) with the unit end
+tangents t; rotary inertia J per length is lumped, J l0/2 at each end.
 
 Arrays over both ends have the end axis first: t (end, component, n), b (end, n).
 """
@@ -38,7 +39,7 @@ WARN_ANGLE, FATAL_ANGLE = 60.0, 85.0  # [deg] of an end to the chord; e2, e3 are
 
 
 class BeamConfiguration(NamedTuple):
-    """What is known at one x; `t`, `normals` (end, component, n) are end tangents and these turned by +90 degrees."""
+    """What is known at one x: `t` (end, component, n) end tangents, `normals` the same turned by +90 degrees."""
 
     l: Array
     u: Array
@@ -61,7 +62,7 @@ class PlanarBeam(Family):
         self._set(group, l0, np.stack((beta0, beta0)), group.em[:, 0], group.em[:, 1])
 
     def _set(self, group: ElementGroup, l0: Array, angle: Array, m: Array, J: Array) -> None:
-        """Everything that beams and tubes have in common: start directions `angle` (end, n), mass and J per length."""
+        """What beams and tubes have in common: start directions `angle` (end, n), mass m and J per length."""
         self.keyword, self.numbers, self.length = group.keyword, group.numbers, l0
         self.angle = angle
         self.frame_p, self.frame_q = (chord.frame(np.stack((np.cos(a), np.sin(a)))) for a in angle)
@@ -90,7 +91,7 @@ class PlanarBeam(Family):
         self._coupling = CUBIC_MASS[0::2, 1::2, None][:, None] * (self.unit * l0)
         self._cross = -3.0 * l0**2 * self.unit
 
-    # -- deformations -------------------------------------------------------------------------------------------
+    # -- deformations --------------------------------------------------------------------------------------
     def strain(self, x: Array, near: Array, e: Array, V: Array) -> BeamConfiguration:
         d = x[3:5] - x[0:2]
         d0, d1 = d
@@ -190,9 +191,10 @@ class PlanarBeam(Family):
         D_b = c.b_prime[:, None] * alpha
         # sum over the ends of (weights)^T rows; the second derivative of Q joins both ends
         weighted = sigma[0] * (self.A2 * D_b + self.B * D_b[::-1])
-        out += (weighted[:, :, None] * D_b[:, None] - ((s * c.b)[:, None] * alpha)[:, :, None] * alpha[:, None]).sum(0)
+        turned = (s * c.b)[:, None] * alpha
+        out += (weighted[:, :, None] * D_b[:, None] - turned[:, :, None] * alpha[:, None]).sum(0)
 
-    # -- stresses -----------------------------------------------------------------------------------------------
+    # -- stresses ------------------------------------------------------------------------------------------
     def stiffness(self) -> tuple[Array, Array]:
         """(8): [N/m], [N s/m]."""
         return self._stiffness(*self.rigidity), self._stiffness(*self.viscosity)
@@ -205,7 +207,7 @@ class PlanarBeam(Family):
         S[1, 2] = S[2, 1] = (-2.0 + self.Phi) * bend
         return S
 
-    # -- inertia ------------------------------------------------------------------------------------------------
+    # -- inertia -------------------------------------------------------------------------------------------
     def mass(self, c: BeamConfiguration, out: Array) -> None:
         out[...] = self._constant
         N = c.normals
@@ -219,7 +221,7 @@ class PlanarBeam(Family):
 
     def _line_acceleration(self, c: BeamConfiguration, v: Array, a: Array | None) -> Array:
         """y'' (4, 2, n): the accelerations of x_p, l0 t_p, x_q, l0 t_q."""
-        y = np.zeros((4, 2, *v.shape[1:]), c.t.dtype) if a is None else np.empty((4, 2, *v.shape[1:]), c.t.dtype)
+        y = np.zeros((4, 2, *v.shape[1:]), c.t.dtype)
         omega = v[2::3]
         turn = c.t * (omega * -omega)[:, None]
         if a is not None:
@@ -263,7 +265,7 @@ class PlanarBeam(Family):
         return CUBIC_MASS[:, 1::2, None][:, None] * (self.unit * z.swapaxes(0, 1))
 
     def _angle_columns(self, c: BeamConfiguration, F: Array) -> Array:
-        """(6, 6, n) with the columns phi_p, phi_q from the forces F (4, 2, end of the angle, n), zero elsewhere."""
+        """(6, 6, n): columns phi_p, phi_q of the forces F (4, 2, end of the angle, n), zero elsewhere."""
         out = np.zeros((6, 6, *F.shape[3:]), F.dtype)
         blocks = out.reshape(2, 3, 2, 3, *F.shape[3:])
         blocks[:, 0:2, :, 2] = F[0::2]
@@ -272,12 +274,12 @@ class PlanarBeam(Family):
         return out
 
     def _add_rotation(self, c: BeamConfiguration, by_x: Array, F: Array) -> None:
-        """The part of d(Y^T F)/dx where Y turns with the ends: -l0 t.F at (phi_p, phi_p) and (phi_q, phi_q)."""
+        """The part of d(Y^T F)/dx where Y turns with the ends: -l0 t.F on the diagonal of the angles."""
         turn = self.length * (c.t * F[1::2]).sum(1)
         by_x[2, 2] -= turn[0]
         by_x[5, 5] -= turn[1]
 
-    # -- limits -------------------------------------------------------------------------------------------------
+    # -- limits --------------------------------------------------------------------------------------------
     def troubles(self, c: BeamConfiguration, e: Array, sigma: Array) -> list[Trouble]:
         """End rotations to the chord beyond 60 degrees (warning) and 85 degrees (fatal); vanishing length."""
         found = chord.short_troubles(c.l, self.length)
@@ -289,7 +291,7 @@ class PlanarBeam(Family):
             found.append(
                 Trouble(
                     int(k),
-                    f"end {'pq'[end]} is rotated by {worst:.1f} degrees relative to the line between its nodes "
+                    f"end {'pq'[end]} is rotated by {worst:.1f} degrees to the line between its nodes "
                     f"(limit {FATAL_ANGLE if fatal else WARN_ANGLE:.0f}): use more elements",
                     fatal,
                 )

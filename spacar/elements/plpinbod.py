@@ -1,15 +1,15 @@
-"""PLPINBOD, PLRBEAM: rigid connection of node q with the body p. Coordinates x_p, phi_p, x_q; deformations e1, e2 [m].
+"""PLPINBOD, PLRBEAM: node q rigidly fixed to the body p. Coordinates x_p, phi_p, x_q; deformations e1, e2 [m].
 
-Formulas: theory-planar.md section 5. Body-fixed directions a_k (k = 1, 2), r_k = R(phi_p) a_k, s_k = r_k turned by +90
-degrees, d = x_q - x_p:
+Formulas: theory-planar.md section 5. Body-fixed directions a_k (k = 1, 2), r_k = R(phi_p) a_k, s_k = r_k
+turned by +90 degrees, d = x_q - x_p:
 
     e_k = r_k.d - d_k                                                                              (13)
     D = (-r_k, s_k.d, r_k);   D^2: (d, phi): s_k,  (phi, phi): -r_k.d
-    H(v,v) = 2 omega s_k.w - omega^2 r_k.d;   T: -omega^2 r_k along d,  -2 omega r_k.w - omega^2 s_k.d along phi
+    H(v,v) = 2 omega s_k.w - omega^2 r_k.d;   T: (d) -omega^2 r_k,  (phi) -2 omega r_k.w - omega^2 s_k.d
 
-a = the global axes (PLPINBOD), or a_1 along p-q and a_2 turned by +90 degrees (PLRBEAM); ORPINBOD overrides both.
-d_k = a_k.d at the start unless DRPINBOD gives it. Mass m per length: uniform rod p-q, (m l0/6) [2I I; I 2I] on x_p, x_q,
-h = 0; J l0 on phi_p.
+a = the global axes (PLPINBOD), or a_1 along p-q and a_2 turned by +90 degrees (PLRBEAM); ORPINBOD overrides
+both. d_k = a_k.d at the start unless DRPINBOD gives it. Mass m per length: uniform rod p-q, (m l0/6) [2I I;
+I 2I] on x_p, x_q, h = 0; J l0 on phi_p.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class PinbodyConfiguration(NamedTuple):
 
 
 def body_directions(group: ElementGroup) -> Array:
-    """a (direction, component, n); GeometryError for a PLRBEAM without length, a zero or a dependent direction."""
+    """a (direction, component, n); GeometryError: PLRBEAM without length, zero or parallel directions."""
     a = np.zeros((2, 2, group.n))
     given = [k for k, values in enumerate(group.directions) if values is not None]
     for k in given:

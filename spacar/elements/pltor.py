@@ -1,4 +1,4 @@
-"""PLTOR: planar hinge. Coordinates phi_p, phi_q; deformation e1 = phi_q - phi_p [rad], not reduced: it counts turns.
+"""PLTOR: planar hinge. Coordinates phi_p, phi_q; deformation e1 = phi_q - phi_p [rad], whole turns included.
 
 Formulas: theory-planar.md section 4: sigma1 = S1 e1 + Sd1 de1/dt [N m]. No mass.
 """

@@ -1,7 +1,7 @@
 """PLTRUSS: planar bar. Coordinates x_p, x_q; deformation e1 = l - l0 [m], tension positive.
 
-Formulas: theory-planar.md section 2: sigma1 = (EA/l0) e1 + (EdA/l0) de1/dt; linear interpolation of the mass m per
-length, M = (m l0/6) [2I I; I 2I], h = 0.
+Formulas: theory-planar.md section 2: sigma1 = (EA/l0) e1 + (EdA/l0) de1/dt; linear interpolation of the
+mass m per length, M = (m l0/6) [2I I; I 2I], h = 0.
 """
 
 from __future__ import annotations

@@ -21,9 +21,6 @@ from numpy.typing import NDArray
 
 from spacar.elements.base import Array
 
-Constants = tuple[Array, ...]
-
-
 def _director_coefficients() -> Array:
     """T[i, j, k, m] with K_c[i, j, k] = sum_m T[i, j, k, m] c_m, from the second derivatives of R(lam) c."""
     T = np.zeros((3, 4, 4, 3))
@@ -44,12 +41,12 @@ _CROSS[[0, 1, 2], [1, 2, 0], [2, 0, 1]] = 1.0
 _CROSS[[0, 1, 2], [2, 0, 1], [1, 2, 0]] = -1.0
 
 
-def expand(constants: Constants, ndim: int) -> Constants:
-    """Constants with the element axis last, given trailing axes to broadcast against x of `ndim` axes."""
+def expand(constants: tuple[Any, ...], ndim: int) -> tuple[Any, ...]:
+    """Constants (arrays with the element axis last, or None), broadcastable against x of `ndim` axes."""
     if ndim == 2:
         return constants
     tail = (1,) * (ndim - 2)
-    return tuple(a.reshape(a.shape + tail) for a in constants)
+    return tuple(None if a is None else a.reshape(a.shape + tail) for a in constants)
 
 
 def director_tensor(c: Array) -> Array:
@@ -64,6 +61,41 @@ def relative_matrix(e: Array) -> Array:
     Z[1:, 0] = -e
     Z[1:, 1:] = skew(e)
     return Z
+
+
+def relative_parameters(frame_p: Array, frame_q: Array) -> Array:
+    """F (4, 2, 4, 4, n): parameters of the frame at q relative to that at p, in components along the frame at p.
+
+    mu_i = lam_p F[i, 0] lam_q; the gradient with respect to lam_p is F[i, 0] lam_q, to lam_q it is F[i, 1] lam_p.
+    Frames that coincide at the start, the usual case, give mu0 = lam_p.lam_q and mu_i = lam_p Z(e_i) lam_q.
+    """
+    n = frame_p.shape[-1]
+    F = np.zeros((4, 2, 4, 4, n))
+    F[0, 0] = np.eye(4)[..., None]
+    for i in range(3):
+        F[1 + i, 0] = relative_matrix(frame_p[:, i])
+    if not np.array_equal(frame_p, frame_q):
+        F[:, 0] = _follow(F[:, 0], frame_p, frame_q)
+    F[:, 1] = F[:, 0].swapaxes(1, 2)
+    return F
+
+
+def _follow(F: Array, frame_p: Array, frame_q: Array) -> Array:
+    """F for the end q turned at the start by the rotation frame_q frame_p^T: lam_q is replaced by lam_q o lam_start."""
+    from scipy.spatial.transform import Rotation
+
+    turn = np.einsum("ian,jan->nij", frame_q, frame_p)
+    vector = np.roll(Rotation.from_matrix(turn).as_quat(), 1, axis=1).T  # scalar first, (4, n)
+    w, v = vector[0], vector[1:]
+    product = np.zeros((4, 4, len(w)))  # lam o lam_start = product lam
+    product[0, 0] = w
+    product[0, 1:] = -v
+    product[1:, 0] = v
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        product[1 + i, 1 + i] = w
+        product[1 + i, 1 + j] = v[k]
+        product[1 + i, 1 + k] = -v[j]
+    return np.asarray(np.einsum("aijn,jkn->aikn", F, product))
 
 
 def skew(v: Array) -> Array:

@@ -55,6 +55,7 @@ class Frame:
         self.symbol = symbol or name.lower()
         self.serial = next(_serials)
         self.rotation: Rotation | None = None
+        self.is_section = False  # the end section of a beam: turns on it are added to its own slope
         self.relative: dict[Frame, Vector] = {}  # angular velocities of directly known neighbours
         self.directions = {i: (self.serial, i) for i in (1, 2, 3)}
 

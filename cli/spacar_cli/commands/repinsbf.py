@@ -1,0 +1,40 @@
+"""`spacar repinsbf FILE ID VALUE [--step K]`."""
+
+from __future__ import annotations
+
+import json
+
+import click
+
+from spacar.errors import UsageError
+
+
+@click.command(
+    "repinsbf", context_settings={"ignore_unknown_options": True}
+)  # a value may begin with a minus sign
+@click.argument("file")
+@click.argument("ident", metavar="ID")
+@click.argument("value")
+@click.option(
+    "--step", type=int, help="Step number, from 1; required for variables that have one value per step."
+)
+def command(file: str, ident: str, value: str, step: int | None) -> None:
+    """Replace the value of one variable of a result file; the size must be the stored one.
+
+    VALUE is JSON: a number, a list such as [1,2,3], a list of rows such as [[1,2],[3,4]], or text in quotation
+    marks.
+    """
+    from spacar_formats.locate import notes, open_result
+    from spacar_formats.repinsbf import repinsbf
+
+    try:
+        new = json.loads(value)
+    except json.JSONDecodeError:
+        raise UsageError(
+            f"VALUE is not JSON: {value}; write for example 2.5 or [1,2] or '\"text\"'"
+        ) from None
+    with open_result(file) as result:
+        path = result.path
+        for note in notes(result):
+            click.echo(f"warning: {note}", err=True)
+    repinsbf(path, ident, new, step)

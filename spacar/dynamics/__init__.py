@@ -1,0 +1,5 @@
+"""DYN: equations of motion, accelerations, stresses and reactions (theory-system.md section 2)."""
+
+from spacar.dynamics.dynamics import Dynamics
+
+__all__ = ["Dynamics"]

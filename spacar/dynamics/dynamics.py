@@ -1,0 +1,206 @@
+"""From the state (q_d, k, qd_d) at a time to accelerations, stresses and reactions.
+
+State y: dynamic coordinates, dynamic deformations, kinematic coordinates, kinematic deformations, then the rates of
+the dynamic ones (theory-system.md section 3). One evaluation does, in this order: prescribed motion, position, velocity,
+element sweeps for H(xd,xd), M, h and sigma, one solve of the saddle-point form.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spacar.dynamics.forces import AppliedForces, StressLaw
+from spacar.dynamics.mass_check import require_regular_mass
+from spacar.dynamics.saddle_point import DeformationInertia, SaddlePoint
+from spacar.errors import AnalysisError
+from spacar.frame import Frame
+from spacar.kinematics import Kinematics
+from spacar.linear_systems import SingularMatrixError
+from spacar.mechanism.mechanism import Array, Drive, DriveState, Loads, Mechanism
+
+
+class Dynamics:
+    """Evaluator of one mechanism under one set of loads. The `Problem` of the integrators.
+
+    `kind` forces the storage of the linear systems; `drive` and `loads` replace those of the mechanism.
+    """
+
+    def __init__(
+        self, mechanism: Mechanism, *, loads: Loads | None = None, drive: Drive | None = None, kind: str | None = None
+    ) -> None:
+        self.mechanism = mechanism
+        self.numbering = n = mechanism.numbering
+        self.kinematics = Kinematics(mechanism, kind)
+        self.sweep = self.kinematics.sweep
+        self.sweep.constant_mass()
+        self.drive = drive or mechanism.drive
+        self.loads = loads or mechanism.loads
+        self.forces = AppliedForces(mechanism, self.loads, self.sweep)
+        self.law = StressLaw.of(mechanism, self.loads)
+        self.coupling = DeformationInertia(mechanism, self.sweep)
+        self.xs, self.es = n.x_class, n.e_class
+        self.n_positions = n.nddof + n.nk
+        self.n_xm, self.n_em = int(n.nxp[3]), int(n.nep[3])
+        self.n_xk = int(n.nxp[4])
+        self.saddle: SaddlePoint | None = None
+        self.kind = kind
+        self.xd, self.ed = np.zeros(n.nx), np.zeros(n.ne)
+        self.evaluations = 0
+
+    # -- start --------------------------------------------------------------------------------------------------
+    def start(self) -> Array:
+        """Start state; brings the mechanism there from the reference configuration, in steps if it is far."""
+        s = self.mechanism.start
+        x0 = self.mechanism.x0
+        y = np.concatenate(
+            (s.x_value, s.e_value, x0[self.xs["kinematic"]], np.zeros(int(self.numbering.nep[4])), s.x_rate, s.e_rate)
+        )
+        if self.numbering.nep[4]:
+            self.sweep.strain(x0)
+            y[self._slice("ek")] = self.sweep.e[self.es["kinematic"]]
+        drive = self.drive.at(0.0)
+        self.kinematics.position(x0, np.zeros(self.numbering.ne))
+        self.kinematics.move(*self._given(drive, y))
+        if self.numbering.nddof:
+            self.place(0.0, y)
+            self.sweep.mass()
+            require_regular_mass(self)
+        return y
+
+    def _slice(self, name: str) -> slice:
+        edges = np.cumsum([0, self.n_xm, self.n_em, self.n_xk, int(self.numbering.nep[4])])
+        k = ("xm", "em", "xk", "ek").index(name)
+        return slice(int(edges[k]), int(edges[k + 1]))
+
+    def _given(self, drive: DriveState, y: Array) -> tuple[Array, Array]:
+        xs, es = self.xs, self.es
+        x = self.mechanism.x0.copy()
+        e = np.zeros(self.numbering.ne)
+        x[xs["input"]] = drive.x
+        e[es["input"]] = drive.e
+        a, b, c = self.n_xm, self.n_xm + self.n_em, self.n_xm + self.n_em + self.n_xk
+        x[xs["dynamic"]], e[es["dynamic"]] = y[:a], y[a:b]
+        x[xs["kinematic"]], e[es["kinematic"]] = y[b:c], y[c : self.n_positions]
+        return x, e
+
+    # -- one evaluation -----------------------------------------------------------------------------------------
+    def place(self, t: float, y: Array) -> DriveState:
+        """Position and velocity of the state: leaves x in the kinematics and xd, ed here."""
+        xs, es = self.xs, self.es
+        drive = self.drive.at(t)
+        self.kinematics.position(*self._given(drive, y))
+        rates = y[self.n_positions :]
+        xd, ed = np.zeros(self.numbering.nx), np.zeros(self.numbering.ne)
+        xd[xs["input"]], xd[xs["dynamic"]] = drive.xd, rates[: self.n_xm]
+        ed[es["input"]], ed[es["dynamic"]] = drive.ed, rates[self.n_xm :]
+        self.xd = self.kinematics.dependent(xd, ed)
+        return drive
+
+    def accelerate(self, t: float, drive: DriveState) -> tuple[Array, Array, Array]:
+        """xdd (nx,), sigma (ne,) with multipliers, convective H(xd,xd) (ne,) at the placed state."""
+        n, xs, es, sweep = self.numbering, self.xs, self.es, self.sweep
+        convective = sweep.convective(self.xd)
+        needs_rates = not self.law.passive or self.forces.user is not None
+        self.ed = sweep.rate(self.xd) if needs_rates else self.ed
+        sigma = self.law(sweep.e, self.ed)
+        user = None
+        if self.forces.user is not None:
+            user = self.forces.user(t, sweep.e, self.ed, self.kinematics.x, self.xd)
+            sigma[self.law.first :] += user.sigma[self.law.first :]
+        sweep.mass()
+        force = self.forces(self.kinematics.x, user) - self.forces.inertia(sweep, self.xd)
+        xdd, edd = np.zeros(n.nx), np.zeros(n.ne)
+        xdd[xs["input"]], edd[es["input"]] = drive.xdd, drive.edd
+        if n.nddof == 0:
+            xdd = self.kinematics.dependent(xdd, edd - convective)
+            inertia = sweep.mass_times(xdd) + self._coupling_force(xdd, convective)
+            self.kinematics.reactions(inertia - force, sigma)
+            return xdd, sigma, convective
+        if sigma.any():
+            force -= sweep.rate_transposed(sigma)
+        if self.coupling.present:
+            force -= sweep.rate_transposed(self.coupling.stress(sweep.rate(xdd) + convective))
+        strain = edd - convective
+        if n.nxp[2]:
+            force -= sweep.mass_times(xdd)
+            strain -= sweep.rate(xdd)
+        if self.saddle is None:
+            self.saddle = SaddlePoint(self.mechanism, sweep, self.kind)
+        try:
+            self.saddle.factor()
+            free, multipliers = self.saddle.solve(force, strain)
+        except SingularMatrixError as error:
+            raise singular_motion(t, str(error)) from None
+        if not np.isfinite(free).all():
+            raise singular_motion(t, "the accelerations are not finite")
+        xdd[self.saddle.F] = free
+        sigma[: len(multipliers)] = multipliers
+        return xdd, sigma, convective
+
+    def _coupling_force(self, xdd: Array, convective: Array) -> Array:
+        if not self.coupling.present:
+            return np.zeros(self.numbering.nx)
+        return self.sweep.rate_transposed(self.coupling.stress(self.sweep.rate(xdd) + convective))
+
+    def rhs(self, t: float, y: Array) -> Array:
+        """Time derivative of the state."""
+        self.evaluations += 1
+        drive = self.place(t, y)
+        xdd, _, convective = self.accelerate(t, drive)
+        xs, es = self.xs, self.es
+        out = np.empty(len(y))
+        m = self.n_positions
+        out[: self.n_xm + self.n_em] = y[m:]
+        if self.numbering.nk:
+            out[self._slice("xk")] = self.xd[xs["kinematic"]]
+            out[self._slice("ek")] = self.sweep.rate(self.xd)[es["kinematic"]]
+        out[m : m + self.n_xm] = xdd[xs["dynamic"]]
+        if self.n_em:
+            edd = self.sweep.rate(xdd) + convective
+            out[m + self.n_xm :] = edd[es["dynamic"]]
+        return out
+
+    def jacobian(self, t: float, y: Array) -> tuple[Array, Array]:
+        """dF/dy from the exact linearization and dF/dt by a central difference (zero for constant drives)."""
+        from spacar.linear.state_matrix import state_jacobian
+
+        return state_jacobian(self, t, y)
+
+    def component_name(self, i: int) -> str:
+        """Name of a component of the state, for messages."""
+        n = self.numbering
+        names = [n.q_names[k] for k in n.dynamic]
+        names += n.k_names + [f"rate of {name}" for name in names]
+        return names[i]
+
+    # -- full evaluation ----------------------------------------------------------------------------------------
+    def frame(self, t: float, y: Array) -> Frame:
+        """Everything that is stored of a state."""
+        drive = self.place(t, y)
+        xdd, sigma, convective = self.accelerate(t, drive)
+        return self.complete(t, xdd, sigma, convective)
+
+    def complete(self, t: float, xdd: Array, sigma: Array, convective: Array) -> Frame:
+        """Frame at the placed state with these accelerations and stresses."""
+        sweep, x = self.sweep, self.kinematics.x
+        ed = sweep.rate(self.xd)
+        edd = sweep.rate(xdd) + convective
+        gravity = self.forces.gravity(sweep)
+        applied = self.loads.force + self.forces.moments(x)
+        if self.forces.user is not None:
+            applied += self.forces.user(t, sweep.e, ed, x, self.xd).force
+        inertia = sweep.mass_times(xdd) + sweep.inertia_force(self.xd, None)
+        total = inertia + sweep.rate_transposed(sigma + self.coupling.stress(edd))
+        return Frame(
+            t=t, x=x.copy(), xd=self.xd.copy(), xdd=xdd, e=sweep.e.copy(), ed=ed, edd=edd, sig=sigma,
+            fx=applied, fxgrav=gravity, fxtot=total,
+        )  # fmt: skip
+
+
+def singular_motion(t: float, reason: str) -> AnalysisError:
+    """The saddle-point matrix is singular: no mass on a motion, or dependent constraints."""
+    text = (
+        f"the equations of motion cannot be solved at t = {t:.9g}: {reason}; a degree of freedom carries no mass"
+        " (add XM or EM) or constraints depend on each other in this position (`spacar 0`)"
+    )
+    return AnalysisError(text, "dynamics.singular-mass")

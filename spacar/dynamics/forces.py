@@ -1,0 +1,121 @@
+"""Applied forces and constitutive stresses.
+
+f = XF + moments + gravity + user forces;  sigma = S e + S_d ed + sigma0 + user stresses on the active rows (dynamic,
+kinematic, calculable deformations). A constant global moment M on a spatial orientation node has the dual forces
+f_lambda = 2 Lambda_bar(lambda)^T M = 2 (-l.M, lambda0 M - l x M) (files.md section 5), which follow the orientation.
+Gravity on a family is minus the inertia force of the acceleration -g at its position coordinates.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacar.kinematics.sweep import Sweep
+from spacar.mechanism.mechanism import Array, Index, Loads, Mechanism, UserForces
+
+
+@dataclass(frozen=True)
+class StressLaw:
+    """sigma = S e + S_d ed + preload on the rows `first` and following; the rows before get zero."""
+
+    first: int
+    ne: int
+    stiffness: tuple[Index, Index, Array]
+    damping: tuple[Index, Index, Array]
+    preload: Array
+
+    @classmethod
+    def of(cls, mechanism: Mechanism, loads: Loads, first: int | None = None) -> StressLaw:
+        """Law of a mechanism; `first` overrides the first active row (mode 3 treats input rows as dynamic)."""
+        n = mechanism.numbering
+        first = n.e_class["input"].stop if first is None else first
+        preload = loads.preload.copy()
+        preload[:first] = 0.0
+        return cls(first, n.ne, _active(mechanism.stiffness, first), _active(mechanism.damping, first), preload)
+
+    @property
+    def passive(self) -> bool:
+        """No element carries a constitutive stress."""
+        return not (len(self.stiffness[0]) or len(self.damping[0]) or self.preload.any())
+
+    def __call__(self, e: Array, ed: Array) -> Array:
+        sigma = self.preload.copy()
+        rows, columns, values = self.stiffness
+        if len(rows):
+            sigma += np.bincount(rows, values * e[columns], self.ne)
+        rows, columns, values = self.damping
+        if len(rows):
+            sigma += np.bincount(rows, values * ed[columns], self.ne)
+        return sigma
+
+
+def _active(entries: tuple[Index, Index, Array], first: int) -> tuple[Index, Index, Array]:
+    rows, columns, values = entries
+    keep = (rows >= first) & (columns >= first)
+    return rows[keep], columns[keep], values[keep]
+
+
+class AppliedForces:
+    """f without the gravity on configuration-dependent families, which `inertia` subtracts together with h."""
+
+    def __init__(self, mechanism: Mechanism, loads: Loads, sweep: Sweep) -> None:
+        self.loads = loads
+        self.field = gravity_field(mechanism, loads)
+        self.heavy = bool(self.field.any())
+        constant = {id(b) for b in sweep.massive if b.family.constant_mass}
+        self.constant_gravity = np.zeros(mechanism.numbering.nx)
+        for b in sweep.massive:
+            if id(b) in constant:
+                M, g = sweep.M[id(b)], self.field[b.x]
+                np.add.at(self.constant_gravity, b.x, (M * g[None]).sum(axis=1))
+        self.constant = loads.force + self.constant_gravity
+        self.user = mechanism.user_signal
+
+    def __call__(self, x: Array, user: UserForces | None) -> Array:
+        """Applied forces except gravity on moving families, (nx,)."""
+        f = self.constant + self.moments(x)
+        if user is not None:
+            f += user.force
+        return f
+
+    def moments(self, x: Array) -> Array:
+        """Dual forces of the constant global moments, (nx,)."""
+        rows = self.loads.moment_rows
+        if not rows.size:
+            return np.zeros(len(self.constant))
+        M, lam = self.loads.moment.T, x[rows]
+        return np.bincount(rows.ravel(), moment_forces(lam, M).ravel(), len(self.constant))
+
+    def inertia(self, sweep: Sweep, v: Array) -> Array:
+        """h minus gravity of the configuration-dependent families, (nx,)."""
+        return sweep.inertia_force(v, -self.field if self.heavy else None)
+
+    def gravity(self, sweep: Sweep) -> Array:
+        """Gravity forces of all families, M g, (nx,)."""
+        return sweep.mass_times(self.field) if self.heavy else np.zeros(len(self.constant))
+
+
+def moment_forces(lam: Array, M: Array) -> Array:
+    """2 Lambda_bar^T M, (4, n), of moments M (3, n) at orientations lam (4, n)."""
+    l0, l1, l2, l3 = lam
+    a, b, c = M
+    return 2.0 * np.array(
+        [
+            -(l1 * a + l2 * b + l3 * c),
+            l0 * a - (l2 * c - l3 * b),
+            l0 * b - (l3 * a - l1 * c),
+            l0 * c - (l1 * b - l2 * a),
+        ]
+    )
+
+
+def gravity_field(mechanism: Mechanism, loads: Loads) -> Array:
+    """g at every position coordinate, zero elsewhere, (nx,) [m/s^2]."""
+    numbering = mechanism.numbering
+    field = np.zeros(numbering.nx)
+    for node in numbering.nodes:
+        if node.kind == "position":
+            field[numbering.lnp[node.number - 1, : node.size] - 1] = loads.gravity
+    return field

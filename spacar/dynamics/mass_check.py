@@ -1,0 +1,59 @@
+"""Is the reduced mass matrix of the dynamic degrees of freedom regular? Says which motion carries no mass.
+
+M_dd = W_d^T (M + V^T M_e V) W_d is scaled to a unit diagonal first, so that metres and radians compare; its smallest
+eigenvalue below 1e-13 means a motion without inertia to working precision.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from spacar.errors import AnalysisError
+from spacar.kinematics.transfer import velocity_transfer
+from spacar.mechanism.mechanism import Array
+
+if TYPE_CHECKING:
+    from spacar.dynamics.dynamics import Dynamics
+
+SMALLEST = 1e-13
+LARGEST_CHECKED = 400  # dense work of order nx nq^2; larger models are caught by the factorization itself
+
+
+def require_regular_mass(dynamics: Dynamics) -> None:
+    """Raises AnalysisError 'dynamics.singular-mass' naming the degrees of freedom without mass."""
+    n = dynamics.numbering
+    if n.ndof > LARGEST_CHECKED:
+        return
+    M = reduced_mass(dynamics)[np.ix_(n.dynamic, n.dynamic)]
+    diagonal = np.diag(M)
+    names = [n.q_names[k] for k in n.dynamic]
+    massless = [names[k] for k in np.flatnonzero(diagonal <= 0.0)]
+    if not massless:
+        scale = np.sqrt(diagonal)
+        values, vectors = np.linalg.eigh(M / np.outer(scale, scale))
+        if values[0] > SMALLEST:
+            return
+        weight = np.abs(vectors[:, 0] / scale)
+        massless = [names[k] for k in np.argsort(-weight)[:3] if weight[k] > 0.1 * weight.max()]
+    text = (
+        "singular mass matrix: no inertia on the motion of "
+        + ", ".join(massless[:6])
+        + "; add mass (XM, EM) or prescribe (INPUTX, INPUTE) or release (RLSE) it"
+    )
+    raise AnalysisError(text, "dynamics.singular-mass")
+
+
+def reduced_mass(dynamics: Dynamics) -> Array:
+    """W^T (M + V^T M_e V) W of all degrees of freedom, (ndof, ndof), at the placed state."""
+    sweep = dynamics.sweep
+    W = velocity_transfer(dynamics.kinematics)
+    MW = np.zeros_like(W)
+    np.add.at(MW, sweep.m_rows, sweep.m_entries[:, None] * W[sweep.m_columns])
+    M = W.T @ MW
+    if dynamics.coupling.present:
+        i, j, value = dynamics.coupling.table
+        We = dynamics.kinematics.sweep_rates(W)
+        np.add.at(M, (slice(None), slice(None)), We[i].T @ (value[:, None] * We[j]))
+    return M

@@ -1,0 +1,198 @@
+"""Spatial beam, keyword BEAM (theory-spatial.md section 3).
+
+Coordinates x_p (3), lambda_p (4), x_q (3), lambda_q (4) in m and 1; deformations elongation, torsion, bending in the
+local x'z' plane at p, q and in the x'y' plane at p, q, all in m. The deformations are in `beam_strain`, the translational
+inertia in `beam_inertia`; this module reads the input values and gives the stiffness and the limits of the theory.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from spacar.elements import beam_strain as strain_of
+from spacar.elements.base import Array, ElementGroup, Family, GeometryError, Trouble
+from spacar.elements.beam_inertia import (
+    LineConstants,
+    LineState,
+    line_constants,
+    line_force,
+    line_gradient,
+    line_mass,
+    line_state,
+)
+from spacar.elements.frames import chord_frame, chords, rows, section_tensor, stack
+from spacar.elements.rotation import expand, rotate
+
+LARGE_ANGLE = np.pi / 4  # bending or twist of one element beyond this is computed with an error above 10 %
+LIMIT_ANGLE = np.radians(85.0)  # the sine measures have no equilibrium at and beyond 90 degrees
+COLLAPSED = 1e-6  # smallest fraction of the undeformed length
+
+
+class BeamConfiguration(NamedTuple):
+    """Deformation state and, if the group has mass, the inertia state."""
+
+    strain: strain_of.BeamState
+    line: LineState | None
+
+
+class SpatialBeam(Family):
+    """All BEAM elements of a model. Raises GeometryError for zero length and impossible direction vectors."""
+
+    n_coordinates = 14
+    n_deformations = 6
+    position_rows = (0, 1, 2, 7, 8, 9)
+
+    def __init__(self, group: ElementGroup) -> None:
+        self.keyword, self.numbers = group.keyword, group.numbers
+        positions = group.x0[list(self.position_rows)]
+        self.length, n = chords(positions[3:] - positions[:3], positions)
+        direction, f1 = _parameters(group)
+        frames = [chord_frame(n[:, k], direction[k], k) for k in range(group.n)]
+        self._build(group, stack(frames), stack(frames), f1)
+        self.data = f1[:, None]
+        self.line = line_constants(self._axes[0], self._axes[1], self.length, group.em[:, 0])
+        self.has_mass = bool(np.any(group.em[:, 0] != 0.0))
+        self._inertia = group.em[:, 1:5]
+
+    def _build(self, group: ElementGroup, frame_p: Array, frame_q: Array, f1: Array) -> None:
+        """Frames (3, 3, n) at both ends and all constants of the deformations."""
+        self._frames = frame_p, frame_q
+        self._axes = frame_p[:, 0], frame_q[:, 0]
+        self.frame_p, self.frame_q = rows(frame_p), rows(frame_q)
+        self.constants = strain_of.beam_constants(frame_p, frame_q, self.length, f1, group.nonlinear)
+        self._second = bool(group.nonlinear.any())
+        self._estiff, self._edamp = group.estiff, group.edamp
+
+    # -- deformations -------------------------------------------------------------------------------------------
+    def strain(self, x: Array, near: Array, e: Array, V: Array) -> BeamConfiguration:
+        p = strain_of.BeamConstants(*expand(self.constants, x.ndim))
+        c = strain_of.beam_state(p, x, self._second)
+        if c.Q is None:
+            e[...] = c.raw
+        else:
+            e[...] = c.raw + 0.5 * np.einsum("kj...,j...->k...", c.Q, c.raw)
+        strain_of.put(strain_of.corrected(c.Q, c.W), V)
+        line = line_state(LineConstants(*expand(self.line, x.ndim)), x) if self.has_mass else None
+        return BeamConfiguration(c, line)
+
+    def convective_strain(self, c: BeamConfiguration, v: Array, out: Array) -> None:
+        state = c.strain
+        raw2 = strain_of.beam_rates(state, v).raw2
+        if state.Q is None:
+            out[...] = raw2
+            return
+        raw1 = strain_of.raw_rate(state, v)
+        curved = strain_of.correction(state.p, raw1)
+        out[...] = strain_of.second_order(state.Q, raw2) + np.einsum("kj...,j...->k...", curved, raw1)
+
+    def gradient_rate(self, c: BeamConfiguration, v: Array, out: Array) -> None:
+        state = c.strain
+        W = strain_of.rate_rows(state, strain_of.beam_rates(state, v))
+        if state.Q is not None:
+            Q1 = strain_of.correction(state.p, strain_of.raw_rate(state, v))
+            W = strain_of.corrected(state.Q, W) + np.einsum("kj...,jsi...->ksi...", Q1, state.W)
+        strain_of.put(W, out)
+
+    def rate_gradient(self, c: BeamConfiguration, v: Array, out: Array) -> None:
+        state = c.strain
+        rates = strain_of.beam_rates(state, v)
+        W = strain_of.second_rate_rows(state, rates)
+        if state.Q is not None:
+            Q1 = strain_of.correction(state.p, strain_of.raw_rate(state, v))
+            Q2 = strain_of.correction(state.p, rates.raw2)
+            W = (
+                strain_of.corrected(state.Q, W)
+                + np.einsum("kj...,jsi...->ksi...", Q2, state.W)
+                + 2.0 * np.einsum("kj...,jsi...->ksi...", Q1, strain_of.rate_rows(state, rates))
+            )
+        strain_of.put(W, out)
+
+    def geometric_stiffness(self, c: BeamConfiguration, sigma: Array, out: Array) -> None:
+        strain_of.hessian(c.strain, sigma, out)
+
+    # -- stresses -----------------------------------------------------------------------------------------------
+    def stiffness(self) -> tuple[Array, Array]:
+        """S [N/m] and S_d [N s/m] of section 3.5; the shear parameters act in both."""
+        shear = 12.0 * self._estiff[:, 4:6] / self.length[:, None] ** 2
+        return _beam_matrix(self._estiff, shear, self.length), _beam_matrix(self._edamp, shear, self.length)
+
+    # -- inertia ------------------------------------------------------------------------------------------------
+    def mass(self, c: BeamConfiguration, out: Array) -> None:
+        line_mass(_line(c), out)
+
+    def inertia_force(self, c: BeamConfiguration, v: Array, a: Array | None) -> Array:
+        return line_force(_line(c), v, a)
+
+    def inertia_gradient(self, c: BeamConfiguration, v: Array, a: Array) -> tuple[Array, Array]:
+        return line_gradient(_line(c), v, a)
+
+    def orientation_inertia(self) -> tuple[tuple[int, Array], ...]:
+        if not self._inertia.any():
+            return ()
+        half = 0.5 * self.length
+        return tuple(
+            (row, section_tensor(frame, self._inertia, half)) for row, frame in zip((3, 10), self._frames, strict=True)
+        )
+
+    # -- limits -------------------------------------------------------------------------------------------------
+    def troubles(self, c: BeamConfiguration, e: Array, sigma: Array) -> list[Trouble]:
+        """Collapsed length, and angles of bending (end tangent against the chord) or twist that are too large."""
+        state = c.strain
+        found = [
+            Trouble(int(k), f"has collapsed: its length is {state.l[k]:.3g} m, undeformed {self.length[k]:.3g} m", True)
+            for k in np.flatnonzero(~(state.l > COLLAPSED * self.length))
+        ]
+        for what, angle in _angles(state.lam, state.n, self._frames):
+            for k in np.flatnonzero(angle > LARGE_ANGLE):
+                fatal = bool(angle[k] > LIMIT_ANGLE)
+                limit = "beyond what its deformation can measure" if fatal else "which one element cannot represent well"
+                text = f"{what} by {np.degrees(angle[k]):.0f} degrees, {limit}; use more elements"
+                found.append(Trouble(int(k), text, fatal))
+        return found
+
+
+def _line(c: BeamConfiguration) -> LineState:
+    line = c.line
+    assert line is not None  # the contract: inertia is asked for only if `has_mass`
+    return line
+
+
+def _parameters(group: ElementGroup) -> tuple[list[tuple[float, ...] | None], Array]:
+    """Direction vectors (or None) and torsion-elongation parameters f1 (n,) [m^2] of the element statements."""
+    directions: list[tuple[float, ...] | None] = []
+    f1 = np.zeros(group.n)
+    for k, values in enumerate(group.geometry):
+        if len(values) not in (0, 1, 3, 4):
+            raise GeometryError(k, f"{len(values)} values behind the nodes: give a direction (3), a coupling (1) or both")
+        directions.append(values[:3] if len(values) >= 3 else None)
+        f1[k] = values[-1] if len(values) in (1, 4) else 0.0
+    return directions, f1
+
+
+def _beam_matrix(rigidity: Array, shear: Array, l0: Array) -> Array:
+    """(6, 6, n) from EA, GIt, EIy, EIz (n, >=4) and the shear numbers Phi_z, Phi_y (n, 2)."""
+    S = np.zeros((6, 6, len(l0)))
+    S[0, 0] = rigidity[:, 0] / l0
+    S[1, 1] = rigidity[:, 1] / l0**3
+    for j in range(2):
+        phi, first = shear[:, j], 2 + 2 * j
+        k = rigidity[:, 2 + j] / ((1.0 + phi) * l0**3)
+        S[first, first] = S[first + 1, first + 1] = (4.0 + phi) * k
+        S[first, first + 1] = S[first + 1, first] = (-2.0 + phi) * k
+    return S
+
+
+def _angles(lam: Array, n: Array, frames: tuple[Array, Array]) -> list[tuple[str, Array]]:
+    """Angles [rad] (n,) between the end tangents and the chord, and of the twist, with a verb each."""
+    ends = [[rotate(lam[s], frames[s][:, i]) for i in range(3)] for s in range(2)]
+    found = []
+    for s, name in enumerate("pq"):
+        chord = np.arccos(np.clip((n * ends[s][0]).sum(0), -1.0, 1.0))
+        found.append((f"is bent at {name}", chord))
+    (_, yp, zp), (_, yq, zq) = ends
+    sine = ((zp * yq).sum(0) - (yp * zq).sum(0)) / 2.0
+    cosine = ((yp * yq).sum(0) + (zp * zq).sum(0)) / 2.0
+    found.append(("is twisted", np.abs(np.arctan2(sine, cosine))))
+    return found

@@ -1,0 +1,140 @@
+"""Over- and under-constraints: singular value decomposition of the scaled difference matrix (theory-system.md 1.1).
+
+The part of dD/dx with the rows fixed, input and dynamic and the columns calculable (and kinematic) must be square and
+regular. Lengths and rotations are made comparable first: with L the size of the mechanism, a column of a position is
+multiplied by L and a row of a deformation in metres divided by L. Singular values below sqrt(eps) s_1 count as zero.
+
+Left null vectors are over-constraints: combinations of deformations that no motion can change independently, so that
+the stresses along them are undetermined. Right null vectors are under-constraints: motions of the calculable
+coordinates that no deformation feels. With several at once, releases (or new degrees of freedom) are proposed one
+after the other: the largest component in the null space, which is then projected on the rest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacar.deck import ELEMENT_TYPES
+from spacar.mechanism.mechanism import Array, Index, Mechanism
+
+ZERO = float(np.sqrt(np.finfo(float).eps))
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Result of the constraint analysis; names are those of the numbering, weights sum to 1 over all entries.
+
+    over, under        numbers of over- and under-constraints
+    deformations       ranked (weight, name) of what takes part in the over-constraints
+    coordinates        ranked (weight, name) of what moves in the under-constraints
+    releases           deformations whose release removes the over-constraints, one for each where possible
+    freedoms           coordinates to be made degrees of freedom (or supported), one per under-constraint
+    singular           (k,) singular values, descending;  condition  s_1/s_n, infinite if not square and regular
+    """
+
+    n_rows: int
+    n_columns: int
+    over: int
+    under: int
+    deformations: tuple[tuple[float, str], ...]
+    coordinates: tuple[tuple[float, str], ...]
+    releases: tuple[str, ...]
+    freedoms: tuple[str, ...]
+    singular: Array
+    condition: float
+
+    def lines(self) -> list[str]:
+        """The report, a sentence or a table row each."""
+        lines = [
+            f"constraints {self.n_rows}, calculable coordinates {self.n_columns}, condition number {self.condition:.6g}"
+        ]
+        if not self.over and not self.under:
+            return [*lines, "the mechanism is neither over- nor under-constrained"]
+        if self.over:
+            lines.append(f"over-constrained {self.over} time{'s' * (self.over > 1)}; deformations that take part:")
+            lines += [f"  {weight:8.4f}  {name}" for weight, name in self.deformations]
+            lines += [f"  suggestion: release {name} (RLSE)" for name in self.releases]
+        if self.under:
+            lines.append(f"under-constrained {self.under} time{'s' * (self.under > 1)}; coordinates that move:")
+            lines += [f"  {weight:8.4f}  {name}" for weight, name in self.coordinates]
+            lines += [f"  suggestion: make {name} a degree of freedom (DYNX, INPUTX) or support it (FIX)" for name in self.freedoms]
+        return lines
+
+
+def scaled_difference_matrix(mechanism: Mechanism, V: Array) -> Array:
+    """V (ne, nx) with dimensionless rows and columns."""
+    numbering = mechanism.numbering
+    row_scale = np.ones(numbering.ne)
+    for element, keyword, _ in numbering.elements:
+        for mode, (_, unit) in enumerate(ELEMENT_TYPES[keyword].modes, 1):
+            if unit == "m":
+                row_scale[numbering.e_index(element, mode)] = mechanism.length
+    return V * mechanism.scale / row_scale[:, None]
+
+
+def diagnose(mechanism: Mechanism, V: Array) -> Diagnosis:
+    """Analyse the constraints at the configuration of V = dD/dx, (ne, nx)."""
+    numbering = mechanism.numbering
+    xs, es = numbering.x_class, numbering.e_class
+    rows = np.arange(es["dynamic"].stop)
+    columns = np.r_[xs["calculable"].start : xs["calculable"].stop, xs["kinematic"].start : xs["kinematic"].stop]
+    D = scaled_difference_matrix(mechanism, V)[np.ix_(rows, columns)]
+    if D.size:
+        left, s, right = np.linalg.svd(D)
+    else:
+        left, s, right = np.eye(len(rows)), np.zeros(0), np.eye(len(columns))
+    rank = int(np.sum(s > ZERO * s[0])) if len(s) else 0
+    over, under = len(rows) - rank, len(columns) - rank
+    null_rows, null_columns = left[:, rank:], right[rank:].T
+    may_release = np.array([numbering.e_owner(int(i))[0] > 0 for i in rows], bool)
+    regular = not over and not under
+    return Diagnosis(
+        n_rows=len(rows),
+        n_columns=len(columns),
+        over=over,
+        under=under,
+        deformations=_ranked(null_rows, [numbering.e_name(int(i)) for i in rows]),
+        coordinates=_ranked(null_columns, [numbering.x_name(int(i)) for i in columns]),
+        releases=tuple(numbering.e_name(int(rows[i])) for i in pick(null_rows, may_release)),
+        freedoms=tuple(numbering.x_name(int(columns[i])) for i in pick(null_columns, _independent(mechanism, columns))),
+        singular=s,
+        condition=float(s[0] / s[-1]) if regular and len(s) else (1.0 if regular else float("inf")),
+    )
+
+
+def pick(null: Array, allowed: Array) -> list[int]:
+    """One row per null vector: the largest allowed component, after which the null space is projected on the rest."""
+    rest = null.copy()
+    chosen: list[int] = []
+    while rest.shape[1]:
+        weight = np.where(allowed, np.sum(rest**2, axis=1), 0.0)
+        best = int(np.argmax(weight))
+        if weight[best] < ZERO:
+            break
+        chosen.append(best)
+        # keep the combinations of null vectors that vanish in the chosen row
+        direction = rest[best] / np.linalg.norm(rest[best])
+        keep = np.linalg.svd(direction[None, :])[2][1:].T
+        rest = rest @ keep
+    return chosen
+
+
+def _ranked(null: Array, names: list[str]) -> tuple[tuple[float, str], ...]:
+    if not null.shape[1]:
+        return ()
+    weight = np.sum(null**2, axis=1) / null.shape[1]
+    order = np.argsort(-weight, kind="stable")
+    return tuple((float(weight[i]), names[i]) for i in order if weight[i] > 1e-6)
+
+
+def _independent(mechanism: Mechanism, columns: Index) -> Array:
+    """Coordinates that may be chosen as degrees of freedom: not lambda0, which the normalization determines."""
+    numbering = mechanism.numbering
+    result = np.ones(len(columns), bool)
+    for k, i in enumerate(columns):
+        node, coordinate = numbering.x_owner(int(i))
+        if not numbering.planar and numbering.kind[node] == "orientation" and coordinate == 1:
+            result[k] = False
+    return result

@@ -1,0 +1,73 @@
+"""Failures of the position problem, said so that a user can act: what, where, how far, what to try."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from spacar.errors import AnalysisError
+from spacar.kinematics.diagnosis import Diagnosis, diagnose, scaled_difference_matrix
+from spacar.linear_systems import SingularMatrixError
+from spacar.mechanism.mechanism import Array
+
+if TYPE_CHECKING:
+    from spacar.kinematics.kinematics import Kinematics
+
+
+def count_failure(kinematics: Kinematics) -> AnalysisError:
+    """Numbers of unknowns and equations differ."""
+    mechanism = kinematics.mechanism
+    kinematics.sweep.strain(mechanism.x0)
+    diagnosis = diagnose(mechanism, kinematics.sweep.gradient())
+    rows, columns = diagnosis.n_rows, diagnosis.n_columns
+    if rows == columns:
+        rows, columns = len(kinematics.h), len(kinematics.c)
+    kind = "over-constrained: release deformations (RLSE)" if rows > columns else "under-constrained: declare more degrees of freedom"
+    text = (
+        f"ill-defined mechanism: {rows} fixed, prescribed and dynamic deformations for {columns} calculable coordinates"
+        f" (difference {rows - columns:+d}), {kind}; {_candidates(diagnosis)}; `spacar 0` lists all"
+    )
+    return AnalysisError(text, "mechanism.count", diagnosis=diagnosis)
+
+
+def singular_failure(kinematics: Kinematics, x: Array, error: SingularMatrixError) -> AnalysisError:
+    """The matrix of the position problem is singular at x."""
+    diagnosis = diagnose(kinematics.mechanism, kinematics.sweep.gradient())
+    text = (
+        f"the position cannot be determined: {error}; {_candidates(diagnosis)};"
+        " choose other degrees of freedom, or the mechanism is in a singular position"
+    )
+    return AnalysisError(text, "position.singular", diagnosis=diagnosis)
+
+
+def position_failure(kinematics: Kinematics, x: Array, residual: Array, history: list[float], iteration: int) -> AnalysisError:
+    """Newton's iteration did not converge."""
+    numbering = kinematics.numbering
+    values = np.where(np.isfinite(residual), np.abs(residual), np.inf)
+    worst = int(kinematics.h[int(np.argmax(values))]) if len(values) else 0
+    D = scaled_difference_matrix(kinematics.mechanism, kinematics.sweep.gradient())[np.ix_(kinematics.h, kinematics.c)]
+    where = ""
+    smallest = float("nan")
+    if np.isfinite(D).all() and D.size:
+        _, s, right = np.linalg.svd(D)
+        smallest = float(s[-1])
+        where = f", motion that is hardest to determine: {numbering.x_name(int(kinematics.c[int(np.argmax(np.abs(right[-1])))]))}"
+    text = (
+        f"no convergence of the position after {iteration} iterations: residual {values.max(initial=0.0):.3g},"
+        f" history {' '.join(f'{r:.2g}' for r in history[:6])}{' ...' if len(history) > 6 else ''},"
+        f" worst deformation {numbering.e_name(worst)}, smallest singular value {smallest:.3g}{where};"
+        " try a smaller step, other degrees of freedom, or start values that can be reached"
+    )
+    return AnalysisError(text, "position.no-convergence", iterations=iteration, history=history)
+
+
+def _candidates(diagnosis: Diagnosis) -> str:
+    parts = []
+    if diagnosis.releases:
+        parts.append("candidates to release: " + ", ".join(diagnosis.releases))
+    if diagnosis.freedoms:
+        parts.append("free motions at: " + ", ".join(diagnosis.freedoms))
+    if not parts and len(diagnosis.singular):
+        parts.append(f"smallest singular value {diagnosis.singular[-1]:.3g} of {diagnosis.singular[0]:.3g}")
+    return "; ".join(parts) or "no candidates"

@@ -1,0 +1,185 @@
+"""The configuration of a mechanism and the linear map from given to dependent velocities.
+
+Position level (theory-system.md 1.1): the holonomic rows h = fixed, input, dynamic and kinematic deformations determine
+the calculable coordinates c,  D_h(x) = e_h.  Velocity level: the rows E = fixed, input and dynamic (slips included)
+determine U = calculable and kinematic coordinates,  V[E,U] xd_U = ed_E - V[E,rest] xd_rest.  Without slips both
+matrices are the same.
+
+Newton's method starts from the last configuration, moved by the first order prediction with the last factorization.
+It has converged when max |dx_i|/scale_i <= 1e-11 (scale: size of the mechanism for positions, 1 for angles and Euler
+parameters); the correction that passes the test is still applied, and since convergence is quadratic the result is
+accurate to rounding. At most 20 iterations; a correction that makes the residual grow is halved, at most 5 times.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spacar.errors import AnalysisError
+from spacar.kinematics.failure import count_failure, position_failure, singular_failure
+from spacar.kinematics.sweep import Sweep
+from spacar.linear_systems import SingularMatrixError, System, assemble
+from spacar.mechanism.mechanism import Array, Index, Mechanism
+
+CONVERGED = 1e-11  # largest scaled correction that ends Newton's iteration
+MAX_ITERATIONS = 20
+MAX_HALVINGS = 5
+LARGEST_TURN = 1.0  # rad or model lengths: a larger change of the given values is reached in sub-steps
+
+
+class Kinematics:
+    """Mutable state of one mechanism: configuration x, deformations and factorizations at x.
+
+    Raises AnalysisError 'mechanism.count' when the numbers of unknowns and equations differ.
+    """
+
+    def __init__(self, mechanism: Mechanism, kind: str | None = None) -> None:
+        self.mechanism = mechanism
+        n = self.numbering = mechanism.numbering
+        self.sweep = Sweep(mechanism)
+        xs, es = n.x_class, n.e_class
+        self.E = np.arange(es["dynamic"].stop)
+        self.U = np.r_[xs["calculable"].start : xs["calculable"].stop, xs["kinematic"].start : xs["kinematic"].stop]
+        self.given_x = np.setdiff1d(np.arange(n.nx), self.U)
+        self.h = np.flatnonzero(~n.slips[: es["kinematic"].stop])
+        self.c = np.arange(xs["calculable"].start, xs["calculable"].stop)
+        if len(self.h) != len(self.c) or len(self.E) != len(self.U):
+            raise count_failure(self)
+        self.velocity_system, self._velocity_take = self._system(self.E, self.U, kind)
+        self.velocity_map_is_position_map = bool(n.holonomic)
+        if self.velocity_map_is_position_map:
+            self.position_system, self._position_take = self.velocity_system, self._velocity_take
+        else:
+            self.position_system, self._position_take = self._system(self.h, self.c, kind)
+        self.scale = mechanism.scale
+        self.x = mechanism.x0.copy()
+        self.e_given = np.zeros(n.ne)
+        self.iterations = 0  # Newton iterations of the last position
+        self.total_iterations = 0
+        self._factored = False
+
+    def _system(self, rows: Index, columns: Index, kind: str | None) -> tuple[System, Index]:
+        """The part of V with these rows and columns as a linear system, and where its entries are in the sweep."""
+        row_of = np.full(self.numbering.ne, -1)
+        row_of[rows] = np.arange(len(rows))
+        column_of = np.full(self.numbering.nx, -1)
+        column_of[columns] = np.arange(len(columns))
+        r, c = row_of[self.sweep.v_rows], column_of[self.sweep.v_columns]
+        take = np.flatnonzero((r >= 0) & (c >= 0))
+        return assemble(len(rows), r[take], c[take], kind), take
+
+    # -- position -----------------------------------------------------------------------------------------------
+    def move(self, x_given: Array, e_given: Array) -> None:
+        """Go to the configuration with these given values; far targets are reached in sub-steps.
+
+        x_given (nx,) holds the given coordinates (entries of U are ignored), e_given (ne,) the given deformations.
+        Raises AnalysisError 'position.no-convergence' or 'position.singular'.
+        """
+        far = max(
+            float(np.max(np.abs(x_given - self.x)[self.given_x] / self.scale[self.given_x], initial=0.0)),
+            float(np.max(np.abs(e_given - self.e_given)[self.h], initial=0.0)) / max(1.0, self.mechanism.length),
+        )
+        if far <= LARGEST_TURN or not self._factored:
+            self.position(x_given, e_given)
+            return
+        x_start, e_start = self.x.copy(), self.e_given.copy()
+        for fraction in np.linspace(0.0, 1.0, int(np.ceil(far / LARGEST_TURN)) * 2 + 1)[1:]:
+            x = x_start + fraction * (x_given - x_start)
+            self.position(x, e_start + fraction * (e_given - e_start))
+
+    def position(self, x_given: Array, e_given: Array) -> None:
+        """Solve D_h(x) = e_h from the present configuration; leaves V and its factorization at the solution."""
+        start = self.x.copy()
+        x = self.x.copy()
+        x[self.given_x] = x_given[self.given_x]
+        kinematic = self.U[len(self.c) :]
+        x[kinematic] = x_given[kinematic]
+        near = self.sweep.near
+        near[self.h] = e_given[self.h]
+        if self._factored:
+            change = x - self.x
+            change[self.c] = 0.0
+            residual = self.sweep.rate(change)[self.h] - (e_given - self.e_given)[self.h]
+            x[self.c] -= self.position_system.solve(residual)
+        try:
+            self._newton(x, e_given)
+        except AnalysisError:
+            self.x = start
+            self._factored = False
+            raise
+        self.e_given = e_given.copy()
+        near[:] = self.sweep.e
+
+    def _newton(self, x: Array, e_given: Array) -> None:
+        c, h, sweep = self.c, self.h, self.sweep
+        target, scale = e_given[h], self.scale[c]
+        history: list[float] = []
+        correction = np.zeros(len(c))
+        halvings = 0
+        for iteration in range(1, MAX_ITERATIONS + 1):
+            sweep.strain(x)
+            residual = sweep.e[h] - target
+            norm = float(np.max(np.abs(residual), initial=0.0))
+            if not np.isfinite(norm) or (history and norm > 2.0 * history[-1] and norm > 1e-6):
+                if halvings == MAX_HALVINGS:
+                    raise position_failure(self, x, residual, history, iteration)
+                halvings += 1
+                correction *= 0.5
+                x[c] += correction
+                continue
+            history.append(norm)
+            halvings = 0
+            try:
+                self._factor_position()
+                correction = self.position_system.solve(residual)
+            except SingularMatrixError as error:
+                raise singular_failure(self, x, error) from None
+            x[c] -= correction
+            step = float(np.max(np.abs(correction) / scale, initial=0.0))
+            if step <= CONVERGED:
+                self.x = x
+                self.iterations = iteration
+                self.total_iterations += iteration
+                if not self.velocity_map_is_position_map:
+                    self.velocity_system.factor(sweep.entries[self._velocity_take])
+                self._factored = True
+                return
+        raise position_failure(self, x, residual, history, MAX_ITERATIONS)
+
+    def _factor_position(self) -> None:
+        self.position_system.factor(self.sweep.entries[self._position_take])
+
+    # -- velocity and acceleration ------------------------------------------------------------------------------
+    def dependent(self, given: Array, e_rate: Array) -> Array:
+        """Full vector v with V[E] v = e_rate[E]; `given` (nx,) or (nx, k) holds the other coordinates.
+
+        Serves velocities (e_rate = ed), accelerations (e_rate = edd - H(xd, xd)) and columns of transfer functions.
+        """
+        v = given.copy()
+        v[self.U] = 0.0
+        Vv = self.sweep.rate(v) if v.ndim == 1 else self.sweep_rates(v)
+        v[self.U] = self.velocity_system.solve(e_rate[self.E] - Vv[self.E])
+        return v
+
+    def sweep_rates(self, v: Array) -> Array:
+        """V v for several columns, (ne, k)."""
+        return np.column_stack([self.sweep.rate(column) for column in v.T]) if v.shape[1] else np.zeros((self.numbering.ne, 0))
+
+    def reactions(self, force: Array, sigma: Array) -> None:
+        """Multipliers: write sigma[E] so that (force + V^T sigma) vanishes on U (theory-system.md (10)).
+
+        force (nx,) is M xdd + h - f; sigma (ne,) holds the constitutive stresses of the rows outside E.
+        """
+        sigma[self.E] = 0.0
+        residual = force + self.sweep.rate_transposed(sigma)
+        sigma[self.E] = self.velocity_system.solve_transposed(-residual[self.U])
+
+    def condition(self) -> float:
+        """s_1/s_n of the scaled part of V that is inverted; infinite when singular."""
+        from spacar.kinematics.diagnosis import scaled_difference_matrix
+
+        D = scaled_difference_matrix(self.mechanism, self.sweep.gradient())[np.ix_(self.E, self.U)]
+        if not D.size:
+            return 1.0
+        s = np.linalg.svd(D, compute_uv=False)
+        return float(s[0] / s[-1]) if s[-1] > 0.0 else float("inf")

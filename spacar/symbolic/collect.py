@@ -1,0 +1,248 @@
+"""Recurrence (Z variables) and collection functions: exact rewrites that make equations shorter.
+
+Every function f satisfies expand(x − f(x)) = 0, which is how it is tested. Source: the paper, section 2.2 and
+tables 11, 14; `symbolic.md`, section 4.2. `simplify` and `trigsimp` are never used: too slow on whole equations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any, TypeVar
+
+import sympy as sp
+
+from spacar.symbolic.derivatives import Recurrence
+from spacar.symbolic.units import HeldScalar, Unit
+from spacar.symbolic.vectors import Dyad, Vector
+
+Value = TypeVar("Value", sp.Expr, Vector, Dyad)
+
+
+class ZTable:
+    """Ordered table expression -> Z variable. Equal and opposite expressions are found again.
+
+    `forbidden` are the accelerations: a Z is a memory read that must not contain them (ValueError).
+
+    >>> x, y = sp.symbols("x y"); table = ZTable()
+    >>> table.read(x * y + 1), table.read(-x * y - 1), table.read(x * y + 1), table.read(-x)
+    (Z1, -Z1, Z1, -x)
+    """
+
+    def __init__(self, prefix: str = "Z", forbidden: Iterable[sp.Basic] = ()) -> None:
+        self.prefix = prefix
+        self.forbidden = frozenset(forbidden)
+        self.definitions: dict[sp.Symbol, sp.Expr] = {}
+        self._symbols: dict[sp.Expr, sp.Expr] = {}
+
+    def read(self, expression: Any, name: str | None = None) -> sp.Expr:
+        """The memory read that stands for `expression`; a number, a symbol or minus a symbol stands for itself."""
+        expression = sp.sympify(expression)
+        if name is None and (expression.is_number or _is_read(expression)):
+            return expression
+        if expression in self._symbols:
+            return self._symbols[expression]
+        if -expression in self._symbols:
+            return -self._symbols[-expression]
+        if self.forbidden and not self.forbidden.isdisjoint(expression.free_symbols | expression.atoms(sp.Derivative)):
+            raise ValueError(f"a Z variable must not contain accelerations: {expression}")
+        symbol = Recurrence(name or f"{self.prefix}{len(self.definitions) + 1}", real=True)
+        if symbol in self.definitions:
+            raise ValueError(f"the Z variable {symbol} is already defined")
+        self.definitions[symbol] = expression
+        self._symbols[expression] = symbol
+        return symbol
+
+    def expand(self, value: Value) -> Value:
+        """Put the definitions back in: the expression without any Z of this table."""
+        for symbol, definition in reversed(self.definitions.items()):
+            value = value.xreplace({symbol: definition})
+        return value
+
+    def __len__(self) -> int:
+        return len(self.definitions)
+
+
+def _is_read(expression: sp.Expr) -> bool:
+    if expression.is_Mul and len(expression.args) == 2 and expression.args[0] == -1:
+        expression = expression.args[1]
+    return bool(expression.is_Symbol or (expression.is_Function and not expression.args[0].is_Add))
+
+
+def read_measure_numbers(vector: Vector, table: ZTable, accelerations: Iterable[sp.Symbol]) -> Vector:
+    """Replace, in every measure number, the part without accelerations by one Z (table 11 of the paper).
+
+    With t1 = −q ṡ − 2 s v: the measure number becomes Z1 − q ṡ.
+
+    >>> q, s, v, sdot = sp.symbols("q s v sdot"); from spacar.symbolic.units import Frame
+    >>> table = ZTable(forbidden=[sdot])
+    >>> print(read_measure_numbers((-q * sdot - 2 * s * v) * Frame("B")[1], table, [sdot]))
+    (Z1 - q*sdot) b1
+    """
+    return vector.map(lambda c: read_scalar(c, table, accelerations))
+
+
+def read_scalar(expression: sp.Expr, table: ZTable, accelerations: Iterable[sp.Symbol]) -> sp.Expr:
+    """Coefficient of every acceleration and the rest become Z variables: Σ Z_j a_j + Z_0."""
+    present = [a for a in accelerations if expression.has(a)]
+    coefficients, rest = split_linear(expression, present)
+    parts = [table.read(gather_scalars(c)) * a for a, c in zip(present, coefficients, strict=True)]
+    return sp.Add(*parts, table.read(gather_scalars(rest)))
+
+
+def split_linear(expression: sp.Expr, symbols: Iterable[sp.Symbol]) -> tuple[list[sp.Expr], sp.Expr]:
+    """Coefficients and rest of an expression that is linear in `symbols` (ValueError otherwise)."""
+    symbols = list(symbols)
+    coefficients = [expression.diff(s) for s in symbols]
+    if any(c.has(*symbols) for c in coefficients if symbols):
+        raise ValueError(f"not linear in {', '.join(map(str, symbols))}: {expression}")
+    return coefficients, expression.xreplace({s: sp.S.Zero for s in symbols})
+
+
+def loosen_dots(value: Value) -> Value:
+    """Expand brackets so that scalars leave the dots: every term is a product of scalars and held atoms."""
+    return distribute_scalars(value)
+
+
+def distribute_scalars(value: Value) -> Value:
+    """Expand the measure numbers of a vector, or a scalar.
+
+    >>> a, b, c = sp.symbols("a b c")
+    >>> distribute_scalars(a * (b + c))
+    a*b + a*c
+    """
+    return _each(value, sp.expand)
+
+
+def gather_vectors(value: Value) -> Value:
+    """One measure number per direction, common factors in front; shared axes of turned frames are merged.
+
+    >>> from spacar.symbolic.units import Frame
+    >>> q, a, b = sp.symbols("q a b"); N = Frame("N"); B = N.turned("B", 3, q)
+    >>> print(gather_vectors(a * N[3] + (a * b + a) * B[3]))
+    a*(b + 2) b3
+    """
+    if isinstance(value, Vector):
+        latest: dict[Any, Unit] = {}
+        for key in value.terms:
+            if isinstance(key, Unit):
+                latest[key.frame.directions[key.index]] = key
+        value = Vector.collect(
+            (latest[key.frame.directions[key.index]] if isinstance(key, Unit) else key, c)
+            for key, c in value.terms.items()
+        )
+    return _each(value, lambda c: sp.factor_terms(sp.expand(c)))
+
+
+def gather_dots(value: Value) -> Value:
+    """Collect on the held dots and triple products.
+
+    >>> from spacar.symbolic.units import Frame
+    >>> a, b = sp.symbols("a b"); N, B = Frame("N"), Frame("B"); d = N[1] & B[1]
+    >>> gather_dots(a * d + b * d)
+    (a + b)*n1.b1
+    """
+
+    def collect(c: sp.Expr) -> sp.Expr:
+        held = sorted(c.atoms(HeldScalar), key=str)
+        return sp.collect(sp.expand(c), held, func=sp.factor_terms) if held else c
+
+    return _each(value, collect)
+
+
+def gather_scalars(value: Value, symbols: Iterable[sp.Expr] = ()) -> Value:
+    """Collect on the given symbols (speeds), then take common factors out of every sum."""
+    symbols = list(symbols)
+    return _each(value, lambda c: sp.factor_terms(sp.collect(sp.expand(c), symbols) if symbols else c))
+
+
+def gather_divisors(value: Value) -> Value:
+    """One common denominator in every sum of fractions.
+
+    >>> a, b, L = sp.symbols("a b L")
+    >>> gather_divisors(a / L + b / L**2)
+    (L*a + b)/L**2
+    """
+    return _each(value, sp.together)
+
+
+def minimal_divisions(value: Value, table: ZTable) -> Value:
+    """Replace division by multiplication with precomputed reciprocals, which become Z variables.
+
+    >>> a, L = sp.symbols("a L"); table = ZTable()
+    >>> minimal_divisions(a / L**2, table)
+    Z1**2*a
+    """
+
+    def reciprocal(c: sp.Expr) -> sp.Expr:
+        powers = sorted((p for p in c.atoms(sp.Pow) if p.exp.is_Integer and p.exp < 0), key=sp.default_sort_key)
+        return c.xreplace({p: table.read(1 / p.base) ** -p.exp for p in powers})
+
+    return _each(value, reciprocal)
+
+
+def unsquare(value: Value) -> Value:
+    """x**2, x**3 and x**4 written as products, unevaluated: what a program multiplies.
+
+    >>> x = sp.Symbol("x")
+    >>> unsquare(x**2)
+    x*x
+    """
+
+    def product(c: sp.Expr) -> sp.Expr:
+        powers = [p for p in c.atoms(sp.Pow) if p.exp in (2, 3, 4)]
+        return c.xreplace({p: sp.Mul(*[p.base] * int(p.exp), evaluate=False) for p in powers})
+
+    return _each(value, product)
+
+
+def simplify_rhs(value: Value, speeds: Iterable[sp.Expr] = ()) -> Value:
+    """The shortest of the collected forms; the input itself when no form is shorter."""
+    speeds = list(speeds)
+
+    def best(c: sp.Expr) -> sp.Expr:
+        forms = [c, gather_dots(c), gather_scalars(c), gather_scalars(gather_dots(c), speeds)]
+        return min(forms, key=lambda form: sp.count_ops(form))
+
+    return _each(value, best)
+
+
+def _each(value: Value, function: Any) -> Value:
+    if isinstance(value, (Vector, Dyad)):
+        result: Value = value.map(function)
+        return result
+    return function(sp.sympify(value))
+
+
+def definition_order(definitions: Mapping[sp.Symbol, sp.Expr], results: Iterable[sp.Expr]) -> list[sp.Symbol]:
+    """The symbols of `definitions` that `results` need, each after everything that it reads."""
+    order: dict[sp.Symbol, None] = {}
+    stack: list[tuple[sp.Symbol, bool]] = []
+    for result in results:
+        stack += [(s, False) for s in sorted(result.free_symbols & definitions.keys(), key=str, reverse=True)]
+        while stack:
+            symbol, ready = stack.pop()
+            if ready:
+                order[symbol] = None
+            elif symbol not in order:
+                stack.append((symbol, True))
+                needed = definitions[symbol].free_symbols & definitions.keys()
+                stack += [(s, False) for s in sorted(needed, key=str, reverse=True) if s not in order]
+    return list(order)
+
+
+__all__ = [
+    "ZTable",
+    "definition_order",
+    "distribute_scalars",
+    "gather_divisors",
+    "gather_dots",
+    "gather_scalars",
+    "gather_vectors",
+    "loosen_dots",
+    "minimal_divisions",
+    "read_measure_numbers",
+    "read_scalar",
+    "simplify_rhs",
+    "split_linear",
+    "unsquare",
+]

@@ -1,0 +1,105 @@
+"""Assumed fields of a beam: u(x, t) = Σ φ_k(t) ψ_k(x), their strain energy and foreshortening.
+
+A field stays a symbol u(x, t) through the kinematics; `substitution` gives what replaces it and its derivatives
+afterwards. Energy densities ½ EI u_xx² (bending), ½ GJ θ_x² (twist), ½ EA e_x² (stretch): the paper, (9), (10);
+foreshortening w = ½ ∫ u_x² dx: `symbolic.md`, section 8.7.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+from spacar.symbolic.shapes import X, integral
+from spacar.symbolic.units import TIME
+
+
+@dataclass(frozen=True, eq=False)
+class Field:
+    """One assumed field. `kind` is bending, twist or stretch; `direction` the unit vector it moves along or about.
+
+    coordinates φ_k(t) and speeds dφ_k(t) belong to `shapes` ψ_k(x); `stiffness` [N m², N m² or N].
+    """
+
+    name: str
+    kind: str
+    direction: int
+    function: sp.Expr
+    shapes: tuple[sp.Expr, ...]
+    coordinates: tuple[sp.Expr, ...]
+    speeds: tuple[sp.Expr, ...]
+    stiffness: sp.Expr
+
+    @property
+    def strain(self) -> sp.Derivative:
+        """u_xx for bending, θ_x or e_x otherwise, of the field symbol."""
+        return sp.Derivative(self.function, (X, self.order)) if self.order > 1 else sp.Derivative(self.function, X)
+
+    @property
+    def order(self) -> int:
+        return 2 if self.kind == "bending" else 1
+
+    @property
+    def energy_density(self) -> sp.Expr:
+        """Strain energy per length [J/m] of the field symbol; its derivative to `strain` is the stress resultant."""
+        return self.stiffness * self.strain**2 / 2
+
+    def value(self, x: sp.Expr, derivative: int = 0) -> sp.Expr:
+        """Σ φ_k ψ_k, or a derivative with respect to x, at x."""
+        return sp.Add(*(p * psi.diff(X, derivative).subs(X, x) for p, psi in zip(self.coordinates, self.shapes, strict=True)))
+
+    def gradient(self, x: sp.Expr, derivative: int = 0) -> dict[sp.Expr, sp.Expr]:
+        """∂(value)/∂φ_k for every coordinate."""
+        return {p: psi.diff(X, derivative).subs(X, x) for p, psi in zip(self.coordinates, self.shapes, strict=True)}
+
+    def strain_energy(self, length: sp.Expr) -> sp.Expr:
+        """∫ energy density dx of the assumed field [J]."""
+        return integral(self.stiffness * self.value(X, self.order) ** 2 / 2, X, length)
+
+    def substitution(self, accelerations: dict[sp.Expr, sp.Symbol]) -> dict[sp.Basic, sp.Expr]:
+        """u, u_t, u_tt and their derivatives to x in terms of φ, dφ and the acceleration symbols."""
+        rule: dict[sp.Basic, sp.Expr] = {}
+        levels = (self.coordinates, self.speeds, tuple(accelerations[s] for s in self.speeds))
+        for times, amplitudes in enumerate(levels):
+            value = sp.Add(*(a * psi for a, psi in zip(amplitudes, self.shapes, strict=True)))
+            for n in range(self.order + 1):
+                rule[self.function.diff(X, n, TIME, times)] = value.diff(X, n)
+        return rule
+
+
+@dataclass(frozen=True, eq=False)
+class Foreshortening:
+    """w(x, t) = ½ Σ_fields ∫_0^x u_x² dx, by which a bending beam draws its points towards the root [m]."""
+
+    function: sp.Expr
+    fields: tuple[Field, ...]
+
+    def value(self, x: sp.Expr) -> sp.Expr:
+        return sp.Add(*(_running(f.value(X, 1) ** 2 / 2, x) for f in self.fields))
+
+    def gradient(self, x: sp.Expr) -> dict[sp.Expr, sp.Expr]:
+        """∂w/∂φ_k, linear in φ."""
+        return {
+            p: _running(f.value(X, 1) * psi.diff(X), x)
+            for f in self.fields
+            for p, psi in zip(f.coordinates, f.shapes, strict=True)
+        }
+
+    def substitution(self, accelerations: dict[sp.Expr, sp.Symbol]) -> dict[sp.Basic, sp.Expr]:
+        """w, w_t and w_tt as polynomials in x."""
+        gradient = self.gradient(X)
+        speed = {p: s for f in self.fields for p, s in zip(f.coordinates, f.speeds, strict=True)}
+        velocity = sp.Add(*(g * speed[p] for p, g in gradient.items()))
+        bias = sp.Add(*(g.diff(q) * speed[p] * speed[q] for p, g in gradient.items() for q in speed))
+        acceleration = sp.Add(*(g * accelerations[speed[p]] for p, g in gradient.items())) + bias
+        return {
+            self.function: self.value(X),
+            self.function.diff(TIME): velocity,
+            self.function.diff(TIME, 2): acceleration,
+        }
+
+
+def _running(integrand: sp.Expr, x: sp.Expr) -> sp.Expr:
+    """∫_0^x of a polynomial integrand."""
+    return integral(integrand, X, x)

@@ -1,0 +1,130 @@
+"""Shape functions of assumed fields and exact integrals over a beam.
+
+A family of shapes is a function of (x, L) that gives a tuple of expressions, so that one family serves any beam.
+Polynomial integrands are integrated term by term, c x^n -> c L^(n+1)/(n+1); other shapes must depend on x/L only,
+and their integrals are numbers found by quadrature to 30 digits (`symbolic.md`, sections 3.4 and 4.3).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from typing import Any
+
+import sympy as sp
+
+from spacar.errors import UsageError
+from spacar.symbolic.units import TIME
+
+X = sp.Symbol("x", real=True)
+"""The coordinate along a beam [m]."""
+
+Shapes = Callable[[sp.Expr, sp.Expr], tuple[sp.Expr, ...]]
+
+
+def monomial(*exponents: int) -> Shapes:
+    """x^n / L^m with m the largest exponent: the field of the paper for exponents 2, 3, 4 (its equation (10)).
+
+    >>> monomial(2, 3, 4)(X, sp.Symbol("L"))[0]
+    x**2/L**4
+    """
+    return lambda x, L: tuple(x**n / L ** max(exponents) for n in exponents)
+
+
+def orthogonal(number: int, clamped: int = 2) -> Shapes:
+    """Polynomials orthogonal in ∫ψψ dx, ψ(L) = 1, with `clamped` vanishing derivatives (0, 1, …) at the root.
+
+    Clamped = 2 for bending, 1 for torsion and stretch. Rational coefficients; the default of new models, because
+    rounding noise is one to two orders smaller than with monomials.
+
+    >>> orthogonal(2)(X, sp.Integer(1))
+    (x**2, 6*x**3 - 5*x**2)
+    """
+    xi = sp.Symbol("xi")
+    basis: list[sp.Poly] = []
+    for k in range(number):
+        p = sp.Poly(xi ** (clamped + k), xi)
+        for q in basis:
+            p = p - q * (_unit_integral(p * q) / _unit_integral(q * q))
+        basis.append(p.quo_ground(p.eval(1)))
+    return lambda x, L: tuple(sp.expand(p.as_expr().subs(xi, x / L)) for p in basis)
+
+
+def _unit_integral(p: sp.Poly) -> sp.Expr:
+    return sp.Add(*(c / (n + 1) for (n,), c in p.terms()))
+
+
+def cantilever(number: int) -> Shapes:
+    """Bending modes of a uniform cantilever, ψ(L) = 1 or −1: cosh kξ − cos kξ − σ (sinh kξ − sin kξ), halved."""
+
+    def family(x: sp.Expr, L: sp.Expr) -> tuple[sp.Expr, ...]:
+        modes = []
+        for k in _cantilever_roots(number):
+            sigma = (sp.cosh(k) + sp.cos(k)) / (sp.sinh(k) + sp.sin(k))
+            z = k * x / L
+            modes.append((sp.cosh(z) - sp.cos(z) - sigma * (sp.sinh(z) - sp.sin(z))) / 2)
+        return tuple(modes)
+
+    return family
+
+
+@lru_cache(maxsize=8)
+def _cantilever_roots(number: int) -> tuple[sp.Float, ...]:
+    k = sp.Symbol("k")
+    guesses = [1.8751, *(sp.pi.evalf() * (n - sp.Rational(1, 2)) for n in range(2, number + 1))]
+    return tuple(sp.nsolve(sp.cos(k) + 1 / sp.cosh(k), k, g, prec=34) for g in guesses[:number])
+
+
+def shape_functions(field: Any, x: sp.Symbol, L: sp.Expr, clamped: int) -> tuple[sp.Expr, ...]:
+    """The shapes that `field` stands for: a family, a number of default shapes, or expressions in x.
+
+    Raises UsageError for a shape that violates the essential conditions ψ(0) = 0 (and ψ'(0) = 0 for bending).
+    """
+    if isinstance(field, int):
+        field = orthogonal(field, clamped)
+    shapes: Sequence[Any] = field(x, L) if callable(field) else field
+    result = tuple(sp.sympify(psi).xreplace({sp.Symbol("x"): x}) for psi in shapes)
+    conditions = "u(0) = u'(0) = 0" if clamped == 2 else "u(0) = 0"
+    for psi in result:
+        values = [sp.nsimplify(psi.diff(x, n).subs(x, 0)) if n else psi.subs(x, 0) for n in range(clamped)]
+        if any(abs(v.xreplace({s: sp.S.One for s in v.free_symbols}).evalf()) > 1e-12 for v in values):
+            raise UsageError(f"field {psi} does not satisfy {conditions}", "field")
+    return result
+
+
+def integral(integrand: sp.Expr, x: sp.Symbol, L: sp.Expr) -> sp.Expr:
+    """∫ from 0 to L of an integrand that is a polynomial in x, or a sum of f(x/L)·x^n with numerical f.
+
+    >>> rho, L = sp.symbols("rho L")
+    >>> integral(rho * X**2, X, L)
+    L**3*rho/3
+    """
+    integrand = sp.expand(integrand)
+    if integrand == 0:
+        return sp.S.Zero
+    if integrand.is_polynomial(x):
+        return sp.Add(*(c * L ** (n + 1) / (n + 1) for (n,), c in sp.Poly(integrand, x).terms()))
+    xi = sp.Symbol("xi", positive=True)
+    total = sp.S.Zero
+    for term in sp.Add.make_args(sp.expand(integrand.xreplace({x: L * xi}))):
+        coefficient, shape = term.as_independent(xi, as_Add=False)
+        if shape.free_symbols - {xi}:
+            raise UsageError(f"shape integral of {shape} depends on more than x/L", "field")
+        total += coefficient * L * _quadrature(shape, xi)
+    return total
+
+
+@lru_cache(maxsize=4096)
+def _quadrature(shape: sp.Expr, xi: sp.Symbol) -> sp.Expr:
+    import mpmath
+
+    if shape.is_polynomial(xi):
+        return _unit_integral(sp.Poly(shape, xi))
+    with mpmath.workdps(34):
+        function = sp.lambdify(xi, shape, "mpmath")
+        return sp.Float(mpmath.quad(function, mpmath.linspace(0, 1, 5)), 30)
+
+
+def field_function(name: str) -> sp.Expr:
+    """The symbol u(x, t) of a field."""
+    return sp.Function(name, real=True)(X, TIME)

@@ -1,0 +1,156 @@
+"""The last step of a derivation: held products of unit vectors become cosines and sines of joint angles.
+
+Direction cosines are products along the tree of frames; with a `ZTable` every cosine, sine and product is a memory
+read (`co[1]`, `co[2,4]` of the paper, table 16). Consecutive turns about one axis are added before the cosine is
+taken, so u_x(L) + q4 needs one cosine.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+from sympy.physics import vector as sympy_vector
+
+from spacar.errors import UsageError
+from spacar.symbolic.collect import ZTable
+from spacar.symbolic.units import TIME, Frame, HeldCross, HeldScalar, Key, Unit, UnitDot
+from spacar.symbolic.vectors import ZERO, Vector
+
+
+class DirectionCosines:
+    """Direction cosine matrices between frames that are connected by turns (`Frame.turned`).
+
+    >>> q = sympy_vector.dynamicsymbols("q"); N = Frame("N"); B = N.turned("B", 3, q)
+    >>> DirectionCosines().matrix(N, B)[0, 1]
+    -sin(q(t))
+    """
+
+    def __init__(self, table: ZTable | None = None) -> None:
+        self.table = table
+        self._known: dict[tuple[Frame, Frame], sp.Matrix] = {}
+
+    def matrix(self, a: Frame, b: Frame) -> sp.Matrix:
+        """C with C[i, j] = a_i·b_j. Raises UsageError when the orientation of the frames is not known."""
+        if a is b:
+            return sp.eye(3)
+        if (a, b) not in self._known:
+            if (b, a) in self._known:
+                return self._known[b, a].T
+            self._known[a, b] = self._from_parent(a, b)
+        return self._known[a, b]
+
+    def _from_parent(self, a: Frame, b: Frame) -> sp.Matrix:
+        if a in (line := _ancestors(b)):
+            base, axis, angle = merged_rotation(b, stop=a)
+            return self._product(self.matrix(a, base), self._turn(axis, angle))
+        common = next((f for f in _ancestors(a) if f in line), None)
+        if common is None:
+            raise UsageError(f"the orientation of frame {b.name} relative to {a.name} is not known: use Frame.turned")
+        return self._product(self.matrix(common, a).T, self.matrix(common, b))
+
+    def _turn(self, axis: int, angle: sp.Expr) -> sp.Matrix:
+        c, s = self._read(sp.cos(angle)), self._read(sp.sin(angle))
+        i, j = axis % 3, (axis + 1) % 3
+        turn = sp.eye(3)
+        turn[i, i] = turn[j, j] = c
+        turn[i, j], turn[j, i] = -s, s
+        return turn
+
+    def _product(self, a: sp.Matrix, b: sp.Matrix) -> sp.Matrix:
+        return (a * b).applyfunc(self._read)
+
+    def _read(self, expression: sp.Expr) -> sp.Expr:
+        return self.table.read(expression) if self.table is not None else expression
+
+    def value(self, atom: HeldScalar) -> sp.Expr:
+        """The held dot or triple product in cosines and sines."""
+        if isinstance(atom, UnitDot):
+            a, b = atom.units
+            return self.matrix(a.frame, b.frame)[a.index - 1, b.index - 1]
+        a, b, c = atom.units
+        columns = [self.matrix(a.frame, u.frame)[:, u.index - 1] for u in (a, b, c)]
+        return self._read(columns[0].dot(columns[1].cross(columns[2])))
+
+    def components(self, vector: Vector, frame: Frame) -> sp.Matrix:
+        """The three measure numbers of a vector in one frame."""
+        total = sp.zeros(3, 1)
+        for key, coefficient in vector.terms.items():
+            total += coefficient * self._key_components(key, frame)
+        return total
+
+    def _key_components(self, key: Key, frame: Frame) -> sp.Matrix:
+        if isinstance(key, HeldCross):
+            return self._key_components(key.a, frame).cross(self._key_components(key.b, frame))
+        return self.matrix(frame, key.frame)[:, key.index - 1]
+
+
+def _ancestors(frame: Frame) -> list[Frame]:
+    line = [frame]
+    while line[-1].rotation is not None:
+        line.append(line[-1].rotation.parent)
+    return line
+
+
+def merged_rotation(frame: Frame, stop: Frame | None = None) -> tuple[Frame, int, sp.Expr]:
+    """(base, axis, angle) of the turn that gives `frame`, added to the turns about the same axis just before it.
+
+    Sections of beams and joints on them are merged this way; a frame that is an origin of its own chain of joints
+    (`stop`) is not passed.
+    """
+    assert frame.rotation is not None
+    base, axis, angle = frame.rotation.parent, frame.rotation.axis, frame.rotation.angle
+    while base is not stop and base.rotation is not None and base.rotation.axis == axis and base.is_section:
+        angle = base.rotation.angle + angle
+        base = base.rotation.parent
+    return base, axis, angle
+
+
+def transform(expression: Any, cosines: DirectionCosines | None = None) -> sp.Expr:
+    """Replace held dots and triple products by cosines and sines of the joint angles.
+
+    >>> q = sympy_vector.dynamicsymbols("q"); N = Frame("N"); B = N.turned("B", 3, q)
+    >>> transform(3 * (N[2] & B[1]))
+    3*sin(q(t))
+    """
+    expression = sp.sympify(expression)
+    cosines = cosines or DirectionCosines()
+    return expression.xreplace({atom: cosines.value(atom) for atom in sorted(expression.atoms(HeldScalar), key=str)})
+
+
+def to_sympy(vector: Vector, frames: dict[Frame, sympy_vector.ReferenceFrame]) -> sympy_vector.Vector:
+    """The vector in the classes of `sympy.physics.vector`; crosses are evaluated there.
+
+    >>> N = Frame("N"); R = sympy_vector.ReferenceFrame("N")
+    >>> to_sympy(2 * N[1], {N: R})
+    2*N.x
+    """
+
+    def unit(u: Unit) -> sympy_vector.Vector:
+        r = frames[u.frame]
+        return (r.x, r.y, r.z)[u.index - 1]
+
+    total = sympy_vector.Vector(0)
+    for key, c in vector.terms.items():
+        total += c * ((unit(key.a) ^ unit(key.b)) if isinstance(key, HeldCross) else unit(key))
+    return total
+
+
+def from_sympy(vector: sympy_vector.Vector, frames: dict[sympy_vector.ReferenceFrame, Frame]) -> Vector:
+    """A vector of `sympy.physics.vector` as a held vector, frame by frame."""
+    total = ZERO
+    for components, frame in vector.args:
+        total += sum((c * frames[frame][i] for i, c in enumerate(components, 1)), ZERO)
+    return total
+
+
+def reference_frames(frames: list[Frame]) -> dict[Frame, sympy_vector.ReferenceFrame]:
+    """SymPy reference frames with the same turns, for comparisons; the first frame is the base of all."""
+    made = {frames[0]: sympy_vector.ReferenceFrame(frames[0].name)}
+    for frame in frames[1:]:
+        assert frame.rotation is not None
+        parent = made[frame.rotation.parent]
+        axis = (parent.x, parent.y, parent.z)[frame.rotation.axis - 1]
+        made[frame] = parent.orientnew(frame.name, "Axis", (frame.rotation.angle, axis))
+    assert TIME is sympy_vector.dynamicsymbols._t
+    return made
