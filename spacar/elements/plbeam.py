@@ -39,7 +39,7 @@ WARN_ANGLE, FATAL_ANGLE = 60.0, 85.0  # [deg] of an end to the chord; e2, e3 are
 
 
 class BeamConfiguration(NamedTuple):
-    """What is known at one x: `t` (end, component, n) end tangents, `normals` the same turned by +90 degrees."""
+    """What is known at one x: end tangents `t` (end, component, n), the same turned by +90 degrees."""
 
     l: Array
     u: Array

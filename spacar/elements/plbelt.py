@@ -1,14 +1,12 @@
-"""PLBELT: planar belt or gear. Coordinates x_p, phi_p, x_q, phi_q; deformation e1, the elongation of the belt
-[m].
+"""PLBELT: planar belt or gear. Coordinates x_p, phi_p, x_q, phi_q; deformation e1 elongation of the belt [m].
 
 Formulas: theory-planar.md section 7. Signed base radii r_p, r_q (positive: belt on the left when looking
-from p to q), rho = r_p - r_q, d = x_q - x_p, |d| > |rho|. The straight span has the length l = sqrt(d.d -
-rho^2), the direction
+from p to q), rho = r_p - r_q, d = x_q - x_p, |d| > |rho|. The straight span has the length
+l = sqrt(d.d - rho^2), the direction
 
     u = (l d - rho d turned by +90 degrees)/d.d,   n = u turned by +90 degrees
 
-and theta, the angle from its start direction to u (the sum of the chord angle and of delta, sin delta =
--rho/|d|):
+and theta, the angle from its start direction to u (chord angle plus delta, sin delta = -rho/|d|):
 
     e1 = l - l0 + r_p phi_p - r_q phi_q - rho theta                                      (15)
     D = u.dd + r_p dphi_p - r_q dphi_q;  D theta = n.dd/l;  D l = (u + rho n/l).dd
@@ -17,9 +15,9 @@ and theta, the angle from its start direction to u (the sum of the chord angle a
 The program knows theta within whole turns only: of the values of e1 that differ by 2 pi rho, `strain` takes
 the one that is closest to the last accepted elongation.
 
-Inertia (16): mass m per length on the start length of the span, velocity linear between v_i = x_i' - r_i
-phi_i' u, i = p, q. h is Lagrange's. The wound angles w_i add the constants m |r_i| w_i at the centre and m
-|r_i|^3 w_i at the angle.
+Inertia (16): mass m per length on the start length of the span, velocity linear between
+v_i = x_i' - r_i phi_i' u, i = p, q; h is Lagrange's. The wound angles w_i add the constants m |r_i| w_i at
+the centre and m |r_i|^3 w_i at the angle.
 """
 
 from __future__ import annotations
@@ -63,11 +61,11 @@ class PlanarBelt(Family):
         for k in np.flatnonzero(gap <= 1e-12 * self.rho**2):
             raise GeometryError(
                 int(k),
-                f"PLBELT has no straight span: the distance of its nodes is {np.hypot(*d[:, k]):.6g} m and must be "
-                f"larger than |r_p - r_q| = {abs(self.rho[k]):.6g} m",
+                f"PLBELT has no straight span: the distance of its nodes is {np.hypot(*d[:, k]):.6g} m and "
+                f"must be larger than |r_p - r_q| = {abs(self.rho[k]):.6g} m",
             )
         self.length, self.u0 = self._span(d)[0:2]
-        self.frame_p = chord.frame(self.u0)
+        self.frame_p = chord.frame(d / np.hypot(d[0], d[1]))
         self.turn = 2.0 * np.pi * self.rho
         self.per_turn = np.divide(1.0, self.turn, out=np.zeros(group.n), where=self.rho != 0.0)
         self.EA, self.EdA = group.estiff[:, 0], group.edamp[:, 0]

@@ -1,4 +1,4 @@
-"""PLPINBOD, PLRBEAM: node q rigidly fixed to the body p. Coordinates x_p, phi_p, x_q; deformations e1, e2 [m].
+"""PLPINBOD, PLRBEAM: node q rigidly fixed to the body p. Coordinates x_p, phi_p, x_q; e1, e2 [m].
 
 Formulas: theory-planar.md section 5. Body-fixed directions a_k (k = 1, 2), r_k = R(phi_p) a_k, s_k = r_k
 turned by +90 degrees, d = x_q - x_p:

@@ -35,7 +35,7 @@ class PlanarTube(PlanarBeam):
     def __init__(self, group: ElementGroup) -> None:
         """Geometry: alpha_p, alpha_q (0 where not given).
 
-        GeometryError where the end nodes coincide, a flow rate has no fluid mass, or the end condition is not 0 ... 3.
+        GeometryError where the nodes coincide, a flow has no fluid mass, or the end condition is not 0 to 3.
         """
         l0, u0 = chord.start_chord(group.x0[0:2], group.x0[3:5], group.keyword)
         alpha = np.zeros((2, group.n))
@@ -44,7 +44,7 @@ class PlanarTube(PlanarBeam):
         tube, fluid, flow, self.shape_factor, condition, J = group.em[:, 0:6].T
         self.fluid, self.flow = fluid, flow
         for j in np.flatnonzero(~np.isin(condition, (0, 1, 2, 3))):
-            raise GeometryError(int(j), f"PLTUBE: the end condition {condition[j]:g} (EM) is not 0, 1, 2 or 3")
+            raise GeometryError(int(j), f"PLTUBE: end condition {condition[j]:g} (EM) is not 0, 1, 2 or 3")
         self.jet_p, self.jet_q = np.isin(condition, (1, 3)), np.isin(condition, (2, 3))
         self._set(group, l0, np.arctan2(u0[1], u0[0]) + alpha, tube + fluid, J)
         b0 = self.signed * np.sin(alpha)
@@ -56,7 +56,7 @@ class PlanarTube(PlanarBeam):
         """A and C (4, 4, n) of F = A y' + C y."""
         G, l0 = self.flow, self.length
         for k in np.flatnonzero((G != 0) & (self.fluid <= 0)):
-            raise GeometryError(int(k), f"PLTUBE: mass flow rate {G[k]:g} kg/s without fluid mass per length (EM)")
+            raise GeometryError(int(k), f"PLTUBE: mass flow {G[k]:g} kg/s without fluid mass per length (EM)")
         U = np.divide(G, self.fluid, out=np.zeros(self.n), where=G != 0)
         momentum = self.shape_factor * G * U / l0
         self._A = ((TRANSPORT - TRANSPORT.T) / 60.0)[:, :, None] * G

@@ -26,13 +26,13 @@ class PlanarWheel(Family):
     position_rows = (0, 1)
 
     def __init__(self, group: ElementGroup) -> None:
-        """Geometry: radius, direction of the spin axis (2). GeometryError if that direction is zero or missing."""
+        """Geometry: radius, direction of the spin axis (2). GeometryError if that is zero or missing."""
         self.keyword, self.numbers = group.keyword, group.numbers
         self.length = np.zeros(group.n)
         axis = np.zeros((2, group.n))
         for k, values in enumerate(group.geometry):
             if len(values) < 3 or not np.any(values[1:3]):
-                raise GeometryError(k, "PLWHEEL needs the radius and a direction of the spin axis that is not zero")
+                raise GeometryError(k, "PLWHEEL needs a radius and a direction of the spin axis, not zero")
             axis[:, k] = values[1:3]
         self.radius = np.array([values[0] for values in group.geometry])
         self.Sd = group.edamp[:, 0:2].T

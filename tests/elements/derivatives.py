@@ -1,9 +1,9 @@
 """Checker of any element family: everything the contract calls a derivative is compared with a derivative.
 
-The truth is the complex step, f'(x) = Im f(x + i h)/h with h = 1e-30: no subtraction, hence no truncation or cancellation
-error, so that only round-off of the formulas remains. Tolerance 1e-12 relative to the largest entry of the compared
-array (or to 1 if that is smaller): some fifty operations of 1e-16 each, amplified by at most 1e2 for the curvatures that
-the tests use.
+The truth is the complex step, f'(x) = Im f(x + i h)/h with h = 1e-30: no subtraction, hence no truncation
+or cancellation error, so that only round-off of the formulas remains. Tolerance 1e-12 relative to the
+largest entry of the compared array (or to 1 if that is smaller): some fifty operations of 1e-16 each,
+amplified by at most 1e2 for the curvatures that the tests use.
 
     V   = de/dx                        (rows that are not slips)
     H1  = d(V v)/dx,  H2 v-transport = dV along v,  H(v,v) = H2 v = H1 v
@@ -11,7 +11,8 @@ the tests use.
     h   = dM/dt v - grad(v^T M v)/2    (families that follow Lagrange; others pass lagrange=False)
     d(M a + h)/dx, dh/dv
 
-What this cannot see is a wrong e or a wrong M: the tests of each family compare those with a definition of their own.
+What this cannot see is a wrong e or a wrong M: the tests of each family compare those with a definition of
+their own.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ def group(
     estiff: Any = None,
     edamp: Any = None,
 ) -> ElementGroup:
-    """An ElementGroup with everything left out set to its default; em, estiff, edamp (n, <= 9, 6, 6) are padded."""
+    """An ElementGroup; what is left out gets its default, em, estiff, edamp are padded with zeros."""
     x0 = np.asarray(x0, float)
     n = x0.shape[1]
 
@@ -93,7 +94,7 @@ def close(got: Any, truth: Any, what: str, tolerance: float = TOLERANCE) -> None
 
 
 def gradient(f: Callable[[Any], Any], x: Any) -> Any:
-    """df/dx_j by complex steps, one coordinate of all elements at a time; new axis before the element axis."""
+    """df/dx_j by complex steps, one coordinate of all elements at a time; new axis before the last."""
     columns = []
     for j in range(len(x)):
         z = x.astype(complex)
@@ -107,7 +108,9 @@ def along(f: Callable[[Any], Any], x: Any, v: Any) -> Any:
     return f(x + 1j * STEP * v).imag / STEP
 
 
-def check_strain(family: Family, x: Any, v: Any, sigma: Any, near: Any = None, tolerance: float = TOLERANCE) -> None:
+def check_strain(
+    family: Family, x: Any, v: Any, sigma: Any, near: Any = None, tolerance: float = TOLERANCE
+) -> None:
     """V, H(v,v), H1, H2, T and Hs at x (nx, n) for the rates v (nx, n) and the stresses sigma (ne, n)."""
     ne, nx, n = family.n_deformations, family.n_coordinates, x.shape[1]
     c, e, V = evaluate(family, x, near)
@@ -192,7 +195,7 @@ def check_inertia(
 
 
 def check_gravity(family: Family, x: Any, g: Any, near: Any = None, tolerance: float = TOLERANCE) -> Any:
-    """Weight by the contract: minus the inertia force of the acceleration -g at the positions. Returns M g, (nx, n)."""
+    """Weight by the contract: inertia force of the acceleration g at the positions; returns M g (nx, n)."""
     c = evaluate(family, x, near)[0]
     a = np.zeros_like(x)
     for k, row in enumerate(family.position_rows):
