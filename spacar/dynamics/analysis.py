@@ -19,8 +19,11 @@ from spacar.modes import Run
 def forward(run: Run) -> Iterator[Frame]:
     """Frames of mode 1. Raises AnalysisError; frames that were computed before stay valid."""
     output = TransferOutput(run)
+    limits: Limits | None = None
     for dynamics, t, y, statistics in states(run):
+        limits = limits or Limits(dynamics, run.report)
         frame = at_time(dynamics, t, y)
+        limits.check(dynamics, frame)
         frame.statistics = statistics
         yield output.add(frame, dynamics.kinematics)
 
@@ -57,12 +60,10 @@ def output_times(run: Run) -> Array:
 
 
 def at_time(dynamics: Dynamics, t: float, y: Array) -> Frame:
-    """The frame of a state; failures say the time, and elements outside their range end the run."""
+    """The frame of a state; failures say the time."""
     try:
-        frame = dynamics.frame(t, y)
+        return dynamics.frame(t, y)
     except AnalysisError as error:
         if "t = " not in str(error):
             raise AnalysisError(f"at t = {t:.9g}: {error}", error.code, **error.data) from error
         raise
-    Limits.of(dynamics).check(dynamics, frame)
-    return frame

@@ -1,0 +1,58 @@
+"""Elements outside the range of their theory, and wheels that lift off. Checked at stored steps, not in every evaluation."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from spacar.errors import AnalysisError, Report
+from spacar.frame import Frame
+from spacar.mechanism.mechanism import Array
+
+if TYPE_CHECKING:
+    from spacar.dynamics.dynamics import Dynamics
+
+WHEELS = ("WHEEL", "TWHEEL")
+NORMAL_MODE = 3  # sigma_3 is the normal force of the road, compression negative
+LIFTED = 1e-9  # of the largest compression seen
+
+
+class Limits:
+    """Remembers which wheels were pressed on the ground; warnings go to the report."""
+
+    def __init__(self, dynamics: Dynamics, report: Report) -> None:
+        n = dynamics.numbering
+        wheels = [number for number, keyword, _ in n.elements if keyword in WHEELS]
+        self.wheels = np.array(wheels, np.int64)
+        self.rows = np.array([n.e_index(w, NORMAL_MODE) for w in wheels], np.int64)
+        self.compression = np.zeros(len(wheels))
+        self.report = report
+        self.warned: set[int] = set()
+
+    def check(self, dynamics: Dynamics, frame: Frame) -> None:
+        """Raises AnalysisError 'element.range' or 'element.lift-off' with element, time and advice."""
+        sweep = dynamics.sweep
+        for batch in sweep.strained:
+            e, sigma = frame.e[batch.e], frame.sig[batch.e]
+            for trouble in batch.family.troubles(sweep.configuration[id(batch)], e, sigma):
+                element = int(batch.family.numbers[trouble.index])
+                text = f"element {element} ({batch.family.keyword}) at t = {frame.t:.9g}: {trouble.text}"
+                if trouble.fatal:
+                    raise AnalysisError(text, "element.range", element=element)
+                if element not in self.warned:
+                    self.warned.add(element)
+                    self.report.add(f"warning: {text}")
+        if len(self.rows):
+            self._wheels(frame.t, frame.sig[self.rows])
+
+    def _wheels(self, t: float, normal: Array) -> None:
+        self.compression = np.maximum(self.compression, -normal)
+        lifted = np.flatnonzero((normal > LIFTED * self.compression) & (self.compression > 0.0))
+        if len(lifted):
+            k = int(lifted[0])
+            text = (
+                f"element {self.wheels[k]} (wheel) at t = {t:.9g}: the wheel leaves the ground, its normal force would be a"
+                f" pull of {normal[k]:.6g} N; reduce speed or steering, or release its normal mode"
+            )
+            raise AnalysisError(text, "element.lift-off", element=int(self.wheels[k]))

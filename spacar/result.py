@@ -1,0 +1,82 @@
+"""All frames of a run in memory, with access by coordinate, by node and by element."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacar.errors import UsageError
+from spacar.frame import Frame
+
+if TYPE_CHECKING:
+    from spacar.mechanism import Mechanism
+    from spacar.modes import Run
+
+Array = NDArray[np.float64]
+X_VARIABLES = ("x", "xd", "xdd", "fx", "fxgrav", "fxtot", "xcompl")
+E_VARIABLES = ("e", "ed", "edd", "sig")
+
+
+@dataclass(frozen=True)
+class Result:
+    """A finished run. `result['x']` is (steps, nx); `lnp` and `le` are the 1-based tables of the result files."""
+
+    mechanism: Mechanism
+    mode: int
+    frames: tuple[Frame, ...]
+    report: tuple[str, ...]
+    header: dict[str, Any]
+
+    @classmethod
+    def collect(cls, run: Run) -> Result:
+        """Iterate over a run to its end."""
+        frames = tuple(run)
+        return cls(run.mechanism, run.mode.number, frames, tuple(run.report.lines), dict(run.header))
+
+    @property
+    def lnp(self) -> NDArray[np.int64]:
+        return self.mechanism.numbering.lnp
+
+    @property
+    def le(self) -> NDArray[np.int64]:
+        return self.mechanism.numbering.le
+
+    @property
+    def t(self) -> Array:
+        return np.array([f.t for f in self.frames])
+
+    def __getitem__(self, name: str) -> Array:
+        """A variable of all steps, step first. Raises UsageError for a name that this run did not compute."""
+        values = [self._value(f, name) for f in self.frames]
+        if not values or any(v is None for v in values):
+            raise UsageError(f"the variable {name} was not computed in this run of mode {self.mode}", "result.missing")
+        return np.array(values)
+
+    @staticmethod
+    def _value(frame: Frame, name: str) -> Any:
+        if name in frame.matrices:
+            return frame.matrices[name]
+        if name in frame.state_space:
+            return frame.state_space[name]
+        return getattr(frame, name, None)
+
+    def node(self, number: int, coordinate: int, variable: str = "x") -> Array:
+        """(steps,) one coordinate (from 1) of a node: x, xd, xdd, fx, fxgrav, fxtot or xcompl."""
+        if variable not in X_VARIABLES:
+            raise UsageError(f"{variable} is no variable of nodes; these are {', '.join(X_VARIABLES)}", "result.variable")
+        try:
+            return self[variable][:, self.mechanism.numbering.x_index(number, coordinate)]
+        except KeyError:
+            raise UsageError(f"node {number} has no coordinate {coordinate}", "result.node") from None
+
+    def element(self, number: int, mode: int, variable: str = "e") -> Array:
+        """(steps,) one deformation mode (from 1) of an element: e, ed, edd or sig."""
+        if variable not in E_VARIABLES:
+            raise UsageError(f"{variable} is no variable of elements; these are {', '.join(E_VARIABLES)}", "result.variable")
+        try:
+            return self[variable][:, self.mechanism.numbering.e_index(number, mode)]
+        except KeyError:
+            raise UsageError(f"element {number} has no deformation mode {mode}", "result.element") from None
