@@ -15,8 +15,8 @@ import click
 def command(file: str, ident: str, steps: str | None, as_json: bool) -> None:
     """Print a variable of a result file.
 
-    STEPS is 3, end, 2:5, 1:10:end or 1,4,9; without it all steps are printed. One step is printed as a matrix; of
-    several steps each is a row, with the columns of a matrix one after the other.
+    STEPS is 3, end, 2:5, 1:10:end or 1,4,9; without it all steps are printed. One step is printed as a
+    matrix; of several steps each is a row, with the columns of a matrix one after the other.
     """
     from spacar_formats import getfrsbf
     from spacar_formats.locate import notes, open_result

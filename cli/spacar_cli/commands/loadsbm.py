@@ -13,8 +13,8 @@ import click
 def command(file: str, idents: tuple[str, ...], formats: tuple[str, ...], output: str | None) -> None:
     """Export all variables of an .sbm file, or only those named, under their MATLAB names.
 
-    Writes FILE.sbm.npz (.mat, .csv) beside the result, or what --output says. A .csv has a row for each step; the
-    header variables go to a second table, .header.csv.
+    Writes FILE.sbm.npz (.mat, .csv) beside the result, or what --output says. A .csv has a row for each
+    step; the header variables go to a second table, .header.csv.
     """
     from spacar_formats.exports import export_file
 

@@ -21,8 +21,8 @@ from spacar.errors import UsageError
 def command(file: str, ident: str, value: str, step: int | None) -> None:
     """Replace the value of one variable of a result file; the size must be the stored one.
 
-    VALUE is JSON: a number, a list such as [1,2,3], a list of rows such as [[1,2],[3,4]], or text in quotation
-    marks.
+    VALUE is JSON: a number, a list such as [1,2,3], a list of rows such as [[1,2],[3,4]], or text in
+    quotation marks.
     """
     from spacar_formats.locate import notes, open_result
     from spacar_formats.repinsbf import repinsbf

@@ -1,0 +1,135 @@
+"""Named arrays to files that other programs read: `.mat`, `.npz`, `.csv`. Each replaces its target as a
+whole.
+"""
+
+from __future__ import annotations
+
+import csv
+import itertools
+import os
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from spacar.errors import UsageError
+from spacar_formats.loadsbd import named_arrays
+from spacar_formats.locate import notes, open_result
+from spacar_formats.safety import replacing
+from spacar_formats.sbf import Record, SbfFile, matlab_name
+
+Arrays = Mapping[str, np.ndarray]
+
+
+def to_mat(arrays: Arrays, target: Path) -> None:
+    """A MATLAB 5 file. Numbers become double, the class that MATLAB computes with; text a char matrix, a row
+    a line; shapes stay (a vector of one step is a column, several steps have the step as first index).
+    """
+    from scipy.io import savemat
+
+    content = {
+        name: value if value.dtype.kind == "U" else value.astype(np.float64) for name, value in arrays.items()
+    }
+    with replacing(target) as side:
+        savemat(side, content, appendmat=False, oned_as="column")
+
+
+def to_npz(arrays: Arrays, target: Path) -> None:
+    """A NumPy archive; integers stay integers."""
+    with replacing(target) as side, open(side, "wb") as out:
+        np.savez(out, **arrays)  # type: ignore[arg-type]
+
+
+def to_csv(table: Arrays, target: Path) -> None:
+    """A table with a named column for each entry (1-D arrays of one length), with all digits of numbers."""
+    columns = [column.tolist() for column in table.values()]
+    with replacing(target) as side, open(side, "w", newline="", encoding="utf-8") as out:
+        writer = csv.writer(out)
+        writer.writerow(table)
+        writer.writerows(zip(*columns, strict=True))
+
+
+def step_table(file: SbfFile, ids: tuple[str, ...]) -> dict[str, np.ndarray]:
+    """Columns `step`, `time`, `x_1` ..., `m0_1_1`, `m0_2_1` ... (row, column; column after column), a row a
+    step.
+    """
+    records = [file.variable(ident) for ident in ids]
+    chosen = [r for r in records if r.is_step and r.type != 3]
+    table = {"step": np.arange(1, file.steps + 1)}
+    for record in sorted(chosen, key=lambda r: r.id != "T"):
+        values = np.asarray(file.get(record.id))
+        values = values.reshape(1, -1, order="F") if file.steps == 1 else values
+        table |= dict(zip(_column_names(record, file.kind), values.T, strict=True))
+    return table
+
+
+def header_table(file: SbfFile, ids: tuple[str, ...]) -> dict[str, np.ndarray]:
+    """The header variables in long form: columns name, row, column, value."""
+    rows: list[tuple[str, int, int, str]] = []
+    for record in (file.variable(ident) for ident in ids):
+        if record.is_step:
+            continue
+        name, value = matlab_name(record.id, file.kind), file.header_value(record.id)
+        if isinstance(value, list):
+            rows += [(name, i, 1, line) for i, line in enumerate(value, 1)]
+        else:
+            rows += [(name, i + 1, j + 1, repr(value[i, j].item())) for i, j in np.ndindex(value.shape)]
+    return {
+        title: np.array([row[k] for row in rows])
+        for k, title in enumerate(("name", "row", "column", "value"))
+    }
+
+
+def export_file(
+    name: str | os.PathLike[str],
+    kind: str,
+    idents: Sequence[str] = (),
+    formats: Sequence[str] = (),
+    output: str | os.PathLike[str] | None = None,
+) -> tuple[list[Path], list[str]]:
+    """Export the result `name` of a kind, all variables or only `idents`; returns the files written and
+    warnings.
+
+    Without `output` the target is `NAME.sbd.npz` (`.sbm.npz`) beside the result, in each of the formats
+    "mat", "npz", "csv" asked for. Raises UsageError for a missing file or variable, an unknown format, and
+    `output` together with `formats`.
+    """
+    if output is not None and formats:
+        raise UsageError("give either the formats or the name of the new file, not both", "files.export")
+    with open_result(name, kind) as file:
+        endings = formats or ("npz",)
+        targets = (
+            [file.path.with_name(f"{file.path.name}.{end}") for end in endings]
+            if output is None
+            else [Path(output)]
+        )
+        ids = tuple(file.variable(ident).id for ident in idents) or file.ids
+        written = [path for target in targets for path in _export(file, target, ids)]
+        return written, notes(file)
+
+
+def _export(file: SbfFile, target: Path, ids: tuple[str, ...]) -> list[Path]:
+    """Write the variables `ids` of an open file; a `.csv` holds the steps, `NAME.header.csv` the header."""
+    suffix = target.suffix.lower()
+    if suffix == ".csv":
+        tables = {target: step_table(file, ids), target.with_suffix(".header.csv"): header_table(file, ids)}
+        for path, table in tables.items():
+            to_csv(table, path)
+        return list(tables)
+    writers: dict[str, Callable[[Arrays, Path], None]] = {".mat": to_mat, ".npz": to_npz}
+    if suffix not in writers:
+        raise UsageError(
+            f"cannot export to {target}: the extension must be .mat, .npz or .csv", "files.export"
+        )
+    writers[suffix](named_arrays(file, ids), target)
+    return [target]
+
+
+def _column_names(record: Record, kind: str) -> list[str]:
+    name = matlab_name(record.id, kind)
+    if record.size == 1:
+        return [name]
+    if 1 in (record.rows, record.cols):
+        return [f"{name}_{k + 1}" for k in range(record.size)]
+    pairs = itertools.product(range(1, record.cols + 1), range(1, record.rows + 1))
+    return [f"{name}_{i}_{j}" for j, i in pairs]

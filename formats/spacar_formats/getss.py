@@ -1,0 +1,120 @@
+"""getss: the state space matrices A, B, C, D of one step of an `.ltv` file (reference/files.md sections 6 and
+7).
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from spacar.errors import UsageError
+from spacar_formats.exports import to_mat, to_npz
+from spacar_formats.locate import open_result
+from spacar_formats.sbf import SbfFile
+
+
+@dataclass(frozen=True, slots=True)
+class StateSpaceStep:
+    """dz/dt = A z + B u, y = C z + D u at time `t`: A (nx, nx), B (nx, nu), C (ny, nx), D (ny, nu) or None.
+
+    D is None when the file says that there is no direct feedthrough. Signals are named as in the file (text
+    variables XNAMES, UNAMES, YNAMES), otherwise x1, x2 ..., u1 ..., y1 ...
+    """
+
+    A: np.ndarray
+    B: np.ndarray
+    C: np.ndarray
+    D: np.ndarray | None
+    t: float
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+
+    @property
+    def feedthrough(self) -> np.ndarray:
+        """D, or the zero matrix in its place."""
+        return np.zeros((self.C.shape[0], self.B.shape[1])) if self.D is None else self.D
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """The matrices by name; D only if there is one."""
+        found = {"A": self.A, "B": self.B, "C": self.C}
+        return found if self.D is None else found | {"D": self.D}
+
+    def to_scipy(self) -> Any:
+        """As `scipy.signal.StateSpace` (continuous time)."""
+        from scipy.signal import StateSpace
+
+        return StateSpace(self.A, self.B, self.C, self.feedthrough)
+
+    def to_control(self) -> Any:
+        """As `control.ss` with named signals. Raises UsageError when python-control is not installed."""
+        try:
+            import control
+        except ImportError:
+            raise UsageError(
+                "python-control is not installed: pip install 'spacar[control]'", "files.control-missing"
+            ) from None
+        names = {"states": list(self.states), "inputs": list(self.inputs), "outputs": list(self.outputs)}
+        return control.ss(self.A, self.B, self.C, self.feedthrough, **names)
+
+
+def getss(name: str | os.PathLike[str], step: int = 1) -> StateSpaceStep:
+    """The state space matrices of one step (1, 2, ...) of the `.ltv` file `name`, extension optional.
+
+    Raises UsageError when the file, the matrices (the file of a mode 2 run has none) or the step are missing,
+    when their sizes do not fit together; SbfError when the bytes are damaged.
+    """
+    with open_result(name, "ltv") as file:
+        a, b, c = (_matrix(file, ident, step) for ident in "ABC")
+        d = _matrix(file, "D", step) if _has_feedthrough(file) else None
+        t = float(np.ravel(file.get("T", step))[0]) if file.has("T") else float("nan")
+        (nx, nu), ny = b.shape, c.shape[0]
+        if a.shape != (nx, nx) or c.shape[1] != nx or (d is not None and d.shape != (ny, nu)):
+            raise UsageError(f"the sizes of A, B, C, D in {file.path} do not fit together", "files.size")
+        names = (_names(file, f"{s.upper()}NAMES", s, n) for s, n in (("x", nx), ("u", nu), ("y", ny)))
+        return StateSpaceStep(a, b, c, d, t, *names)
+
+
+def export_getss(system: StateSpaceStep, target: Path) -> None:
+    """Write A, B, C (and D) to a `.mat`, `.npz` or `.json` file. Raises UsageError for another extension."""
+    suffix = target.suffix.lower()
+    if suffix == ".json":
+        import json
+
+        from spacar_formats.safety import replacing
+
+        with replacing(target) as side:
+            side.write_text(json.dumps(as_json(system)) + "\n", encoding="utf-8")
+    elif suffix in (".mat", ".npz"):
+        (to_mat if suffix == ".mat" else to_npz)(system.arrays(), target)
+    else:
+        raise UsageError(
+            f"cannot export to {target}: the extension must be .mat, .npz or .json", "files.export"
+        )
+
+
+def as_json(system: StateSpaceStep) -> dict[str, object]:
+    """Matrices as lists of rows, D null when there is none, and the names of the signals."""
+    found: dict[str, object] = {"t": system.t, "D": None}
+    found |= {name: matrix.tolist() for name, matrix in system.arrays().items()}
+    return found | {"states": system.states, "inputs": system.inputs, "outputs": system.outputs}
+
+
+def _matrix(file: SbfFile, ident: str, step: int) -> np.ndarray:
+    return np.asarray(file.get(ident, step if file.variable(ident).is_step else None))
+
+
+def _has_feedthrough(file: SbfFile) -> bool:
+    flag = file.header.get("DFT")
+    return bool(np.any(np.asarray(flag))) if flag is not None else file.has("D")
+
+
+def _names(file: SbfFile, ident: str, letter: str, count: int) -> tuple[str, ...]:
+    stored = file.header.get(ident)
+    if isinstance(stored, list) and len(stored) == count:
+        return tuple(stored)
+    return tuple(f"{letter}{k + 1}" for k in range(count))

@@ -1,0 +1,104 @@
+"""Finding a result file by name, and what a user should know about it before trusting it (files.md sections
+7-9).
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from pathlib import Path
+
+import numpy as np
+
+from spacar.errors import UsageError
+from spacar_formats.safety import part_path
+from spacar_formats.sbf import SbfError, SbfFile
+
+KINDS = ("sbd", "sbm", "ltv")
+_WRITTEN_BY = {
+    "sbd": "any mode writes it",
+    "sbm": "modes 3, 4, 7, 8, 9 and 10 write it",
+    "ltv": "modes 2, 3, 4 and 9 write it",
+}
+
+
+def result_path(name: str | os.PathLike[str], kind: str | None = None) -> Path:
+    """The file that `name`, with or without extension, stands for; without a kind `.sbd` comes before `.sbm`,
+    `.ltv`.
+
+    Raises UsageError when there is none; the text says which command writes it and mentions an unfinished
+    run.
+    """
+    path = Path(name)
+    kinds = KINDS if kind is None else (kind,)
+    with_kind = [path.with_name(f"{path.name}.{k}") for k in kinds] if path.name else []
+    named = path.suffix.lower() in {f".{k}" for k in KINDS} | {".part", ".bak"}
+    candidates = [path, *with_kind] if named else [*with_kind, path]
+    for candidate in candidates:
+        if candidate.is_file():
+            return candidate
+    wanted = candidates[0]
+    unfinished = [part_path(c) for c in candidates if part_path(c).is_file()]
+    if unfinished:
+        raise UsageError(
+            f"{wanted} not found; the run did not finish, its results are in {unfinished[0]}",
+            "files.not-found",
+        )
+    suffix = wanted.suffix[1:].lower()
+    text = f"{wanted} not found"
+    if suffix in _WRITTEN_BY:
+        text += f"; {_WRITTEN_BY[suffix]}: spacar MODE {wanted.with_suffix('')}"
+    raise UsageError(text, "files.not-found")
+
+
+def open_result(name: str | os.PathLike[str], kind: str | None = None, verify: bool = True) -> SbfFile:
+    """Open a result by name; with `kind` given, a file of another kind is a UsageError."""
+    file = SbfFile(result_path(name, kind), verify)
+    if kind is not None and file.kind != kind:
+        found, path = file.kind, file.path
+        file.close()
+        raise UsageError(f"{path} is an .{found} file, an .{kind} file is needed", "files.kind")
+    return file
+
+
+def digest(path: str | os.PathLike[str]) -> str:
+    """SHA-256 of the bytes of a file, in hexadecimal: the header variable `SHA256`."""
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+
+
+def notes(file: SbfFile) -> list[str]:
+    """Warnings about a result: incomplete, or the input file beside it has changed since."""
+    return [note for note in (incomplete_note(file), stale_note(file)) if note is not None]
+
+
+def incomplete_note(file: SbfFile) -> str | None:
+    """The sentence for a file whose run did not come to its end, None for a complete one."""
+    if file.complete:
+        return None
+    text = f"{file.path} is incomplete: stopped "
+    if not file.steps:
+        return text + "before the first step"
+    text += f"after step {file.steps}"
+    try:
+        time = np.ravel(file.get("T", file.steps)) if file.has("T") else np.zeros(0)
+    except (SbfError, UsageError):
+        return text
+    return text if time.size != 1 or time.dtype.kind != "f" else f"{text} at t = {time[0]:.12g}"
+
+
+def stale_note(file: SbfFile) -> str | None:
+    """The warning when the `.dat` beside the result is not the one it was computed from."""
+    source, expected = (_text(file, ident) for ident in ("SOURCE", "SHA256"))
+    if not source or not expected:
+        return None
+    beside = file.path.parent / Path(source).name
+    try:
+        same = digest(beside) == expected
+    except OSError:
+        return None
+    return None if same else f"{file.path} is older than {beside}, which has changed since; run it again"
+
+
+def _text(file: SbfFile, ident: str) -> str:
+    value = file.header.get(ident)
+    return value[0] if isinstance(value, list) and value else ""

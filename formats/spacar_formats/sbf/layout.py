@@ -1,0 +1,307 @@
+"""Byte layout of the SBF container, version 1 (reference/files.md section 8), and nothing but the layout.
+
+A file is a preamble of 64 bytes, a directory of records of 48 bytes (header variables with their values, the
+TDEF record whose `rows` are the number of committed steps, the step variables, TDAT), and step blocks of one
+length (`stride`). `build` makes everything in front of the step blocks, `parse` reads and checks it.
+"""
+
+from __future__ import annotations
+
+import re
+import struct
+import zlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacar.errors import UsageError
+
+MAGIC = b"\x89SBF\r\n\x1a\n"
+VERSION = (1, 0)
+KINDS = {"sbd": 1, "sbm": 2, "ltv": 3}
+KIND_NAMES = {code: name for name, code in KINDS.items()}
+WRITING, COMPLETE, STOPPED = 0, 1, 2  # the state byte
+STATE_AT = 13
+INTEGER, REAL, TEXT = 1, 2, 3
+TYPE_NAMES = {INTEGER: "integer", REAL: "real", TEXT: "text"}
+DTYPES = {INTEGER: "<i8", REAL: "<f8", TEXT: "u1"}
+HEADER, TDEF, STEP, TDAT = 0, 1, 2, 3  # roles
+
+PREAMBLE = struct.Struct("<8sHHBBHQQQQQII")
+RECORD = struct.Struct("<16sIIQQQ")
+TRAILER = struct.Struct("<II")  # behind the variables of a step: its number, checksum
+COUNT = struct.Struct("<Q")
+COUNT_IN_RECORD = 24  # where `rows` is in a record
+LARGEST = 2**31  # rows or columns beyond this are taken as damage
+
+_ID = re.compile(rb"[A-Z0-9_]{1,15}")
+
+Value = np.ndarray | float | int | str | Sequence[str]
+
+
+class SbfError(UsageError):
+    """The bytes of a result file are not what they should be; the text names the file, the place and the
+    damage.
+    """
+
+    def __init__(self, text: str, code: str = "files.damaged") -> None:
+        super().__init__(text, code)
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """One entry of the directory; `offset` is absolute for header variables, inside the step block for
+    others.
+    """
+
+    id: str
+    type: int
+    role: int
+    rows: int
+    cols: int
+    offset: int
+
+    @property
+    def size(self) -> int:
+        """Number of items (bytes for text)."""
+        return self.rows * self.cols
+
+    @property
+    def length(self) -> int:
+        """Bytes of the value without padding."""
+        return self.size * (1 if self.type == TEXT else 8)
+
+    @property
+    def is_step(self) -> bool:
+        return self.role == STEP
+
+    def pack(self) -> bytes:
+        return RECORD.pack(self.id.encode(), self.type, self.role, self.rows, self.cols, self.offset)
+
+
+@dataclass(frozen=True, slots=True)
+class Directory:
+    """What is in front of the step blocks, checked: every offset is inside the file and in the order it must
+    have.
+    """
+
+    kind: str
+    state: int
+    committed: int
+    header: tuple[Record, ...]
+    steps: tuple[Record, ...]
+    tdef_offset: int
+    data_offset: int
+    stride: int
+
+
+def padded(length: int) -> int:
+    """The next multiple of 8."""
+    return -(-length // 8) * 8
+
+
+def check_id(name: str) -> str:
+    """The identifier as stored (capitals); ValueError when it cannot be one."""
+    ident = name.upper()
+    if not ident.isascii() or not _ID.fullmatch(ident.encode()):
+        raise ValueError(f"'{name}' is not an SBF identifier: 1 to 15 of A-Z, 0-9, _")
+    return ident
+
+
+def encode(value: Value) -> tuple[int, int, int, bytes]:
+    """Type, rows, cols and payload (not padded) of a value.
+
+    A number is 1 x 1, a vector of n numbers n x 1; integers and booleans become int64, real numbers float64;
+    a string is one line of text, a sequence of strings one line each. ValueError for anything else.
+    """
+    if isinstance(value, str):
+        value = [value]
+    if isinstance(value, Sequence) and all(isinstance(line, str) for line in value):
+        return encode_text([str(line) for line in value])
+    array = np.asarray(value)
+    if array.dtype.kind == "U":
+        return encode_text([str(line) for line in array.ravel()])
+    if array.ndim > 2 or array.dtype.kind not in "biuf":
+        raise ValueError(f"cannot store an array of type {array.dtype} with {array.ndim} dimensions")
+    kind = REAL if array.dtype.kind == "f" else INTEGER
+    matrix = array.reshape(1, 1) if array.ndim == 0 else array.reshape(-1, 1) if array.ndim == 1 else array
+    return kind, matrix.shape[0], matrix.shape[1], matrix.astype(DTYPES[kind]).tobytes(order="F")
+
+
+def encode_text(lines: Sequence[str], cols: int | None = None) -> tuple[int, int, int, bytes]:
+    """As `encode`; `cols` bytes per line if given, ValueError when a line is longer."""
+    coded = [line.encode("utf-8", "replace") for line in lines]
+    longest = max(map(len, coded), default=0)
+    width = longest if cols is None else cols
+    if longest > width:
+        raise ValueError(f"a line of text has {longest} bytes, there is room for {width}")
+    return TEXT, len(coded), width, b"".join(line.ljust(width) for line in coded)
+
+
+def decode(record: Record, payload: bytes | memoryview, file: str) -> np.ndarray | list[str]:
+    """Value of one variable: (rows, cols) array of int64 or float64, or the lines of a text without trailing
+    blanks.
+    """
+    if record.type != TEXT:
+        flat = np.frombuffer(payload, DTYPES[record.type], record.size)
+        return flat.astype(flat.dtype.newbyteorder("=")).reshape((record.rows, record.cols), order="F")
+    raw = bytes(payload)
+    lines = [raw[k * record.cols : (k + 1) * record.cols] for k in range(record.rows)]
+    try:
+        return [line.decode("utf-8").rstrip(" ") for line in lines]
+    except UnicodeDecodeError:
+        raise SbfError(f"{file} is damaged: the text {record.id} is not UTF-8") from None
+
+
+def build(kind: str, header: Mapping[str, Value], step_variables: Mapping[str, tuple[int, int]]) -> bytes:
+    """Preamble and directory with no steps and state "being written"; all step variables are real.
+
+    Raises ValueError for a kind, an identifier or a value that the container cannot hold.
+    """
+    if kind not in KINDS:
+        raise ValueError(f"unknown kind of file '{kind}': one of {', '.join(KINDS)}")
+    parts: list[bytes] = []
+    seen: set[str] = set()
+    at = PREAMBLE.size
+
+    def unique(name: str) -> str:
+        ident = check_id(name)
+        if ident in seen or ident in ("TDEF", "TDAT"):
+            raise ValueError(f"the identifier {ident} is used twice")
+        seen.add(ident)
+        return ident
+
+    for name, value in header.items():
+        kind_of, rows, cols, payload = encode(value)
+        record = Record(unique(name), kind_of, HEADER, rows, cols, at + RECORD.size)
+        parts += [record.pack(), payload, bytes(padded(len(payload)) - len(payload))]
+        at += RECORD.size + padded(len(payload))
+    tdef_offset, offset = at, 0
+    parts.append(Record("TDEF", INTEGER, TDEF, 0, len(step_variables), 0).pack())
+    for name, (rows, cols) in step_variables.items():
+        record = Record(unique(name), REAL, STEP, int(rows), int(cols), offset)
+        parts.append(record.pack())
+        offset += padded(record.length)
+    stride = offset + TRAILER.size
+    parts.append(Record("TDAT", INTEGER, TDAT, 0, 0, stride).pack())
+    body = b"".join(parts)
+    return (
+        preamble(kind, WRITING, tdef_offset, PREAMBLE.size + len(body), stride, len(step_variables), body)
+        + body
+    )
+
+
+def preamble(
+    kind: str, state: int, tdef_offset: int, data_offset: int, stride: int, count: int, body: bytes
+) -> bytes:
+    """The first 64 bytes; `body` are the bytes from 64 up to the data offset, for their checksum."""
+    fields = (MAGIC, *VERSION, KINDS[kind], 0, 0, PREAMBLE.size, tdef_offset, data_offset, stride, count)
+    first = PREAMBLE.pack(*fields, directory_crc(body, tdef_offset), 0)[:60]
+    ready = bytearray(first + struct.pack("<I", zlib.crc32(first)))
+    ready[STATE_AT] = (
+        state  # counted as zero in the checksum, so that finishing a file is the change of one byte
+    )
+    return bytes(ready)
+
+
+def directory_crc(body: bytes | bytearray, tdef_offset: int) -> int:
+    """CRC-32 of the directory with the number of steps taken as zero, because that number changes while
+    writing.
+    """
+    at = tdef_offset - PREAMBLE.size + COUNT_IN_RECORD
+    crc = zlib.crc32(body[:at])
+    return zlib.crc32(body[at + COUNT.size :], zlib.crc32(bytes(COUNT.size), crc))
+
+
+def parse(head: bytes, file_size: int, file: str) -> Directory:
+    """Check and read what is in front of the step blocks.
+
+    `head` are the first bytes of the file, up to the data offset (see `data_offset_of`). Raises SbfError.
+    """
+    (_, _, _, kind, state, _, first, tdef, data, stride, count, crc, _) = PREAMBLE.unpack_from(head)
+    if kind not in KIND_NAMES or state not in (WRITING, COMPLETE, STOPPED):
+        raise _damaged(file, f"kind {kind} and state {state} in the preamble are not known")
+    if first != PREAMBLE.size or not first <= tdef <= data - 2 * RECORD.size or tdef % 8:
+        raise _damaged(file, "the offsets in the preamble contradict each other")
+    if directory_crc(head[PREAMBLE.size :], tdef) != crc:
+        raise _damaged(file, "wrong checksum of the directory")
+    if data != tdef + (2 + count) * RECORD.size:
+        raise _damaged(file, f"the directory has no room for {count} step variables")
+    header, at = [], first
+    while at < tdef:
+        record = _record(head, at, HEADER, file)
+        at += RECORD.size
+        if record.offset != at or at + padded(record.length) > tdef:
+            raise _damaged(file, f"the value of {record.id} lies outside its place")
+        header.append(record)
+        at += padded(record.length)
+    if at != tdef:
+        raise _damaged(file, "the header variables do not end where TDEF begins")
+    counter = _record(head, tdef, TDEF, file)
+    if counter.cols != count:
+        raise _damaged(file, f"TDEF announces {counter.cols} step variables, the preamble {count}")
+    steps, offset = [], 0
+    for k in range(count):
+        record = _record(head, tdef + (k + 1) * RECORD.size, STEP, file)
+        if record.offset != offset:
+            raise _damaged(file, f"the step variable {record.id} is not at its place in the step block")
+        steps.append(record)
+        offset += padded(record.length)
+    last = _record(head, data - RECORD.size, TDAT, file)
+    if stride != offset + TRAILER.size or last.offset != stride:
+        raise _damaged(file, f"the length of a step block is {offset + TRAILER.size} bytes, not {stride}")
+    names = [r.id for r in (*header, counter, *steps, last)]
+    if len(set(names)) != len(names):
+        raise _damaged(file, "an identifier occurs twice")
+    return Directory(KIND_NAMES[kind], state, counter.rows, tuple(header), tuple(steps), tdef, data, stride)
+
+
+def data_offset_of(head: bytes, file_size: int, file: str) -> int:
+    """Data offset from the first 64 bytes, after the checks that need no more than these. Raises SbfError."""
+    if len(head) < PREAMBLE.size:
+        raise _damaged(
+            file, f"it has {file_size} bytes, the preamble of an SBF file alone has {PREAMBLE.size}"
+        )
+    if head[:8] != MAGIC:
+        raise SbfError(
+            f"{file} is not a SPACAR binary file: its first bytes are {head[:8].hex(' ')}", "files.not-sbf"
+        )
+    major = int.from_bytes(head[8:10], "little")
+    if major != VERSION[0]:
+        raise SbfError(
+            f"{file} has version {major} of the format; this program reads version 1", "files.version"
+        )
+    covered = bytearray(head[:60])
+    covered[STATE_AT] = 0
+    if zlib.crc32(covered) != int.from_bytes(head[60:64], "little"):
+        raise _damaged(file, "wrong checksum of the preamble")
+    offset = int.from_bytes(head[32:40], "little")
+    if offset > file_size or offset < PREAMBLE.size + 2 * RECORD.size or offset % 8:
+        raise _damaged(file, f"it has {file_size} bytes, but its steps should begin at byte {offset}")
+    return offset
+
+
+def _record(head: bytes, at: int, role: int, file: str) -> Record:
+    if at + RECORD.size > len(head):
+        raise _damaged(file, f"the record at byte {at} is cut off")
+    name, kind, found, rows, cols, offset = RECORD.unpack_from(head, at)
+    ident = name.rstrip(b"\0")
+    if len(ident) > 15 or not _ID.fullmatch(ident):
+        raise _damaged(file, f"the record at byte {at} has no valid identifier")
+    if kind not in TYPE_NAMES or found != role:
+        raise _damaged(
+            file, f"the record {ident.decode()} has type {kind} and role {found}, expected role {role}"
+        )
+    named = {TDEF: b"TDEF", TDAT: b"TDAT"}.get(role)
+    if named is not None and ident != named:
+        raise _damaged(file, f"the record at byte {at} must be {named.decode()}, it is {ident.decode()}")
+    if role in (HEADER, STEP) and (
+        rows >= LARGEST or cols >= LARGEST or (kind == TEXT and not cols and rows > len(head))
+    ):
+        raise _damaged(file, f"the size {rows} x {cols} of {ident.decode()} is not possible")
+    return Record(ident.decode(), kind, role, rows, cols, offset)
+
+
+def _damaged(file: str, what: str) -> SbfError:
+    return SbfError(f"{file} is damaged: {what}")
