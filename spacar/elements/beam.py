@@ -1,8 +1,9 @@
 """Spatial beam, keyword BEAM (theory-spatial.md section 3).
 
-Coordinates x_p (3), lambda_p (4), x_q (3), lambda_q (4) in m and 1; deformations elongation, torsion, bending in the
-local x'z' plane at p, q and in the x'y' plane at p, q, all in m. The deformations are in `beam_strain`, the translational
-inertia in `beam_inertia`; this module reads the input values and gives the stiffness and the limits of the theory.
+Coordinates x_p (3), lambda_p (4), x_q (3), lambda_q (4) in m and 1; deformations elongation, torsion, bending
+in the local x'z' plane at p, q and in the x'y' plane at p, q, all in m. The deformations are in
+`beam_strain`, the translational inertia in `beam_inertia`; this module reads the input values and gives the
+stiffness and the limits of the theory.
 """
 
 from __future__ import annotations
@@ -65,7 +66,7 @@ class SpatialBeam(Family):
         self._second = bool(group.nonlinear.any())
         self._estiff, self._edamp = group.estiff, group.edamp
 
-    # -- deformations -------------------------------------------------------------------------------------------
+    # -- deformations --------------------------------------------------------------------------------------
     def strain(self, x: Array, near: Array, e: Array, V: Array) -> BeamConfiguration:
         p = strain_of.BeamConstants(*expand(self.constants, x.ndim))
         c = strain_of.beam_state(p, x, self._second)
@@ -112,13 +113,13 @@ class SpatialBeam(Family):
     def geometric_stiffness(self, c: BeamConfiguration, sigma: Array, out: Array) -> None:
         strain_of.hessian(c.strain, sigma, out)
 
-    # -- stresses -----------------------------------------------------------------------------------------------
+    # -- stresses ------------------------------------------------------------------------------------------
     def stiffness(self) -> tuple[Array, Array]:
         """S [N/m] and S_d [N s/m] of section 3.5; the shear parameters act in both."""
         shear = 12.0 * self._estiff[:, 4:6] / self.length[:, None] ** 2
         return _beam_matrix(self._estiff, shear, self.length), _beam_matrix(self._edamp, shear, self.length)
 
-    # -- inertia ------------------------------------------------------------------------------------------------
+    # -- inertia -------------------------------------------------------------------------------------------
     def mass(self, c: BeamConfiguration, out: Array) -> None:
         line_mass(_line(c), out)
 
@@ -133,21 +134,30 @@ class SpatialBeam(Family):
             return ()
         half = 0.5 * self.length
         return tuple(
-            (row, section_tensor(frame, self._inertia, half)) for row, frame in zip((3, 10), self._frames, strict=True)
+            (row, section_tensor(frame, self._inertia, half))
+            for row, frame in zip((3, 10), self._frames, strict=True)
         )
 
-    # -- limits -------------------------------------------------------------------------------------------------
+    # -- limits --------------------------------------------------------------------------------------------
     def troubles(self, c: BeamConfiguration, e: Array, sigma: Array) -> list[Trouble]:
-        """Collapsed length, and angles of bending (end tangent against the chord) or twist that are too large."""
+        """Collapsed length; too large angles of bending (end tangent against chord) or twist."""
         state = c.strain
         found = [
-            Trouble(int(k), f"has collapsed: its length is {state.l[k]:.3g} m, undeformed {self.length[k]:.3g} m", True)
+            Trouble(
+                int(k),
+                f"has collapsed: its length is {state.l[k]:.3g} m, undeformed {self.length[k]:.3g} m",
+                True,
+            )
             for k in np.flatnonzero(~(state.l > COLLAPSED * self.length))
         ]
         for what, angle in _angles(state.lam, state.n, self._frames):
             for k in np.flatnonzero(angle > LARGE_ANGLE):
                 fatal = bool(angle[k] > LIMIT_ANGLE)
-                limit = "beyond what its deformation can measure" if fatal else "which one element cannot represent well"
+                limit = (
+                    "beyond what its deformation can measure"
+                    if fatal
+                    else "which one element cannot represent well"
+                )
                 text = f"{what} by {np.degrees(angle[k]):.0f} degrees, {limit}; use more elements"
                 found.append(Trouble(int(k), text, fatal))
         return found
@@ -160,12 +170,14 @@ def _line(c: BeamConfiguration) -> LineState:
 
 
 def _parameters(group: ElementGroup) -> tuple[list[tuple[float, ...] | None], Array]:
-    """Direction vectors (or None) and torsion-elongation parameters f1 (n,) [m^2] of the element statements."""
+    """Direction vectors (or None) and torsion-elongation parameters f1 (n,) [m^2] of the statements."""
     directions: list[tuple[float, ...] | None] = []
     f1 = np.zeros(group.n)
     for k, values in enumerate(group.geometry):
         if len(values) not in (0, 1, 3, 4):
-            raise GeometryError(k, f"{len(values)} values behind the nodes: give a direction (3), a coupling (1) or both")
+            raise GeometryError(
+                k, f"{len(values)} values behind the nodes: give a direction (3), a coupling (1) or both"
+            )
         directions.append(values[:3] if len(values) >= 3 else None)
         f1[k] = values[-1] if len(values) in (1, 4) else 0.0
     return directions, f1

@@ -5,12 +5,14 @@ Raw deformations in a frame that follows the chord (d = x_q - x_p, l = |d|, n = 
     eb1 = l - l0,   eb2 = 2 l0 mu0 mu_x,   eb3..6 = n.U_k,   U_k = s_k l0 R(lam_k) c_k
     (s, lam, c) = (-, p, z'), (+, q, z'), (+, p, y'), (-, q, y')
 
-and, unless LDEFORM switches them off, the second order terms e = eb + 1/2 eb Q_k eb with constant Q_k (section 3.2).
+and, unless LDEFORM switches them off, the second order terms e = eb + 1/2 eb Q_k eb with constant Q_k
+(section 3.2).
 
-The four bending modes are one batch with the axes [c, s], c in (z', y'), s in (p, q). Rows W of first derivatives have
-the shape (6, 2, 7, n): modes, node p or q, (position, lambda). They are filled for the position of q only; the columns
-of the position of p are the opposite, which `put` writes at the end. In a beam everything that depends on the
-orientation is K lam with constant per-element tensors K (see `rotation`), so no rotation matrix is formed.
+The four bending modes are one batch with the axes [c, s], c in (z', y'), s in (p, q). Rows W of first
+derivatives have the shape (6, 2, 7, n): modes, node p or q, (position, lambda). They are filled for the
+position of q only; the columns of the position of p are the opposite, which `put` writes at the end. In a
+beam everything that depends on the orientation is K lam with constant per-element tensors K (see `rotation`),
+so no rotation matrix is formed.
 """
 
 from __future__ import annotations
@@ -78,7 +80,9 @@ def _correction_coefficients() -> Array:
 _Q = _correction_coefficients()
 
 
-def beam_constants(frame_p: Array, frame_q: Array, l0: Array, f1: Array, nonlinear: NDArray[np.bool_]) -> BeamConstants:
+def beam_constants(
+    frame_p: Array, frame_q: Array, l0: Array, f1: Array, nonlinear: NDArray[np.bool_]
+) -> BeamConstants:
     """Constants of beams with frames (3, 3, n) at p and q, lengths l0 (n,) [m], coupling f1 (n,) [m^2]."""
     yz = np.stack([np.stack([frame_p[:, 2], frame_q[:, 2]]), np.stack([frame_p[:, 1], frame_q[:, 1]])])
     sign = np.array([[-1.0, 1.0], [1.0, -1.0]])
@@ -130,7 +134,7 @@ def rows(stretch: Array, twist: Array, bend_d: Array, bend_lam: Array) -> Array:
 
 
 def beam_state(p: BeamConstants, x: Array, second: bool) -> BeamState:
-    """Raw deformations and their gradient at x (14, n); `second`: some beam of the group has second order terms."""
+    """Raw deformations and their gradient at x (14, n); `second`: some beam has second order terms."""
     x7 = x.reshape(2, 7, *x.shape[1:])
     lam = x7[:, 3:]
     d = x7[1, :3] - x7[0, :3]

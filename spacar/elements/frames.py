@@ -1,6 +1,7 @@
 """Local frames of spatial elements in the start configuration (theory-spatial.md section 2).
 
-A frame is an array (3, 3) whose columns are x', y', z'; frames of a group are stacked to (3, 3, n), element axis last.
+A frame is an array (3, 3) whose columns are x', y', z'; frames of a group are stacked to (3, 3, n), element
+axis last.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ EQUAL = 1e-12  # components within this count as equal in `pick`
 
 
 def pick(ex: Array) -> Array:
-    """Standard basis vector (3,) that makes the largest angle with ex (3,); of equals the one with the highest index."""
+    """Standard basis vector at the largest angle with ex (3,); of equals the one with the highest index."""
     size = np.abs(ex)
     e = np.zeros(3)
     e[np.flatnonzero(size <= size.min() + EQUAL)[-1]] = 1.0
@@ -53,7 +54,7 @@ def supplemented(ex: Array, g: Array, index: int, what: str) -> Array:
 
 
 def chord_frame(ex: Array, direction: Sequence[float] | None, index: int) -> Array:
-    """Frame (3, 3) of a BEAM: x' given, y' from the direction vector of the element statement or from `pick`."""
+    """Frame (3, 3) of a BEAM: x' given, y' from the direction vector of the statement or from `pick`."""
     g = pick(ex) if direction is None else np.asarray(direction, float)
     return supplemented(ex, g, index, "direction of the local y' axis")
 
@@ -76,7 +77,9 @@ def chords(d: Array, x: Array) -> tuple[Array, Array]:
     bad = np.flatnonzero(~(l > SHORT * extent))
     if bad.size:
         k = int(bad[0])
-        raise GeometryError(k, f"the length {l[k]:.3g} m between its nodes p and q is zero; check their coordinates")
+        raise GeometryError(
+            k, f"the length {l[k]:.3g} m between its nodes p and q is zero; check their coordinates"
+        )
     return l, d / l
 
 

@@ -1,13 +1,13 @@
 """Spatial hinge, keyword HINGE (theory-spatial.md section 5).
 
-Coordinates lambda_p (4), lambda_q (4). With the relative parameters mu_i = lam_p F[i] lam_q (mu0 = cos of half the
-relative rotation, mu1..mu3 along the local axes):
+Coordinates lambda_p (4), lambda_q (4). With the relative parameters mu_i = lam_p F[i] lam_q (mu0 = cos of
+half the relative rotation, mu1..mu3 along the local axes):
 
     e1 = 2 atan2(mu1, mu0)            rotation of q relative to p about x', counted over many turns [rad]
     e2 = 2 (mu0 mu2 - mu1 mu3),   e3 = 2 (mu0 mu3 + mu1 mu2)      misalignment [rad]
 
-So e = f(mu) with mu bilinear in lambda_p and lambda_q; below f_i, f_ij, f_ijk are derivatives with respect to mu.
-The screw uses the same functions.
+So e = f(mu) with mu bilinear in lambda_p and lambda_q; below f_i, f_ij, f_ijk are derivatives with respect to
+mu. The screw uses the same functions.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def hinge_state(F: Array, lam: Array) -> HingeState:
     """State for lam (2, 4, n)."""
     dmu = _einsum("asij...,sj...->asi...", F, lam[::-1])
     mu = _einsum("ai...,i...->a...", dmu[:, 0], lam[0])
-    m0, m1, m2, m3 = mu
+    m0, m1 = mu[0], mu[1]
     half_r = 0.5 * (m0 * m0 + m1 * m1)
     f = np.zeros((3, *mu.shape), mu.dtype)
     f[0, 0] = -m1 / half_r
@@ -67,8 +67,10 @@ def hinge_gradient(c: HingeState) -> Array:
 
 def hinge_convective(c: HingeState, lam1: Array) -> Array:
     """Second rate of e at zero accelerations, (3, n), for rates lam1 (2, 4, n) of lambda."""
-    mu1, dmu1, mu2 = _rates(c, lam1)
-    return np.asarray(_einsum("ea...,a...->e...", _second(c, mu1), mu1) + _einsum("ea...,a...->e...", c.f_i, mu2))
+    mu1, _, mu2 = _rates(c, lam1)
+    return np.asarray(
+        _einsum("ea...,a...->e...", _second(c, mu1), mu1) + _einsum("ea...,a...->e...", c.f_i, mu2)
+    )
 
 
 def hinge_rate_rows(c: HingeState, lam1: Array) -> Array:
@@ -85,7 +87,8 @@ def hinge_second_rate_rows(c: HingeState, lam1: Array) -> Array:
     along = _second(c, mu2)
     along[0, :2] += _third(c, mu1)
     return np.asarray(
-        _einsum("ea...,asi...->esi...", along, c.dmu) + 2.0 * _einsum("ea...,asi...->esi...", _second(c, mu1), dmu1)
+        _einsum("ea...,asi...->esi...", along, c.dmu)
+        + 2.0 * _einsum("ea...,asi...->esi...", _second(c, mu1), dmu1)
     )
 
 

@@ -1,7 +1,7 @@
 """Inertia of spatial orientation nodes: rigid bodies and gyrostats (theory-spatial.md section 1).
 
-Coordinates lambda (4). Body components of a tensor are its global components in the start configuration, where R = I.
-With w' = Lambda dlam/dt (half the angular velocity) and Lambda(a)^T w = K(w) a:
+Coordinates lambda (4). Body components of a tensor are its global components in the start configuration,
+where R = I. With w' = Lambda dlam/dt (half the angular velocity) and Lambda(a)^T w = K(w) a:
 
     M = 4 Lambda^T J Lambda,     h = 8 Lambda1^T J Lambda dlam/dt,     Lambda1 = Lambda(dlam/dt)
     gyrostat: h = 4 K(h') dlam/dt with the constant h' = J_axial Omega in body components
@@ -28,7 +28,7 @@ class BodyState(NamedTuple):
 
 
 class RigidBodyNode(Family):
-    """Orientation nodes `nodes` (n,) with inertia tensors J (n, 3, 3) [kg m^2], all contributions added up."""
+    """Orientation nodes `nodes` (n,) with inertia tensors J (n, 3, 3) [kg m^2], all contributions summed."""
 
     n_coordinates = 4
     has_mass = True
@@ -57,9 +57,11 @@ class RigidBodyNode(Family):
 
 
 class GyrostatNode(Family):
-    """Rotors whose axis is fixed in an orientation node: body components h (n, 3) of J_axial Omega [kg m^2/s].
+    """Rotors whose axis is fixed in an orientation node: body components h (n, 3) of J_axial Omega [kg
+    m^2/s].
 
-    The axial tensor of a rotor with prescribed relative rate (`prescribed_rotor_tensor`) belongs to the RigidBodyNode.
+    The axial tensor of a rotor with prescribed relative rate (`prescribed_rotor_tensor`) belongs to the
+    RigidBodyNode.
     """
 
     n_coordinates = 4

@@ -1,4 +1,4 @@
-"""Normalization of the Euler parameters of an orientation node: e = lam.lam - 1 (theory-spatial.md section 1)."""
+"""Normalization of the Euler parameters of a node: e = lam.lam - 1 (theory-spatial.md section 1)."""
 
 from __future__ import annotations
 

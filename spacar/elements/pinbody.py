@@ -1,8 +1,8 @@
 """Spatial pinbody and rigid beam, keywords PINBODY and RBEAM (theory-spatial.md section 6).
 
-Coordinates x_p (3), lambda_p (4), x_q (3). e_i = (R(lam_p) c_i).(x_q - x_p) - r_i [m], c_i the measuring directions,
-r_i their projections at the start or the DRPINBOD values. Inertia of an RBEAM: straight uniform rod on x_p, x_q, the
-rotary inertia of its section on lambda_p.
+Coordinates x_p (3), lambda_p (4), x_q (3). e_i = (R(lam_p) c_i).(x_q - x_p) - r_i [m], c_i the measuring
+directions, r_i their projections at the start or the DRPINBOD values. Inertia of an RBEAM: straight uniform
+rod on x_p, x_q, the rotary inertia of its section on lambda_p.
 """
 
 from __future__ import annotations
@@ -102,6 +102,8 @@ class SpatialPinbody(Family):
     def __init__(self, group: ElementGroup) -> None:
         self.keyword, self.numbers = group.keyword, group.numbers
         d = group.x0[7:] - group.x0[:3]
+        if group.keyword == "RBEAM":  # a rod; a PINBODY may join two nodes at one place
+            chords(d, group.x0[POSITIONS])
         self.length = np.sqrt((d * d).sum(0))
         frame = stack([_frame(group, k, d[:, k]) for k in range(group.n)])
         self.frame_p = self.frame_q = rows(frame)
@@ -109,7 +111,9 @@ class SpatialPinbody(Family):
         for k, given in enumerate(group.projections):
             if given is not None:
                 if len(given) != 3:
-                    raise GeometryError(k, f"DRPINBOD needs 3 projections of a spatial element, {len(given)} are given")
+                    raise GeometryError(
+                        k, f"DRPINBOD needs 3 projections of a spatial element, {len(given)} are given"
+                    )
                 self.r[:, k] = given
         self.data = self.r.T.copy()
         self.directors = directors(frame)
@@ -174,7 +178,9 @@ def _frame(group: ElementGroup, k: int, d: Array) -> Array:
     if not direction:
         return np.eye(3)
     if len(direction) != 3:
-        raise GeometryError(k, f"the direction of the local y' axis needs 3 components, {len(direction)} are given")
+        raise GeometryError(
+            k, f"the direction of the local y' axis needs 3 components, {len(direction)} are given"
+        )
     ex = unit(d, k, "line from p to q, which is the local x' axis,")
     return chord_frame(ex, direction, k)
 
@@ -190,12 +196,14 @@ def _given_frame(given: tuple[float, ...], k: int) -> Array:
     units = [unit(given[3 * i : 3 * i + 3], k, f"{names[i]} ORPINBOD direction") for i in range(3)]
     volume = abs(float(np.linalg.det(np.column_stack(units))))
     if volume < DEPENDENT:
-        raise GeometryError(k, f"the three ORPINBOD directions are linearly dependent (unit volume {volume:.1e})")
+        raise GeometryError(
+            k, f"the three ORPINBOD directions are linearly dependent (unit volume {volume:.1e})"
+        )
     return np.asarray(given, float).reshape(3, 3).T
 
 
 def _rod_inertia(group: ElementGroup, d: Array) -> Array:
-    """Rotary inertia (n, 3, 3) of rods: the section values refer to the line pq and the y' direction of the statement."""
+    """Rotary inertia (n, 3, 3) of rods: section values refer to the line pq and the y' of the statement."""
     length, n = chords(d, group.x0[POSITIONS])
     frame = stack([chord_frame(n[:, k], group.geometry[k] or None, k) for k in range(group.n)])
     return section_tensor(frame, group.em[:, 1:5], length)

@@ -1,13 +1,13 @@
-"""Euler parameters lambda = (cos t/2, sin t/2 * axis) on component-first arrays (theory-spatial.md section 1).
+"""Euler parameters lambda = (cos t/2, sin t/2 * axis), component first (theory-spatial.md section 1).
 
 The homogeneous form of the rotation is used throughout,
 
     R(lam) c = (lam0^2 - lv.lv) c + 2 (lv.c) lv + 2 lam0 lv x c,
 
-which does not assume |lam| = 1. It is quadratic, so with the constant tensor K_c = d2(R c)/dlam2 ("director tensor")
-everything an element needs is a contraction:
+which does not assume |lam| = 1. It is quadratic, so with the constant tensor K_c = d2(R c)/dlam2 ("director
+tensor") everything an element needs is a contraction:
 
-    R(lam) c = 1/2 K_c lam lam,    B_c(lam) = d(R c)/dlam = K_c lam,    w.(R c) has the Hessian 2 N(w, c) = w.K_c.
+    R(lam) c = 1/2 K_c lam lam,   B_c(lam) = d(R c)/dlam = K_c lam,   Hessian of w.(R c): 2 N(w, c) = w.K_c.
 
 The parameters of q relative to p are bilinear: mu0 = lam_p.lam_q, mu_e = lam_p Z(e) lam_q.
 """
@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.elements.base import Array
+
 
 def _director_coefficients() -> Array:
     """T[i, j, k, m] with K_c[i, j, k] = sum_m T[i, j, k, m] c_m, from the second derivatives of R(lam) c."""
@@ -50,7 +51,7 @@ def expand(constants: tuple[Any, ...], ndim: int) -> tuple[Any, ...]:
 
 
 def director_tensor(c: Array) -> Array:
-    """K_c (3, 4, 4, n) of the body-fixed vectors c (3, n): R c = 1/2 K_c lam lam, symmetric in its middle axes."""
+    """K_c (3, 4, 4, n) of body-fixed vectors c (3, n): R c = 1/2 K_c lam lam, symmetric in the 4s."""
     return np.einsum("ijkm,m...->ijk...", _DIRECTOR, c)
 
 
@@ -64,10 +65,12 @@ def relative_matrix(e: Array) -> Array:
 
 
 def relative_parameters(frame_p: Array, frame_q: Array) -> Array:
-    """F (4, 2, 4, 4, n): parameters of the frame at q relative to that at p, in components along the frame at p.
+    """F (4, 2, 4, 4, n): parameters of the frame at q relative to that at p, in components along the frame at
+    p.
 
-    mu_i = lam_p F[i, 0] lam_q; the gradient with respect to lam_p is F[i, 0] lam_q, to lam_q it is F[i, 1] lam_p.
-    Frames that coincide at the start, the usual case, give mu0 = lam_p.lam_q and mu_i = lam_p Z(e_i) lam_q.
+    mu_i = lam_p F[i, 0] lam_q; the gradient with respect to lam_p is F[i, 0] lam_q, to lam_q it is F[i, 1]
+    lam_p. Frames that coincide at the start, the usual case, give mu0 = lam_p.lam_q and mu_i = lam_p Z(e_i)
+    lam_q.
     """
     n = frame_p.shape[-1]
     F = np.zeros((4, 2, 4, 4, n))
@@ -81,7 +84,7 @@ def relative_parameters(frame_p: Array, frame_q: Array) -> Array:
 
 
 def _follow(F: Array, frame_p: Array, frame_q: Array) -> Array:
-    """F for the end q turned at the start by the rotation frame_q frame_p^T: lam_q is replaced by lam_q o lam_start."""
+    """F with lam_q o lam_start for lam_q: at the start the frame at q is turned by frame_q frame_p^T."""
     from scipy.spatial.transform import Rotation
 
     turn = np.einsum("ian,jan->nij", frame_q, frame_p)
@@ -155,7 +158,7 @@ def _dual(w: Array, sign: float) -> Array:
 
 
 def arc_tangent(y: NDArray[Any], x: NDArray[Any]) -> NDArray[Any]:
-    """atan2(y, x); of complex arguments the continuation to first order, which is what a complex step needs."""
+    """atan2(y, x); of complex arguments the first order continuation that a complex step needs."""
     if not (np.iscomplexobj(x) or np.iscomplexobj(y)):
         return np.arctan2(y, x)
     slope = (x.real * y.imag - y.real * x.imag) / (x.real**2 + y.real**2)

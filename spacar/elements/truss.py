@@ -81,7 +81,11 @@ class SpatialTruss(Family):
 
     def troubles(self, c: TrussState, e: Array, sigma: Array) -> list[Trouble]:
         return [
-            Trouble(int(k), f"has collapsed: its length is {c.l[k]:.3g} m, undeformed {self.length[k]:.3g} m", True)
+            Trouble(
+                int(k),
+                f"has collapsed: its length is {c.l[k]:.3g} m, undeformed {self.length[k]:.3g} m",
+                True,
+            )
             for k in np.flatnonzero(~(c.l > COLLAPSED * self.length))
         ]
 
