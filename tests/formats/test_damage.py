@@ -184,3 +184,34 @@ def test_a_killed_process_leaves_whole_steps(tmp_path, delay):
         np.testing.assert_array_equal(file.get("t")[:, 0], np.arange(file.steps))
         assert f"stopped after step {file.steps} at t = {file.steps - 1}" in (incomplete_note(file) or "")
     assert checksbf(path).sound
+
+
+FULL_DISK = """
+import resource, signal, sys
+from spacar.errors import AnalysisError
+from spacar_formats.sbf import SbfWriter
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, 10_000))
+out = SbfWriter(sys.argv[1], "sbd", {}, {"X": (40, 1)})
+try:
+    for k in range(100):
+        out.append({"X": [k] * 40})
+except AnalysisError as error:
+    print(out.steps, error)
+out.close(complete=False)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a limit on the size of files")
+def test_a_full_disk_stops_with_a_reason_and_keeps_the_steps_before(tmp_path):
+    path = tmp_path / "full.sbd.part"
+    done = subprocess.run(
+        [sys.executable, "-c", FULL_DISK, str(path)], capture_output=True, text=True, check=True
+    )
+    steps, text = done.stdout.split(" ", 1)
+    assert f"step {int(steps) + 1}" in text
+    with SbfFile(path) as file:
+        assert (file.steps, file.state) == (int(steps), 2)
+        assert file.steps == (10_000 - file.directory.data_offset) // file.directory.stride
+        np.testing.assert_array_equal(file.get("x")[:, 0], np.arange(file.steps))
+    assert checksbf(path).sound
