@@ -221,7 +221,7 @@ def _first_step(evaluation: Evaluation, integrator: Any, t: float, y: np.ndarray
     except AnalysisError:
         return h0  # the step loop deals with it
     largest = max(slope, bend)
-    h1 = max(1e-6, 1e-3 * h0) if largest <= 1e-15 else (0.01 / largest) ** (1.0 / (integrator.order + 1))
+    h1 = max(1e-6, 1e-3 * h0) if largest <= 1e-15 else (0.01 / largest) ** (1.0 / integrator.controller[0])
     return min(100.0 * h0, h1)
 
 

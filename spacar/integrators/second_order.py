@@ -21,7 +21,6 @@ class RungeKuttaNystrom:
     Raises AnalysisError `integrator.second-order` when there are not as many velocities as positions.
     """
 
-    order = 2
     controller = (2.0, 0.3, 3.0)
 
     def __init__(self, code: int, evaluation: Evaluation, n: int, tolerance: Tolerance) -> None:

@@ -1,0 +1,135 @@
+"""Measured orders of every code, of the dense output, and damping of infinitely stiff components."""
+
+import numpy as np
+import pytest
+from integrator_models import Kepler, Linear, Pendulum, pendulum_reference
+
+from spacar.integrators import METHODS, integrate
+from spacar.integrators import dop853 as table
+from spacar.integrators.implicit import sdirk_tableau
+from spacar.integrators.problem import Evaluation, Tolerance
+
+FIXED = {130: 3, 140: 4, 220: 2, 310: 1, 320: 2, 330: 3, 410: 1, 420: 2, 430: 3}
+VARIABLE = {135: 3, 155: 5, 225: 2, 853: 8}
+IMPLICIT = (310, 320, 330, 410, 420, 430)
+# Newton tolerance of the implicit codes: below the smallest discretization error of these tests (1e-9).
+TIGHT = 1e-13
+
+
+def equal_steps(code, problem, y0, end, n):
+    """End state of n equal steps of a variable-step code, driven by hand, and the integrator."""
+    integrator = METHODS[code].build(Evaluation(problem, 0.0, end), len(y0), Tolerance(1.0, 0.0))
+    integrator.start(0.0, y0)
+    for j in range(n):
+        integrator.begin(j * end / n)
+        integrator.attempt(end / n)
+        integrator.finish()
+    return integrator.y_new.copy(), integrator
+
+
+def test_table_holds_every_documented_code():
+    assert sorted(METHODS) == [0, 130, 135, 140, 155, 220, 225, 310, 320, 330, 410, 420, 430, 853]
+    assert [c for c, m in METHODS.items() if not m.original] == [853]
+    assert {c for c, m in METHODS.items() if m.needs_jacobian} == set(IMPLICIT)
+    assert all(m.citation and m.name for m in METHODS.values())
+
+
+@pytest.mark.parametrize(("code", "order"), FIXED.items())
+def test_order_of_fixed_step_codes(code, order):
+    end = 4.0
+    reference = np.array(pendulum_reference(end))
+    errors = []
+    for n in (160, 320):
+        *_, out = integrate(Pendulum(), Pendulum.y0, [0.0, end], code, atol=TIGHT, step=end / n)
+        assert out.n_steps == n
+        errors.append(np.linalg.norm(out.y - reference))
+    # The next term of the error expansion is h/T small, so halving the step shows the order to about a tenth.
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.15)
+    assert METHODS[code].order == order
+    assert not METHODS[code].variable_step
+
+
+@pytest.mark.parametrize(("code", "order"), VARIABLE.items())
+def test_order_of_variable_step_codes(code, order):
+    end = 4.0
+    reference = np.array(pendulum_reference(end))
+    # Order 8 reaches rounding soon, so its steps are longer and the measured order less settled.
+    counts, margin = ((10, 20), 0.6) if code == 853 else ((80, 160), 0.25)
+    errors = [
+        np.linalg.norm(equal_steps(code, Pendulum(), Pendulum.y0, end, n)[0] - reference) for n in counts
+    ]
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=margin)
+    assert METHODS[code].order == order
+    assert METHODS[code].variable_step
+
+
+@pytest.mark.parametrize(("code", "local_order"), [(135, 4), (155, 5), (225, 3), (853, 8)])
+def test_order_of_dense_output(code, local_order):
+    """Error inside one step of the exact orbit: h^4 cubic Hermite (h^3 by a 225 step), h^5, h^8."""
+    problem = Kepler()
+    errors = []
+    for h in (0.1, 0.05) if code == 853 else (0.04, 0.02):
+        _, integrator = equal_steps(code, problem, problem.y0, h, 1)
+        inner = np.linspace(0.05, 0.95, 19) * h
+        dense = np.array([integrator.interpolate(t) for t in inner])
+        errors.append(np.abs(dense - problem.exact(inner)).max())
+    assert np.log2(errors[0] / errors[1]) > local_order - 0.35
+
+
+@pytest.mark.parametrize("code", [135, 155, 225, 853])
+def test_dense_output_meets_the_step_ends(code):
+    problem = Kepler()
+    end, integrator = equal_steps(code, problem, problem.y0, 0.1, 1)
+    # Both ends are reproduced by construction: rounding only.
+    np.testing.assert_allclose(integrator.interpolate(0.1), end, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(integrator.interpolate(0.0), problem.y0, rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("code", IMPLICIT)
+def test_infinitely_stiff_component_is_damped_in_one_step(code):
+    """|R(-1e8)| <= 5e-8; an A-stable but not L-stable method would give |R| near 1."""
+    problem = Linear([[-1e8]], n_positions=0)
+    *_, out = integrate(problem, np.array([1.0]), [0.0, 1.0], code, atol=1e-12, step=1.0)
+    assert out.n_steps == 1
+    assert abs(out.y[0]) <= 5e-8
+
+
+@pytest.mark.parametrize("code", IMPLICIT)
+def test_stiff_slow_solution_is_followed(code):
+    """y' = -1e6 (y - cos t) - sin t: explicit codes need 1e6 steps, these get cos t with 100."""
+
+    class Stiff:
+        n_positions = 0
+
+        def rhs(self, t, y):
+            return np.array([-1e6 * (y[0] - np.cos(t)) - np.sin(t)])
+
+        def jacobian(self, t, y):
+            return np.array([[-1e6]]), np.array([-1e6 * np.sin(t) - np.cos(t)])
+
+    *_, out = integrate(Stiff(), np.array([1.0]), [0.0, 1.0], code, atol=1e-9, step=0.01)
+    # Order reduction leaves at worst h^2/1 for Rosenbrock 2, 3 at stiff problems; 1e-3 separates from failure.
+    assert abs(out.y[0] - np.cos(1.0)) < 1e-3
+
+
+@pytest.mark.parametrize("code", [410, 420, 430])
+def test_sdirk_order_conditions(code):
+    c, a = sdirk_tableau(code)
+    b, order = a[-1], METHODS[code].order
+    # Closed-form conditions, coefficients given to 16 digits.
+    np.testing.assert_allclose(a.sum(axis=1), c, atol=1e-15)
+    conditions = [b.sum() - 1, b @ c - 1 / 2, b @ c**2 - 1 / 3, b @ a @ c - 1 / 6][: (1, 2, 4)[order - 1]]
+    np.testing.assert_allclose(conditions, 0.0, atol=1e-15)
+
+
+def test_853_table_conditions():
+    """Independent truths about the published numbers: row sums and quadrature conditions."""
+    t = table.TABLEAU
+    # Entries up to 90 with 16 digits: sums right to a few 1e-14.
+    np.testing.assert_allclose(t.a.sum(axis=1), t.c, atol=1e-13)
+    np.testing.assert_allclose(table.A_EXTRA.sum(axis=1), table.C_EXTRA, atol=1e-13)
+    for q in range(8):
+        assert t.b @ t.c**q == pytest.approx(1 / (q + 1), abs=1e-14)
+        assert t.b @ t.a @ t.c**q == pytest.approx(1 / ((q + 1) * (q + 2)), abs=1e-14) or q == 7
+    assert abs(table.ERROR_3.sum()) < 1e-14
+    assert abs(table.ERROR_5.sum()) < 1e-14
