@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 from spacar.deck.arguments import read_statement
-from spacar.deck.checks import check_block
+from spacar.deck.checks import check
 from spacar.deck.deck import Deck
 from spacar.deck.findings import Findings
 from spacar.deck.lexer import LONGEST_LINE, Source, integer_of, scan, visualization_of
@@ -90,8 +90,7 @@ def parse(
             if statement is not None:
                 read[id(raw)] = statement
     statements = tuple([read[id(raw)] for raw in parts.statements if id(raw) in read])
-    for block in (1, 2, 3):
-        check_block(block, statements, outline, mode, third, skipped.get(block, findings), findings)
+    check(statements, outline, mode, third, {block: skipped.get(block, findings) for block in (1, 2, 3)})
     for block, found in skipped.items():
         _report_skipped(block, parts.statements, mode, found, findings)
     findings.messages.sort(key=lambda m: m.line or 0)

@@ -236,6 +236,7 @@ KEYWORDS = (
         "time function of a prescribed coordinate",
         (form((NODE, COORDINATE, *_MOTION)),),
         unique=2,
+        classes=("prescribed",),
         notes=(_START_X,),
     ),
     Keyword(
@@ -244,6 +245,7 @@ KEYWORDS = (
         "time function of a prescribed deformation",
         (form((ELEMENT, MODE, *_MOTION)),),
         unique=2,
+        classes=("prescribed",),
         notes=(_START_E,),
     ),
     Keyword(
@@ -252,6 +254,7 @@ KEYWORDS = (
         "start value of a dynamic coordinate",
         (form((NODE, COORDINATE, *_MOTION[:2])),),
         unique=2,
+        classes=("dynamic", "kinematic"),
         notes=(_START_X,),
     ),
     Keyword(
@@ -260,6 +263,7 @@ KEYWORDS = (
         "start value of a dynamic deformation",
         (form((ELEMENT, MODE, *_MOTION[:2])),),
         unique=2,
+        classes=("dynamic", "kinematic"),
         notes=(_START_E,),
     ),
     Keyword(
@@ -342,6 +346,7 @@ KEYWORDS = (
         "increment of a prescribed coordinate",
         (form((NODE, COORDINATE, real("increment of the start value"))),),
         unique=2,
+        classes=("prescribed",),
     ),
     Keyword(
         "DELINPE",
@@ -349,6 +354,7 @@ KEYWORDS = (
         "increment of a prescribed deformation",
         (form((ELEMENT, MODE, real("increment of the start value"))),),
         unique=2,
+        classes=("prescribed",),
     ),
 )
 

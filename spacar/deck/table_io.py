@@ -141,28 +141,24 @@ TRAJECTORIES = (
 )
 
 
-def _port(name: str, block: Block, text: str) -> Keyword:
-    """An input or output statement; the names say what it refers to: ...E or ...S deformations, ...X or ...F coordinates."""
+def _port(name: str, block: Block, text: str, *classes: str) -> Keyword:
+    """An input or output statement. What follows INPUT, IN, OUT, NOM or REF in the name tells what it refers to:
+    E... or S a deformation, X... or F a coordinate."""
     first = _INPUT if name.startswith(("IN", "NOM")) else _OUTPUT
-    stem = (
-        name.removeprefix("NOM")
-        .removeprefix("REF")
-        .removeprefix("INPUT")
-        .removeprefix("OUT")
-        .removeprefix("IN")
-    )
-    target = (ELEMENT, MODE) if stem[0] in "ES" else (NODE, COORDINATE)
-    return Keyword(name, block, text, (form((first, *target)),))
+    start = next(p for p in ("NOM", "REF", "INPUT", "OUT", "IN") if name.startswith(p) and name != p)
+    target = (ELEMENT, MODE) if name[len(start)] in "ES" else (NODE, COORDINATE)
+    return Keyword(name, block, text, (form((first, *target)),), classes=classes, holonomic=name == "INE")
 
 
 _QUANTITIES = (("", ""), ("P", "first time derivative of a "), ("DP", "second time derivative of a "))
 
 
-def _series(stem: str, block: Block, text: str, noun: str) -> tuple[Keyword, ...]:
-    return tuple(_port(stem + end, block, f"{text}: {what}{noun}") for end, what in _QUANTITIES)
+def _series(stem: str, block: Block, text: str, noun: str, *classes: str) -> tuple[Keyword, ...]:
+    return tuple(_port(stem + end, block, f"{text}: {what}{noun}", *classes) for end, what in _QUANTITIES)
 
 
 _L = Block.LINEARIZATION
+_FREE = ("dynamic", "kinematic", "calculable")
 NOMINAL = (
     _port("NOMS", _T, "nominal input: generalized stress of an actuator element"),
     _port("NOMF", _T, "nominal input: nodal force"),
@@ -172,14 +168,14 @@ NOMINAL = (
     _port("REFXS", _T, "reference output: coordinate, with second order expression"),
 )
 LINEARIZATION = (
-    _port("INPUTS", _L, "input: stress of a dynamic or calculable deformation"),
-    _port("INPUTF", _L, "input: force on a calculable or dynamic coordinate"),
-    *_series("INE", _L, "input", "prescribed deformation"),
-    *_series("INX", _L, "input", "prescribed coordinate"),
+    _port("INPUTS", _L, "input: stress of a deformation", *_FREE),
+    _port("INPUTF", _L, "input: force on a coordinate", *_FREE),
+    *_series("INE", _L, "input", "prescribed deformation", "prescribed"),
+    *_series("INX", _L, "input", "prescribed coordinate", "prescribed"),
     _port("OUTS", _L, "output: stress of a deformation"),
-    *_series("OUTE", _L, "output", "deformation"),
-    _port("OUTF", _L, "output: reaction force of a fixed or prescribed coordinate"),
-    *_series("OUTX", _L, "output", "coordinate"),
+    *_series("OUTE", _L, "output", "deformation", *_FREE, "prescribed"),
+    _port("OUTF", _L, "output: reaction force of a coordinate", "fixed", "prescribed"),
+    *_series("OUTX", _L, "output", "coordinate", *_FREE, "prescribed"),
 )
 _SIMULATED = ("INPUTS", "INPUTF", "OUTE", "OUTEP", "OUTEDP", "OUTX", "OUTXP", "OUTXDP")
 SIMULATION = tuple(replace(k, block=Block.SIMULATION) for k in LINEARIZATION if k.name in _SIMULATED)

@@ -68,8 +68,13 @@ class Variant:
 
 @dataclass(frozen=True, slots=True)
 class Keyword:
-    """One keyword of one block. `unique` leading arguments identify a statement that may be given only once
-    (0: once per file, -1: all arguments but the last, None: may be repeated)."""
+    """One keyword of one block.
+
+    `unique` leading arguments identify a statement that may be given only once (0: once per file, -1: all
+    arguments but the last, None: may be repeated). `classes` are the classes (fixed, calculable, prescribed,
+    dynamic, kinematic) to which the coordinate or deformation of the statement may belong, empty means any;
+    `holonomic` excludes slips.
+    """
 
     name: str
     block: Block
@@ -78,6 +83,8 @@ class Keyword:
     unique: int | None = None
     aliases: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    classes: tuple[str, ...] = ()
+    holonomic: bool = False
 
     @property
     def most(self) -> int:

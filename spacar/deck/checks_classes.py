@@ -1,0 +1,84 @@
+"""The class of every coordinate and deformation, and checks of the statements that give them."""
+
+from __future__ import annotations
+
+from spacar.deck.scene import Classes, Scene
+from spacar.deck.statement import Statement
+
+COORDINATE_CLASSES = {"FIX": "fixed", "INPUTX": "prescribed", "DYNX": "dynamic", "KINX": "kinematic"}
+DEFORMATION_CLASSES = {"RLSE": "calculable", "INPUTE": "prescribed", "DYNE": "dynamic", "KINE": "kinematic"}
+_DONE = {
+    "fixed": "fixed",
+    "prescribed": "prescribed",
+    "dynamic": "declared dynamic",
+    "kinematic": "declared kinematic",
+    "calculable": "released",
+}
+
+
+def classify(scene: Scene) -> None:
+    """Fill the classes of the scene; one thing in two classes is an error, twice in one class a warning."""
+    outline = scene.outline
+    for s in scene.statements:
+        if s.block != 1:
+            continue
+        number = s.integer(0) if s.values and isinstance(s.values[0], int) else 0
+        if s.keyword in COORDINATE_CLASSES:
+            indices = s.integers(1) or outline.independent(number)
+            _put(scene, s, "coordinate", indices, COORDINATE_CLASSES[s.keyword], scene.coordinates)
+        elif s.keyword in DEFORMATION_CLASSES:
+            indices = s.integers(1) or tuple(range(1, outline.modes(number) + 1))
+            _put(scene, s, "mode", indices, DEFORMATION_CLASSES[s.keyword], scene.deformations)
+    _check_euler_parameters(scene)
+    _check_kinematic(scene)
+
+
+def _put(
+    scene: Scene, s: Statement, noun: str, indices: tuple[int, ...], name: str, classes: Classes
+) -> None:
+    number = s.integer(0)
+    again: dict[int, list[int]] = {}
+    for place, index in enumerate(indices, 1):
+        before = classes.setdefault((number, index), (name, s))
+        if before[1] is s and index not in indices[: place - 1]:
+            continue
+        if before[0] == name:
+            again.setdefault(before[1].line, []).append(index)
+        else:
+            text = (
+                f"{noun} {index} cannot be {name}: it was {_DONE[before[0]]} by {before[1].keyword} at line "
+            )
+            scene.findings.error(s, place, text + str(before[1].line), "two-classes")
+    for line, repeated in again.items():
+        which = f"{noun} {repeated[0]} was" if len(repeated) == 1 else f"{noun}s {_listed(repeated)} were"
+        scene.findings.warning(s, 1, f"{which} already {_DONE[name]} at line {line}", "repeated")
+
+
+def _listed(numbers: list[int]) -> str:
+    return f"{', '.join(map(str, numbers[:-1]))} and {numbers[-1]}"
+
+
+def _check_euler_parameters(scene: Scene) -> None:
+    """At most three of the four Euler parameters of a node can be given: the normalization gives the fourth."""
+    for node, role in scene.outline.roles.items():
+        if role != "orientation" or scene.outline.coordinates(node) != 4:
+            continue
+        by = [scene.coordinates[node, i][1] for i in (1, 2, 3, 4) if (node, i) in scene.coordinates]
+        if len(by) == 4:
+            last = max(by, key=lambda s: s.line)
+            text = (
+                f"all four Euler parameters of node {node} are given (lines "
+                f"{', '.join(str(n) for n in sorted({s.line for s in by}))}): over-determines their normalization; "
+                "leave lambda0 (coordinate 1) calculable"
+            )
+            scene.findings.error(last, None, text, "normalization")
+
+
+def _check_kinematic(scene: Scene) -> None:
+    if not scene.outline.complete or any(t.slips for t in scene.outline.types.values()):
+        return
+    for s in scene.of("KINX", "KINE"):
+        text = (
+            "there is no non-holonomic element (PLWHEEL, WHEEL, TWHEEL), so no kinematic coordinate can exist"
+        )
+        scene.findings.error(s, None, text, "no-wheel")

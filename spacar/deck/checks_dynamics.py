@@ -1,0 +1,162 @@
+"""Checks of the dynamics block: masses and stiffnesses, prescribed motion, solver settings, additional loading."""
+
+from __future__ import annotations
+
+from spacar.deck.checks_references import at_least, one_of, positive
+from spacar.deck.scene import Scene
+from spacar.deck.statement import Statement
+from spacar.deck.table_dynamics import INTEGRATORS
+
+_ADDITIONAL = ("DELXF", "DELGRAV", "DELOMF", "DELESIG", "DELINPX", "DELINPE")
+_STIFF = ("PLBEAM", "PLTUBE", "BEAM", "TUBE", "PLTRUSS", "TRUSS")
+_TUBES = ("PLTUBE", "TUBE")
+
+
+def check_dynamics(scene: Scene) -> None:
+    """Everything that concerns the dynamics block beyond single statements."""
+    for s in scene.statements:
+        if s.block == 2:
+            _check_signs(scene, s)
+            _check_settings(scene, s)
+    _check_stiffness(scene)
+    _check_moments(scene)
+    _check_additional(scene)
+    if scene.mode in (1, 4):
+        _check_motion(scene)
+
+
+def _check_signs(scene: Scene, s: Statement) -> None:
+    """Negative masses, stiffnesses, dampings; inertia tensors that no body can have."""
+    findings = scene.findings
+    if (
+        (s.keyword == "XM"
+        and len(s.values) > 2)
+        or (
+            s.keyword == "XM"
+            and scene.outline.space == "spatial"
+            and scene.outline.roles[s.integer(0)] == "orientation"
+        )
+    ):
+        check_tensor(scene, s)
+    elif s.keyword in ("XM", "EM", "ESTIFF", "EDAMP"):
+        what = {"XM": "mass or inertia", "EM": "mass", "ESTIFF": "stiffness", "EDAMP": "damping"}[s.keyword]
+        last = len(s.values)
+        if s.keyword == "EM" and scene.outline.types[s.integer(0)].keyword in _TUBES:
+            last = 3  # then follow flow rate, shape factor, end condition
+        elif s.keyword == "EM":
+            last = 5  # a product of inertia may be negative
+        for i in range(1, min(last, len(s.values))):
+            if s.real(i) < 0.0:
+                findings.warning(s, i, f"negative {what} {s.real(i):g}", "negative")
+    elif s.keyword == "MEE" and len(s.values) == 3 and s.real(2) < 0.0:
+        findings.warning(s, 2, f"negative mass {s.real(2):g}", "negative")
+
+
+def check_tensor(scene: Scene, s: Statement) -> None:
+    """Warn when the inertia tensor of XM or TRM is not positive semi-definite (all principal minors not negative)."""
+    xx, xy, xz, yy, yz, zz = s.reals(1, 6)
+    scale = max(abs(v) for v in (xx, xy, xz, yy, yz, zz))
+    if scale == 0.0:
+        return
+    xx, xy, xz, yy, yz, zz = (v / scale for v in (xx, xy, xz, yy, yz, zz))
+    minors = (xx, yy, zz, xx * yy - xy * xy, xx * zz - xz * xz, yy * zz - yz * yz)
+    whole = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
+    # 1e-9: the given digits of a tensor of a thin body may miss zero by their rounding
+    if min(*minors, whole) < -1e-9:
+        text = "the inertia tensor (Jxx Jxy Jxz Jyy Jyz Jzz) is not positive semi-definite"
+        scene.findings.warning(s, 1, text, "tensor")
+
+
+def _check_settings(scene: Scene, s: Statement) -> None:
+    """Ranges of single values."""
+    findings = scene.findings
+    if s.keyword == "TIMESTEP":
+        positive(findings, s, 0, "length of the time interval")
+        at_least(findings, s, 1, 1, "number of time steps")
+    elif s.keyword == "INTEGRAT":
+        if s.values[0] == 255:
+            findings.warning(s, 0, "integrator type 255 is read as 225", "choice")
+        else:
+            one_of(findings, s, 0, INTEGRATORS, "integrator type")
+        if s.real(1) < 0.0:
+            findings.error(s, 1, f"step size {s.real(1):g} must not be negative", "range")
+    elif s.keyword == "ERROR":
+        positive(findings, s, 0, "absolute error")
+        positive(findings, s, 1, "relative error")
+    elif s.keyword == "ITERSTEP":
+        at_least(findings, s, 0, 1, "number of iterations")
+        at_least(findings, s, 1, 1, "number of load steps")
+        positive(findings, s, 2, "error tolerance")
+        at_least(findings, s, 3, 1, "number of steps between output steps")
+        one_of(findings, s, 4, (0, 1, 2, 3), "type of analysis")
+        at_least(findings, s, 5, 0, "number of load steps for the initial solution")
+    elif s.keyword == "XGYRO":
+        one_of(findings, s, 5, (0, 1), "type of rotor")
+    elif s.keyword == "EM" and scene.outline.types[s.integer(0)].keyword in _TUBES:
+        one_of(findings, s, 5, (0, 1, 2, 3), "end condition")
+
+
+def _check_stiffness(scene: Scene) -> None:
+    """Dynamic deformations of beams and trusses without stiffness move freely: meant for measuring elements."""
+    stiff = {s.integer(0): s for s in scene.of("ESTIFF", block=2)}
+    free: dict[int, list[int]] = {}
+    for (element, mode), (name, _) in scene.deformations.items():
+        kind = scene.outline.types[element]
+        if name != "dynamic" or kind.keyword not in _STIFF:
+            continue
+        given = stiff.get(element)
+        if given is None or given.real(kind.stiffness[mode - 1] - 1) == 0.0:
+            free.setdefault(element, []).append(mode)
+    for element, modes in free.items():
+        by = scene.deformations[element, modes[0]][1]
+        kind = scene.outline.types[element]
+        names = ", ".join(f"{m} ({kind.modes[m - 1][0]})" for m in modes)
+        text = f"no stiffness for mode {names} of the {kind.keyword}: it moves freely"
+        scene.findings.information(by, None, text, "no-stiffness")
+
+
+def _check_moments(scene: Scene) -> None:
+    """Which reading of the numbers of XF on Euler parameters was used."""
+    for s in scene.of("XF", "DELXF", block=2):
+        node = s.integer(0)
+        if scene.outline.roles[node] != "orientation" or scene.outline.coordinates(node) != 4:
+            continue
+        count = len(s.values) - 1
+        if count == 3:
+            text = "three numbers on a spatial orientation node are read as a moment about the global axes"
+            scene.findings.information(s, 1, text, "moment")
+        elif count == 4:
+            text = "four numbers on a spatial orientation node are read as forces dual to lambda0 ... lambda3"
+            scene.findings.information(s, 1, text, "moment")
+        else:
+            text = f"{count} of four numbers on a spatial orientation node: read as dual to lambda0 ...; is a moment meant?"
+            scene.findings.warning(s, 1, text, "moment")
+
+
+def _check_additional(scene: Scene) -> None:
+    """ITERSTEP types 2 and 3 apply the additional loading, types 0 and 1 do not."""
+    step = next(iter(scene.of("ITERSTEP")), None)
+    kind = int(step.real(4)) if step is not None else 0
+    loads = scene.of(*_ADDITIONAL, block=2)
+    if kind in (2, 3) and not loads and step is not None:
+        text = f"type of analysis {kind} needs additional loading, but there is no DEL... statement"
+        scene.findings.warning(step, 4, text, "additional-loading")
+    elif kind in (0, 1) and loads:
+        given = f"ITERSTEP type {kind} (line {step.line})" if step is not None else "no ITERSTEP: type 0"
+        text = f"additional loading has no effect with {given}; types 2 and 3 apply it"
+        scene.findings.warning(loads[0], None, text, "additional-loading")
+
+
+def _check_motion(scene: Scene) -> None:
+    """Prescribed coordinates and deformations without a time function."""
+    if scene.of("USERINP"):
+        return
+    moved = {(s.keyword, s.integer(0), s.integer(1)) for s in scene.of("INPUTX", "INPUTE", block=2)}
+    for keyword, classes, noun in (
+        ("INPUTX", scene.coordinates, "coordinate"),
+        ("INPUTE", scene.deformations, "mode"),
+    ):
+        for (number, index), (name, by) in classes.items():
+            if name == "prescribed" and (keyword, number, index) not in moved:
+                text = f"{noun} {index} has no time function ({keyword} in the dynamics block): constant at its initial value"
+                scene.findings.information(by, None, text, "constant")

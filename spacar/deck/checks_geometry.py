@@ -1,0 +1,164 @@
+"""Checks of the reference configuration: X, lengths, directions, ORPINBOD."""
+
+from __future__ import annotations
+
+from math import asin, degrees, hypot
+
+from spacar.deck.scene import Scene
+from spacar.deck.statement import Statement
+from spacar.deck.table_types import ElementType
+
+ZERO_LENGTH = 1e-8
+"""A length below this part of the size of the model is zero."""
+PARALLEL = 1e-5
+"""Two directions with a smaller sine are parallel (the public routine refuses the same sine)."""
+
+Vector = tuple[float, ...]
+
+
+def check_geometry(scene: Scene) -> None:
+    """Positions given once, elements with a length, directions that define a frame."""
+    positions = _positions(scene)
+    places = [
+        positions.get(n, (0.0, 0.0, 0.0)) for n, role in scene.outline.roles.items() if role == "position"
+    ]
+    size = max((max(axis) - min(axis) for axis in zip(*places, strict=True)), default=0.0)
+    for number, kind in scene.outline.types.items():
+        _check_element(scene, scene.outline.elements[number], kind, positions, size)
+    for s in scene.of("ORPINBOD"):
+        _check_directions(scene, s)
+    for s in scene.of("ORTUBE"):
+        for first, what in ((1, "tangent at p"), (4, "tangent at q"), (7, "direction of y' at q")):
+            if not any(s.reals(first, 3)):
+                scene.findings.error(s, first, f"the {what} is a zero vector", "direction")
+        if _sine(s.reals(4, 3), s.reals(7, 3)) < PARALLEL and any(s.reals(4, 3)) and any(s.reals(7, 3)):
+            scene.findings.error(
+                s, 7, "the direction of y' at q is parallel to the tangent at q", "direction"
+            )
+
+
+def _positions(scene: Scene) -> dict[int, Vector]:
+    """Positions of the nodes with an X statement; nodes without X are at the origin."""
+    positions: dict[int, Vector] = {}
+    given: dict[int, Statement] = {}
+    for s in scene.of("X"):
+        node, place = s.integer(0), s.reals(1, 3)
+        if scene.outline.roles.get(node) == "orientation":
+            text = f"node {node} is an orientation node; initial orientations cannot be chosen"
+            scene.findings.error(s, 0, text, "orientation-given")
+            continue
+        if node in given:
+            line = given[node].line
+            if positions[node] == place:
+                scene.findings.warning(
+                    s, None, f"the same position was already given at line {line}", "repeated"
+                )
+            else:
+                text = f"node {node} was already given another position at line {line}"
+                scene.findings.error(s, None, text, "repeated")
+            continue
+        given[node], positions[node] = s, place
+    return positions
+
+
+def _check_element(
+    scene: Scene, s: Statement, kind: ElementType, positions: dict[int, Vector], size: float
+) -> None:
+    direction = _direction(s, kind)
+    if direction is not None and not any(direction):
+        assert kind.direction is not None
+        scene.findings.error(s, kind.direction[0] - 1, "the direction vector is zero", "direction")
+        direction = None
+    _check_radii(scene, s)
+    ends = [s.integer(i) for i, role in enumerate(kind.nodes, 1) if role == "position"]
+    if len(ends) < 2 or ends[0] == ends[1]:
+        return
+    p, q = (positions.get(n, (0.0, 0.0, 0.0)) for n in ends)
+    chord = tuple(b - a for a, b in zip(p, q, strict=True))
+    length = _norm(chord)
+    if length <= ZERO_LENGTH * size:
+        if kind.length == "always" or (kind.length == "with direction" and direction is not None):
+            text = (
+                f"length {length:.6g} between nodes {ends[0]} and {ends[1]} is zero"
+                f"{_missing(scene, ends, positions)} (size of the model {size:.6g})"
+            )
+            scene.findings.error(s, None, text, "zero-length")
+        return
+    if s.keyword == "PLBELT" and length <= abs(s.real(5) - s.real(6)):
+        text = f"the pulleys with radii {s.real(5):.6g} and {s.real(6):.6g} are only {length:.6g} apart: no free belt"
+        scene.findings.error(s, 5, text, "belt")
+    if kind.direction is not None and kind.direction[2] != "axis" and direction is not None:
+        sine = _sine(chord, direction)
+        if sine < PARALLEL:
+            text = (
+                f"the direction vector is parallel to the line from node {ends[0]} to node {ends[1]} "
+                f"(angle {degrees(asin(sine)):.2g} degrees, length {length:.6g})"
+            )
+            scene.findings.error(s, kind.direction[0] - 1, text, "direction")
+
+
+def _missing(scene: Scene, ends: list[int], positions: dict[int, Vector]) -> str:
+    without = [str(n) for n in ends if n not in positions]
+    return f"; no X for node {' and '.join(without)}" if without else ""
+
+
+def _check_radii(scene: Scene, s: Statement) -> None:
+    """Radii of wheels are positive, that of the tread of a torus wheel smaller than the whole."""
+    if s.keyword == "PLWHEEL" and s.real(4) <= 0.0:
+        scene.findings.error(s, 4, f"wheel radius {s.real(4):g} must be positive", "radius")
+    if s.keyword == "TWHEEL" and not 0.0 <= s.real(5) < s.real(4):
+        text = f"transverse radius {s.real(5):g} must be between 0 and the equatorial radius {s.real(4):g}"
+        scene.findings.error(s, 5, text, "radius")
+
+
+def _direction(s: Statement, kind: ElementType) -> Vector | None:
+    """The direction vector of the statement, None when it was left out."""
+    if kind.direction is None:
+        return None
+    first, count, _ = kind.direction
+    return s.reals(first - 1, count) if len(s.values) >= first - 1 + count else None
+
+
+def _check_directions(scene: Scene, s: Statement) -> None:
+    """The vectors of ORPINBOD must be linearly independent."""
+    dimension = 2 if len(s.values) in (3, 5) else 3
+    vectors = [s.reals(i, dimension) for i in range(1, len(s.values), dimension)]
+    for i, v in enumerate(vectors):
+        if not any(v):
+            scene.findings.error(s, 1 + i * dimension, "the direction vector is zero", "direction")
+            return
+    units = [_unit(v) for v in vectors]
+    if len(units) == 2:
+        volume = _sine(units[0], units[1])
+    elif len(units) == 3:
+        volume = abs(sum(a * b for a, b in zip(units[0], _cross(units[1], units[2]), strict=True)))
+    else:
+        return
+    if volume < PARALLEL:
+        text = f"the direction vectors are linearly dependent (volume of their unit vectors {volume:.2g})"
+        scene.findings.error(s, 1, text, "direction")
+
+
+def _norm(v: Vector) -> float:
+    largest = max(abs(c) for c in v)
+    return largest * hypot(*(c / largest for c in v)) if largest > 0.0 else 0.0
+
+
+def _unit(v: Vector) -> Vector:
+    """Unit vector; scaled first so that neither tiny nor huge components lose their direction."""
+    largest = max(abs(c) for c in v)
+    scaled = tuple(c / largest for c in v)
+    length = hypot(*scaled)
+    return tuple(c / length for c in scaled)
+
+
+def _sine(a: Vector, b: Vector) -> float:
+    """Sine of the angle between two vectors of two or three components; 1 when one of them is zero."""
+    if not any(a) or not any(b):
+        return 1.0
+    a3, b3 = ((*_unit(v), 0.0)[:3] for v in (a, b))
+    return min(1.0, _norm(_cross(a3, b3)))
+
+
+def _cross(a: Vector, b: Vector) -> Vector:
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])

@@ -1,0 +1,34 @@
+"""Checks of input and output numbers: 1 ... n, each once."""
+
+from __future__ import annotations
+
+from spacar.deck.checks_references import keyword_of
+from spacar.deck.findings import ranges
+from spacar.deck.scene import Scene
+from spacar.deck.statement import Statement
+
+
+def check_ports(scene: Scene) -> None:
+    """The numbers are the positions in the vectors u and y, so there must be no gap and no second use."""
+    used: dict[str, dict[int, Statement]] = {"input": {}, "output": {}}
+    for s in scene.statements:
+        if s.block != 3:
+            continue
+        noun = keyword_of(s, scene.third).variants[0].parameters[0].of
+        if noun not in used:
+            continue
+        number = s.integer(0)
+        first = used[noun].setdefault(number, s)
+        if number < 1:
+            scene.findings.error(s, 0, f"{noun} number {number} must be positive", "port-number")
+        elif first is not s:
+            text = f"{noun} number {number} is already used by {first.keyword} at line {first.line}"
+            scene.findings.error(s, 0, text, "port-number")
+    for noun, numbers in used.items():
+        good = {n for n in numbers if n >= 1}
+        if not good or max(good) == len(good):
+            continue
+        last = max(good)
+        lowest = next(n for n in range(1, last) if n not in good)
+        text = f"{noun} numbers must be 1 to n without gaps: {lowest} is missing, {ranges(good)} are used"
+        scene.findings.error(numbers[last], 0, text, "port-number")

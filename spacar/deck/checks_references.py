@@ -1,0 +1,83 @@
+"""Checks that come from the table: statements that may be given once, classes to which a statement may refer."""
+
+from __future__ import annotations
+
+from spacar.deck.findings import Findings, alternatives
+from spacar.deck.scene import Scene
+from spacar.deck.statement import Statement
+from spacar.deck.table import KEYWORDS
+from spacar.deck.table_types import Block, Keyword
+
+
+def keyword_of(s: Statement, third: Block | None) -> Keyword:
+    """The row of the table for a statement of a deck whose third block is of the given kind."""
+    block = {1: Block.KINEMATICS, 2: Block.DYNAMICS}.get(s.block, third)
+    assert block is not None
+    return KEYWORDS[s.keyword, block]
+
+
+def check_once(scene: Scene, block: int) -> None:
+    """The same thing stated twice is an error: replace or add, the input does not say which."""
+    given: dict[tuple[object, ...], Statement] = {}
+    for s in scene.statements:
+        if s.block != block:
+            continue
+        count = keyword_of(s, scene.third).unique
+        if count is None:
+            continue
+        key = (s.keyword, *(s.values[:count]))
+        first = given.setdefault(key, s)
+        if first is not s:
+            what = " ".join(str(v) for v in s.values[1:count]) if count > 0 else ""
+            about = f"for {what} " if what else ""
+            text = f"already given {about}at line {first.line}; give it once"
+            scene.findings.error(s, None, text, "repeated")
+
+
+def check_classes(scene: Scene, block: int) -> None:
+    """A time function needs a prescribed coordinate, a start value a dynamic one, an output no fixed one, ..."""
+    for s in scene.statements:
+        if s.block != block:
+            continue
+        keyword = keyword_of(s, scene.third)
+        if not keyword.classes and not keyword.holonomic:
+            continue
+        subject = keyword.subject
+        assert subject is not None
+        what = keyword.variants[0].parameters[subject].of
+        number, index = s.integer(subject), s.integer(subject + 1)
+        found, by = scene.class_of("element" if what == "element" else "node", number, index)
+        thing = (
+            f"mode {index} of element {number}"
+            if what == "element"
+            else f"coordinate {index} of node {number}"
+        )
+        if keyword.classes and found not in keyword.classes:
+            where = f" ({by.keyword} at line {by.line})" if by is not None else ""
+            allowed = " or ".join(keyword.classes)
+            text = f"{thing} is {found}{where}; {s.keyword} is for a {allowed} one"
+            scene.findings.error(s, subject, text, "wrong-class")
+        elif keyword.holonomic and index - 1 in scene.outline.types[number].slips:
+            text = (
+                f"{thing} is a slip, which has no value of its own; {s.keyword} is for holonomic deformations"
+            )
+            scene.findings.error(s, subject, text, "wrong-class")
+
+
+def at_least(findings: Findings, s: Statement, index: int, least: int, what: str) -> None:
+    """Error when the integer at `index` is given and below the least value."""
+    if index < len(s.values) and s.integer(index) < least:
+        findings.error(s, index, f"{what} {s.values[index]} must be at least {least}", "range")
+
+
+def positive(findings: Findings, s: Statement, index: int, what: str) -> None:
+    """Error when the real at `index` is given and not positive."""
+    if index < len(s.values) and not s.real(index) > 0.0:
+        findings.error(s, index, f"{what} {s.real(index):g} must be positive", "range")
+
+
+def one_of(findings: Findings, s: Statement, index: int, allowed: tuple[int, ...], what: str) -> None:
+    """Error when the integer at `index` is given and not one of the allowed values."""
+    if index < len(s.values) and s.integer(index) not in allowed:
+        text = f"{what} {s.values[index]} does not exist; allowed: {alternatives(allowed)}"
+        findings.error(s, index, text, "choice")

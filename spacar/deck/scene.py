@@ -1,0 +1,37 @@
+"""What all checks look at: the statements, the outline of the model and the classes of its coordinates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from spacar.deck.findings import Findings
+from spacar.deck.modes import Mode
+from spacar.deck.outline import Outline
+from spacar.deck.statement import Statement
+from spacar.deck.table_types import Block
+
+Classes = dict[tuple[int, int], tuple[str, Statement]]
+"""(node, coordinate) or (element, mode) -> class and the statement that says so."""
+
+
+@dataclass(slots=True)
+class Scene:
+    """The material of the checks; `findings` receives the messages of the block that is being checked."""
+
+    statements: tuple[Statement, ...]
+    outline: Outline
+    mode: Mode
+    third: Block | None
+    findings: Findings
+    coordinates: Classes = field(default_factory=dict)
+    deformations: Classes = field(default_factory=dict)
+
+    def of(self, *keywords: str, block: int | None = None) -> list[Statement]:
+        """Statements with one of these keywords, in file order."""
+        return [s for s in self.statements if s.keyword in keywords and (block is None or s.block == block)]
+
+    def class_of(self, what: str, number: int, index: int) -> tuple[str, Statement | None]:
+        """Class of a coordinate ("node") or deformation ("element") and the statement that gave it."""
+        if what == "node":
+            return self.coordinates.get((number, index), ("calculable", None))
+        return self.deformations.get((number, index), ("fixed", None))
