@@ -19,7 +19,7 @@ from spacar.errors import AnalysisError, UsageError
 
 from .adams import Adams
 from .failures import MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small, too_many_steps
-from .methods import Method, method
+from .methods import method
 from .problem import Evaluation, Output, Problem, Step, Tolerance
 
 EPS = float(np.finfo(float).eps)
@@ -64,7 +64,7 @@ def integrate(
     integrator = row.build(evaluation, len(state), Tolerance(float(atol), float(rtol)))
     segments = _segments(first, last, breaks)
     loop = _variable if row.variable_step else _fixed
-    steps = loop(row, integrator, evaluation, state, output_times, segments, step)
+    steps = loop(integrator, evaluation, state, output_times, segments, step)
     return _outputs(steps, state, output_times, evaluation, max_steps)
 
 
@@ -134,7 +134,6 @@ def _outputs(
 
 
 def _variable(
-    row: Method,
     integrator: Any,
     evaluation: Evaluation,
     y0: np.ndarray,
@@ -226,7 +225,6 @@ def _first_step(evaluation: Evaluation, integrator: Any, t: float, y: np.ndarray
 
 
 def _fixed(
-    row: Method,
     integrator: Any,
     evaluation: Evaluation,
     y0: np.ndarray,

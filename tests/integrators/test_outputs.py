@@ -167,7 +167,7 @@ DECAYING = {
 def test_error_is_within_ten_times_the_tolerance(name, code, tolerances):
     """Damped problems: their condition number is near one, so local control of the error controls the error.
 
-    Error of each component in units of atol + rtol * amplitude. (Undamped and unstable motions amplify local errors
+    Error of each component in units of atol + rtol * amplitude. (Undamped and unstable motions amplify errors
     with time whatever the method; the orbit of test_adams shows by how much.)
     """
     problem, y0 = DECAYING[name]
