@@ -1,0 +1,222 @@
+"""PLBEAM against its definition by integrals, complex steps, and printed digits of the manual."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.linalg
+import sympy
+
+from spacar.elements.base import GeometryError
+from spacar.elements.plbeam import PlanarBeam
+from tests.elements.derivatives import (
+    check_gravity,
+    check_inertia,
+    check_stiffness,
+    check_strain,
+    close,
+    evaluate,
+    group,
+    mass_of,
+)
+from tests.elements.planar_chain import Chain
+
+N = 6
+GAUSS, WEIGHTS = (np.polynomial.legendre.leggauss(5)[0] + 1) / 2, np.polynomial.legendre.leggauss(5)[1] / 2
+
+
+def random_beams(seed: int, **values):
+    rng = np.random.default_rng(seed)
+    x0 = np.zeros((6, N))
+    x0[[0, 1, 3, 4]] = rng.normal(size=(4, N))
+    settings = {
+        "em": rng.uniform(0.5, 2.0, (N, 2)),
+        "estiff": rng.uniform(0.1, 2.0, (N, 3)),
+        "edamp": rng.uniform(0.1, 2.0, (N, 2)),
+        "nonlinear": [True, True, False, True, True, True],
+        **values,
+    }
+    x = x0 + 0.4 * rng.normal(size=x0.shape)
+    x[2::3] += 5.0  # far from zero: a rotation of everything
+    c, s = np.cos(5.0), np.sin(5.0)
+    for k in (0, 3):
+        x[k], x[k + 1] = c * x[k] - s * x[k + 1], s * x[k] + c * x[k + 1]
+    return PlanarBeam(group("PLBEAM", x0, **settings)), x0, x, rng
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_derivatives(seed):
+    family, _, x, rng = random_beams(seed)
+    v, a = rng.normal(size=(2, 6, N))
+    check_strain(family, x, v, rng.normal(size=(3, N)))
+    check_inertia(family, x, v, a)
+    check_stiffness(family)
+
+
+def test_start_is_free_of_strain():
+    family, x0, _, _ = random_beams(0)
+    close(evaluate(family, x0)[1], np.zeros((3, N)), "e at the start", 1e-15)
+
+
+def shortening(phi):
+    """Q/l0 as a polynomial in the end slopes of the line: Timoshenko beam between its ends, solved by SymPy.
+
+    Rotation of the section theta quadratic, w' = theta + gamma, EI theta'' = -GAk gamma, w = 0 at both ends.
+    """
+    xi, a, b, c, gamma, p, q = sympy.symbols("xi a b c gamma p q")
+    theta = a + b * xi + c * xi**2
+    slope = theta + gamma
+    solution = sympy.solve(
+        [
+            theta.subs(xi, 0) - p,
+            theta.subs(xi, 1) - q,
+            sympy.integrate(slope, (xi, 0, 1)),
+            sympy.diff(theta, xi, 2) * phi / 12 + gamma,
+        ],
+        [a, b, c, gamma],
+        dict=True,
+    )[0]
+    Q = sympy.integrate(slope.subs(solution) ** 2, (xi, 0, 1)) / 2
+    return sympy.lambdify((p, q), sympy.expand(Q), "numpy")
+
+
+def test_deformations_by_definition():
+    """e from angles (arctan2) and the shortening from the differential equation of the beam."""
+    family, x0, x, _ = random_beams(7)
+    _, e, _ = evaluate(family, x)
+    d0, d = x0[3:5] - x0[0:2], x[3:5] - x[0:2]
+    l0 = np.hypot(*d0)
+    turned = np.arctan2(d[1], d[0]) - np.arctan2(d0[1], d0[0])
+    p, q = np.sin(x[2] - turned), np.sin(x[5] - turned)
+    rng = np.random.default_rng(7)
+    rng.normal(size=(4, N)), rng.uniform(0.5, 2.0, (N, 2))
+    shear = rng.uniform(0.1, 2.0, (N, 3))[:, 2]
+    Q = [l0[k] * shortening(12 * sympy.Float(shear[k], 30) / l0[k] ** 2)(p[k], q[k]) for k in range(N)]
+    Q[2] = 0.0  # LDEFORM
+    truth = np.stack((np.hypot(*d) - l0 + np.array(Q, float), l0 * p, -l0 * q))
+    close(e, truth, "e", 1e-13)
+
+
+def line(x, start, l0, xi):
+    """Hermite interpolation of the elastic line from its end points and unit end tangents; (2, n) at xi."""
+    t = [np.stack((np.cos(x[k] + start), np.sin(x[k] + start))) * l0 for k in (2, 5)]
+    p, q = x[0:2], x[3:5]
+    bulge = (t[0] - (q - p)) * (1 - xi) - (t[1] - (q - p)) * xi
+    return p * (1 - xi) + q * xi + xi * (1 - xi) * bulge
+
+
+def test_mass_is_kinetic_energy_of_the_line():
+    """v.M.v/2 against Gauss quadrature (exact for the degree 6) of the velocity by complex steps."""
+    family, x0, x, rng = random_beams(3)
+    d0 = x0[3:5] - x0[0:2]
+    start, l0 = np.arctan2(d0[1], d0[0]), np.hypot(*d0)
+    v = rng.normal(size=(6, N))
+    rng = np.random.default_rng(3)
+    rng.normal(size=(4, N))
+    m, J = rng.uniform(0.5, 2.0, (N, 2)).T
+    rate = [line(x + 1e-30j * v, start, l0, xi).imag / 1e-30 for xi in GAUSS]
+    truth = 0.5 * m * l0 * sum(w * (r * r).sum(0) for w, r in zip(WEIGHTS, rate, strict=True))
+    truth += 0.25 * J * l0 * (v[2] ** 2 + v[5] ** 2)
+    close(0.5 * (v[:, None] * mass_of(family, x) * v).sum((0, 1)), truth, "kinetic energy", 1e-13)
+
+
+def test_weight_is_gradient_of_the_potential():
+    """Virtual work of gravity on the line: m l0 integral of g.dr."""
+    family, x0, x, rng = random_beams(4)
+    d0 = x0[3:5] - x0[0:2]
+    start, l0 = np.arctan2(d0[1], d0[0]), np.hypot(*d0)
+    g = np.array([1.0, -9.81])
+    weight = check_gravity(family, x, g)
+    v = rng.normal(size=(6, N))
+    rng = np.random.default_rng(4)
+    rng.normal(size=(4, N))
+    m = rng.uniform(0.5, 2.0, (N, 2))[:, 0]
+    rates = [line(x + 1e-30j * v, start, l0, xi).imag / 1e-30 for xi in GAUSS]
+    rate = sum(w * r for w, r in zip(WEIGHTS, rates, strict=True))
+    close((weight * v).sum(0), m * l0 * (g[:, None] * rate).sum(0), "power of the weight", 1e-13)
+
+
+def test_what_is_massless_does_no_mass_work():
+    assert not random_beams(0, em=None)[0].has_mass
+    family, _, x, rng = random_beams(0, em=np.tile([0.0, 2.0], (N, 1)))
+    assert family.has_mass
+    assert family.constant_mass  # rotary inertia only
+    check_inertia(family, x, *rng.normal(size=(2, 6, N)))
+
+
+# -- printed digits -----------------------------------------------------------------------------------------
+PLBEAM5 = (0.0, 1.666, 3.333, 5.0, 6.666, 10.0)
+FREE5 = np.arange(3, 18)
+
+
+def plbeam5() -> Chain:
+    return Chain(PlanarBeam, "PLBEAM", PLBEAM5, em=[1.0], estiff=[0.0, 102.0])
+
+
+def test_printed_frequencies_and_buckling_loads():
+    """plbeam5: printed 0.355131, 2.2266, 6.25198 and 2.516776, 22.715, 64.798 (theory: 8 digits)."""
+    beam = plbeam5()
+    _, M, K, Kg = beam.reduce(
+        beam.x0,
+        FREE5,
+        beam.mass(beam.x0),
+        beam.stiffness(beam.x0, np.zeros(5)),
+        beam.stiffness(beam.x0, -np.ones(5)) - beam.stiffness(beam.x0, np.zeros(5)),
+    )
+    omega = np.sqrt(scipy.linalg.eigh(K, M, eigvals_only=True))[:3]
+    np.testing.assert_allclose(omega, [0.3551305, 2.2265953, 6.2519760], atol=1e-7)
+    load = np.sort(1.0 / scipy.linalg.eigh(-Kg, K, eigvals_only=True)[::-1][:3])
+    np.testing.assert_allclose(load, [2.5167765, 22.714503, 64.797525], rtol=3e-8)
+
+
+def test_printed_large_deflection():
+    """plbeam5 with 14 N at the tip: at 3.6808, -8.4897, compliances 0.4859, 0.0633; fixes (3), (4)."""
+    beam = plbeam5()
+    load = np.zeros(18)
+    load[16] = -14.0
+    x, normal = beam.equilibrium(load, FREE5)
+    np.testing.assert_allclose(x[15:17], [3.680791, -8.489703], atol=1e-6)
+    basis, K = beam.reduce(x, FREE5, beam.stiffness(x, normal))
+    compliance = basis @ np.linalg.solve(K, basis.T)
+    np.testing.assert_allclose([compliance[15, 15], compliance[16, 16]], [0.485931, 0.063311], atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("shear", "J", "compliance", "omega"),
+    [(0.2495, 0.083333333333, 3.9940, [0.795645, 2.54107]), (0.0, 0.0, 1.0, [1.6168])],
+)
+def test_printed_short_beam(shear, J, compliance, omega):
+    """shear2: guided column l = 1, EI = 1/12, m = 1; printed 3.9940, 0.795645, 2.54107 and 1.0, 1.6168."""
+    beam = Chain(PlanarBeam, "PLBEAM", [0.0, 0.5, 1.0], em=[1.0, J], estiff=[0.0, 1 / 12, shear])
+    free = np.array([3, 4, 5, 6, 7])  # rotation of the last node fixed
+    basis, M, K = beam.reduce(beam.x0, free, beam.mass(beam.x0), beam.stiffness(beam.x0, np.zeros(2)))
+    np.testing.assert_allclose((basis @ np.linalg.solve(K, basis.T))[7, 7], compliance, rtol=1e-10)
+    found = np.sqrt(scipy.linalg.eigh(K, M, eigvals_only=True))[: len(omega)]
+    np.testing.assert_allclose(found, omega, rtol=3e-5 if shear == 0.0 else 1e-6)
+
+
+# -- limits -------------------------------------------------------------------------------------------------
+def test_troubles():
+    x0 = np.tile(np.array([0.0, 0, 0, 2, 0, 0])[:, None], (1, 5))
+    family = PlanarBeam(group("PLBEAM", x0))
+    x = x0.copy()
+    x[2, 1], x[5, 2], x[2, 3] = np.radians([59.0, -61.0, 110.0])
+    x[3, 4] = 1e-6
+    c, e, _ = evaluate(family, x)
+    found = {t.index: t for t in family.troubles(c, e, np.zeros_like(e))}
+    assert sorted(found) == [2, 3, 4]
+    assert not found[2].fatal
+    assert "end q is rotated by 61.0 degrees" in found[2].text
+    assert found[3].fatal
+    assert "end p is rotated by 110.0" in found[3].text
+    assert "use more elements" in found[3].text
+    assert found[4].fatal
+    assert "length 1e-06 m" in found[4].text
+
+
+def test_coinciding_nodes():
+    x0 = np.tile(np.array([1.0, 2, 0, 2, 0, 0])[:, None], (1, 3))
+    x0[3:5, 1] = 1.0, 2.0
+    with pytest.raises(GeometryError, match=r"PLBEAM has length 0 m: both .* at \(1, 2\)") as error:
+        PlanarBeam(group("PLBEAM", x0))
+    assert error.value.index == 1
