@@ -1,4 +1,5 @@
-"""Where a command reads and writes, and who is looking: makes the whole command line testable inside one process."""
+"""Where a command reads and writes, and who is looking: makes the whole command line testable inside one
+process."""
 
 from __future__ import annotations
 
@@ -13,12 +14,13 @@ RED, YELLOW = "31", "33"
 
 @dataclass(frozen=True)
 class Environment:
-    """The three streams and the environment variables of one call."""
+    """The three streams and the environment variables of one call; `debug` lets unexpected errors through."""
 
     stdin: TextIO = field(default_factory=lambda: sys.stdin)
     stdout: TextIO = field(default_factory=lambda: sys.stdout)
     stderr: TextIO = field(default_factory=lambda: sys.stderr)
     variables: Mapping[str, str] = field(default_factory=lambda: os.environ)
+    debug: bool = False
 
     @property
     def output_is_terminal(self) -> bool:
@@ -29,7 +31,8 @@ class Environment:
         return self.stderr.isatty()
 
     def paint(self, text: str, colour: str) -> str:
-        """`text` in a colour when standard error is a terminal and the user has not refused (no-color.org)."""
+        """`text` in a colour when standard error is a terminal and the user has not refused (no-
+        color.org)."""
         refused = self.variables.get("NO_COLOR") or self.variables.get("TERM") == "dumb"
         return text if refused or not self.error_is_terminal else f"\x1b[{colour}m{text}\x1b[0m"
 

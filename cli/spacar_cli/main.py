@@ -1,11 +1,14 @@
-"""The command `spacar`: finds the command or the mode, imports what it needs, and turns errors into exit statuses."""
+"""The command `spacar`: finds the command or the mode, imports what it needs, and turns errors into exit
+statuses."""
 
 from __future__ import annotations
 
 import re
 import sys
+import warnings
 from collections.abc import Sequence
 from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import replace
 from importlib import import_module
 
 import click
@@ -37,8 +40,7 @@ class Program(click.Group):
             return command_of_mode(cmd_name)
         if cmd_name not in COMMANDS:
             return None
-        module, _, name = COMMANDS[cmd_name][0].partition(":")
-        command: click.Command = getattr(import_module(module), name)
+        command: click.Command = import_module(f"spacar_cli.commands.{cmd_name}").command
         return command
 
     def resolve_command(
@@ -60,15 +62,16 @@ class Program(click.Group):
         with formatter.section("Modes (a minus sign, as in -1, means without a plot)"):
             formatter.write_dl([(str(number), title) for number, title in MODES.items()])
         with formatter.section("Commands"):
-            formatter.write_dl([(name, text) for name, (_, text) in COMMANDS.items()])
+            formatter.write_dl(list(COMMANDS.items()))
 
 
 @click.group(
     cls=Program,
     no_args_is_help=False,
     context_settings=HELP,
-    epilog="`spacar MODE --help` and `spacar COMMAND --help` list the options. --debug, anywhere, shows the traceback "
-    "of an error. Exit status: 0 done, 1 the analysis failed, 2 wrong usage or input, 130 interrupted.",
+    epilog="`spacar MODE --help` and `spacar COMMAND --help` list the options. --debug, anywhere, shows the "
+    "traceback of an error. Exit status: 0 done, 1 the analysis failed, 2 wrong usage or input, 130 "
+    "interrupted.",
 )
 @click.version_option(spacar.__version__, prog_name="spacar", message="%(prog)s %(version)s")
 def program() -> None:
@@ -79,11 +82,15 @@ def program() -> None:
 
 
 def main(arguments: Sequence[str] | None = None, environment: Environment | None = None) -> int:
-    """Run one command line (default: that of the process) and return its exit status. Raises only with --debug."""
+    """Run one command line (default: that of the process) and return its exit status. Raises only with
+    --debug."""
     words = list(sys.argv[1:] if arguments is None else arguments)
-    debug = "--debug" in words
-    words = [word for word in words if word != "--debug"]
     env = environment or Environment()
+    if "--debug" in words:
+        env = replace(env, debug=True)
+        words = [word for word in words if word != "--debug"]
+    else:
+        warnings.simplefilter("ignore")  # of libraries; ours are messages
     with redirect_stdout(env.stdout), redirect_stderr(env.stderr):
         try:
             outcome = program.main(words, prog_name="spacar", standalone_mode=False, obj=env)
@@ -102,7 +109,7 @@ def main(arguments: Sequence[str] | None = None, environment: Environment | None
         except SystemExit as stop:  # click: the reader of our output has gone away
             return stop.code if isinstance(stop.code, int) else ExitStatus.FAILED
         except Exception as error:
-            if debug:
+            if env.debug:
                 raise
             return tell_error(env, error)
 

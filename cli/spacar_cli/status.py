@@ -26,7 +26,8 @@ class ExitStatus(IntEnum):
 
 
 def tell_messages(environment: Environment, messages: Sequence[Message], severities: tuple[str, ...]) -> None:
-    """Print the messages of these severities in this order of importance, at most 20, then how many are left."""
+    """Print the messages of these severities in this order of importance, at most 20, then how many are
+    left."""
     chosen = [m for severity in severities for m in messages if m.severity == severity]
     for message in chosen[:MOST_LINES]:
         tell(environment, message.severity, str(message).removeprefix(f"{message.severity}: "))
@@ -57,5 +58,9 @@ def tell_error(environment: Environment, error: BaseException) -> ExitStatus:
     if isinstance(error, MemoryError):
         tell(environment, "error", "out of memory; store fewer steps or use fewer elements")
         return ExitStatus.FAILED
-    tell(environment, "error", f"internal error: {type(error).__name__}: {error} (--debug shows where; please report it)")
+    tell(
+        environment,
+        "error",
+        f"internal error: {type(error).__name__}: {error} (--debug shows where; please report it)",
+    )
     return ExitStatus.FAILED

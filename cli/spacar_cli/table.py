@@ -1,7 +1,7 @@
 """Names and one-line helps of all modes and commands: what `spacar --help` prints without importing anything.
 
-A command is `module:attribute` of a click command, imported when it is called. The titles of the modes repeat
-`spacar.modes.MODES`, which needs NumPy; a test keeps them equal.
+The command NAME is `spacar_cli.commands.NAME:command`, imported when it is called. The titles of the modes
+repeat `spacar.modes.MODES`, which needs NumPy; a test keeps them equal.
 """
 
 from __future__ import annotations
@@ -19,7 +19,14 @@ MODES = {
 }
 
 COMMANDS = {
-    "check": ("spacar_cli.commands.check:check", "read an input file and report, without running it"),
-    "keywords": ("spacar_cli.commands.keywords:keywords", "the keywords of the input language"),
-    "examples": ("spacar_cli.commands.examples:examples", "list or copy the example models"),
+    "check": "read an input file and report, without running it",
+    "keywords": "the keywords of the input language",
+    "examples": "list or copy the example models",
+    "checksbf": "what is in a result file, and whether it is sound",
+    "getfrsbf": "print a variable of a result file",
+    "repinsbf": "replace the value of a variable",
+    "loadsbd": "export a .sbd result to .npz, .mat or .csv",
+    "loadsbm": "export a .sbm result to .npz, .mat or .csv",
+    "combsbd": "join .sbd results of the same mechanism",
+    "getss": "state space matrices of one step of a .ltv result",
 }

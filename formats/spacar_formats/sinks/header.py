@@ -1,8 +1,8 @@
-"""Header variables of the result files: what a run knows before its first step (reference/files.md sections 3 to 6)."""
+"""Header variables of the result files: what a run knows before its first step (reference/files.md sections
+3 to 6)."""
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,6 @@ import spacar
 from spacar.deck import ELEMENT_TYPES
 from spacar.mechanism.mechanism import Mechanism
 from spacar.modes import Run
-from spacar_formats.locate import digest
 
 Array = NDArray[np.float64]
 
@@ -24,18 +23,18 @@ LTV_COUNTS = ("NNOM", "NX", "NU", "NY", "NRBM", "NYS", "NYSI", "DFT", "X0")
 
 def provenance(run: Run) -> dict[str, Any]:
     """Which program, from which input: the text variables of files.md section 9."""
-    source = run.mechanism.deck.source
-    known = bool(source) and Path(source).is_file()
+    deck = run.mechanism.deck
     return {
         "VERSION": f"spacar {spacar.__version__}",
-        "SOURCE": Path(source).name if source else "",
-        "SHA256": digest(source) if known else "",
+        "SOURCE": deck.source,
+        "SHA256": deck.sha256,
         "MODE": run.mode.number,
     }
 
 
 def counts(run: Run) -> dict[str, Any]:
-    """Degrees of freedom: all, dynamic, and the same with the kinematic coordinates of non-holonomic systems."""
+    """Degrees of freedom: all, dynamic, and the same with the kinematic coordinates of non-holonomic
+    systems."""
     n = run.mechanism.numbering
     return {"NDOF": n.ndof, "NDDOF": n.nddof, "NKDOF": n.nkdof, "NKDDOF": n.nkddof}
 
@@ -57,7 +56,8 @@ def sbd_header(run: Run) -> dict[str, Any]:
 
 
 def element_tables(mechanism: Mechanism) -> dict[str, Array]:
-    """KDEF, RXYZ, RQ, DR0, RL0: one row for every element number up to the highest, zero where nothing exists."""
+    """KDEF, RXYZ, RQ, DR0, RL0: one row for every element number up to the highest, zero where nothing
+    exists."""
     rows = len(mechanism.numbering.le)
     linear = {int(s.values[0]) for s in mechanism.deck.of("LDEFORM", block=1)}
     elements = [b.family for b in mechanism.batches if b.family.keyword in ELEMENT_TYPES]

@@ -1,0 +1,53 @@
+"""`spacar check FILE`: read and report, run nothing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from spacar_cli.environment import Environment
+from spacar_cli.status import ExitStatus, tell_error, tell_messages
+
+
+@click.command("check")
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--mode", "-m", type=int, help="Check for this mode; without it every block is checked.")
+@click.option("--json", "as_json", is_flag=True, help="Print all messages in JSON.")
+@click.pass_obj
+def command(environment: Environment, file: Path, mode: int | None, as_json: bool) -> ExitStatus:
+    """Read FILE (or FILE.dat) and report errors, warnings and information."""
+    from spacar.deck import read_deck
+    from spacar.errors import InputError
+    from spacar.mechanism import build
+    from spacar.modes import find_mode
+    from spacar_cli.source import input_file
+
+    number = None if mode is None else find_mode(mode).number
+    source = input_file(file)
+    messages: list = []
+    status = ExitStatus.DONE
+    try:
+        deck = read_deck(source, number)
+        messages = list(deck.messages)
+        build(deck, 1 if number is None else number)  # the start geometry of every element
+    except InputError as error:
+        messages = error.messages
+        status = ExitStatus.WRONG
+        if not as_json:
+            tell_error(environment, error)
+    else:
+        if not as_json:
+            tell_messages(environment, messages, ("warning", "information"))
+    severities = [m.severity for m in messages]
+    if as_json:
+        import dataclasses
+        import json
+
+        environment.say(
+            json.dumps({"input": str(source), "messages": [dataclasses.asdict(m) for m in messages]})
+        )
+    else:
+        found = (f"{severities.count(s)} {s}{'s' * (severities.count(s) != 1)}" for s in ("error", "warning"))
+        environment.say(f"{source}: {', '.join(found)}")
+    return status

@@ -1,0 +1,55 @@
+"""`spacar examples`: the models of `data/`, listed or copied."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import click
+
+from spacar.errors import UsageError
+from spacar_cli.environment import Environment
+
+HERE = Path(__file__).resolve().parent.parent
+PLACES = (HERE / "examples", HERE.parent.parent / "data")  # in an installed wheel, in a checkout
+
+
+@click.command("examples")
+@click.argument("names", metavar="[NAME]...", nargs=-1)
+@click.option(
+    "--to", "folder", type=click.Path(path_type=Path), default=Path("."), help="Folder to copy to [.]."
+)
+@click.option("--force", is_flag=True, help="Overwrite existing files.")
+@click.pass_obj
+def command(environment: Environment, names: tuple[str, ...], folder: Path, force: bool) -> None:
+    """List the example models, or copy those that are named (`all` for every one) to a folder."""
+    models = {path.stem: path for path in sorted(_home().glob("*.dat"))}
+    if not names:
+        width = max(map(len, models))
+        for name, path in models.items():
+            environment.say(f"{name:<{width}}  {_title(path)}")
+        return
+    chosen = list(models) if names == ("all",) else [name.removesuffix(".dat") for name in names]
+    for name in chosen:
+        if name not in models:
+            raise UsageError(f"there is no example '{name}'; `spacar examples` lists them", "usage.example")
+        if (folder / models[name].name).exists() and not force:
+            raise UsageError(f"{folder / models[name].name} exists; --force overwrites it", "files.exists")
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in chosen:
+        for path in _home().glob(f"{name}.*"):  # with the user functions of the model, when it has some
+            shutil.copyfile(path, folder / path.name)
+        environment.say(str(folder / models[name].name))
+
+
+def _home() -> Path:
+    for place in PLACES:
+        if place.is_dir():
+            return place
+    raise UsageError("the example models are not installed", "files.examples")
+
+
+def _title(path: Path) -> str:
+    """The first comment of the model."""
+    with open(path, encoding="utf-8") as file:
+        return file.readline().lstrip("%#; ").strip()

@@ -1,0 +1,75 @@
+"""`spacar keywords [NAME]`: the reference of the input language, printed from the keyword table."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator
+
+import click
+
+from spacar.deck.findings import alternatives
+from spacar.deck.table import ALIASES, KEYWORDS, blocks_of
+from spacar.deck.table_types import Block, Keyword, Variant
+from spacar.errors import UsageError
+from spacar_cli.environment import Environment
+
+WIDTH = 100
+
+
+@click.command("keywords")
+@click.argument("name", required=False)
+@click.pass_obj
+def command(environment: Environment, name: str | None) -> None:
+    """List all keywords by block, or explain NAME: its arguments, units, defaults and forms."""
+    for line in overview() if name is None else explanation(name):
+        environment.say(line)
+
+
+def overview() -> Iterator[str]:
+    """One line for every keyword, block by block."""
+    for block in Block:
+        rows = [k for (_, b), k in KEYWORDS.items() if b is block]
+        width = max(len(k.name) for k in rows)
+        yield f"{block.value}:"
+        yield from (f"  {k.name:<{width}}  {k.help}" for k in rows)
+        yield ""
+
+
+def explanation(name: str) -> Iterator[str]:
+    """All meanings of a keyword, one for each block where it may stand. Raises UsageError for an unknown
+    one."""
+    wanted = ALIASES.get(name.upper(), name.upper())
+    blocks = blocks_of(wanted)
+    if not blocks:
+        from difflib import get_close_matches
+
+        near = get_close_matches(wanted, {keyword for keyword, _ in KEYWORDS}, 3)
+        hint = f"; nearest: {', '.join(near)}" if near else "; `spacar keywords` lists them"
+        raise UsageError(f"there is no keyword {name.upper()}{hint}", "usage.keyword")
+    for block in blocks:
+        yield from _keyword(KEYWORDS[wanted, block])
+
+
+def _keyword(keyword: Keyword) -> Iterator[str]:
+    yield f"{keyword.name}: {keyword.help}"
+    yield f"  {keyword.block.value}"
+    if keyword.aliases:
+        yield f"  also written {', '.join(keyword.aliases)}"
+    for variant in keyword.variants:
+        yield ""
+        yield f"  {_scope(variant)}{alternatives(variant.counts)} arguments"
+        width = max(len(p.text) for p in variant.parameters)
+        for position, p in enumerate(variant.parameters, 1):
+            default = "" if p.default is None else f"  default {p.default:g}"
+            yield f"    {position:>2}  {p.text:<{width}}  {p.kind:<7}{default}".rstrip()
+    for note in keyword.notes:
+        yield ""
+        yield from (f"  {line}" for line in textwrap.wrap(note, WIDTH - 2))
+    yield ""
+
+
+def _scope(variant: Variant) -> str:
+    """For which models, nodes or elements a form is; empty when for all."""
+    words = [variant.space, f"{variant.role} node" if variant.role else "", ", ".join(variant.types)]
+    scope = ", ".join(word for word in words if word)
+    return f"{scope}: " if scope else ""

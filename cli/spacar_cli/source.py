@@ -1,0 +1,34 @@
+"""From the name that the user gives to the input file and to the place of the results."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from spacar.errors import UsageError
+
+
+def input_file(name: Path) -> Path:
+    """`crank` stands for `crank.dat`; a name that exists as it is and has no `.dat` beside it is taken as
+    it is.
+
+    Raises UsageError when there is no such file.
+    """
+    named = name.suffix.lower() == ".dat" or not name.name
+    with_suffix = name if named else name.with_name(f"{name.name}.dat")
+    for candidate in (with_suffix, name):
+        if candidate.is_file():
+            return candidate
+    reason = "it is a folder" if with_suffix.is_dir() else "no such file"
+    raise UsageError(f"{with_suffix}: {reason}", "files.not-readable")
+
+
+def result_stem(source: Path, folder: Path | None) -> Path:
+    """Where results go, without extension; the folder is made when it does not exist. Raises UsageError."""
+    name = source.name[:-4] if source.suffix.lower() == ".dat" else source.name
+    if folder is None:
+        return source.with_name(name)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(f"cannot use the folder {folder}: {error.strerror}", "files.open") from None
+    return folder / name

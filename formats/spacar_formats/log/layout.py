@@ -1,0 +1,61 @@
+"""Plain text tables: right-aligned numbers, left-aligned words, ten significant digits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+WIDTH = 100
+COLUMNS_IN_BLOCK = 4  # eigenvectors, modes and matrices are printed in blocks of so many columns
+
+
+def real(value: float) -> str:
+    """A number with ten significant digits, exact zeros and integers short."""
+    return f"{value:.10g}"
+
+
+def cell(value: object) -> str:
+    return real(value) if isinstance(value, float) else str(value)
+
+
+def table(headings: Sequence[str], rows: Iterable[Sequence[object]]) -> list[str]:
+    """Lines of a table, indented by two blanks; columns of numbers stand to the right, columns of words to
+    the left."""
+    body = [tuple(row) for row in rows]
+    cells = [[cell(v) for v in row] for row in body]
+    widths = [max([len(h), *(len(r[k]) for r in cells)]) for k, h in enumerate(headings)]
+    left = [any(isinstance(row[k], str) for row in body) for k in range(len(headings))]
+    form = "  " + "  ".join(
+        f"%{'-' if words else ''}{width}s" for words, width in zip(left, widths, strict=True)
+    )
+    return [(form % tuple(line)).rstrip() for line in (headings, *cells)]
+
+
+def heading(title: str) -> list[str]:
+    """A chapter of the log."""
+    return ["", title.upper(), "=" * len(title), ""]
+
+
+def matrix(
+    values: NDArray[np.float64],
+    names: Sequence[str] = (),
+    columns: Sequence[str] = (),
+    width: int = COLUMNS_IN_BLOCK,
+) -> list[str]:
+    """A matrix in blocks of a few columns; rows and columns carry their numbers and, when given, names."""
+    rows, count = values.shape
+    labels = [f"{i + 1:>5}  {names[i] if i < len(names) else ''}".rstrip() for i in range(rows)]
+    room = max(map(len, labels), default=5)
+    lines = []
+    for first in range(0, count, width):
+        block = range(first, min(first + width, count))
+        heads = [columns[k] if k < len(columns) else str(k + 1) for k in block]
+        lines.append(" " * room + "".join(f"  {h:>17}" for h in heads))
+        lines += [
+            f"{label:<{room}}" + "".join(f"  {v: 17.9e}" for v in row)
+            for label, row in zip(labels, values[:, first : first + width].tolist(), strict=True)
+        ]
+        lines.append("")
+    return lines

@@ -1,0 +1,177 @@
+"""The log file of a run, written while the run goes on (reference/files.md section 2).
+
+Opened before the input is read, so that it also explains wrong input; every line reaches the operating
+system at once, so a process that is killed leaves all lines that were printed. It always has its final
+name.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, TextIO
+
+import spacar
+from spacar.errors import InputError, SpacarError, UsageError
+from spacar.frame import Frame
+from spacar.modes import Mode, Run
+from spacar_formats.log import linear, model, steps
+from spacar_formats.log.layout import heading, real, table
+from spacar_formats.safety import backup_path
+
+NOTICE = "Licensed under the Apache License, version 2.0; provided without warranty of any kind."
+TIMED = (1, 2, 3, 4)  # modes with one line per step
+ADJUSTABLE = (1, 4)
+WITH_THIRD_BLOCK = (2, 3, 4, 9)
+
+
+class LogSink:
+    """Writes NAME.log. Raises UsageError when the file cannot be created.
+
+    `options` are the command line's overrides of the deck, echoed at the top.
+    """
+
+    def __init__(
+        self, path: Path, mode: Mode, source: Path, options: Mapping[str, Any] | None = None
+    ) -> None:
+        self.path = path
+        self._run: Run | None = None
+        self._steps = steps.StepList()
+        self._frames = 0
+        self._last: Frame | None = None
+        self._begun = time.perf_counter()
+        try:
+            if path.exists():
+                os.replace(path, backup_path(path))
+            self._file: TextIO = open(path, "w", buffering=1, encoding="utf-8")  # noqa: SIM115 (open during the run)
+        except OSError as error:
+            raise UsageError(f"cannot write {path}: {error.strerror}", "files.open") from None
+        self._write(_title(mode, source, options or {}))
+
+    def start(self, run: Run) -> None:
+        """Print the echo of the input, the messages about it, and the numbering."""
+        self._run = run
+        self._write(_kinematics(run))
+
+    def frame(self, frame: Frame) -> None:
+        """Print a line for the step, or all that is known of a stationary solution."""
+        run = self._run
+        assert run is not None
+        n = run.mechanism.numbering
+        timed = run.mode.number in TIMED
+        self._frames += 1
+        self._last = frame
+        if self._frames == 1:
+            self._write([*_condition(run), *_dynamics(run), *_settings(run)])
+            self._write(
+                heading("Initial state" if timed else "Solution" if run.mode.number else "Configuration")
+            )
+            self._write(steps.state(n, frame, motion=run.mode.number != 0))
+            self._write(heading("Steps") if timed else [])
+        if timed:
+            if run.mechanism.settings.log_level:
+                self._write(steps.transfer_functions(run, frame))
+            self._file.write(self._steps.line(frame) + "\n")
+            return
+        if self._frames > 1:
+            self._write(
+                [*heading(f"Solution {self._frames}, load step {real(frame.t)}"), *steps.state(n, frame)]
+            )
+        self._write(_statistics(frame))
+        self._write(steps.transfer_functions(run, frame))
+        self._write(linear.eigenvalues(n, frame))
+        self._write(linear.buckling(n, frame))
+        self._write(linear.compliances(n, frame))
+        self._write(linear.matrices(n, frame))
+
+    def finish(self, error: BaseException | None) -> None:
+        """Print the report of the run and how it ended, and close the file."""
+        if self._file.closed:
+            return
+        if self._run is not None:
+            if not self._frames:
+                self._write([*_condition(self._run), *_dynamics(self._run)])
+            if self._run.report.lines:
+                title = "Warnings and information" if self._run.mode.number else "Diagnosis"
+                self._write([*heading(title), *self._run.report.lines])
+        self._write([*heading("End"), *self._ending(error)])
+        self._file.close()
+
+    def _ending(self, error: BaseException | None) -> list[str]:
+        seconds = time.perf_counter() - self._begun
+        reached = f"; the last one at t = {real(self._last.t)}" if self._last is not None else ""
+        summary = f"{self._frames} steps stored{reached}; {seconds:.3f} s of wall time"
+        if error is None:
+            return ["The analysis is complete.", summary]
+        kept = [f"{summary}; kept in the files {self.path.stem}.*.part"] if self._frames else []
+        if isinstance(error, KeyboardInterrupt):
+            return ["The analysis was interrupted by the user. [interrupted]", *kept]
+        if isinstance(error, InputError):
+            found = [f"{m} [{m.code}]" for m in error.messages]
+            return [*found, "The input is wrong; nothing was analysed."]
+        code = error.code if isinstance(error, SpacarError) else "internal"
+        name = "" if isinstance(error, SpacarError) else f"{type(error).__name__}: "
+        return [f"error: {name}{error} [{code}]", "The analysis failed.", *kept]
+
+    def _write(self, lines: Iterable[str]) -> None:
+        text = "\n".join(lines)
+        if text:
+            self._file.write(text + "\n")
+
+
+def _title(mode: Mode, source: Path, options: Mapping[str, Any]) -> list[str]:
+    lines = [f"spacar {spacar.__version__}   {time.strftime('%Y-%m-%d %H:%M:%S %z')}", NOTICE, ""]
+    lines += [f"Mode {mode.number}: {mode.title}", f"Input file: {source}"]
+    if options:
+        rows = [[name, value] for name, value in options.items()]
+        lines += ["", "Options of the command line that replace settings of the input file", ""]
+        lines += table(["option", "value"], rows)
+    return lines
+
+
+def _kinematics(run: Run) -> list[str]:
+    from spacar.deck import echo
+
+    deck, n = run.mechanism.deck, run.mechanism.numbering
+    lines = [f"SHA-256 of the input file: {deck.sha256}", *heading("Kinematics"), *echo(deck, 1), ""]
+    if deck.messages:
+        lines += ["Messages about the input", "", *(f"{m} [{m.code}]" for m in deck.messages), ""]
+    return [*lines, *model.elements(n), *model.nodes(n), *model.degrees_of_freedom(n)]
+
+
+def _condition(run: Run) -> list[str]:
+    return model.condition(run.header["condition"]) if "condition" in run.header else []
+
+
+def _dynamics(run: Run) -> list[str]:
+    from spacar.deck import echo
+
+    deck, n = run.mechanism.deck, run.mechanism.numbering
+    lines = [*heading("Dynamics"), *echo(deck, 2), "", *model.counts(n)]
+    return lines if run.mode.number == 0 else [*lines, *model.dynamics(run.mechanism)]
+
+
+def _settings(run: Run) -> list[str]:
+    """How the analysis is done: third block, integrator or load steps, the nominal motion of mode 3."""
+    from spacar.deck import echo
+
+    mechanism, number = run.mechanism, run.mode.number
+    if number == 0:
+        return []
+    lines = heading(run.mode.title)
+    third = echo(mechanism.deck, 3) if number in WITH_THIRD_BLOCK else []
+    lines += [*third, "", *steps.definitions(mechanism)] if third else []
+    if number in ADJUSTABLE:
+        lines += steps.integration(mechanism)
+    if number not in TIMED:
+        lines += steps.iteration(mechanism)
+    if run.nominal is not None:
+        lines += [f"Nominal motion: the mode 2 result {getattr(run.nominal, 'path', run.nominal)}", ""]
+    return lines
+
+
+def _statistics(frame: Frame) -> list[str]:
+    rows = [[steps.COUNTERS.get(k, k.replace("_", " ")), float(v)] for k, v in frame.statistics.items()]
+    return [*table(["of the solution", "value"], rows), ""] if rows else []
