@@ -55,6 +55,7 @@ class PlanarBelt(Family):
         """Geometry: radii r_p, r_q. GeometryError where the pulleys are too close for a straight span."""
         self.keyword, self.numbers = group.keyword, group.numbers
         self.radii = np.array([values[0:2] for values in group.geometry], float).reshape(-1, 2).T
+        self.data = self.radii.T.copy()
         self.rho = self.radii[0] - self.radii[1]
         d = group.x0[3:5] - group.x0[0:2]
         gap = (d * d).sum(0) - self.rho**2

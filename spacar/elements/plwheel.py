@@ -35,6 +35,7 @@ class PlanarWheel(Family):
                 raise GeometryError(k, "PLWHEEL needs a radius and a direction of the spin axis, not zero")
             axis[:, k] = values[1:3]
         self.radius = np.array([values[0] for values in group.geometry])
+        self.data = self.radius[:, None]
         self.Sd = group.edamp[:, 0:2].T
         self.angle = np.arctan2(-axis[0], axis[1])  # of the heading: the axis turned by -90 degrees
         self.frame_p = chord.frame(np.stack((np.cos(self.angle), np.sin(self.angle))))
