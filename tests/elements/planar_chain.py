@@ -21,8 +21,9 @@ class Chain:
         self.index = 3 * np.arange(n) + np.arange(6)[:, None]  # (6, n)
         self.x0 = np.zeros(3 * n + 3)
         self.x0[0::3] = nodes
-        every = {key: np.tile(value, (n, 1)) for key, value in values.items()}  # all elements alike
-        self.family: Family = kind(group(keyword, self.x0[self.index], **every))
+        # one row of values serves all elements
+        rows = {key: np.resize(np.atleast_2d(v), (n, np.shape(v)[-1])) for key, v in values.items()}
+        self.family: Family = kind(group(keyword, self.x0[self.index], **rows))
 
     def vector(self, local: Any) -> Any:
         return np.bincount(self.index.ravel(), local.ravel(), len(self.x0))

@@ -1,0 +1,187 @@
+"""PLTUBE: derivatives, the beam as a special case, flow forces from an energy, unstable pipes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.linalg
+import scipy.optimize
+import sympy
+
+from spacar.elements.base import GeometryError
+from spacar.elements.plbeam import PlanarBeam
+from spacar.elements.pltube import PlanarTube
+from tests.elements.derivatives import (
+    check_inertia,
+    check_stiffness,
+    check_strain,
+    close,
+    evaluate,
+    group,
+    mass_of,
+    written,
+)
+from tests.elements.planar_chain import Chain
+
+N = 4
+
+
+def tubes(seed: int = 51):
+    rng = np.random.default_rng(seed)
+    x0 = np.zeros((6, N))
+    x0[[0, 1, 3, 4]] = rng.normal(size=(4, N))
+    geometry = rng.uniform(-0.6, 0.6, (N, 2))
+    em = rng.uniform(0.5, 2.0, (N, 6))
+    em[:, 4] = 0, 1, 2, 3
+    estiff, edamp = rng.uniform(0.1, 1.0, (N, 3)), rng.uniform(0.1, 1.0, (N, 2))
+    values = {"em": em, "estiff": estiff, "edamp": edamp}
+    family = PlanarTube(group("PLTUBE", x0, geometry=geometry, **values))
+    return family, x0, x0 + 0.3 * rng.normal(size=x0.shape), geometry, values, rng
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_derivatives(seed):
+    family, x0, x, _, _, rng = tubes(seed)
+    v, a = rng.normal(size=(2, 6, N))
+    check_strain(family, x, v, rng.normal(size=(3, N)))
+    check_inertia(family, x, v, a, lagrange=False)
+    check_inertia(family.with_flow(np.zeros(N)), x, v, a)
+    check_stiffness(family)
+    close(evaluate(family, x0)[1], np.zeros((3, N)), "e at the start", 1e-14)  # a few ulp of lengths up to 4
+
+
+def test_straight_tube_without_flow_is_a_beam():
+    _, x0, x, _, values, _ = tubes()
+    em = values["em"].copy()
+    em[:, 2] = 0.0
+    tube = PlanarTube(group("PLTUBE", x0, **{**values, "em": em}))
+    em_beam = np.column_stack((em[:, 0] + em[:, 1], em[:, 5]))
+    beam = PlanarBeam(group("PLBEAM", x0, **{**values, "em": em_beam}))
+    for tube_value, beam_value in zip(evaluate(tube, x)[1:], evaluate(beam, x)[1:], strict=True):
+        close(tube_value, beam_value, "e, V", 1e-15)
+    close(mass_of(tube, x), mass_of(beam, x), "M", 0.0)
+    close(np.array(tube.stiffness()), np.array(beam.stiffness()), "S", 0.0)
+
+
+def test_curved_tube_is_a_beam_with_turned_ends():
+    """Start tangents alpha: e of a beam whose ends are turned by alpha, minus its start value."""
+    tube, x0, x, geometry, values, _ = tubes()
+    beam = PlanarBeam(group("PLBEAM", x0, **{**values, "em": None}))
+    turned = [y.copy() for y in (x, x0)]
+    for y in turned:
+        y[2::3] += geometry.T
+    e, e0 = (evaluate(beam, y)[1] for y in turned)
+    close(evaluate(tube, x)[1], e - e0, "e", 1e-14)
+
+
+def test_flow_forces_from_the_kinetic_energy():
+    """h of Lagrange's equations with T = integral of m r'^2/2 + mu (r' + U r_s)^2/2 (kappa on U^2), and jets.
+
+    r is built by SymPy from the end points and tangents; four Gauss points integrate the degree 6 exactly.
+    """
+    family, x0, x, geometry, values, rng = tubes()
+    v = rng.normal(size=(6, N))
+    h = family.inertia_force(evaluate(family, x)[0], v, None)
+    points, weights = np.polynomial.legendre.leggauss(4)
+    X, R = sympy.symbols("x0:6"), sympy.symbols("v0:6")
+    xi = sympy.Symbol("xi")
+    for k in range(N):
+        m, mu, flow, kappa, condition, _ = values["em"][k]
+        d = x0[3:5, k] - x0[0:2, k]
+        l0, beta = float(np.hypot(*d)), float(np.arctan2(d[1], d[0]))
+        U = flow / mu
+        tangents = [
+            sympy.Matrix([sympy.cos(angle), sympy.sin(angle)])
+            for angle in (X[2] + beta + geometry[k, 0], X[5] + beta + geometry[k, 1])
+        ]
+        p, q = sympy.Matrix(X[0:2]), sympy.Matrix(X[3:5])
+        chord = q - p
+        bulge = (l0 * tangents[0] - chord) * (1 - xi) - (l0 * tangents[1] - chord) * xi
+        r = p * (1 - xi) + q * xi + xi * (1 - xi) * bulge
+        T = 0
+        for point, weight in zip(points, weights, strict=True):
+            at = float(0.5 + 0.5 * point)
+            rate = r.subs(xi, at).jacobian(X) * sympy.Matrix(R)
+            slope = r.diff(xi).subs(xi, at) / l0
+            energy = (
+                (m + mu) * rate.dot(rate) / 2
+                + mu * U * rate.dot(slope)
+                + mu * kappa * U**2 / 2 * slope.dot(slope)
+            )
+            T += float(weight / 2) * l0 * energy
+        momentum = sympy.Matrix([T]).jacobian(R)
+        force = momentum.jacobian(X) * sympy.Matrix(R) - sympy.Matrix([T]).jacobian(X).T
+        if condition in (1, 3):
+            force[0:2, 0] -= flow * (sympy.Matrix(R[0:2]) + kappa * U * tangents[0])
+        if condition in (2, 3):
+            force[3:5, 0] += flow * (sympy.Matrix(R[3:5]) + kappa * U * tangents[1])
+        truth = np.array(sympy.lambdify((X, R), force)(x[:, k], v[:, k]))[:, 0]
+        close(h[:, k], truth, f"h of tube {k}", 1e-12)
+
+
+def pipe(n: int, mass: float, fluid: float, speed: float) -> Chain:
+    """Straight tube of n elements with l = EI = 1, discharging at the last node."""
+    em = np.tile([mass, fluid, fluid * speed, 1.0, 0.0, 0.0], (n, 1))
+    em[-1, 4] = 2  # end condition
+    return Chain(PlanarTube, "PLTUBE", np.linspace(0, 1, n + 1), em=em, estiff=[1.0, 1.0])
+
+
+def transverse(chain: Chain, free):
+    """M, D, K of the transverse motion about the straight state with a sliding end."""
+    family, zero = chain.family, np.zeros((6, chain.n))
+    c, _, V = evaluate(family, chain.x0[chain.index])
+    S = family.stiffness()[0]
+    by_x, by_v = family.inertia_gradient(c, zero, zero)
+    sigma = np.zeros((3, chain.n))
+    # axial equilibrium: V^T sigma + h = 0 at the free axial coordinates, from the last node inwards
+    h = chain.vector(family.inertia_force(c, zero, None))
+    sigma[0] = -np.cumsum(h[3::3][::-1])[::-1]
+    geometric = written(family.geometric_stiffness, (6, 6, chain.n), float, c, sigma)
+    K = chain.matrix(np.einsum("ain,abn,bjn->ijn", V, S, V) + geometric + by_x)
+    M = chain.mass(chain.x0)
+    return [A[np.ix_(free, free)] for A in (M, chain.matrix(by_v), K)]
+
+
+@pytest.mark.parametrize(("n", "ratio"), [(4, 1.00026), (8, 1.000016)])
+def test_divergence_of_a_pinned_pipe(n, ratio):
+    """Exact: U sqrt(mu/EI) l = pi. The discrete values are those of the theory reference (6 and 7 digits)."""
+    free = np.setdiff1d(np.arange(3 * n + 3), [*range(0, 3 * n + 3, 3), 1, 3 * n + 1])
+
+    def lowest(speed):
+        # the jet balances the flow at the sliding end, as a fixed end would: no normal force in the wall
+        K = transverse(pipe(n, 0.5, 1.0, speed), free)[2]
+        return np.linalg.eigvalsh(0.5 * (K + K.T))[0]
+
+    critical = scipy.optimize.brentq(lowest, 3.0, 3.3, xtol=1e-10)
+    assert critical / np.pi == pytest.approx(ratio, abs=5e-6 if n == 4 else 5e-7)
+
+
+@pytest.mark.parametrize(
+    ("share", "speed", "omega", "exact"), [(0.2, 5.59156, 13.7156, 5.59149), (0.5, 9.3245, 26.510, 9.32238)]
+)
+def test_flutter_of_a_discharging_cantilever(share, speed, omega, exact):
+    """12 elements against the Galerkin solution `exact` of the beam equation, and the theory's digits."""
+    free = np.setdiff1d(np.arange(39), [*range(0, 39, 3), 1, 2])
+
+    def growth(value):
+        M, D, K = transverse(pipe(12, 1.0 - share, share, value / np.sqrt(share)), free)
+        n = len(M)
+        A = np.block([[np.zeros((n, n)), np.eye(n)], [-np.linalg.solve(M, K), -np.linalg.solve(M, D)]])
+        values = scipy.linalg.eigvals(A)
+        return values[np.argmax(values.real)]
+
+    critical = scipy.optimize.brentq(lambda u: growth(u).real, 0.9 * exact, 1.1 * exact, xtol=1e-9)
+    assert critical == pytest.approx(speed, rel=1e-5)
+    assert critical == pytest.approx(exact, rel=3e-4)
+    assert abs(growth(critical).imag) == pytest.approx(omega, rel=1e-4)
+
+
+def test_wrong_input():
+    x0 = np.array([[0.0], [0.0], [0.0], [1.0], [0.0], [0.0]])
+    with pytest.raises(GeometryError, match="without fluid mass"):
+        PlanarTube(group("PLTUBE", x0, em=[[1.0, 0.0, 0.3, 1.0]]))
+    with pytest.raises(GeometryError, match="end condition 5"):
+        PlanarTube(group("PLTUBE", x0, em=[[1.0, 1.0, 0.3, 1.0, 5.0]]))
+    tube = PlanarTube(group("PLTUBE", x0, em=[[1.0, 0.0, 0.0, 1.0]]))
+    with pytest.raises(GeometryError, match="without fluid mass"):
+        tube.with_flow([0.1])
