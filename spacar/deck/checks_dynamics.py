@@ -28,14 +28,10 @@ def check_dynamics(scene: Scene) -> None:
 def _check_signs(scene: Scene, s: Statement) -> None:
     """Negative masses, stiffnesses, dampings; inertia tensors that no body can have."""
     findings = scene.findings
-    if (
-        (s.keyword == "XM"
-        and len(s.values) > 2)
-        or (
-            s.keyword == "XM"
-            and scene.outline.space == "spatial"
-            and scene.outline.roles[s.integer(0)] == "orientation"
-        )
+    if (s.keyword == "XM" and len(s.values) > 2) or (
+        s.keyword == "XM"
+        and scene.outline.space == "spatial"
+        and scene.outline.roles[s.integer(0)] == "orientation"
     ):
         check_tensor(scene, s)
     elif s.keyword in ("XM", "EM", "ESTIFF", "EDAMP"):

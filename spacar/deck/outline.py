@@ -42,9 +42,10 @@ class Outline:
 
     def missing_element(self, number: int) -> str:
         """Sentence about an element that does not exist."""
-        which = ranges(set(self.elements))
-        exist = f"elements {which} exist" if self.elements else "no elements exist"
-        return f"element {number} is not defined; {exist}"
+        if not self.elements:
+            return f"element {number} is not defined; no elements exist"
+        verb = "element {} exists" if len(self.elements) == 1 else "elements {} exist"
+        return f"element {number} is not defined; {verb.format(ranges(set(self.elements)))}"
 
     def missing_node(self, number: int) -> str:
         """Sentence about a node that no element uses."""

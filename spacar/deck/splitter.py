@@ -9,9 +9,10 @@ from dataclasses import dataclass, field
 
 from spacar.deck.findings import Findings
 from spacar.deck.lexer import Source, Word
-from spacar.deck.table import ALIASES, KEYWORDS, NAMES, Block, blocks_of
+from spacar.deck.table import ALIASES, KEYWORDS, NAMES, TAKES_NAME, Block, blocks_of
 
 _NOT_NUMBERS = ("NAN", "INF", "INFINITY")
+_SUGGESTIONS = 40
 _BLOCK_NAMES = {1: "kinematics block", 2: "dynamics block", 3: "third block"}
 
 
@@ -39,7 +40,7 @@ def split(source: Source, findings: Findings) -> Split:
 
 
 class _Splitter:
-    """State of one pass over the words."""
+    """State of one pass over the words; `skipping` while the arguments of a refused keyword go by."""
 
     def __init__(self, source: Source, findings: Findings) -> None:
         self.words = source.words
@@ -51,6 +52,7 @@ class _Splitter:
         self.start: tuple[int, int] = (1, 1)
         self.current: Raw | None = None
         self.misplaced: set[tuple[int, int]] = set()
+        self.skipping = False
 
     def error(self, word: Word, text: str, code: str) -> None:
         self.findings.add("error", word.line, "", text, code)
@@ -94,9 +96,8 @@ class _Splitter:
         self.current.words.append(word)
 
     def _wants_name(self) -> bool:
-        if self.current is None or self.current.words or not self.current.keyword.startswith("USER"):
-            return False
-        return True
+        current = self.current
+        return current is not None and not current.words and current.keyword in TAKES_NAME
 
     def _argument(self, word: Word) -> None:
         if self.current is not None:
@@ -104,8 +105,6 @@ class _Splitter:
         elif not self.skipping:
             self.error(word, f"'{word.text}' stands before any keyword of the {self._open()}", "structure")
             self.skipping = True
-
-    skipping = False
 
     def _stranger(self, name: str, word: Word, i: int) -> None:
         """A word that starts with a letter and is no keyword of this block."""
@@ -122,7 +121,10 @@ class _Splitter:
             return
         self.current = None
         self.skipping = True
-        self.error(word, unknown(word, self.block), "unknown-keyword")
+        many = (
+            len(self.findings.messages) > _SUGGESTIONS
+        )  # a file that is no input at all must not take minutes
+        self.error(word, unknown(word, self.block, suggest=not many), "unknown-keyword")
 
     def _other_block(self, name: str, word: Word, i: int) -> None:
         other = blocks_of(name)[0]
@@ -227,9 +229,11 @@ def nearest(name: str, block: int) -> str:
     return found[0] if found else ""
 
 
-def unknown(word: Word, block: int) -> str:
+def unknown(word: Word, block: int, suggest: bool = True) -> str:
     """Text for an unknown keyword, with the nearest one of this block or of another block."""
     text = f"unknown keyword '{word.text}' (column {word.column}) in the {_BLOCK_NAMES[block]}"
+    if not suggest:
+        return text
     near = nearest(word.text.upper(), block)
     if near:
         return f"{text}; nearest: {near}"

@@ -14,6 +14,9 @@ KEYWORDS: dict[tuple[str, Block], Keyword] = {(k.name, k.block): k for k in _ROW
 ALIASES: dict[str, str] = {alias: k.name for k in _ROWS for alias in k.aliases}
 """Older names of keywords."""
 
+TAKES_NAME = frozenset(k.name for k in _ROWS if k.variants[0].parameters[0].kind == "name")
+"""Keywords whose argument is one word, whatever it looks like."""
+
 NAMES: dict[int, dict[str, int]] = {number: {} for number in (1, 2, 3)}
 """For each block number the keywords that may stand there, with the largest number of arguments of any form."""
 for _row in _ROWS:
@@ -25,4 +28,14 @@ def blocks_of(name: str) -> tuple[Block, ...]:
     return tuple(block for block in Block if (name, block) in KEYWORDS)
 
 
-__all__ = ["ALIASES", "ELEMENT_TYPES", "KEYWORDS", "NAMES", "Block", "ElementType", "Keyword", "blocks_of"]
+__all__ = [
+    "ALIASES",
+    "ELEMENT_TYPES",
+    "KEYWORDS",
+    "NAMES",
+    "TAKES_NAME",
+    "Block",
+    "ElementType",
+    "Keyword",
+    "blocks_of",
+]

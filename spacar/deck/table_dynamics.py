@@ -107,14 +107,14 @@ def _preload(text: str) -> tuple[Variant, ...]:
 
 
 def _force(text: str) -> tuple[Variant, ...]:
-    force = tuple(real(f"{text} {c}", "N", None if c == "Fx" else 0.0) for c in ("Fx", "Fy", "Fz"))
-    dual = tuple(real(f"{text} dual to lambda{i}", "N m", None if i == 0 else 0.0) for i in range(4))
+    force = tuple(real(f"{text}force {c}", "N", None if c == "Fx" else 0.0) for c in ("Fx", "Fy", "Fz"))
+    dual = tuple(real(f"{text}force dual to lambda{i}", "N m", None if i == 0 else 0.0) for i in range(4))
     return (
         form((NODE, *force[:2]), 2, 3, space="planar", role="position", components=True),
         form((NODE, *force), 2, 3, 4, space="spatial", role="position"),
-        form((NODE, real(f"{text} moment", "N m")), 2, space="planar", role="orientation"),
+        form((NODE, real(f"{text}moment", "N m")), 2, space="planar", role="orientation"),
         form((NODE, *dual), 2, 3, 5, space="spatial", role="orientation"),
-        form((NODE, *vector(f"{text} moment", "Mx My Mz", "N m")), 4, space="spatial", role="orientation"),
+        form((NODE, *vector(f"{text}moment", "Mx My Mz", "N m")), 4, space="spatial", role="orientation"),
     )
 
 
@@ -136,7 +136,7 @@ _MOTION = (
     real("start rate", "1/s", 0.0),
     real("constant acceleration", "1/s^2", 0.0),
 )
-_START_X = "The default start value of a position is the value given with X; lambda0 has 1."
+_FROM_X = (NODE, COORDINATE, real("start value (when left out: the value given with X, for lambda0 1)"), *_MOTION[1:])
 _START_E = "A start value is the deformation with respect to the configuration given with X."
 
 KEYWORDS = (
@@ -195,7 +195,7 @@ KEYWORDS = (
         unique=-1,
     ),
     Keyword(
-        "XF", _D, "external force on a node, constant in time", _force("force"), unique=1, notes=_XF_NOTES
+        "XF", _D, "external force on a node, constant in time", _force(""), unique=1, notes=_XF_NOTES
     ),
     Keyword(
         "USERSIG",
@@ -234,10 +234,9 @@ KEYWORDS = (
         "INPUTX",
         _D,
         "time function of a prescribed coordinate",
-        (form((NODE, COORDINATE, *_MOTION)),),
+        (form(_FROM_X, *span(2, 5)),),
         unique=2,
         classes=("prescribed",),
-        notes=(_START_X,),
     ),
     Keyword(
         "INPUTE",
@@ -252,10 +251,9 @@ KEYWORDS = (
         "STARTDX",
         _D,
         "start value of a dynamic coordinate",
-        (form((NODE, COORDINATE, *_MOTION[:2])),),
+        (form(_FROM_X[:4], *span(2, 4)),),
         unique=2,
         classes=("dynamic", "kinematic"),
-        notes=(_START_X,),
     ),
     Keyword(
         "STARTDE",
@@ -325,7 +323,7 @@ KEYWORDS = (
         "DELXF",
         _D,
         "increment of the force on a node",
-        _force("increment of force"),
+        _force("increment of the "),
         unique=1,
         notes=_XF_NOTES,
     ),

@@ -16,7 +16,7 @@ from spacar.errors import AnalysisError
 from spacar.frame import Frame
 from spacar.kinematics import Kinematics
 from spacar.linear_systems import SingularMatrixError
-from spacar.mechanism.mechanism import Array, Drive, DriveState, Loads, Mechanism
+from spacar.mechanism.mechanism import Array, Drive, DriveState, Loads, Mechanism, UserForces
 
 
 class Dynamics:
@@ -33,10 +33,7 @@ class Dynamics:
         self.kinematics = Kinematics(mechanism, kind)
         self.sweep = self.kinematics.sweep
         self.sweep.constant_mass()
-        self.drive = drive or mechanism.drive
-        self.loads = loads or mechanism.loads
-        self.forces = AppliedForces(mechanism, self.loads, self.sweep)
-        self.law = StressLaw.of(mechanism, self.loads)
+        self.reload(loads or mechanism.loads, drive or mechanism.drive)
         self.coupling = DeformationInertia(mechanism, self.sweep)
         self.xs, self.es = n.x_class, n.e_class
         self.n_positions = n.nddof + n.nk
@@ -47,9 +44,15 @@ class Dynamics:
         self.xd, self.ed = np.zeros(n.nx), np.zeros(n.ne)
         self.evaluations = 0
 
+    def reload(self, loads: Loads, drive: Drive) -> None:
+        """Put other loads and another prescribed motion on the same mechanism."""
+        self.loads, self.drive = loads, drive
+        self.forces = AppliedForces(self.mechanism, loads, self.sweep)
+        self.law = StressLaw.of(self.mechanism, loads)
+
     # -- start --------------------------------------------------------------------------------------------------
-    def start(self) -> Array:
-        """Start state; brings the mechanism there from the reference configuration, in steps if it is far."""
+    def start_values(self) -> Array:
+        """The state of STARTDX, STARTDE and, for kinematic coordinates, of the reference configuration."""
         s = self.mechanism.start
         x0 = self.mechanism.x0
         y = np.concatenate(
@@ -58,9 +61,14 @@ class Dynamics:
         if self.numbering.nep[4]:
             self.sweep.strain(x0)
             y[self._slice("ek")] = self.sweep.e[self.es["kinematic"]]
+        return y
+
+    def start(self) -> Array:
+        """Start state; brings the mechanism there from the reference configuration, in steps if it is far."""
+        y = self.start_values()
         drive = self.drive.at(0.0)
-        self.kinematics.position(x0, np.zeros(self.numbering.ne))
-        self.kinematics.move(*self._given(drive, y))
+        self.kinematics.position(self.mechanism.x0, np.zeros(self.numbering.ne))
+        self.kinematics.move(*self.given(drive, y))
         if self.numbering.nddof:
             self.place(0.0, y)
             self.sweep.mass()
@@ -72,7 +80,7 @@ class Dynamics:
         k = ("xm", "em", "xk", "ek").index(name)
         return slice(int(edges[k]), int(edges[k + 1]))
 
-    def _given(self, drive: DriveState, y: Array) -> tuple[Array, Array]:
+    def given(self, drive: DriveState, y: Array) -> tuple[Array, Array]:
         xs, es = self.xs, self.es
         x = self.mechanism.x0.copy()
         e = np.zeros(self.numbering.ne)
@@ -88,7 +96,7 @@ class Dynamics:
         """Position and velocity of the state: leaves x in the kinematics and xd, ed here."""
         xs, es = self.xs, self.es
         drive = self.drive.at(t)
-        self.kinematics.position(*self._given(drive, y))
+        self.kinematics.position(*self.given(drive, y))
         rates = y[self.n_positions :]
         xd, ed = np.zeros(self.numbering.nx), np.zeros(self.numbering.ne)
         xd[xs["input"]], xd[xs["dynamic"]] = drive.xd, rates[: self.n_xm]
@@ -100,13 +108,7 @@ class Dynamics:
         """xdd (nx,), sigma (ne,) with multipliers, convective H(xd,xd) (ne,) at the placed state."""
         n, xs, es, sweep = self.numbering, self.xs, self.es, self.sweep
         convective = sweep.convective(self.xd)
-        needs_rates = not self.law.passive or self.forces.user is not None
-        self.ed = sweep.rate(self.xd) if needs_rates else self.ed
-        sigma = self.law(sweep.e, self.ed)
-        user = None
-        if self.forces.user is not None:
-            user = self.forces.user(t, sweep.e, self.ed, self.kinematics.x, self.xd)
-            sigma[self.law.first :] += user.sigma[self.law.first :]
+        sigma, user = self.constitutive(t)
         sweep.mass()
         force = self.forces(self.kinematics.x, user) - self.forces.inertia(sweep, self.xd)
         xdd, edd = np.zeros(n.nx), np.zeros(n.ne)
@@ -136,6 +138,18 @@ class Dynamics:
         xdd[self.saddle.F] = free
         sigma[: len(multipliers)] = multipliers
         return xdd, sigma, convective
+
+    def constitutive(self, t: float) -> tuple[Array, UserForces | None]:
+        """Stresses of the active rows (the others zero), and what the user function returned."""
+        sweep = self.sweep
+        if not self.law.passive or self.forces.user is not None:
+            self.ed = sweep.rate(self.xd)
+        sigma = self.law(sweep.e, self.ed)
+        user = None
+        if self.forces.user is not None:
+            user = self.forces.user(t, sweep.e, self.ed, self.kinematics.x, self.xd)
+            sigma[self.law.first :] += user.sigma[self.law.first :]
+        return sigma, user
 
     def _coupling_force(self, xdd: Array, convective: Array) -> Array:
         if not self.coupling.present:

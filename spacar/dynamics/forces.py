@@ -111,6 +111,13 @@ def moment_forces(lam: Array, M: Array) -> Array:
     )
 
 
+def moment_gradient(moments: Array) -> Array:
+    """df_lambda/dlambda = 2 [0, -M^T; M, M~] of constant global moments (n, 3), (4, 4, n)."""
+    a, b, c = moments.T
+    o = np.zeros_like(a)
+    return 2.0 * np.array([[o, -a, -b, -c], [a, o, -c, b], [b, c, o, -a], [c, -b, a, o]])
+
+
 def gravity_field(mechanism: Mechanism, loads: Loads) -> Array:
     """g at every position coordinate, zero elsewhere, (nx,) [m/s^2]."""
     numbering = mechanism.numbering

@@ -46,22 +46,27 @@ class SpatialBeam(Family):
     position_rows = (0, 1, 2, 7, 8, 9)
 
     def __init__(self, group: ElementGroup) -> None:
-        self.keyword, self.numbers = group.keyword, group.numbers
+        n = self._chords(group)
+        direction, f1 = statement_values(group)
+        frame = stack([chord_frame(n[:, k], direction[k], k) for k in range(group.n)])
+        self._build(group, frame, frame, f1)
+        mass = group.em[:, 0]
+        self.line = line_constants(frame[:, 0], frame[:, 0], self.length, mass)
+        self.has_mass = bool(np.any(mass != 0.0))
+        self._section = group.em[:, 1:5]
+
+    def _chords(self, group: ElementGroup) -> Array:
+        """Set the lengths; directions (3, n) from p to q."""
         positions = group.x0[list(self.position_rows)]
         self.length, n = chords(positions[3:] - positions[:3], positions)
-        direction, f1 = _parameters(group)
-        frames = [chord_frame(n[:, k], direction[k], k) for k in range(group.n)]
-        self._build(group, stack(frames), stack(frames), f1)
-        self.data = f1[:, None]
-        self.line = line_constants(self._axes[0], self._axes[1], self.length, group.em[:, 0])
-        self.has_mass = bool(np.any(group.em[:, 0] != 0.0))
-        self._inertia = group.em[:, 1:5]
+        return n
 
     def _build(self, group: ElementGroup, frame_p: Array, frame_q: Array, f1: Array) -> None:
-        """Frames (3, 3, n) at both ends and all constants of the deformations."""
+        """Constants of the deformations for frames (3, 3, n) at both ends and couplings f1 (n,) [m^2]."""
+        self.keyword, self.numbers = group.keyword, group.numbers
         self._frames = frame_p, frame_q
-        self._axes = frame_p[:, 0], frame_q[:, 0]
         self.frame_p, self.frame_q = rows(frame_p), rows(frame_q)
+        self.data = f1[:, None]
         self.constants = strain_of.beam_constants(frame_p, frame_q, self.length, f1, group.nonlinear)
         self._second = bool(group.nonlinear.any())
         self._estiff, self._edamp = group.estiff, group.edamp
@@ -130,11 +135,11 @@ class SpatialBeam(Family):
         return line_gradient(_line(c), v, a)
 
     def orientation_inertia(self) -> tuple[tuple[int, Array], ...]:
-        if not self._inertia.any():
+        if not self._section.any():
             return ()
         half = 0.5 * self.length
         return tuple(
-            (row, section_tensor(frame, self._inertia, half))
+            (row, section_tensor(frame, self._section, half))
             for row, frame in zip((3, 10), self._frames, strict=True)
         )
 
@@ -169,7 +174,7 @@ def _line(c: BeamConfiguration) -> LineState:
     return line
 
 
-def _parameters(group: ElementGroup) -> tuple[list[tuple[float, ...] | None], Array]:
+def statement_values(group: ElementGroup) -> tuple[list[tuple[float, ...] | None], Array]:
     """Direction vectors (or None) and torsion-elongation parameters f1 (n,) [m^2] of the statements."""
     directions: list[tuple[float, ...] | None] = []
     f1 = np.zeros(group.n)

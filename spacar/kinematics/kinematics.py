@@ -146,6 +146,11 @@ class Kinematics:
                 return
         raise position_failure(self, x, residual, history, MAX_ITERATIONS)
 
+    def start_from(self, other: Kinematics) -> None:
+        """Take over the configuration of another evaluator of the same mechanism."""
+        self.x, self.e_given = other.x.copy(), other.e_given.copy()
+        self.sweep.near[:] = other.sweep.near
+
     def _factor_position(self) -> None:
         self.position_system.factor(self.sweep.entries[self._position_take])
 

@@ -111,9 +111,9 @@ class Sweep:
     def mass(self) -> None:
         """M of the configuration-dependent families into `entries`."""
         for family, key in self.moving_plan:
-            family.mass(self._configured(family, key), self.M[key])
+            family.mass(self.configured(family, key), self.M[key])
 
-    def _configured(self, family: Family, key: int) -> Configuration:
+    def configured(self, family: Family, key: int) -> Configuration:
         if family.n_deformations == 0:
             empty = np.zeros((0, *self.x_of[key].shape[1:]))
             self.configuration[key] = family.strain(self.x_of[key], empty, empty, empty[:, None])
@@ -132,7 +132,7 @@ class Sweep:
             np.take(a, self.x_index, out=self._a, mode="clip")
         for family, key in self.moving_plan:
             acceleration = None if a is None else self.a_of[key]
-            self.f_of[key][...] = family.inertia_force(self._configured(family, key), self.v_of[key], acceleration)
+            self.f_of[key][...] = family.inertia_force(self.configured(family, key), self.v_of[key], acceleration)
         return np.bincount(self.f_index, self._f, self.nx)
 
 

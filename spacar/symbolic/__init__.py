@@ -1,0 +1,33 @@
+"""Equations of motion in vector and dyad notation (optional extra: `pip install 'spacar[symbolic]'`)."""
+
+from spacar.symbolic import shapes
+from spacar.symbolic.collect import ZTable
+from spacar.symbolic.derivatives import dvdt, omega, partial_velocity, set_omega
+from spacar.symbolic.printing import latex, text, unicode
+from spacar.symbolic.system import System
+from spacar.symbolic.transform import from_sympy, to_sympy, transform
+from spacar.symbolic.units import TIME, Frame
+from spacar.symbolic.vectors import Dyad, Vector, cross, dot, outer
+
+__all__ = [
+    "TIME",
+    "Dyad",
+    "Frame",
+    "System",
+    "Vector",
+    "ZTable",
+    "cross",
+    "dot",
+    "dvdt",
+    "from_sympy",
+    "latex",
+    "omega",
+    "outer",
+    "partial_velocity",
+    "set_omega",
+    "shapes",
+    "text",
+    "to_sympy",
+    "transform",
+    "unicode",
+]

@@ -222,7 +222,7 @@ def _cross_in_frame(frame: Frame, i: int, j: int) -> Terms:
 
 def triple(a: Unit, b: Unit, c: Unit) -> sp.Expr:
     """(a×b)·c: a dot when two of the three directions belong to one frame, else the atom `UnitTriple`."""
-    for u, v, w in ((a, b, c), (c, a, b), (b, c, a)):
+    for u, v, w in ((a, b, c), (b, c, a), (c, a, b)):
         terms = cross_units(u, v)
         if all(isinstance(key, Unit) for _, key in terms):
             return sp.Add(*(sign * dot_units(key, w) for sign, key in terms if isinstance(key, Unit)))

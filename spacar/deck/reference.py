@@ -1,0 +1,156 @@
+"""The reference of the input language, made from the keyword table: for `spacar keywords` and docs/keywords.md.
+
+`python -m spacar.deck.reference` prints the page that is kept as docs/keywords.md.
+"""
+
+from __future__ import annotations
+
+from spacar.deck.findings import alternatives
+from spacar.deck.table import ALIASES, ELEMENT_TYPES, KEYWORDS
+from spacar.deck.table_types import Block, Keyword, Parameter, Variant
+from spacar.errors import UsageError
+
+_HEADINGS = {
+    Block.KINEMATICS: "Kinematics block (first block, every mode)",
+    Block.DYNAMICS: "Dynamics block (second block, every mode but 0)",
+    Block.TRAJECTORY: "Third block, modes 2 and 3: trajectories, nominal inputs and reference outputs",
+    Block.LINEARIZATION: "Third block, modes 4 and 9: inputs and outputs of the linearization",
+    Block.SIMULATION: "Third block, controlled simulation: inputs and outputs",
+}
+
+
+def describe(name: str | None = None) -> str:
+    """Plain text about one keyword, or a list of all keywords. Raises UsageError for an unknown name."""
+    if name is None:
+        return _overview()
+    upper = ALIASES.get(name.upper(), name.upper())
+    rows = [k for k in KEYWORDS.values() if k.name == upper]
+    if not rows:
+        from difflib import get_close_matches
+
+        near = get_close_matches(upper, [k.name for k in KEYWORDS.values()], n=1)
+        hint = f"; nearest: {near[0]}" if near else ""
+        raise UsageError(f"unknown keyword '{name}'{hint}", "usage.keyword")
+    return "\n".join(_text(row) for row in rows)
+
+
+def _overview() -> str:
+    width = max(len(k.name) for k in KEYWORDS.values())
+    lines: list[str] = []
+    for block, heading in _HEADINGS.items():
+        lines += [heading, ""]
+        lines += [f"  {k.name:<{width}}  {k.help}" for k in _rows(block)]
+        lines.append("")
+    return "\n".join(lines)
+
+
+def _rows(block: Block) -> list[Keyword]:
+    return [k for k in KEYWORDS.values() if k.block is block]
+
+
+def _text(keyword: Keyword) -> str:
+    lines = [f"{keyword.name}: {keyword.help}", f"  block: {keyword.block.value}"]
+    if keyword.aliases:
+        lines.append(f"  older name: {', '.join(keyword.aliases)}")
+    for variant in keyword.variants:
+        lines.append(f"  {_heading(variant)}")
+        lines += [f"    {i}  {_position(p)}" for i, p in enumerate(_listed(variant), 1)]
+    lines += [f"  {line}" for line in _rules(keyword)]
+    return "\n".join(lines) + "\n"
+
+
+def _listed(variant: Variant) -> tuple[Parameter, ...]:
+    """The parameters of a variant, a repeated last one shown once."""
+    shown = list(variant.parameters)
+    while len(shown) > 2 and shown[-1] == shown[-2]:
+        shown.pop()
+    return tuple(shown)
+
+
+def _position(parameter: Parameter) -> str:
+    text = parameter.text
+    if parameter.default is not None:
+        text += f", default {parameter.default:g}"
+    return text
+
+
+def _heading(variant: Variant) -> str:
+    """For what a variant is, and its numbers of arguments."""
+    whom = [variant.space, f"{variant.role} node" if variant.role else "", ", ".join(variant.types)]
+    about = " ".join(w for w in whom if w) or "all models"
+    plural = "" if variant.counts == (1,) else "s"
+    return f"{about} ({alternatives(variant.counts)} argument{plural})"
+
+
+def _rules(keyword: Keyword) -> list[str]:
+    rules = list(keyword.notes)
+    if keyword.classes:
+        rules.append(f"Only for a {' or '.join(keyword.classes)} coordinate or deformation.")
+    if keyword.unique == 0:
+        rules.append("At most once in a file.")
+    elif keyword.unique is not None:
+        rules.append(
+            "At most once for the same node or element"
+            + (", coordinate or mode." if keyword.unique != 1 else ".")
+        )
+    return rules
+
+
+def markdown() -> str:
+    """The whole reference page."""
+    lines = [
+        "# Keywords of the input file",
+        "",
+        "This page is made from the keyword table by `python -m spacar.deck.reference`; do not edit it. The same text",
+        "is printed by `spacar keywords` and `spacar keywords NAME`.",
+        "",
+        *_RULES,
+        "",
+        "## Element types",
+        "",
+        "| keyword | element | nodes | deformation modes | code |",
+        "|---|---|---|---|---|",
+    ]
+    for t in ELEMENT_TYPES.values():
+        modes = ", ".join(f"{i} {name} [{unit}]" for i, (name, unit) in enumerate(t.modes, 1))
+        lines.append(f"| {t.keyword} | {t.title} | {', '.join(t.node_names)} | {modes} | {t.code} |")
+    for block, heading in _HEADINGS.items():
+        lines += ["", f"## {heading}"]
+        for keyword in _rows(block):
+            lines += _section(keyword)
+    return "\n".join(lines) + "\n"
+
+
+_RULES = (
+    "A statement is a keyword followed by its arguments, separated by blanks, tabs or line ends; the next keyword ends",
+    "it. Everything after `%`, `#` or `;` on a line is a comment. Case does not matter. Reals may have an exponent with",
+    "`e` or `d`; an integral real such as `3.` is accepted as an integer. Trailing arguments with a default may be left",
+    "out. A block ends with `END HALT` when another one follows and with `END END` at the end of the input; a section",
+    "`VISUALIZATION` for drawing may follow. Angles are in radians; the units shown are SI, any consistent set will do.",
+)
+
+
+def _section(keyword: Keyword) -> list[str]:
+    lines = ["", f"### {keyword.name}", "", f"{keyword.help[0].upper()}{keyword.help[1:]}."]
+    if keyword.aliases:
+        lines[-1] += f" Older name: {', '.join(keyword.aliases)}."
+    for variant in keyword.variants:
+        lines += [
+            "",
+            f"*{_heading(variant)}*",
+            "",
+            "| position | meaning | unit | default |",
+            "|---|---|---|---|",
+        ]
+        for i, p in enumerate(_listed(variant), 1):
+            last = i == len(_listed(variant)) and len(_listed(variant)) < len(variant.parameters)
+            default = "" if p.default is None else f"{p.default:g}"
+            lines.append(f"| {i}{' ...' if last else ''} | {p.meaning} | {p.unit} | {default} |")
+    rules = _rules(keyword)
+    if rules:
+        lines += ["", *(f"* {rule}" for rule in rules)]
+    return lines
+
+
+if __name__ == "__main__":
+    print(markdown(), end="")

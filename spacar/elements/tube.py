@@ -1,0 +1,90 @@
+"""Fluid-conveying spatial tube, keyword TUBE (theory-spatial.md section 10).
+
+Deformations, stiffness and damping are those of the spatial beam; with ORTUBE the ends have frames of their own and e is
+counted from its start value. The fluid (mass m_f per length, mass flow Q from p to q, shape factor a) adds on the
+cubic centre line y of `beam_inertia`
+
+    D dy/dt + A y,   D = Q (B* - B*^T),   A = -(a Q^2/(m_f l0)) A*
+    jet at q: D[xq, xq] += Q, A[xq, tq] += a Q^2/(m_f l0);   jet at p: the same at p with the opposite sign
+
+B* = integral of N_i N_j', A* = integral of N_i' N_j': the momentum balance of an open control volume. End condition:
+0 spherical at both ends, 1 jet at p, 2 jet at q, 3 jets at both.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spacar.elements.base import Array, ElementGroup, GeometryError
+from spacar.elements.beam import BeamConfiguration, SpatialBeam, statement_values
+from spacar.elements.beam_inertia import line_constants
+from spacar.elements.frames import chord_frame, stack, supplemented, unit
+from spacar.elements.rotation import expand
+
+FLOW = np.array([[-30.0, 6, 30, -6], [-6, 0, 6, -1], [-30, -6, 30, 6], [6, 1, -6, 0]]) / 60.0
+TENSION = np.array([[36.0, 3, -36, 3], [3, 4, -3, -1], [-36, -3, 36, -3], [3, -1, -3, 4]]) / 30.0
+JET_AT_P, JET_AT_Q = (1, 3), (2, 3)
+
+
+class SpatialTube(SpatialBeam):
+    """All TUBE elements of a model.
+
+    Raises GeometryError for impossible frames, a mass flow without fluid mass and an unknown end condition.
+    """
+
+    def __init__(self, group: ElementGroup) -> None:
+        n = self._chords(group)
+        direction, f1 = statement_values(group)
+        frames = [_frames(group.directions[k], n[:, k], direction[k], k) for k in range(group.n)]
+        frame_p, frame_q = stack([p for p, _ in frames]), stack([q for _, q in frames])
+        self._build(group, frame_p, frame_q, f1)
+        tube, fluid, flow, shape, end = group.em[:, :5].T
+        self.line = line_constants(frame_p[:, 0], frame_q[:, 0], self.length, tube + fluid)
+        if flow.any():
+            D, A = _fluid_matrices(fluid, flow, shape, end, self.length)
+            self.line = self.line._replace(D=D, A=A)
+        self.has_mass = bool(np.any(tube + fluid != 0.0))
+        self._section = group.em[:, 5:9]
+        self._start: Array | None = None
+        if any(given is not None for given in group.directions):
+            start, V = np.zeros((6, group.n)), np.zeros((6, 14, group.n))
+            super().strain(group.x0, start, start, V)
+            self._start = start
+
+    def strain(self, x: Array, near: Array, e: Array, V: Array) -> BeamConfiguration:
+        c = super().strain(x, near, e, V)
+        if self._start is not None:
+            e -= expand((self._start,), x.ndim)[0]
+        return c
+
+
+def _frames(
+    given: tuple[float, ...] | None, chord: Array, direction: tuple[float, ...] | None, k: int
+) -> tuple[Array, Array]:
+    """Frames (3, 3) at p and q: ORTUBE gives the tangent at p, the tangent at q and the y' direction at q."""
+    if given is None:
+        frame = chord_frame(chord, direction, k)
+        return frame, frame
+    if len(given) != 9:
+        raise GeometryError(k, f"ORTUBE needs 9 values, {len(given)} are given")
+    at_p = chord_frame(unit(given[:3], k, "tangent at p"), direction, k)
+    at_q = supplemented(unit(given[3:6], k, "tangent at q"), np.asarray(given[6:]), k, "y' direction at q")
+    return at_p, at_q
+
+
+def _fluid_matrices(fluid: Array, flow: Array, shape: Array, end: Array, l0: Array) -> tuple[Array, Array]:
+    """D [kg/s] and A [kg/s^2], (4, 4, n) each."""
+    for k in range(len(flow)):
+        if flow[k] != 0.0 and not fluid[k] > 0.0:
+            raise GeometryError(k, f"the mass flow {flow[k]:g} kg/s needs a positive fluid mass per length")
+        if end[k] not in (0, 1, 2, 3):
+            raise GeometryError(k, f"the end condition of the flow is 0, 1, 2 or 3, not {end[k]:g}")
+    thrust = shape * flow**2 / (np.where(flow == 0.0, 1.0, fluid) * l0)
+    D = (FLOW - FLOW.T)[..., None] * flow
+    A = -TENSION[..., None] * thrust
+    at_p, at_q = np.isin(end, JET_AT_P), np.isin(end, JET_AT_Q)
+    D[0, 0] -= at_p * flow
+    A[0, 1] -= at_p * thrust
+    D[2, 2] += at_q * flow
+    A[2, 3] += at_q * thrust
+    return D, A

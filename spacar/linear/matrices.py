@@ -1,0 +1,199 @@
+"""Linearized equations of motion about any motion (theory-system.md (12), (13)).
+
+    M0 dqdd + (C0 + D0) dqd + (K0 + N0 + G0) ds = W^T df + We^T du,      dsd = Bk0 ds + Ak0 dqd
+
+With G the configuration transfer, Z = d(xd)/ds at fixed qd, Y = d(xdd)/ds at fixed qd and qdd, Yv = d(xdd)/d(qd):
+
+    M0 = W^T M W                        C0 = W^T (M Yv + h_v W)              D0 = We^T S_d We
+    K0 = We^T S Ge                      G0 = W^T (Hs(sigma) - df/dx) G
+    N0 = W^T (M Y + [d(M xdd)/dx + h_x] G + h_v Z) + We^T S_d Ze
+
+sigma holds all stresses; those of the rows fixed, input and dynamic come from the equilibrium of the calculable coordinates
+(10), which makes the sum the exact derivative of the residual also away from equilibrium. Configuration-dependent
+gravity belongs to G0 because it is proportional to the load; released dampers and tube flow to N0 and C0.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.forces import StressLaw, moment_gradient
+from spacar.kinematics.transfer import configuration_transfer, velocity_transfer
+from spacar.linear.contractions import (
+    geometric_stiffness,
+    gradient_rate,
+    gradient_transport,
+    inertia_blocks,
+    mass_matrix,
+    rate_gradient,
+    scatter,
+)
+from spacar.mechanism.mechanism import Array, UserForces
+
+
+@dataclass(frozen=True)
+class Linearization:
+    """Matrices over all degrees of freedom: rows q (ndof), columns q or s (nkdof); maps to coordinates and deformations.
+
+    m0, c0, d0 (ndof, ndof); k0, n0, g0 (ndof, nkdof); ak0 (nkdof, ndof); bk0 (nkdof, nkdof)
+    W, We   velocity transfer;  G, Ge   configuration transfer
+    Z, Ze   d(xd, ed)/ds;  Y, Ye  d(xdd, edd)/ds;  Yv, Yev  d(xdd, edd)/d(qd)
+    sigma   (ne,) stresses used in g0;  tangent  (nx, nx) d(M a + h - f + V^T sigma)/dx at fixed v, a, sigma
+    M, h_v  (nx, nx);  V (ne, nx);  S, Sd  constitutive entries (active rows)
+    """
+
+    m0: Array
+    c0: Array
+    d0: Array
+    k0: Array
+    n0: Array
+    g0: Array
+    ak0: Array
+    bk0: Array
+    W: Array
+    We: Array
+    G: Array
+    Ge: Array
+    Z: Array
+    Ze: Array
+    Y: Array
+    Ye: Array
+    Yv: Array
+    Yev: Array
+    sigma: Array
+    tangent: Array
+    M: Array
+    h_v: Array
+    V: Array
+    S: Array
+    Sd: Array
+
+    @property
+    def stiffness(self) -> Array:
+        """K0 + N0 + G0."""
+        return self.k0 + self.n0 + self.g0
+
+    @property
+    def damping(self) -> Array:
+        """C0 + D0."""
+        return self.c0 + self.d0
+
+
+def linearize(
+    dynamics: Dynamics, xdd: Array, sigma: Array, *, law: StressLaw | None = None, t: float = 0.0
+) -> Linearization:
+    """Linearize about the placed state with accelerations xdd (nx,) and constitutive stresses sigma (ne,).
+
+    The rows fixed, input and dynamic of sigma are replaced by the equilibrium values. `law` overrides which rows are
+    elastic (mode 3 treats prescribed deformations as dynamic).
+    """
+    k, sweep, n = dynamics.kinematics, dynamics.sweep, dynamics.numbering
+    law = law or dynamics.law
+    x, xd = k.x, dynamics.xd
+    sweep.mass()
+    V, M = sweep.gradient(), mass_matrix(sweep)
+    W = velocity_transfer(k)
+    G = configuration_transfer(k, W)
+    We, Ge = V @ W, V @ G
+    user = dynamics.forces.user(t, sweep.e, V @ xd, x, xd) if dynamics.forces.user is not None else None
+    edd = V @ xdd + sweep.convective(xd)
+    sigma = equilibrium_stresses(dynamics, xdd, edd, sigma, user)
+    moving = bool(xd.any() or xdd.any())
+    rates = _rates(dynamics, V, W, G, xdd) if moving else _no_rates(n.ne, n.nx, n.ndof, n.nkdof)
+    Z, Ze, Y, Ye, Yv, Yev = rates
+
+    by_x, by_v = inertia_blocks(sweep, xd, xdd)
+    inertia_x, h_v = scatter(n.nx, by_x), scatter(n.nx, by_v)
+    minus_f_x = load_gradient(dynamics, user)
+    S, Sd = _dense(law.stiffness, n.ne), _dense(law.damping, n.ne)
+    Me = _dense(dynamics.mechanism.deformation_inertia, n.ne)
+    Hs = geometric_stiffness(sweep, sigma + Me @ edd)
+    k_user_x, d_user_x, k_user_e, d_user_e = _user_diagonals(user, n.nx, n.ne)
+    SdZe = We.T @ (Sd @ Ze)
+    ak0, bk0 = _kinematic(dynamics, W, We, Z, Ze)
+    return Linearization(
+        m0=W.T @ M @ W + We.T @ Me @ We,
+        c0=W.T @ (M @ Yv + h_v @ W) + We.T @ Me @ Yev,
+        d0=We.T @ ((Sd + np.diag(d_user_e)) @ We) + W.T @ (d_user_x[:, None] * W),
+        k0=We.T @ ((S + np.diag(k_user_e)) @ Ge) + W.T @ (k_user_x[:, None] * G),
+        n0=W.T @ (M @ Y + inertia_x @ G + h_v @ Z) + SdZe + We.T @ Me @ Ye,
+        g0=W.T @ ((Hs + minus_f_x) @ G),
+        ak0=ak0, bk0=bk0, W=W, We=We, G=G, Ge=Ge, Z=Z, Ze=Ze, Y=Y, Ye=Ye, Yv=Yv, Yev=Yev,
+        sigma=sigma, tangent=inertia_x + Hs + minus_f_x + np.diag(k_user_x), M=M, h_v=h_v, V=V, S=S, Sd=Sd,
+    )  # fmt: skip
+
+
+def equilibrium_stresses(
+    dynamics: Dynamics, xdd: Array, edd: Array, sigma: Array, user: UserForces | None
+) -> Array:
+    """sigma with the rows fixed, input, dynamic from the equilibrium of the calculable coordinates (10)."""
+    sweep = dynamics.sweep
+    sigma = sigma.copy()
+    force = sweep.mass_times(xdd) + dynamics.forces.inertia(sweep, dynamics.xd)
+    force -= dynamics.forces(dynamics.kinematics.x, user)
+    if dynamics.coupling.present:
+        force += sweep.rate_transposed(dynamics.coupling.stress(edd))
+    dynamics.kinematics.reactions(force, sigma)
+    return sigma
+
+
+def load_gradient(dynamics: Dynamics, user: UserForces | None) -> Array:
+    """-df/dx of gravity and of constant global moments, (nx, nx); stiffness given by user functions is separate."""
+    n, sweep = dynamics.numbering, dynamics.sweep
+    out = np.zeros((n.nx, n.nx))
+    forces = dynamics.forces
+    zero = np.zeros(n.nx)
+    if forces.heavy and sweep.moving:
+        with_g, _ = inertia_blocks(sweep, zero, -forces.field)
+        without, _ = inertia_blocks(sweep, zero, zero)
+        out += scatter(n.nx, with_g) - scatter(n.nx, without)
+    rows = forces.loads.moment_rows
+    if rows.size:
+        np.add.at(out, (rows[:, None, :], rows[None, :, :]), -moment_gradient(forces.loads.moment))
+    return out
+
+
+def _rates(dynamics: Dynamics, V: Array, W: Array, G: Array, xdd: Array) -> tuple[Array, Array, Array, Array, Array, Array]:
+    k, sweep, xd = dynamics.kinematics, dynamics.sweep, dynamics.xd
+    zero_x = np.zeros_like
+    H1v, H2v = gradient_rate(sweep, xd), gradient_transport(sweep, xd)
+    along = gradient_rate(sweep, xdd) + rate_gradient(sweep, xd)
+    Z = k.dependent(zero_x(G), -H1v @ G)
+    Ze = V @ Z + H1v @ G
+    convected = along @ G + (H1v + H2v) @ Z
+    Y = k.dependent(zero_x(G), -convected)
+    Ye = V @ Y + convected
+    swept = (H1v + H2v) @ W
+    Yv = k.dependent(zero_x(W), -swept)
+    return Z, Ze, Y, Ye, Yv, V @ Yv + swept
+
+
+def _no_rates(ne: int, nx: int, ndof: int, nkdof: int) -> tuple[Array, Array, Array, Array, Array, Array]:
+    """At rest Z, Y and Yv vanish."""
+    xs, es = np.zeros((nx, nkdof)), np.zeros((ne, nkdof))
+    return xs, es, xs, es, np.zeros((nx, ndof)), np.zeros((ne, ndof))
+
+
+def _kinematic(dynamics: Dynamics, W: Array, We: Array, Z: Array, Ze: Array) -> tuple[Array, Array]:
+    """Ak0 = [I; W_xk; We_ek], Bk0 = [0; Z_xk; Ze_ek]."""
+    n = dynamics.numbering
+    xk, ek = n.x_class["kinematic"], n.e_class["kinematic"]
+    ak0 = np.vstack((np.eye(n.ndof), W[xk], We[ek]))
+    bk0 = np.vstack((np.zeros((n.ndof, n.nkdof)), Z[xk], Ze[ek]))
+    return ak0, bk0
+
+
+def _dense(entries: tuple[Array, Array, Array], size: int) -> Array:
+    rows, columns, values = entries
+    out = np.zeros((size, size))
+    np.add.at(out, (rows, columns), values)
+    return out
+
+
+def _user_diagonals(user: UserForces | None, nx: int, ne: int) -> tuple[Array, Array, Array, Array]:
+    if user is None:
+        return np.zeros(nx), np.zeros(nx), np.zeros(ne), np.zeros(ne)
+    return user.force_k, user.force_d, user.sigma_k, user.sigma_d

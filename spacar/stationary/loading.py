@@ -1,0 +1,93 @@
+"""Which loads act at which step (ITERSTEP, keywords.md d15).
+
+A load level is a pair (initial, additional) of fractions. Types 0 and 1 apply the initial loading (sections 5.2 to 5.4 of
+the input language) in equal increments and store the last solution; types 2 and 3 apply it first, store it, then add the
+additional loading (DEL...) in equal increments, of which every n-th and the last are stored.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from spacar.mechanism.mechanism import DriveState, Loads, Mechanism, Settings
+
+WITHOUT_N0 = (1, 3)  # ITERSTEP types whose Newton iteration leaves N0 out
+WITH_ADDITIONAL = (2, 3)
+
+
+@dataclass(frozen=True)
+class LoadLevel:
+    """Fractions of the initial and of the additional loading; `store` says whether the solution is a result."""
+
+    initial: float
+    additional: float
+    store: bool = False
+
+    def towards(self, other: LoadLevel, fraction: float) -> LoadLevel:
+        """The level between this and the other one."""
+        a = self.initial + fraction * (other.initial - self.initial)
+        return LoadLevel(a, self.additional + fraction * (other.additional - self.additional))
+
+    def __str__(self) -> str:
+        extra = f" + {self.additional:.6g} x additional" if self.additional else ""
+        return f"{self.initial:.6g} x initial{extra} loading"
+
+
+def load_program(settings: Settings) -> list[LoadLevel]:
+    """All levels in order; those with `store` become frames."""
+    if settings.stationary_type not in WITH_ADDITIONAL:
+        n = settings.initial_steps if settings.initial_steps > 0 else max(settings.load_steps, 1)
+        return [LoadLevel(k / n, 0.0, k == n) for k in range(1, n + 1)]
+    n0, n1 = max(settings.initial_steps, 1), max(settings.load_steps, 1)
+    levels = [LoadLevel(k / n0, 0.0, k == n0) for k in range(1, n0 + 1)]
+    every = max(settings.store_every, 1)
+    return levels + [LoadLevel(1.0, k / n1, k % every == 0 or k == n1) for k in range(1, n1 + 1)]
+
+
+def loads_at(mechanism: Mechanism, level: LoadLevel) -> Loads:
+    """Loads of a level."""
+    loads = mechanism.loads.scaled(level.initial)
+    if level.additional and mechanism.additional is not None:
+        loads = loads.plus(mechanism.additional.scaled(level.additional))
+    return loads
+
+
+def with_flow(mechanism: Mechanism, loads: Loads) -> Mechanism:
+    """The mechanism with the mass flow of these loads in its tubes; itself when there are none."""
+    if not loads.flow:
+        return mechanism
+    batches = []
+    for batch in mechanism.batches:
+        change = getattr(batch.family, "with_flow", None)
+        if change is not None:
+            flow = np.array([loads.flow.get(int(n), 0.0) for n in batch.family.numbers])
+            batch = replace(batch, family=change(flow))
+        batches.append(batch)
+    return replace(mechanism, batches=tuple(batches))
+
+
+@dataclass(frozen=True)
+class SteadyDrive:
+    """Prescribed values of a load level: constant rates, no accelerations. The time is that of the start."""
+
+    state: DriveState
+    breaks: tuple[float, ...] = ()
+
+    @classmethod
+    def at_level(cls, mechanism: Mechanism, level: LoadLevel) -> SteadyDrive:
+        """Values measured from the reference configuration and rates, both scaled with the level."""
+        n = mechanism.numbering
+        start = mechanism.drive.at(0.0)
+        x_reference = mechanism.x0[n.x_class["input"]]
+        x = x_reference + level.initial * (start.x - x_reference)
+        e = level.initial * start.e
+        if level.additional and mechanism.additional_drive is not None:
+            x = x + level.additional * mechanism.additional_drive.x
+            e = e + level.additional * mechanism.additional_drive.e
+        zero_x, zero_e = np.zeros_like(x), np.zeros_like(e)
+        return cls(DriveState(x, level.initial * start.xd, zero_x, e, level.initial * start.ed, zero_e))
+
+    def at(self, t: float) -> DriveState:
+        return self.state

@@ -1,0 +1,83 @@
+"""Kinetic and potential energy of a system, and the power of its loads."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import sympy as sp
+
+from spacar.errors import UsageError
+from spacar.symbolic.derivatives import omega
+from spacar.symbolic.held import damping_force
+from spacar.symbolic.parts import Point
+from spacar.symbolic.shapes import X, integral
+from spacar.symbolic.vectors import Vector, dot
+
+if TYPE_CHECKING:
+    from spacar.symbolic.equations import Equations
+    from spacar.symbolic.system import System
+
+
+def pseudo_values(system: System) -> dict[sp.Expr, sp.Expr]:
+    """Pseudo-coordinates and -speeds as values of the assumed fields."""
+    speed = {q: s for beam in system.beams for q, s in zip(beam.coordinates, beam.speeds, strict=True)}
+    values = {p.coordinate: p.value for p in system.pseudo}
+    values |= {p.speed: sp.Add(*(g * speed[q] for q, g in p.gradient.items())) for p in system.pseudo}
+    return values
+
+
+def kinetic_energy(eq: Equations) -> sp.Expr:
+    """½ sᵀ I s [J]. UsageError when velocities contain parts without speeds (prescribed motion)."""
+    at_rest = dict.fromkeys(eq.system.speeds, sp.S.Zero)
+    points = [b.point.velocity for b in eq.system.bodies] + [b.root.velocity for b in eq.system.beams]
+    frames = [b.frame for b in eq.system.bodies if b.frame] + [b.frame for b in eq.system.beams]
+    still = at_rest | {p.speed: sp.S.Zero for p in eq.system.pseudo}
+    for v in [*points, *(omega(eq.system.N, f) for f in frames)]:
+        if v.xreplace(still):
+            raise UsageError("kinetic energy from the mass matrix needs velocities that are linear in the speeds")
+    s = sp.Matrix(eq.speeds)
+    return (s.T * eq.mass_matrix * s)[0] / 2
+
+
+def potential_energy(eq: Equations) -> sp.Expr:
+    """Gravity, strain energy of the fields and springs [J]; zero at the origin, with unstrained fields."""
+    system = eq.system
+    total = sp.Add(*(spring.energy() for spring in system.springs))
+    for body in system.bodies:
+        total -= body.mass * dot(system.gravity, position(system, body.point))
+    for beam in system.beams:
+        rule = {f.function: f.value(X) for f in beam.fields}
+        if beam.shortening:
+            rule[beam.shortening.function] = beam.shortening.value(X)
+        offset: Vector = beam.offset.xreplace(rule).map(lambda c, beam=beam: integral(c * beam.mass, X, beam.length))
+        weight = dot(system.gravity, position(system, beam.root)) * beam.mass * beam.length
+        total -= weight + dot(system.gravity, offset)
+        total += sp.Add(*(f.strain_energy(beam.length) for f in beam.fields))
+    return eq.scalar(total)
+
+
+def position(system: System, point: Point) -> Vector:
+    """Position from the origin. UsageError for a point of which only the velocity is known, under gravity."""
+    here: Point | None = point
+    while here is not None and system.gravity:
+        if here.given and here.base is system.O and not here.offset:
+            raise UsageError(f"point {here.name} has no position: potential energy is unknown")
+        here = here.base
+    return point.position
+
+
+def power(eq: Equations) -> sp.Expr:
+    """Power [W] of forces, torques, spring dampers and field damping (inputs as symbols)."""
+    system = eq.system
+    total = sp.Add(*(-s.damping * s.lengthening**2 for s in system.springs))
+    for load in system.loads:
+        if load.point is not None:
+            total += dot(load.vector, load.point.velocity)
+        for frame, sign in ((load.frame, 1), (load.reaction, -1)):
+            if frame is not None:
+                total += sign * dot(load.vector, omega(system.N, frame))
+    for beam in system.beams:
+        for f in beam.fields:
+            for s, psi in zip(f.speeds, f.shapes, strict=True):
+                total -= s * damping_force(beam, f, psi)
+    return eq.scalar(total)

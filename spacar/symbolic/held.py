@@ -1,0 +1,239 @@
+"""Strategy `held`: equations in vector notation, products of unit vectors evaluated last.
+
+    E(s) = Σ_B [∂v_B/∂s·(F_B − I_B) + ∂w_B/∂s·(T_B − J_B)] + Σ loads                                         (A)
+    E(φ_k) = ∫ [(f − ρ a)·∂v/∂dφ_k − EI u_xx ψ_k,xx − 2γ u_xt ψ_k,x] dx + Σ_p E(s'_p) ∂s'_p/∂dφ_k            (B)
+
+(A) is evaluated for generalized speeds and for pseudo-speeds s'_p. Every equation is linear in the accelerations
+(ṡ_r, dφ̇_k, ṡ'_p) = a: E = E_0 − Î a. With a = T ȧ + t (pseudo-speeds follow the field) the result is I = Tᵀ Î T,
+f = Tᵀ (E_0 − Î t). Source: the paper, (11) to (20), tables 11 to 19; `symbolic.md`, sections 3.2, 3.3, 4.2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import sympy as sp
+
+from spacar.symbolic.collect import ZTable, gather_dots, gather_scalars, gather_vectors, read_measure_numbers, read_scalar
+from spacar.symbolic.derivatives import omega, partial_velocity
+from spacar.symbolic.fields import Field
+from spacar.symbolic.parts import Beam, RigidBody
+from spacar.symbolic.shapes import X, integral
+from spacar.symbolic.transform import DirectionCosines, transform
+from spacar.symbolic.units import TIME, HeldScalar
+from spacar.symbolic.vectors import ZERO, Vector, cross, dot
+
+if TYPE_CHECKING:
+    from spacar.symbolic.equations import Derivation
+    from spacar.symbolic.system import System
+
+
+@dataclass(frozen=True)
+class Wrench:
+    """What acts on a body at its reference point, inertia included: force F − I with v, torque T − J with w."""
+
+    velocity: Vector
+    force: Vector
+    rotation: Vector
+    torque: Vector
+
+
+class HeldDerivation:
+    """The steps of the held derivation for one system, each usable alone."""
+
+    def __init__(self, system: System, recurrence: bool = True) -> None:
+        self.system = system
+        self.recurrence = recurrence
+        self.accelerations = list(system.accelerations.values())
+        self.table = ZTable(forbidden=self.accelerations)
+        self._accelerations_of: dict[Vector, Vector] = {}
+
+    # -- Z variables -------------------------------------------------------------------------------------------
+
+    def remember(self, vector: Vector) -> Vector:
+        """Measure numbers as Z variables, accelerations kept; only gathered when recurrence is off."""
+        if not self.recurrence:
+            return gather_vectors(vector)
+        return read_measure_numbers(gather_vectors(vector), self.table, self.accelerations)
+
+    def acceleration(self, velocity: Vector) -> Vector:
+        """Acceleration in N of a point or frame with this velocity; its measure numbers are read from Z."""
+        if velocity not in self._accelerations_of:
+            self._accelerations_of[velocity] = self.remember(self.system.ddt(self.system.N, velocity))
+        return self._accelerations_of[velocity]
+
+    # -- bodies ------------------------------------------------------------------------------------------------
+
+    def body(self, body: RigidBody) -> Wrench:
+        """F − I = m (g − a_c) and T − J = −dH/dt of a rigid body at its mass centre."""
+        force = (self.system.gravity - self.acceleration(body.point.velocity)) * body.mass
+        if body.frame is None or not body.inertia:
+            return Wrench(body.point.velocity, force, ZERO, ZERO)
+        w = omega(self.system.N, body.frame)
+        momentum = dot(body.inertia, w)
+        return Wrench(body.point.velocity, force, w, self.remember(-self.system.ddt(self.system.N, momentum)))
+
+    def beam(self, beam: Beam) -> Wrench:
+        """∫ρ(g − a) dx and ∫ r × ρ(g − a) dx of a beam about its root; the section's own inertia in twist."""
+        mass = beam.mass * beam.length
+        g, root = self.system.gravity, self.acceleration(beam.root.velocity)
+        r, relative = self.assumed(beam, beam.offset), self.relative_acceleration(beam)
+        moment = self.remember(self.integrate(beam, r * beam.mass))
+        force = self.remember(self.integrate(beam, relative * -beam.mass)) + (g - root) * mass
+        torque = self.remember(self.integrate(beam, cross(r, relative) * -beam.mass)) + cross(moment, g - root)
+        torque -= self.integrate(beam, self.section_momentum_rate(beam))
+        return Wrench(beam.root.velocity, force, omega(self.system.N, beam.frame), torque)
+
+    def relative_acceleration(self, beam: Beam) -> Vector:
+        """Acceleration in N of the mass point x relative to the root, the field put in."""
+        N = self.system.N
+        return self.assumed(beam, self.system.ddt(N, self.system.ddt(N, beam.offset)))
+
+    def section_momentum_rate(self, beam: Beam) -> Vector:
+        """d/dt of the polar momentum ρ_p (w·b1 + θ_t) b1 of a section."""
+        if beam.polar == 0:
+            return ZERO
+        twist, b1 = beam.kind("twist"), beam.frame[1]
+        spin = dot(omega(self.system.N, beam.frame), b1) + (twist.function.diff(TIME) if twist else 0)
+        return self.assumed(beam, self.system.ddt(self.system.N, b1 * (beam.polar * spin)))
+
+    def assumed(self, beam: Beam, value: Vector) -> Vector:
+        """Put the assumed fields in for u(x, t) and its derivatives."""
+        rule: dict[sp.Basic, sp.Expr] = {}
+        for f in beam.fields:
+            rule |= f.substitution(self.system.accelerations)
+        if beam.shortening:
+            rule |= beam.shortening.substitution(self.system.accelerations)
+        return value.xreplace(rule)
+
+    @staticmethod
+    def integrate(beam: Beam, value: Vector) -> Vector:
+        return value.map(lambda c: integral(c, X, beam.length))
+
+    # -- equations ---------------------------------------------------------------------------------------------
+
+    def wrenches(self) -> list[Wrench]:
+        N = self.system.N
+        wrenches = [*map(self.body, self.system.bodies), *map(self.beam, self.system.beams)]
+        for load in self.system.all_loads():
+            if load.point is not None:
+                wrenches.append(Wrench(load.point.velocity, load.vector, ZERO, ZERO))
+            if load.frame is not None:
+                wrenches.append(Wrench(ZERO, ZERO, omega(N, load.frame), load.vector))
+            if load.reaction is not None:
+                wrenches.append(Wrench(ZERO, ZERO, omega(N, load.reaction), -load.vector))
+        return wrenches
+
+    @staticmethod
+    def ordinary(wrenches: list[Wrench], speed: sp.Expr) -> sp.Expr:
+        """E(speed) of formula (A)."""
+        total = sp.S.Zero
+        for w in wrenches:
+            total += dot(partial_velocity(w.velocity, speed), w.force)
+            total += dot(partial_velocity(w.rotation, speed), w.torque)
+        return total
+
+    def weak(self, beam: Beam) -> dict[sp.Expr, sp.Expr]:
+        """The integral of formula (B) for every field speed of the beam."""
+        root, relative = self.acceleration(beam.root.velocity), self.relative_acceleration(beam)
+        density = (self.system.gravity - root) * beam.mass, relative * -beam.mass
+        shortening = beam.shortening.gradient(X) if beam.shortening else {}
+        result: dict[sp.Expr, sp.Expr] = {}
+        for f in beam.fields:
+            for q, s, psi in zip(f.coordinates, f.speeds, f.shapes, strict=True):
+                move = beam.frame[f.direction] * (0 if f.kind == "twist" else psi) - beam.frame[1] * shortening.get(q, 0)
+                parts = [dot(self.remember(self.integrate(beam, move * beam.mass)), density[0] / beam.mass)]
+                inner = integral(dot(move, density[1]), X, beam.length)
+                if f.kind == "twist":
+                    inner -= integral(psi * dot(beam.frame[1], self.section_momentum_rate(beam)), X, beam.length)
+                inner -= f.strain_energy(beam.length).diff(q) + damping_force(beam, f, psi)
+                parts.append(read_scalar(inner, self.table, self.accelerations) if self.recurrence else gather_scalars(inner))
+                result[s] = sp.Add(*parts)
+        return result
+
+
+def damping_force(beam: Beam, f: Field, psi: sp.Expr) -> sp.Expr:
+    """∫ 2γ u_xt ψ_x dx of a bending field, or −∫ 2γ u_xxt ψ dx as printed in the paper (no boundary condition)."""
+    if f.kind != "bending" or beam.damping == 0:
+        return sp.S.Zero
+    order = 1 if beam.damping_boundary else 2
+    u_t = sp.Add(*(s * p.diff(X, order) for s, p in zip(f.speeds, f.shapes, strict=True)))
+    weight = psi.diff(X) if beam.damping_boundary else -psi
+    return integral(2 * beam.damping * u_t * weight, X, beam.length)
+
+
+def derive_held(system: System, recurrence: bool = True) -> Derivation:
+    """Mass matrix and right-hand side for all speeds of the system, and the held equations."""
+    from spacar.symbolic.equations import Derivation
+
+    steps = HeldDerivation(system, recurrence)
+    wrenches = steps.wrenches()
+    field_speeds = [s for beam in system.beams for s in beam.speeds]
+    ordinary = [s for s in system.speeds if s not in field_speeds]
+    pseudo = [p.speed for p in system.pseudo]
+    held = {s: gather_dots(steps.ordinary(wrenches, s)) for s in [*ordinary, *pseudo]}
+    for beam in system.beams:
+        held |= steps.weak(beam)
+    extended = [*system.speeds, *pseudo]
+    cosines = DirectionCosines(steps.table if recurrence else None)
+    finish = _finisher(system, steps, cosines)
+    symbols = [system.accelerations[s] for s in extended]
+    none = dict.fromkeys(symbols, sp.S.Zero)
+    rows = {s: held[s] for s in extended}
+    n = len(extended)
+    I = sp.zeros(n, n)
+    for i, s in enumerate(extended):
+        for j in range(i, n):
+            I[i, j] = I[j, i] = finish(-rows[s].diff(symbols[j]))
+    E0 = sp.Matrix([finish(rows[s].xreplace(none)) for s in extended])
+    boundary = {p.speed: p for p in system.pseudo}
+    complete = {s: held[s] + _boundary_terms(system, held, s) for s in system.speeds} | {s: held[s] for s in boundary}
+    T, t = _pseudo_relations(system, finish)
+    mass = (T.T * I * T).applyfunc(sp.expand) if not recurrence else T.T * I * T
+    return Derivation(mass, T.T * (E0 - I * t), steps.table, cosines, complete)
+
+
+def _boundary_terms(system: System, held: dict[sp.Expr, sp.Expr], speed: sp.Expr) -> sp.Expr:
+    coordinate = {s: q for beam in system.beams for q, s in zip(beam.coordinates, beam.speeds, strict=True)}.get(speed)
+    if coordinate is None:
+        return sp.S.Zero
+    return sp.Add(*(held[p.speed] * p.gradient[coordinate] for p in system.pseudo if coordinate in p.gradient))
+
+
+def _finisher(system: System, steps: HeldDerivation, cosines: DirectionCosines) -> Callable[[sp.Expr], sp.Expr]:
+    """Dots to cosines, pseudo-coordinates and -speeds to field values, the result a memory read."""
+    field_speed = {q: s for beam in system.beams for q, s in zip(beam.coordinates, beam.speeds, strict=True)}
+    values: dict[sp.Expr, sp.Expr] = {}
+    for p in system.pseudo:
+        velocity = sp.Add(*(gather_scalars(g) * field_speed[q] for q, g in p.gradient.items()))
+        values[p.coordinate] = _named(steps, p.coordinate, gather_scalars(p.value))
+        values[p.speed] = _named(steps, p.speed, gather_scalars(velocity))
+    if steps.recurrence:
+        for z in list(steps.table.definitions):
+            steps.table.definitions[z] = steps.table.definitions[z].xreplace(values)
+
+    def finish(expression: sp.Expr) -> sp.Expr:
+        dots = sorted(expression.atoms(HeldScalar), key=str)
+        rule = {atom: cosines.value(atom).xreplace(values) for atom in dots}
+        expression = gather_scalars(expression.xreplace(rule).xreplace(values))
+        return steps.table.read(expression) if steps.recurrence else expression
+
+    return finish
+
+
+def _named(steps: HeldDerivation, symbol: sp.Expr, value: sp.Expr) -> sp.Expr:
+    return steps.table.read(value, name=str(symbol.func)) if steps.recurrence else value
+
+
+def _pseudo_relations(system: System, finish: Callable[[sp.Expr], sp.Expr]) -> tuple[sp.Matrix, sp.Matrix]:
+    """T and t of (ṡ, dφ̇, ṡ') = T (ṡ, dφ̇) + t."""
+    n = len(system.speeds)
+    T, t = sp.eye(n).row_insert(n, sp.zeros(len(system.pseudo), n)), sp.zeros(n + len(system.pseudo), 1)
+    speed = {q: s for beam in system.beams for q, s in zip(beam.coordinates, beam.speeds, strict=True)}
+    for row, p in enumerate(system.pseudo, n):
+        for q, g in p.gradient.items():
+            T[row, system.speeds.index(speed[q])] = finish(g)
+        t[row] = finish(sp.Add(*(g.diff(r) * speed[q] * speed[r] for q, g in p.gradient.items() for r in speed)))
+    return T, t
