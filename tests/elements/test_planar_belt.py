@@ -103,7 +103,7 @@ def test_planetary_gear_over_several_turns():
 
 
 def test_mass_is_kinetic_energy_of_the_span():
-    """Velocity linear between the rims at the tangent points (Simpson's rule is exact), and the wound parts."""
+    """Velocity linear between the rims at the tangent points (Simpson is exact), and the wound parts."""
     family, x0, x, em, rng = belts()
     v = rng.normal(size=(6, N))
     energy = 0.5 * (v[:, None] * mass_of(family, x) * v).sum((0, 1))
