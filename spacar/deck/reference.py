@@ -1,4 +1,4 @@
-"""The reference of the input language, made from the keyword table: for `spacar keywords` and docs/keywords.md.
+"""The reference page of the input language, made from the keyword table.
 
 `python -m spacar.deck.reference` prints the page that is kept as docs/keywords.md.
 """
@@ -6,9 +6,8 @@
 from __future__ import annotations
 
 from spacar.deck.findings import alternatives
-from spacar.deck.table import ALIASES, ELEMENT_TYPES, KEYWORDS
+from spacar.deck.table import ELEMENT_TYPES, KEYWORDS
 from spacar.deck.table_types import Block, Keyword, Parameter, Variant
-from spacar.errors import UsageError
 
 _HEADINGS = {
     Block.KINEMATICS: "Kinematics block (first block, every mode)",
@@ -19,44 +18,8 @@ _HEADINGS = {
 }
 
 
-def describe(name: str | None = None) -> str:
-    """Plain text about one keyword, or a list of all keywords. Raises UsageError for an unknown name."""
-    if name is None:
-        return _overview()
-    upper = ALIASES.get(name.upper(), name.upper())
-    rows = [k for k in KEYWORDS.values() if k.name == upper]
-    if not rows:
-        from difflib import get_close_matches
-
-        near = get_close_matches(upper, [k.name for k in KEYWORDS.values()], n=1)
-        hint = f"; nearest: {near[0]}" if near else ""
-        raise UsageError(f"unknown keyword '{name}'{hint}", "usage.keyword")
-    return "\n".join(_text(row) for row in rows)
-
-
-def _overview() -> str:
-    width = max(len(k.name) for k in KEYWORDS.values())
-    lines: list[str] = []
-    for block, heading in _HEADINGS.items():
-        lines += [heading, ""]
-        lines += [f"  {k.name:<{width}}  {k.help}" for k in _rows(block)]
-        lines.append("")
-    return "\n".join(lines)
-
-
 def _rows(block: Block) -> list[Keyword]:
     return [k for k in KEYWORDS.values() if k.block is block]
-
-
-def _text(keyword: Keyword) -> str:
-    lines = [f"{keyword.name}: {keyword.help}", f"  block: {keyword.block.value}"]
-    if keyword.aliases:
-        lines.append(f"  older name: {', '.join(keyword.aliases)}")
-    for variant in keyword.variants:
-        lines.append(f"  {_heading(variant)}")
-        lines += [f"    {i}  {_position(p)}" for i, p in enumerate(_listed(variant), 1)]
-    lines += [f"  {line}" for line in _rules(keyword)]
-    return "\n".join(lines) + "\n"
 
 
 def _listed(variant: Variant) -> tuple[Parameter, ...]:
@@ -67,13 +30,6 @@ def _listed(variant: Variant) -> tuple[Parameter, ...]:
     return tuple(shown)
 
 
-def _position(parameter: Parameter) -> str:
-    text = parameter.text
-    if parameter.default is not None:
-        text += f", default {parameter.default:g}"
-    return text
-
-
 def _heading(variant: Variant) -> str:
     """For what a variant is, and its numbers of arguments."""
     whom = [variant.space, f"{variant.role} node" if variant.role else "", ", ".join(variant.types)]
@@ -82,18 +38,19 @@ def _heading(variant: Variant) -> str:
     return f"{about} ({alternatives(variant.counts)} argument{plural})"
 
 
-def _rules(keyword: Keyword) -> list[str]:
-    rules = list(keyword.notes)
+def rules(keyword: Keyword) -> list[str]:
+    """Sentences about a keyword beyond its positions: notes, classes, how often it may be given."""
+    found = list(keyword.notes)
     if keyword.classes:
-        rules.append(f"Only for a {' or '.join(keyword.classes)} coordinate or deformation.")
+        found.append(f"Only for a {' or '.join(keyword.classes)} coordinate or deformation.")
     if keyword.unique == 0:
-        rules.append("At most once in a file.")
+        found.append("At most once in a file.")
     elif keyword.unique is not None:
-        rules.append(
+        found.append(
             "At most once for the same node or element"
             + (", coordinate or mode." if keyword.unique != 1 else ".")
         )
-    return rules
+    return found
 
 
 def markdown() -> str:
@@ -101,8 +58,8 @@ def markdown() -> str:
     lines = [
         "# Keywords of the input file",
         "",
-        "This page is made from the keyword table by `python -m spacar.deck.reference`; do not edit it. The same text",
-        "is printed by `spacar keywords` and `spacar keywords NAME`.",
+        "This page is made from the keyword table by `python -m spacar.deck.reference`; do not edit it. The same",
+        "table is printed by `spacar keywords` and `spacar keywords NAME`.",
         "",
         *_RULES,
         "",
@@ -146,9 +103,9 @@ def _section(keyword: Keyword) -> list[str]:
             last = i == len(_listed(variant)) and len(_listed(variant)) < len(variant.parameters)
             default = "" if p.default is None else f"{p.default:g}"
             lines.append(f"| {i}{' ...' if last else ''} | {p.meaning} | {p.unit} | {default} |")
-    rules = _rules(keyword)
-    if rules:
-        lines += ["", *(f"* {rule}" for rule in rules)]
+    more = rules(keyword)
+    if more:
+        lines += ["", *(f"* {rule}" for rule in more)]
     return lines
 
 

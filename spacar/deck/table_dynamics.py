@@ -136,7 +136,12 @@ _MOTION = (
     real("start rate", "1/s", 0.0),
     real("constant acceleration", "1/s^2", 0.0),
 )
-_FROM_X = (NODE, COORDINATE, real("start value (when left out: the value given with X, for lambda0 1)"), *_MOTION[1:])
+_FROM_X = (
+    NODE,
+    COORDINATE,
+    real("start value (when left out: the value given with X, for lambda0 1)"),
+    *_MOTION[1:],
+)
 _START_E = "A start value is the deformation with respect to the configuration given with X."
 
 KEYWORDS = (
@@ -194,9 +199,7 @@ KEYWORDS = (
         ),
         unique=-1,
     ),
-    Keyword(
-        "XF", _D, "external force on a node, constant in time", _force(""), unique=1, notes=_XF_NOTES
-    ),
+    Keyword("XF", _D, "external force on a node, constant in time", _force(""), unique=1, notes=_XF_NOTES),
     Keyword(
         "USERSIG",
         _D,
