@@ -107,12 +107,12 @@ class StationarySolver:
         dynamics.kinematics.move(*dynamics.given(dynamics.drive.at(0.0), self.y))
         for iteration in range(settings.max_iterations + 1):
             drive = dynamics.place(0.0, self.y)
-            xdd, sigma, full, residual, size = self._residual(drive.xdd, drive.edd)
+            xdd, sigma, full, residual, size, convective = self._residual(drive.xdd, drive.edd)
             norm = float(np.max(np.abs(residual), initial=0.0))
             history.append(norm)
             if norm <= settings.tolerance or norm <= ROUNDING * size:
                 self.iterations, self.history = iteration, history
-                self.xdd, self.sigma, self.full_sigma = xdd, sigma, full
+                self.xdd, self.sigma, self.full_sigma, self.convective = xdd, sigma, full, convective
                 return
             if not np.isfinite(norm) or iteration == settings.max_iterations:
                 break
@@ -124,8 +124,8 @@ class StationarySolver:
             "statics.no-convergence",
         )
 
-    def _residual(self, xdd_given: Array, edd_given: Array) -> tuple[Array, Array, Array, Array, float]:
-        """xdd, constitutive sigma, all sigma, R on the dynamic rows, and the size of the forces in it."""
+    def _residual(self, xdd_given: Array, edd_given: Array) -> tuple[Array, Array, Array, Array, float, Array]:
+        """xdd, constitutive sigma, all sigma, R on the dynamic rows, the size of the forces in it, H(xd,xd)."""
         d = self.dynamics
         n, sweep = d.numbering, d.sweep
         convective = sweep.convective(d.xd)
@@ -145,7 +145,7 @@ class StationarySolver:
             float(np.max(np.abs(full), initial=0.0)) * float(np.max(np.abs(sweep.v_entries), initial=0.0)),
             float(np.max(np.abs(applied), initial=0.0)),
         )
-        return xdd, sigma, full, residual, size
+        return xdd, sigma, full, residual, size, convective
 
     def _correction(self, xdd: Array, sigma: Array, full: Array, residual: Array) -> Array:
         d = self.dynamics

@@ -23,12 +23,16 @@ STRATEGIES = ("held", "recursive")
 
 @dataclass(frozen=True)
 class Derivation:
-    """What a strategy delivers: I and f for all speeds of the system, the table of Z variables, held equations."""
+    """What a strategy delivers: I and f for all speeds of the system, the table of Z variables, held equations.
+
+    `values` are the field values that stand for pseudo-coordinates and pseudo-speeds.
+    """
 
     mass_matrix: sp.Matrix
     rhs: sp.Matrix
     table: ZTable
     cosines: DirectionCosines
+    values: dict[sp.Expr, sp.Expr]
     held: dict[sp.Expr, sp.Expr] = field(default_factory=dict)
 
 
@@ -135,10 +139,12 @@ def derive(system: System, strategy: str, recurrence: bool = True) -> Equations:
         derivation = derive_recursive(system)
     else:
         raise UsageError(f"unknown strategy {strategy!r}: choose one of {', '.join(STRATEGIES)}")
+    table = derivation.table
+    for z, definition in table.definitions.items():
+        table.definitions[z] = definition.xreplace(derivation.values)
     reduced = eliminate_dependent_speeds(system, derivation)
     kinematics = {q: reduced.put_in(system.rates[q.diff()]) for q in system.coordinates}
     needed = [*reduced.mass_matrix, *reduced.rhs, *kinematics.values()]
-    table = derivation.table
     order = definition_order(table.definitions, needed)
     return Equations(
         system=system,

@@ -48,6 +48,7 @@ class HeldDerivation:
         self.recurrence = recurrence
         self.accelerations = list(system.accelerations.values())
         self.table = ZTable(forbidden=self.accelerations)
+        self.values: dict[sp.Expr, sp.Expr] = {}
         self._accelerations_of: dict[Vector, Vector] = {}
 
     # -- Z variables -------------------------------------------------------------------------------------------
@@ -192,7 +193,7 @@ def derive_held(system: System, recurrence: bool = True) -> Derivation:
     complete = {s: held[s] + _boundary_terms(system, held, s) for s in system.speeds} | {s: held[s] for s in boundary}
     T, t = _pseudo_relations(system, finish)
     mass = (T.T * I * T).applyfunc(sp.expand) if not recurrence else T.T * I * T
-    return Derivation(mass, T.T * (E0 - I * t), steps.table, cosines, complete)
+    return Derivation(mass, T.T * (E0 - I * t), steps.table, cosines, steps.values, complete)
 
 
 def _boundary_terms(system: System, held: dict[sp.Expr, sp.Expr], speed: sp.Expr) -> sp.Expr:
@@ -210,9 +211,7 @@ def _finisher(system: System, steps: HeldDerivation, cosines: DirectionCosines) 
         velocity = sp.Add(*(gather_scalars(g) * field_speed[q] for q, g in p.gradient.items()))
         values[p.coordinate] = _named(steps, p.coordinate, gather_scalars(p.value))
         values[p.speed] = _named(steps, p.speed, gather_scalars(velocity))
-    if steps.recurrence:
-        for z in list(steps.table.definitions):
-            steps.table.definitions[z] = steps.table.definitions[z].xreplace(values)
+    steps.values = values
 
     def finish(expression: sp.Expr) -> sp.Expr:
         dots = sorted(expression.atoms(HeldScalar), key=str)

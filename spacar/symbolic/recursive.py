@@ -306,4 +306,4 @@ def derive_recursive(system: System) -> Derivation:
         I[i, j] = I[j, i] = sp.Add(*parts)
     for i, parts in sums.force.items():
         f[i] = sp.Add(*parts)
-    return Derivation(I, f, recursion.table, recursion.cosines)
+    return Derivation(I, f, recursion.table, recursion.cosines, recursion.values)

@@ -1,0 +1,129 @@
+"""Linear buckling and directional compliances (mode 8; theory-system.md 6.5, 6.6).
+
+    det(K0 + lambda G0) = 0:   -G0 v = mu K0 v,  lambda = 1/mu      (K0 positive definite, G0 symmetric)
+    otherwise the general problem  -G0 v = mu K0 v;  mu = 0 are infinite multipliers
+
+Multipliers are ordered by modulus, modes have norm 1; negative multipliers belong to the reversed load. The compliance of
+coordinate i is W_i K^-1 W_i^T with K = K0 + N0 + G0 of the dynamic degrees of freedom.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacar.errors import AnalysisError, Report
+from spacar.linear.eigen import is_symmetric
+from spacar.linear.matrices import Linearization
+from spacar.mechanism.mechanism import Array, Index
+
+NOTHING = 1e-13  # mu below this fraction of the largest is an infinite multiplier
+RESIDUAL = 1e-8
+SINGULAR = 1e-14
+
+
+@dataclass(frozen=True)
+class BucklingModes:
+    """multipliers (n,), infinite where the load has no effect; modes (n, n) of norm 1 over the dynamic rows."""
+
+    multipliers: Array
+    modes: Array
+
+
+def buckling_modes(K0: Array, G0: Array, report: Report) -> BucklingModes:
+    """Load multipliers of K0 + lambda G0, both (n, n)."""
+    n = len(K0)
+    scale = _scale(K0)
+    K, G = K0 * np.outer(scale, scale), G0 * np.outer(scale, scale)
+    if not G.any():
+        report.add("no stress, no load multiplier: the geometric stiffness vanishes")
+        return BucklingModes(np.full(n, np.inf), np.eye(n))
+    lower = None
+    if is_symmetric(K) and is_symmetric(G):
+        try:
+            lower = np.linalg.cholesky(K)
+        except np.linalg.LinAlgError:
+            lower = None
+    if lower is not None:
+        reduced = np.linalg.solve(lower, np.linalg.solve(lower, -G).T)
+        mu, vectors = np.linalg.eigh((reduced + reduced.T) / 2)
+        modes = np.linalg.solve(lower.T, vectors)
+    else:
+        mu, modes = _general(K, G, report)
+    modes = modes * scale[:, None]
+    modes = modes / np.linalg.norm(modes, axis=0)
+    infinite = np.abs(mu) <= NOTHING * np.max(np.abs(mu))
+    multipliers = np.where(infinite, np.inf, 1.0 / np.where(infinite, 1.0, mu))
+    order = np.argsort(np.abs(multipliers), kind="stable")
+    result = BucklingModes(multipliers[order], modes[:, order])
+    _check(K0, G0, result)
+    return result
+
+
+def _general(K: Array, G: Array, report: Report) -> tuple[Array, Array]:
+    """K0 indefinite or a matrix not symmetric: real solutions of the general problem."""
+    from scipy.linalg import eig
+
+    (alpha, beta), vectors = eig(-G, K, homogeneous_eigvals=True)
+    size = np.maximum(np.abs(alpha), np.abs(beta))
+    undetermined = size <= 1e-12 * float(np.max(size))
+    if undetermined.any():
+        raise AnalysisError(
+            "K0 and G0 have a common null vector: a motion without stiffness and without geometric stiffness;"
+            " support or prescribe it before buckling is asked for",
+            "buckling.singular",
+        )
+    with np.errstate(divide="ignore"):
+        mu = np.where(np.abs(beta) > 1e-15 * size, alpha / np.where(beta == 0, 1.0, beta), np.inf)
+    complex_values = np.abs(mu.imag) > 1e-8 * np.abs(mu)
+    if complex_values.any():
+        report.add(f"{int(complex_values.sum())} load multipliers are complex (follower loads): they are shown as infinite")
+    mu = np.where(complex_values, 0.0, mu.real)
+    finite = np.isfinite(mu)
+    if not finite.all():
+        report.add("the stiffness matrix K0 is singular: a load multiplier is zero")
+        mu = np.where(finite, mu, np.sign(mu) * 1e300)
+    return mu, vectors.real
+
+
+def _scale(K: Array) -> Array:
+    d = np.sqrt(np.abs(np.diag(K)))
+    largest = float(d.max(initial=0.0))
+    return 1.0 / np.where(d > 1e-12 * largest, d, largest or 1.0)
+
+
+def _check(K0: Array, G0: Array, result: BucklingModes) -> None:
+    finite = np.isfinite(result.multipliers)
+    v, lam = result.modes[:, finite], result.multipliers[finite]
+    norm = np.linalg.norm(K0, 2) + np.abs(lam) * np.linalg.norm(G0, 2)
+    residual = np.linalg.norm(K0 @ v + (G0 @ v) * lam, axis=0) / norm
+    if not np.all(residual <= RESIDUAL):
+        worst = int(np.argmax(residual))
+        text = f"the load multiplier {lam[worst]:.6g} has the relative residual {residual[worst]:.3g}"
+        raise AnalysisError(text, "buckling.residual")
+
+
+def directional_compliances(L: Linearization, dynamic: Index, report: Report) -> Array:
+    """(nx,) diagonal of W K^-1 W^T; infinite where a singular K moves the coordinate."""
+    K = L.stiffness[np.ix_(dynamic, dynamic)]
+    W = L.W[:, dynamic]
+    if not len(dynamic):
+        return np.zeros(len(W))
+    scale = _scale(K)
+    u, s, vt = np.linalg.svd(K * np.outer(scale, scale))
+    regular = s > SINGULAR * s[0]
+    Ws = W * scale
+    if regular.all():
+        return np.einsum("ia,ai->i", Ws, np.linalg.solve(K * np.outer(scale, scale), Ws.T))
+    report.add("the tangent stiffness is singular (critical load or rigid motion): some compliances are infinite")
+    compliance = np.einsum("ia,a,ia->i", Ws @ vt[regular].T, 1.0 / s[regular], Ws @ u[:, regular])
+    moved = np.abs(Ws @ vt[~regular].T).max(axis=1) > 1e-8 * np.abs(Ws).max()
+    return np.where(moved, np.inf, compliance)
+
+
+def nodal_compliance(L: Linearization, dynamic: Index, rows: Array) -> Array:
+    """Full compliance matrix rows K^-1 rows^T for selected displacement rows (m, nx), e.g. 6 of a node pair."""
+    K = L.stiffness[np.ix_(dynamic, dynamic)]
+    T = rows @ L.W[:, dynamic]
+    return np.asarray(T @ np.linalg.solve(K, T.T))

@@ -1,0 +1,125 @@
+"""Eigenvalues of the linearized system (mode 7; theory-system.md 6.4).
+
+Eigenvalues of the state matrix A of (15). Without damping and gyroscopic terms and with symmetric K, M the symmetric
+problem K phi = omega^2 M phi is solved instead (more accurate, and repeated values keep full sets of vectors):
+lambda = +-i omega, or +-sqrt(-omega^2) for an unstable mode. Eigenvectors are those of the state (ds, dqd), of
+Euclidean norm 1, with a real largest position component. Order: decreasing modulus, conjugates together, positive
+imaginary part first.
+
+Every returned pair is checked: |A z - lambda z| <= 1e-8 (|A| + |lambda|) |z| after balancing, else AnalysisError.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacar.errors import AnalysisError
+from spacar.linear.matrices import Linearization
+from spacar.linear.state_space import state_matrix
+from spacar.mechanism.mechanism import Array, Index
+
+Complex = NDArray[np.complex128]
+SYMMETRIC = 1e-9  # relative asymmetry below which a matrix counts as symmetric (rounding of assembled sums)
+RESIDUAL = 1e-8
+
+
+@dataclass(frozen=True)
+class Modes:
+    """values (n,), vectors (n_state, n): eigenvalues [rad/s] and state eigenvectors; n_positions rows are positions."""
+
+    values: Complex
+    vectors: Complex
+    n_positions: int
+
+    @property
+    def zero(self) -> NDArray[np.bool_]:
+        """Eigenvalues that are zero to working precision: below sqrt(eps) times the largest."""
+        largest = float(np.max(np.abs(self.values), initial=0.0))
+        return np.abs(self.values) <= np.sqrt(np.finfo(float).eps) * largest
+
+
+def vibration_modes(L: Linearization, q: Index, s: Index) -> Modes:
+    """All eigenvalues and eigenvectors about the linearization point for the rows q, s (see chosen_rows)."""
+    M, C, K = L.m0[np.ix_(q, q)], L.damping[np.ix_(q, q)], L.stiffness[np.ix_(q, s)]
+    if len(q) == len(s) and is_symmetric(K) and is_symmetric(M) and not _matters(C, M, K):
+        return undamped_modes(K, M)
+    A = state_matrix(L, q, s)
+    values, vectors = np.linalg.eig(A)
+    _check(A, values, vectors)
+    return _arranged(values, vectors, len(s))
+
+
+def undamped_modes(K: Array, M: Array) -> Modes:
+    """Modes of M qdd + K q = 0 from the symmetric eigenproblem. Raises AnalysisError for an indefinite mass matrix."""
+    squares, shapes = symmetric_pencil(K, M)
+    root = np.sqrt(squares.astype(complex))  # omega, or i kappa for an unstable mode
+    values = np.concatenate((1j * root, -1j * root))
+    shapes = np.hstack((shapes, shapes)).astype(complex)
+    vectors = np.vstack((shapes, shapes * values))
+    return _arranged(values, vectors, len(K))
+
+
+def symmetric_pencil(K: Array, M: Array) -> tuple[Array, Array]:
+    """omega^2 (n,) ascending and vectors (n, n) of K phi = omega^2 M phi, M positive definite, scaled to unit diagonal."""
+    diagonal = np.diag(M)
+    if np.any(diagonal <= 0.0):
+        raise AnalysisError("singular mass matrix: a degree of freedom carries no mass; add XM or EM", "dynamics.singular-mass")
+    scale = 1.0 / np.sqrt(diagonal)
+    try:
+        lower = np.linalg.cholesky(M * np.outer(scale, scale))
+    except np.linalg.LinAlgError:
+        raise AnalysisError("the mass matrix is not positive definite; a motion carries no mass", "dynamics.singular-mass") from None
+    half = np.linalg.solve(lower, K * np.outer(scale, scale))
+    reduced = np.linalg.solve(lower, half.T)
+    squares, vectors = np.linalg.eigh((reduced + reduced.T) / 2)
+    shapes = np.linalg.solve(lower.T, vectors) * scale[:, None]
+    return squares, shapes
+
+
+def is_symmetric(A: Array) -> bool:
+    """Symmetric to rounding, row and column scaled so that units do not matter."""
+    d = np.sqrt(np.abs(np.diag(A)))
+    scale = np.where(d > 0.0, d, d.max(initial=0.0))
+    if not scale.any():
+        return not A.any() or bool(np.allclose(A, A.T, rtol=SYMMETRIC, atol=0.0))
+    S = A / np.outer(scale, scale)
+    return bool(np.max(np.abs(S - S.T)) <= SYMMETRIC * max(1.0, float(np.max(np.abs(S)))))
+
+
+def _matters(C: Array, M: Array, K: Array) -> bool:
+    """Is C more than the rounding of zero, compared with sqrt(m k) of its row and column?"""
+    size = np.sqrt(np.sqrt(np.abs(np.diag(M) * np.diag(K))))
+    bound = 1e-14 * np.outer(size, size)
+    return bool(np.any(np.abs(C) > bound))
+
+
+def _check(A: Array, values: Complex, vectors: Complex) -> None:
+    if not len(values):
+        return
+    norm = float(np.linalg.norm(A, 2)) + np.abs(values)
+    residual = np.linalg.norm(A @ vectors - vectors * values, axis=0) / (norm * np.linalg.norm(vectors, axis=0))
+    if not np.all(residual <= RESIDUAL):
+        worst = int(np.argmax(residual))
+        text = (
+            f"the eigenvalue {values[worst]:.6g} has the relative residual {residual[worst]:.3g} > {RESIDUAL:g};"
+            " the state matrix is badly conditioned"
+        )
+        raise AnalysisError(text, "eigen.residual")
+
+
+def _arranged(values: Complex, vectors: Complex, n_positions: int) -> Modes:
+    """Norm 1, phase, order."""
+    vectors = vectors / np.linalg.norm(vectors, axis=0)
+    if n_positions:
+        largest = np.argmax(np.abs(vectors[:n_positions]), axis=0)
+        pivot = vectors[largest, np.arange(len(values))]
+        phase = np.where(pivot != 0.0, np.abs(pivot) / np.where(pivot != 0.0, pivot, 1.0), 1.0)
+        vectors = vectors * phase
+    modulus = np.abs(values)
+    # conjugates have equal moduli up to rounding: compare with fewer digits, then by imaginary part
+    rounded = np.array([float(f"{m:.10e}") for m in modulus])
+    order = np.lexsort((-values.imag, -np.abs(values.imag), -rounded))
+    return Modes(values[order], vectors[:, order], n_positions)

@@ -1,0 +1,190 @@
+"""State space matrices for the inputs and outputs of modes 3, 4 and 9 (theory-system.md section 5).
+
+State z = (ds, dqd) with s = (q, k) and qd restricted to the chosen rows (dynamic ones; all in mode 3).
+
+    A = [Bk0, Ak0; -M^-1 K, -M^-1 C],   B = [Bk0 P0 + Ak0 P1; M^-1 B0]                                        (15)
+    B0 = W^T E_f + s_u We^T E_sigma - M0 P2 - (C0 + D0) P1 - (K0 + N0 + G0) P0                                 (14)
+
+E_f, E_sigma select forces and driving stresses, P0, P1, P2 values, rates and accelerations of prescribed degrees of
+freedom (independent inputs). s_u = +1: an actuator input is the driving force that does positive work on its rate.
+Outputs are linear in (ds, dqd, dqdd) and the inputs; reactions come from the linearized equilibrium (section 5.3).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacar.dynamics.dynamics import Dynamics
+from spacar.errors import AnalysisError
+from spacar.linear.matrices import Linearization
+from spacar.mechanism.mechanism import Array, Index
+
+DRIVING_SIGN = 1.0  # s_u of theory-system.md 5.1
+
+INPUT_KINDS = ("INPUTS", "INPUTF", "INE", "INEP", "INEDP", "INX", "INXP", "INXDP")
+OUTPUT_KINDS = ("OUTS", "OUTE", "OUTEP", "OUTEDP", "OUTF", "OUTX", "OUTXP", "OUTXDP")
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One input or output: kind (keyword), 0-based index into x or e, and a name for plots."""
+
+    kind: str
+    index: int
+    name: str
+
+
+@dataclass(frozen=True)
+class StateSpace:
+    """dz/dt = A z + B u, y = C z + D u; `feedthrough` is False when D vanishes by construction."""
+
+    A: Array
+    B: Array
+    C: Array
+    D: Array
+    feedthrough: bool
+
+
+def chosen_rows(L: Linearization, dynamics: Dynamics, everything: bool = False) -> tuple[Index, Index]:
+    """Rows of q and of s that are states: the dynamic ones (and the kinematic ones), or all of them (mode 3)."""
+    n = dynamics.numbering
+    q = np.arange(n.ndof) if everything else n.dynamic
+    return q, np.r_[q, np.arange(n.ndof, n.nkdof)]
+
+
+def state_matrix(L: Linearization, q: Index, s: Index) -> Array:
+    """A of (15). Raises AnalysisError when the mass matrix of the rows q is singular."""
+    nq, ns = len(q), len(s)
+    M = L.m0[np.ix_(q, q)]
+    lower = -solve_mass(M, np.hstack((L.stiffness[np.ix_(q, s)], L.damping[np.ix_(q, q)])))
+    A = np.zeros((ns + nq, ns + nq))
+    A[:ns, :ns], A[:ns, ns:] = L.bk0[np.ix_(s, s)], L.ak0[np.ix_(s, q)]
+    A[ns:] = lower
+    return A
+
+
+def solve_mass(M: Array, b: Array) -> Array:
+    """M^-1 b for a symmetric positive definite M, scaled to a unit diagonal."""
+    diagonal = np.diag(M)
+    if np.any(diagonal <= 0.0):
+        raise AnalysisError("singular mass matrix: a degree of freedom carries no mass; add XM or EM", "dynamics.singular-mass")
+    scale = 1.0 / np.sqrt(diagonal)
+    try:
+        solution = np.linalg.solve(M * np.outer(scale, scale), b * scale[:, None])
+    except np.linalg.LinAlgError:
+        raise AnalysisError("singular mass matrix; add XM or EM", "dynamics.singular-mass") from None
+    return np.asarray(solution * scale[:, None])
+
+
+def state_space(
+    dynamics: Dynamics,
+    L: Linearization,
+    inputs: Sequence[Signal],
+    outputs: Sequence[Signal],
+    *,
+    everything: bool = False,
+) -> StateSpace:
+    """Matrices for the given signals. `everything` takes all rows of q as states (mode 3)."""
+    n = dynamics.numbering
+    q, s = chosen_rows(L, dynamics, everything)
+    A = state_matrix(L, q, s)
+    P = _prescribed(dynamics, inputs)
+    Ef, Es = _unit(n.nx, inputs, "INPUTF"), _unit(n.ne, inputs, "INPUTS")
+    P0s = np.vstack((P[0], np.zeros((n.nk, len(inputs)))))
+    B0 = (
+        L.W.T @ Ef + DRIVING_SIGN * L.We.T @ Es
+        - L.m0 @ P[2] - L.damping @ P[1] - L.stiffness @ P0s
+    )[q]  # fmt: skip
+    ns = len(s)
+    B = np.zeros((len(A), len(inputs)))
+    B[:ns] = (L.bk0 @ P0s + L.ak0 @ P[1])[s]
+    B[ns:] = solve_mass(L.m0[np.ix_(q, q)], B0) if len(q) else B0
+    C, D, feedthrough = _outputs(dynamics, L, outputs, A, B, P, P0s, Ef, Es, q, s)
+    return StateSpace(A, B, C, D, feedthrough)
+
+
+def _unit(size: int, signals: Sequence[Signal], kind: str) -> Array:
+    E = np.zeros((size, len(signals)))
+    for j, signal in enumerate(signals):
+        if signal.kind == kind:
+            E[signal.index, j] = 1.0
+    return E
+
+
+def _prescribed(dynamics: Dynamics, inputs: Sequence[Signal]) -> tuple[Array, Array, Array]:
+    """P0, P1, P2: (ndof, number of inputs) each."""
+    n = dynamics.numbering
+    row_x = {int(i): k for k, i in enumerate(n.q_x)}
+    row_e = {int(i): len(n.q_x) + k for k, i in enumerate(n.q_e)}
+    P = tuple(np.zeros((n.ndof, len(inputs))) for _ in range(3))
+    order = {"INX": 0, "INE": 0, "INXP": 1, "INEP": 1, "INXDP": 2, "INEDP": 2}
+    for j, signal in enumerate(inputs):
+        if signal.kind in order:
+            row = row_x if signal.kind.startswith("INX") else row_e
+            P[order[signal.kind]][row[signal.index], j] = 1.0
+    return P  # type: ignore[return-value]
+
+
+def _outputs(
+    dynamics: Dynamics, L: Linearization, outputs: Sequence[Signal], A: Array, B: Array,
+    P: tuple[Array, Array, Array], P0s: Array, Ef: Array, Es: Array, q: Index, s: Index,
+) -> tuple[Array, Array, bool]:  # fmt: skip
+    """C and D: every output as a linear map of z (first columns) and u (last columns)."""
+    n = dynamics.numbering
+    nz, nu, ns = A.shape[0], B.shape[1], len(s)
+    ds, dqd, dqdd = np.zeros((n.nkdof, nz + nu)), np.zeros((n.ndof, nz + nu)), np.zeros((n.ndof, nz + nu))
+    ds[s, np.arange(ns)] = 1.0
+    dqd[q, ns + np.arange(len(q))] = 1.0
+    ds[:, nz:] += P0s
+    dqd[:, nz:] += P[1]
+    dqdd[:, nz:] += P[2]
+    dqdd[q] += np.hstack((A, B))[ns:]
+    maps = {
+        "OUTX": lambda: L.G @ ds,
+        "OUTXP": lambda: L.W @ dqd + L.Z @ ds,
+        "OUTXDP": lambda: L.W @ dqdd + L.Yv @ dqd + L.Y @ ds,
+        "OUTE": lambda: L.Ge @ ds,
+        "OUTEP": lambda: L.We @ dqd + L.Ze @ ds,
+        "OUTEDP": lambda: L.We @ dqdd + L.Yev @ dqd + L.Ye @ ds,
+    }
+    kinds = {signal.kind for signal in outputs}
+    rows = {kind: maps[kind]() for kind in kinds if kind in maps}
+    if kinds & {"OUTS", "OUTF"}:
+        reaction = _reactions(dynamics, L, ds, dqd, dqdd, maps, Ef, Es, nz)
+        rows["OUTS"], rows["OUTF"] = reaction
+    table = np.array([rows[signal.kind][signal.index] for signal in outputs]).reshape(len(outputs), nz + nu)
+    feedthrough = bool(kinds & {"OUTS", "OUTF", "OUTXDP", "OUTEDP"}) or bool(table[:, nz:].any())
+    return table[:, :nz], table[:, nz:], feedthrough
+
+
+def _reactions(
+    dynamics: Dynamics, L: Linearization, ds: Array, dqd: Array, dqdd: Array, maps: dict, Ef: Array, Es: Array, nz: int
+) -> tuple[Array, Array]:  # fmt: skip
+    """Variations of all stresses (ne, .) and of all external forces (nx, .)."""
+    k, n = dynamics.kinematics, dynamics.numbering
+    dx, dxd, dxdd = L.G @ ds, L.W @ dqd + L.Z @ ds, L.W @ dqdd + L.Yv @ dqd + L.Y @ ds
+    de, ded = L.Ge @ ds, L.We @ dqd + L.Ze @ ds
+    free = np.arange(n.e_class["input"].stop, n.ne)
+    dsigma = np.zeros((n.ne, ds.shape[1]))
+    dsigma[free] = (L.S @ de + L.Sd @ ded)[free]
+    dsigma[free, nz:] -= DRIVING_SIGN * Es[free]
+    force = L.M @ dxdd + L.h_v @ dxd + L.tangent @ dx
+    if dynamics.coupling.present:
+        i, j, value = dynamics.coupling.table
+        dedd = L.We @ dqdd + L.Yev @ dqd + L.Ye @ ds
+        stress = np.zeros_like(dedd)
+        np.add.at(stress, i, value[:, None] * dedd[j])
+        force += L.V.T @ stress
+    applied = np.zeros_like(force)
+    applied[:, nz:] = Ef
+    multipliers = dsigma.copy()
+    multipliers[k.E] = 0.0
+    residual = force - applied + L.V.T @ multipliers
+    multipliers[k.E] = k.velocity_system.solve_transposed(-residual[k.U])
+    total = force + L.V.T @ multipliers
+    constrained = np.arange(n.e_class["input"].stop)
+    dsigma[constrained] = multipliers[constrained]
+    return dsigma, total - applied

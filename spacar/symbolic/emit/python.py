@@ -1,0 +1,121 @@
+"""Python: scalar arithmetic with `math` only, the symmetric system solved by an unrolled LDLᵀ.
+
+The generated module has `make_rhs(parameters, feeds)`, which does the once part and returns (rhs, jac) with
+rhs(t, y) -> ẏ as a list and jac(t, y) -> ∂ẏ/∂y as an array; `rhs.accel(y, u)` gives I (upper triangle) and f,
+`rhs.outputs(t, y)` the named outputs, `rhs.inputs(t, y)` the inputs.
+"""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from spacar.symbolic.emit.header import header
+from spacar.symbolic.emit.scalars import PYTHON, Writer
+from spacar.symbolic.program import Assignments, Program
+
+UNROLLED = 12  # beyond this size NumPy solves faster than unrolled code
+
+
+def source(program: Program, jacobian: bool = False) -> str:
+    """The module as text."""
+    w = Writer(PYTHON, [*program.parameters, *program.state, *program.inputs])
+    once = program.jacobian.once if jacobian else program.once
+    lines = ['"""', *header(program), '"""', "", "from math import acos, asin, atan, atan2, cos, cosh, exp, log, sin, sinh, sqrt, tan, tanh", ""]
+    if jacobian or program.n > UNROLLED:
+        lines += ["import numpy as np", ""]
+    for name, symbols in (("PARAMETERS", program.parameters), ("STATE", program.state), ("INPUTS", tuple(program.inputs))):
+        lines.append(f"{name} = ({''.join(repr(s.name) + ', ' for s in symbols)})")
+    lines += [f"OUTPUTS = ({''.join(repr(n) + ', ' for n in program.outputs)})", "", ""]
+    lines += ["def make_rhs(parameters, feeds=None):", '    """rhs and jac for a mapping of parameter values and of functions of (t, y) for the inputs without law."""']
+    lines += [f"    {w.add(s)} = float(parameters[{s.name!r}])" for s in program.parameters]
+    lines += [f"    {_feed(w, s)} = feeds[{s.name!r}]" for s, e in program.inputs.items() if e is None]
+    lines += _assign(w, once, 4)
+    lines += _routine(w, program, "accel", "y, u", _accel(w, program))
+    lines += _routine(w, program, "inputs", "t, y", [*_inputs(w, program), f"        return ({_tuple(w, program.inputs)})"])
+    lines += _routine(w, program, "outputs", "t, y", _outputs(w, program))
+    lines += _routine(w, program, "rhs", "t, y", _rhs(w, program))
+    if jacobian:
+        lines += _routine(w, program, "jac", "t, y", _jac(w, program))
+    lines += ["    rhs.accel, rhs.inputs, rhs.outputs = accel, inputs, outputs"]
+    lines += [f"    return rhs, {'jac' if jacobian else 'None'}", ""]
+    return "\n".join(lines)
+
+
+def _feed(w: Writer, s: sp.Symbol) -> str:
+    return f"feed_{w.add(s)}"
+
+
+def _tuple(w: Writer, expressions: object) -> str:
+    return "".join(w(e) + ", " for e in expressions)  # type: ignore[attr-defined]
+
+
+def _assign(w: Writer, assignments: Assignments, indent: int) -> list[str]:
+    return [f"{' ' * indent}{w.add(s)} = {w(e)}" for s, e in assignments]
+
+
+def _routine(w: Writer, program: Program, name: str, arguments: str, body: list[str]) -> list[str]:
+    unpack = f"        ({_tuple(w, program.state)}) = y" if program.state else ""
+    return ["", f"    def {name}({arguments}):", unpack, *body, ""]
+
+
+def _inputs(w: Writer, program: Program) -> list[str]:
+    return [
+        f"        {w.add(s)} = {f'{_feed(w, s)}(t, y)' if e is None else w(e)}" for s, e in program.inputs.items()
+    ]
+
+
+def _accel(w: Writer, program: Program) -> list[str]:
+    given = [f"        ({_tuple(w, program.inputs)}) = u"] if program.inputs else []
+    body = _assign(w, program.order([*program.mass, *program.rhs]), 8)
+    return [*given, *body, f"        return ({_tuple(w, program.mass)}), ({_tuple(w, program.rhs)})"]
+
+
+def _outputs(w: Writer, program: Program) -> list[str]:
+    results = list(program.outputs.values())
+    return [*_inputs(w, program), *_assign(w, program.order(results), 8), f"        return ({_tuple(w, results)})"]
+
+
+def _rhs(w: Writer, program: Program) -> list[str]:
+    needed = program.order([*program.mass, *program.rhs, *program.rates])
+    lines = [*_inputs(w, program), *_assign(w, needed, 8), *_solve(w, program)]
+    accelerations = "".join(f"a_{i}, " for i in range(program.n))
+    return [*lines, f"        return [{_tuple(w, program.rates)}{accelerations}]"]
+
+
+def _solve(w: Writer, program: Program) -> list[str]:
+    """I a = f by LDLᵀ without pivoting: I is positive definite, a pivot that is not positive is an error."""
+    n = program.n
+    upper = iter(program.mass)
+    entry = {(i, j): w(next(upper)) for i in range(n) for j in range(i, n)}
+    if n > UNROLLED:
+        rows = ", ".join("[" + ", ".join(entry[min(i, j), max(i, j)] for j in range(n)) + "]" for i in range(n))
+        return [f"        {''.join(f'a_{i}, ' for i in range(n))} = np.linalg.solve([{rows}], [{_tuple(w, program.rhs)}])"]
+    lines = []
+    for j in range(n):
+        for i in range(j, n):  # v_ij = l_ij d_j
+            parts = "".join(f" - v_{i}_{k}*l_{j}_{k}" for k in range(j))
+            lines.append(f"        v_{i}_{j} = {entry[j, i]}{parts}")
+        lines.append(f"        if not v_{j}_{j} > 0.0:")
+        name = program.speeds[j].name
+        lines.append(f"            raise ArithmeticError('mass matrix is not positive definite at {name}')")
+        lines += [f"        l_{i}_{j} = v_{i}_{j}/v_{j}_{j}" for i in range(j + 1, n)]
+    for i in range(n):
+        lines.append(f"        b_{i} = {w(program.rhs[i])}" + "".join(f" - l_{i}_{k}*b_{k}" for k in range(i)))
+    for i in reversed(range(n)):
+        lines.append(f"        a_{i} = b_{i}/v_{i}_{i}" + "".join(f" - l_{k}_{i}*a_{k}" for k in range(i + 1, n)))
+    return lines
+
+
+def _jac(w: Writer, program: Program) -> list[str]:
+    J = program.jacobian
+    lines = _rhs(w, program)[:-1]
+    lines += [f"        {w.add(s)} = a_{i}" for i, s in enumerate(J.accelerations)]
+    done = {s for s, _ in program.order([*program.mass, *program.rhs, *program.rates])}
+    lines += _assign(w, tuple((s, e) for s, e in J.step if s not in done or dict(program.step).get(s) != e), 8)
+    n, size = program.n, len(program.state)
+    dg = ", ".join(f"[{', '.join(w(J.dg[i, j]) for j in range(size))}]" for i in range(n))
+    upper = iter(program.mass)
+    entry = {(i, j): w(next(upper)) for i in range(n) for j in range(i, n)}
+    rows = ", ".join("[" + ", ".join(entry[min(i, j), max(i, j)] for j in range(n)) + "]" for i in range(n))
+    rates = ", ".join(f"[{', '.join(w(J.drates[i, j]) for j in range(size))}]" for i in range(J.drates.rows))
+    return [*lines, f"        low = np.linalg.solve([{rows}], [{dg}])", f"        return np.vstack(([{rates}], low))"]

@@ -1,0 +1,179 @@
+"""Simulation of a generated program.
+
+`gear` is LSODA (variable order, switching between Adams and BDF) with the exact generated Jacobian; a Jacobian by
+finite differences is not offered, because its noise stalls stiff integrators (`symbolic.md`, section 8.6). A relative
+tolerance above 1e-2 is refused: a stiff method may then step over an unstable fast mode without notice. The
+eigenvalue with the largest real part at the end of the run is reported for the same reason.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from spacar.errors import AnalysisError, UsageError
+from spacar.symbolic.program import Program
+
+INTEGRATORS = {"gear": "LSODA", "bdf": "BDF", "radau": "Radau", "dop853": "DOP853"}
+LOOSEST = 1e-2
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A simulated motion.
+
+    time (m,) [s]; state (m, len(y)) in the order of `names`; inputs (m, len(u)); outputs {name: (m,)};
+    `statistics` of the integrator; `eigenvalue` with the largest real part at the end [1/s].
+    """
+
+    names: tuple[str, ...]
+    time: np.ndarray
+    state: np.ndarray
+    inputs: np.ndarray
+    input_names: tuple[str, ...]
+    outputs: dict[str, np.ndarray]
+    statistics: dict[str, Any]
+    eigenvalue: complex
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """A state, input or output by name."""
+        if name in self.names:
+            return self.state[:, self.names.index(name)]
+        if name in self.outputs:
+            return self.outputs[name]
+        if name in self.input_names:
+            return self.inputs[:, self.input_names.index(name)]
+        raise UsageError(f"no result named {name!r}: known are {', '.join([*self.names, *self.input_names, *self.outputs])}")
+
+
+def check_values(program: Program, values: Mapping[str, float]) -> dict[str, float]:
+    """The parameter values as floats. UsageError for one that is missing, not finite, or of the wrong sign."""
+    result: dict[str, float] = {}
+    for s in program.parameters:
+        if s.name not in values:
+            raise UsageError(f"parameter {s.name} has no value", "parameter")
+        result[s.name] = float(values[s.name])
+        if not math.isfinite(result[s.name]):
+            raise UsageError(f"parameter {s.name} = {result[s.name]} is not finite", "parameter")
+    for what, s, strict in program.positive:
+        value = result[s.name]
+        if value < 0 or (strict and value == 0):
+            raise UsageError(f"parameter {s.name} = {value:g} is a {what} and must be {'> 0' if strict else '>= 0'}", "parameter")
+    return result
+
+
+def make_function(
+    program: Program, values: Mapping[str, float], jacobian: bool = True, feeds: Mapping[str, Callable[..., float]] | None = None
+) -> Any:
+    """The generated Python right-hand side f(t, y) for parameter values, with f.jac, f.inputs, f.outputs, f.accel."""
+    numbers = check_values(program, values)
+    missing = [s.name for s, e in program.inputs.items() if e is None and s.name not in (feeds or {})]
+    if missing:
+        raise UsageError(f"input {missing[0]} has no law: give an expression, or a function in `feeds`", "input")
+    space: dict[str, Any] = {}
+    exec(compile(program.text("python", jacobian), f"<{program.title or 'equations'}>", "exec"), space)
+    rhs, jac = space["make_rhs"](numbers, feeds)
+    rhs.jac = jac
+    return rhs
+
+
+def simulate(
+    program: Program,
+    values: Mapping[str, float],
+    start: Mapping[str, float] | None = None,
+    *,
+    t_end: float,
+    steps: int = 1000,
+    integrator: str = "gear",
+    rtol: float = 1e-8,
+    atol: float | Mapping[str, float] | None = None,
+    feeds: Mapping[str, Callable[..., float]] | None = None,
+    function: Any = None,
+    at: np.ndarray | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Run:
+    """Integrate from `start` (states by name, others zero) to t_end [s] with `steps` equal output steps (or times `at`).
+
+    atol: one number, numbers by state name, or None for rtol/100 times the scale of each state (its start value, else
+    the static deflection, else 1). `function` replaces the generated Python (compiled code). Raises UsageError for
+    unknown names or tolerances above 1e-2, AnalysisError when the integrator stops.
+    """
+    from scipy.integrate import solve_ivp
+
+    if integrator not in INTEGRATORS:
+        raise UsageError(f"unknown integrator {integrator!r}: choose one of {', '.join(INTEGRATORS)}")
+    if not 0 < rtol <= LOOSEST:
+        raise UsageError(f"rtol = {rtol:g} must be positive and at most {LOOSEST:g}: looser runs may hide unstable motion")
+    if not (math.isfinite(t_end) and t_end > 0 and steps >= 1):
+        raise UsageError(f"time {t_end:g} s and {steps} steps: both must be positive")
+    names = tuple(s.name for s in program.state)
+    unknown = [name for name in start or {} if name not in names]
+    if unknown:
+        raise UsageError(f"start: {unknown[0]} is not a state (states: {', '.join(names)})")
+    f = function or make_function(program, values, True, feeds)
+    y0 = np.array([float((start or {}).get(name, 0.0)) for name in names])
+    times = np.linspace(0.0, t_end, steps + 1) if at is None else np.asarray(at, dtype=float)
+    options: dict[str, Any] = {} if integrator == "dop853" else {"jac": f.jac}
+    began = time.perf_counter()
+    try:
+        tolerance = absolute_tolerance(names, y0, f, rtol, atol)
+        solution = solve_ivp(
+            f if progress is None else _watched(f, progress), (0.0, float(times[-1])), y0, method=INTEGRATORS[integrator],
+            t_eval=times, rtol=rtol, atol=tolerance, **options,
+        )  # fmt: skip
+    except ArithmeticError as error:
+        raise AnalysisError(f"simulation stopped: {error}", "pivot") from None
+    if not solution.success or solution.y.shape[1] != len(times) or not np.all(np.isfinite(solution.y)):
+        reached = solution.t[-1] if len(solution.t) else 0.0
+        raise AnalysisError(
+            f"simulation stopped after t = {reached:.6g} s of {t_end:g} s: {solution.message} "
+            "Try a tighter rtol, or another integrator",
+            "integrator",
+        )
+    statistics = {
+        "integrator": integrator, "method": INTEGRATORS[integrator], "rtol": rtol, "evaluations": int(solution.nfev),
+        "jacobians": int(solution.njev), "seconds": time.perf_counter() - began,
+    }  # fmt: skip
+    y = solution.y.T
+    outputs = np.array([f.outputs(t, row) for t, row in zip(times, y.tolist(), strict=True)]).reshape(len(times), -1)
+    inputs = np.array([f.inputs(t, row) for t, row in zip(times, y.tolist(), strict=True)]).reshape(len(times), -1)
+    eigenvalues = np.linalg.eigvals(f.jac(float(times[-1]), y[-1].tolist()))
+    return Run(
+        names, times, y, inputs, tuple(s.name for s in program.inputs),
+        dict(zip(program.outputs, outputs.T, strict=True)), statistics, complex(eigenvalues[np.argmax(eigenvalues.real)]),
+    )  # fmt: skip
+
+
+def absolute_tolerance(
+    names: tuple[str, ...], y0: np.ndarray, f: Any, rtol: float, atol: float | Mapping[str, float] | None
+) -> np.ndarray:
+    """One absolute tolerance a state; without wishes rtol/100 times a scale found from start and static deflection."""
+    if isinstance(atol, (int, float)):
+        return np.full(len(names), float(atol))
+    scale = np.maximum(np.abs(y0), _static(f, y0))
+    result = 1e-2 * rtol * np.where(scale > 0, scale, 1.0)
+    for name, value in (atol or {}).items():
+        if name not in names:
+            raise UsageError(f"atol: {name} is not a state (states: {', '.join(names)})")
+        result[names.index(name)] = float(value)
+    return result
+
+
+def _static(f: Any, y0: np.ndarray) -> np.ndarray:
+    """Size of the first Newton step to rest, a deflection that stiff states will show; zero where it is not finite."""
+    J = np.array(f.jac(0.0, y0.tolist()), dtype=float)
+    step = np.linalg.lstsq(J, -np.array(f(0.0, y0.tolist()), dtype=float), rcond=1e-14)[0]
+    return np.where(np.isfinite(step), np.abs(step), 0.0)
+
+
+def _watched(f: Callable[..., Any], progress: Callable[[float], None]) -> Callable[..., Any]:
+    def watched(t: float, y: Any) -> Any:
+        progress(t)
+        return f(t, y)
+
+    return watched
