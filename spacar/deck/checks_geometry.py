@@ -71,7 +71,7 @@ def _check_element(
         direction = None
     _check_radii(scene, s)
     ends = [s.integer(i) for i, role in enumerate(kind.nodes, 1) if role == "position"]
-    if len(ends) < 2 or ends[0] == ends[1]:
+    if len(ends) < 2 or ends[0] == ends[1] or any(("X", n) in scene.outline.broken for n in ends):
         return
     p, q = (positions.get(n, (0.0, 0.0, 0.0)) for n in ends)
     chord = tuple(b - a for a, b in zip(p, q, strict=True))

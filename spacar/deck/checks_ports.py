@@ -26,7 +26,7 @@ def check_ports(scene: Scene) -> None:
             scene.findings.error(s, 0, text, "port-number")
     for noun, numbers in used.items():
         good = {n for n in numbers if n >= 1}
-        if not good or max(good) == len(good):
+        if not good or max(good) == len(good) or 3 in scene.outline.broken_blocks:
             continue
         last = max(good)
         lowest = next(n for n in range(1, last) if n not in good)

@@ -46,7 +46,10 @@ def check_classes(scene: Scene, block: int) -> None:
         assert subject is not None
         what = keyword.variants[0].parameters[subject].of
         number, index = s.integer(subject), s.integer(subject + 1)
-        found, by = scene.class_of("element" if what == "element" else "node", number, index)
+        what = "element" if what == "element" else "node"
+        if scene.doubtful(what, number):
+            continue
+        found, by = scene.class_of(what, number, index)
         thing = (
             f"mode {index} of element {number}"
             if what == "element"

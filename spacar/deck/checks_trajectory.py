@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 from spacar.deck.checks_dynamics import check_tensor
 from spacar.deck.checks_references import at_least, one_of, positive
@@ -26,15 +27,16 @@ class _Trajectory:
 def check_trajectories(scene: Scene) -> None:
     """Everything about TRAJECT and the statements that follow it."""
     trajectories = _collect(scene)
-    if scene.mode == 2 and not trajectories:
+    whole = 3 not in scene.outline.broken_blocks
+    if scene.mode == 2 and not trajectories and whole:
         text = "mode 2 needs a third block with at least one TRAJECT"
         scene.findings.add("error", None, "", text, "no-trajectory")
-    for before, after in zip(trajectories, trajectories[1:], strict=False):
+    for before, after in pairwise(trajectories):
         if after.start.integer(0) <= before.start.integer(0):
             text = f"trajectory numbers must ascend; the one before is {before.start.values[0]} (line {before.start.line})"
             scene.findings.error(after.start, 0, text, "trajectory-order")
     for trajectory in trajectories:
-        _check_one(scene, trajectory)
+        _check_one(scene, trajectory, whole)
     by_user = [s for t in trajectories for s in t.of("USERTRAJ")]
     if by_user and len(trajectories) > 1:
         text = f"USERTRAJ is for a single TRAJECT; there are {len(trajectories)}"
@@ -53,18 +55,18 @@ def _collect(scene: Scene) -> list[_Trajectory]:
             trajectories.append(_Trajectory(s))
         elif trajectories:
             trajectories[-1].statements.append(s)
-        elif not lost:
+        elif not lost and ("TRAJECT", 0) not in scene.outline.broken:
             lost = True
             scene.findings.error(s, None, "stands before the first TRAJECT", "trajectory-order")
     return trajectories
 
 
-def _check_one(scene: Scene, t: _Trajectory) -> None:
+def _check_one(scene: Scene, t: _Trajectory, whole: bool) -> None:
     findings = scene.findings
     paths, times, user = t.of(*PATHS), t.of("TRTIME"), t.of("USERTRAJ")
-    if not times:
+    if not times and whole:
         findings.error(t.start, None, "TRTIME is missing", "no-time")
-    if not paths and not user:
+    if not paths and not user and whole:
         findings.error(t.start, None, f"a path is missing: {', '.join(PATHS)} or USERTRAJ", "no-path")
     if paths and user:
         findings.error(
@@ -81,8 +83,11 @@ def _check_one(scene: Scene, t: _Trajectory) -> None:
     moved_elements = {s.values[0] for s in t.of("TRE")}
     for s in t.statements:
         number = s.values[0]
-        if s.keyword in PATHS and scene.mode != 3:
-            _check_path(scene, s)
+        if s.keyword in PATHS:
+            if scene.mode != 3:  # there the trajectories of the mode 2 file are read along with other classes
+                _check_path(scene, s)
+        elif not whole:
+            pass
         elif s.keyword in ("TRVMAX", "TRM", "TRF") and number not in moved_nodes and not user:
             text = f"node {number} has no path (TROT, TRANS, TRCIRL) in trajectory {t.start.values[0]}"
             findings.error(s, 0, text, "no-path")
@@ -132,6 +137,8 @@ def _check_repeated(scene: Scene, t: _Trajectory) -> None:
 def _check_path(scene: Scene, s: Statement) -> None:
     """A path moves the first mode of an element, or all (independent) coordinates of a node."""
     number = s.integer(0)
+    if scene.doubtful("element" if s.keyword == "TRE" else "node", number):
+        return
     if s.keyword == "TRE":
         found = scene.class_of("element", number, 1)[0]
         if found != "prescribed":

@@ -15,7 +15,8 @@ class Outline:
     """Elements by number with their types, nodes by number with their roles and the element that used them first.
 
     `space` is planar, spatial or "" (no element); `complete` is false when some element statement could not be
-    read, so that nodes may be missing here.
+    read, so that nodes may be missing here. `broken` holds keyword and first number of the other statements that could
+    not be read, `broken_blocks` their blocks: what follows from their absence is not reported.
     """
 
     elements: dict[int, Statement] = field(default_factory=dict)
@@ -24,6 +25,8 @@ class Outline:
     users: dict[int, Statement] = field(default_factory=dict)
     space: str = ""
     complete: bool = True
+    broken: set[tuple[str, int]] = field(default_factory=set)
+    broken_blocks: set[int] = field(default_factory=set)
 
     def coordinates(self, node: int) -> int:
         """Number of coordinates of a node that exists."""

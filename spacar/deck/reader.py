@@ -89,6 +89,9 @@ def parse(
             statement = read_statement(raw, keyword, outline, into)
             if statement is not None:
                 read[id(raw)] = statement
+            else:
+                outline.broken.add((raw.keyword, _number(raw)))
+                outline.broken_blocks.add(raw.block)
     statements = tuple([read[id(raw)] for raw in parts.statements if id(raw) in read])
     check(statements, outline, mode, third, {block: skipped.get(block, findings) for block in (1, 2, 3)})
     for block, found in skipped.items():
@@ -138,10 +141,15 @@ def _lexical(text: str, source: Source, findings: Findings) -> None:
 def _remember_broken(raw: Raw, outline: Outline) -> None:
     """An element whose statement is wrong still exists, so that its other statements are not reported too."""
     outline.complete = False
-    number = integer_of(raw.words[0].text) if raw.words else None
-    if number is not None:
+    number = _number(raw)
+    if number != 0:
         stub = Statement(raw.keyword, (number,), raw.block, raw.word.line, (raw.words[0].line,))
         outline.elements.setdefault(number, stub)
+
+
+def _number(raw: Raw) -> int:
+    """First argument of a statement that could not be read, 0 when it is no integer."""
+    return (integer_of(raw.words[0].text) if raw.words else None) or 0
 
 
 def _wrong_kind(raw: Raw, kind: Block | None, findings: Findings) -> None:

@@ -10,6 +10,7 @@ from spacar.deck.outline import Outline
 from spacar.deck.statement import Statement
 from spacar.deck.table_types import Block
 
+CLASS_KEYWORDS = {"node": ("FIX", "INPUTX", "DYNX", "KINX"), "element": ("RLSE", "INPUTE", "DYNE", "KINE")}
 Classes = dict[tuple[int, int], tuple[str, Statement]]
 """(node, coordinate) or (element, mode) -> class and the statement that says so."""
 
@@ -29,6 +30,11 @@ class Scene:
     def of(self, *keywords: str, block: int | None = None) -> list[Statement]:
         """Statements with one of these keywords, in file order."""
         return [s for s in self.statements if s.keyword in keywords and (block is None or s.block == block)]
+
+    def doubtful(self, what: str, number: int) -> bool:
+        """Whether a statement that gives a class to this node or element could not be read."""
+        names = CLASS_KEYWORDS[what]
+        return any((name, number) in self.outline.broken for name in names)
 
     def class_of(self, what: str, number: int, index: int) -> tuple[str, Statement | None]:
         """Class of a coordinate ("node") or deformation ("element") and the statement that gave it."""

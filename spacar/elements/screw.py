@@ -1,7 +1,7 @@
 """Screw, keyword SCREW (theory-spatial.md section 7).
 
-Coordinates x_p (3), lambda_p (4), x_q (3), lambda_q (4). With the axis x', the pitch h [m/rad], the hinge deformations
-phi, misalignments (section 5) and s = (R_p R0)^T (x_q - x_p) - r:
+Coordinates x_p (3), lambda_p (4), x_q (3), lambda_q (4). With the axis x', the pitch h [m/rad], the hinge
+deformations phi, misalignments (section 5) and s = (R_p R0)^T (x_q - x_p) - r:
 
     e1 = phi [rad],   e2 = s_x - h phi,   e3 = s_y,   e4 = s_z [m],   e5, e6 = misalignments [rad]
 
@@ -43,7 +43,9 @@ class Screw(Family):
         frames = []
         for k, values in enumerate(group.geometry):
             if len(values) not in (3, 4):
-                raise GeometryError(k, f"needs 3 components of the screw axis and the pitch, {len(values)} are given")
+                raise GeometryError(
+                    k, f"needs 3 components of its axis and the pitch, {len(values)} are given"
+                )
             frames.append(axis_frame(values[:3], k, "screw axis"))
             self.pitch[k] = values[3] if len(values) == 4 else 0.0
         frame = stack(frames)

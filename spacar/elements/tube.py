@@ -1,13 +1,14 @@
 """Fluid-conveying spatial tube, keyword TUBE (theory-spatial.md section 10).
 
-Deformations, stiffness and damping are those of the spatial beam; with ORTUBE the ends have frames of their own and e is
-counted from its start value. The fluid (mass m_f per length, mass flow Q from p to q, shape factor a) adds on the
-cubic centre line y of `beam_inertia`
+Deformations, stiffness and damping are those of the spatial beam; with ORTUBE the ends have frames of their
+own and e is counted from its start value. The fluid (mass m_f per length, mass flow Q from p to q, shape
+factor a) adds on the cubic centre line y of `beam_inertia`
 
     D dy/dt + A y,   D = Q (B* - B*^T),   A = -(a Q^2/(m_f l0)) A*
     jet at q: D[xq, xq] += Q, A[xq, tq] += a Q^2/(m_f l0);   jet at p: the same at p with the opposite sign
 
-B* = integral of N_i N_j', A* = integral of N_i' N_j': the momentum balance of an open control volume. End condition:
+B* = integral of N_i N_j', A* = integral of N_i' N_j': the momentum balance of an open control volume. End
+condition:
 0 spherical at both ends, 1 jet at p, 2 jet at q, 3 jets at both.
 """
 

@@ -1,7 +1,8 @@
 """Wheels on the flat ground z = 0, keywords WHEEL (disk) and TWHEEL (torus) (theory-spatial.md section 8).
 
 Coordinates x_p (3, centre), lambda_p (4), x_q (3, contact point). With the spin axis a = R a0, n = (0, 0, 1),
-d = x_q - x_p, the transverse radius rho (0 for a disk), r = d + rho n from the centre to the centre of the tread circle:
+d = x_q - x_p, the transverse radius rho (0 for a disk), r = d + rho n from the centre to the centre of the
+tread circle:
 
     e1 = |r| - r0   radial [m]            e3 = z of x_q     height above the ground [m]
     e2 = a.r        axial [m]             e4 = r.(a x n)    the contact is the lowest point [m]
@@ -131,7 +132,7 @@ def slip_rate_gradient(c: WheelState, k: WheelRates) -> Array:
 
 
 def _along_coordinates(c: WheelState) -> tuple[WheelState, Array]:
-    """The state with an axis for ten directions before the element axis, and the directions, the unit vectors."""
+    """The state with an axis for ten directions before the element axis, and these: the unit vectors."""
     axes = c.l.ndim
     return WheelState(*_spread(c, axes)), np.eye(10).reshape(10, 10, *(1,) * axes)
 
@@ -177,7 +178,9 @@ class _Wheel(Family):
         )
         for k in range(self.n):
             if not below[k]:
-                raise GeometryError(k, f"the contact point is not below the centre but {c.r[2, k]:.3g} m above it")
+                raise GeometryError(
+                    k, f"the contact point is not below the centre but {c.r[2, k]:.3g} m above it"
+                )
             for error, place in places:
                 if abs(error[k]) > allowed[k]:
                     text = f"the contact point is {error[k]:.6g} m {place}; correct its coordinates"
@@ -192,8 +195,6 @@ class _Wheel(Family):
         e[1] = _dot(c.a, c.r)
         e[2] = x[9]
         e[3] = _dot(c.a, m)
-        e[4:] = 0.0
-        V[...] = 0.0
         _put(V, c.r / c.l, c.a, _down(c.B, c.r), -around(c.a), _down(c.B, m))
         V[2, 9] = 1.0
         V[4, :3] = c.t
@@ -267,21 +268,22 @@ class _Wheel(Family):
 class DiskWheel(_Wheel):
     """All WHEEL elements: thin disks with the start distance from centre to contact as radius.
 
-    Raises GeometryError for a missing, zero or vertical spin axis, a zero radius and a contact point that is not the
-    lowest point of the wheel on the ground.
+    Raises GeometryError for a missing, zero or vertical spin axis, a zero radius and a contact point that is
+    not the lowest point of the wheel on the ground.
     """
 
     def _read(self, group: ElementGroup, distance: Array) -> tuple[list[tuple[float, ...]], Array, Array]:
         for k, values in enumerate(group.geometry):
             if len(values) != 3:
-                raise GeometryError(k, f"the spin axis needs 3 components, {len(values)} are given")
+                raise GeometryError(k, f"needs 3 components of the spin axis, {len(values)} are given")
             if not distance[k] > 0.0:
                 raise GeometryError(k, "the radius, the distance between centre and contact point, is zero")
         return list(group.geometry), distance, np.zeros(group.n)
 
 
 class TorusWheel(_Wheel):
-    """All TWHEEL elements: tread circles of radius (equatorial radius - transverse radius) with a round tread.
+    """All TWHEEL elements: tread circles of radius (equatorial radius - transverse radius) with a round
+    tread.
 
     Raises GeometryError as `DiskWheel`, and for radii that are not equatorial > transverse >= 0.
     """
@@ -289,13 +291,14 @@ class TorusWheel(_Wheel):
     def _read(self, group: ElementGroup, distance: Array) -> tuple[list[tuple[float, ...]], Array, Array]:
         for k, values in enumerate(group.geometry):
             if len(values) != 5:
-                raise GeometryError(k, f"needs two radii and 3 components of the spin axis, {len(values)} are given")
-            if not values[0] > values[1] >= 0.0:
                 raise GeometryError(
-                    k,
-                    f"the equatorial radius {values[0]:g} m must be larger than the transverse radius {values[1]:g} m, "
-                    "and neither may be negative",
+                    k, f"needs two radii and 3 components of its axis, {len(values)} are given"
                 )
+            if not values[0] > values[1] >= 0.0:
+                text = (
+                    f"the equatorial radius {values[0]:g} m must exceed the transverse radius {values[1]:g} m"
+                )
+                raise GeometryError(k, f"{text}, and neither may be negative")
         radii = np.array([values[:2] for values in group.geometry]).reshape(-1, 2)
         return [values[2:] for values in group.geometry], radii[:, 0] - radii[:, 1], radii[:, 1]
 
