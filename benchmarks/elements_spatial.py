@@ -15,13 +15,19 @@ from spacar.elements.base import ElementGroup, Family
 from spacar.elements.beam import SpatialBeam
 from spacar.elements.hinge import SpatialHinge
 from spacar.elements.pinbody import SpatialPinbody
+from spacar.elements.screw import Screw
 from spacar.elements.truss import SpatialTruss
+from spacar.elements.tube import SpatialTube
+from spacar.elements.wheel import DiskWheel
 
 FAMILIES: dict[str, tuple[Callable[[ElementGroup], Family], str, tuple[float, ...]]] = {
     "BEAM": (SpatialBeam, "xlxl", (0.1, 1.0, 0.2)),
     "TRUSS": (SpatialTruss, "xx", ()),
     "HINGE": (SpatialHinge, "ll", (0.1, 1.0, 0.2)),
     "RBEAM": (SpatialPinbody, "xlx", ()),
+    "SCREW": (Screw, "xlxl", (0.1, 1.0, 0.2, 0.01)),
+    "TUBE": (SpatialTube, "xlxl", (0.1, 1.0, 0.2)),
+    "WHEEL": (DiskWheel, "xlx", (0.0, 1.0, 0.0)),
 }
 
 
@@ -30,8 +36,10 @@ def group(keyword: str, layout: str, geometry: tuple[float, ...], n: int) -> Ele
     rng = np.random.default_rng(0)
     unit = np.eye(4)[:, :1].repeat(n, 1)
     x0 = np.concatenate([rng.normal(size=(3, n)) if kind == "x" else unit for kind in layout])
+    if keyword == "WHEEL":  # upright, on the ground
+        x0[2], x0[7:9], x0[9] = 0.3, x0[:2], 0.0
     em = np.zeros((n, 9))
-    em[:, 0] = 1.0
+    em[:, :4] = (1.0, 0.5, 0.2, 1.0) if keyword == "TUBE" else (1.0, 0.0, 0.0, 0.0)
     zero = np.zeros((n, 6))
     none = (None,) * n
     return ElementGroup(
