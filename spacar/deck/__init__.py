@@ -1,4 +1,5 @@
-"""The input language: text to `Deck`. One table of keywords drives reading, checking, echo and documentation."""
+"""The input language: text to `Deck`. One table of keywords drives reading, checking, echo and
+documentation."""
 
 from spacar.deck.deck import Deck
 from spacar.deck.echo import echo

@@ -1,4 +1,5 @@
-"""Raw statements to typed statements: the variant that applies, the number of arguments, their types, references.
+"""Raw statements to typed statements: the variant that applies, the number of arguments, their types,
+references.
 
 Every node, element, coordinate and mode number that the table declares as such is looked up here.
 """
@@ -73,7 +74,8 @@ def _refuse(raw: Raw, keyword: Keyword, space: str, role: str, kind: str, findin
 
 
 def _choose(raw: Raw, variants: list[Variant], space: str, findings: Findings) -> tuple[Variant, list[Word]]:
-    """The variant that takes this number of words; a surplus zero third component of a planar model is dropped."""
+    """The variant that takes this number of words; a surplus zero third component of a planar model is
+    dropped."""
     count = len(raw.words)
     for variant in variants:
         if count in variant.counts:

@@ -59,7 +59,8 @@ def _listed(numbers: list[int]) -> str:
 
 
 def _check_euler_parameters(scene: Scene) -> None:
-    """At most three of the four Euler parameters of a node can be given: the normalization gives the fourth."""
+    """At most three of the four Euler parameters of a node can be given: the normalization gives the
+    fourth."""
     for node, role in scene.outline.roles.items():
         if role != "orientation" or scene.outline.coordinates(node) != 4:
             continue
@@ -68,7 +69,8 @@ def _check_euler_parameters(scene: Scene) -> None:
             last = max(by, key=lambda s: s.line)
             text = (
                 f"all four Euler parameters of node {node} are given (lines "
-                f"{', '.join(str(n) for n in sorted({s.line for s in by}))}): over-determines their normalization; "
+                f"{', '.join(str(n) for n in sorted({s.line for s in by}))}): over-determines their "
+                "normalization; "
                 "leave lambda0 (coordinate 1) calculable"
             )
             scene.findings.error(last, None, text, "normalization")

@@ -1,4 +1,5 @@
-"""Checks of the dynamics block: masses and stiffnesses, prescribed motion, solver settings, additional loading."""
+"""Checks of the dynamics block: masses and stiffnesses, prescribed motion, solver settings, additional
+loading."""
 
 from __future__ import annotations
 
@@ -49,7 +50,8 @@ def _check_signs(scene: Scene, s: Statement) -> None:
 
 
 def check_tensor(scene: Scene, s: Statement) -> None:
-    """Warn when the inertia tensor of XM or TRM is not positive semi-definite (all principal minors not negative)."""
+    """Warn when the inertia tensor of XM or TRM is not positive semi-definite (all principal minors not
+    negative)."""
     xx, xy, xz, yy, yz, zz = s.reals(1, 6)
     scale = max(abs(v) for v in (xx, xy, xz, yy, yz, zz))
     if scale == 0.0:
@@ -93,7 +95,8 @@ def _check_settings(scene: Scene, s: Statement) -> None:
 
 
 def _check_stiffness(scene: Scene) -> None:
-    """Dynamic deformations of beams and trusses without stiffness move freely: meant for measuring elements."""
+    """Dynamic deformations of beams and trusses without stiffness move freely: meant for measuring
+    elements."""
     stiff = {s.integer(0): s for s in scene.of("ESTIFF", block=2)}
     free: dict[int, list[int]] = {}
     for (element, mode), (name, _) in scene.deformations.items():
@@ -125,7 +128,10 @@ def _check_moments(scene: Scene) -> None:
             text = "four numbers on a spatial orientation node are read as forces dual to lambda0 ... lambda3"
             scene.findings.information(s, 1, text, "moment")
         else:
-            text = f"{count} of four numbers on a spatial orientation node: read as dual to lambda0 ...; is a moment meant?"
+            text = (
+                f"{count} of four numbers on a spatial orientation node: read as dual to lambda0 ...; "
+                "is a moment meant?"
+            )
             scene.findings.warning(s, 1, text, "moment")
 
 
@@ -154,5 +160,8 @@ def _check_motion(scene: Scene) -> None:
     ):
         for (number, index), (name, by) in classes.items():
             if name == "prescribed" and (keyword, number, index) not in moved:
-                text = f"{noun} {index} has no time function ({keyword} in the dynamics block): constant at its initial value"
+                text = (
+                    f"{noun} {index} has no time function ({keyword} in the dynamics block): constant "
+                    "at its initial value"
+                )
                 scene.findings.information(by, None, text, "constant")

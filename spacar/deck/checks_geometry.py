@@ -85,7 +85,10 @@ def _check_element(
             scene.findings.error(s, None, text, "zero-length")
         return
     if s.keyword == "PLBELT" and length <= abs(s.real(5) - s.real(6)):
-        text = f"the pulleys with radii {s.real(5):.6g} and {s.real(6):.6g} are only {length:.6g} apart: no free belt"
+        text = (
+            f"the pulleys with radii {s.real(5):.6g} and {s.real(6):.6g} are only {length:.6g} apart: "
+            "no free belt"
+        )
         scene.findings.error(s, 5, text, "belt")
     if kind.direction is not None and kind.direction[2] != "axis" and direction is not None:
         sine = _sine(chord, direction)

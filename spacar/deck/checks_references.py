@@ -1,4 +1,5 @@
-"""Checks that come from the table: statements that may be given once, classes to which a statement may refer."""
+"""Checks that come from the table: statements that may be given once, classes to which a statement may
+refer."""
 
 from __future__ import annotations
 
@@ -35,7 +36,8 @@ def check_once(scene: Scene, block: int) -> None:
 
 
 def check_classes(scene: Scene, block: int) -> None:
-    """A time function needs a prescribed coordinate, a start value a dynamic one, an output no fixed one, ..."""
+    """A time function needs a prescribed coordinate, a start value a dynamic one, an output no fixed one,
+    ..."""
     for s in scene.statements:
         if s.block != block:
             continue

@@ -33,7 +33,10 @@ def check_trajectories(scene: Scene) -> None:
         scene.findings.add("error", None, "", text, "no-trajectory")
     for before, after in pairwise(trajectories):
         if after.start.integer(0) <= before.start.integer(0):
-            text = f"trajectory numbers must ascend; the one before is {before.start.values[0]} (line {before.start.line})"
+            text = (
+                f"trajectory numbers must ascend; the one before is {before.start.values[0]} (line "
+                f"{before.start.line})"
+            )
             scene.findings.error(after.start, 0, text, "trajectory-order")
     for trajectory in trajectories:
         _check_one(scene, trajectory, whole)
@@ -152,7 +155,8 @@ def _check_path(scene: Scene, s: Statement) -> None:
     if lacking:
         found = scene.class_of("node", number, lacking[0])[0]
         text = (
-            f"coordinate {lacking[0]} of node {number} is {found}; {s.keyword} moves all its coordinates and needs "
+            f"coordinate {lacking[0]} of node {number} is {found}; {s.keyword} moves all its "
+            "coordinates and needs "
             f"INPUTX {number} {' '.join(map(str, needed))} in the kinematics block"
         )
         scene.findings.error(s, 0, text, "path-class")

@@ -19,10 +19,10 @@ Span = tuple[tuple[int, int], tuple[int, int]]
 class Deck:
     """A read and checked input file.
 
-    `statements` in file order; `source` names the file in messages; `path` is the file that was read (None for a deck
-    built in code); `text` the whole text; `visualization` the raw lines of that section or of NAME.spv; `messages`
-    warnings and information; `mode` the mode it was checked for; `third` the kind of its third block; `spans` where
-    each block begins and ends in the text (line, column).
+    `statements` in file order; `source` names the file in messages; `path` is the file that was read (None
+    for a deck built in code); `text` the whole text; `visualization` the raw lines of that section or of
+    NAME.spv; `messages` warnings and information; `mode` the mode it was checked for; `third` the kind of
+    its third block; `spans` where each block begins and ends in the text (line, column).
     """
 
     statements: tuple[Statement, ...]
@@ -91,10 +91,10 @@ class Deck:
     ) -> Deck:
         """A new deck with one value changed, checked again.
 
-        `number` is the first value of the statement (None: the keyword occurs once); `position` counts the arguments
-        from 1 as in the reference (1 is the number itself); `block` is needed when the keyword occurs in two blocks
-        with the same number. Raises UsageError when there is not exactly one such statement, InputError when the
-        new value is refused.
+        `number` is the first value of the statement (None: the keyword occurs once); `position` counts the
+        arguments from 1 as in the reference (1 is the number itself); `block` is needed when the keyword
+        occurs in two blocks with the same number. Raises UsageError when there is not exactly one such
+        statement, InputError when the new value is refused.
         """
         found = [
             s for s in self.of(keyword.upper(), block=block) if number is None or s.values[:1] == (number,)

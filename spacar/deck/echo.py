@@ -7,7 +7,7 @@ from spacar.deck.lexer import scan, split_lines
 
 
 def echo(deck: Deck, block: int) -> list[str]:
-    """Lines of block 1, 2 or 3 with its closing END HALT or END END; empty when the file has no such block."""
+    """Lines of block 1, 2 or 3 with its closing END HALT or END END; empty when there is no such block."""
     if block not in deck.spans:
         return []
     start, end = deck.spans[block]

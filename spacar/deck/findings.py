@@ -1,4 +1,5 @@
-"""Collecting messages about a deck: the place is that of the offending word, the subject names the statement."""
+"""Collecting messages about a deck: the place is that of the offending word, the subject names the
+statement."""
 
 from __future__ import annotations
 

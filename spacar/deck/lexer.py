@@ -10,7 +10,8 @@ from typing import NamedTuple
 
 LONGEST_LINE = 160
 LARGEST_NUMBER = 1_000_000
-"""Node and element numbers are row numbers of result arrays, so a slip of the keyboard must not cost gigabytes."""
+"""Node and element numbers are row numbers of result arrays, so a slip of the keyboard must not cost
+gigabytes."""
 
 _WORD = re.compile(r"[^\s%#;]+", re.ASCII)
 _COMMENT = re.compile(r"[%#;]")
@@ -78,7 +79,7 @@ def visualization_of(text: str) -> tuple[str, ...]:
 
 
 def number_of(text: str) -> float | None:
-    """Value of a real of the input language, None when the word is not one (nan, inf, hexadecimal, commas)."""
+    """Value of a real of the input language, None when the word is not one (nan, inf, comma, ...)."""
     if _NUMBER.match(text) is None:
         return None
     return float(text.replace("d", "e").replace("D", "e"))

@@ -12,11 +12,12 @@ from spacar.deck.table_types import ElementType
 
 @dataclass(slots=True)
 class Outline:
-    """Elements by number with their types, nodes by number with their roles and the element that used them first.
+    """Elements by number with their types, nodes by number with their roles and the element that uses
+    them first.
 
-    `space` is planar, spatial or "" (no element); `complete` is false when some element statement could not be
-    read, so that nodes may be missing here. `broken` holds keyword and first number of the other statements that could
-    not be read, `broken_blocks` their blocks: what follows from their absence is not reported.
+    `space` is planar, spatial or "" (no element). `complete` is false when some element statement could not
+    be read, so that nodes may be missing here; `broken` holds keyword and first number of the other statements
+    that could not be read, `broken_blocks` their blocks: what follows from their absence is not reported then.
     """
 
     elements: dict[int, Statement] = field(default_factory=dict)
@@ -39,7 +40,8 @@ class Outline:
         return len(self.types[element].modes)
 
     def independent(self, node: int) -> tuple[int, ...]:
-        """Coordinates that a statement without coordinate numbers means: all, but of Euler parameters not lambda0."""
+        """Coordinates that a statement without coordinate numbers means: all, but of Euler parameters not
+        lambda0."""
         count = self.coordinates(node)
         return (2, 3, 4) if count == 4 else tuple(range(1, count + 1))
 

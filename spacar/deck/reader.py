@@ -118,7 +118,10 @@ def parse(
 def _lexical(text: str, source: Source, findings: Findings) -> None:
     if source.long_lines:
         first, count = source.long_lines[0], len(source.long_lines)
-        text_ = f"line longer than {LONGEST_LINE} characters; other programs that read this language do not accept it"
+        text_ = (
+            f"line longer than {LONGEST_LINE} characters; other programs that read this language do not "
+            "accept it"
+        )
         if count > 1:
             text_ += f" ({count} such lines)"
         findings.add("warning", first, "", text_, "long-line")
@@ -133,7 +136,8 @@ def _lexical(text: str, source: Source, findings: Findings) -> None:
                 "error",
                 word.line,
                 "",
-                f"byte 0x{byte:02X} in '{shown}' (column {word.column}) is not UTF-8; allowed in comments only",
+                f"byte 0x{byte:02X} in '{shown}' (column {word.column}) is not UTF-8; allowed in "
+                "comments only",
                 "encoding",
             )
 
@@ -165,7 +169,8 @@ def _wrong_kind(raw: Raw, kind: Block | None, findings: Findings) -> None:
 
 
 def _report_skipped(block: int, raws: list[Raw], mode: Mode, found: Findings, findings: Findings) -> None:
-    """One line about a block that the mode does not use, and one when it has errors that would matter elsewhere."""
+    """One line about a block that the mode does not use, and one when it has errors that would matter
+    elsewhere."""
     first = next((r for r in raws if r.block == block), None)
     if first is None:
         return
@@ -179,7 +184,8 @@ def _report_skipped(block: int, raws: list[Raw], mode: Mode, found: Findings, fi
             "warning",
             line,
             "",
-            f"the skipped {name} has {len(errors)} error{'s' * (len(errors) > 1)}, the first at line {errors[0].line}: "
+            f"the skipped {name} has {len(errors)} error{'s' * (len(errors) > 1)}, the first at line "
+            f"{errors[0].line}: "
             f"{errors[0].keyword}: {errors[0].text}",
             "skipped-block",
         )

@@ -58,7 +58,8 @@ def markdown() -> str:
     lines = [
         "# Keywords of the input file",
         "",
-        "This page is made from the keyword table by `python -m spacar.deck.reference`; do not edit it. The same",
+        "This page is made from the keyword table by `python -m spacar.deck.reference`; do not edit "
+        "it. The same",
         "table is printed by `spacar keywords` and `spacar keywords NAME`.",
         "",
         *_RULES,
@@ -79,11 +80,16 @@ def markdown() -> str:
 
 
 _RULES = (
-    "A statement is a keyword followed by its arguments, separated by blanks, tabs or line ends; the next keyword ends",
-    "it. Everything after `%`, `#` or `;` on a line is a comment. Case does not matter. Reals may have an exponent with",
-    "`e` or `d`; an integral real such as `3.` is accepted as an integer. Trailing arguments with a default may be left",
-    "out. A block ends with `END HALT` when another one follows and with `END END` at the end of the input; a section",
-    "`VISUALIZATION` for drawing may follow. Angles are in radians; the units shown are SI, any consistent set will do.",
+    "A statement is a keyword followed by its arguments, separated by blanks, tabs or line ends; the "
+    "next keyword ends",
+    "it. Everything after `%`, `#` or `;` on a line is a comment. Case does not matter. Reals may "
+    "have an exponent with",
+    "`e` or `d`; an integral real such as `3.` is accepted as an integer. Trailing arguments with a "
+    "default may be left",
+    "out. A block ends with `END HALT` when another one follows and with `END END` at the end of the "
+    "input; a section",
+    "`VISUALIZATION` for drawing may follow. Angles are in radians; the units shown are SI, any "
+    "consistent set will do.",
 )
 
 

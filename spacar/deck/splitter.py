@@ -28,7 +28,8 @@ class Raw:
 
 @dataclass(slots=True)
 class Split:
-    """All raw statements and, for each block that was opened, where its text begins and ends (line, column)."""
+    """All raw statements and, for each block that was opened, where its text begins and ends (line,
+    column)."""
 
     statements: list[Raw] = field(default_factory=list)
     spans: dict[int, tuple[tuple[int, int], tuple[int, int]]] = field(default_factory=dict)
@@ -85,7 +86,7 @@ class _Splitter:
         self._unfinished("")
         return self.result
 
-    # -- statements ---------------------------------------------------------------------------------------------
+    # -- statements ----------------------------------------------------------------------------------------
 
     def _begin(self, name: str, word: Word, block: int) -> None:
         self.current = Raw(name, word, block)
@@ -138,7 +139,10 @@ class _Splitter:
                     f"an END HALT is missing before this line (the {here} is open since line {self.opened})"
                 )
             elif target < self.block:
-                advice = f"an END HALT before line {self.opened} is superfluous, or the statement must be moved there"
+                advice = (
+                    f"an END HALT before line {self.opened} is superfluous, or the statement must be "
+                    "moved there"
+                )
             else:
                 advice = "move it there; if it is in place, an END HALT is missing before it"
             self.error(
@@ -159,7 +163,7 @@ class _Splitter:
                 return True
         return False
 
-    # -- blocks -------------------------------------------------------------------------------------------------
+    # -- blocks --------------------------------------------------------------------------------------------
 
     def _open(self) -> str:
         return f"{_BLOCK_NAMES[self.block]} (open since line {self.opened})"

@@ -11,8 +11,8 @@ Value = int | float | str
 class Statement:
     """One statement of an input file.
 
-    `keyword` is in capitals with aliases resolved, `values` are typed by the keyword table, `block` is 1, 2 or 3,
-    `line` that of the keyword, `lines` and `columns` those of every value (from 1).
+    `keyword` is in capitals with aliases resolved, `values` are typed by the keyword table, `block` is 1, 2
+    or 3, `line` that of the keyword, `lines` and `columns` those of every value (from 1).
     """
 
     keyword: str

@@ -1,4 +1,5 @@
-"""The keyword table of the input language, assembled: look up a keyword by block, by name, by place in the file."""
+"""The keyword table of the input language, assembled: look up a keyword by block, by name, by place in the
+file."""
 
 from __future__ import annotations
 
@@ -18,7 +19,8 @@ TAKES_NAME = frozenset(k.name for k in _ROWS if k.variants[0].parameters[0].kind
 """Keywords whose argument is one word, whatever it looks like."""
 
 NAMES: dict[int, dict[str, int]] = {number: {} for number in (1, 2, 3)}
-"""For each block number the keywords that may stand there, with the largest number of arguments of any form."""
+"""For each block number the keywords that may stand there, with the largest number of arguments of any
+form."""
 for _row in _ROWS:
     NAMES[_row.block.number][_row.name] = _row.most
 

@@ -26,7 +26,7 @@ _BODIES2 = "PLPINBOD PLRBEAM"
 _BODIES3 = "PINBODY RBEAM"
 _SIX = "WHEEL TWHEEL SCREW"  # coefficients as given, one for every mode
 
-# -- inertia ----------------------------------------------------------------------------------------------------------
+# -- inertia -----------------------------------------------------------------------------------------------
 
 _TENSOR = vector("", "Jxx Jxy Jxz Jyy Jyz Jzz", "kg m^2", 0.0)
 _MASS = (NODE, real("mass", "kg"))
@@ -58,7 +58,7 @@ _EM = (
     form((ELEMENT, *_FLOW, *_JS), *span(2, 10), types="TUBE"),
 )
 
-# -- stiffness, damping, preload --------------------------------------------------------------------------------------
+# -- stiffness, damping, preload ---------------------------------------------------------------------------
 
 
 def _coefficients(prefix: str, damping: bool) -> tuple[Variant, ...]:
@@ -103,7 +103,7 @@ def _preload(text: str) -> tuple[Variant, ...]:
     )
 
 
-# -- forces -----------------------------------------------------------------------------------------------------------
+# -- forces ------------------------------------------------------------------------------------------------
 
 
 def _force(text: str) -> tuple[Variant, ...]:
@@ -120,7 +120,8 @@ def _force(text: str) -> tuple[Variant, ...]:
 
 _XF_NOTES = (
     "Four numbers on a spatial orientation node are dual to lambda0 ... lambda3 (a moment M in the reference "
-    "orientation is 0 2Mx 2My 2Mz); exactly three are a moment about the global axes; one or two are dual to lambda.",
+    "orientation is 0 2Mx 2My 2Mz); exactly three are a moment about the global axes; one or two are "
+    "dual to lambda.",
 )
 
 
@@ -129,7 +130,7 @@ def _acceleration(text: str) -> tuple[Variant, ...]:
     return (form(g[:2], 1, 2, space="planar", components=True), form(g, 1, 2, 3, space="spatial"))
 
 
-# -- motion -----------------------------------------------------------------------------------------------------------
+# -- motion ------------------------------------------------------------------------------------------------
 
 _MOTION = (
     real("start value", "", 0.0),
@@ -152,7 +153,8 @@ KEYWORDS = (
         XM_FORMS,
         unique=1,
         notes=(
-            "Components of the tensor about the global axes in the initial configuration; Jxy etc. carry a minus sign "
+            "Components of the tensor about the global axes in the initial configuration; Jxy etc. "
+            "carry a minus sign "
             "against the products of inertia.",
         ),
     ),
@@ -185,7 +187,8 @@ KEYWORDS = (
         ),
         unique=1,
         notes=(
-            "Free rotor: components of its absolute angular velocity; prescribed: of the constant one relative to the "
+            "Free rotor: components of its absolute angular velocity; prescribed: of the constant "
+            "one relative to the "
             "carrier.",
         ),
     ),
@@ -274,7 +277,8 @@ KEYWORDS = (
         (form((Parameter("name of the function", "name"),)),),
         unique=0,
         notes=(
-            "t, e, x = name(t, is), in name.py beside the input file; each row of e and x is number, mode or coordinate "
+            "t, e, x = name(t, is), in name.py beside the input file; each row of e and x is number, "
+            "mode or coordinate "
             "number, value, rate, acceleration.",
         ),
     ),
@@ -285,8 +289,10 @@ KEYWORDS = (
         (form((integer("type of integrator"), real("step size or initial step size", "s", 0.0))),),
         unique=0,
         notes=(
-            "Types: 0 Shampine-Gordon (default); 130, 140 explicit Runge-Kutta of order 3, 4 with fixed step, 135, 155 of "
-            "order 3, 5 with variable step; 220, 225 for second order systems, fixed and variable; 310, 320, 330 "
+            "Types: 0 Shampine-Gordon (default); 130, 140 explicit Runge-Kutta of order 3, 4 with "
+            "fixed step, 135, 155 of "
+            "order 3, 5 with variable step; 220, 225 for second order systems, fixed and variable; "
+            "310, 320, 330 "
             "Rosenbrock; 410 implicit Euler; 420, 430 diagonally implicit Runge-Kutta.",
         ),
     ),
@@ -297,7 +303,8 @@ KEYWORDS = (
         (form((real("absolute error", "", 1e-5), real("relative error", "", 1e-4)), 1, 2),),
         unique=0,
         notes=(
-            "Used by types 0, 135, 155, 225; for 410, 420, 430 the absolute error is the tolerance of the Newton iteration.",
+            "Used by types 0, 135, 155, 225; for 410, 420, 430 the absolute error is the tolerance "
+            "of the Newton iteration.",
         ),
     ),
     Keyword(
@@ -319,7 +326,8 @@ KEYWORDS = (
         ),
         unique=0,
         notes=(
-            "Type 0: initial loading; 1: the same with N0 zero; 2: initial and additional loading; 3: the same with N0 zero.",
+            "Type 0: initial loading; 1: the same with N0 zero; 2: initial and additional loading; "
+            "3: the same with N0 zero.",
         ),
     ),
     Keyword(

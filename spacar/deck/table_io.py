@@ -1,4 +1,5 @@
-"""Keywords of the third block: trajectories, nominal inputs and outputs, linearization, simulation (sections 6-9)."""
+"""Keywords of the third block: trajectories, nominal inputs and outputs, linearization, simulation
+(sections 6-9)."""
 
 from __future__ import annotations
 
@@ -142,8 +143,8 @@ TRAJECTORIES = (
 
 
 def _port(name: str, block: Block, text: str, *classes: str) -> Keyword:
-    """An input or output statement. What follows INPUT, IN, OUT, NOM or REF in the name tells what it refers to:
-    E... or S a deformation, X... or F a coordinate."""
+    """An input or output statement. What follows INPUT, IN, OUT, NOM or REF in the name tells what it
+    refers to: E... or S a deformation, X... or F a coordinate."""
     first = _INPUT if name.startswith(("IN", "NOM")) else _OUTPUT
     start = next(p for p in ("NOM", "REF", "INPUT", "OUT", "IN") if name.startswith(p) and name != p)
     target = (ELEMENT, MODE) if name[len(start)] in "ES" else (NODE, COORDINATE)

@@ -1,4 +1,5 @@
-"""The records of which the keyword table is made: blocks, parameters, variants of a statement, keywords, element types."""
+"""The records of which the keyword table is made: blocks, parameters, variants of a statement, keywords,
+element types."""
 
 from __future__ import annotations
 
@@ -25,8 +26,8 @@ class Block(Enum):
 class Parameter:
     """One position of a statement.
 
-    `kind` is integer, real or name. `of` says what a number refers to: element, node, position node, orientation
-    node, coordinate, mode, input, output. `default` None means that the value must be given.
+    `kind` is integer, real or name. `of` says what a number refers to: element, node, position node,
+    orientation node, coordinate, mode, input, output. `default` None means that the value must be given.
     """
 
     meaning: str
@@ -45,9 +46,10 @@ class Parameter:
 class Variant:
     """One form of a statement: which models, nodes or elements it is for, its parameters and allowed counts.
 
-    `space` (planar, spatial), `role` (position, orientation) and `types` (element keywords) restrict the variant;
-    empty means any. `counts` are the allowed numbers of arguments. `components` marks forms whose last values are
-    vector components, where a surplus zero third component of a planar model is dropped with a warning.
+    `space` (planar, spatial), `role` (position, orientation) and `types` (element keywords) restrict the
+    variant; empty means any. `counts` are the allowed numbers of arguments. `components` marks forms whose
+    last values are vector components, where a surplus zero third component of a planar model is dropped
+    with a warning.
     """
 
     parameters: tuple[Parameter, ...]
@@ -104,12 +106,13 @@ class Keyword:
 class ElementType:
     """One element type.
 
-    `nodes` are the roles (position, orientation) in the order of the statement, `node_names` their names there.
-    `modes` are (name, unit), `slips` the 0-based non-holonomic modes, `code` the number in the array `it`.
-    `stiffness` gives for each mode the position of its coefficient in ESTIFF (argument number, 1 = element).
-    `length` says when the distance between the position nodes must not be zero: always, with direction, or never.
-    `direction` is (first argument number, number of components, role) of the direction vector, with the role
-    plane (a vector in the x'y' plane, not parallel to pq), axis (any direction) or spin (not parallel to pq).
+    `nodes` are the roles (position, orientation) in the order of the statement, `node_names` their names
+    there. `modes` are (name, unit), `slips` the 0-based non-holonomic modes, `code` the number in the array
+    `it`. `stiffness` gives for each mode the position of its coefficient in ESTIFF (argument number, 1 =
+    element). `length` says when the distance between the position nodes must not be zero: always, with
+    direction, or never. `direction` is (first argument number, number of components, role) of the direction
+    vector, with the role plane (a vector in the x'y' plane, not parallel to pq), axis (any direction) or
+    spin (not parallel to pq).
     """
 
     keyword: str

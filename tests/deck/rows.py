@@ -1,8 +1,8 @@
 """One deck for every situation of reference/keywords.md section 10: (name, text, mode, severity, fragments).
 
-The list is used twice: through `parse_deck` (test_rows.py) and through the command line (acceptance tests). The
-fragments must all occur in one message line of that severity; `<deck>` stands for the file name there. Rows whose
-situation needs a file system, a user function or a numerical analysis are not here.
+The list is used twice: through `parse_deck` (test_rows.py) and through the command line (acceptance tests).
+The fragments must all occur in one message line of that severity; `<deck>` stands for the file name there.
+Rows whose situation needs a file system, a user function or a numerical analysis are not here.
 """
 
 from __future__ import annotations

@@ -81,7 +81,7 @@ def test_other_separators_are_not_line_ends() -> None:
 
 
 def test_free_format() -> None:
-    joined = "plbeam 1\n1 2\n\t3 4 X 3 1.\n0.5 fix 1 ; wall\nFix 2 # no\nend\nhalt\nxm 3 2. END\nEND anything 1 2 3"
+    joined = "plbeam 1\n1 2\n\t3 4 X 3 1.\n0.5 fix 1 ; wall\nFix 2 # no\nend\nhalt\nxm 3 2. END\nEND more 1"
     assert [r[:3] for r in rows(joined)] == [r[:3] for r in rows(TEXT)]
 
 
@@ -131,8 +131,8 @@ def test_control_characters_are_escaped_in_messages() -> None:
 def test_missing_file(tmp_path) -> None:
     with pytest.raises(UsageError, match=r"nothing.dat: No such file"):
         read_deck(tmp_path / "nothing")
+    (tmp_path / "folder.dat").mkdir()
     with pytest.raises(UsageError, match="Is a directory"):
-        (tmp_path / "folder.dat").mkdir()
         read_deck(tmp_path / "folder.dat")
 
 

@@ -1,4 +1,5 @@
-"""Every situation of reference/keywords.md section 10 is reported, with its line, and nothing else goes wrong."""
+"""Every situation of reference/keywords.md section 10 is reported, with its line, and nothing else goes
+wrong."""
 
 from __future__ import annotations
 
@@ -11,7 +12,8 @@ from spacar.deck import parse_deck
 from spacar.errors import InputError, Message
 
 _SPEC = importlib.util.spec_from_file_location("deck_rows", Path(__file__).with_name("rows.py"))
-assert _SPEC is not None and _SPEC.loader is not None
+assert _SPEC is not None
+assert _SPEC.loader is not None
 rows = importlib.util.module_from_spec(_SPEC)
 _SPEC.loader.exec_module(rows)
 
