@@ -11,7 +11,6 @@ from typing import Any
 
 import click
 from spacar_formats.log import LogSink
-from spacar_formats.setpoints import check_same_model, find_setpoints
 from spacar_formats.sinks import ResultSink, Sink, result_sinks
 
 from spacar.errors import SpacarError, UsageError
@@ -102,10 +101,9 @@ def run_mode(
     run: Run | None = None
     try:
         results = result_sinks(stem, mode.files)
-        nominal = find_setpoints(source, setpoints) if mode.number in LINEARIZED else None
-        run = frames(mode.number, source, nominal=nominal, **overrides)
-        if nominal is not None:
-            check_same_model(nominal, run.mechanism.numbering)
+        run = frames(mode.number, source, **overrides)
+        if mode.number in LINEARIZED:
+            _set_nominal(run, source, setpoints)
         _check_timestep(run)
         if not quiet:
             tell_messages(environment, run.mechanism.deck.messages, ("warning", "information")[: 1 + verbose])
@@ -174,6 +172,14 @@ def _check_timestep(run: Run) -> None:
         raise UsageError("--time needs --steps, because the input file has no TIMESTEP", "usage.timestep")
     if s.duration is None and s.n_steps > 0:
         raise UsageError("--steps needs --time, because the input file has no TIMESTEP", "usage.timestep")
+
+
+def _set_nominal(run: Run, source: Path, setpoints: str | None) -> None:
+    """Give the run the motion along which it linearizes."""
+    from spacar_formats.setpoints import check_same_model, find_setpoints
+
+    run.nominal = find_setpoints(source, setpoints)
+    check_same_model(run.nominal, run.mechanism.numbering)
 
 
 def _status(environment: Environment, outcome: Outcome, log: Path, results: list[ResultSink]) -> ExitStatus:

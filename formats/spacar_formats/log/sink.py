@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 import spacar
-from spacar.errors import InputError, SpacarError, UsageError
+from spacar.errors import AnalysisError, InputError, SpacarError, UsageError
 from spacar.frame import Frame
 from spacar.modes import Mode, Run
 from spacar_formats.log import linear, model, steps
@@ -73,7 +73,7 @@ class LogSink:
         if timed:
             if run.mechanism.settings.log_level:
                 self._write(steps.transfer_functions(run, frame))
-            self._file.write(self._steps.line(frame) + "\n")
+            self._write([self._steps.line(frame)])
             return
         if self._frames > 1:
             self._write(
@@ -90,14 +90,13 @@ class LogSink:
         """Print the report of the run and how it ended, and close the file."""
         if self._file.closed:
             return
-        if self._run is not None:
-            if not self._frames:
+        with self._file:
+            if self._run is not None and not self._frames:
                 self._write([*_condition(self._run), *_dynamics(self._run)])
-            if self._run.report.lines:
+            if self._run is not None and self._run.report.lines:
                 title = "Warnings and information" if self._run.mode.number else "Diagnosis"
                 self._write([*heading(title), *self._run.report.lines])
-        self._write([*heading("End"), *self._ending(error)])
-        self._file.close()
+            self._write([*heading("End"), *self._ending(error)])
 
     def _ending(self, error: BaseException | None) -> list[str]:
         seconds = time.perf_counter() - self._begun
@@ -117,8 +116,12 @@ class LogSink:
 
     def _write(self, lines: Iterable[str]) -> None:
         text = "\n".join(lines)
-        if text:
+        if not text:
+            return
+        try:
             self._file.write(text + "\n")
+        except OSError as error:
+            raise AnalysisError(f"cannot write {self.path}: {error.strerror}", "files.write") from None
 
 
 def _title(mode: Mode, source: Path, options: Mapping[str, Any]) -> list[str]:

@@ -1,0 +1,63 @@
+"""What a process may cost: `--version` next to nothing, `spacar 1 crank` no heavy imports."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+
+import pytest
+
+from .processes import DATA, ENVIRONMENT, SPACAR
+
+LOADED = """
+import sys
+from spacar_cli.main import main
+main(sys.argv[1:])
+print(*sys.modules, file=sys.stderr)
+"""
+
+
+def seconds(*words: str) -> float:
+    begun = time.perf_counter()
+    subprocess.run(words, check=True, capture_output=True, env=ENVIRONMENT)
+    return time.perf_counter() - begun
+
+
+def modules(*words: str, folder) -> set[str]:
+    done = subprocess.run([sys.executable, "-c", LOADED, *words], cwd=folder, capture_output=True, text=True,
+                          env=ENVIRONMENT, check=True)  # fmt: skip
+    return set(done.stderr.split())
+
+
+def test_version_costs_at_most_one_and_a_half_imports_of_numpy():
+    """A ratio of the best of five pairs measured in turn, so that a busy machine slows both alike."""
+    pairs = [
+        (seconds(str(SPACAR), "--version"), seconds(sys.executable, "-c", "import numpy")) for _ in range(5)
+    ]
+    version, numpy = (min(times) for times in zip(*pairs, strict=True))
+    assert version <= 1.5 * numpy, (version, numpy)
+
+
+@pytest.mark.parametrize("word", ["--version", "--help"])
+def test_help_imports_no_numpy(word, tmp_path):
+    loaded = modules(word, folder=tmp_path)
+    assert "click" in loaded
+    assert not loaded & {"numpy", "scipy", "rich", "matplotlib", "spacar.modes", "spacar.deck"}
+
+
+def test_a_run_imports_nothing_heavy(tmp_path):
+    (tmp_path / "crank.dat").write_text((DATA / "crank.dat").read_text())
+    loaded = modules("1", "crank", folder=tmp_path)
+    assert (tmp_path / "crank.sbd").exists()
+    heavy = {
+        "matplotlib",
+        "rich",
+        "scipy.integrate",
+        "scipy.linalg",
+        "scipy.sparse",
+        "sympy",
+        "pandas",
+        "asyncio",
+    }
+    assert not loaded & heavy, loaded & heavy

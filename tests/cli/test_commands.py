@@ -1,0 +1,80 @@
+"""The small commands: check, keywords, examples."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from spacar.deck.table import KEYWORDS
+
+from .conftest import DATA
+
+
+def test_keywords_lists_every_keyword(call):
+    done = call("keywords")
+    assert done.status == 0
+    listed = {line.split()[0] for line in done.out.splitlines() if line.startswith("  ")}
+    assert listed == {name for name, _ in KEYWORDS}
+
+
+@pytest.mark.parametrize("name", sorted({name for name, _ in KEYWORDS}))
+def test_every_keyword_is_explained(call, name):
+    done = call("keywords", name.lower())
+    assert done.status == 0
+    for (keyword, block), row in KEYWORDS.items():
+        if keyword == name:
+            assert f"{name}: {row.help}" in done.out
+            assert block.value in done.out
+            for variant in row.variants:
+                assert all(p.text in done.out for p in variant.parameters)
+
+
+def test_an_alias_is_explained_under_its_name(call):
+    assert call("keywords", "LEVELLOG").out.startswith("OUTLEVEL: ")
+
+
+@pytest.mark.parametrize("path", sorted(DATA.glob("*.dat")), ids=lambda p: p.stem)
+def test_the_examples_are_free_of_errors(call, path):
+    done = call("check", path)
+    assert done.status == 0, done.err
+    assert ": 0 errors" in done.out
+
+
+def test_check_in_json(call, tmp_path):
+    (tmp_path / "bad.dat").write_text("PLTRUSS 1 1 2\nFIX 1\nFIX 9\nFXI 2\nEND END\n")
+    done = call("check", "bad", "--json")
+    assert done.status == 2
+    assert done.err == ""
+    found = json.loads(done.out)["messages"]
+    assert {(m["severity"], m["line"]) for m in found} >= {("error", 4), ("warning", 3)}
+
+
+def test_check_writes_nothing(call, tmp_path):
+    before = set(tmp_path.iterdir())
+    call("check", "crank", "--mode", "1")
+    assert set(tmp_path.iterdir()) == before
+
+
+def test_check_of_a_mode_that_does_not_exist(call):
+    done = call("check", "crank", "--mode", "5")
+    assert done.status == 2
+    assert "mode 5 does not exist" in done.err
+
+
+def test_examples_are_listed_and_copied(call, tmp_path):
+    listed = call("examples").out
+    assert all(path.stem in listed for path in DATA.glob("*.dat"))
+    assert call("examples", "slider", "fourbar.dat", "--to", "models").status == 0
+    assert (tmp_path / "models" / "slider.dat").read_bytes() == (DATA / "slider.dat").read_bytes()
+    assert (tmp_path / "models" / "fourbar.dat").exists()
+
+
+def test_examples_do_not_overwrite(call, tmp_path):
+    (tmp_path / "slider.dat").write_text("mine")
+    done = call("examples", "slider")
+    assert done.status == 2
+    assert "--force" in done.err
+    assert (tmp_path / "slider.dat").read_text() == "mine"
+    assert call("examples", "slider", "--force").status == 0
+    assert (tmp_path / "slider.dat").read_text() != "mine"
