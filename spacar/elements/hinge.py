@@ -22,6 +22,11 @@ from spacar.elements.rotation import arc_tangent, expand, relative_parameters
 
 _einsum = np.einsum
 _TURN = 2.0 * np.pi
+# second derivatives of e2, e3 by mu: 2 (mu0 mu2 - mu1 mu3) and 2 (mu0 mu3 + mu1 mu2)
+_MISALIGNMENT = np.zeros((2, 4, 4))
+_MISALIGNMENT[0, [0, 2], [2, 0]] = 2.0
+_MISALIGNMENT[0, [1, 3], [3, 1]] = -2.0
+_MISALIGNMENT[1, [0, 1, 2, 3], [3, 2, 1, 0]] = 2.0
 
 
 class HingeState(NamedTuple):
@@ -41,23 +46,19 @@ def hinge_state(F: Array, lam: Array) -> HingeState:
     m0, m1 = mu[0], mu[1]
     half_r = 0.5 * (m0 * m0 + m1 * m1)
     f = np.zeros((3, *mu.shape), mu.dtype)
-    f[0, 0] = -m1 / half_r
-    f[0, 1] = m0 / half_r
-    twice = 2.0 * mu
-    f[1, 0] = twice[2]
-    f[1, 1] = -twice[3]
-    f[1, 2] = twice[0]
-    f[1, 3] = -twice[1]
-    f[2] = twice[::-1]
+    np.divide(-m1, half_r, out=f[0, 0])
+    np.divide(m0, half_r, out=f[0, 1])
+    f[1:] = _einsum("eab,b...->ea...", _MISALIGNMENT, mu)
     return HingeState(F, lam, mu, dmu, f)
 
 
 def hinge_deformations(c: HingeState, near: Array) -> Array:
     """e1..e3 (3, n); e1 on the branch closest to near (n,)."""
-    m0, m1, m2, m3 = c.mu
-    e1 = 2.0 * arc_tangent(m1, m0)
-    e1 = e1 + _TURN * np.round((near - e1.real) / _TURN)
-    return np.stack((e1, 2.0 * (m0 * m2 - m1 * m3), 2.0 * (m0 * m3 + m1 * m2)))
+    e = np.empty((3, *c.mu.shape[1:]), c.mu.dtype)
+    e1 = 2.0 * arc_tangent(c.mu[1], c.mu[0])
+    np.add(e1, _TURN * np.round((near - e1.real) / _TURN), out=e[0])
+    e[1:] = _einsum("ea...,a...->e...", c.f_i[1:], 0.5 * c.mu)  # homogeneous quadratic in mu
+    return e
 
 
 def hinge_gradient(c: HingeState) -> Array:
@@ -100,9 +101,7 @@ def hinge_hessian(c: HingeState, sigma: Array) -> Array:
     f_ij[0, 0] = sigma[0] * taa
     f_ij[1, 1] = -f_ij[0, 0]
     f_ij[0, 1] = f_ij[1, 0] = sigma[0] * tab
-    f_ij[0, 2] = f_ij[2, 0] = 2.0 * sigma[1]
-    f_ij[1, 3] = f_ij[3, 1] = -2.0 * sigma[1]
-    f_ij[0, 3] = f_ij[3, 0] = f_ij[1, 2] = f_ij[2, 1] = 2.0 * sigma[2]
+    f_ij += _einsum("e...,eab->ab...", sigma[1:], _MISALIGNMENT)
     H = _einsum("asi...,atj...->sitj...", c.dmu, _einsum("ab...,btj...->atj...", f_ij, c.dmu))
     cross = _einsum("a...,aij...->ij...", f_i, c.F[:, 0])
     H[0, :, 1] += cross
@@ -133,8 +132,7 @@ def _second(c: HingeState, m: Array) -> Array:
     f = np.zeros((3, *m.shape), np.result_type(c.mu, m))
     f[0, 0] = taa * m[0] + tab * m[1]
     f[0, 1] = tab * m[0] - taa * m[1]
-    f[1] = 2.0 * np.stack((m[2], -m[3], m[0], -m[1]))
-    f[2] = 2.0 * m[::-1]
+    f[1:] = _einsum("eab,b...->ea...", _MISALIGNMENT, m)
     return f
 
 

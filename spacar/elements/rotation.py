@@ -37,9 +37,22 @@ def _director_coefficients() -> Array:
 
 
 _DIRECTOR = _director_coefficients()
+_NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
 _CROSS = np.zeros((3, 3, 3))  # Levi-Civita symbol
 _CROSS[[0, 1, 2], [1, 2, 0], [2, 0, 1]] = 1.0
 _CROSS[[0, 1, 2], [2, 0, 1], [1, 2, 0]] = -1.0
+
+
+def _rate_coefficients(sign: float) -> Array:
+    """[-v | lam0 I + sign v~] as a tensor (3, 4, 4) that is contracted with lam = (lam0, v)."""
+    T = np.zeros((3, 4, 4))
+    T[:, 0, 1:] = -np.eye(3)
+    T[:, 1:, 0] = np.eye(3)
+    T[:, 1:, 1:] = sign * _CROSS.swapaxes(1, 2)
+    return T
+
+
+_BODY, _GLOBAL = _rate_coefficients(-1.0), _rate_coefficients(1.0)
 
 
 def expand(constants: tuple[Any, ...], ndim: int) -> tuple[Any, ...]:
@@ -108,7 +121,7 @@ def skew(v: Array) -> Array:
 
 def cross(a: Array, b: Array) -> Array:
     """a x b for component-first arrays that broadcast against each other behind the first axis."""
-    return np.stack((a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]))
+    return a.take(_NEXT, 0) * b.take(_LAST, 0) - a.take(_LAST, 0) * b.take(_NEXT, 0)
 
 
 def rotate(lam: Array, c: Array) -> Array:
@@ -119,21 +132,12 @@ def rotate(lam: Array, c: Array) -> Array:
 
 def body_matrix(lam: Array) -> Array:
     """Lambda (3, 4, n): w' = 2 Lambda dlam/dt is the angular velocity in body components."""
-    return _rate_matrix(lam, -1.0)
+    return np.einsum("ijk,k...->ij...", _BODY, lam)
 
 
 def global_matrix(lam: Array) -> Array:
     """Lambda-bar (3, 4, n): w = 2 Lambda-bar dlam/dt is the angular velocity in global components."""
-    return _rate_matrix(lam, 1.0)
-
-
-def _rate_matrix(lam: Array, sign: float) -> Array:
-    L = np.empty((3, *lam.shape), lam.dtype)
-    L[:, 0] = -lam[1:]
-    L[:, 1:] = sign * skew(lam[1:])
-    for i in range(3):
-        L[i, 1 + i] += lam[0]
-    return L
+    return np.einsum("ijk,k...->ij...", _GLOBAL, lam)
 
 
 def body_dual(w: Array) -> Array:

@@ -25,6 +25,7 @@ from spacar.elements.rotation import cross, director_tensor, expand, global_matr
 
 _einsum = np.einsum
 UP = np.array([0.0, 0.0, 1.0])
+_AROUND = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
 START = 1e-4  # largest error of the given contact point as a fraction of the radius
 LEFT = 1e-6  # largest height of the contact point over the ground as a fraction of the radius
 FLAT = 1e-3  # smallest sine of the angle between spin axis and vertical
@@ -63,7 +64,7 @@ class WheelRates(NamedTuple):
 
 def around(v: Array) -> Array:
     """n x v for the vertical n; v x n is its opposite."""
-    return np.stack((-v[1], v[0], np.zeros_like(v[0])))
+    return np.asarray(_einsum("ij,j...->i...", _AROUND, v))
 
 
 def _dot(a: Array, b: Array) -> Array:

@@ -207,7 +207,7 @@ def test_divergence_of_a_pipe(pinned: bool, n: int, factor: float) -> None:
 
 @pytest.mark.parametrize(("ratio", "critical"), [(0.1, 4.7502), (0.2, 5.5922), (0.5, 9.3227)])
 def test_flutter_of_a_cantilever(ratio: float, critical: float) -> None:
-    """Against a Galerkin solution with ten modes (theory-spatial.md section 14); n = 16 agrees within 7e-4."""
+    """Against Galerkin with ten modes (theory-spatial.md section 14); n = 16 agrees within 7e-4."""
     assert flutter(16, ratio, critical - 0.002) < 1e-6 < flutter(16, ratio, critical + 0.002)
 
 
