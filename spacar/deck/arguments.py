@@ -134,7 +134,12 @@ def _expected(parameter: Parameter, kind: str, role: str, raw: Raw) -> str:
         owner = ELEMENT_TYPES[raw.keyword].title
     if not owner or parameter.of:
         return parameter.text
-    return f"{parameter.text} of {'an' if owner[0] in 'aeio' else 'a'} {owner}"
+    return f"{parameter.text} of {_an(owner)}"
+
+
+def _an(noun: str) -> str:
+    """The noun with its article."""
+    return f"an {noun}" if noun[0] in "aeio" else f"a {noun}"
 
 
 def _count(
@@ -152,7 +157,7 @@ def _count(
     if given in counts:
         return True
     owner = ELEMENT_TYPES[kind].title if kind else _owner("", role)
-    whom = f" for a {owner}" if owner and raw.keyword not in ELEMENT_TYPES else ""
+    whom = f" for {_an(owner)}" if owner and raw.keyword not in ELEMENT_TYPES else ""
     takes = f"{raw.keyword} takes {alternatives(counts)} argument{'s' if counts != {1} else ''}{whom}"
     if given > max(counts):
         surplus = words[max(counts)]
@@ -208,15 +213,10 @@ def _references(statement: Statement, variant: Variant, outline: Outline, findin
                 good = _unknown_node(statement, i, number, outline, findings) and good
             elif of != "node" and f"{outline.roles[number]} node" != of:
                 user = outline.users[number]
-                findings.error(
-                    statement,
-                    i,
-                    f"node {number} is an {outline.roles[number]} node".replace("an position", "a position")
-                    + f" (of {user.subject}, line {user.line}); expected a number of an {of}".replace(
-                        "an pos", "a pos"
-                    ),
-                    "node-role",
-                )
+                found = outline.roles[number]
+                where = f"of {user.subject}, line {user.line}"
+                text = f"node {number} is {_an(found)} node ({where}); expected {_an(of)}"
+                findings.error(statement, i, text, "node-role")
                 good = False
         elif of in ("coordinate", "mode") and owner is not None:
             good = _in_range(statement, i, owner, number, outline, findings) and good

@@ -25,7 +25,7 @@ def check_elements(scene: Scene) -> None:
             text = f"a {kind.title} is not supported, also not by the original program"
             findings.error(s, None, text, "not-supported")
         if kind.slips and scene.mode in HOLONOMIC_ONLY:
-            text = f"non-holonomic element in mode {scene.mode}: only modes 0, 1, 4, 7 and 9 support it"
+            text = f"non-holonomic element in mode {scene.mode}: only modes 0, 1, 4, 7, 9 support it"
             findings.error(s, None, text, "non-holonomic")
         other = first_of_kind.get(not kind.planar)
         if kind.planar not in first_of_kind:

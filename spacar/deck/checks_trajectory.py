@@ -15,7 +15,7 @@ MOST_PATHS = 6
 _NAMES = {k.name for k in TRAJECTORIES}
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class _Trajectory:
     start: Statement
     statements: list[Statement] = field(default_factory=list)

@@ -15,7 +15,7 @@ from spacar.errors import Message, UsageError
 Span = tuple[tuple[int, int], tuple[int, int]]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Deck:
     """A read and checked input file.
 

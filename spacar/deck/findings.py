@@ -24,7 +24,7 @@ _ORDINALS = [
 ]
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Findings:
     """The messages found so far in one file."""
 

@@ -10,14 +10,15 @@ from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.deck.table_types import ElementType
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Outline:
     """Elements by number with their types, nodes by number with their roles and the element that uses
     them first.
 
     `space` is planar, spatial or "" (no element). `complete` is false when some element statement could not
-    be read, so that nodes may be missing here; `broken` holds keyword and first number of the other statements
-    that could not be read, `broken_blocks` their blocks: what follows from their absence is not reported then.
+    be read, so that nodes may be missing here; `broken` holds keyword and first number of the other
+    statements that could not be read, `broken_blocks` their blocks: what follows from their absence is not
+    reported then.
     """
 
     elements: dict[int, Statement] = field(default_factory=dict)

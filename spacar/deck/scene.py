@@ -15,7 +15,7 @@ Classes = dict[tuple[int, int], tuple[str, Statement]]
 """(node, coordinate) or (element, mode) -> class and the statement that says so."""
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Scene:
     """The material of the checks; `findings` receives the messages of the block that is being checked."""
 

@@ -16,7 +16,7 @@ _SUGGESTIONS = 40
 _BLOCK_NAMES = {1: "kinematics block", 2: "dynamics block", 3: "third block"}
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Raw:
     """A statement whose arguments are still words."""
 
@@ -26,7 +26,7 @@ class Raw:
     words: list[Word] = field(default_factory=list)
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Split:
     """All raw statements and, for each block that was opened, where its text begins and ends (line,
     column)."""

@@ -22,7 +22,7 @@ class Block(Enum):
         return {"KINEMATICS": 1, "DYNAMICS": 2}.get(self.name, 3)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Parameter:
     """One position of a statement.
 
@@ -42,7 +42,7 @@ class Parameter:
         return f"{self.meaning} ({self.unit})" if self.unit else self.meaning
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Variant:
     """One form of a statement: which models, nodes or elements it is for, its parameters and allowed counts.
 
@@ -68,7 +68,7 @@ class Variant:
         )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Keyword:
     """One keyword of one block.
 
@@ -102,7 +102,7 @@ class Keyword:
         return None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class ElementType:
     """One element type.
 
