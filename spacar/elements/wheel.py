@@ -6,8 +6,8 @@ tread circle:
 
     e1 = |r| - r0   radial [m]            e3 = z of x_q     height above the ground [m]
     e2 = a.r        axial [m]             e4 = r.(a x n)    the contact is the lowest point [m]
-    de5/dt = t.(dx_p + w x d), t = r x a  longitudinal slip, |t| = r0
-    de6/dt = s.(dx_q - rho w x n), s = n x t                lateral slip, |s| = r0 while upright
+    de5/dt = t.(dx_p + w x d), t = r x a  longitudinal slip, |t| = r0 on the ground
+    de6/dt = s.(dx_q - rho w x n), s = n x t                lateral slip, |s| = |t|
 
 The slips are rates only: e5 = e6 = 0, and their rows W of V are no gradients (`slip_hessian`).
 """
