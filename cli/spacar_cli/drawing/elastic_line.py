@@ -1,0 +1,60 @@
+"""The true elastic line of a beam: Hermite cubic through both ends, with the shear deflection added.
+
+Centre line r(xi) = sum N_k(xi) y_k, y = (x_p, l0 t_p, x_q, l0 t_q), t the directions normal to the end sections
+(theory-planar.md 3.4 (9), theory-spatial.md 3.6). With shear flexibility the sections are not normal to the centre
+line; the exact shape functions of a Timoshenko beam without distributed load are (N_k + Phi L_k)/(1 + Phi) with
+L = (1 - xi, (xi - xi^2)/2, xi, -(xi - xi^2)/2) and Phi = 12 EI/(GAk l0^2). The difference to the cubic,
+Phi/(1 + Phi) sum (L_k - N_k) y_k, is taken in each of the two bending directions with its own Phi.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def shape_functions(xi: Array) -> tuple[Array, Array]:
+    """N and L, each (4, n), at xi (n,) from 0 to 1."""
+    s2, s3, b = xi**2, xi**3, 0.5 * (xi - xi**2)
+    N = np.stack((1 - 3 * s2 + 2 * s3, xi - 2 * s2 + s3, 3 * s2 - 2 * s3, s3 - s2))
+    L = np.stack((1 - xi, b, xi, -b))
+    return N, L
+
+
+def elastic_line(ends: Array, tangents: Array, l0: float, across: Array, Phi: Array, n: int) -> Array:
+    """(n, 3) points of the elastic line [m].
+
+    ends (2, 3) x_p, x_q [m]; tangents (2, 3) unit vectors normal to the end sections; l0 undeformed length [m];
+    across (2, 3) unit vectors of the bending directions y', z'; Phi (2,) shear parameters of bending along y', z'.
+    """
+    N, L = shape_functions(np.linspace(0.0, 1.0, n))
+    y = np.stack((ends[0], l0 * tangents[0], ends[1], l0 * tangents[1]))
+    points = N.T @ y
+    if np.any(Phi):
+        shear = (L - N).T @ y
+        for direction, value in zip(across, Phi, strict=True):
+            points += value / (1.0 + value) * np.outer(shear @ direction, direction)
+    return points
+
+
+def section_axes(points: Array, y_p: Array, y_q: Array) -> tuple[Array, Array]:
+    """y', z' (n, 3) along a line of points (n, 3): y' turns linearly from y_p to y_q, normal to the line."""
+    tangent = np.gradient(points, axis=0)
+    tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-300)
+    xi = np.linspace(0.0, 1.0, len(points))[:, None]
+    y = (1 - xi) * y_p + xi * y_q
+    y = y - np.sum(y * tangent, axis=1, keepdims=True) * tangent
+    y /= np.maximum(np.linalg.norm(y, axis=1, keepdims=True), 1e-300)
+    return y, np.cross(tangent, y)
+
+
+def chord_axes(ends: Array, y_p: Array, y_q: Array) -> Array:
+    """(2, 3) y', z' normal to the chord, midway between the ends: the directions in which the shear part acts."""
+    d = ends[1] - ends[0]
+    d = d / max(float(np.linalg.norm(d)), 1e-300)
+    y = y_p + y_q
+    y = y - (y @ d) * d
+    y = y / max(float(np.linalg.norm(y)), 1e-300)
+    return np.stack((y, np.cross(d, y)))

@@ -1,0 +1,135 @@
+"""Shapes onto matplotlib axes: projected, sorted from far to near, shaded."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from spacar_cli.drawing.camera import Array, Camera
+from spacar_cli.drawing.shapes import Faces, Label, Line, Mark, Shape
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+FRONT = 5  # marks from this layer on are drawn over solids
+LIGHT = (-0.35, 0.65, 0.68)  # direction of the light in axes right, up, near
+DARKEST = 0.55
+
+
+def paint(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
+    """Add the shapes to the axes; returns the artists, to be removed before the next frame."""
+    artists: list[Any] = _planar(axes, camera, shapes) if camera.planar else _spatial(axes, camera, shapes)
+    for mark in (s for s in shapes if isinstance(s, Mark)):
+        p = camera.project(mark.at)
+        artists += axes.plot(
+            *p, "o", ms=mark.size, mfc=mark.face, mec=mark.edge, mew=0.8, zorder=10 + mark.layer, scalex=False, scaley=False
+        )
+    labels = [s for s in shapes if isinstance(s, Label)]
+    if labels:
+        from spacar_cli.drawing.labels import place_labels
+
+        artists += place_labels(axes, camera, labels, shapes)
+    return artists
+
+
+def _planar(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
+    """Every layer: faces, then lines, in collections of their own."""
+    from matplotlib.collections import LineCollection, PolyCollection
+
+    artists: list[Any] = []
+    for s in shapes:
+        if isinstance(s, Faces):
+            face = PolyCollection(
+                camera.project(s.corners), facecolors=_rgba(s.colour, s.alpha), edgecolors=s.edge or "none", linewidths=s.width
+            )
+            face.set_zorder(10 + s.layer)
+            artists.append(axes.add_collection(face, autolim=False))
+    layers = sorted({s.layer for s in shapes if isinstance(s, Line)})
+    for layer in layers:
+        lines = [s for s in shapes if isinstance(s, Line) and s.layer == layer]
+        collection = LineCollection(
+            [camera.project(s.points) for s in lines],
+            colors=[_rgba(s.colour, s.alpha)[0] for s in lines],
+            linewidths=[s.width for s in lines],
+            linestyles=[(0, s.dashes) if s.dashes else "solid" for s in lines],
+            capstyle="round",
+            joinstyle="round",
+        )
+        collection.set_zorder(10.5 + layer)
+        artists.append(axes.add_collection(collection, autolim=False))
+    return artists
+
+
+def _spatial(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
+    """All faces and pieces of lines in one collection, far ones first (painter's algorithm)."""
+    from matplotlib.collections import LineCollection, PolyCollection
+
+    polygons: list[Array] = []
+    depths, faces, edges, widths = [], [], [], []
+    front: list[Line] = []
+    for s in shapes:
+        if isinstance(s, Faces):
+            colour = _rgba(s.colour, s.alpha, len(s.corners))
+            if s.light:
+                colour[:, :3] *= brightness(camera, s.corners)[:, None]
+            polygons += list(camera.project(s.corners))
+            depths.append(camera.depth(s.corners).mean(1))
+            faces.append(colour)
+            # an edge in the colour of the face closes the hairlines between neighbours; with transparency it would show
+            edges.append(_rgba(s.edge, 1.0, len(colour)) if s.edge else colour if s.alpha >= 1 else colour * [1, 1, 1, 0])
+            widths.append(np.full(len(colour), s.width if s.edge else 0.4))
+        elif isinstance(s, Line):
+            if s.layer >= FRONT or s.dashes:
+                front.append(s)
+                continue
+            pieces = np.stack((s.points[:-1], s.points[1:]), axis=1)
+            colour = _rgba(s.colour, s.alpha, len(pieces))
+            polygons += list(camera.project(pieces))
+            depths.append(camera.depth(pieces).mean(1))
+            faces.append(colour * [1, 1, 1, 0])
+            edges.append(colour)
+            widths.append(np.full(len(pieces), s.width))
+    artists: list[Any] = []
+    if polygons:
+        order = np.argsort(np.concatenate(depths), kind="stable")
+        collection = PolyCollection(
+            [polygons[i] for i in order],
+            facecolors=np.concatenate(faces)[order],
+            edgecolors=np.concatenate(edges)[order],
+            linewidths=np.concatenate(widths)[order],
+            joinstyle="round",
+        )
+        collection.set_zorder(10)
+        artists.append(axes.add_collection(collection, autolim=False))
+    if front:
+        lines = LineCollection(
+            [camera.project(s.points) for s in front],
+            colors=[_rgba(s.colour, s.alpha)[0] for s in front],
+            linewidths=[s.width for s in front],
+            linestyles=[(0, s.dashes) if s.dashes else "solid" for s in front],
+        )
+        lines.set_zorder(15)
+        artists.append(axes.add_collection(lines, autolim=False))
+    return artists
+
+
+def brightness(camera: Camera, corners: Array) -> Array:
+    """(n,) between DARKEST and 1 of polygons (n, k, 3): a lamp over the viewer's left shoulder, both sides lit."""
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+    normal *= np.where(normal @ camera.near < 0, -1.0, 1.0)[:, None]
+    lamp = np.array(LIGHT) @ np.stack((camera.right, camera.up, camera.near))
+    lamp /= np.linalg.norm(lamp)
+    return DARKEST + (1 - DARKEST) * np.clip(normal @ lamp, 0.0, 1.0) ** 0.8
+
+
+def _rgba(colour: Any, alpha: float, n: int = 1) -> Array:
+    from matplotlib.colors import to_rgba, to_rgba_array
+
+    if isinstance(colour, np.ndarray) and colour.ndim == 2:
+        rgba = to_rgba_array(colour).astype(float)
+        rgba[:, 3] = alpha
+        return rgba
+    return np.tile(to_rgba(colour, alpha), (n, 1)).astype(float)

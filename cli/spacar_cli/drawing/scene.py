@@ -1,0 +1,217 @@
+"""What a picture needs to know of a mechanism: the header of a `.sbd` file in one record (reference/files.md 3, 4).
+
+Everything is drawn in three dimensions; a planar mechanism lies in the plane z = 0. Rows of the tables are node or
+element number minus 1, as in the files.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+CLASSES = ("fixed", "calculable", "input", "dynamic", "kinematic")
+E_ORDER = (0, 2, 3, 4, 1)  # order of the classes inside e, as places in CLASSES
+# Columns of ln (from 0) that hold p position, p orientation, q position, q orientation; None: the type has none.
+PLACES: dict[str, tuple[int | None, int | None, int | None, int | None]] = {
+    **dict.fromkeys(("PLBEAM", "PLTUBE", "PLBELT", "BEAM", "TUBE", "SCREW"), (0, 1, 2, 3)),
+    **dict.fromkeys(("PLTRUSS", "TRUSS"), (0, None, 1, None)),
+    **dict.fromkeys(("PLTOR", "HINGE"), (None, 0, None, 1)),
+    **dict.fromkeys(("PLRBEAM", "PLPINBOD", "RBEAM", "PINBODY", "WHEEL", "TWHEEL"), (0, 1, 2, None)),
+    "PLWHEEL": (0, 1, None, 2),
+}
+BEAMS = ("PLBEAM", "PLTUBE", "BEAM", "TUBE")
+TRUSSES = ("PLTRUSS", "TRUSS")
+RIGID = ("PLRBEAM", "RBEAM", "PLPINBOD", "PINBODY")
+HINGES = ("PLTOR", "HINGE")
+
+
+@dataclass(frozen=True)
+class Element:
+    """One element: number, keyword and node numbers (0: none) at its ends."""
+
+    number: int
+    keyword: str
+    p: int
+    p_turn: int
+    q: int
+    q_turn: int
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A mechanism to be drawn.
+
+    keywords  one per element number ("": unused);  lnp (nodes, 4), le (elements, 6), ln (elements, 4) as in the file
+    frame_p, frame_q  (elements, 3, 3) rows x', y', z' of the start frames, zero where none exists
+    length    (elements,) undeformed length [m];  data (elements, k) radii, pitch;  stiffness, damping (elements, 6)
+    nxp, nep  (5,) coordinates and deformations per class
+    """
+
+    planar: bool
+    mode: int
+    title: str
+    keywords: tuple[str, ...]
+    lnp: Index
+    le: Index
+    ln: Index
+    frame_p: Array
+    frame_q: Array
+    length: Array
+    data: Array
+    stiffness: Array
+    damping: Array
+    nxp: Index
+    nep: Index
+
+    @classmethod
+    def of_header(cls, header: Mapping[str, Any], title: str = "") -> Scene:
+        """The scene of the header variables of a `.sbd` file (identifiers in capitals)."""
+
+        def table(name: str, dtype: type = float) -> Any:
+            return np.atleast_2d(np.asarray(header[name], dtype))
+
+        keywords = tuple(word.strip() for word in header["ETYPE"])
+        n = len(keywords)
+        return cls(
+            planar=not any(w in ("BEAM", "TUBE", "TRUSS", "HINGE", "PINBODY", "RBEAM", "WHEEL", "TWHEEL", "SCREW") for w in keywords),
+            mode=int(np.ravel(header["MODE"])[0]),
+            title=title,
+            keywords=keywords,
+            lnp=table("LNP", int).reshape(-1, 4),
+            le=table("LE", int).reshape(n, -1),
+            ln=table("LN", int).reshape(n, -1),
+            frame_p=table("RXYZ").reshape(n, 3, 3),
+            frame_q=table("RQ").reshape(n, 3, 3),
+            length=np.ravel(table("RL0")),
+            data=table("DR0").reshape(n, -1),
+            stiffness=table("STIF").reshape(n, -1),
+            damping=table("EDAMP").reshape(n, -1),
+            nxp=np.ravel(table("NXP", int)),
+            nep=np.ravel(table("NEP", int)),
+        )
+
+    @cached_property
+    def elements(self) -> tuple[Element, ...]:
+        found = []
+        for i, keyword in enumerate(self.keywords):
+            if keyword in PLACES:
+                nodes = [0 if c is None else int(self.ln[i, c]) for c in PLACES[keyword]]
+                found.append(Element(i + 1, keyword, *nodes))
+        return tuple(found)
+
+    @cached_property
+    def position_nodes(self) -> Index:
+        """Numbers of the nodes with positions."""
+        return np.flatnonzero((self.lnp[:, 1] > 0) & (self.lnp[:, 3] == 0)) + 1
+
+    @cached_property
+    def orientation_nodes(self) -> Index:
+        full = self.lnp[:, 3] > 0 if not self.planar else (self.lnp[:, 0] > 0) & (self.lnp[:, 1] == 0)
+        return np.flatnonzero(full) + 1
+
+    @cached_property
+    def _x_class(self) -> Index:
+        return np.repeat(np.arange(5), self.nxp)
+
+    @cached_property
+    def _e_class(self) -> Index:
+        return np.repeat(E_ORDER, self.nep[list(E_ORDER)])
+
+    def x_class(self, node: int, coordinate: int) -> str:
+        """Class of a coordinate (from 1), "" when it does not exist."""
+        i = int(self.lnp[node - 1, coordinate - 1]) if 1 <= node <= len(self.lnp) else 0
+        return CLASSES[self._x_class[i - 1]] if i else ""
+
+    def e_class(self, element: int, mode: int) -> str:
+        """Class of a deformation mode (from 1), "" when it does not exist."""
+        i = int(self.le[element - 1, mode - 1])
+        return CLASSES[self._e_class[i - 1]] if i else ""
+
+    def e_classes(self, element: int) -> set[str]:
+        return {self.e_class(element, m + 1) for m in np.flatnonzero(self.le[element - 1] > 0)}
+
+    def fixed_directions(self, node: int) -> tuple[int, ...]:
+        """Coordinates (0, 1, 2) of a position node that are supported."""
+        return tuple(k for k in range(2 if self.planar else 3) if self.x_class(node, k + 1) == "fixed")
+
+    def orientation_class(self, node: int) -> str:
+        """fixed, input or "" of an orientation node: what keeps it from turning freely."""
+        if self.planar:
+            found = {self.x_class(node, 1)}
+            need = 1
+        else:
+            classes = [self.x_class(node, k) for k in (2, 3, 4)]
+            found, need = set(classes), 3
+            if classes.count("fixed") < need and "input" not in found:
+                return ""
+        return "fixed" if found == {"fixed"} else "input" if "input" in found else ""
+
+    def is_rigid(self, element: int) -> bool:
+        """All deformations are fixed."""
+        return self.e_classes(element) <= {"fixed"}
+
+
+def positions(scene: Scene, x: Array) -> Array:
+    """(highest node, 3) places of the position nodes [m], zero for the others, from x (nx,)."""
+    place = np.zeros((len(scene.lnp), 3))
+    rows = scene.position_nodes - 1
+    k = 2 if scene.planar else 3
+    place[rows, :k] = np.ravel(x)[scene.lnp[rows, :k] - 1]
+    return place
+
+
+def rotations(scene: Scene, x: Array) -> Array:
+    """(highest node, 3, 3) rotation matrices of the orientation nodes, unity for the others.
+
+    Spatial: R of the normalized Euler parameters (theory-spatial.md section 1); planar: turn by phi about z.
+    """
+    R = np.zeros((len(scene.lnp), 3, 3))
+    R[:] = np.eye(3)
+    rows = scene.orientation_nodes - 1
+    x = np.ravel(x)
+    if scene.planar:
+        phi = x[scene.lnp[rows, 0] - 1]
+        R[rows, 0, 0] = R[rows, 1, 1] = np.cos(phi)
+        R[rows, 1, 0] = np.sin(phi)
+        R[rows, 0, 1] = -np.sin(phi)
+        return R
+    quaternion = x[scene.lnp[rows] - 1]
+    quaternion = quaternion / np.maximum(np.linalg.norm(quaternion, axis=1, keepdims=True), 1e-300)
+    a, b, c, d = quaternion.T
+    R[rows] = np.stack(
+        (
+            np.stack((a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)), -1),
+            np.stack((2 * (b * c + a * d), a * a - b * b + c * c - d * d, 2 * (c * d - a * b)), -1),
+            np.stack((2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d), -1),
+        ),
+        -2,
+    )
+    return R
+
+
+@dataclass(frozen=True)
+class Pose:
+    """A scene at one configuration: places (highest node, 3) and turns (highest node, 3, 3) of the nodes."""
+
+    place: Array
+    turn: Array
+
+    @classmethod
+    def of(cls, scene: Scene, x: Array) -> Pose:
+        return cls(positions(scene, x), rotations(scene, x))
+
+    def frame(self, scene: Scene, element: Element, end: str = "p") -> Array:
+        """(3, 3) rows x', y', z' of the element's frame at an end, in space."""
+        table, node = (scene.frame_p, element.p_turn) if end == "p" else (scene.frame_q, element.q_turn)
+        start = table[element.number - 1]
+        if not start.any():
+            start = scene.frame_p[element.number - 1]
+        return start @ self.turn[node - 1].T if node else start

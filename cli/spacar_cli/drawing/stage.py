@@ -1,0 +1,152 @@
+"""The figure: margins, axes with equal scales, the coordinate grid of planar and of spatial pictures."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from spacar_cli.drawing.camera import Array, Camera
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+PANE, RULE, INK = "#fafbfc", "#e3e7ea", "#4d565e"
+WIDTH = 7.2  # inches
+LEAST, MOST = 2.6, 6.6  # height of the axes in inches
+
+
+def new_figure(bounds: tuple[Array, Array], camera: Camera, title: str = "", width: float = WIDTH) -> tuple[Figure, Axes]:
+    """A figure whose axes show the box `bounds` (lower, upper corner) [m] completely, with equal scales."""
+    from matplotlib.figure import Figure
+
+    low, high = padded(bounds, camera)
+    box = camera.project(corners(low, high))
+    a, b = box.min(0), box.max(0)
+    if not camera.planar:
+        margin = 0.06 * float(np.max(b - a))
+        a, b = a - margin * np.array([1.4, 1.3]), b + margin * np.array([1.0, 0.5])
+    span = b - a
+    left, right, bottom, top = 0.75, 0.2, 0.55, 0.42 if title else 0.15
+    if not camera.planar:
+        left, bottom = 0.2, 0.15
+    w = width - left - right
+    h = float(np.clip(w * span[1] / span[0], LEAST, MOST))
+    figure = Figure(figsize=(width, h + bottom + top), dpi=110)
+    axes = figure.add_axes((left / width, bottom / (h + bottom + top), w / width, h / (h + bottom + top)))
+    middle = 0.5 * (a + b)
+    scale = max(span[0] / w, span[1] / h)  # m per inch
+    half = 0.5 * scale * np.array([w, h])
+    axes.set_xlim(middle[0] - half[0], middle[0] + half[0])
+    axes.set_ylim(middle[1] - half[1], middle[1] + half[1])
+    axes.set_aspect("equal")
+    if camera.planar:
+        _plane_grid(axes)
+    else:
+        _space_grid(axes, camera, low, high)
+    if title:
+        axes.set_title(title, fontsize=10, color=INK, loc="left", pad=7)
+    return figure, axes
+
+
+def padded(bounds: tuple[Array, Array], camera: Camera) -> tuple[Array, Array]:
+    """The box with some room; spatial boxes get at least a quarter of the largest side in every direction."""
+    low, high = (np.array(v, float) for v in bounds)
+    size = float(np.max(high - low)) or 1.0
+    if camera.planar:
+        return low - 0.04 * size, high + 0.04 * size
+    middle = 0.5 * (low + high)
+    half = np.maximum(0.5 * (high - low) + 0.03 * size, 0.14 * size)
+    return middle - half, middle + half
+
+
+def corners(low: Array, high: Array) -> Array:
+    """(8, 3) corners of a box."""
+    pick = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+    return np.where(pick, high, low)
+
+
+def _plane_grid(axes: Axes) -> None:
+    axes.set_facecolor("white")
+    axes.grid(True, color=RULE, lw=0.6)
+    axes.set_axisbelow(True)
+    axes.tick_params(labelsize=8, colors=INK, length=0)
+    for side in axes.spines.values():
+        side.set_color("#cfd5da")
+        side.set_linewidth(0.8)
+    axes.set_xlabel("x (m)", fontsize=8.5, color=INK)
+    axes.set_ylabel("y (m)", fontsize=8.5, color=INK)
+
+
+def ticks(low: float, high: float, most: int = 5) -> Array:
+    """Round numbers inside an interval."""
+    from matplotlib.ticker import MaxNLocator
+
+    values = np.array(MaxNLocator(most, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high))
+    return values[(values >= low - 1e-9 * (high - low)) & (values <= high + 1e-9 * (high - low))]
+
+
+def _space_grid(axes: Axes, camera: Camera, low: Array, high: Array) -> None:
+    """The three far sides of the box with grid lines, and numbers along three of its edges."""
+    from matplotlib.collections import LineCollection, PolyCollection
+
+    axes.set_axis_off()
+    far = np.where(camera.near > 1e-9, low, high)  # coordinates of the far sides
+    near = np.where(camera.near > 1e-9, high, low)
+    lists = [ticks(low[k], high[k], 6 if high[k] - low[k] > 0.6 * np.max(high - low) else 4) for k in range(3)]
+    panes, rules = [], []
+    for k in range(3):
+        i, j = (m for m in range(3) if m != k)
+        pane = np.empty((4, 3))
+        pane[:, k] = far[k]
+        pane[:, i] = [low[i], high[i], high[i], low[i]]
+        pane[:, j] = [low[j], low[j], high[j], high[j]]
+        panes.append(camera.project(pane))
+        for m, o in ((i, j), (j, i)):
+            for value in lists[m]:
+                line = np.empty((2, 3))
+                line[:, k], line[:, m], line[:, o] = far[k], value, [low[o], high[o]]
+                rules.append(camera.project(line))
+    axes.add_collection(PolyCollection(panes, facecolors=PANE, edgecolors="#cfd5da", linewidths=0.8, zorder=1), autolim=False)
+    axes.add_collection(LineCollection(rules, colors=RULE, linewidths=0.6, zorder=2), autolim=False)
+    centre = camera.project(0.5 * (low + high))
+    for k, name in enumerate("xyz"):
+        if abs(camera.near[k]) > 0.985:
+            continue  # the axis points at the viewer
+        edge = _edge_for_numbers(camera, k, low, high, far, near)
+        line = np.tile(edge, (len(lists[k]), 1))
+        line[:, k] = lists[k]
+        places = camera.project(line)
+        ends = np.tile(edge, (2, 1))
+        ends[:, k] = low[k], high[k]
+        a, b = camera.project(ends)
+        along = (b - a) / np.linalg.norm(b - a)
+        out = np.array([-along[1], along[0]])
+        out *= np.sign(out @ (0.5 * (a + b) - centre)) or 1.0
+        for place, value in zip(places, lists[k], strict=True):
+            axes.annotate(
+                f"{value:g}".replace("-", "\N{MINUS SIGN}"), place, xytext=9 * out, textcoords="offset points", ha="center",
+                va="center", fontsize=7.5, color=INK, zorder=3, annotation_clip=False,
+            )  # fmt: skip
+        axes.annotate(
+            f"{name} (m)", 0.5 * (a + b), xytext=(34 if k == 2 else 27) * out, textcoords="offset points", ha="center", va="center", fontsize=8.5,
+            color=INK, zorder=3, annotation_clip=False,
+        )  # fmt: skip
+
+
+def _edge_for_numbers(camera: Camera, k: int, low: Array, high: Array, far: Array, near: Array) -> Array:
+    """A point of the edge along axis k that lies on the outline of the box: for x and y the lower one near the viewer,
+    for z the leftmost."""
+    candidates = []
+    i, j = (m for m in range(3) if m != k)
+    for a in (low[i], high[i]):
+        for b in (low[j], high[j]):
+            # an edge between a near and a far side is part of the outline
+            if (a == far[i]) != (b == far[j]):
+                point = 0.5 * (low + high)
+                point[i], point[j] = a, b
+                candidates.append(point)
+    screen = camera.project(np.array(candidates))
+    order = screen[:, 0] if k == 2 else screen[:, 1]
+    return candidates[int(np.argmin(order))]

@@ -1,0 +1,185 @@
+"""Ground symbols, drives, pins, nodes, numbers and traces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from spacar_cli.drawing import look as paint
+from spacar_cli.drawing.look import Look, middle
+from spacar_cli.drawing.placement import ends_at
+from spacar_cli.drawing.scene import Array, Pose, Scene
+from spacar_cli.drawing.shapes import Faces, Label, Line, Mark, Shape, circle, normal_pair, solid
+
+X, Y, Z = np.eye(3)
+
+
+def support_shapes(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
+    """Supports and drives of all position nodes, and the pins of a planar mechanism."""
+    shapes: list[Shape] = []
+    for node in scene.position_nodes.tolist():
+        shapes += (planar_support if scene.planar else spatial_support)(scene, pose, look, node)
+        shapes += _linear_drive(scene, pose, look, node)
+    for node in look.pins:
+        ring = circle(pose.place[node - 1], X, Y, 0.38 * look.size, 24)
+        shapes += [Faces(ring[None], "#ffffff", None, 1.0, 5, False), Line(ring, paint.INK, 1.1, 5)]
+    return shapes
+
+
+def _held(scene: Scene, node: int) -> tuple[str, Array | None]:
+    """How the orientation at a position node is held (fixed, input, ""), and the element direction there at the start,
+    pointing into the element."""
+    best: tuple[str, Array | None] = ("", None)
+    for e, end in ends_at(scene, node):
+        turn = e.p_turn if end == "p" else e.q_turn
+        if not turn or e.keyword in ("PLBELT", "PLWHEEL", "WHEEL", "TWHEEL"):
+            continue
+        held = scene.orientation_class(turn)
+        if held and best[0] != "fixed":
+            frame = scene.frame_p[e.number - 1] if end == "p" else scene.frame_q[e.number - 1]
+            if not frame.any():
+                frame = scene.frame_p[e.number - 1]
+            best = (held, frame[0] if end == "p" else -frame[0])
+    return best
+
+
+def planar_support(scene: Scene, pose: Pose, look: Look, node: int) -> list[Shape]:
+    fixed = scene.fixed_directions(node)
+    held, inward = _held(scene, node)
+    at, s = pose.place[node - 1], look.size
+    shapes: list[Shape] = []
+    if len(fixed) == 2 and held == "fixed" and inward is not None:
+        shapes += _wall(at, np.cross(Z, inward), -inward, 2.2 * s, s)
+    elif len(fixed) == 2:
+        shapes += _pinned(at, s)
+    elif len(fixed) == 1:
+        k = fixed[0]
+        along, away = (X, -Y) if k == 1 else (Y, -X)
+        low, high = look.ranges[node - 1]
+        a, b = float((low - at) @ along) - 2.2 * s, float((high - at) @ along) + 2.2 * s
+        ground = at + 0.75 * s * away
+        block = np.array([at + i * 1.1 * s * along + j * 0.75 * s * away for i, j in ((1, 1), (1, -1), (-1, -1), (-1, 1))])
+        shapes += _wall(ground + 0.5 * (a + b) * along, along, away, 0.5 * (b - a), s)
+        if held == "fixed":
+            block = 1.0 * block
+        shapes += [
+            Faces(block[None], "#e4e9ed", None, 1.0, 0, False),
+            Line(np.concatenate((block, block[:1])), paint.GROUND, 1.1, 1),
+        ]
+    elif held == "fixed" and inward is not None:  # guided: free to move, not to turn
+        v, w = np.cross(Z, inward), -0.45 * s * inward
+        shapes += [Line(np.stack((at + 1.6 * s * v + k * w, at - 1.6 * s * v + k * w)), paint.GROUND, 1.2, 1) for k in (0, 1)]
+    if held == "input":
+        shapes += _turning_drive(at, s)
+    return shapes
+
+
+def _wall(at: Array, along: Array, away: Array, half: float, s: float) -> list[Shape]:
+    """A ground line of length 2 half with hatching on the side `away`."""
+    n = max(int(round(2 * half / (0.55 * s))), 3)
+    start = at + np.linspace(-half, half, n + 1)[1:, None] * along
+    shapes: list[Shape] = [Line(np.stack((at - half * along, at + half * along)), paint.GROUND, 1.4, 1)]
+    for p in start:
+        shapes.append(Line(np.stack((p, p + 0.55 * s * (away - along))), paint.GROUND, 0.7, 1))
+    return shapes
+
+
+def _pinned(at: Array, s: float) -> list[Shape]:
+    corners = np.stack((at, at - 0.95 * s * X - 1.5 * s * Y, at + 0.95 * s * X - 1.5 * s * Y))
+    return [
+        Faces(corners[None], "#e4e9ed", None, 1.0, 0, False),
+        Line(np.concatenate((corners, corners[:1])), paint.GROUND, 1.1, 1),
+        *_wall(at - 1.5 * s * Y, X, -Y, 1.7 * s, s),
+    ]
+
+
+def _arrow(a: Array, b: Array, side: Array, s: float) -> list[Shape]:
+    d = (b - a) / max(float(np.linalg.norm(b - a)), 1e-300)
+    head = np.stack((b, b - 0.8 * s * d + 0.32 * s * side, b - 0.8 * s * d - 0.32 * s * side))
+    return [Line(np.stack((a, b - 0.5 * s * d)), paint.DRIVE, 1.5, 6), Faces(head[None], paint.DRIVE, None, 1.0, 7, False)]
+
+
+def _turning_drive(at: Array, s: float) -> list[Shape]:
+    """An arc with an arrow head, counter-clockwise."""
+    r, end = 1.75 * s, 2.75
+    arc = circle(at, X, Y, r, 30, (0.55, end - 0.3))
+    tip = at + r * np.array([np.cos(end), np.sin(end), 0.0])
+    radial = (tip - at) / r
+    base = at + r * np.array([np.cos(end - 0.42), np.sin(end - 0.42), 0.0])
+    head = np.stack((tip, base + 0.32 * s * radial, base - 0.32 * s * radial))
+    return [Line(arc, paint.DRIVE, 1.5, 6), Faces(head[None], paint.DRIVE, None, 1.0, 7, False)]
+
+
+def _linear_drive(scene: Scene, pose: Pose, look: Look, node: int) -> list[Shape]:
+    at, s = pose.place[node - 1], look.size
+    shapes: list[Shape] = []
+    for k in range(2 if scene.planar else 3):
+        if scene.x_class(node, k + 1) == "input":
+            side = np.eye(3)[(k + 1) % (2 if scene.planar else 3)]
+            shapes += _arrow(at + 0.8 * s * np.eye(3)[k], at + 3.6 * s * np.eye(3)[k], side, s)
+    return shapes
+
+
+def spatial_support(scene: Scene, pose: Pose, look: Look, node: int) -> list[Shape]:
+    """Clamp: a plate across the element; held place: a pyramid below it; single directions: a small pyramid each."""
+    fixed = scene.fixed_directions(node)
+    if not fixed:
+        return []
+    held, inward = _held(scene, node)
+    at, s, light = pose.place[node - 1], look.size, look.settings.light
+    if len(fixed) == 3 and held and inward is not None:
+        u, v = normal_pair(inward)
+        square = 1.7 * s * np.array([[1, 1], [-1, 1], [-1, -1], [1, -1.0]])
+        ends = np.stack((at - 0.6 * s * inward, at))
+        return list(solid(square, ends, np.stack((u, u)), np.stack((v, v)), "#b9c1c8", light=light, edge=paint.GROUND))
+    if len(fixed) == 3:
+        return _pyramid(at, -Z, 1.5 * s)
+    return [shape for k in fixed for shape in _pyramid(at, -np.eye(3)[k], 0.8 * s)]
+
+
+def _pyramid(at: Array, down: Array, s: float) -> list[Shape]:
+    u, v = normal_pair(down)
+    base = at + 1.2 * s * down + 0.8 * s * np.stack((u + v, v - u, -u - v, u - v))
+    sides = np.stack([np.stack((at, base[k], base[(k + 1) % 4])) for k in range(4)])
+    return [Faces(sides, "#b9c1c8", paint.GROUND, width=0.5), Faces(base[None], "#b9c1c8", paint.GROUND, width=0.5)]
+
+
+def node_marks(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
+    """Small dots at the position nodes that are no joints of a planar mechanism."""
+    if not scene.planar:
+        return []
+    return [Mark(pose.place[n - 1], 2.6, paint.NODE, paint.NODE) for n in scene.position_nodes.tolist() if n not in look.pins]
+
+
+def number_labels(scene: Scene, pose: Pose, look: Look, nodes: bool, elements: bool) -> list[Shape]:
+    """Numbers of the nodes (orientation nodes in brackets behind the place they belong to) and of the elements (boxed)."""
+    from spacar_cli.drawing.placement import attachments
+
+    shapes: list[Shape] = []
+    if nodes:
+        turning: dict[int, list[int]] = {}
+        for turn, places in sorted(attachments(scene, False).items()):
+            turning.setdefault(places[0], []).append(turn)
+        for n in scene.position_nodes.tolist():
+            behind = f" ({','.join(map(str, turning[n]))})" if n in turning else ""
+            shapes.append(Label(pose.place[n - 1], f"{n}{behind}", "#33414d"))
+    if elements:
+        for e in scene.elements:
+            if e.number in look.settings.hidden:
+                continue
+            ends = [n for n in (e.p, e.q) if n]
+            at = middle(pose, tuple(ends) if ends else look.hinges.get(e.number, ()))
+            shapes.append(Label(at, str(e.number), "#7a3b12", True))
+    return shapes
+
+
+def trace_lines(scene: Scene, xs: Array, nodes: Sequence[int]) -> list[Shape]:
+    """Paths of position nodes over the configurations xs (steps, nx)."""
+    shapes: list[Shape] = []
+    k = 2 if scene.planar else 3
+    for n in nodes:
+        path = np.zeros((len(xs), 3))
+        path[:, :k] = xs[:, scene.lnp[n - 1, :k] - 1]
+        shapes.append(Line(path, paint.TRACE, 1.1, 4, dashes=(4, 2)))
+    return shapes
