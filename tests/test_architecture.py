@@ -79,7 +79,11 @@ def test_the_stations_of_the_core_point_one_way():
         for module in imports(path):
             words = module.split(".")
             other = words[1] if len(words) > 1 and words[0] == "spacar" else ""
-            if other != parts[1] and not {other, parts[1]} <= TOGETHER and RANKS.get(other, -1) >= RANKS[parts[1]]:
+            if (
+                other != parts[1]
+                and not {other, parts[1]} <= TOGETHER
+                and RANKS.get(other, -1) >= RANKS[parts[1]]
+            ):
                 bad.append(f"{'/'.join(parts)} imports {module}")
     assert not bad, "\n".join(bad)
 

@@ -12,6 +12,7 @@ from spacar.frame import Frame
 from spacar.mechanism.numbering import Numbering
 from spacar_formats.log.layout import COLUMNS_IN_BLOCK, matrix, real, table
 from spacar_formats.log.model import coordinates
+from spacar_formats.signals import dynamic_names, state_names
 
 Array = NDArray[np.float64]
 
@@ -26,19 +27,9 @@ MATRICES = {
     "ak0": "kinematic matrix AK0",
     "bk0": "kinematic matrix BK0",
 }
+KINEMATIC = ("ak0", "bk0")
 STATE_SPACE = ("A", "B", "C", "D")
 LARGEST = 40  # larger matrices are in the result file only
-
-
-def state_names(n: Numbering) -> list[str]:
-    """Rows of the state: configuration (dynamic degrees of freedom, kinematic coordinates), then
-    velocities."""
-    dynamic = [n.q_names[i] for i in n.dynamic]
-    return [*dynamic, *n.k_names, *(f"d/dt {name}" for name in dynamic)]
-
-
-def dynamic_names(n: Numbering) -> list[str]:
-    return [n.q_names[i] for i in n.dynamic]
 
 
 def eigenvalues(n: Numbering, frame: Frame) -> list[str]:
@@ -117,13 +108,15 @@ def compliances(n: Numbering, frame: Frame) -> list[str]:
 def matrices(n: Numbering, frame: Frame) -> list[str]:
     """The coefficient matrices and the state space matrices of a stationary state."""
     lines = []
+    trivial = KINEMATIC if n.holonomic else ()  # identity and zero
     known = [
-        (MATRICES[name], frame.matrices[name], dynamic_names(n))
-        for name in MATRICES
-        if name in frame.matrices
+        (title, frame.matrices[name], dynamic_names(n))
+        for name, title in MATRICES.items()
+        if name in frame.matrices and name not in trivial
     ]
-    known += [(f"state space matrix {name}", frame.state_space[name], []) for name in STATE_SPACE
-              if name in frame.state_space]  # fmt: skip
+    known += [
+        (f"state space matrix {k}", frame.state_space[k], []) for k in STATE_SPACE if k in frame.state_space
+    ]
     for title, value, names in known:
         if not np.size(value):
             continue

@@ -69,7 +69,8 @@ class LogSink:
                 heading("Initial state" if timed else "Solution" if run.mode.number else "Configuration")
             )
             self._write(steps.state(n, frame, motion=run.mode.number != 0))
-            self._write(heading("Steps") if timed else [])
+            if timed:
+                self._write([*linear.matrices(n, frame), *heading("Steps")])
         if timed:
             if run.mechanism.settings.log_level:
                 self._write(steps.transfer_functions(run, frame))
@@ -100,8 +101,10 @@ class LogSink:
 
     def _ending(self, error: BaseException | None) -> list[str]:
         seconds = time.perf_counter() - self._begun
-        reached = f"; the last one at t = {real(self._last.t)}" if self._last is not None else ""
-        summary = f"{self._frames} steps stored{reached}; {seconds:.3f} s of wall time"
+        stored = f"{self._frames} step{'s' * (self._frames != 1)} stored"
+        if self._last is not None and self._run is not None and self._run.mode.number in TIMED:
+            stored += f"; the last one at t = {real(self._last.t)} s"
+        summary = f"{stored}; {seconds:.3f} s of wall time"
         if error is None:
             return ["The analysis is complete.", summary]
         kept = [f"{summary}; kept in the files {self.path.stem}.*.part"] if self._frames else []

@@ -1,8 +1,9 @@
-"""Header variables of the result files: what a run knows before its first step (reference/files.md sections
+"""Header variables of the result files: what a run knows with its first step (reference/files.md sections
 3 to 6)."""
 
 from __future__ import annotations
 
+from collections.abc import Container
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import spacar
 from spacar.deck import ELEMENT_TYPES
 from spacar.mechanism.mechanism import Mechanism
 from spacar.modes import Run
+from spacar_formats.signals import state_names
 
 Array = NDArray[np.float64]
 
@@ -39,7 +41,7 @@ def counts(run: Run) -> dict[str, Any]:
     return {"NDOF": n.ndof, "NDDOF": n.nddof, "NKDOF": n.nkdof, "NKDDOF": n.nkddof}
 
 
-def sbd_header(run: Run) -> dict[str, Any]:
+def sbd_header(run: Run, stored: Container[str] = ()) -> dict[str, Any]:
     """Everything of files.md section 4 that does not change with time."""
     mechanism = run.mechanism
     n = mechanism.numbering
@@ -95,12 +97,18 @@ def initial_deformations(mechanism: Mechanism) -> Array:
     return table
 
 
-def sbm_header(run: Run) -> dict[str, Any]:
+def sbm_header(run: Run, stored: Container[str] = ()) -> dict[str, Any]:
     """Sizes of the matrices (files.md section 5)."""
     return provenance(run) | counts(run) | {"NNOM": int(run.header.get("NNOM", 0))}
 
 
-def ltv_header(run: Run) -> dict[str, Any]:
-    """Sizes, indices and initial state that the analysis has stated (files.md section 6)."""
-    stated = {ident: run.header[ident] for ident in LTV_COUNTS if ident in run.header}
-    return provenance(run) | {"NNOM": 0, "NU": 0, "NY": 0} | stated
+def ltv_header(run: Run, stored: Container[str]) -> dict[str, Any]:
+    """Sizes, indices, initial state, names of the signals (files.md section 6); DFT: whether D is stored."""
+    header = provenance(run) | {"NNOM": 0, "NU": 0, "NY": 0}
+    if "A" in stored:
+        header["DFT"] = int("D" in stored)
+    header |= {ident: run.header[ident] for ident in LTV_COUNTS if ident in run.header}
+    names = {"UNAMES": run.header.get("inputs"), "YNAMES": run.header.get("outputs")}
+    if "A" in stored:
+        names["XNAMES"] = state_names(run.mechanism.numbering)
+    return header | {ident: list(lines) for ident, lines in names.items() if lines}

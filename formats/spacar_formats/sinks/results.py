@@ -6,7 +6,7 @@ None. Its file grows under the name `NAME.part`; only a run that came to its end
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Mapping
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -18,6 +18,7 @@ from spacar_formats import safety
 from spacar_formats.sbf import SbfWriter
 from spacar_formats.sinks.header import ltv_header, sbd_header, sbm_header
 
+Header = Callable[[Run, Container[str]], Mapping[str, Any]]  # of a run and the names of its step variables
 STATE = ("x", "xd", "xdd", "fx", "fxgrav", "e", "ed", "edd", "sig")
 OPTIONAL = ("dx", "de", "dxc", "dec", "d2x", "d2e", "bigd", "xcompl")
 
@@ -41,7 +42,7 @@ class ResultSink:
     def __init__(
         self,
         path: Path,
-        header: Callable[[Run], Mapping[str, Any]],
+        header: Header,
         values: Callable[[Frame], dict[str, Any]],
     ) -> None:
         self.path = path
@@ -70,7 +71,7 @@ class ResultSink:
             assert self._run is not None
             shapes = {name: _shape(value) for name, value in values.items()}
             part = safety.part_path(self.path)
-            self._writer = SbfWriter(part, self.kind, self._header(self._run), shapes)
+            self._writer = SbfWriter(part, self.kind, self._header(self._run, values), shapes)
         self._writer.append(values)
 
     def finish(self, error: BaseException | None) -> None:
@@ -114,7 +115,7 @@ def ltv_values(frame: Frame) -> dict[str, Any]:
     return {"T": frame.t} | {n.upper(): v for n, v in frame.state_space.items() if np.size(v)}
 
 
-KINDS: dict[str, tuple[Callable[[Run], Mapping[str, Any]], Callable[[Frame], dict[str, Any]]]] = {
+KINDS: dict[str, tuple[Header, Callable[[Frame], dict[str, Any]]]] = {
     "sbd": (sbd_header, sbd_values),
     "sbm": (sbm_header, sbm_values),
     "ltv": (ltv_header, ltv_values),
