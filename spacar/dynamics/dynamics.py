@@ -43,6 +43,7 @@ class Dynamics:
         self.kind = kind
         self.xd, self.ed = np.zeros(n.nx), np.zeros(n.ne)
         self.evaluations = 0
+        self._last: tuple[float, Array, Array, Array] | None = None  # t, x, xd, xdd of the last accelerated state
 
     def reload(self, loads: Loads, drive: Drive) -> None:
         """Put other loads and another prescribed motion on the same mechanism."""
@@ -67,7 +68,6 @@ class Dynamics:
         """Start state; brings the mechanism there from the reference configuration, in steps if it is far."""
         y = self.start_values()
         drive = self.drive.at(0.0)
-        self.kinematics.position(self.mechanism.x0, np.zeros(self.numbering.ne))
         self.kinematics.move(*self.given(drive, y))
         if self.numbering.nddof:
             self.place(0.0, y)
@@ -93,15 +93,22 @@ class Dynamics:
 
     # -- one evaluation -----------------------------------------------------------------------------------------
     def place(self, t: float, y: Array) -> DriveState:
-        """Position and velocity of the state: leaves x in the kinematics and xd, ed here."""
+        """Position and velocity of the state: leaves x in the kinematics and xd, ed here.
+
+        The guess of the position is the Taylor expansion of the last accelerated state, when the time has moved on.
+        """
         xs, es = self.xs, self.es
         drive = self.drive.at(t)
-        self.kinematics.position(*self.given(drive, y))
         rates = y[self.n_positions :]
         xd, ed = np.zeros(self.numbering.nx), np.zeros(self.numbering.ne)
         xd[xs["input"]], xd[xs["dynamic"]] = drive.xd, rates[: self.n_xm]
         ed[es["input"]], ed[es["dynamic"]] = drive.ed, rates[self.n_xm :]
-        self.xd = self.kinematics.dependent(xd, ed)
+        guess = None
+        if self._last is not None and t != self._last[0]:
+            last, x, v, a = self._last
+            guess = x + (t - last) * (v + (0.5 * (t - last)) * a)
+        self._last = None
+        self.xd = self.kinematics.place(*self.given(drive, y), xd, ed, guess)
         return drive
 
     def accelerate(self, t: float, drive: DriveState) -> tuple[Array, Array, Array]:
@@ -117,6 +124,7 @@ class Dynamics:
             xdd = self.kinematics.dependent(xdd, edd - convective)
             inertia = sweep.mass_times(xdd) + self._coupling_force(xdd, convective)
             self.kinematics.reactions(inertia - force, sigma)
+            self._last = (t, self.kinematics.x, self.xd, xdd)
             return xdd, sigma, convective
         if sigma.any():
             force -= sweep.rate_transposed(sigma)
@@ -137,6 +145,7 @@ class Dynamics:
             raise singular_motion(t, "the accelerations are not finite")
         xdd[self.saddle.F] = free
         sigma[: len(multipliers)] = multipliers
+        self._last = (t, self.kinematics.x, self.xd, xdd)
         return xdd, sigma, convective
 
     def constitutive(self, t: float) -> tuple[Array, UserForces | None]:

@@ -5,10 +5,13 @@ the calculable coordinates c,  D_h(x) = e_h.  Velocity level: the rows E = fixed
 determine U = calculable and kinematic coordinates,  V[E,U] xd_U = ed_E - V[E,rest] xd_rest.  Without slips both
 matrices are the same.
 
-Newton's method starts from the last configuration, moved by the first order prediction with the last factorization.
-It has converged when max |dx_i|/scale_i <= 1e-11 (scale: size of the mechanism for positions, 1 for angles and Euler
-parameters); the correction that passes the test is still applied, and since convergence is quadratic the result is
-accurate to rounding. At most 20 iterations; a correction that makes the residual grow is halved, at most 5 times.
+Newton's method starts from a guess (the motion extrapolated in time, if the caller knows it) or from the last
+configuration, moved by the first order prediction with the last factorization. It has converged when
+max |dx_i|/scale_i <= `converged` (1e-11; scale: size of the mechanism for positions, 1 for angles and Euler parameters); the
+correction that passes the test is still applied, and since convergence is quadratic the position is accurate to rounding,
+while V is that of a configuration that differs by the last correction. An integrator with a wide tolerance may widen
+`converged` for its intermediate states. At most 20 iterations; a correction that makes the residual grow is halved, at
+most 5 times.
 """
 
 from __future__ import annotations
@@ -54,6 +57,7 @@ class Kinematics:
         self.scale = mechanism.scale
         self.x = mechanism.x0.copy()
         self.e_given = np.zeros(n.ne)
+        self.converged = CONVERGED
         self.iterations = 0  # Newton iterations of the last position
         self.total_iterations = 0
         self._factored = False
@@ -75,11 +79,15 @@ class Kinematics:
         x_given (nx,) holds the given coordinates (entries of U are ignored), e_given (ne,) the given deformations.
         Raises AnalysisError 'position.no-convergence' or 'position.singular'.
         """
+        if not self._factored:
+            # DRPINBOD: the deformations of the reference configuration need not be those wanted
+            self.sweep.strain(self.x)
+            self.position(self.x, self.sweep.e.copy())
         far = max(
             float(np.max(np.abs(x_given - self.x)[self.given_x] / self.scale[self.given_x], initial=0.0)),
             float(np.max(np.abs(e_given - self.e_given)[self.h], initial=0.0)) / max(1.0, self.mechanism.length),
         )
-        if far <= LARGEST_TURN or not self._factored:
+        if far <= LARGEST_TURN:
             self.position(x_given, e_given)
             return
         x_start, e_start = self.x.copy(), self.e_given.copy()
@@ -89,38 +97,46 @@ class Kinematics:
 
     def position(self, x_given: Array, e_given: Array) -> None:
         """Solve D_h(x) = e_h from the present configuration; leaves V and its factorization at the solution."""
-        start = self.x.copy()
-        x = self.x.copy()
-        x[self.given_x] = x_given[self.given_x]
-        kinematic = self.U[len(self.c) :]
-        x[kinematic] = x_given[kinematic]
+        self._solve(x_given, e_given, None, None, None)
+
+    def place(self, x_given: Array, e_given: Array, v_given: Array, e_rate: Array, guess: Array | None = None) -> Array:
+        """Position and velocity together: returns xd (nx,) with V[E] xd = e_rate[E]; arguments as `position`, `dependent`.
+
+        `guess` (nx,) is a good estimate of the calculable coordinates.
+        """
+        velocity = self._solve(x_given, e_given, v_given, e_rate, guess)
+        return self.dependent(v_given, e_rate) if velocity is None else velocity
+
+    def _solve(
+        self, x_given: Array, e_given: Array, v_given: Array | None, e_rate: Array | None, guess: Array | None
+    ) -> Array | None:
+        x, c = x_given.copy(), self.c
+        x[c] = self.x[c] if guess is None else guess[c]
         near = self.sweep.near
         near[self.h] = e_given[self.h]
-        if self._factored:
+        if self._factored and guess is None:
             change = x - self.x
-            change[self.c] = 0.0
             residual = self.sweep.rate(change)[self.h] - (e_given - self.e_given)[self.h]
-            x[self.c] -= self.position_system.solve(residual)
-        try:
-            self._newton(x, e_given)
-        except AnalysisError:
-            self.x = start
-            self._factored = False
-            raise
-        self.e_given = e_given.copy()
+            x[c] -= self.position_system.solve(residual)
+        self._factored = False
+        velocity = self._newton(x, e_given, v_given, e_rate)
+        self.e_given = e_given
         near[:] = self.sweep.e
+        return velocity
 
-    def _newton(self, x: Array, e_given: Array) -> None:
+    def _newton(self, x: Array, e_given: Array, v_given: Array | None, e_rate: Array | None) -> Array | None:
+        """Newton's iteration from x (changed in place); one solve also gives the velocity where both matrices agree."""
         c, h, sweep = self.c, self.h, self.sweep
         target, scale = e_given[h], self.scale[c]
         history: list[float] = []
         correction = np.zeros(len(c))
         halvings = 0
+        together = v_given is not None and self.velocity_map_is_position_map
         for iteration in range(1, MAX_ITERATIONS + 1):
             sweep.strain(x)
             residual = sweep.e[h] - target
-            norm = float(np.max(np.abs(residual), initial=0.0))
-            if not np.isfinite(norm) or (history and norm > 2.0 * history[-1] and norm > 1e-6):
+            norm = _largest(residual)
+            if not norm < np.inf or (history and norm > 2.0 * history[-1] and norm > 1e-6):
                 if halvings == MAX_HALVINGS:
                     raise position_failure(self, x, residual, history, iteration)
                 halvings += 1
@@ -129,21 +145,30 @@ class Kinematics:
                 continue
             history.append(norm)
             halvings = 0
+            right = residual
+            if together:
+                right = np.empty((len(residual), 2))
+                right[:, 0] = residual
+                right[:, 1] = (e_rate - sweep.rate(v_given))[self.E]  # type: ignore[arg-type,operator]
             try:
                 self._factor_position()
-                correction = self.position_system.solve(residual)
+                solution = self.position_system.solve(right)
             except SingularMatrixError as error:
                 raise singular_failure(self, x, error) from None
+            correction = solution[:, 0] if together else solution
             x[c] -= correction
-            step = float(np.max(np.abs(correction) / scale, initial=0.0))
-            if step <= CONVERGED:
+            if _largest(correction / scale) <= self.converged:
                 self.x = x
                 self.iterations = iteration
                 self.total_iterations += iteration
                 if not self.velocity_map_is_position_map:
                     self.velocity_system.factor(sweep.entries[self._velocity_take])
                 self._factored = True
-                return
+                if not together:
+                    return None
+                v = v_given.copy()  # type: ignore[union-attr]
+                v[self.U] = solution[:, 1]
+                return v
         raise position_failure(self, x, residual, history, MAX_ITERATIONS)
 
     def start_from(self, other: Kinematics) -> None:
@@ -156,12 +181,11 @@ class Kinematics:
 
     # -- velocity and acceleration ------------------------------------------------------------------------------
     def dependent(self, given: Array, e_rate: Array) -> Array:
-        """Full vector v with V[E] v = e_rate[E]; `given` (nx,) or (nx, k) holds the other coordinates.
+        """Full vector v with V[E] v = e_rate[E]; `given` (nx,) or (nx, k) holds the other coordinates, zero on U.
 
         Serves velocities (e_rate = ed), accelerations (e_rate = edd - H(xd, xd)) and columns of transfer functions.
         """
         v = given.copy()
-        v[self.U] = 0.0
         Vv = self.sweep.rate(v) if v.ndim == 1 else self.sweep_rates(v)
         v[self.U] = self.velocity_system.solve(e_rate[self.E] - Vv[self.E])
         return v
@@ -188,3 +212,8 @@ class Kinematics:
             return 1.0
         s = np.linalg.svd(D, compute_uv=False)
         return float(s[0] / s[-1]) if s[-1] > 0.0 else float("inf")
+
+
+def _largest(values: Array) -> float:
+    """max |values|, nan if any is; 0 when empty."""
+    return float(np.abs(values).max()) if len(values) else 0.0

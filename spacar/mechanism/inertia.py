@@ -45,7 +45,7 @@ def lumped(deck: Deck, numbering: Numbering, batches: list[Batch]) -> list[tuple
         h = np.array([values[3] * values[:3] for _, values in rotors])
         for node, values in rotors:
             if len(values) > 4 and int(values[4]) == 1:
-                extra = prescribed_rotor_tensor(values[:3], float(values[3]))
+                extra = prescribed_rotor_tensor(values[None, :3], values[3:4])[0]
                 tensors[node] = tensors.get(node, np.zeros((3, 3))) + extra
         result.append((GyrostatNode(nodes, h), numbering.lnp[nodes - 1].T - 1))
     if tensors:

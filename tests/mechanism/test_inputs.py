@@ -1,0 +1,258 @@
+"""What the statements of the dynamics block become: loads, inertia, preloads, start values, settings."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import spacar
+from spacar import Deck
+from spacar.dynamics import Dynamics
+from spacar.dynamics.forces import moment_forces
+from spacar.mechanism import Mechanism, build
+
+G = 9.81
+BAR = (("PLRBEAM", 1, 1, 2, 3), ("X", 3, 2.0, 0.0))
+BODY = (("RBEAM", 1, 1, 2, 3, 0.0, 1.0, 0.0), ("X", 3, 2.0, 0.0, 0.0))
+
+
+def mechanism(rows: tuple, dynamics: tuple = ()) -> Mechanism:
+    return build(Deck.build(rows, dynamics))
+
+
+def initial(rows: tuple, dynamics: tuple = (), mode: int = 1) -> spacar.Result:
+    return spacar.run(mode, Deck.build(rows, dynamics, mode=mode))
+
+
+def rotation(lam: np.ndarray) -> np.ndarray:
+    """Rotation matrix of unit Euler parameters, the textbook formula."""
+    s, v = lam[0], lam[1:]
+    skew = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
+    return np.eye(3) + 2 * s * skew + 2 * skew @ skew
+
+
+# -- geometry ------------------------------------------------------------------------------------------------------
+def test_drpinbod_closes_at_the_start() -> None:
+    """DRPINBOD gives the undeformed projections: node 3 moves to (3, 1) although X says (2, 0)."""
+    rows = (("PLPINBOD", 1, 1, 2, 3), ("X", 3, 2.0, 0.0), ("FIX", 1), ("FIX", 2), ("DRPINBOD", 1, 3.0, 1.0))
+    r = initial(rows)
+    assert r.node(3, 1)[0] == pytest.approx(3.0, abs=1e-14)
+    assert r.node(3, 2)[0] == pytest.approx(1.0, abs=1e-14)
+
+
+def test_drpinbod_of_a_far_start_is_reached_in_steps() -> None:
+    """The bar must point 2 rad away from X; one Newton iteration from there does not get home."""
+    rows = (
+        ("PLPINBOD", 1, 1, 2, 3), ("X", 3, 2.0, 0.0), ("FIX", 1), ("FIX", 3, 2),
+        ("DRPINBOD", 1, 2 * np.cos(2.0), 2 * np.sin(2.0)),
+    )  # fmt: skip
+    r = initial(rows)
+    assert r.node(2, 1)[0] == pytest.approx(-2.0, abs=1e-13)
+    assert r.node(3, 1)[0] == pytest.approx(2.0, abs=1e-13)
+
+
+def test_orpinbod_turns_the_measuring_directions() -> None:
+    """With directions at 45 degrees a release of mode 1 lets node 3 move along (1, 1)."""
+    rows = (*BAR, ("ORPINBOD", 1, 1.0, 1.0), ("FIX", 1), ("FIX", 2), ("INPUTE", 1, 1))
+    r = initial(rows, (("INPUTE", 1, 1, 0.5),))
+    moved = np.array([r.node(3, 1)[0] - 2.0, r.node(3, 2)[0]])
+    np.testing.assert_allclose(moved, 0.5 / np.sqrt(2), rtol=1e-14)
+
+
+def test_orpinbod_with_nine_numbers_is_taken_as_given() -> None:
+    """Skew directions d_k, not normalized: e_k = d_k . (x_q - x_p) - start, so M (x - x0) = (0.3, 0, 0)."""
+    directions = np.array([[2.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 3.0]])
+    rows = (*BODY, ("ORPINBOD", 1, *directions.ravel()), ("FIX", 1), ("FIX", 2), ("INPUTE", 1, 1))
+    r = initial(rows, (("INPUTE", 1, 1, 0.3),))
+    x = np.array([r.node(3, k)[0] for k in (1, 2, 3)]) - [2.0, 0.0, 0.0]
+    np.testing.assert_allclose(directions @ x, [0.3, 0.0, 0.0], atol=1e-14)
+
+
+# -- forces --------------------------------------------------------------------------------------------------------
+def test_three_numbers_on_a_spatial_orientation_node_are_a_moment() -> None:
+    """M = (1, 2, 3) on a body with J = diag(2, 3, 4) at rest: angular acceleration M / J."""
+    rows = (("RBEAM", 1, 1, 2, 3, 0.0, 1.0, 0.0), ("X", 3, 1.0), ("FIX", 1), ("DYNX", 2))
+    dynamics = (("XM", 2, 2.0, 0.0, 0.0, 3.0, 0.0, 4.0), ("XF", 2, 1.0, 2.0, 3.0))
+    r = initial(rows, dynamics)
+    lam_dd = np.array([r.node(2, k, "xdd")[0] for k in (2, 3, 4)])
+    np.testing.assert_allclose(2 * lam_dd, [0.5, 2 / 3, 0.75], rtol=1e-14)
+    four = (("XM", 2, 2.0, 0.0, 0.0, 3.0, 0.0, 4.0), ("XF", 2, 0.0, 2.0, 4.0, 6.0))
+    np.testing.assert_allclose(initial(rows, four)["xdd"], r["xdd"], rtol=1e-14)
+    np.testing.assert_allclose(r["fx"][0][r.lnp[1] - 1], [0.0, 2.0, 4.0, 6.0], rtol=1e-14)
+
+
+def test_a_constant_moment_stays_constant_while_the_body_turns() -> None:
+    """virtual power: f_lambda . dlambda/dt = M . omega for any orientation."""
+    rng = np.random.default_rng(1)
+    lam = rng.normal(size=4)
+    lam /= np.linalg.norm(lam)
+    M, omega = rng.normal(size=3), rng.normal(size=3)
+    s, v = lam[0], lam[1:]
+    rate = 0.5 * np.concatenate(([-v @ omega], s * omega + np.cross(omega, v)))
+    assert moment_forces(lam, M) @ rate == pytest.approx(M @ omega, rel=1e-13)
+    assert moment_forces(lam, M) @ lam == pytest.approx(0.0, abs=1e-14)
+
+
+def test_gravity_on_lumped_and_distributed_mass() -> None:
+    """Cantilever bar, 3 kg at the tip and 2 kg/m: support force and moment from statics."""
+    rows = (*BAR, ("FIX", 1), ("FIX", 2))
+    r = initial(rows, (("XM", 3, 3.0), ("EM", 1, 2.0), ("GRAVITY", 0.0, -G)))
+    weight = (3.0 + 2.0 * 2.0) * G
+    support = r["fxtot"][0] - r["fx"][0] - r["fxgrav"][0]
+    assert r["fxgrav"][0][r.lnp[:3, 1][[0, 2]] - 1].sum() == pytest.approx(-weight, rel=1e-14)
+    assert support[r.lnp[0, 1] - 1] == pytest.approx(weight, rel=1e-14)
+    assert support[r.lnp[1, 0] - 1] == pytest.approx((3.0 * 2.0 + 2.0 * 2.0 * 1.0) * G, rel=1e-14)
+
+
+def test_forces_on_one_node_of_a_spatial_body_fall_with_g() -> None:
+    """A free body falls with g wherever its mass is."""
+    rows = (*BODY, ("DYNX", 1), ("DYNX", 2))
+    dynamics = (("EM", 1, 1.5, 0.1, 0.2, 0.3), ("XM", 1, 4.0), ("XM", 2, 0.2, 0.0, 0.0, 0.3, 0.05, 0.4), ("XM", 3, 0.7),
+                ("GRAVITY", 1.0, 2.0, 3.0))  # fmt: skip
+    r = initial(rows, dynamics)
+    for node in (1, 3):
+        np.testing.assert_allclose([r.node(node, k, "xdd")[0] for k in (1, 2, 3)], [1.0, 2.0, 3.0], rtol=1e-13)
+
+
+def test_preload_of_a_spring() -> None:
+    """ESIG 7 N in a released truss on a mass of 2 kg: the mass accelerates with -3.5 m/s^2."""
+    rows = (("PLTRUSS", 1, 1, 2), ("X", 2, 1.0), ("FIX", 1), ("FIX", 2, 2), ("DYNE", 1))
+    r = initial(rows, (("XM", 2, 2.0), ("ESIG", 1, 7.0)))
+    assert r.node(2, 1, "xdd")[0] == pytest.approx(-3.5, rel=1e-14)
+    assert r.element(1, 1, "sig")[0] == pytest.approx(7.0, rel=1e-14)
+
+
+def test_preload_of_a_fixed_deformation_has_no_effect() -> None:
+    rows = (("PLTRUSS", 1, 1, 2), ("X", 2, 1.0), ("FIX", 1), ("FIX", 2, 2))
+    r = initial(rows, (("XF", 2, 5.0, 0.0), ("ESIG", 1, 7.0)))
+    assert r.element(1, 1, "sig")[0] == pytest.approx(5.0, rel=1e-14)
+
+
+# -- inertia -------------------------------------------------------------------------------------------------------
+def test_mee_adds_inertia_to_a_deformation() -> None:
+    """Spring-mass with m = 2 and MEE 3 on the elongation: (2 + 3) a = F."""
+    rows = (("PLTRUSS", 1, 1, 2), ("X", 2, 1.0), ("FIX", 1), ("FIX", 2, 2), ("DYNE", 1))
+    r = initial(rows, (("XM", 2, 2.0), ("MEE", 1, 1, 3.0), ("XF", 2, 10.0)))
+    assert r.node(2, 1, "xdd")[0] == pytest.approx(2.0, rel=1e-14)
+
+
+def test_mee_couples_two_deformations_symmetrically() -> None:
+    """Two parallel sliders: [2 1; 1 3] a = f, dynamic coordinates and dynamic deformations alike."""
+    rows = (
+        ("PLTRUSS", 1, 1, 2), ("PLTRUSS", 2, 3, 4), ("X", 2, 1.0), ("X", 3, 0.0, 1.0), ("X", 4, 1.0, 1.0),
+        ("FIX", 1), ("FIX", 3), ("FIX", 2, 2), ("FIX", 4, 2),
+    )  # fmt: skip
+    dynamics = (("XM", 2, 2.0), ("XM", 4, 3.0), ("MEE", 1, 1, 2, 1, 1.0), ("XF", 2, 1.0), ("XF", 4, 5.0))
+    expected = np.linalg.solve([[2.0, 1.0], [1.0, 3.0]], [1.0, 5.0])
+    for freedoms in (
+        (("DYNE", 1), ("DYNE", 2)),
+        (("DYNX", 2, 1), ("DYNX", 4, 1), ("RLSE", 1), ("RLSE", 2)),
+        (("DYNX", 2, 1), ("DYNE", 2), ("RLSE", 1)),
+    ):
+        r = initial(rows + freedoms, dynamics)
+        np.testing.assert_allclose([r.node(2, 1, "xdd")[0], r.node(4, 1, "xdd")[0]], expected, rtol=1e-13)
+
+
+def test_mee_on_a_prescribed_deformation_shows_in_the_driving_stress() -> None:
+    rows = (("PLTRUSS", 1, 1, 2), ("X", 2, 1.0), ("FIX", 1), ("FIX", 2, 2), ("INPUTE", 1))
+    r = initial(rows, (("XM", 2, 2.0), ("MEE", 1, 1, 3.0), ("INPUTE", 1, 1, 0.0, 0.0, 4.0)))
+    # force on the mass: -sigma = m a + M_e a, so sigma = -(2 + 3) 4
+    assert r.element(1, 1, "sig")[0] == pytest.approx(-20.0, rel=1e-14)
+
+
+def test_tensors_of_one_node_add_up() -> None:
+    """XM plus the distributed rotary inertia of a rigid rod: l J per length on the orientation node."""
+    m = mechanism((*BODY, ("FIX", 1), ("DYNX", 2)), (("XM", 2, 1.0, 0.1, 0.2, 2.0, 0.3, 3.0), ("EM", 1, 0.0, 0.5, 0.25, 0.125, 0.0625)))
+    d = Dynamics(m)
+    y = d.start()
+    rate = np.array([0.1, -0.3, 0.2])
+    y[3:] = rate
+    d.place(0.0, y)
+    d.sweep.mass()
+    lam_d = d.xd[m.numbering.lnp[1] - 1]
+    kinetic = 0.5 * lam_d @ d.sweep.mass_times(d.xd)[m.numbering.lnp[1] - 1]
+    omega = 2 * rate
+    J = np.array([[1.0, 0.1, 0.2], [0.1, 2.0, 0.3], [0.2, 0.3, 3.0]]) + 2.0 * np.array(
+        [[0.5, 0, 0], [0, 0.25, 0.0625], [0, 0.0625, 0.125]]
+    )
+    assert kinetic == pytest.approx(0.5 * omega @ J @ omega, rel=1e-14)
+
+
+# -- motion and settings -------------------------------------------------------------------------------------------
+def test_start_values_and_rates() -> None:
+    rows = (("PLTRUSS", 1, 1, 2), ("X", 2, 1.0), ("FIX", 1), ("DYNX", 2, 2), ("DYNE", 1))
+    m = mechanism(rows, (("XM", 2, 1.0), ("STARTDX", 2, 2, 0.25, 3.0), ("STARTDE", 1, 1, 0.5, -1.0)))
+    y = Dynamics(m).start()
+    assert y.tolist() == [0.25, 0.5, 3.0, -1.0]
+
+
+def test_the_start_value_of_a_position_is_its_place() -> None:
+    m = mechanism((("PLTRUSS", 1, 1, 2), ("X", 2, 1.0, 0.5), ("FIX", 1), ("DYNX", 2, 2)), (("XM", 2, 1.0),))
+    assert m.start.x_value.tolist() == [0.5]
+
+
+def test_polynomial_drive() -> None:
+    rows = (("PLTRUSS", 1, 1, 2), ("X", 2, 1.0), ("FIX", 1), ("FIX", 2, 2), ("INPUTE", 1))
+    r = spacar.run(1, Deck.build(rows, (("INPUTE", 1, 1, 0.1, 2.0, -6.0), ("TIMESTEP", 1.0, 10))))
+    t = np.linspace(0, 1, 11)
+    np.testing.assert_allclose(r.element(1, 1), 0.1 + 2 * t - 3 * t**2, atol=1e-15)
+    np.testing.assert_allclose(r.element(1, 1, "ed"), 2 - 6 * t, atol=1e-14)
+    np.testing.assert_allclose(r.element(1, 1, "edd"), -6.0, atol=1e-13)
+
+
+def test_settings_have_the_defaults_of_the_manual() -> None:
+    s = mechanism(BAR).settings
+    assert (s.atol, s.rtol, s.integrator, s.max_iterations, s.load_steps, s.tolerance) == (1e-5, 1e-4, 0, 10, 4, 5e-7)
+    s = mechanism(BAR, (("ERROR", 1e-8), ("INTEGRAT", 255), ("ITERSTEP", 20, 3))).settings
+    assert (s.atol, s.rtol, s.integrator, s.max_iterations, s.load_steps) == (1e-8, 1e-4, 225, 20, 3)
+
+
+def test_without_timestep_only_the_initial_state() -> None:
+    rows = (("PLTRUSS", 1, 1, 2), ("X", 2, 1.0), ("FIX", 1), ("FIX", 2, 2), ("DYNE", 1))
+    r = initial(rows, (("XM", 2, 2.0), ("ESTIFF", 1, 8.0), ("STARTDE", 1, 1, 0.5, 0.0)))
+    assert r.t.tolist() == [0.0]
+    assert r.node(2, 1, "xdd")[0] == pytest.approx(-2.0, rel=1e-14)
+
+
+# -- gyrostats -----------------------------------------------------------------------------------------------------
+def carrier(dynamics: tuple, rate: np.ndarray, rotor: bool = False) -> np.ndarray:
+    """Angular acceleration of a body on a fixed point with body rates `rate`, with XGYRO or an explicit rotor."""
+    rows: tuple = (("RBEAM", 1, 1, 2, 3, 0.0, 1.0, 0.0), ("X", 3, 1.0), ("FIX", 1), ("DYNX", 2))
+    if rotor:
+        rows += (("HINGE", 2, 2, 4, *AXIS), ("DYNE", 2, 1))
+    starts = tuple(("STARTDX", 2, k, 0.0, float(rate[k - 2] / 2)) for k in (2, 3, 4))
+    r = initial(rows, dynamics + starts)
+    return 2 * np.array([r.node(2, k, "xdd")[0] for k in (2, 3, 4)])
+
+
+AXIS = np.array([2.0, -1.0, 2.0]) / 3.0
+J = np.array([[5.0, 0.2, -0.1], [0.2, 6.0, 0.3], [-0.1, 0.3, 7.0]])  # carrier, with the rotor's transverse inertia
+AXIAL = 0.8
+SIX = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)]
+RATE = np.array([0.4, -0.7, 0.3])
+
+
+def tensor(J: np.ndarray) -> tuple[float, ...]:
+    return tuple(float(J[i]) for i in SIX)
+
+
+def test_free_gyrostat() -> None:
+    """J dw/dt + w x (J w + h) = 0 with h = J_axial Omega_absolute; the axial rate of a free rotor is constant."""
+    spin = 30.0
+    found = carrier((("XM", 2, *tensor(J)), ("XGYRO", 2, *(spin * AXIS), AXIAL, 0)), RATE)
+    expected = np.linalg.solve(J, -np.cross(RATE, J @ RATE + AXIAL * spin * AXIS))
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+    # The explicit rotor with axial inertia only, on a frictionless hinge, turns with the same absolute axial rate.
+    dynamics = (
+        ("XM", 2, *tensor(J)), ("XM", 4, *tensor(AXIAL * np.outer(AXIS, AXIS))),
+        ("STARTDE", 2, 1, 0.0, float(spin - AXIS @ RATE)),
+    )  # fmt: skip
+    np.testing.assert_allclose(carrier(dynamics, RATE, rotor=True), expected, rtol=1e-12)
+
+
+def test_prescribed_gyrostat() -> None:
+    """The rotor turns with a constant relative rate: its axial inertia moves with the carrier."""
+    spin = 30.0
+    found = carrier((("XM", 2, *tensor(J)), ("XGYRO", 2, *(spin * AXIS), AXIAL, 1)), RATE)
+    whole = J + AXIAL * np.outer(AXIS, AXIS)
+    expected = np.linalg.solve(whole, -np.cross(RATE, whole @ RATE + AXIAL * spin * AXIS))
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
