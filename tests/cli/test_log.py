@@ -1,4 +1,4 @@
-"""The log: its sections in their order, numbers with enough digits, words for everything (reference/files.md section 2)."""
+"""The log: its sections in their order, numbers with enough digits, words (reference/files.md section 2)."""
 
 from __future__ import annotations
 
@@ -111,13 +111,8 @@ def test_every_step_is_listed_with_its_counters(log_of):
 
 
 def test_outlevel_prints_transfer_functions(log_of):
-    text = (
-        (DATA / "crank.dat")
-        .read_text()
-        .replace("FIX 1\n", "FIX 1\nOUTLEVEL 3 3\n")
-        .replace("0.1 100", "0.001 1")
-    )
-    log = log_of(1, "levels", text)
+    text = (DATA / "crank.dat").read_text().replace("FIX 1\n", "FIX 1\nOUTLEVEL 3 3\n")
+    log = log_of(1, "levels", text, "--time", "0.001", "--steps", "1")
     assert log.count("first order transfer function of the coordinates") == 2
     assert log.count("second order transfer function of the deformations") == 2
     # dx of the slider for the crank angle: zero at the dead centre; of the pin: 0.15 m in y
