@@ -17,10 +17,11 @@ from spacar.frame import Frame
 
 from .conftest import DATA
 
-SBD_HEADER = set(
-    ["VERSION", "SOURCE", "SHA256", "ETYPE", "MODE", "NDOF", "NDDOF", "NKDOF", "NKDDOF", "NX", "NE", "NXP", "NEP", "LNP", "LE", "LN", "IT", "KDEF", "RXYZ", "RQ", "DR0", "RL0", "STIF", "EDAMP", "EM", "EINIT", "ESIG"]
-)
-SBD_STEP = set(["T", "X", "XD", "XDD", "FX", "FXGRAV", "FXT", "E", "ED", "EDD", "SIG"])
+SBD_HEADER = {
+    "VERSION", "SOURCE", "SHA256", "ETYPE", "MODE", "NDOF", "NDDOF", "NKDOF", "NKDDOF", "NX", "NE", "NXP", "NEP",
+    "LNP", "LE", "LN", "IT", "KDEF", "RXYZ", "RQ", "DR0", "RL0", "STIF", "EDAMP", "EM", "EINIT", "ESIG",
+}  # fmt: skip
+SBD_STEP = {"T", "X", "XD", "XDD", "FX", "FXGRAV", "FXT", "E", "ED", "EDD", "SIG"}
 
 
 def flat(file: SbfFile, name: str) -> list[float]:
