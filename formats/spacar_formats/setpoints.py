@@ -1,39 +1,27 @@
-"""The mode 2 result along which mode 3 linearizes: found by name, checked against the model
-(reference/files.md 1)."""
+"""The mode 2 result along which mode 3 linearizes: found by name and read (reference/files.md 1).
+
+From the name of the input file at least one character is removed from the right until a valid, complete mode
+2 result `<shorter>.sbd` is found; the longest name wins. A result that was computed from another version of
+its input file is refused, unless the user named it.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spacar.errors import UsageError
-from spacar.mechanism.numbering import Numbering
+from spacar.inverse.nominal import INVERSE_DYNAMICS, Nominal, check_same_mechanism
+from spacar_formats.locate import stale_note
 from spacar_formats.sbf import SbfError, SbfFile
 
+__all__ = ["Nominal", "check_same_model", "find_setpoints"]
+
 Array = NDArray[np.float64]
-INVERSE_DYNAMICS = 2
-
-
-@dataclass(frozen=True)
-class Nominal:
-    """The nominal motion: one row a step, in the numbering (lnp, le) of its own file."""
-
-    path: Path
-    t: Array  # (steps,) [s]
-    x: Array  # (steps, nx)
-    xd: Array
-    xdd: Array
-    e: Array  # (steps, ne)
-    ed: Array
-    edd: Array
-    sig: Array
-    lnp: NDArray[np.int64]  # 1-based, 0 where nothing exists
-    le: NDArray[np.int64]
-    ln: NDArray[np.int64]
-    keywords: tuple[str, ...]  # ETYPE
+check_same_model = check_same_mechanism
 
 
 def find_setpoints(source: Path, name: str | None = None) -> Nominal:
@@ -53,15 +41,19 @@ def find_setpoints(source: Path, name: str | None = None) -> Nominal:
             absent.append(path.name)
             continue
         try:
-            return _read(path)
+            nominal, stale = _read(path)
         except SbfError as error:
             refused.append(str(error))
+            continue
         except UsageError as error:
             refused.append(f"{path.name}: {error}")
-    tried = (
-        "; ".join([*refused, f"absent: {', '.join(absent)}"] if absent else refused)
-        or "the name is too short"
-    )
+            continue
+        if stale is not None and name is None:
+            hint = f"or name it with --setpoints {path.stem} to use it as it is"
+            raise UsageError(f"the mode 2 result is stale: {stale}, {hint}", "files.setpoints-stale")
+        return nominal if stale is None else nominal.with_warning(stale)
+    missing = [f"absent: {', '.join(absent)}"] if absent else []
+    tried = "; ".join([*refused, *missing]) or "the name is too short"
     raise UsageError(
         f"no mode 2 result to linearize along for {source.name} ({tried}); run `spacar 2` first, or name the "
         "result with --setpoints",
@@ -69,45 +61,17 @@ def find_setpoints(source: Path, name: str | None = None) -> Nominal:
     )
 
 
-def check_same_model(nominal: Nominal, n: Numbering) -> None:
-    """Nodes and elements must be those of the nominal motion; classes may differ. Raises UsageError naming
-    the first."""
-    where = f"the mechanism differs from that of {nominal.path.name}"
-    here = {number: (keyword, nodes) for number, keyword, nodes in n.elements}
-    there = {
-        i: (keyword, tuple(int(k) for k in nodes if k))
-        for i, (keyword, nodes) in enumerate(zip(nominal.keywords, nominal.ln, strict=True), 1)
-        if keyword
-    }
-    for element in sorted({*here, *there}):
-        if here.get(element) != there.get(element):
-            ours, theirs = (_described(elements.get(element)) for elements in (here, there))
-            text = f"{where}: element {element} is {ours} here, {theirs} there"
-            raise UsageError(text, "files.different-mechanism")
-    for node in range(1, max(len(n.lnp), len(nominal.lnp)) + 1):
-        sizes = [
-            int(np.count_nonzero(table[node - 1])) if node <= len(table) else 0
-            for table in (n.lnp, nominal.lnp)
-        ]
-        if sizes[0] != sizes[1]:
-            text = f"{where}: node {node} has {sizes[0]} coordinates here, {sizes[1]} there"
-            raise UsageError(text, "files.different-mechanism")
-
-
-def _described(element: tuple[str, tuple[int, ...]] | None) -> str:
-    return f"{element[0]} with nodes {' '.join(map(str, element[1]))}" if element else "absent"
-
-
-def _read(path: Path) -> Nominal:
+def _read(path: Path) -> tuple[Nominal, str | None]:
+    """The nominal motion of a result, and the sentence that says it is stale."""
     with SbfFile(path) as file:
         mode = int(np.ravel(file.header["MODE"])[0]) if "MODE" in file.header else None
         if mode != INVERSE_DYNAMICS:
             raise UsageError(f"it is a result of mode {mode}", "files.not-mode-2")
         if not file.complete:
             raise UsageError("it is incomplete", "files.incomplete")
-        return Nominal(
-            path=path,
-            t=np.ravel(file.get("T")).copy(),
+        nominal = Nominal(
+            name=path.name,
+            t=np.ravel(file.get("T")).astype(float),
             x=_rows(file, "x"),
             xd=_rows(file, "xd"),
             xdd=_rows(file, "xdd"),
@@ -119,7 +83,18 @@ def _read(path: Path) -> Nominal:
             le=_table(file, "le"),
             ln=_table(file, "ln"),
             keywords=tuple(str(k) for k in file.header["ETYPE"]),
+            n_fixed=int(np.ravel(file.header["NEP"])[0]),
         )
+        return replace(nominal, u0=_inputs(path.with_suffix(".ltv"), len(nominal.t))), stale_note(file)
+
+
+def _inputs(path: Path, steps: int) -> Array | None:
+    """The nominal inputs of the same run, for comparison; None when they are not beside the result."""
+    try:
+        with SbfFile(path) as file:
+            return _rows(file, "U0") if file.complete and file.has("U0") and file.steps == steps else None
+    except (SbfError, UsageError):
+        return None
 
 
 def _table(file: SbfFile, name: str) -> NDArray[np.int64]:

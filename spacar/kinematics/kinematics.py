@@ -176,6 +176,12 @@ class Kinematics:
         self.x, self.e_given = other.x.copy(), other.e_given.copy()
         self.sweep.near[:] = other.sweep.near
 
+    def start_at(self, x: Array, e: Array) -> None:
+        """Begin the next Newton iteration at x (nx,) with angles near those of e (ne,), without a prediction."""
+        self.x = x.copy()
+        self.sweep.near[:] = e
+        self._factored = False
+
     def _factor_position(self) -> None:
         self.position_system.factor(self.sweep.entries[self._position_take])
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 from spacar.linear.state_space import INPUT_KINDS, OUTPUT_KINDS, Signal
 from spacar.mechanism.mechanism import Mechanism
 
-OF_NODES = ("INPUTF", "INX", "INXP", "INXDP", "OUTF", "OUTX", "OUTXP", "OUTXDP")
+OF_NODES = (
+    "INPUTF", "INX", "INXP", "INXDP", "OUTF", "OUTX", "OUTXP", "OUTXDP", "NOMF", "REFX", "REFXP", "REFXDP", "REFXS",
+)  # fmt: skip
 
 
 def signals(mechanism: Mechanism, kinds: tuple[str, ...]) -> list[Signal]:

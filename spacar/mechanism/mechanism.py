@@ -78,7 +78,9 @@ class DriveState:
 class Drive(Protocol):
     """Prescribed motion of the input coordinates and deformations as functions of time."""
 
-    breaks: tuple[float, ...]  # times where derivatives jump
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """Times where derivatives jump."""
 
     def at(self, t: float) -> DriveState: ...
 

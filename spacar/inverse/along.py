@@ -1,0 +1,214 @@
+"""Mode 3: matrices of the perturbation method at the steps of a nominal motion (theory-system.md 7.4).
+
+    M0 ddq'' + (C0+D0) dq' + (K0+N0+G0) dq = I_f^T sigma0 + s_u We[NOMS]^T du_S + W[NOMF]^T du_F          (24)
+
+All rows of q are kept; springs and dampers of prescribed deformations enter K0 and D0 as if these were free,
+while the geometric stiffness uses the stresses of the nominal (rigidified) motion. sigma0 are the stresses
+of the deformations that were fixed in mode 2 and are prescribed (zero) here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from spacar.dynamics.analysis import at_time
+from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.forces import StressLaw
+from spacar.errors import Report, UsageError
+from spacar.frame import Frame
+from spacar.inverse.nominal import Nominal, NominalDrive
+from spacar.inverse.ports import ACCELERATIONS, NominalInputs, Ports
+from spacar.inverse.trajectory import groups, loaded
+from spacar.linear.contractions import geometric_stiffness
+from spacar.linear.matrices import Linearization, linearize
+from spacar.linear.state_space import Signal, state_space
+from spacar.mechanism.mechanism import Array, Mechanism
+
+MATRICES = ("m0", "c0", "d0", "k0", "n0", "g0")
+SAME_POSITION = 1e-6  # of the size of the mechanism: how far a configuration may be from that of mode 2
+SAME_INPUT = 1e-6  # relative difference of the nominal inputs that is worth a warning
+NO_STATE: Array = np.zeros(0)
+
+
+class Along:
+    """Evaluates the steps of one nominal motion in their order."""
+
+    def __init__(self, mechanism: Mechanism, nominal: Nominal, report: Report) -> None:
+        n = mechanism.numbering
+        self.nominal, self.report = nominal, report
+        self.ports = Ports.of(mechanism)
+        self.drive = NominalDrive(nominal, n)
+        self.x_columns = nominal.x_columns(n)
+        self.e_columns = nominal.e_columns(n)
+        rows = np.arange(n.e_class["input"].start, n.e_class["input"].stop)
+        self.rigid = rows[self.e_columns[rows] < nominal.n_fixed]
+        self.inputs = NominalInputs(self.ports, mechanism, report, self.rigid)
+        self.signals = [
+            *(Signal("INPUTS" if s.kind == "NOMS" else "INPUTF", s.index, s.name) for s in self.ports.inputs),
+            *(Signal("INPUTS", int(i), f"sigma0 {n.e_name(int(i))}") for i in self.rigid),
+        ]
+        self.outputs = [Signal(_output_kind(s.kind), s.index, s.name) for s in self.ports.outputs]
+        self.zero_rows = [k for k, s in enumerate(self.ports.outputs) if s.kind in ACCELERATIONS]
+        if self.zero_rows:
+            report.add(
+                "second time derivatives (REFEDP, REFXDP) are no outputs of the linearization; their rows"
+                " of C are zero: outputs " + ", ".join(str(k + 1) for k in self.zero_rows)
+            )
+        if not len(self.rigid):
+            report.add(
+                "no deformation that was fixed in mode 2 is prescribed here: the linearization is that of"
+                " the rigid mechanism"
+            )
+        self.mechanism = mechanism
+        self.legs = [loaded(mechanism, leg) for leg in _legs(mechanism)]
+        self.ends = _ends(mechanism)
+        self.models: dict[int, Dynamics] = {}
+        self.dynamics = self._dynamics(0)
+        self.difference = (0.0, 0.0)
+
+    def header(self) -> dict[str, Any]:
+        """Sizes of the ltv file (files.md section 6); NRBM counts the degrees of freedom that are no
+        rigidified ones.
+        """
+        ndof, second = self.mechanism.numbering.ndof, self.ports.second_order
+        sizes: dict[str, Any] = {
+            "NNOM": len(self.ports.inputs), "NX": 2 * ndof, "NU": len(self.signals), "NY": len(self.outputs),
+            "NRBM": ndof - len(self.rigid), "DFT": 0, "X0": np.zeros(2 * ndof), "NYS": len(second),
+        }  # fmt: skip
+        return sizes | ({"NYSI": second + 1} if len(second) else {})
+
+    def frame(self, k: int) -> Frame:
+        """Step k: nominal frame, matrices, state space, set-points. Raises AnalysisError, UsageError."""
+        t = float(self.nominal.t[k])
+        dynamics = self._dynamics(k)
+        frame = at_time(dynamics, t, NO_STATE)
+        self._require_same_position(frame, k)
+        u0, sigma0 = self.inputs(dynamics, frame)
+        self.inputs.apply(dynamics, frame, u0)
+        self._compare(u0, k)
+        L = self._linearize(dynamics, frame, u0)
+        for name in MATRICES:
+            frame.matrices[name] = getattr(L, name)
+        system = state_space(dynamics, L, self.signals, self.outputs, everything=True)
+        C = system.C.copy()
+        C[self.zero_rows] = 0.0
+        frame.state_space.update(A=system.A, B=system.B, C=C)
+        frame.state_space.update(m0=L.m0, c0b=L.damping, k0b=L.stiffness, sig0=sigma0)
+        frame.state_space.update(u0=u0, y0=self.ports.reference(frame))
+        if len(self.ports.second_order):
+            frame.state_space["G"] = self._second_order(dynamics, L)
+        return frame
+
+    def finish(self) -> None:
+        self.inputs.finish()
+        size, t = self.difference
+        if size > SAME_INPUT:
+            self.report.add(
+                f"warning: the nominal inputs differ from those of {self.nominal.name} by {size:.3g} of"
+                " their size at"
+                f" t = {t:.9g}: masses, forces or extra loads (TRM, TRF) are not the same in both files"
+            )
+
+    def _dynamics(self, k: int) -> Dynamics:
+        """Evaluator with the loads of step k, in the configuration of that step."""
+        leg = (
+            int(np.searchsorted(self.ends, self.nominal.t[k] * (1 + 1e-12), side="right"))
+            if len(self.legs)
+            else 0
+        )
+        model = self.legs[min(leg, len(self.legs) - 1)] if self.legs else self.mechanism
+        dynamics = self.models.get(id(model))
+        if dynamics is None:
+            dynamics = self.models[id(model)] = Dynamics(replace(model, drive=self.drive))
+        kinematics = dynamics.kinematics
+        # The configuration of mode 2 is the solution: from there Newton's method stays on its branch.
+        e = np.where(self.e_columns >= 0, self.nominal.e[k, self.e_columns], 0.0)
+        kinematics.start_at(self.nominal.x[k, self.x_columns], e)
+        kinematics.position(*dynamics.given(self.drive.at(float(self.nominal.t[k])), NO_STATE))
+        self.dynamics = dynamics
+        return dynamics
+
+    def _require_same_position(self, frame: Frame, k: int) -> None:
+        n = self.mechanism.numbering
+        off = np.abs(frame.x - self.nominal.x[k, self.x_columns]) / self.mechanism.scale
+        worst = int(np.argmax(off))
+        if off[worst] > SAME_POSITION:
+            ours, theirs = frame.x[worst], self.nominal.x[k, self.x_columns][worst]
+            text = (
+                f"the mechanism differs from that of {self.nominal.name}: at t = {frame.t:.9g}"
+                f" {n.x_name(worst)} is {ours:.9g} here,"
+                f" {theirs:.9g} there; compare the X, direction and INPUT statements of both files"
+            )
+            raise UsageError(text, "files.different-mechanism")
+
+    def _compare(self, u0: Array, k: int) -> None:
+        stored = self.nominal.u0
+        if stored is None or stored.shape[1] != len(u0) or not len(u0):
+            return
+        size = float(np.max(np.abs(stored)))
+        difference = float(np.max(np.abs(u0 - stored[k]))) / size if size > 0.0 else 0.0
+        if difference > self.difference[0]:
+            self.difference = difference, float(self.nominal.t[k])
+
+    def _linearize(self, dynamics: Dynamics, frame: Frame, u0: Array) -> Linearization:
+        """(13) on all rows, with the nominal inputs as stresses and forces of the nominal motion."""
+        n = self.mechanism.numbering
+        loads = dynamics.loads
+        law = StressLaw.of(self.mechanism, loads, first=n.e_class["input"].start)
+        force = np.zeros(n.nx)
+        for signal, value in zip(self.signals[: len(u0)], u0, strict=True):
+            if signal.kind == "INPUTF":
+                force[signal.index] += value
+        if not force.any():
+            return linearize(dynamics, frame.xdd, frame.sig, law=law, t=frame.t)
+        dynamics.reload(replace(loads, force=loads.force + force), dynamics.drive)
+        try:
+            return linearize(dynamics, frame.xdd, frame.sig, law=law, t=frame.t)
+        finally:
+            dynamics.reload(loads, dynamics.drive)
+
+    def _second_order(self, dynamics: Dynamics, L: Linearization) -> Array:
+        """G: one row per output with a second order expression, columns i + ndof j, from one adjoint solve
+        each (16).
+        """
+        kinematics, n = dynamics.kinematics, self.mechanism.numbering
+        rows = []
+        for k in self.ports.second_order:
+            signal = self.ports.outputs[k]
+            tau, g = np.zeros(n.ne), np.zeros(n.nx)
+            if signal.kind == "REFES":
+                tau[signal.index] = 1.0
+                g = L.V[signal.index]
+            else:
+                g[signal.index] = 1.0
+            tau[kinematics.E] -= kinematics.velocity_system.solve_transposed(g[kinematics.U])
+            second = L.W.T @ geometric_stiffness(dynamics.sweep, tau) @ L.W
+            rows.append(second.ravel(order="F"))
+        return np.array(rows)
+
+
+def _output_kind(kind: str) -> str:
+    """OUT keyword with the same quantity as a REF keyword."""
+    return "OUT" + kind.removeprefix("REF").removesuffix("S")
+
+
+def _legs(mechanism: Mechanism) -> list[Any]:
+    """Trajectories of this file whose extra loads act here too, as far as their times are given."""
+    from spacar.inverse.trajectory import Leg
+
+    return [
+        Leg(number, statements, 0.0, 0.0, 0, NO_STATE, NO_STATE)
+        for number, statements in groups(mechanism.deck)
+    ]
+
+
+def _ends(mechanism: Mechanism) -> Array:
+    """Times at which the trajectories of this file end."""
+    durations = [
+        next(s.real(0) for s in statements if s.keyword == "TRTIME")
+        for _, statements in groups(mechanism.deck)
+    ]
+    return np.cumsum(durations)

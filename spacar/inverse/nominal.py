@@ -1,0 +1,137 @@
+"""The nominal motion of mode 2, as mode 3 needs it, and its comparison with the mechanism of mode 3.
+
+Nodes and elements must be the same; the classes may differ (RLSE in mode 2 becomes INPUTE in mode 3), so
+everything is looked up by node and coordinate, element and mode.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacar.errors import UsageError
+from spacar.mechanism.mechanism import DriveState
+from spacar.mechanism.numbering import Numbering
+
+if TYPE_CHECKING:
+    from spacar.result import Result
+
+Array = NDArray[np.float64]
+INVERSE_DYNAMICS = 2
+
+
+@dataclass(frozen=True)
+class Nominal:
+    """The nominal motion: one row a step, in the numbering (lnp, le, ln: 1-based tables) of mode 2.
+
+    name      where it comes from, for messages
+    t         (steps,) [s];  x, xd, xdd (steps, nx);  e, ed, edd, sig (steps, ne)
+    keywords  element type of every element number, "" where there is none
+    n_fixed   number of fixed deformations: the first ones of e
+    u0        (steps, inputs) nominal inputs, None when they are not known
+    warnings  what the log of mode 3 must say about the source
+    """
+
+    name: str
+    t: Array
+    x: Array
+    xd: Array
+    xdd: Array
+    e: Array
+    ed: Array
+    edd: Array
+    sig: Array
+    lnp: NDArray[np.int64]
+    le: NDArray[np.int64]
+    ln: NDArray[np.int64]
+    keywords: tuple[str, ...]
+    n_fixed: int
+    u0: Array | None = None
+    warnings: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, result: Result) -> Nominal:
+        """From a mode 2 run in memory. Raises UsageError when it is one of another mode."""
+        if result.mode != INVERSE_DYNAMICS:
+            raise UsageError(
+                f"mode 3 needs a result of mode 2, this one is of mode {result.mode}", "files.not-mode-2"
+            )
+        n = result.mechanism.numbering
+        keywords = tuple(n.keyword.get(i, "") for i in range(1, len(n.le) + 1))
+        u0 = result["u0"] if "u0" in result.frames[0].state_space else None
+        return cls(
+            name=result.mechanism.deck.source, t=result.t, x=result["x"], xd=result["xd"], xdd=result["xdd"],
+            e=result["e"], ed=result["ed"], edd=result["edd"], sig=result["sig"],
+            lnp=n.lnp, le=n.le, ln=n.ln, keywords=keywords, n_fixed=int(n.nep[0]), u0=u0,
+        )  # fmt: skip
+
+    def __str__(self) -> str:
+        return self.name
+
+    def with_warning(self, text: str) -> Nominal:
+        return replace(self, warnings=(*self.warnings, text))
+
+    # -- in the numbering of another mechanism
+    # ----------------------------------------------------------------------
+    def x_columns(self, n: Numbering) -> NDArray[np.int64]:
+        """(nx,) columns of x here for the coordinates of a mechanism with the same nodes."""
+        owners = np.array([n.x_owner(i) for i in range(n.nx)]) - 1
+        return np.asarray(self.lnp[owners[:, 0], owners[:, 1]] - 1)
+
+    def e_columns(self, n: Numbering) -> NDArray[np.int64]:
+        """(ne,) columns of e here for the deformations of a mechanism with the same elements.
+
+        Normalizations of Euler parameters get -1.
+        """
+        owners = [n.e_owner(i) for i in range(n.ne)]
+        found = [self.le[element - 1, mode - 1] - 1 if element > 0 else -1 for element, mode in owners]
+        return np.array(found, np.int64)
+
+
+def check_same_mechanism(nominal: Nominal, n: Numbering) -> None:
+    """Raises UsageError that names the first element or node in which two mechanisms differ."""
+    where = f"the mechanism differs from that of {nominal.name}"
+    here = {number: (keyword, nodes) for number, keyword, nodes in n.elements}
+    there = {
+        i: (keyword, tuple(int(k) for k in nodes if k))
+        for i, (keyword, nodes) in enumerate(zip(nominal.keywords, nominal.ln, strict=True), 1)
+        if keyword
+    }
+    for element in sorted({*here, *there}):
+        if here.get(element) != there.get(element):
+            ours, theirs = (_described(elements.get(element)) for elements in (here, there))
+            raise UsageError(
+                f"{where}: element {element} is {ours} here, {theirs} there", "files.different-mechanism"
+            )
+    for node in range(1, max(len(n.lnp), len(nominal.lnp)) + 1):
+        tables = (n.lnp, nominal.lnp)
+        sizes = [int(np.count_nonzero(table[node - 1])) if node <= len(table) else 0 for table in tables]
+        if sizes[0] != sizes[1]:
+            text = f"{where}: node {node} has {sizes[0]} coordinates here, {sizes[1]} there"
+            raise UsageError(text, "files.different-mechanism")
+
+
+def _described(element: tuple[str, tuple[int, ...]] | None) -> str:
+    return f"{element[0]} with nodes {' '.join(map(str, element[1]))}" if element else "absent"
+
+
+class NominalDrive:
+    """Prescribed motion at the steps of a nominal motion (and nowhere else), in the classes of a
+    mechanism.
+    """
+
+    breaks: tuple[float, ...] = ()
+
+    def __init__(self, nominal: Nominal, n: Numbering) -> None:
+        self.t = nominal.t
+        xi = nominal.x_columns(n)[n.x_class["input"]]
+        ei = nominal.e_columns(n)[n.e_class["input"]]
+        self.x = np.stack((nominal.x[:, xi], nominal.xd[:, xi], nominal.xdd[:, xi]), axis=1)
+        self.e = np.stack((nominal.e[:, ei], nominal.ed[:, ei], nominal.edd[:, ei]), axis=1)
+
+    def at(self, t: float) -> DriveState:
+        k = int(np.argmin(np.abs(self.t - t)))
+        return DriveState(*self.x[k], *self.e[k])

@@ -1,0 +1,176 @@
+"""Nominal inputs and reference outputs: NOMS, NOMF, REFE..., REFX... (keywords.md section 7,
+theory-system.md 7.3).
+
+The driving forces that the degrees of freedom need, with all passive stresses (the springs and dampers of
+the actuated joints themselves included), are
+
+    Q = W^T (M xdd + h - f) + We^T sigma_passive                                                          (22)
+
+and the nominal inputs follow from  [s_u We[NOMS]^T, W[NOMF]^T] u0 = Q (23).  In mode 3 the multipliers
+sigma0 of rigidified deformations are further unknowns: We[rigid]^T sigma0 is subtracted on the left.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.forces import StressLaw
+from spacar.errors import AnalysisError, Report
+from spacar.frame import Frame
+from spacar.kinematics.transfer import velocity_transfer
+from spacar.linear.signals import signals
+from spacar.linear.state_space import DRIVING_SIGN, Signal
+from spacar.mechanism.mechanism import Array, Index, Mechanism
+
+NOMINAL_KINDS = ("NOMS", "NOMF")
+REFERENCE_KINDS = ("REFE", "REFEP", "REFEDP", "REFX", "REFXP", "REFXDP", "REFES", "REFXS")
+VARIABLE = {
+    "REFE": "e", "REFEP": "ed", "REFEDP": "edd", "REFES": "e",
+    "REFX": "x", "REFXP": "xd", "REFXDP": "xdd", "REFXS": "x",
+}  # fmt: skip
+SECOND_ORDER = ("REFES", "REFXS")
+ACCELERATIONS = ("REFEDP", "REFXDP")
+RANK = (
+    1e-9  # singular values of the scaled distribution of the inputs below this part of the largest are zero
+)
+
+
+@dataclass(frozen=True)
+class Ports:
+    """Nominal inputs and reference outputs in the order of their numbers."""
+
+    inputs: tuple[Signal, ...]
+    outputs: tuple[Signal, ...]
+
+    @classmethod
+    def of(cls, mechanism: Mechanism) -> Ports:
+        """Signals of the third block of a deck of mode 2 or 3."""
+        return cls(tuple(signals(mechanism, NOMINAL_KINDS)), tuple(signals(mechanism, REFERENCE_KINDS)))
+
+    def reference(self, frame: Frame) -> Array:
+        """y0, (number of outputs,)."""
+        return np.array([getattr(frame, VARIABLE[s.kind])[s.index] for s in self.outputs])
+
+    @property
+    def second_order(self) -> Index:
+        """Places (from 0) of the outputs with a second order expression."""
+        return np.array([k for k, s in enumerate(self.outputs) if s.kind in SECOND_ORDER], np.int64)
+
+
+class NominalInputs:
+    """Solves (23) at every step: `u0` and, for `rigid` rows of e, the stresses sigma0.
+
+    Raises AnalysisError 'inverse.inputs' when two inputs do the same or one does nothing. Fewer inputs than
+    degrees of freedom: least squares; more: minimum norm; both with a warning in the report.
+    """
+
+    def __init__(
+        self, ports: Ports, mechanism: Mechanism, report: Report, rigid: Index | None = None
+    ) -> None:
+        n = mechanism.numbering
+        self.ports, self.report = ports, report
+        self.residual = (0.0, 0.0)  # largest one, and when
+        self.rigid = np.zeros(0, np.int64) if rigid is None else rigid
+        self.S = np.array([s.index for s in ports.inputs if s.kind == "NOMS"], np.int64)
+        self.F = np.array([s.index for s in ports.inputs if s.kind == "NOMF"], np.int64)
+        self.place = np.argsort([k for k, s in enumerate(ports.inputs) if s.kind == "NOMS"]
+                                + [k for k, s in enumerate(ports.inputs) if s.kind == "NOMF"])  # fmt: skip
+        self.law = StressLaw.of(mechanism, mechanism.loads, first=n.e_class["input"].start)
+        self.elastic = np.zeros(n.ne, bool)
+        self.elastic[n.e_class["input"].stop :] = True
+        self.elastic[self.S] = True
+        self.elastic[self.rigid] = False
+        if len(ports.inputs) > n.ndof - len(self.rigid):
+            free = n.ndof - len(self.rigid)
+            report.add(
+                f"warning: {len(ports.inputs)} nominal inputs for {free} degrees of freedom: the smallest"
+                " inputs (minimum norm)"
+                " are stored"
+            )
+
+    def __call__(self, dynamics: Dynamics, frame: Frame) -> tuple[Array, Array]:
+        """u0 (number of inputs,) and sigma0 (len(rigid),) at the placed state of `frame`."""
+        count = len(self.ports.inputs)
+        if not count:
+            return np.zeros(0), frame.sig[self.rigid].copy()
+        sweep = dynamics.sweep
+        W = velocity_transfer(dynamics.kinematics)
+        V = sweep.gradient()
+        stress = np.where(self.elastic, self.law(frame.e, frame.ed), 0.0)
+        user = None
+        if dynamics.forces.user is not None:
+            user = dynamics.forces.user(frame.t, frame.e, frame.ed, frame.x, frame.xd)
+            stress += np.where(self.elastic, user.sigma, 0.0)
+        stress += dynamics.coupling.stress(frame.edd)
+        force = (
+            sweep.mass_times(frame.xdd)
+            + dynamics.forces.inertia(sweep, frame.xd)
+            - dynamics.forces(frame.x, user)
+        )
+        force += V.T @ stress
+        Q = W.T @ force
+        We = V @ W
+        columns = np.vstack((DRIVING_SIGN * We[self.S], W[self.F]))[self.place]
+        table = np.vstack((columns, -We[self.rigid])).T
+        solution = self._solve(table, Q, frame.t)
+        return solution[:count], solution[count:]
+
+    def apply(self, dynamics: Dynamics, frame: Frame, u0: Array) -> None:
+        """Let the actuators carry the motion: stresses and total forces of the frame with u0 in place of the
+        multipliers.
+
+        A released actuated deformation gets the stress constitutive - s_u u0; what the prescribed
+        coordinates still need (nothing, if the inputs suffice) remains as their reaction.
+        """
+        n, sweep = dynamics.numbering, dynamics.sweep
+        released = n.e_class["input"].stop <= self.S
+        if not released.any() and not len(self.F):
+            return
+        by_stress = np.array([s.kind == "NOMS" for s in self.ports.inputs])
+        frame.sig[self.S[released]] -= DRIVING_SIGN * u0[by_stress][released]
+        force = sweep.mass_times(frame.xdd) + sweep.inertia_force(frame.xd, None)
+        inertia = force.copy()
+        if dynamics.coupling.present:
+            force += sweep.rate_transposed(dynamics.coupling.stress(frame.edd))
+        force -= frame.fx + frame.fxgrav
+        force[self.F] -= u0[~by_stress]
+        dynamics.kinematics.reactions(force, frame.sig)
+        frame.fxtot = inertia + sweep.rate_transposed(frame.sig + dynamics.coupling.stress(frame.edd))
+
+    def _solve(self, table: Array, Q: Array, t: float) -> Array:
+        size = np.linalg.norm(table, axis=0)
+        if np.any(size == 0.0):
+            dead = int(np.flatnonzero(size == 0.0)[0])
+            raise AnalysisError(
+                f"nominal input {dead + 1} ({self.ports.inputs[dead].name}) moves no degree of freedom at t"
+                f" = {t:.9g}",
+                "inverse.inputs",
+            )
+        scaled = table / size
+        rows, columns = scaled.shape
+        solution, _, rank, _ = np.linalg.lstsq(scaled, Q, rcond=RANK)
+        if rank < min(rows, columns):
+            raise AnalysisError(
+                f"the {columns} nominal inputs control only {rank} of {rows} degrees of freedom at t ="
+                f" {t:.9g}; two inputs do the"
+                " same, or the position is singular; choose other actuators (NOMS, NOMF)",
+                "inverse.inputs",
+            )
+        if columns < rows:
+            rest = float(np.max(np.abs(scaled @ solution - Q)))
+            if rest > max(self.residual[0], 1e-9 * float(np.max(np.abs(Q), initial=0.0))):
+                self.residual = rest, t
+        return np.asarray(solution / size)
+
+    def finish(self) -> None:
+        """After the last step: say by how much too few inputs miss the motion."""
+        rest, t = self.residual
+        if rest > 0.0:
+            self.report.add(
+                f"warning: {len(self.ports.inputs)} nominal inputs are fewer than the degrees of freedom and"
+                " cannot produce the"
+                f" motion; least squares, with the largest residual {rest:.4g} at t = {t:.9g}"
+            )

@@ -1,0 +1,249 @@
+"""The trajectories of a deck as one prescribed motion (theory-system.md 7.2, keywords.md section 6).
+
+Trajectories follow each other: each starts where the previous one ended, time accumulates, and coordinates
+without a path rest. Where two of them meet, accelerations and loads are those of the later one. Extra masses
+(TRM) and forces (TRF) act during their own trajectory only.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from spacar.deck import Deck, Statement
+from spacar.deck.table_io import PATHS, TRAJECTORIES
+from spacar.elements.lumped import LumpedMass
+from spacar.elements.node_inertia import RigidBodyNode
+from spacar.errors import InputError, Report
+from spacar.inverse.paths import BadPath, Path, arc, change, straight, turn
+from spacar.inverse.profile import IllegalProfile, Profile, make_profile
+from spacar.mechanism.inertia import symmetric
+from spacar.mechanism.mechanism import Array, Batch, Drive, DriveState, Index, Mechanism
+from spacar.mechanism.numbering import Numbering
+
+NAMES = {k.name for k in TRAJECTORIES}
+
+
+@dataclass(frozen=True)
+class Leg:
+    """One trajectory: its statements, when it starts, how long it takes, its output steps, and what moves in
+    it.
+    """
+
+    number: int
+    statements: tuple[Statement, ...]
+    start: float
+    duration: float
+    steps: int
+    x: Array  # prescribed coordinates at its start
+    e: Array  # prescribed deformations at its start
+    moves: tuple[tuple[Profile, Path], ...] = ()
+
+    def at(self, t: float) -> DriveState:
+        """Prescribed motion at the time t since the start of this trajectory."""
+        x, e = np.zeros((3, len(self.x))), np.zeros((3, len(self.e)))
+        x[0], e[0] = self.x, self.e
+        for profile, path in self.moves:
+            target = e if path.of_elements else x
+            target[:, path.rows] = path.at(*profile.at(t))
+        return DriveState(*x, *e)
+
+    def of(self, *keywords: str) -> list[Statement]:
+        return [s for s in self.statements if s.keyword in keywords]
+
+
+@dataclass(frozen=True)
+class TrajectoryDrive:
+    """All trajectories one after the other; before the first and after the last one everything rests."""
+
+    legs: tuple[Leg, ...]
+    starts: tuple[float, ...]
+    breaks: tuple[float, ...]
+
+    @classmethod
+    def of(cls, legs: list[Leg]) -> TrajectoryDrive:
+        breaks = {leg.start + b for leg in legs for profile, _ in leg.moves for b in profile.breaks}
+        starts = tuple(leg.start for leg in legs)
+        return cls(
+            tuple(legs), starts, tuple(sorted({*breaks, *starts[1:], legs[-1].start + legs[-1].duration}))
+        )
+
+    def at(self, t: float) -> DriveState:
+        k = max(bisect_right(self.starts, t) - 1, 0)
+        return self.legs[k].at(t - self.starts[k])
+
+
+@dataclass(frozen=True)
+class Program:
+    """What mode 2 runs through: the motion and, per output time, the number of the trajectory that it
+    belongs to.
+    """
+
+    drive: Drive
+    legs: tuple[Leg, ...]
+    times: Array
+    leg_of: Index = field(repr=False)
+
+
+def program(mechanism: Mechanism, report: Report) -> Program:
+    """The motion of all TRAJECT statements and its output times.
+
+    Raises InputError for an illegal velocity profile or path, with the line of the statement.
+    """
+    deck = mechanism.deck
+    start = mechanism.drive.at(0.0)
+    if any(v.any() for v in (start.xd, start.xdd, start.ed, start.edd)):
+        report.add(
+            "mode 2: rates and accelerations of INPUTX and INPUTE are not used; the trajectories prescribe"
+            " the motion"
+        )
+    legs, x, e, begin = [], start.x, start.e, 0.0
+    for number, statements in groups(deck):
+        leg = _leg(mechanism, report, number, statements, begin, x, e)
+        legs.append(leg)
+        end = leg.at(leg.duration)
+        x, e, begin = end.x, end.e, begin + leg.duration
+    drive: Drive = TrajectoryDrive.of(legs)
+    user = deck.last("USERTRAJ", block=3)
+    if user is not None:
+        drive = _user_drive(mechanism, user, legs[0])
+    times = [np.linspace(leg.start, leg.start + leg.duration, leg.steps + 1)[:-1] for leg in legs]
+    leg_of = [np.full(leg.steps, k) for k, leg in enumerate(legs)]
+    last = len(legs) - 1
+    return Program(
+        drive, tuple(legs), np.append(np.concatenate(times), begin), np.append(np.concatenate(leg_of), last)
+    )
+
+
+def groups(deck: Deck) -> list[tuple[int, tuple[Statement, ...]]]:
+    """(number, statements) of every TRAJECT in file order."""
+    found: list[tuple[int, list[Statement]]] = []
+    for s in deck.of(*NAMES, block=3):
+        if s.keyword == "TRAJECT":
+            found.append((s.integer(0), []))
+        elif found:
+            found[-1][1].append(s)
+    return [(number, tuple(statements)) for number, statements in found]
+
+
+def _user_drive(mechanism: Mechanism, statement: Statement, leg: Leg) -> Drive:
+    from spacar.mechanism.mechanism import Polynomial
+    from spacar.mechanism.user_functions import UserDrive, load_function
+
+    x, e = np.zeros((len(leg.x), 3)), np.zeros((len(leg.e), 3))
+    x[:, 0], e[:, 0] = leg.x, leg.e
+    name = str(statement.values[0])
+    function = load_function(mechanism.deck, statement)
+    return UserDrive(function, name, mechanism.numbering, Polynomial(x, e), leg.duration / leg.steps)
+
+
+def _leg(
+    mechanism: Mechanism,
+    report: Report,
+    number: int,
+    statements: tuple[Statement, ...],
+    begin: float,
+    x: Array,
+    e: Array,
+) -> Leg:
+    values = next(s for s in statements if s.keyword == "TRTIME").values
+    duration, steps = float(values[0]), int(np.prod([int(v) for v in values[1:]]))
+    leg = Leg(number, statements, begin, duration, steps, x, e)
+    speeds = {s.integer(0): s for s in leg.of("TRVMAX", "TREPMAX")}
+    fronts = {s.integer(0): int(s.real(1)) for s in leg.of("TRFRONT")}
+    moves = []
+    for s in leg.of(*PATHS):
+        path = _path(mechanism, s, x, e)
+        given = speeds.get(s.integer(0))
+        if path.length == 0.0 and given is not None:
+            report.add(f"trajectory {number}: {s.subject} does not move, so {given.subject} is not used")
+        moves.append(
+            (_profile(mechanism.deck, path.length, duration, s, given, fronts.get(s.integer(0), 0)), path)
+        )
+    return replace(leg, moves=tuple(moves))
+
+
+def _profile(
+    deck: Deck, length: float, duration: float, path: Statement, given: Statement | None, front: int
+) -> Profile:
+    rise = given.real(1) if given is not None and len(given.values) > 1 else None
+    speed = given.real(2) if given is not None and len(given.values) > 2 else None
+    try:
+        return make_profile(length, duration, rise, speed, front)
+    except IllegalProfile as error:
+        raise _refused(deck, given or path, str(error), "input.velocity-profile") from None
+
+
+def _path(mechanism: Mechanism, s: Statement, x: Array, e: Array) -> Path:
+    n = mechanism.numbering
+    number, numbers = s.integer(0), [s.real(i) for i in range(1, len(s.values))]
+    try:
+        if s.keyword == "TRE":
+            row = n.e_index(number, 1) - n.e_class["input"].start
+            if not 0 <= row < len(e):
+                raise BadPath(f"mode 1 of element {number} is not prescribed; it needs INPUTE {number} 1")
+            return change(np.array([row]), e[[row]], numbers[0], True)
+        rows, components = _rows(n, number, len(x))
+        if s.keyword == "TROT":
+            if n.planar:
+                return change(rows, x[rows], numbers[0], False)
+            orientation = np.zeros(4)
+            orientation[components] = x[rows]
+            if 0 not in components:
+                orientation[0] = np.sqrt(max(0.0, 1.0 - float(x[rows] @ x[rows])))
+            return turn(rows, components, orientation, numbers[0], np.array(numbers[1:4]))
+        size = len(rows)
+        if s.keyword == "TRANS":
+            return straight(rows, x[rows], np.array(numbers[:size]))
+        return arc(rows, x[rows], np.array(numbers[:size]), np.array(numbers[size : 2 * size]))
+    except BadPath as error:
+        raise _refused(mechanism.deck, s, str(error), "input.path") from None
+
+
+def _rows(n: Numbering, node: int, n_prescribed: int) -> tuple[Index, Index]:
+    """Prescribed coordinates of a node: their places among all prescribed ones, and their numbers from 0.
+
+    Raises BadPath when one of the independent coordinates is not prescribed.
+    """
+    size = int(np.count_nonzero(n.lnp[node - 1]))
+    rows = n.lnp[node - 1, :size] - 1 - n.x_class["input"].start
+    inside = (rows >= 0) & (rows < n_prescribed)
+    needed = np.ones(size, bool)
+    needed[0] = size != 4
+    if not inside[needed].all():
+        coordinate = int(np.flatnonzero(needed & ~inside)[0]) + 1
+        raise BadPath(
+            f"coordinate {coordinate} of node {node} is not prescribed; the path needs INPUTX {node}"
+        )
+    return rows[inside], np.flatnonzero(inside)
+
+
+def _refused(deck: Deck, statement: Statement, text: str, code: str) -> InputError:
+    return InputError([deck.message("error", statement, text, code=code)])
+
+
+def loaded(mechanism: Mechanism, leg: Leg) -> Mechanism:
+    """The mechanism with the extra masses and forces of a trajectory; the same object when there are none."""
+    n = mechanism.numbering
+    extra: list[Batch] = []
+    for s in leg.of("TRM"):
+        node = s.integer(0)
+        rows = n.lnp[node - 1, : int(np.count_nonzero(n.lnp[node - 1]))] - 1
+        family: Any
+        if n.kind[node] == "orientation" and not n.planar:
+            family = RigidBodyNode(np.array([node]), symmetric(np.array(s.reals(1, len(s.values) - 1)))[None])
+            extra.append(Batch(family, rows[:, None], np.zeros((0, 1), np.int64)))
+        else:
+            family = LumpedMass(np.full(len(rows), node), np.full(len(rows), s.real(1)))
+            extra.append(Batch(family, rows[None, :], np.zeros((0, len(rows)), np.int64)))
+    force = np.zeros(n.nx)
+    for s in leg.of("TRF"):
+        for coordinate, value in enumerate(s.values[1:], 1):
+            force[n.x_index(s.integer(0), coordinate)] += float(value)
+    if not extra and not force.any():
+        return mechanism
+    loads = replace(mechanism.loads, force=mechanism.loads.force + force)
+    return replace(mechanism, batches=(*mechanism.batches, *extra), loads=loads)
