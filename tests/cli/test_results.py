@@ -18,8 +18,9 @@ from spacar.frame import Frame
 from .conftest import DATA
 
 SBD_HEADER = {
-    "VERSION", "SOURCE", "SHA256", "ETYPE", "MODE", "NDOF", "NDDOF", "NKDOF", "NKDDOF", "NX", "NE", "NXP", "NEP",
-    "LNP", "LE", "LN", "IT", "KDEF", "RXYZ", "RQ", "DR0", "RL0", "STIF", "EDAMP", "EM", "EINIT", "ESIG",
+    "VERSION", "SOURCE", "SHA256", "ETYPE", "MODE", "NDOF", "NDDOF", "NKDOF", "NKDDOF", "NX", "NE",
+    "NXP", "NEP", "LNP", "LE", "LN", "IT", "KDEF", "RXYZ", "RQ", "DR0", "RL0",
+    "STIF", "EDAMP", "EM", "EINIT", "ESIG",
 }  # fmt: skip
 SBD_STEP = {"T", "X", "XD", "XDD", "FX", "FXGRAV", "FXT", "E", "ED", "EDD", "SIG"}
 
@@ -147,14 +148,14 @@ def nominal(tmp_path):
 
 def test_setpoints_are_found_by_name(nominal):
     found = find_setpoints(nominal)
-    assert found.path.name == "robotinv.sbd"
+    assert found.name == "robotinv.sbd"
     check_same_model(found, spacar.frames(3, DATA / "robotinvlin.dat").mechanism.numbering)
 
 
 def test_the_longest_name_wins(nominal):
     write(spacar.frames(2, DATA / "robotinv.dat"), nominal.with_name("robotinvl"))
-    assert find_setpoints(nominal).path.name == "robotinvl.sbd"
-    assert find_setpoints(nominal, str(nominal.with_name("robotinv"))).path.name == "robotinv.sbd"
+    assert find_setpoints(nominal).name == "robotinvl.sbd"
+    assert find_setpoints(nominal, str(nominal.with_name("robotinv"))).name == "robotinv.sbd"
 
 
 def test_refused_setpoints_are_named_with_the_reason(tmp_path):
