@@ -41,8 +41,10 @@ class Linearization:
     m0, c0, d0 (ndof, ndof); k0, n0, g0 (ndof, nkdof); ak0 (nkdof, ndof); bk0 (nkdof, nkdof)
     W, We   velocity transfer;  G, Ge   configuration transfer
     Z, Ze   d(xd, ed)/ds;  Y, Ye  d(xdd, edd)/ds;  Yv, Yev  d(xdd, edd)/d(qd)
-    sigma   (ne,) stresses used in g0;  tangent  (nx, nx) d(M a + h - f + V^T sigma)/dx at fixed v, a, sigma
-    M, h_v  (nx, nx);  V (ne, nx);  S, Sd  constitutive entries (active rows)
+    sigma   (ne,) stresses used in g0;  V (ne, nx);  M (nx, nx)
+    inertia_x, inertia_v  (nx, nx) d(M a + h + V^T sigma)/dx at fixed sigma, dh/dv
+    load_x, load_v        (nx, nx) -df/dx, -df/dv
+    S, Sd   (ne, ne) constitutive matrices of the active rows, the stated ones of user functions included
     """
 
     m0: Array
@@ -64,10 +66,12 @@ class Linearization:
     Yv: Array
     Yev: Array
     sigma: Array
-    tangent: Array
-    M: Array
-    h_v: Array
     V: Array
+    M: Array
+    inertia_x: Array
+    inertia_v: Array
+    load_x: Array
+    load_v: Array
     S: Array
     Sd: Array
 
@@ -107,22 +111,26 @@ def linearize(
 
     by_x, by_v = inertia_blocks(sweep, xd, xdd)
     inertia_x, h_v = scatter(n.nx, by_x), scatter(n.nx, by_v)
-    minus_f_x = load_gradient(dynamics, user)
-    S, Sd = _dense(law.stiffness, n.ne), _dense(law.damping, n.ne)
+    gravity_x = load_gradient(dynamics)
     Me = _dense(dynamics.mechanism.deformation_inertia, n.ne)
     Hs = geometric_stiffness(sweep, sigma + Me @ edd)
-    k_user_x, d_user_x, k_user_e, d_user_e = _user_diagonals(user, n.nx, n.ne)
-    SdZe = We.T @ (Sd @ Ze)
+    S, Sd = _dense(law.stiffness, n.ne), _dense(law.damping, n.ne)
+    force_k, force_d = np.zeros(n.nx), np.zeros(n.nx)
+    if user is not None:
+        active = np.arange(n.ne) >= law.first
+        S, Sd = S + np.diag(user.sigma_k * active), Sd + np.diag(user.sigma_d * active)
+        force_k, force_d = user.force_k, user.force_d
     ak0, bk0 = _kinematic(dynamics, W, We, Z, Ze)
     return Linearization(
         m0=W.T @ M @ W + We.T @ Me @ We,
         c0=W.T @ (M @ Yv + h_v @ W) + We.T @ Me @ Yev,
-        d0=We.T @ ((Sd + np.diag(d_user_e)) @ We) + W.T @ (d_user_x[:, None] * W),
-        k0=We.T @ ((S + np.diag(k_user_e)) @ Ge) + W.T @ (k_user_x[:, None] * G),
-        n0=W.T @ (M @ Y + inertia_x @ G + h_v @ Z) + SdZe + We.T @ Me @ Ye,
-        g0=W.T @ ((Hs + minus_f_x) @ G),
+        d0=We.T @ Sd @ We + W.T @ (force_d[:, None] * W),
+        k0=We.T @ S @ Ge + W.T @ (force_k[:, None] * G),
+        n0=W.T @ (M @ Y + inertia_x @ G + h_v @ Z + force_d[:, None] * Z) + We.T @ (Sd @ Ze + Me @ Ye),
+        g0=W.T @ ((Hs + gravity_x) @ G),
         ak0=ak0, bk0=bk0, W=W, We=We, G=G, Ge=Ge, Z=Z, Ze=Ze, Y=Y, Ye=Ye, Yv=Yv, Yev=Yev,
-        sigma=sigma, tangent=inertia_x + Hs + minus_f_x + np.diag(k_user_x), M=M, h_v=h_v, V=V, S=S, Sd=Sd,
+        sigma=sigma, V=V, M=M, inertia_x=inertia_x + Hs, inertia_v=h_v,
+        load_x=gravity_x + np.diag(force_k), load_v=np.diag(force_d), S=S, Sd=Sd,
     )  # fmt: skip
 
 
@@ -140,8 +148,8 @@ def equilibrium_stresses(
     return sigma
 
 
-def load_gradient(dynamics: Dynamics, user: UserForces | None) -> Array:
-    """-df/dx of gravity and of constant global moments, (nx, nx); stiffness given by user functions is separate."""
+def load_gradient(dynamics: Dynamics) -> Array:
+    """-df/dx of gravity and of constant global moments, (nx, nx); what user functions state belongs to K0 and D0."""
     n, sweep = dynamics.numbering, dynamics.sweep
     out = np.zeros((n.nx, n.nx))
     forces = dynamics.forces
@@ -191,9 +199,3 @@ def _dense(entries: tuple[Array, Array, Array], size: int) -> Array:
     out = np.zeros((size, size))
     np.add.at(out, (rows, columns), values)
     return out
-
-
-def _user_diagonals(user: UserForces | None, nx: int, ne: int) -> tuple[Array, Array, Array, Array]:
-    if user is None:
-        return np.zeros(nx), np.zeros(nx), np.zeros(ne), np.zeros(ne)
-    return user.force_k, user.force_d, user.sigma_k, user.sigma_d

@@ -163,7 +163,7 @@ def _outputs(
 def _reactions(
     dynamics: Dynamics, L: Linearization, ds: Array, dqd: Array, dqdd: Array, maps: dict, Ef: Array, Es: Array, nz: int
 ) -> tuple[Array, Array]:  # fmt: skip
-    """Variations of all stresses (ne, .) and of all external forces (nx, .)."""
+    """Variations of all stresses (ne, .) and of the total external forces fxtot (nx, .)."""
     k, n = dynamics.kinematics, dynamics.numbering
     dx, dxd, dxdd = L.G @ ds, L.W @ dqd + L.Z @ ds, L.W @ dqdd + L.Yv @ dqd + L.Y @ ds
     de, ded = L.Ge @ ds, L.We @ dqd + L.Ze @ ds
@@ -171,7 +171,7 @@ def _reactions(
     dsigma = np.zeros((n.ne, ds.shape[1]))
     dsigma[free] = (L.S @ de + L.Sd @ ded)[free]
     dsigma[free, nz:] -= DRIVING_SIGN * Es[free]
-    force = L.M @ dxdd + L.h_v @ dxd + L.tangent @ dx
+    force = L.M @ dxdd + L.inertia_v @ dxd + L.inertia_x @ dx
     if dynamics.coupling.present:
         i, j, value = dynamics.coupling.table
         dedd = L.We @ dqdd + L.Yev @ dqd + L.Ye @ ds
@@ -182,9 +182,9 @@ def _reactions(
     applied[:, nz:] = Ef
     multipliers = dsigma.copy()
     multipliers[k.E] = 0.0
-    residual = force - applied + L.V.T @ multipliers
+    residual = force + L.load_x @ dx + L.load_v @ dxd - applied + L.V.T @ multipliers
     multipliers[k.E] = k.velocity_system.solve_transposed(-residual[k.U])
     total = force + L.V.T @ multipliers
     constrained = np.arange(n.e_class["input"].stop)
     dsigma[constrained] = multipliers[constrained]
-    return dsigma, total - applied
+    return dsigma, total

@@ -1,0 +1,181 @@
+"""A, B, C, D of every input and output kind against differences of the non-linear accelerations and reactions (15).
+
+The truth is the saddle-point form of the equations of motion, evaluated with varied state and inputs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from models import DATA, PLANAR, SPATIAL, TRIKE_SPRING, TUBE, example, mechanism
+from nonlinear import Nonlinear, State, jacobian, random_state
+
+from spacar import run
+from spacar.linear import linearize
+from spacar.linear.signals import linearization_signals
+from spacar.linear.state_space import DRIVING_SIGN, Signal, state_space
+from spacar.mechanism.mechanism import Array
+
+PLANAR_SIGNALS = """INPUTS 1 1 2
+INPUTS 2 2 1
+INPUTF 3 5 1
+INPUTF 4 5 2
+INE 5 4 1
+INEP 6 4 1
+INEDP 7 4 1
+INX 8 7 1
+INXP 9 7 1
+INXDP 10 7 1
+OUTS 1 1 1
+OUTS 2 4 1
+OUTS 3 1 3
+OUTS 4 3 1
+OUTE 5 2 1
+OUTEP 6 2 1
+OUTEDP 7 3 1
+OUTE 8 4 1
+OUTF 9 1 1
+OUTF 10 7 1
+OUTF 11 8 1
+OUTX 12 9 1
+OUTXP 13 9 2
+OUTXDP 14 6 1
+OUTXP 15 7 1
+OUTS 16 1 2
+OUTS 17 2 1
+"""
+SPATIAL_SIGNALS = """INPUTS 1 1 4
+INPUTS 2 4 1
+INPUTF 3 6 2
+INPUTF 4 7 3
+INE 5 5 1
+INEP 6 5 1
+INEDP 7 5 1
+INX 8 8 1
+INXP 9 8 1
+INXDP 10 8 1
+OUTS 1 1 1
+OUTS 2 5 2
+OUTS 3 3 5
+OUTS 4 4 1
+OUTEDP 5 4 1
+OUTEP 6 4 1
+OUTF 7 1 3
+OUTF 8 8 1
+OUTF 9 9 3
+OUTX 10 10 3
+OUTXP 11 7 2
+OUTXDP 12 6 1
+"""
+TRIKE_SIGNALS = """INPUTS 1 6 1
+INPUTF 2 3 1
+OUTS 1 1 1
+OUTS 2 2 2
+OUTE 3 6 1
+OUTXP 4 1 1
+OUTXDP 5 7 2
+OUTEDP 6 6 1
+"""
+TUBE_SIGNALS = """INX 1 2 1
+INXP 2 2 1
+INXDP 3 2 1
+INPUTF 4 5 2
+OUTF 1 2 1
+OUTF 2 1 1
+OUTS 3 2 1
+OUTXDP 4 5 2
+"""
+WITH_BLOCK = ("TIMESTEP 1.0 100\nEND\n", "TIMESTEP 1.0 100\nEND\nHALT\n" + TRIKE_SIGNALS + "END\n")
+MODELS = {
+    "planar": lambda folder: (mechanism(PLANAR, third=PLANAR_SIGNALS), 0.05),
+    "with user function": lambda folder: (
+        mechanism(PLANAR, extra="USERSIG forces", third=PLANAR_SIGNALS, folder=folder),
+        0.05,
+    ),
+    "spatial": lambda folder: (mechanism(SPATIAL, third=SPATIAL_SIGNALS), 0.05),
+    "tubes": lambda folder: (mechanism(TUBE, third=TUBE_SIGNALS), 0.05),
+    "tricycle": lambda folder: (example("trike2", 4, TRIKE_SPRING, WITH_BLOCK), 0.1),
+}
+RATE = {"INX": 0, "INE": 0, "INXP": 1, "INEP": 1, "INXDP": 2, "INEDP": 2}
+
+
+class Loaded:
+    """zdot and the outputs as functions of the state z and the inputs u."""
+
+    def __init__(self, model: Nonlinear, inputs: list[Signal], outputs: list[Signal]) -> None:
+        self.model, self.inputs, self.outputs = model, inputs, outputs
+        self.force, self.preload = model.d.forces.constant.copy(), model.d.law.preload.copy()
+
+    def state(self, z: Array, u: Array) -> State:
+        n, base = self.model.n, self.model.base
+        s, qd, qdd = base.s.copy(), base.qd.copy(), base.qdd.copy()
+        rows = np.r_[n.dynamic, np.arange(n.ndof, n.nkdof)]
+        s[rows], qd[n.dynamic] = z[: len(rows)], z[len(rows) :]
+        for signal, value in zip(self.inputs, u, strict=True):
+            if signal.kind in RATE:
+                places = n.q_x if signal.kind.startswith("INX") else n.q_e
+                row = list(places).index(signal.index) + (0 if signal.kind.startswith("INX") else len(n.q_x))
+                (s, qd, qdd)[RATE[signal.kind]][row] += value
+        return State(s, qd, qdd)
+
+    def load(self, u: Array) -> None:
+        forces, law = self.model.d.forces, self.model.d.law
+        forces.constant[:], law.preload[:] = self.force, self.preload
+        for signal, value in zip(self.inputs, u, strict=True):
+            if signal.kind == "INPUTF":
+                forces.constant[signal.index] += value
+            if signal.kind == "INPUTS":
+                law.preload[signal.index] -= DRIVING_SIGN * value
+
+    def __call__(self, zu: Array) -> Array:
+        """zdot and y, one after the other."""
+        d, n = self.model.d, self.model.n
+        u = zu[len(zu) - len(self.inputs) :]
+        state = self.state(zu[: len(zu) - len(u)], u)
+        self.load(u)
+        drive = self.model.place(state)
+        xdd, sigma, convective = d.accelerate(0.0, drive)
+        frame = d.complete(0.0, xdd, sigma, convective)
+        qd = np.concatenate((frame.xd[n.q_x], frame.ed[n.q_e]))[n.dynamic]
+        qdd = np.concatenate((frame.xdd[n.q_x], frame.edd[n.q_e]))[n.dynamic]
+        kinematic = np.concatenate((frame.xd[n.x_class["kinematic"]], frame.ed[n.e_class["kinematic"]]))
+        vectors = {
+            "OUTX": frame.x, "OUTXP": frame.xd, "OUTXDP": frame.xdd, "OUTF": frame.fxtot,
+            "OUTE": frame.e, "OUTEP": frame.ed, "OUTEDP": frame.edd, "OUTS": frame.sig,
+        }  # fmt: skip
+        return np.concatenate((qd, kinematic, qdd, [vectors[s.kind][s.index] for s in self.outputs]))
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_state_space_matrices(name, tmp_path):
+    m, size = MODELS[name](tmp_path)
+    base = random_state(m, size, seed=5)
+    model = Nonlinear(m, base)
+    inputs, outputs = linearization_signals(m)
+    loaded = Loaded(model, inputs, outputs)
+    drive = model.place(base)
+    xdd, sigma, _ = model.d.accelerate(0.0, drive)
+    n = m.numbering
+    qdd = np.concatenate((xdd[n.q_x], (model.d.sweep.rate(xdd) + model.d.sweep.convective(model.d.xd))[n.q_e]))
+    model.base = replace(base, qdd=qdd)
+    ss = state_space(model.d, linearize(model.d, xdd, sigma), inputs, outputs)
+
+    rows = np.r_[n.dynamic, np.arange(n.ndof, n.nkdof)]
+    z = np.concatenate((base.s[rows], base.qd[n.dynamic]))
+    truth = jacobian(loaded, np.concatenate((z, np.zeros(len(inputs)))))
+    ours = np.block([[ss.A, ss.B], [ss.C, ss.D]])
+    for row, signal in enumerate([*n.dynamic, *n.k_names, *n.dynamic, *(s.name for s in outputs)]):
+        error, scale = np.max(np.abs(ours[row] - truth[row])), np.max(np.abs(truth[row]))
+        assert error <= 1e-7 * max(scale, 1.0), (row, signal, error, scale)
+
+
+def test_lever():
+    """The printed numbers of the lever: A = [0 1; -1000 -5], |B| 2000, |C| 3000, |D| 6000, sign of D by figure."""
+    frame = run(9, DATA / "lever.dat").frames[0].state_space
+    assert np.allclose(frame["A"], [[0, 1], [-1000, -5]], rtol=1e-12, atol=1e-9)
+    assert np.allclose(frame["B"], [[0], [-2000]], rtol=1e-12, atol=1e-9)
+    assert np.allclose(frame["C"], [[-3000, 0]], rtol=1e-12, atol=1e-9)
+    assert np.allclose(frame["D"], [[-6000]], rtol=1e-12)
+
