@@ -80,6 +80,14 @@ def checked_rows(name: str, what: str, rows: Any, widths: tuple[int, ...], t: fl
     return np.pad(array, ((0, 0), (0, max(widths) - array.shape[1])))
 
 
+def whole(row: Array) -> tuple[int, int]:
+    """The two leading numbers of a row; KeyError if they are not whole."""
+    a, b = float(row[0]), float(row[1])
+    if not (a.is_integer() and b.is_integer()):
+        raise KeyError((a, b))
+    return int(a), int(b)
+
+
 def load_user_signal(deck: Deck, statement: Statement, numbering: Numbering) -> UserSignal:
     """USERSIG as a function (t, e, ed, x, xd) -> UserForces."""
     function, name = load_function(deck, statement), str(statement.values[0])
@@ -87,7 +95,7 @@ def load_user_signal(deck: Deck, statement: Statement, numbering: Numbering) -> 
 
     def place(find: Callable[[int, int], int], row: Array, what: str, k: int, t: float) -> int:
         try:
-            return find(int(row[0]), int(row[1]))
+            return find(*whole(row))
         except KeyError:
             text = f"{name} at t = {t:.9g}: row {k + 1} of {what} names {row[0]:g} {row[1]:g}, which does not exist"
             raise AnalysisError(text, "user-function.index") from None
@@ -142,7 +150,7 @@ class UserDrive:
     ) -> None:
         for k, row in enumerate(checked_rows(self.name, what, rows, (5,), t)):
             try:
-                i = find(int(row[0]), int(row[1])) - place.start
+                i = find(*whole(row)) - place.start
             except KeyError:
                 i = -1
             if not 0 <= i < target.shape[1]:

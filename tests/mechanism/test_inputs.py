@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 import spacar
 from spacar import Deck
 from spacar.dynamics import Dynamics
@@ -110,7 +111,9 @@ def test_forces_on_one_node_of_a_spatial_body_fall_with_g() -> None:
                 ("GRAVITY", 1.0, 2.0, 3.0))  # fmt: skip
     r = initial(rows, dynamics)
     for node in (1, 3):
-        np.testing.assert_allclose([r.node(node, k, "xdd")[0] for k in (1, 2, 3)], [1.0, 2.0, 3.0], rtol=1e-13)
+        np.testing.assert_allclose(
+            [r.node(node, k, "xdd")[0] for k in (1, 2, 3)], [1.0, 2.0, 3.0], rtol=1e-13
+        )
 
 
 def test_preload_of_a_spring() -> None:
@@ -161,7 +164,10 @@ def test_mee_on_a_prescribed_deformation_shows_in_the_driving_stress() -> None:
 
 def test_tensors_of_one_node_add_up() -> None:
     """XM plus the distributed rotary inertia of a rigid rod: l J per length on the orientation node."""
-    m = mechanism((*BODY, ("FIX", 1), ("DYNX", 2)), (("XM", 2, 1.0, 0.1, 0.2, 2.0, 0.3, 3.0), ("EM", 1, 0.0, 0.5, 0.25, 0.125, 0.0625)))
+    m = mechanism(
+        (*BODY, ("FIX", 1), ("DYNX", 2)),
+        (("XM", 2, 1.0, 0.1, 0.2, 2.0, 0.3, 3.0), ("EM", 1, 0.0, 0.5, 0.25, 0.125, 0.0625)),
+    )
     d = Dynamics(m)
     y = d.start()
     rate = np.array([0.1, -0.3, 0.2])
@@ -201,7 +207,14 @@ def test_polynomial_drive() -> None:
 
 def test_settings_have_the_defaults_of_the_manual() -> None:
     s = mechanism(BAR).settings
-    assert (s.atol, s.rtol, s.integrator, s.max_iterations, s.load_steps, s.tolerance) == (1e-5, 1e-4, 0, 10, 4, 5e-7)
+    assert (s.atol, s.rtol, s.integrator, s.max_iterations, s.load_steps, s.tolerance) == (
+        1e-5,
+        1e-4,
+        0,
+        10,
+        4,
+        5e-7,
+    )
     s = mechanism(BAR, (("ERROR", 1e-8), ("INTEGRAT", 255), ("ITERSTEP", 20, 3))).settings
     assert (s.atol, s.rtol, s.integrator, s.max_iterations, s.load_steps) == (1e-8, 1e-4, 225, 20, 3)
 
@@ -225,7 +238,9 @@ def carrier(dynamics: tuple, rate: np.ndarray, rotor: bool = False) -> np.ndarra
 
 
 AXIS = np.array([2.0, -1.0, 2.0]) / 3.0
-J = np.array([[5.0, 0.2, -0.1], [0.2, 6.0, 0.3], [-0.1, 0.3, 7.0]])  # carrier, with the rotor's transverse inertia
+J = np.array(
+    [[5.0, 0.2, -0.1], [0.2, 6.0, 0.3], [-0.1, 0.3, 7.0]]
+)  # carrier, with the rotor's transverse inertia
 AXIAL = 0.8
 SIX = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)]
 RATE = np.array([0.4, -0.7, 0.3])

@@ -1,0 +1,217 @@
+"""USERSIG and USERINP: what they are given, what they may return, and every way in which they can be wrong."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+import spacar
+from spacar.errors import AnalysisError, InputError
+
+OSCILLATOR = """
+PLTRUSS 3 1 2
+PLTOR 5 3 4
+X 2 1.0 0.0
+FIX 1
+FIX 2 2
+FIX 3
+DYNE 3 1
+{classes}
+END HALT
+XM 2 2.0
+XM 4 1.0
+{dynamics}
+TIMESTEP 1.0 10
+ERROR 1e-10 1e-10
+END END
+"""
+
+
+def model(folder: Path, dynamics: str, function: str, classes: str = "INPUTE 5 1") -> Path:
+    path = folder / "model.dat"
+    path.write_text(OSCILLATOR.format(dynamics=dynamics, classes=classes))
+    if function:
+        (folder / "myfun.py").write_text(function)
+    return path
+
+
+def failure(path: Path, kind: type[Exception] = AnalysisError) -> str:
+    """Text of the error, which must come without a RuntimeWarning."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(kind) as caught:
+            spacar.run(1, path)
+    return str(caught.value)
+
+
+# -- stresses and forces -------------------------------------------------------------------------------------------
+SPRING = """
+def myfun(t, ne, le, e, ep, nx, lnp, x, xp):
+    i = le[2, 0]
+    assert lnp[0, 2] == -1 and lnp[1, 0] >= 0 and len(e) == ne and len(x) == nx
+    return t, [[3, 1, 8.0 * e[i] + 0.4 * ep[i], 8.0, 0.4]], [[2, 1, 3.0]]
+"""
+
+
+def test_usersig_as_spring_damper_and_force(tmp_path: Path) -> None:
+    """m x'' + d x' + k x = F: the same as ESTIFF, EDAMP and XF, to the tolerance of the integration."""
+    user = spacar.run(1, model(tmp_path, "USERSIG myfun\nSTARTDE 3 1 0.1 0.0", SPRING))
+    same = tmp_path / "same"
+    same.mkdir()
+    builtin = spacar.run(1, model(same, "ESTIFF 3 8.0\nEDAMP 3 0.4\nXF 2 3.0 0.0\nSTARTDE 3 1 0.1 0.0", ""))
+    np.testing.assert_allclose(user.node(2, 1), builtin.node(2, 1), atol=1e-9)
+    np.testing.assert_allclose(user.element(3, 1, "sig"), builtin.element(3, 1, "sig"), atol=1e-8)
+    np.testing.assert_allclose(user["fx"], builtin["fx"], atol=0)
+
+
+def test_usersig_stiffness_columns_enter_the_linearization(tmp_path: Path) -> None:
+    path = model(tmp_path, "USERSIG myfun", SPRING)
+    r = spacar.run(7, path)
+    n = r.mechanism.numbering
+    k = n.q_names.index("element 3 (PLTRUSS) e1 elongation") - len(n.rheonomic)
+    assert r["k0"][0][k, k] == pytest.approx(8.0, rel=1e-12)
+    assert r["d0"][0][k, k] == pytest.approx(0.4, rel=1e-12)
+
+
+def test_usersig_may_return_nothing(tmp_path: Path) -> None:
+    for nothing in ("None, None", "[], []", "(), __import__('numpy').zeros((0, 3))"):
+        path = model(tmp_path, "USERSIG myfun\nESTIFF 3 8.0\nSTARTDE 3 1 0.1 0.0",
+                     f"def myfun(t, ne, le, e, ep, nx, lnp, x, xp):\n    return t, {nothing}\n")  # fmt: skip
+        r = spacar.run(1, path)
+        np.testing.assert_allclose(r.element(3, 1), 0.1 * np.cos(2 * r.t), atol=1e-8)
+
+
+def test_usersig_accepts_a_single_row(tmp_path: Path) -> None:
+    body = "def myfun(t, ne, le, e, ep, nx, lnp, x, xp):\n    return t, None, [2, 1, 4.0]\n"
+    r = spacar.run(1, model(tmp_path, "USERSIG myfun", body))
+    np.testing.assert_allclose(r.node(2, 1), 1 + r.t**2, rtol=1e-9)
+
+
+def test_usersig_on_a_fixed_deformation_has_no_effect(tmp_path: Path) -> None:
+    """Multipliers are what they must be; a stress added there changes nothing (theory-system.md 2.1)."""
+    body = "def myfun(t, ne, le, e, ep, nx, lnp, x, xp):\n    return t, [[5, 1, 100.0]], []\n"
+    r = spacar.run(1, model(tmp_path, "USERSIG myfun", body))
+    np.testing.assert_allclose(r["sig"], 0.0, atol=1e-15)
+
+
+# -- prescribed motion ---------------------------------------------------------------------------------------------
+SINE = """
+import math
+def myfun(t, step):
+    assert step == int(step)
+    return t, [[5, 1, math.sin(3 * t), 3 * math.cos(3 * t), -9 * math.sin(3 * t)]], None
+"""
+
+
+def test_userinp(tmp_path: Path) -> None:
+    r = spacar.run(1, model(tmp_path, "USERINP myfun", SINE))
+    np.testing.assert_allclose(r.node(4, 1), np.sin(3 * r.t), atol=1e-14)
+    np.testing.assert_allclose(r.node(4, 1, "xd"), 3 * np.cos(3 * r.t), atol=1e-13)
+    # J = 1 on node 4: the driving stress is -J phi''
+    np.testing.assert_allclose(r.element(5, 1, "sig"), 9 * np.sin(3 * r.t), atol=1e-12)
+
+
+def test_inputs_that_userinp_does_not_mention_follow_their_statement(tmp_path: Path) -> None:
+    body = "def myfun(t, step):\n    return t, None, None\n"
+    r = spacar.run(1, model(tmp_path, "USERINP myfun\nINPUTE 5 1 0.1 2.0 0.5", body))
+    np.testing.assert_allclose(r.node(4, 1), 0.1 + 2 * r.t + 0.25 * r.t**2, atol=1e-14)
+
+
+def test_userinp_with_a_jump_in_the_acceleration(tmp_path: Path) -> None:
+    """Constant force from t = 1/3 on a mass that follows a prescribed hinge freely: exact to the tolerance."""
+    body = """
+def myfun(t, ne, le, e, ep, nx, lnp, x, xp):
+    return t, None, [[2, 1, 4.0 if t >= 1 / 3 else 0.0]]
+"""
+    r = spacar.run(1, model(tmp_path, "USERSIG myfun", body))
+    exact = 1 + np.where(r.t > 1 / 3, (r.t - 1 / 3) ** 2, 0.0)
+    # The variable step code passes the jump with reduced steps: ten times the tolerance on the state.
+    np.testing.assert_allclose(r.node(2, 1), exact, atol=1e-8)
+
+
+# -- what can be wrong ---------------------------------------------------------------------------------------------
+def test_missing_file(tmp_path: Path) -> None:
+    text = failure(model(tmp_path, "USERSIG nowhere", ""), InputError)
+    assert "model.dat:13: USERSIG" in text
+    assert "nowhere.py" in text
+
+
+@pytest.mark.parametrize("keyword", ["USERSIG", "USERINP"])
+@pytest.mark.parametrize(
+    ("content", "expected"),
+    [
+        ("def other(t):\n    return 1\n", "does not define a function myfun"),
+        ("myfun = 3\n", "does not define a function myfun"),
+        ("def myfun(:\n", "SyntaxError"),
+        ("import no_such_module_at_all\n", "ModuleNotFoundError"),
+        ("raise SystemError('no')\n", "SystemError: no"),
+    ],
+)
+def test_function_file_that_cannot_be_used(tmp_path: Path, keyword: str, content: str, expected: str) -> None:
+    text = failure(model(tmp_path, f"{keyword} myfun", content), InputError)
+    assert f"model.dat:13: {keyword}" in text
+    assert expected in text
+
+
+SIGNATURE = {"USERSIG": "t, ne, le, e, ep, nx, lnp, x, xp", "USERINP": "t, step"}
+
+
+@pytest.mark.parametrize(
+    ("keyword", "result", "code", "expected"),
+    [
+        ("USERSIG", "1 / 0", "failed", ("myfun", "t = 0", "ZeroDivisionError")),
+        ("USERSIG", "None", "failed", ("myfun", "t = 0")),
+        ("USERSIG", "(t, None)", "failed", ("myfun", "t = 0")),
+        ("USERSIG", "(t, [[3, 1]], None)", "shape", ("sig", "3 or 5", "(1, 2)")),
+        ("USERSIG", "(t, [[3, 1, 2.0, 1.0]], None)", "shape", ("sig", "3 or 5")),
+        ("USERSIG", "(t, None, [[[2, 1, 2.0]]])", "shape", ("f", "3 or 5")),
+        ("USERSIG", "(t, [['a', 1, 2.0]], None)", "shape", ("sig", "numbers")),
+        ("USERSIG", "(t, [[3, 1, 2.0], [3, 1]], None)", "shape", ("sig",)),
+        (
+            "USERSIG",
+            "(t, [[3, 1, 2.0], [3, 1, float('nan')]], None)",
+            "not-finite",
+            ("row 2 of sig", "t = 0"),
+        ),
+        ("USERSIG", "(t, None, [[2, 1, float('inf')]])", "not-finite", ("row 1 of f", "t = 0")),
+        ("USERSIG", "(t, [[9, 1, 2.0]], None)", "index", ("row 1 of sig", "9 1", "does not exist")),
+        ("USERSIG", "(t, [[3, 2, 2.0]], None)", "index", ("row 1 of sig", "3 2", "does not exist")),
+        ("USERSIG", "(t, [[0, 0, 2.0]], None)", "index", ("0 0",)),
+        ("USERSIG", "(t, [[3.5, 1, 2.0]], None)", "index", ("3.5 1",)),
+        ("USERSIG", "(t, None, [[2, 3, 2.0]])", "index", ("row 1 of f", "2 3")),
+        ("USERINP", "undefined", "failed", ("myfun", "t = 0", "NameError")),
+        ("USERINP", "(t, [[5, 1, 0.0]], None)", "shape", ("e", "5 numbers")),
+        ("USERINP", "(t, [[5, 1, 0.0, float('nan'), 0.0]], None)", "not-finite", ("row 1 of e",)),
+        ("USERINP", "(t, [[3, 1, 0.0, 0.0, 0.0]], None)", "index", ("3 1", "no input deformation")),
+        ("USERINP", "(t, None, [[2, 1, 0.0, 0.0, 0.0]])", "index", ("2 1", "no input coordinate")),
+        ("USERINP", "(t, [[77, 1, 0.0, 0.0, 0.0]], None)", "index", ("77 1",)),
+    ],
+)
+def test_wrong_results(
+    tmp_path: Path, keyword: str, result: str, code: str, expected: tuple[str, ...]
+) -> None:
+    path = model(tmp_path, f"{keyword} myfun", f"def myfun({SIGNATURE[keyword]}):\n    return {result}\n")
+    with pytest.raises(AnalysisError) as caught:
+        spacar.run(1, path)
+    assert caught.value.code == f"user-function.{code}"
+    for part in expected:
+        assert part in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_failure_in_the_middle_says_when_and_keeps_what_was_computed(tmp_path: Path) -> None:
+    body = "def myfun(t, ne, le, e, ep, nx, lnp, x, xp):\n    return t, None, [[2, 1, 1.0 if t < 0.55 else float('nan')]]\n"
+    frames = []
+    with pytest.raises(AnalysisError, match=r"t = 0\.5[5-9].* row 1 of f") as caught:
+        for frame in spacar.frames(1, model(tmp_path, "USERSIG myfun", body)):
+            frames.append(frame.t)
+    assert frames == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4, 0.5])
+    assert caught.value.code == "user-function.not-finite"
+
+
+def test_exceptions_that_end_the_program_are_not_swallowed(tmp_path: Path) -> None:
+    body = "def myfun(t, step):\n    raise KeyboardInterrupt\n"
+    with pytest.raises(KeyboardInterrupt):
+        spacar.run(1, model(tmp_path, "USERINP myfun", body))
