@@ -87,11 +87,12 @@ def series_bounds(scene: Scene, xs: Array, look: Look, extras: Extras, most: int
 
 def draw_steps(
     scene: Scene, xs: Array, settings: Settings, extras: Extras = Extras(), *, every_step: Array | None = None,
-    traces: Sequence[int] = (), look: Look | None = None,
+    traces: Sequence[int] = (), behind: Array | None = None, look: Look | None = None,
 ) -> Figure:
     """One figure of the configurations xs (steps, nx): the last one in full, the earlier ones pale, oldest palest.
 
-    `every_step` (all steps, nx) are the configurations for the traces of the nodes `traces`.
+    `every_step` (all steps, nx) are the configurations for the traces of the nodes `traces`; `behind` (nx,) is drawn as
+    a dashed outline.
     """  # fmt: skip
     look = look or look_of(scene, xs if every_step is None else every_step, settings)
     camera = camera_of(scene, extras.view)
@@ -102,6 +103,8 @@ def draw_steps(
         box = merge_bounds(shapes)
         if box is not None:
             low, high = np.minimum(low, box[0]), np.maximum(high, box[1])
+    if behind is not None:
+        shapes += outline_shapes(scene, behind, look, settings.initial_colour or colours.GHOST)
     figure, axes = new_figure((low, high), camera, scene.title if extras.title is None else extras.title)
     n = len(xs)
     for i, x in enumerate(xs[:-1]):

@@ -92,7 +92,7 @@ def parse_settings(lines: Iterable[str]) -> Settings:
             n = DIMENSIONS.get(shape, len(numbers))
             settings = _with_sections(settings, group == "TRUSSPROPS", elements, Section(shape, tuple(numbers[:n])))
         elif key in ("BEAMVIS", "TRUSSVIS"):
-            found = _old_section(values)
+            found = statement_section(values)
             if found is not None:
                 settings = _with_sections(settings, key == "TRUSSVIS", *found)
         elif key == "HINGEVIS" and len(numbers) == 3:
@@ -135,7 +135,7 @@ def _unit(value: float) -> float:
     return min(max(value, 0.0), 1.0)
 
 
-def _old_section(values: Sequence[str]) -> tuple[tuple[int, ...], Section] | None:
+def statement_section(values: Sequence[str]) -> tuple[tuple[int, ...], Section] | None:
     """Elements and section of `BEAMVIS [shape] [elements] dims`; None when the numbers do not suffice."""
     shape = values[0].upper() if values and values[0].upper() in DIMENSIONS else "RECT"
     numbers = [v for v in map(number_of, values) if v is not None]

@@ -21,23 +21,24 @@ def new_figure(bounds: tuple[Array, Array], camera: Camera, title: str = "", wid
     """A figure whose axes show the box `bounds` (lower, upper corner) [m] completely, with equal scales."""
     from matplotlib.figure import Figure
 
-    low, high = padded(bounds, camera)
-    box = camera.project(corners(low, high))
-    a, b = box.min(0), box.max(0)
-    if not camera.planar:
-        margin = 0.06 * float(np.max(b - a))
-        a, b = a - margin * np.array([1.4, 1.3]), b + margin * np.array([1.0, 0.5])
-    span = b - a
-    left, right, bottom, top = 0.75, 0.2, 0.55, 0.42 if title else 0.15
-    if not camera.planar:
-        left, bottom = 0.2, 0.15
+    left, right, bottom, top = _margins(camera, title)
+    a, b, _, _ = _window(bounds, camera)
     w = width - left - right
-    h = float(np.clip(w * span[1] / span[0], LEAST, MOST))
+    h = float(np.clip(w * (b - a)[1] / (b - a)[0], LEAST, MOST))
     figure = Figure(figsize=(width, h + bottom + top), dpi=110)
-    axes = figure.add_axes((left / width, bottom / (h + bottom + top), w / width, h / (h + bottom + top)))
-    middle = 0.5 * (a + b)
-    scale = max(span[0] / w, span[1] / h)  # m per inch
-    half = 0.5 * scale * np.array([w, h])
+    return figure, furnish(figure, bounds, camera, title)
+
+
+def furnish(figure: Figure, bounds: tuple[Array, Array], camera: Camera, title: str = "", foot: float = 0.0) -> Axes:
+    """Axes with grid on an empty figure of given size; `foot` inches at the bottom stay free for buttons."""
+    left, right, bottom, top = _margins(camera, title)
+    bottom += foot
+    width, height = figure.get_size_inches()
+    w, h = max(width - left - right, 0.5), max(height - bottom - top, 0.5)
+    axes = figure.add_axes((left / width, bottom / height, w / width, h / height))
+    a, b, low, high = _window(bounds, camera)
+    middle, span = 0.5 * (a + b), b - a
+    half = 0.5 * max(span[0] / w, span[1] / h) * np.array([w, h])
     axes.set_xlim(middle[0] - half[0], middle[0] + half[0])
     axes.set_ylim(middle[1] - half[1], middle[1] + half[1])
     axes.set_aspect("equal")
@@ -47,7 +48,24 @@ def new_figure(bounds: tuple[Array, Array], camera: Camera, title: str = "", wid
         _space_grid(axes, camera, low, high)
     if title:
         axes.set_title(title, fontsize=10, color=INK, loc="left", pad=7)
-    return figure, axes
+    return axes
+
+
+def _margins(camera: Camera, title: str) -> tuple[float, float, float, float]:
+    """Left, right, bottom, top in inches."""
+    top = 0.42 if title else 0.15
+    return (0.75, 0.2, 0.55, top) if camera.planar else (0.2, 0.2, 0.15, top)
+
+
+def _window(bounds: tuple[Array, Array], camera: Camera) -> tuple[Array, Array, Array, Array]:
+    """Corners of the part of the picture plane that must be seen, and of the box around the mechanism."""
+    low, high = padded(bounds, camera)
+    box = camera.project(corners(low, high))
+    a, b = box.min(0), box.max(0)
+    if not camera.planar:
+        margin = 0.06 * float(np.max(b - a))
+        a, b = a - margin * np.array([1.4, 1.3]), b + margin * np.array([1.0, 0.5])
+    return a, b, low, high
 
 
 def padded(bounds: tuple[Array, Array], camera: Camera) -> tuple[Array, Array]:

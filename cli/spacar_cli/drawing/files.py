@@ -1,0 +1,120 @@
+"""Pictures and animations as files. The ending of the name decides the kind; no window, no display is needed."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacar.errors import AnalysisError, UsageError
+from spacar_cli.drawing.moving import Moving, Pictures
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+STILL, FILM = (".png", ".svg", ".pdf"), (".gif", ".mp4")
+Tick = Callable[[int], None]
+
+
+def check_name(path: Path, film: bool = True) -> str:
+    """The ending of a picture name. Raises UsageError for one that cannot be written, and for mp4 without ffmpeg."""
+    kinds = STILL + FILM if film else STILL
+    ending = path.suffix.lower()
+    if ending not in kinds:
+        raise UsageError(f"{path}: a picture file ends in {', '.join(kinds)}", "draw.format")
+    if ending == ".mp4" and shutil.which("ffmpeg") is None:
+        raise UsageError(f"{path}: writing mp4 needs the program ffmpeg, which was not found; gif needs nothing", "draw.ffmpeg")
+    if not path.parent.is_dir():
+        raise UsageError(f"{path}: the folder {path.parent} does not exist", "draw.folder")
+    return ending
+
+
+def save(figure: Figure, path: Path, dpi: float = 150.0) -> None:
+    """Write a figure as png, svg or pdf; the same figure gives the same bytes. Raises UsageError."""
+    import matplotlib
+
+    ending = check_name(path, film=False)
+    metadata = {".svg": {"Date": None}, ".pdf": {"CreationDate": None, "ModDate": None}}.get(ending)
+    with matplotlib.rc_context({"svg.hashsalt": "spacar", "svg.fonttype": "none", "pdf.fonttype": 42}):
+        try:
+            figure.savefig(path, dpi=dpi, metadata=metadata)
+        except OSError as error:
+            raise UsageError(f"cannot write {path}: {error.strerror or error}", "draw.write") from None
+
+
+def film(moving: Moving, pictures: Pictures, count: int, path: Path, fps: float, dpi: float, tick: Tick | None = None) -> None:
+    """Write an animation of `count` frames as gif or mp4. `tick` is told the number of frames done.
+
+    Raises UsageError for a name that cannot be written, AnalysisError when ffmpeg fails.
+    """
+    ending = check_name(path)
+    moving.figure.set_dpi(dpi)
+    frames = _frames(moving, pictures, count, tick)
+    if ending == ".gif":
+        _gif(frames, path, fps)
+    else:
+        _mp4(frames, path, fps)
+
+
+def _frames(moving: Moving, pictures: Pictures, count: int, tick: Tick | None) -> Iterator[NDArray[np.uint8]]:
+    """(height, width, 3) pixels of every frame, with even sides (most video codecs need them)."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    canvas = FigureCanvasAgg(moving.figure)
+    for k in range(count):
+        moving.show(*pictures(k))
+        canvas.draw()
+        pixels = np.asarray(canvas.buffer_rgba())[:, :, :3]
+        yield np.ascontiguousarray(pixels[: pixels.shape[0] // 2 * 2, : pixels.shape[1] // 2 * 2])
+        if tick is not None:
+            tick(k + 1)
+
+
+def _gif(frames: Iterator[NDArray[np.uint8]], path: Path, fps: float) -> None:
+    """One palette for all frames, taken from the first, so that still parts do not flicker."""
+    from PIL import Image
+
+    first = Image.fromarray(next(frames))
+    palette = first.quantize(128, method=Image.Quantize.MEDIANCUT)
+    rest = (Image.fromarray(f).quantize(palette=palette, dither=Image.Dither.NONE) for f in frames)
+    duration = max(20, 10 * round(100.0 / fps))  # ms in whole hundredths; faster is not shown by browsers
+    side = path.with_name(f".{path.name}.part")
+    try:
+        palette.save(side, "GIF", save_all=True, append_images=rest, duration=duration, loop=0, optimize=False)
+        side.replace(path)
+    except OSError as error:
+        raise UsageError(f"cannot write {path}: {error.strerror or error}", "draw.write") from None
+    finally:
+        side.unlink(missing_ok=True)
+
+
+def _mp4(frames: Iterator[NDArray[np.uint8]], path: Path, fps: float) -> None:
+    first = next(frames)
+    height, width = first.shape[:2]
+    side = path.with_name(f".{path.stem}.part.mp4")
+    command = ["ffmpeg", "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}"]
+    command += ["-r", f"{fps:g}", "-i", "-", "-an", "-vcodec", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", str(side)]
+    process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert process.stdin is not None
+    try:
+        process.stdin.write(first.tobytes())
+        for frame in frames:
+            process.stdin.write(frame.tobytes())
+        _, complaint = process.communicate()
+    except BrokenPipeError:
+        _, complaint = process.communicate()
+    except BaseException:
+        process.kill()
+        process.wait()
+        side.unlink(missing_ok=True)
+        raise
+    if process.returncode:
+        side.unlink(missing_ok=True)
+        text = complaint.decode("utf-8", "replace").strip().splitlines()
+        raise AnalysisError(f"ffmpeg could not write {path}: {text[-1] if text else process.returncode}", "draw.ffmpeg")
+    side.replace(path)

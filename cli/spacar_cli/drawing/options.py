@@ -1,0 +1,107 @@
+"""Options that several drawing commands share, and how they change the settings of the input file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import click
+
+from spacar.errors import UsageError
+from spacar_cli.drawing.mechanism_picture import Extras
+from spacar_cli.drawing.settings import ALL, DIMENSIONS, Section, Settings
+
+OUTPUT = click.option(
+    "--output", "-o", "output", type=click.Path(path_type=Path), multiple=True,
+    help="File to write; its ending decides: png, svg, pdf, gif (no other program needed), mp4 (needs ffmpeg). May be repeated.",
+)  # fmt: skip
+
+COMMON = (
+    OUTPUT,
+    click.option("--view", default="iso", show_default=True, help="View of a spatial mechanism: iso, xy, xz, yz or azimuth,elevation in degrees, as -60,25."),
+    click.option("--section", "sections", multiple=True, metavar="TEXT", help='Cross-section instead of BEAMVIS: "[RECT|RECTHOL|CIRC|CIRCHOL|LINE] [elements] dimensions", as in the VISUALIZATION section. May be repeated.'),
+    click.option("--opacity", type=click.FloatRange(0, 1), help="Opacity of solids, instead of TRANSPARENCY (1: opaque)."),
+    click.option("--light/--no-light", default=None, help="Shade solids or not, instead of LIGHT."),
+    click.option("--hide", type=int, multiple=True, metavar="ELEMENT", help="Do not draw this element (DONOTDRAW). May be repeated."),
+    click.option("--supports/--no-supports", default=True, show_default=True, help="Ground symbols, drives and pins."),
+    click.option("--numbers", "-n", is_flag=True, help="Numbers of nodes and elements; orientation nodes in brackets, element numbers in boxes."),
+    click.option("--node-numbers", is_flag=True, help="Numbers of the nodes only."),
+    click.option("--element-numbers", is_flag=True, help="Numbers of the elements only."),
+    click.option("--title", help="Text above the picture, instead of the name of the result."),
+    click.option("--dpi", type=click.FloatRange(20, 1200), default=150.0, show_default=True, help="Resolution of png, gif and mp4 [dots per inch]."),
+    click.option("--fps", type=click.FloatRange(1, 100), default=25.0, show_default=True, help="Pictures per second of an animation."),
+    click.option("--show", is_flag=True, help="Open a window. Without this option no window is opened."),
+    click.option("--stale-ok", is_flag=True, help="Draw a result although its input file has changed since."),
+)  # fmt: skip
+
+
+def common(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options that `draw` and `visual` share."""
+    for option in reversed(COMMON):
+        function = option(function)
+    return function
+
+
+@dataclass(frozen=True)
+class Choices:
+    """The values of the shared options."""
+
+    output: tuple[Path, ...]
+    view: str
+    sections: tuple[str, ...]
+    opacity: float | None
+    light: bool | None
+    hide: tuple[int, ...]
+    supports: bool
+    numbers: bool
+    node_numbers: bool
+    element_numbers: bool
+    title: str | None
+    dpi: float
+    fps: float
+    show: bool
+    stale_ok: bool
+
+    def extras(self) -> Extras:
+        return Extras(
+            self.numbers or self.node_numbers, self.numbers or self.element_numbers, self.supports, self.view, self.title
+        )
+
+    def overridden(self, settings: Settings) -> Settings:
+        """The settings of the file with those of the command line in their place. Raises UsageError."""
+        if self.sections:
+            settings = replace(settings, beams=settings.beams | sections_of(self.sections))
+        if self.opacity is not None:
+            settings = replace(settings, opacity=self.opacity, opacities={})
+        if self.light is not None:
+            settings = replace(settings, light=self.light)
+        return replace(settings, hidden=settings.hidden | set(self.hide))
+
+
+def sections_of(texts: Sequence[str]) -> dict[int, Section]:
+    """The cross-sections of `--section` values. Raises UsageError."""
+    from spacar_cli.drawing.settings import statement_section
+
+    found: dict[int, Section] = {}
+    for text in texts:
+        read = statement_section(text.split())
+        if read is None or any(d <= 0 for d in read[1].dims):
+            forms = ", ".join(f"{name} with {n} dimensions" for name, n in DIMENSIONS.items())
+            raise UsageError(f"--section {text}: expected a shape, element numbers (none: all) and positive dimensions; {forms}")
+        if ALL in read[0]:
+            found = {}
+        found |= dict.fromkeys(read[0], read[1])
+    return found
+
+
+def check_elements(numbers: Sequence[int], known: Sequence[int], option: str) -> None:
+    """Raises UsageError for a number that is not in the model."""
+    for n in numbers:
+        if n not in known:
+            raise UsageError(f"{option} {n} does not exist; the model has {_ranges(known)}")
+
+
+def _ranges(numbers: Sequence[int]) -> str:
+    return ", ".join(map(str, numbers)) if len(numbers) <= 20 else f"{numbers[0]} to {numbers[-1]}"

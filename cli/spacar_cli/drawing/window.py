@@ -1,0 +1,186 @@
+"""Windows: a slider over the steps, and the picture of a run that is going on. Only opened when the user asks."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from spacar.errors import UsageError
+from spacar_cli.drawing.camera import Camera
+from spacar_cli.drawing.moving import Moving, Pictures
+from spacar_cli.drawing.stage import furnish
+
+if TYPE_CHECKING:
+    from spacar.frame import Frame
+    from spacar.modes import Run
+    from spacar_cli.drawing.scene import Array
+
+FOOT = 0.65  # inches below the axes for the slider and the buttons
+LIVE_INTERVAL = 0.1  # s between two pictures of a run
+
+
+def open_window(title: str) -> Any:
+    """An empty window figure. Raises UsageError where no window can be opened."""
+    if sys.platform.startswith("linux") and not any(os.environ.get(v) for v in ("DISPLAY", "WAYLAND_DISPLAY", "MPLBACKEND")):
+        raise UsageError("no window can be opened here (no display); write a file with --output instead", "draw.window")
+    import matplotlib.pyplot as plt
+
+    figure = plt.figure(figsize=(8.4, 7.0))
+    if plt.get_backend().lower() == "agg" and os.environ.get("MPLBACKEND", "").lower() != "agg":
+        plt.close(figure)
+        raise UsageError("no window can be opened: matplotlib found no window toolkit (install python3-tk or PyQt)", "draw.window")
+    manager = figure.canvas.manager
+    if manager is not None:
+        manager.set_window_title(title)
+    return figure
+
+
+def slider_window(
+    pictures: Pictures, count: int, first: int, bounds: tuple[Array, Array], camera: Camera, title: str, fps: float = 25.0,
+    block: bool = True,
+) -> Any:
+    """A window with a time slider and a play button; dragging in a spatial picture turns it. Blocks until it is closed.
+
+    `pictures(k)` gives frame k from 0; `first` is the frame shown at the start. Returns the figure.
+    """  # fmt: skip
+    import matplotlib.pyplot as plt
+    from matplotlib.widgets import Button, Slider
+
+    figure = open_window(title)
+    moving = Moving(figure, furnish(figure, bounds, camera, " ", FOOT), camera)
+    slider = Slider(figure.add_axes((0.18, 0.03, 0.62, 0.03)), "step ", 1, max(count, 2), valinit=first + 1, valstep=1, color="#2f74b5")
+    button = Button(figure.add_axes((0.86, 0.02, 0.10, 0.05)), "play")
+    state = {"drag": None, "playing": False}
+
+    def refresh(_: object = None) -> None:
+        moving.show(*pictures(min(int(slider.val), count) - 1))
+        figure.canvas.draw_idle()
+
+    def tick() -> None:
+        if state["playing"]:
+            slider.set_val(int(slider.val) % count + 1)
+
+    def play(_: object) -> None:
+        state["playing"] = not state["playing"]
+        button.label.set_text("pause" if state["playing"] else "play")
+        figure.canvas.draw_idle()
+
+    def press(event: Any) -> None:
+        if event.inaxes is moving.axes and not camera.planar:
+            state["drag"] = (event.x, event.y, moving.camera)
+
+    def turn(event: Any) -> None:
+        if state["drag"] is None or event.x is None:
+            return
+        x, y, start = state["drag"]
+        azimuth = np.degrees(np.arctan2(start.near[1], start.near[0])) - 0.4 * (event.x - x)
+        elevation = np.degrees(np.arcsin(np.clip(start.near[2], -1, 1))) - 0.4 * (event.y - y)
+        moving.axes.remove()
+        moving.artists.clear()
+        moving.camera = Camera.towards(float(azimuth), float(np.clip(elevation, -89.0, 89.0)))
+        moving.axes = furnish(figure, bounds, moving.camera, " ", FOOT)
+        refresh()
+
+    def release(_: object) -> None:
+        state["drag"] = None
+
+    slider.on_changed(refresh)
+    button.on_clicked(play)
+    figure.canvas.mpl_connect("button_press_event", press)
+    figure.canvas.mpl_connect("motion_notify_event", turn)
+    figure.canvas.mpl_connect("button_release_event", release)
+    timer = figure.canvas.new_timer(interval=int(1000 / fps))
+    timer.add_callback(tick)
+    timer.start()
+    figure._spacar = (slider, button, timer)  # keep the widgets alive as long as the window
+    refresh()
+    if block:
+        plt.show()
+    return figure
+
+
+class LivePlot:
+    """A sink (start, frame, finish) that shows the mechanism while it runs, with an Abort button.
+
+    Abort, and closing the window, raise KeyboardInterrupt in `frame`: the run ends as after Ctrl-C, results are kept.
+    """
+
+    def __init__(self, view: str = "iso") -> None:
+        self._view = view
+        self._figure = open_window("spacar")
+        self._aborted = False
+        self._last = 0.0
+        self._bounds: tuple[Array, Array] | None = None
+
+    def start(self, run: Run) -> None:
+        from matplotlib.widgets import Button
+        from spacar_formats.sinks.header import sbd_header
+
+        from spacar_cli.drawing.mechanism_picture import camera_of
+        from spacar_cli.drawing.scene import Scene
+        from spacar_cli.drawing.settings import parse_settings
+
+        deck = run.mechanism.deck
+        self._scene = Scene.of_header(sbd_header(run), deck.source)
+        self._settings = parse_settings(deck.visualization)
+        self._camera = camera_of(self._scene, self._view)
+        self._button = Button(self._figure.add_axes((0.84, 0.02, 0.13, 0.05)), "Abort", color="#f3d4d4", hovercolor="#eebcbc")
+        self._button.on_clicked(self._abort)
+        self._figure.canvas.mpl_connect("close_event", self._abort)
+        self._moving: Moving | None = None
+
+    def _abort(self, _: object) -> None:
+        self._aborted = True
+
+    def frame(self, frame: Frame) -> None:
+        if self._aborted:
+            raise KeyboardInterrupt
+        now = time.monotonic()
+        if self._moving is not None and now - self._last < LIVE_INTERVAL:
+            return
+        self._last = now
+        self._draw(frame)
+        self._figure.canvas.draw_idle()
+        self._figure.canvas.flush_events()
+        if not self._figure.canvas.manager or self._moving is None:
+            return
+        self._figure.show()
+        if self._aborted:
+            raise KeyboardInterrupt
+
+    def _draw(self, frame: Frame) -> None:
+        from spacar_cli.drawing.look import look_of
+        from spacar_cli.drawing.mechanism_picture import Extras, mechanism_shapes
+        from spacar_cli.drawing.shapes import merge_bounds
+
+        if self._moving is None:
+            self._look = look_of(self._scene, frame.x[None], self._settings)
+        shapes = mechanism_shapes(self._scene, frame.x, self._look, Extras())
+        box = merge_bounds(shapes)
+        if box is not None and (self._bounds is None or np.any(box[0] < self._bounds[0]) or np.any(box[1] > self._bounds[1])):
+            self._enlarge(box)
+        assert self._moving is not None
+        self._moving.show(shapes, f"{self._scene.title}   t = {frame.t:.6g} s")
+
+    def _enlarge(self, box: tuple[Array, Array]) -> None:
+        """New axes with room around what was seen so far."""
+        old = self._bounds or box
+        low, high = np.minimum(old[0], box[0]), np.maximum(old[1], box[1])
+        room = 0.2 * float(np.max(high - low)) * (np.array([1, 1, 0]) if self._scene.planar else 1.0)
+        self._bounds = low - room, high + room
+        if self._moving is not None:
+            self._moving.axes.remove()
+        self._moving = Moving(self._figure, furnish(self._figure, self._bounds, self._camera, " ", FOOT), self._camera)
+
+    def finish(self, error: BaseException | None) -> None:
+        """Leave the last picture on the screen until the user closes it, except after an abort."""
+        import matplotlib.pyplot as plt
+
+        if error is None and not self._aborted and plt.get_backend().lower() != "agg":
+            self._button.label.set_text("done")
+            plt.show()
+        plt.close(self._figure)
