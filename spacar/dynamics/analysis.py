@@ -1,4 +1,10 @@
-"""Mode 1: forward kinematics and dynamics as a stream of frames."""
+"""Mode 1: forward kinematics and dynamics as a stream of frames.
+
+ERROR is read as what the user wants of the result. An integrator controls the error of one step; over a run these add up,
+and an explicit method keeps a stiff, unexcited oscillation alive at some hundred times its local tolerance. So the
+variable step codes get LOCAL times ERROR. Measured on the examples (benchmarks/tolerance.py): it costs 0 to 25 % more
+evaluations and brings the error of the result below ERROR.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +20,9 @@ from spacar.integrators import METHODS, integrate
 from spacar.kinematics.output import TransferOutput
 from spacar.mechanism.mechanism import Array
 from spacar.modes import Run
+
+LOCAL = 0.03  # local error tolerance / ERROR
+POSITION = 1e-3  # position tolerance of intermediate states / local error tolerance
 
 
 def forward(run: Run) -> Iterator[Frame]:
@@ -41,8 +50,13 @@ def states(run: Run) -> Iterator[tuple[Dynamics, float, Array, dict[str, float]]
             yield dynamics, float(t), y, {}
         return
     run.header["integrator"] = METHODS[settings.integrator].name
+    method = METHODS[settings.integrator]
+    local = LOCAL if method.variable_step else 1.0
+    atol, rtol = local * settings.atol, local * settings.rtol
+    exact = dynamics.kinematics.converged
+    dynamics.kinematics.converged = max(exact, POSITION * min(atol, rtol)) if method.variable_step else exact
     for out in integrate(
-        dynamics, y, times, settings.integrator, settings.atol, settings.rtol, settings.step, breaks=dynamics.drive.breaks
+        dynamics, y, times, settings.integrator, atol, rtol, settings.step, breaks=dynamics.drive.breaks
     ):
         statistics = {
             "steps": out.n_steps, "rhs": out.n_rhs, "jacobians": out.n_jacobian,

@@ -15,6 +15,7 @@ from spacar.dynamics.saddle_point import DeformationInertia, SaddlePoint
 from spacar.errors import AnalysisError
 from spacar.frame import Frame
 from spacar.kinematics import Kinematics
+from spacar.kinematics.kinematics import CONVERGED
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Array, Drive, DriveState, Loads, Mechanism, UserForces
 
@@ -43,6 +44,7 @@ class Dynamics:
         self.kind = kind
         self.xd, self.ed = np.zeros(n.nx), np.zeros(n.ne)
         self.evaluations = 0
+        self._convected = np.zeros(n.nx)  # h minus gravity on moving families at the last accelerated state
         self._last: tuple[float, Array, Array, Array] | None = None  # t, x, xd, xdd of the last accelerated state
 
     def reload(self, loads: Loads, drive: Drive) -> None:
@@ -117,7 +119,8 @@ class Dynamics:
         convective = sweep.convective(self.xd)
         sigma, user = self.constitutive(t)
         sweep.mass()
-        force = self.forces(self.kinematics.x, user) - self.forces.inertia(sweep, self.xd)
+        self._convected = self.forces.inertia(sweep, self.xd)
+        force = self.forces(self.kinematics.x, user) - self._convected
         xdd, edd = np.zeros(n.nx), np.zeros(n.ne)
         xdd[xs["input"]], edd[es["input"]] = drive.xdd, drive.edd
         if n.nddof == 0:
@@ -128,8 +131,7 @@ class Dynamics:
             return xdd, sigma, convective
         if sigma.any():
             force -= sweep.rate_transposed(sigma)
-        if self.coupling.present:
-            force -= sweep.rate_transposed(self.coupling.stress(sweep.rate(xdd) + convective))
+        force -= self._coupling_force(xdd, convective) if self.coupling.present else 0.0
         strain = edd - convective
         if n.nxp[2]:
             force -= sweep.mass_times(xdd)
@@ -199,12 +201,14 @@ class Dynamics:
     # -- full evaluation ----------------------------------------------------------------------------------------
     def frame(self, t: float, y: Array) -> Frame:
         """Everything that is stored of a state."""
+        converged, self.kinematics.converged = self.kinematics.converged, CONVERGED
         drive = self.place(t, y)
+        self.kinematics.converged = converged
         xdd, sigma, convective = self.accelerate(t, drive)
-        return self.complete(t, xdd, sigma, convective)
+        return self.complete(t, xdd, sigma, convective, self._convected)
 
-    def complete(self, t: float, xdd: Array, sigma: Array, convective: Array) -> Frame:
-        """Frame at the placed state with these accelerations and stresses."""
+    def complete(self, t: float, xdd: Array, sigma: Array, convective: Array, convected: Array) -> Frame:
+        """Frame at the placed state with accelerations, stresses, H(xd,xd) and `convected` = h - gravity of moving families."""
         sweep, x = self.sweep, self.kinematics.x
         ed = sweep.rate(self.xd)
         edd = sweep.rate(xdd) + convective
@@ -212,8 +216,9 @@ class Dynamics:
         applied = self.loads.force + self.forces.moments(x)
         if self.forces.user is not None:
             applied += self.forces.user(t, sweep.e, ed, x, self.xd).force
-        inertia = sweep.mass_times(xdd) + sweep.inertia_force(self.xd, None)
-        total = inertia + sweep.rate_transposed(sigma + self.coupling.stress(edd))
+        total = sweep.mass_times(xdd) + convected + (gravity - self.forces.constant_gravity)
+        stress = sigma + self.coupling.stress(edd) if self.coupling.present else sigma
+        total += sweep.rate_transposed(stress)
         return Frame(
             t=t, x=x.copy(), xd=self.xd.copy(), xdd=xdd, e=sweep.e.copy(), ed=ed, edd=edd, sig=sigma,
             fx=applied, fxgrav=gravity, fxtot=total,

@@ -9,6 +9,7 @@ Gravity on a family is minus the inertia force of the acceleration -g at its pos
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -35,7 +36,7 @@ class StressLaw:
         preload[:first] = 0.0
         return cls(first, n.ne, _active(mechanism.stiffness, first), _active(mechanism.damping, first), preload)
 
-    @property
+    @cached_property
     def passive(self) -> bool:
         """No element carries a constitutive stress."""
         return not (len(self.stiffness[0]) or len(self.damping[0]) or self.preload.any())
@@ -75,7 +76,9 @@ class AppliedForces:
 
     def __call__(self, x: Array, user: UserForces | None) -> Array:
         """Applied forces except gravity on moving families, (nx,)."""
-        f = self.constant + self.moments(x)
+        f = self.constant.copy()
+        if self.loads.moment_rows.size:
+            f += self.moments(x)
         if user is not None:
             f += user.force
         return f

@@ -84,7 +84,9 @@ def stationary(run: Run) -> Iterator[tuple[Frame, Linearization, Dynamics]]:
             continue
         dynamics = solver.dynamics
         limits = limits or Limits(dynamics, run.report)
-        frame = dynamics.complete(float(stored), solver.xdd, _stored_stress(dynamics, solver), solver.convective)
+        convected = dynamics.forces.inertia(dynamics.sweep, dynamics.xd)
+        stress = _stored_stress(dynamics, solver)
+        frame = dynamics.complete(float(stored), solver.xdd, stress, solver.convective, convected)
         limits.check(dynamics, frame)
         frame.statistics = {"iterations": solver.iterations, "residual": solver.history[-1]}
         L = linearize(dynamics, solver.xdd, solver.sigma)
