@@ -3,12 +3,12 @@ steps."""
 
 from __future__ import annotations
 
-from spacar.deck.table_types import Block
+from spacar.deck.table import KEYWORDS
 from spacar.frame import Array, Frame
 from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
 from spacar.modes import Run
-from spacar_formats.log.layout import matrix, real, table
+from spacar_formats.log.layout import cell, matrix, real, table
 from spacar_formats.log.model import class_letters, coordinates, statements
 
 # Words for the counters of a frame; another name is printed as it is.
@@ -19,9 +19,7 @@ COUNTERS = {
     "rejected": "rejected",
 }
 FIRST_ORDER, SECOND_ORDER, THIRD_ORDER, GLOBAL_DEFORMATION = 1, 2, 4, 8  # flags of OUTLEVEL position 1
-IN_OUT = (
-    "TRAJECT", "TROT", "TRANS", "TRCIRL", "TRE", "USERTRAJ", "TRTIME", "TREPMAX",
-    "TRVMAX", "TRFRONT", "TRM", "TRF",
+PORTS = (
     "NOMS", "NOMF", "REFE", "REFEP", "REFEDP", "REFX", "REFXP", "REFXDP", "REFES", "REFXS",
     "INPUTS", "INPUTF", "INE", "INEP", "INEDP", "INX", "INXP", "INXDP",
     "OUTS", "OUTE", "OUTEP", "OUTEDP", "OUTF", "OUTX", "OUTXP", "OUTXDP",
@@ -119,11 +117,18 @@ def iteration(mechanism: Mechanism) -> list[str]:
 
 
 def definitions(mechanism: Mechanism) -> list[str]:
-    """Trajectories, inputs and outputs of the third block."""
+    """Trajectories in their order, then inputs and outputs of the third block."""
     kind = mechanism.deck.third
-    lines = []
-    for name in IN_OUT if kind is not None else ():
-        lines += statements(mechanism, name, kind or Block.TRAJECTORY)
+    if kind is None:
+        return []
+    rows = [
+        [s.keyword, " ".join(map(cell, s.values)), KEYWORDS[s.keyword, kind].help]
+        for s in mechanism.deck.statements
+        if s.block == 3 and s.keyword not in PORTS
+    ]
+    lines = [*table(["trajectory", "values", "meaning"], rows), ""] if rows else []
+    for name in PORTS:
+        lines += statements(mechanism, name, kind)
     return lines
 
 
