@@ -18,7 +18,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from spacar.errors import AnalysisError
 from spacar.kinematics.failure import count_failure, position_failure, singular_failure
 from spacar.kinematics.sweep import Sweep
 from spacar.linear_systems import SingularMatrixError, System, assemble

@@ -7,7 +7,15 @@ import numpy as np
 from spacar.deck import Deck
 from spacar.mechanism.batches import TUBES
 from spacar.mechanism.mechanism import (
-    Array, Batch, Drive, DriveState, Loads, Polynomial, Settings, Start, UserSignal,
+    Array,
+    Batch,
+    Drive,
+    DriveState,
+    Loads,
+    Polynomial,
+    Settings,
+    Start,
+    UserSignal,
 )  # fmt: skip
 from spacar.mechanism.numbering import Numbering
 

@@ -13,7 +13,7 @@ from spacar.deck import Deck
 from spacar.elements.base import Family
 from spacar.mechanism.numbering import Numbering
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]  # of float64; NumPy annotates some float results too widely
 Index = NDArray[np.int64]
 
 
