@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,7 @@ class Frame:
     x, xd, xdd    (nx,) coordinates and time derivatives [m, rad; Euler parameters 1]
     e, ed, edd    (ne,) deformations and time derivatives [m, rad]
     sig           (ne,) generalized stress resultants, dual to e [N, N m]
-    fx            (nx,) applied nodal forces;  fxgrav (nx,) gravity;  fxtot (nx,) total external forces, reactions included
+    fx, fxgrav    (nx,) applied nodal forces, gravity;  fxtot (nx,) total external forces, reactions included
     dx, de        (nx, nkdof), (ne, nkdof) configuration transfer functions (OUTLEVEL)
     dxc, dec      (nx, ndof), (ne, ndof) velocity transfer functions (OUTLEVEL)
     d2x, d2e      (nx, nkdof**2), (ne, nkdof**2) second order transfer functions (OUTLEVEL)
@@ -50,4 +51,4 @@ class Frame:
     xcompl: Array | None = None
     matrices: dict[str, Array] = field(default_factory=dict)
     state_space: dict[str, Array] = field(default_factory=dict)
-    statistics: dict[str, float] = field(default_factory=dict)
+    statistics: dict[str, Any] = field(default_factory=dict)

@@ -37,7 +37,8 @@ MODES = {
         Mode(4, "forward dynamics with linearization", "spacar.linear.analysis:forward", ("sbd", "sbm", "ltv")),
         Mode(7, "stationary solution, eigenvalues", "spacar.linear.analysis:eigenvalues", ("sbd", "sbm")),
         Mode(8, "stationary solution, buckling", "spacar.linear.analysis:buckling", ("sbd", "sbm")),
-        Mode(9, "stationary solution, state space", "spacar.linear.analysis:state_space_matrices", ("sbd", "sbm", "ltv")),
+        Mode(9, "stationary solution, state space", "spacar.linear.analysis:state_space_matrices",
+             ("sbd", "sbm", "ltv")),
         Mode(10, "stationary solution, eigenvalues and buckling", "spacar.linear.analysis:vibration_and_buckling",
              ("sbd", "sbm")),
     )

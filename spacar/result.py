@@ -66,7 +66,9 @@ class Result:
     def node(self, number: int, coordinate: int, variable: str = "x") -> Array:
         """(steps,) one coordinate (from 1) of a node: x, xd, xdd, fx, fxgrav, fxtot or xcompl."""
         if variable not in X_VARIABLES:
-            raise UsageError(f"{variable} is no variable of nodes; these are {', '.join(X_VARIABLES)}", "result.variable")
+            raise UsageError(
+                f"{variable} is no variable of nodes; these are {', '.join(X_VARIABLES)}", "result.variable"
+            )
         try:
             return self[variable][:, self.mechanism.numbering.x_index(number, coordinate)]
         except KeyError:
@@ -75,7 +77,9 @@ class Result:
     def element(self, number: int, mode: int, variable: str = "e") -> Array:
         """(steps,) one deformation mode (from 1) of an element: e, ed, edd or sig."""
         if variable not in E_VARIABLES:
-            raise UsageError(f"{variable} is no variable of elements; these are {', '.join(E_VARIABLES)}", "result.variable")
+            raise UsageError(
+                f"{variable} is no variable of elements; these are {', '.join(E_VARIABLES)}", "result.variable"
+            )
         try:
             return self[variable][:, self.mechanism.numbering.e_index(number, mode)]
         except KeyError:

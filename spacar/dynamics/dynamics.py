@@ -1,8 +1,8 @@
 """From the state (q_d, k, qd_d) at a time to accelerations, stresses and reactions.
 
 State y: dynamic coordinates, dynamic deformations, kinematic coordinates, kinematic deformations, then the rates of
-the dynamic ones (theory-system.md section 3). One evaluation does, in this order: prescribed motion, position, velocity,
-element sweeps for H(xd,xd), M, h and sigma, one solve of the saddle-point form.
+the dynamic ones (theory-system.md section 3). One evaluation does, in this order: prescribed motion, position,
+velocity, element sweeps for H(xd,xd), M, h and sigma, one solve of the saddle-point form.
 """
 
 from __future__ import annotations
@@ -208,7 +208,7 @@ class Dynamics:
         return self.complete(t, xdd, sigma, convective, self._convected)
 
     def complete(self, t: float, xdd: Array, sigma: Array, convective: Array, convected: Array) -> Frame:
-        """Frame at the placed state with accelerations, stresses, H(xd,xd) and `convected` = h - gravity of moving families."""
+        """Frame at the placed state; `convective` is H(xd,xd), `convected` is h minus gravity of moving families."""
         sweep, x = self.sweep, self.kinematics.x
         ed = sweep.rate(self.xd)
         edd = sweep.rate(xdd) + convective

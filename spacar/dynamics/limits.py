@@ -1,4 +1,7 @@
-"""Elements outside the range of their theory, and wheels that lift off. Checked at stored steps, not in every evaluation."""
+"""Elements outside the range of their theory, and wheels that lift off.
+
+Checked at stored steps, not in every evaluation.
+"""
 
 from __future__ import annotations
 
@@ -52,7 +55,7 @@ class Limits:
         if len(lifted):
             k = int(lifted[0])
             text = (
-                f"element {self.wheels[k]} (wheel) at t = {t:.9g}: the wheel leaves the ground, its normal force would be a"
-                f" pull of {normal[k]:.6g} N; reduce speed or steering, or release its normal mode"
+                f"element {self.wheels[k]} (wheel) at t = {t:.9g}: the wheel leaves the ground, its normal force"
+                f" would be a pull of {normal[k]:.6g} N; reduce speed or steering, or release its normal mode"
             )
             raise AnalysisError(text, "element.lift-off", element=int(self.wheels[k]))

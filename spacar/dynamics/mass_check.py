@@ -55,5 +55,5 @@ def reduced_mass(dynamics: Dynamics) -> Array:
     if dynamics.coupling.present:
         i, j, value = dynamics.coupling.table
         We = dynamics.kinematics.sweep_rates(W)
-        np.add.at(M, (slice(None), slice(None)), We[i].T @ (value[:, None] * We[j]))
+        M += We[i].T @ (value[:, None] * We[j])
     return M

@@ -12,8 +12,8 @@ Duties of a family
    for holonomic rows), `geometric_stiffness` Hs(sigma)[i,j] = sum_e sigma_e H[e,i,j].
 3. The third derivative appears only as `rate_gradient` T(v)[e,j] = d/dx_j sum_ik H[e,i,k] v_i v_k.
 4. Inertia: the virtual power of the inertia forces is -dx . (M a + h). `mass` gives M, `inertia_force` M a + h,
-   `inertia_gradient` its derivatives with respect to x (at fixed v, a) and to v.  Gravity needs no code of its own: it is
-   minus the inertia force of the acceleration -g at the position coordinates.
+   `inertia_gradient` its derivatives with respect to x (at fixed v, a) and to v.  Gravity needs no code of its own: it
+   is minus the inertia force of the acceleration -g at the position coordinates.
 5. Output arrays are zero on entry where a family writes nothing: it may leave structural zeros alone.
 6. Nothing here loops over elements, and everything works for complex x where the formulas are analytic
    (complex-step tests), except branch choices (`near`).

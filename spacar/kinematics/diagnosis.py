@@ -20,6 +20,7 @@ from spacar.deck import ELEMENT_TYPES
 from spacar.mechanism.mechanism import Array, Index, Mechanism
 
 ZERO = float(np.sqrt(np.finfo(float).eps))
+TIE = 9  # decimals of the weights: of equals the lowest number comes first, whatever the rounding
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,10 @@ class Diagnosis:
         if self.under:
             lines.append(f"under-constrained {self.under} time{'s' * (self.under > 1)}; coordinates that move:")
             lines += [f"  {weight:8.4f}  {name}" for weight, name in self.coordinates]
-            lines += [f"  suggestion: make {name} a degree of freedom (DYNX, INPUTX) or support it (FIX)" for name in self.freedoms]
+            lines += [
+                f"  suggestion: make {name} a degree of freedom (DYNX, INPUTX) or support it (FIX)"
+                for name in self.freedoms
+            ]
         return lines
 
 
@@ -109,7 +113,7 @@ def pick(null: Array, allowed: Array) -> list[int]:
     rest = null.copy()
     chosen: list[int] = []
     while rest.shape[1]:
-        weight = np.where(allowed, np.sum(rest**2, axis=1), 0.0)
+        weight = np.where(allowed, np.sum(rest**2, axis=1), 0.0).round(TIE)
         best = int(np.argmax(weight))
         if weight[best] < ZERO:
             break
@@ -124,7 +128,7 @@ def pick(null: Array, allowed: Array) -> list[int]:
 def _ranked(null: Array, names: list[str]) -> tuple[tuple[float, str], ...]:
     if not null.shape[1]:
         return ()
-    weight = np.sum(null**2, axis=1) / null.shape[1]
+    weight = (np.sum(null**2, axis=1) / null.shape[1]).round(TIE)
     order = np.argsort(-weight, kind="stable")
     return tuple((float(weight[i]), names[i]) for i in order if weight[i] > 1e-6)
 

@@ -23,7 +23,11 @@ def count_failure(kinematics: Kinematics) -> AnalysisError:
     rows, columns = diagnosis.n_rows, diagnosis.n_columns
     if rows == columns:
         rows, columns = len(kinematics.h), len(kinematics.c)
-    kind = "over-constrained: release deformations (RLSE)" if rows > columns else "under-constrained: declare more degrees of freedom"
+    kind = (
+        "over-constrained: release deformations (RLSE)"
+        if rows > columns
+        else "under-constrained: declare more degrees of freedom"
+    )
     text = (
         f"ill-defined mechanism: {rows} fixed, prescribed and dynamic deformations for {columns} calculable coordinates"
         f" (difference {rows - columns:+d}), {kind}; {_candidates(diagnosis)}; `spacar 0` lists all"
@@ -41,7 +45,9 @@ def singular_failure(kinematics: Kinematics, x: Array, error: SingularMatrixErro
     return AnalysisError(text, "position.singular", diagnosis=diagnosis)
 
 
-def position_failure(kinematics: Kinematics, x: Array, residual: Array, history: list[float], iteration: int) -> AnalysisError:
+def position_failure(
+    kinematics: Kinematics, x: Array, residual: Array, history: list[float], iteration: int
+) -> AnalysisError:
     """Newton's iteration did not converge."""
     numbering = kinematics.numbering
     values = np.where(np.isfinite(residual), np.abs(residual), np.inf)
@@ -52,7 +58,8 @@ def position_failure(kinematics: Kinematics, x: Array, residual: Array, history:
     if np.isfinite(D).all() and D.size:
         _, s, right = np.linalg.svd(D)
         smallest = float(s[-1])
-        where = f", motion that is hardest to determine: {numbering.x_name(int(kinematics.c[int(np.argmax(np.abs(right[-1])))]))}"
+        hardest = int(kinematics.c[int(np.argmax(np.abs(right[-1])))])
+        where = f", motion that is hardest to determine: {numbering.x_name(hardest)}"
     text = (
         f"no convergence of the position after {iteration} iterations: residual {values.max(initial=0.0):.3g},"
         f" history {' '.join(f'{r:.2g}' for r in history[:6])}{' ...' if len(history) > 6 else ''},"

@@ -7,9 +7,9 @@ matrices are the same.
 
 Newton's method starts from a guess (the motion extrapolated in time, if the caller knows it) or from the last
 configuration, moved by the first order prediction with the last factorization. It has converged when
-max |dx_i|/scale_i <= `converged` (1e-11; scale: size of the mechanism for positions, 1 for angles and Euler parameters); the
-correction that passes the test is still applied, and since convergence is quadratic the position is accurate to rounding,
-while V is that of a configuration that differs by the last correction. An integrator with a wide tolerance may widen
+max |dx_i|/scale_i <= `converged` (1e-11; scale: size of the mechanism for positions, 1 for angles and Euler
+parameters); the correction that passes the test is still applied, and since convergence is quadratic the position is
+accurate to rounding, while V is that of a configuration that differs by the last correction. An integrator with a wide tolerance may widen
 `converged` for its intermediate states. At most 20 iterations; a correction that makes the residual grow is halved, at
 most 5 times.
 """
@@ -99,7 +99,7 @@ class Kinematics:
         self._solve(x_given, e_given, None, None, None)
 
     def place(self, x_given: Array, e_given: Array, v_given: Array, e_rate: Array, guess: Array | None = None) -> Array:
-        """Position and velocity together: returns xd (nx,) with V[E] xd = e_rate[E]; arguments as `position`, `dependent`.
+        """Position and velocity together: xd (nx,) with V[E] xd = e_rate[E]; arguments as `position`, `dependent`.
 
         `guess` (nx,) is a good estimate of the calculable coordinates.
         """
@@ -197,7 +197,11 @@ class Kinematics:
 
     def sweep_rates(self, v: Array) -> Array:
         """V v for several columns, (ne, k)."""
-        return np.column_stack([self.sweep.rate(column) for column in v.T]) if v.shape[1] else np.zeros((self.numbering.ne, 0))
+        return (
+            np.column_stack([self.sweep.rate(column) for column in v.T])
+            if v.shape[1]
+            else np.zeros((self.numbering.ne, 0))
+        )
 
     def reactions(self, force: Array, sigma: Array) -> None:
         """Multipliers: write sigma[E] so that (force + V^T sigma) vanishes on U (theory-system.md (10)).

@@ -39,4 +39,3 @@ class TransferOutput:
             frame.d2x = d2x.reshape(len(d2x), -1, order="F")
             frame.d2e = d2e.reshape(len(d2e), -1, order="F")
         return frame
-

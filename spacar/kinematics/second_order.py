@@ -1,6 +1,6 @@
 """Second order transfer functions as full tensors, for OUTLEVEL only (theory-system.md (6)).
 
-    D2F_x[:,a,b] = solveU(-H(G_a, G_b)),     D2F_e[:,a,b] = H(G_a, G_b) + V D2F_x[:,a,b]
+D2F_x[:,a,b] = solveU(-H(G_a, G_b)),     D2F_e[:,a,b] = H(G_a, G_b) + V D2F_x[:,a,b]
 """
 
 from __future__ import annotations

@@ -32,9 +32,7 @@ def element_batches(deck: Deck, numbering: Numbering, x0: Array) -> list[Batch]:
         first = 1 + len(kind.nodes)
         size = {"position": 2 if kind.planar else 3, "orientation": 1 if kind.planar else 4}
         nodes = np.array([s.values[1:first] for s in statements], np.int64)
-        x = np.concatenate(
-            [numbering.lnp[nodes[:, k] - 1, : size[role]].T - 1 for k, role in enumerate(kind.nodes)]
-        )
+        x = np.concatenate([numbering.lnp[nodes[:, k] - 1, : size[role]].T - 1 for k, role in enumerate(kind.nodes)])
         e = numbering.le[numbers - 1, : len(kind.modes)].T - 1
         em = _rows(tables["EM"], numbers, PARAMETERS["EM"])
         if keyword in TUBES:

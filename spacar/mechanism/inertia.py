@@ -19,14 +19,13 @@ def lumped(deck: Deck, numbering: Numbering, batches: list[Batch]) -> list[tuple
     masses: dict[int, float] = {}
     tensors: dict[int, Array] = {}
     for s in deck.of("XM", block=2):
-        node, *values = s.values
-        node = int(node)
+        node, values = int(s.values[0]), [float(v) for v in s.values[1:]]
         if numbering.kind[node] == "position" or numbering.planar:
             size = 1 if numbering.kind[node] == "orientation" else (2 if numbering.planar else 3)
             for coordinate in range(1, size + 1):
-                masses[numbering.x_index(node, coordinate)] = float(values[0])
+                masses[numbering.x_index(node, coordinate)] = values[0]
         else:
-            tensors[node] = symmetric(np.array([float(v) for v in values]))
+            tensors[node] = symmetric(np.array(values))
     for batch in batches:
         for row, J in batch.family.orientation_inertia():
             for k in range(batch.family.n):
@@ -42,10 +41,10 @@ def lumped(deck: Deck, numbering: Numbering, batches: list[Batch]) -> list[tuple
         from spacar.elements.node_inertia import GyrostatNode, prescribed_rotor_tensor
 
         nodes = np.array([node for node, _ in rotors])
-        h = np.array([values[3] * values[:3] for _, values in rotors])
-        for node, values in rotors:
-            if len(values) > 4 and int(values[4]) == 1:
-                extra = prescribed_rotor_tensor(values[None, :3], values[3:4])[0]
+        h = np.array([rotor[3] * rotor[:3] for _, rotor in rotors])
+        for node, rotor in rotors:
+            if len(rotor) > 4 and int(rotor[4]) == 1:
+                extra = prescribed_rotor_tensor(rotor[None, :3], rotor[3:4])[0]
                 tensors[node] = tensors.get(node, np.zeros((3, 3))) + extra
         result.append((GyrostatNode(nodes, h), numbering.lnp[nodes - 1].T - 1))
     if tensors:

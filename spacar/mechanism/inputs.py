@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from spacar.deck import Deck
@@ -44,8 +46,8 @@ def loads(deck: Deck, numbering: Numbering, batches: list[Batch], prefix: str = 
         gravity[: len(given)] = given
     preload = np.zeros(numbering.ne)
     for s in deck.of(f"{prefix}ESIG", block=2):
-        for mode, value in enumerate(s.values[1:], 1):
-            preload[numbering.e_index(int(s.values[0]), mode)] = float(value)
+        for mode, stress in enumerate(s.values[1:], 1):
+            preload[numbering.e_index(int(s.values[0]), mode)] = float(stress)
     if prefix:
         flow = {int(s.values[0]): float(s.values[1]) for s in deck.of("DELOMF", block=2)}
     else:
@@ -142,11 +144,11 @@ def settings(deck: Deck) -> Settings:
         ),
         "OUTLEVEL": ("log_level", "sbd_level"),
     }  # fmt: skip
-    found = {}
+    found: dict[str, Any] = {}
     for keyword, fields in names.items():
         statement = deck.last(keyword)
         if statement is not None:
             found.update(zip(fields, statement.values, strict=False))
     if found.get("integrator") == 255:
         found["integrator"] = 225
-    return Settings(**found)  # type: ignore[arg-type]
+    return Settings(**found)

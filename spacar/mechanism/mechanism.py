@@ -1,4 +1,4 @@
-"""The mechanism: an immutable bundle of arrays that every analysis reads. Built from a Deck by `spacar.mechanism.build`."""
+"""The mechanism: an immutable bundle of arrays that every analysis reads, built from a Deck by `build`."""
 
 from __future__ import annotations
 
@@ -146,7 +146,7 @@ class Settings:
 class Start:
     """Start values and rates of the degrees of freedom that are dynamic or kinematic, by class and order of the file.
 
-    x_value, x_rate for x dynamic; e_value, e_rate for e dynamic; kinematic coordinates start at the reference configuration.
+    x_value, x_rate for x dynamic; e_value, e_rate for e dynamic; kinematic coordinates start at the reference.
     """
 
     x_value: Array

@@ -71,10 +71,10 @@ class Numbering:
     @cached_property
     def _x_names(self) -> list[tuple[int, int]]:
         names = [(0, 0)] * self.nx
-        for node, row in enumerate(self.lnp, 1):
+        for number_, row in enumerate(self.lnp, 1):
             for coordinate, i in enumerate(row, 1):
                 if i:
-                    names[i - 1] = (node, coordinate)
+                    names[i - 1] = (number_, coordinate)
         return names
 
     @cached_property
@@ -195,7 +195,7 @@ def number(
     x_class: Mapping[tuple[int, int], str],
     e_class: Mapping[tuple[int, int], str],
 ) -> Numbering:
-    """Number a mechanism. `x_class` maps (node, coordinate), `e_class` (element, mode) to a class other than the default.
+    """Number a mechanism. `x_class` maps (node, coordinate), `e_class` (element, mode) to classes.
 
     Defaults (keywords.md 4.3): coordinates calculable, deformations fixed.
     """
@@ -209,24 +209,24 @@ def number(
     nodes_ = tuple(Node(n, kinds[n], size[kinds[n]]) for n in sorted(kinds))
 
     x_list: dict[str, list[tuple[int, int]]] = {c: [] for c in CLASSES}
-    for node in nodes_:
-        for coordinate in range(1, node.size + 1):
-            x_list[x_class.get((node.number, coordinate), "calculable")].append((node.number, coordinate))
+    for n in nodes_:
+        for coordinate in range(1, n.size + 1):
+            x_list[x_class.get((n.number, coordinate), "calculable")].append((n.number, coordinate))
     e_list: dict[str, list[tuple[int, int]]] = {c: [] for c in CLASSES}
     for element, keyword, _ in elements:
         for mode in range(1, len(ELEMENT_TYPES[keyword].modes) + 1):
             e_list[e_class.get((element, mode), "fixed")].append((element, mode))
-    lambdas = [] if planar else [n.number for n in nodes_ if n.kind == "orientation"]
+    lambdas = [] if planar else [m.number for m in nodes_ if m.kind == "orientation"]
     first_normalization = len(e_list["fixed"])
     e_list["fixed"] += [(-node, 0) for node in lambdas]
 
     lnp = np.zeros((nodes_[-1].number, 4), np.int64)
-    for i, (n, coordinate) in enumerate((key for c in CLASSES for key in x_list[c]), 1):
-        lnp[n - 1, coordinate - 1] = i
+    for i, (owner, coordinate) in enumerate((key for c in CLASSES for key in x_list[c]), 1):
+        lnp[owner - 1, coordinate - 1] = i
     highest = elements[-1][0]
     le = np.zeros((highest, 6), np.int64)
     slips = []
-    slips_of = {n: ELEMENT_TYPES[k].slips for n, k, _ in elements}
+    slips_of = {element: ELEMENT_TYPES[k].slips for element, k, _ in elements}
     for i, (element, mode) in enumerate((key for c in E_ORDER for key in e_list[c]), 1):
         if element > 0:
             le[element - 1, mode - 1] = i
@@ -246,9 +246,6 @@ def number(
         le=le,
         ln=ln,
         it=it,
-        normalization=np.array(
-            [(n, first_normalization + k) for k, n in enumerate(lambdas)], np.int64
-        ).reshape(-1, 2),
+        normalization=np.array([(n, first_normalization + k) for k, n in enumerate(lambdas)], np.int64).reshape(-1, 2),
         slips=np.array(slips, bool),
     )
-

@@ -3,7 +3,7 @@
 Signatures (keywords.md notes d5 and d12; index arrays 0-based with -1 for "does not exist"):
 
     time, sig, f = name(t, ne, le, e, ep, nx, lnp, x, xp)     rows: number, mode or coordinate, value[, k, d]
-    t, e, x = name(t, step)                                   rows: number, mode or coordinate, value, rate, acceleration
+    t, e, x = name(t, step)                                   rows: number, mode or coordinate, value, rate, acc.
 
 The returned rows use the numbers of the input file. A missing or wrong function raises InputError before the run; an
 exception, a wrong shape or a non-finite value during the run raises AnalysisError with time and row.
@@ -30,7 +30,9 @@ def load_function(deck: Deck, statement: Statement) -> Callable[..., Any]:
     name = str(statement.values[0])
 
     def refuse(reason: str) -> InputError:
-        return InputError([Message("error", deck.source, statement.line, statement.keyword, reason, "input.user-function")])
+        return InputError(
+            [Message("error", deck.source, statement.line, statement.keyword, reason, "input.user-function")]
+        )
 
     folder = deck.path.parent if deck.path else Path.cwd()
     candidates = [p for p in (folder / f"{name}.py", folder / f"{name.lower()}.py") if p.exists()]
@@ -48,7 +50,7 @@ def load_function(deck: Deck, statement: Statement) -> Callable[..., Any]:
     function = getattr(module, path.stem, None) or getattr(module, name, None)
     if not callable(function):
         raise refuse(f"{path} does not define a function {name}")
-    return function  # type: ignore[no-any-return]
+    return function
 
 
 def call(function: Callable[..., Any], name: str, t: float, *arguments: Any) -> tuple[Any, Any]:
@@ -66,7 +68,9 @@ def checked_rows(name: str, what: str, rows: Any, widths: tuple[int, ...], t: fl
     try:
         array = np.atleast_2d(np.asarray(rows if rows is not None else [], float))
     except (TypeError, ValueError) as error:
-        raise AnalysisError(f"{name} at t = {t:.9g}: {what} is not an array of numbers ({error})", "user-function.shape") from error
+        raise AnalysisError(
+            f"{name} at t = {t:.9g}: {what} is not an array of numbers ({error})", "user-function.shape"
+        ) from error
     if array.size == 0:
         return np.zeros((0, max(widths)))
     if array.ndim != 2 or array.shape[1] not in widths:
@@ -102,7 +106,9 @@ def load_user_signal(deck: Deck, statement: Statement, numbering: Numbering) -> 
 
     def signal(t: float, e: Array, ed: Array, x: Array, xd: Array) -> UserForces:
         sig, f = call(function, name, t, numbering.ne, le, e, ed, numbering.nx, lnp, x, xd)
-        result = UserForces(*(np.zeros(n) for n in (numbering.ne, numbering.nx) + 2 * (numbering.ne,) + 2 * (numbering.nx,)))
+        result = UserForces(
+            *(np.zeros(n) for n in (numbering.ne, numbering.nx) + 2 * (numbering.ne,) + 2 * (numbering.nx,))
+        )
         for k, row in enumerate(checked_rows(name, "sig", sig, (3, 5), t)):
             i = place(numbering.e_index, row, "sig", k, t)
             result.sigma[i] += row[2]
@@ -154,6 +160,8 @@ class UserDrive:
             except KeyError:
                 i = -1
             if not 0 <= i < target.shape[1]:
-                text = f"{self.name} at t = {t:.9g}: row {k + 1} of {what} names {row[0]:g} {row[1]:g}, which is no {kind}"
+                text = (
+                    f"{self.name} at t = {t:.9g}: row {k + 1} of {what} names {row[0]:g} {row[1]:g}, which is no {kind}"
+                )
                 raise AnalysisError(text, "user-function.index")
             target[:, i] = row[2:5]
