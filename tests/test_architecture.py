@@ -1,5 +1,4 @@
-"""The arrows of the house (design.md section 1): spacar_cli -> spacar_formats -> spacar, and the stations
-inside."""
+"""The arrows of the house (design.md 1): spacar_cli -> spacar_formats -> spacar, and the stations inside."""
 
 from __future__ import annotations
 
@@ -43,8 +42,7 @@ def sources() -> list[tuple[str, Path]]:
 
 
 def imports(path: Path, top_only: bool = False) -> set[str]:
-    """Absolute dotted names of all modules that a file imports; `top_only`: those executed when it is
-    imported."""
+    """Absolute dotted names of all modules that a file imports; `top_only`: when it is imported itself."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
     nodes = tree.body if top_only else list(ast.walk(tree))
     found = set()

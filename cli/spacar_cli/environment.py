@@ -1,5 +1,4 @@
-"""Where a command reads and writes, and who is looking: makes the whole command line testable inside one
-process."""
+"""Where a command reads and writes, and who is looking: the whole command line is testable in one process."""
 
 from __future__ import annotations
 
@@ -31,8 +30,7 @@ class Environment:
         return self.stderr.isatty()
 
     def paint(self, text: str, colour: str) -> str:
-        """`text` in a colour when standard error is a terminal and the user has not refused (no-
-        color.org)."""
+        """`text` in a colour when standard error is a terminal and NO_COLOR (no-color.org) does not refuse."""
         refused = self.variables.get("NO_COLOR") or self.variables.get("TERM") == "dumb"
         return text if refused or not self.error_is_terminal else f"\x1b[{colour}m{text}\x1b[0m"
 

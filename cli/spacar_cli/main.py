@@ -1,5 +1,4 @@
-"""The command `spacar`: finds the command or the mode, imports what it needs, and turns errors into exit
-statuses."""
+"""The command `spacar`: finds the command or mode, imports what it needs, turns errors into exit statuses."""
 
 from __future__ import annotations
 

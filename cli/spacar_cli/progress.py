@@ -40,9 +40,7 @@ class Progress:
         done = frame.t if self._timed else self._steps
         speed = done / (time.perf_counter() - self._begun)
         text = f"t = {frame.t:.6g} s  {speed:.3g} s/s" if self._timed else f"step {self._steps}"
-        self._bar.update(
-            self._task, completed=done, total=total if self._timed else self._run.n_frames, text=text
-        )
+        self._bar.update(self._task, completed=done, total=total if self._timed else self._run.n_frames, text=text)
 
     def finish(self, error: BaseException | None) -> None:
         if self._bar is not None:
@@ -57,9 +55,7 @@ class Progress:
         from rich.console import Console
         from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
-        console = Console(
-            file=self._environment.stderr, no_color=bool(self._environment.variables.get("NO_COLOR"))
-        )
+        console = Console(file=self._environment.stderr, no_color=bool(self._environment.variables.get("NO_COLOR")))
         columns = (
             TextColumn("{task.fields[text]}"),
             BarColumn(),

@@ -26,8 +26,7 @@ class ExitStatus(IntEnum):
 
 
 def tell_messages(environment: Environment, messages: Sequence[Message], severities: tuple[str, ...]) -> None:
-    """Print the messages of these severities in this order of importance, at most 20, then how many are
-    left."""
+    """Print the messages of these severities in this order, at most 20, then how many are left."""
     chosen = [m for severity in severities for m in messages if m.severity == severity]
     for message in chosen[:MOST_LINES]:
         tell(environment, message.severity, str(message).removeprefix(f"{message.severity}: "))

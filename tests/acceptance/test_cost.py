@@ -32,9 +32,7 @@ def modules(*words: str, folder) -> set[str]:
 
 def test_version_costs_at_most_one_and_a_half_imports_of_numpy():
     """A ratio of the best of five pairs measured in turn, so that a busy machine slows both alike."""
-    pairs = [
-        (seconds(str(SPACAR), "--version"), seconds(sys.executable, "-c", "import numpy")) for _ in range(5)
-    ]
+    pairs = [(seconds(str(SPACAR), "--version"), seconds(sys.executable, "-c", "import numpy")) for _ in range(5)]
     version, numpy = (min(times) for times in zip(*pairs, strict=True))
     assert version <= 1.5 * numpy, (version, numpy)
 

@@ -1,5 +1,4 @@
-"""Runs as real processes: what is left when they end well, fail, are interrupted, are killed, or cannot
-write."""
+"""Runs as real processes: what is left when they end well, fail, are interrupted or killed, cannot write."""
 
 from __future__ import annotations
 
@@ -155,8 +154,7 @@ def test_a_killed_run_leaves_a_readable_file(folder):
 
 
 def test_a_full_disk_is_a_failure_with_the_reason(folder):
-    """A limit on the size of files stands for a full disk: the system refuses bytes in the middle of the
-    run."""
+    """A limit on the size of files stands for a full disk: bytes are refused in the middle of the run."""
 
     def limit():
         resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, 60_000))

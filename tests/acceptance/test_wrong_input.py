@@ -39,8 +39,7 @@ def file_name(row) -> str:
 
 
 def command_line(row) -> list[str]:
-    """Errors of a mode are provoked by a run in it; everything else by `check`, which knows all
-    severities."""
+    """Errors of a mode are provoked by a run in it, the rest by `check`, which knows all severities."""
     name = file_name(row)
     if row.severity == "error" and row.mode is not None:
         return [str(row.mode), name]
@@ -58,9 +57,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def outcomes(folder):
-    return dict(
-        zip((r.name for r in rows.ROWS), many([command_line(r) for r in rows.ROWS], folder), strict=True)
-    )
+    return dict(zip((r.name for r in rows.ROWS), many([command_line(r) for r in rows.ROWS], folder), strict=True))
 
 
 def verify(row, done: Done) -> None:
@@ -116,9 +113,7 @@ FUNCTIONS = {  # name of the function: body, status, fragments of the message
     "nan": ("return t, [[1, 1, float('nan')]], []", 1, ("nan", "t = 0", "row 1", "not finite")),
     "syntax": ("return (", 2, (":7: USERSIG", "syntax", "SyntaxError")),
 }
-SPRING = (
-    "PLTRUSS 1 1 2\nX 2 1. 0.\nFIX 1\nFIX 2 2\nDYNE 1 1\nEND HALT\n{line}XM 2 1.\nTIMESTEP 1. 2\nEND END\n"
-)
+SPRING = "PLTRUSS 1 1 2\nX 2 1. 0.\nFIX 1\nFIX 2 2\nDYNE 1 1\nEND HALT\n{line}XM 2 1.\nTIMESTEP 1. 2\nEND END\n"
 
 
 def test_user_function_that_does_not_exist(folder):

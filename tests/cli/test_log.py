@@ -134,16 +134,12 @@ def test_buckling_and_compliances(log_of):
     log = log_of(8, "column2")
     section = log[log.index("Load multipliers") :]
     assert "9.943846" in section  # reference/README of the examples: 9.94384680
-    assert in_order(
-        section, "Load multipliers", "Buckling modes, Euclidean norm 1", "Directional nodal compliances"
-    )
+    assert in_order(section, "Load multipliers", "Buckling modes, Euclidean norm 1", "Directional nodal compliances")
 
 
 def test_state_space_and_definitions(log_of):
     log = log_of(9, "lever")
-    assert in_order(
-        log, "INX: ", "OUTF: ", "stationary solution (ITERSTEP)", "The state space matrix A", "matrix D"
-    )
+    assert in_order(log, "INX: ", "OUTF: ", "stationary solution (ITERSTEP)", "The state space matrix A", "matrix D")
     assert "-1.000000000e+03   -5.000000000e+00" in log
 
 

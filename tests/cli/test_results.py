@@ -84,9 +84,7 @@ def test_element_tables():
     assert header["EINIT"][1].tolist() == [0, 0.125, 0, 0, 0, 0]
     # rows x', y', z' one after the other: beam 4 runs along y with y' = x, so z' = -z
     np.testing.assert_allclose(header["RXYZ"][1].reshape(3, 3), np.eye(3), atol=1e-15)
-    np.testing.assert_allclose(
-        header["RXYZ"][3].reshape(3, 3), [[0, 1, 0], [1, 0, 0], [0, 0, -1]], atol=1e-15
-    )
+    np.testing.assert_allclose(header["RXYZ"][3].reshape(3, 3), [[0, 1, 0], [1, 0, 0], [0, 0, -1]], atol=1e-15)
     assert not header["RXYZ"][[0, 2]].any()
     assert header["LN"].tolist() == [[0] * 4, [1, 2, 3, 4], [0] * 4, [3, 4, 5, 6]]
 
@@ -117,9 +115,7 @@ def test_matrices_and_state_space_files(call, tmp_path):
 def frame_of(run, **more) -> Frame:
     n = run.mechanism.numbering
     x, e = np.zeros(n.nx), np.zeros(n.ne)
-    return Frame(
-        t=0.0, x=run.mechanism.x0, xd=x, xdd=x, e=e, ed=e, edd=e, sig=e, fx=x, fxgrav=x, fxtot=x, **more
-    )
+    return Frame(t=0.0, x=run.mechanism.x0, xd=x, xdd=x, e=e, ed=e, edd=e, sig=e, fx=x, fxgrav=x, fxtot=x, **more)
 
 
 def write(run, stem, error=None, **more):
@@ -179,7 +175,5 @@ def test_an_incomplete_nominal_motion_is_refused(tmp_path):
 
 def test_another_mechanism_is_refused(nominal):
     found = find_setpoints(nominal)
-    with pytest.raises(
-        UsageError, match="element 1 is PLBEAM with nodes 1 2 3 4 here, HINGE with nodes 1 2 there"
-    ):
+    with pytest.raises(UsageError, match="element 1 is PLBEAM with nodes 1 2 3 4 here, HINGE with nodes 1 2 there"):
         check_same_model(found, spacar.frames(1, DATA / "crank.dat").mechanism.numbering)

@@ -44,9 +44,7 @@ def command(environment: Environment, file: Path, mode: int | None, as_json: boo
         import dataclasses
         import json
 
-        environment.say(
-            json.dumps({"input": str(source), "messages": [dataclasses.asdict(m) for m in messages]})
-        )
+        environment.say(json.dumps({"input": str(source), "messages": [dataclasses.asdict(m) for m in messages]}))
     else:
         found = (f"{severities.count(s)} {s}{'s' * (severities.count(s) != 1)}" for s in ("error", "warning"))
         environment.say(f"{source}: {', '.join(found)}")

@@ -16,9 +16,7 @@ PLACES = (HERE / "examples", HERE.parent.parent / "data")  # in an installed whe
 
 @click.command("examples")
 @click.argument("names", metavar="[NAME]...", nargs=-1)
-@click.option(
-    "--to", "folder", type=click.Path(path_type=Path), default=Path("."), help="Folder to copy to [.]."
-)
+@click.option("--to", "folder", type=click.Path(path_type=Path), default=Path("."), help="Folder to copy to [.].")
 @click.option("--force", is_flag=True, help="Overwrite existing files.")
 @click.pass_obj
 def command(environment: Environment, names: tuple[str, ...], folder: Path, force: bool) -> None:

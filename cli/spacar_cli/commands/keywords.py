@@ -36,8 +36,7 @@ def overview() -> Iterator[str]:
 
 
 def explanation(name: str) -> Iterator[str]:
-    """All meanings of a keyword, one for each block where it may stand. Raises UsageError for an unknown
-    one."""
+    """All meanings of a keyword, one for each block where it may stand. Raises UsageError."""
     wanted = ALIASES.get(name.upper(), name.upper())
     blocks = blocks_of(wanted)
     if not blocks:

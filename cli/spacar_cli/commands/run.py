@@ -59,20 +59,14 @@ def command_of_mode(word: str) -> click.Command:
             params.append(click.Option([flag, field], type=kind, help=text))
     if mode.number in LINEARIZED:
         params.append(
-            click.Option(
-                ["--setpoints"], help="Result of mode 2 to linearize along, instead of the search by name."
-            )
+            click.Option(["--setpoints"], help="Result of mode 2 to linearize along, instead of the search by name.")
         )
     params += [
         click.Option(["--quiet", "-q"], is_flag=True, help="Print errors only."),
         click.Option(["--verbose", "-v"], is_flag=True, help="Print warnings, information and a summary."),
         click.Option(["--json", "as_json"], is_flag=True, help="Print a summary in JSON."),
     ]
-    short = (
-        f"Mode {mode.number}: {mode.title}. Writes FILE.log and "
-        + ", ".join(f"FILE.{k}" for k in mode.files)
-        + "."
-    )
+    short = f"Mode {mode.number}: {mode.title}. Writes FILE.log and " + ", ".join(f"FILE.{k}" for k in mode.files) + "."
     return click.Command(word, params=params, callback=click.pass_obj(partial(run_mode, mode)), help=short)
 
 
@@ -88,8 +82,7 @@ def run_mode(
     setpoints: str | None = None,
     **options: Any,
 ) -> ExitStatus:
-    """Run the analysis and report. Errors before the log exists are raised, all others are told and in the
-    log."""
+    """Run the analysis and report. Errors before the log exists are raised, others are told and logged."""
     source = input_file(file)
     overrides = {field: value for field, value in options.items() if value is not None}
     if "integrator" in overrides:
@@ -112,23 +105,25 @@ def run_mode(
     except (Exception, KeyboardInterrupt) as error:  # before the first step
         log.finish(error)
         outcome.error = error
-    status = _status(environment, outcome, log.path, results)
+    status = _status(environment, outcome, results)
     if as_json:
         environment.say(_as_json(mode, source, outcome, status, log, results, run))
-    elif not quiet and status == ExitStatus.DONE and (verbose or environment.output_is_terminal):
-        names = " ".join(str(p) for p in (log.path, *(s.path for s in results)))
-        environment.say(
-            f"{source.name}: {mode.title}, {outcome.steps} steps in {outcome.seconds:.2f} s: {names}"
-        )
+    elif not quiet and run is not None and (verbose or environment.output_is_terminal):
+        if verbose or mode.number == 0:
+            for line in run.report.lines:
+                environment.say(line)
+        if status == ExitStatus.DONE:
+            names = " ".join(str(p) for p in (log.path, *(s.path for s in results)))
+            steps = f"{outcome.steps} step{'s' * (outcome.steps != 1)}"
+            environment.say(f"{source.name}: {mode.title}, {steps} in {outcome.seconds:.2f} s: {names}")
     return status
 
 
 def consume(run: Run, sinks: Sequence[Sink]) -> Outcome:
-    """Hand every frame to every sink; however the run ends, finish the sinks in their order with what ended
-    it.
+    """Hand every frame to every sink; however the run ends, finish the sinks with what ended it.
 
-    Results come before the log in `sinks`, so that the log also knows of a result that could not be
-    completed.
+    They are finished in their order: the log is the last one, so that it also tells of a result that could not
+    be completed.
     """
     outcome = Outcome()
     begun = time.perf_counter()
@@ -182,7 +177,7 @@ def _set_nominal(run: Run, source: Path, setpoints: str | None) -> None:
     check_same_model(run.nominal, run.mechanism.numbering)
 
 
-def _status(environment: Environment, outcome: Outcome, log: Path, results: list[ResultSink]) -> ExitStatus:
+def _status(environment: Environment, outcome: Outcome, results: list[ResultSink]) -> ExitStatus:
     """Explain how the run ended when it did not end well."""
     error = outcome.error
     if error is None:
@@ -190,11 +185,8 @@ def _status(environment: Environment, outcome: Outcome, log: Path, results: list
     kept = " ".join(str(s.written_to) for s in results if s.written_to is not None)
     if isinstance(error, KeyboardInterrupt):
         at = f" after {outcome.steps} steps at t = {outcome.last:.10g}" if outcome.last is not None else ""
-        tell(
-            environment,
-            "error",
-            f"interrupted{at}" + (f"; results so far are kept in {kept}" if kept else ""),
-        )
+        kept = f"; results so far are kept in {kept}" if kept else ""
+        tell(environment, "error", f"interrupted{at}{kept}")
         return ExitStatus.INTERRUPTED
     if not isinstance(error, (SpacarError, OSError, MemoryError)) and environment.debug:
         raise error
@@ -228,6 +220,7 @@ def _as_json(
         report |= {"ndof": n.ndof, "nddof": n.nddof, "nx": n.nx, "ne": n.ne, "information": run.report.lines}
         report["messages"] = [str(m) for m in run.mechanism.deck.messages]
     if outcome.error is not None:
-        report["error"] = str(outcome.error) or "interrupted"
-        report["code"] = getattr(outcome.error, "code", "interrupted")
+        interrupted = isinstance(outcome.error, KeyboardInterrupt)
+        report["error"] = str(outcome.error) or type(outcome.error).__name__
+        report["code"] = "interrupted" if interrupted else getattr(outcome.error, "code", "internal")
     return json.dumps(report)

@@ -21,15 +21,12 @@ def cell(value: object) -> str:
 
 
 def table(headings: Sequence[str], rows: Iterable[Sequence[object]]) -> list[str]:
-    """Lines of a table, indented by two blanks; columns of numbers stand to the right, columns of words to
-    the left."""
+    """Lines of a table, indented by two blanks; numbers stand to the right, words to the left."""
     body = [tuple(row) for row in rows]
     cells = [[cell(v) for v in row] for row in body]
     widths = [max([len(h), *(len(r[k]) for r in cells)]) for k, h in enumerate(headings)]
     left = [any(isinstance(row[k], str) for row in body) for k in range(len(headings))]
-    form = "  " + "  ".join(
-        f"%{'-' if words else ''}{width}s" for words, width in zip(left, widths, strict=True)
-    )
+    form = "  " + "  ".join(f"%{'-' if words else ''}{width}s" for words, width in zip(left, widths, strict=True))
     return [(form % tuple(line)).rstrip() for line in (headings, *cells)]
 
 

@@ -33,8 +33,7 @@ LARGEST = 40  # larger matrices are in the result file only
 
 
 def eigenvalues(n: Numbering, frame: Frame) -> list[str]:
-    """Eigenvalues in the order of decreasing modulus, frequencies, damping ratios, and the normalized
-    eigenvectors."""
+    """Eigenvalues by decreasing modulus, frequencies, damping ratios, and the normalized eigenvectors."""
     m = frame.matrices
     if "eigval" not in m:
         return []
@@ -78,9 +77,7 @@ def buckling(n: Numbering, frame: Frame) -> list[str]:
         return []
     values = np.ravel(m["lmult"])
     order = np.argsort(np.abs(values), kind="stable")
-    rows = [
-        [k, real(float(values[i])) if np.isfinite(values[i]) else "infinite"] for k, i in enumerate(order, 1)
-    ]
+    rows = [[k, real(float(values[i])) if np.isfinite(values[i]) else "infinite"] for k, i in enumerate(order, 1)]
     lines = [
         "Load multipliers (negative: the load reversed)",
         "",
@@ -114,9 +111,7 @@ def matrices(n: Numbering, frame: Frame) -> list[str]:
         for name, title in MATRICES.items()
         if name in frame.matrices and name not in trivial
     ]
-    known += [
-        (f"state space matrix {k}", frame.state_space[k], []) for k in STATE_SPACE if k in frame.state_space
-    ]
+    known += [(f"state space matrix {k}", frame.state_space[k], []) for k in STATE_SPACE if k in frame.state_space]
     for title, value, names in known:
         if not np.size(value):
             continue

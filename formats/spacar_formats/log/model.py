@@ -1,5 +1,4 @@
-"""Log sections 2 and 3: the mechanism, its numbering and classes, and the dynamic data (reference/files.md
-section 2)."""
+"""Log sections 2 and 3: the mechanism, its numbering and classes, its dynamic data (reference/files.md 2)."""
 
 from __future__ import annotations
 
@@ -96,8 +95,7 @@ def counts(n: Numbering) -> list[str]:
 
 
 def dynamics(mechanism: Mechanism) -> list[str]:
-    """Inertia, stiffness, damping, loads and prescribed motion as the input gives them, and the total
-    mass."""
+    """Inertia, stiffness, damping, loads and prescribed motion as the input gives them, the total mass."""
     lines = []
     for name in DYNAMICS:
         lines += statements(mechanism, name, Block.DYNAMICS)
@@ -134,11 +132,7 @@ def total_mass(mechanism: Mechanism) -> tuple[float, list[str]]:
         element = s.integer(0)
         per_length = s.real(1) + (s.real(2) if n.keyword[element] in TUBES else 0.0)
         distributed += per_length * length[element]
-    parts = (
-        [f"  in nodes {real(lumped)} kg, distributed over elements {real(distributed)} kg"]
-        if distributed
-        else []
-    )
+    parts = [f"  in nodes {real(lumped)} kg, distributed over elements {real(distributed)} kg"] if distributed else []
     return lumped + distributed, parts
 
 
@@ -176,8 +170,7 @@ def _shown(s: Statement, variant: Variant) -> Sequence[object]:
 
 
 def coordinates(n: Numbering) -> tuple[list[tuple[int, str]], list[tuple[int, str]]]:
-    """(node, name of the coordinate) of all x and (element, name of the mode with unit) of all e, in their
-    order."""
+    """(node, name of the coordinate) of all x and (element, mode with unit) of all e, in their order."""
     x = []
     for i in range(n.nx):
         node, _, name = n.x_name(i).removeprefix("node ").partition(" ")

@@ -33,9 +33,7 @@ class LogSink:
     `options` are the command line's overrides of the deck, echoed at the top.
     """
 
-    def __init__(
-        self, path: Path, mode: Mode, source: Path, options: Mapping[str, Any] | None = None
-    ) -> None:
+    def __init__(self, path: Path, mode: Mode, source: Path, options: Mapping[str, Any] | None = None) -> None:
         self.path = path
         self._run: Run | None = None
         self._steps = steps.StepList()
@@ -65,9 +63,7 @@ class LogSink:
         self._last = frame
         if self._frames == 1:
             self._write([*_condition(run), *_dynamics(run), *_settings(run)])
-            self._write(
-                heading("Initial state" if timed else "Solution" if run.mode.number else "Configuration")
-            )
+            self._write(heading("Initial state" if timed else "Solution" if run.mode.number else "Configuration"))
             self._write(steps.state(n, frame, motion=run.mode.number != 0))
             if timed:
                 self._write([*linear.matrices(n, frame), *heading("Steps")])
@@ -77,9 +73,7 @@ class LogSink:
             self._write([self._steps.line(frame)])
             return
         if self._frames > 1:
-            self._write(
-                [*heading(f"Solution {self._frames}, load step {real(frame.t)}"), *steps.state(n, frame)]
-            )
+            self._write([*heading(f"Solution {self._frames}, load step {real(frame.t)}"), *steps.state(n, frame)])
         self._write(_statistics(frame))
         self._write(steps.transfer_functions(run, frame))
         self._write(linear.eigenvalues(n, frame))

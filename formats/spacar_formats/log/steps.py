@@ -1,5 +1,4 @@
-"""Log sections 4 and 5 for motions: states, transfer functions, integration settings, the list of time
-steps."""
+"""Log sections 4 and 5 for motions: states, transfer functions, integration settings, list of time steps."""
 
 from __future__ import annotations
 
@@ -34,9 +33,7 @@ def state(n: Numbering, frame: Frame, motion: bool = True) -> list[str]:
     x_columns = [("x", frame.x), ("dx/dt", frame.xd), ("d2x/dt2", frame.xdd)]
     x_columns += [("applied force", frame.fx), ("total force", frame.fxtot)]
     e_columns = [("e", frame.e), ("de/dt", frame.ed), ("d2e/dt2", frame.edd), ("stress resultant", frame.sig)]
-    title = "Coordinates" + (
-        "; total force: applied force, gravity and force of supports and drives" if motion else ""
-    )
+    title = "Coordinates" + ("; total force: applied force, gravity and force of supports and drives" if motion else "")
     lines = [
         title,
         "",
@@ -78,9 +75,7 @@ def transfer_functions(run: Run, frame: Frame) -> list[str]:
     for flag, title, values, names, heads in wanted:
         if level & flag:
             missing = values is None or not values.size
-            lines.append(
-                f"At t = {real(frame.t)}: {title}" + (": not computed in this mode" if missing else "")
-            )
+            lines.append(f"At t = {real(frame.t)}: {title}" + (": not computed in this mode" if missing else ""))
             lines += [""] if values is None or missing else ["", *matrix(values, names, heads)]
     return lines
 
@@ -149,8 +144,6 @@ class StepList:
         self._counters = counters
         heads = [COUNTERS.get(name, name.replace("_", " ")) for name in counters]
         widths = [max(len(head), 10) for head in heads]
-        head = f"{'step':>8}  {'time [s]':>17}" + "".join(
-            f"  {h:>{w}}" for h, w in zip(heads, widths, strict=True)
-        )
+        head = f"{'step':>8}  {'time [s]':>17}" + "".join(f"  {h:>{w}}" for h, w in zip(heads, widths, strict=True))
         self._form = "%8d  %17.10g" + "".join(f"  %{w}.7g" for w in widths)
         return head + "\n" + self._form % (self._step, frame.t, *frame.statistics.values())

@@ -1,5 +1,4 @@
-"""Header variables of the result files: what a run knows with its first step (reference/files.md sections
-3 to 6)."""
+"""Header variables of the result files: what a run knows with its first step (reference/files.md 3 to 6)."""
 
 from __future__ import annotations
 
@@ -35,8 +34,7 @@ def provenance(run: Run) -> dict[str, Any]:
 
 
 def counts(run: Run) -> dict[str, Any]:
-    """Degrees of freedom: all, dynamic, and the same with the kinematic coordinates of non-holonomic
-    systems."""
+    """Degrees of freedom: all, dynamic, and the same with the kinematic coordinates."""
     n = run.mechanism.numbering
     return {"NDOF": n.ndof, "NDDOF": n.nddof, "NKDOF": n.nkdof, "NKDDOF": n.nkddof}
 
@@ -58,8 +56,7 @@ def sbd_header(run: Run, stored: Container[str] = ()) -> dict[str, Any]:
 
 
 def element_tables(mechanism: Mechanism) -> dict[str, Array]:
-    """KDEF, RXYZ, RQ, DR0, RL0: one row for every element number up to the highest, zero where nothing
-    exists."""
+    """KDEF, RXYZ, RQ, DR0, RL0: a row for every element number up to the highest, zero if unused."""
     rows = len(mechanism.numbering.le)
     linear = {int(s.values[0]) for s in mechanism.deck.of("LDEFORM", block=1)}
     elements = [b.family for b in mechanism.batches if b.family.keyword in ELEMENT_TYPES]
