@@ -30,7 +30,8 @@ $(VENV)/.installed-dev: pyproject.toml
 
 crank: $(VENV)/.installed
 	$(BIN)/spacar 1 data/crank.dat --output-dir $(OUT)
-	@echo "results: $(OUT)/crank.log $(OUT)/crank.sbd"
+	$(BIN)/spacar draw $(OUT)/crank --steps 1:6:42 --output $(OUT)/crank.png
+	@echo "log: $(OUT)/crank.log  results: $(OUT)/crank.sbd  picture: $(OUT)/crank.png"
 
 test: lint
 	$(BIN)/python -m pytest -m "not slow" $(PYTEST)

@@ -22,6 +22,7 @@ COMMANDS = {
     "check": "read an input file and report, without running it",
     "keywords": "the keywords of the input language",
     "examples": "list or copy the example models",
+    "draw": "picture or animation of the mechanism at chosen steps",
     "checksbf": "what is in a result file, and whether it is sound",
     "getfrsbf": "print a variable of a result file",
     "repinsbf": "replace the value of a variable",
