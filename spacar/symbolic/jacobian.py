@@ -32,13 +32,22 @@ class Jacobian:
         return sum(int(sp.count_ops(e)) for e in [*(e for _, e in self.step), *self.dg, *self.drates])
 
 
-def make_jacobian(program: Program) -> Jacobian:
-    """Differentiate the program with respect to its state."""
-    state = program.state
-    constants = {*program.parameters, *(s for s, _ in program.once)}
-    names = NameSource([*constants, *state, *program.inputs, *(s for s, _ in program.step)])
-    definitions: dict[sp.Symbol, sp.Expr] = dict(program.step)
-    known: dict[sp.Symbol, dict[sp.Symbol, sp.Expr]] = {y: {y: sp.S.One} for y in state}
+@dataclass(frozen=True, eq=False)
+class Gradients:
+    """Derivatives of several expressions with respect to the state: rows in the symbols of `step`."""
+
+    step: Assignments
+    rows: list[list[sp.Expr]]
+
+
+def gradients(program: Program, expressions: list[sp.Expr], constant: tuple[sp.Symbol, ...] = ()) -> Gradients:
+    """Forward chain rule through the inputs and the step of a program; `step` is extended by the derivatives.
+
+    `constant` are symbols in the expressions that do not depend on the state.
+    """
+    known: dict[sp.Symbol, dict[sp.Symbol, sp.Expr]] = {y: {y: sp.S.One} for y in program.state}
+    names = _names(program, constant)
+    definitions: dict[sp.Symbol, sp.Expr] = {}
 
     def gradient(expression: sp.Expr) -> dict[sp.Symbol, sp.Expr]:
         result: dict[sp.Symbol, list[sp.Expr]] = {}
@@ -48,9 +57,10 @@ def make_jacobian(program: Program) -> Jacobian:
                 result.setdefault(y, []).append(slope * d)
         return {y: sp.Add(*parts) for y, parts in result.items()}
 
-    for symbol, expression in [*program.inputs.items(), *program.step]:
-        if expression is None:
-            continue
+    fed = [(s, e, True) for s, e in program.inputs.items() if e is not None]
+    for symbol, expression, is_input in [*fed, *((s, e, False) for s, e in program.step)]:
+        if not is_input:
+            definitions[symbol] = expression
         slopes: dict[sp.Symbol, sp.Expr] = {}
         for y, d in gradient(expression).items():
             if d.is_Atom or (-d).is_Atom:
@@ -59,19 +69,32 @@ def make_jacobian(program: Program) -> Jacobian:
                 slopes[y] = names("d")
                 definitions[slopes[y]] = d
         if slopes:
-            known[symbol] = slopes
+            known[symbol] = {y: d for y, d in slopes.items() if d != 0}
+    rows = [gradient(e) for e in expressions]
+    return Gradients(tuple(definitions.items()), [[row.get(y, sp.S.Zero) for y in program.state] for row in rows])
+
+
+def _names(program: Program, constant: tuple[sp.Symbol, ...]) -> NameSource:
+    assigned = [s for s, _ in [*program.once, *program.step]]
+    return NameSource([*program.parameters, *program.state, *program.inputs, *assigned, *constant])
+
+
+def make_jacobian(program: Program) -> Jacobian:
+    """Differentiate g = f − I a and q̇ with respect to the state, then share common subexpressions."""
+    names = _names(program, ())
     accelerations = tuple(names("a") for _ in program.speeds)
-    n = program.n
-    upper = iter(program.mass)
+    n, upper = program.n, iter(program.mass)
     I = sp.zeros(n, n)
     for i in range(n):
         for j in range(i, n):
             I[i, j] = I[j, i] = next(upper)
-    rows = [gradient(program.rhs[i] - sum(I[i, j] * accelerations[j] for j in range(n))) for i in range(n)]
-    rows += [gradient(e) for e in program.rates]
-    flat = [row.get(y, sp.S.Zero) for row in rows for y in state]
-    once, step, flat = share(definitions, flat, constants, names)
-    everything = sp.Matrix(len(rows), len(state), flat)
+    g = [program.rhs[i] - sum(I[i, j] * accelerations[j] for j in range(n)) for i in range(n)]
+    raw = gradients(program, [*g, *program.rates], accelerations)
+    flat = [e for row in raw.rows for e in row]
+    constants = {*program.parameters, *(s for s, _ in program.once)}
+    taken = _names(program, (*accelerations, *(s for s, _ in raw.step)))
+    once, step, flat = share(dict(raw.step), flat, constants, taken)
+    everything = sp.Matrix(len(raw.rows), len(program.state), flat)
     return Jacobian(
         accelerations,
         (*program.once, *once),

@@ -21,6 +21,8 @@ from spacar.symbolic.program import Program
 
 INTEGRATORS = {"gear": "LSODA", "bdf": "BDF", "radau": "Radau", "dop853": "DOP853"}
 LOOSEST = 1e-2
+TIGHTEST_SCALED = 1e-10  # below this fraction of its scale a state at rest under load is rounding noise
+MOST_EVALUATIONS = 1_000_000  # stiff runs need 1e3 to 1e5; more means that the step is at the level of rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,14 +69,19 @@ def check_values(program: Program, values: Mapping[str, float]) -> dict[str, flo
     return result
 
 
+def check_feeds(program: Program, feeds: Mapping[str, Callable[..., float]] | None) -> None:
+    """UsageError when an input has neither a law nor a function."""
+    missing = [s.name for s, e in program.inputs.items() if e is None and s.name not in (feeds or {})]
+    if missing:
+        raise UsageError(f"input {missing[0]} has no law: give an expression, or a function in `feeds`", "input")
+
+
 def make_function(
     program: Program, values: Mapping[str, float], jacobian: bool = True, feeds: Mapping[str, Callable[..., float]] | None = None
 ) -> Any:
     """The generated Python right-hand side f(t, y) for parameter values, with f.jac, f.inputs, f.outputs, f.accel."""
     numbers = check_values(program, values)
-    missing = [s.name for s, e in program.inputs.items() if e is None and s.name not in (feeds or {})]
-    if missing:
-        raise UsageError(f"input {missing[0]} has no law: give an expression, or a function in `feeds`", "input")
+    check_feeds(program, feeds)
     space: dict[str, Any] = {}
     exec(compile(program.text("python", jacobian), f"<{program.title or 'equations'}>", "exec"), space)
     rhs, jac = space["make_rhs"](numbers, feeds)
@@ -96,11 +103,12 @@ def simulate(
     function: Any = None,
     at: np.ndarray | None = None,
     progress: Callable[[float], None] | None = None,
+    limit: int = MOST_EVALUATIONS,
 ) -> Run:
     """Integrate from `start` (states by name, others zero) to t_end [s] with `steps` equal output steps (or times `at`).
 
-    atol: one number, numbers by state name, or None for rtol/100 times the scale of each state (its start value, else
-    the static deflection, else 1). `function` replaces the generated Python (compiled code). Raises UsageError for
+    atol: one number, numbers by state name, or None for rtol times the scale of each state (the larger
+    of start value and static deflection; of speeds that of their coordinate per second; 1 when all are zero). `function` replaces the generated Python (compiled code). `limit` ends a run that stalls. Raises UsageError for
     unknown names or tolerances above 1e-2, AnalysisError when the integrator stops.
     """
     from scipy.integrate import solve_ivp
@@ -118,12 +126,12 @@ def simulate(
     f = function or make_function(program, values, True, feeds)
     y0 = np.array([float((start or {}).get(name, 0.0)) for name in names])
     times = np.linspace(0.0, t_end, steps + 1) if at is None else np.asarray(at, dtype=float)
-    options: dict[str, Any] = {} if integrator == "dop853" else {"jac": f.jac}
+    options: dict[str, Any] = {} if integrator == "dop853" else {"jac": lambda t, y: f.jac(t, y.tolist())}
     began = time.perf_counter()
     try:
         tolerance = absolute_tolerance(names, y0, f, rtol, atol)
         solution = solve_ivp(
-            f if progress is None else _watched(f, progress), (0.0, float(times[-1])), y0, method=INTEGRATORS[integrator],
+            _watched(f, progress, limit), (0.0, float(times[-1])), y0, method=INTEGRATORS[integrator],
             t_eval=times, rtol=rtol, atol=tolerance, **options,
         )  # fmt: skip
     except ArithmeticError as error:
@@ -152,11 +160,14 @@ def simulate(
 def absolute_tolerance(
     names: tuple[str, ...], y0: np.ndarray, f: Any, rtol: float, atol: float | Mapping[str, float] | None
 ) -> np.ndarray:
-    """One absolute tolerance a state; without wishes rtol/100 times a scale found from start and static deflection."""
+    """One absolute tolerance a state; without wishes rtol times a scale, see `simulate`."""
     if isinstance(atol, (int, float)):
         return np.full(len(names), float(atol))
     scale = np.maximum(np.abs(y0), _static(f, y0))
-    result = 1e-2 * rtol * np.where(scale > 0, scale, 1.0)
+    half = len(names) // 2
+    if len(names) == 2 * half:  # at rest speeds are noise: their scale is that of the coordinate per second
+        scale[half:] = np.maximum(np.abs(y0[half:]), scale[:half])
+    result = max(rtol, TIGHTEST_SCALED) * np.where(scale > 1e-12, scale, 1.0)
     for name, value in (atol or {}).items():
         if name not in names:
             raise UsageError(f"atol: {name} is not a state (states: {', '.join(names)})")
@@ -171,9 +182,18 @@ def _static(f: Any, y0: np.ndarray) -> np.ndarray:
     return np.where(np.isfinite(step), np.abs(step), 0.0)
 
 
-def _watched(f: Callable[..., Any], progress: Callable[[float], None]) -> Callable[..., Any]:
-    def watched(t: float, y: Any) -> Any:
-        progress(t)
-        return f(t, y)
+def _watched(f: Callable[..., Any], progress: Callable[[float], None] | None, limit: int) -> Callable[..., Any]:
+    evaluations = 0
+
+    def watched(t: float, y: np.ndarray) -> Any:
+        nonlocal evaluations
+        evaluations += 1
+        if evaluations > limit:
+            raise AnalysisError(
+                f"simulation stalls at t = {t:.6g} s after {limit} evaluations: loosen rtol or atol, or try radau", "stall"
+            )
+        if progress is not None:
+            progress(t)
+        return f(t, y.tolist())
 
     return watched

@@ -1,0 +1,75 @@
+"""Fortran 2008, free form, lines of at most 132 characters, every routine with bind(c).
+
+Subroutines eom_once(p, c), eom_step(c, p, y, u, M, f), accel(p, y, u, M, f), eom_feed(t, c, p, y, u), eom_rates,
+eom_outputs. M is the
+full symmetric matrix as a vector.
+"""
+
+from __future__ import annotations
+
+import textwrap
+
+from spacar.symbolic.emit.header import header
+from spacar.symbolic.emit.routines import Routine, compiled_routines
+from spacar.symbolic.emit.scalars import FORTRAN, Writer
+from spacar.symbolic.program import Program
+
+_WIDTH = 120
+
+
+def source(program: Program, jacobian: bool = False) -> str:
+    """The Fortran module as text."""
+    once, routines = compiled_routines(program)
+    n = program.n
+    sizes = {
+        "p": len(program.parameters), "c": len(once), "y": len(program.state), "u": len(program.inputs), "M": n * n,
+        "f": n, "ydot": len(program.coordinates), "out": len(program.outputs),
+    }  # fmt: skip
+    lines = [f"! {line}".rstrip() for line in header(program)]
+    lines += ["module equations_of_motion", "  use, intrinsic :: iso_c_binding, only: dp => c_double", "  implicit none"]
+    lines += ["contains", ""]
+    for r in routines:
+        lines += _subroutine(r, sizes)
+    lines += _accel(sizes)
+    lines += ["end module equations_of_motion", ""]
+    return "\n".join(piece for line in lines for piece in _wrap(line))
+
+
+def _declare(argument: str, intent: str, sizes: dict[str, int]) -> str:
+    if argument == "t":
+        return "    real(dp), intent(in), value :: t"
+    return f"    real(dp), intent({intent}) :: {argument}({sizes[argument]})"
+
+
+def _subroutine(r: Routine, sizes: dict[str, int]) -> list[str]:
+    w = Writer(FORTRAN, r.known)
+    lines = [f"  subroutine eom_{r.name}({', '.join(r.arguments)}) bind(c)"]
+    lines += [_declare(a, "inout" if a in r.changed else "in", sizes) for a in r.arguments]
+    local = [w.names[s] for s in r.known]
+    lines += [f"    real(dp) :: {', '.join(local[i : i + 8])}" for i in range(0, len(local), 8)]
+    unused = [a for a in r.arguments if a not in r.changed and a != "t" and a not in {x for x, _, _ in r.reads}]
+    unused += ["t"] if "t" in r.arguments and not r.uses_time else []
+    unused += [a for a in r.changed if not any(x == a for x, _, _ in r.results)]
+    if unused:  # an argument that this model does not need; the interface stays the same for all models
+        lines += ["    associate (" + ", ".join(f"unused_{a} => {a}" for a in unused) + ")", "    end associate"]
+    lines += [f"    {w.names[s]} = {a}({i + 1})" for a, i, s in r.reads]
+    lines += [f"    {w.names[s]} = {w(e)}" for s, e in r.body]
+    lines += [f"    {a}({i + 1}) = {w(e)}" for a, i, e in r.results]
+    return [*lines, f"  end subroutine eom_{r.name}", ""]
+
+
+def _accel(sizes: dict[str, int]) -> list[str]:
+    lines = ["  subroutine accel(p, y, u, M, f) bind(c)"]
+    lines += [_declare(a, "inout" if a in "Mf" else "in", sizes) for a in ("p", "y", "u", "M", "f")]
+    lines += [f"    real(dp) :: c({sizes['c']})", "    call eom_once(p, c)", "    call eom_step(c, p, y, u, M, f)"]
+    return [*lines, "  end subroutine accel", ""]
+
+
+def _wrap(line: str) -> list[str]:
+    """Continuation lines; broken at blanks and after multiplication signs."""
+    if len(line) <= _WIDTH or line.lstrip().startswith("!"):
+        return [line]
+    indent = line[: len(line) - len(line.lstrip())]
+    breakable = line.strip().replace("*", "* ").replace("* * ", "**").replace("/", "/ ")
+    pieces = textwrap.wrap(breakable, _WIDTH - len(indent) - 6, break_long_words=False, break_on_hyphens=False)
+    return [f"{indent}{'  ' if i else ''}{p}{' &' if i < len(pieces) - 1 else ''}" for i, p in enumerate(pieces)]

@@ -1,0 +1,95 @@
+"""What C and Fortran have in common: the routines of a program with their arguments, reads, body and results."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import sympy as sp
+
+from spacar.symbolic.collect import definition_order
+from spacar.symbolic.program import Assignments, Program
+from spacar.symbolic.units import TIME
+
+Results = tuple[tuple[str, int, sp.Expr], ...]
+
+
+@dataclass(frozen=True)
+class Routine:
+    """A routine: `reads` (array, index, symbol) come first, then `body`, then `results` (array, index, expression).
+
+    `changed` are the arguments that are written; `known` all symbols, in the order in which names are given;
+    `internal` routines are not seen from outside.
+    """
+
+    name: str
+    arguments: tuple[str, ...]
+    changed: tuple[str, ...]
+    reads: tuple[tuple[str, int, sp.Symbol], ...]
+    body: Assignments
+    results: Results
+    internal: bool = False
+
+    @property
+    def known(self) -> list[sp.Symbol]:
+        return [*(s for _, _, s in self.reads), *(s for s, _ in self.body)]
+
+    @property
+    def uses_time(self) -> bool:
+        return any(TIME in e.free_symbols for e in [*(e for _, e in self.body), *(e for _, _, e in self.results)])
+
+
+def compiled_routines(program: Program, jacobian: bool = False) -> tuple[Assignments, list[Routine]]:
+    """The once assignments, and the routines once, step, feed, rates, outputs and (on request) slopes."""
+    once = program.jacobian.once if jacobian else program.once
+    places = _places(program, once)
+    n, ny = program.n, len(program.state)
+    upper = iter(program.mass)
+    mass = {}
+    for i in range(n):
+        for j in range(i, n):
+            mass[i, j] = mass[j, i] = next(upper)
+    system: Results = tuple(("M", i * n + j, mass[i, j]) for i in range(n) for j in range(n))
+    system += tuple(("f", i, e) for i, e in enumerate(program.rhs))
+    feed = tuple(("u", i, e) for i, e in enumerate(program.inputs.values()) if e is not None)
+    rates = tuple(("ydot", i, e) for i, e in enumerate(program.rates))
+    given = ("c", "p", "y", "u")
+
+    def routine(name: str, arguments: tuple[str, ...], changed: str | tuple[str, ...], body: Assignments, results: Results) -> Routine:
+        changed = (changed,) if isinstance(changed, str) else changed
+        needed = _free(body, results) - {s for s, _ in body}
+        reads = [(a, i, s) for s, (a, i) in places.items() if s in needed and a in arguments]
+        return Routine(name, arguments, changed, tuple(reads), body, results, internal=name == "slopes")
+
+    stored = tuple(("c", i, s) for i, (s, _) in enumerate(once))
+    routines = [
+        routine("once", ("p", "c"), "c", once, stored),
+        routine("step", (*given, "M", "f"), ("M", "f"), program.order(e for _, _, e in system), system),
+        routine("feed", ("t", *given), "u", (), feed),
+        routine("rates", (*given, "ydot"), "ydot", program.order(program.rates), rates),
+        routine(
+            "outputs", (*given, "out"), "out", program.order(program.outputs.values()),
+            tuple(("out", i, e) for i, e in enumerate(program.outputs.values())),
+        ),
+    ]  # fmt: skip
+    if jacobian:
+        J = program.jacobian
+        places |= {s: ("a", i) for i, s in enumerate(J.accelerations)}
+        entries = [*J.drates, *J.dg]
+        results = tuple(("J", k, e) for k, e in enumerate(entries))
+        assert len(entries) == ny * ny
+        definitions = dict(J.step)
+        body = tuple((s, definitions[s]) for s in definition_order(definitions, entries))
+        routines.append(routine("slopes", ("t", *given, "a", "J"), "J", body, results))
+    return once, routines
+
+
+def _places(program: Program, once: Assignments) -> dict[sp.Symbol, tuple[str, int]]:
+    places = {s: ("p", i) for i, s in enumerate(program.parameters)}
+    places |= {s: ("c", i) for i, (s, _) in enumerate(once)}
+    places |= {s: ("y", i) for i, s in enumerate(program.state)}
+    return places | {s: ("u", i) for i, s in enumerate(program.inputs)}
+
+
+def _free(body: Assignments, results: Iterable[tuple[str, int, sp.Expr]]) -> set[sp.Symbol]:
+    return set().union(*(e.free_symbols for _, e in body), *(e.free_symbols for _, _, e in results))

@@ -1,0 +1,44 @@
+"""Import of models made with `sympy.physics.mechanics`: equations of a `KanesMethod` as a program source.
+
+SymPy's own derivation becomes an `Equations`-like result, so that the program, the emitters and the simulation serve
+it too, and the two derivations can be compared.
+"""
+
+from __future__ import annotations
+
+import sympy as sp
+from sympy.physics.mechanics import KanesMethod
+
+from spacar.symbolic.collect import ZTable
+from spacar.symbolic.equations import Equations
+from spacar.symbolic.system import System
+from spacar.symbolic.transform import DirectionCosines
+from spacar.symbolic.units import TIME
+
+
+def from_kanes_method(kane: KanesMethod, title: str = "") -> Equations:
+    """Equations of a KanesMethod whose `kanes_equations` were formed; dependent speeds are not supported.
+
+    Raises ValueError for systems with dependent speeds or coordinates.
+    """
+    if len(kane.u) != kane.mass_matrix.rows or getattr(kane, "_udep", None):
+        raise ValueError("systems with dependent speeds are not supported: use System.constraint")
+    system = System(title=title)
+    kinematics = kane.kindiffdict()
+    system.coordinates, system.speeds = list(kane.q), list(kane.u)
+    system.rates = {q.diff(TIME): kinematics[q.diff(TIME)] for q in kane.q}
+    return Equations(
+        system=system,
+        strategy="kane",
+        coordinates=tuple(kane.q),
+        speeds=tuple(kane.u),
+        kinematics={q: kinematics[q.diff(TIME)] for q in kane.q},
+        definitions={},
+        mass_matrix=sp.ImmutableMatrix(kane.mass_matrix),
+        rhs=sp.ImmutableMatrix(kane.forcing),
+        held_by_speed={},
+        table=ZTable(),
+        cosines=DirectionCosines(),
+        dependent={},
+        seconds=0.0,
+    )

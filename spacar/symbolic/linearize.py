@@ -1,0 +1,50 @@
+"""Linearized equations M0 δs̈ + C0 δṡ + K0 δq = 0 about a state of rest, with the names of the numeric core."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from spacar.errors import UsageError
+
+if TYPE_CHECKING:
+    from spacar.symbolic.equations import Equations
+
+
+@dataclass(frozen=True, eq=False)
+class Linearized:
+    """M0, C0 (damping and gyroscopic terms), K0 of shape (n, n) in the order of `speeds`."""
+
+    names: tuple[str, ...]
+    M0: np.ndarray
+    C0: np.ndarray
+    K0: np.ndarray
+
+    def eigenvalues(self) -> np.ndarray:
+        """Eigenvalues of the state matrix [1/s], sorted by modulus."""
+        n = len(self.names)
+        A = np.block([[np.zeros((n, n)), np.eye(n)], [np.linalg.solve(self.M0, -np.hstack((self.K0, self.C0)))]])
+        values: np.ndarray = np.linalg.eigvals(A)
+        return values[np.argsort(abs(values))]
+
+
+def linearize(eq: Equations, values: dict[str, float], point: dict[str, float]) -> Linearized:
+    """Derivatives of f(q, s) − I(q) a at `point` (states by name, others zero) with a the accelerations there.
+
+    Inputs with a law are differentiated with it. Raises UsageError when the coordinates do not correspond to the
+    speeds one to one (q̇ = s), because K0 would not be square.
+    """
+    if len(eq.coordinates) != len(eq.speeds) or any(eq.kinematics[q] != s for q, s in zip(eq.coordinates, eq.speeds, strict=True)):
+        raise UsageError("M0, C0, K0 need every speed to be the derivative of its coordinate")
+    f = eq.program().function(values)
+    names = [str(s.func) for s in (*eq.coordinates, *eq.speeds)]
+    y = [float(point.get(name, 0.0)) for name in names]
+    n = len(eq.speeds)
+    upper, _ = f.accel(y, f.inputs(0.0, y))
+    M0 = np.zeros((n, n))
+    M0[np.triu_indices(n)] = upper
+    M0 += np.triu(M0, 1).T
+    slopes = -M0 @ np.asarray(f.jac(0.0, y))[n:]
+    return Linearized(tuple(str(s.func) for s in eq.speeds), M0, slopes[:, n:], slopes[:, :n])

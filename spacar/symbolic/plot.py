@@ -1,0 +1,44 @@
+"""Plots of a run: one figure a quantity against time, as in the paper (its figures 2 to 5)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from spacar.symbolic.run import Run
+
+
+def plot(run: Run, names: Iterable[str] | None = None, labels: dict[str, str] | None = None) -> list[Any]:
+    """One matplotlib figure for every name (default: coordinates that are not field amplitudes, and outputs)."""
+    from matplotlib.figure import Figure
+
+    chosen = list(names) if names is not None else default_names(run)
+    figures = []
+    for name in chosen:
+        figure = Figure(figsize=(6.4, 3.2), layout="constrained")
+        axes = figure.add_subplot()
+        axes.plot(run.time, run[name], linewidth=1.0, color="black")
+        axes.set_xlabel("time t [s]")
+        axes.set_ylabel((labels or {}).get(name, name))
+        axes.grid(visible=True, linewidth=0.3)
+        axes.margins(x=0)
+        figures.append(figure)
+    return figures
+
+
+def default_names(run: Run) -> list[str]:
+    """Coordinates without the amplitudes φ of fields, then the outputs."""
+    coordinates = run.names[: len(run.names) - len(run.names) // 2]
+    return [*(name for name in coordinates if not name.startswith("phi")), *run.outputs]
+
+
+def save_plots(run: Run, stem: Path, names: Iterable[str] | None = None) -> list[Path]:
+    """Write STEM-NAME.png for every quantity; returns the paths."""
+    chosen = list(names) if names is not None else default_names(run)
+    paths = []
+    for name, figure in zip(chosen, plot(run, chosen), strict=True):
+        paths.append(stem.with_name(f"{stem.name}-{name}.png"))
+        figure.savefig(paths[-1], dpi=150)
+    return paths
