@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,8 @@ E_STATEMENTS = {"RLSE": "calculable", "INPUTE": "input", "DYNE": "dynamic", "KIN
 
 def build(deck: Deck, mode: int = 1, **options: Any) -> Mechanism:
     """Mechanism of a checked deck. `options` override Settings fields. Raises InputError for impossible geometry."""
+    if mode == 0:  # the dynamics block is not checked in this mode, so nothing may be taken from it
+        deck = replace(deck, statements=tuple(s for s in deck.statements if s.block == 1))
     elements = element_list(deck)
     if not elements:
         raise InputError([Message("error", deck.source, None, "", "the model has no elements")])
