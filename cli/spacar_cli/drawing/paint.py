@@ -41,20 +41,24 @@ def _planar(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
     artists: list[Any] = []
     for s in shapes:
         if isinstance(s, Faces):
+            many = isinstance(s.colour, np.ndarray)  # edges in the colour of the face close the hairlines between them
             face = PolyCollection(
-                camera.project(s.corners), facecolors=_rgba(s.colour, s.alpha), edgecolors=s.edge or "none", linewidths=s.width
+                camera.project(s.corners),
+                facecolors=_rgba(s.colour, s.alpha),
+                edgecolors=s.edge or ("face" if many and s.alpha >= 1 else "none"),
+                linewidths=s.width,
             )
             face.set_zorder(10 + s.layer)
             artists.append(axes.add_collection(face, autolim=False))
-    layers = sorted({s.layer for s in shapes if isinstance(s, Line)})
-    for layer in layers:
-        lines = [s for s in shapes if isinstance(s, Line) and s.layer == layer]
+    layers = sorted({(s.layer, s.alpha >= 1) for s in shapes if isinstance(s, Line)})
+    for layer, opaque in layers:
+        lines = [s for s in shapes if isinstance(s, Line) and (s.layer, s.alpha >= 1) == (layer, opaque)]
         collection = LineCollection(
             [camera.project(s.points) for s in lines],
             colors=[_rgba(s.colour, s.alpha)[0] for s in lines],
             linewidths=[s.width for s in lines],
             linestyles=[(0, s.dashes) if s.dashes else "solid" for s in lines],
-            capstyle="round",
+            capstyle="round" if opaque else "butt",  # round ends of pale lines would show where two meet
             joinstyle="round",
         )
         collection.set_zorder(10.5 + layer)

@@ -52,6 +52,7 @@ class Scene:
     keywords  one per element number ("": unused);  lnp (nodes, 4), le (elements, 6), ln (elements, 4) as in the file
     frame_p, frame_q  (elements, 3, 3) rows x', y', z' of the start frames, zero where none exists
     length    (elements,) undeformed length [m];  data (elements, k) radii, pitch;  stiffness, damping (elements, 6)
+    quadratic (elements,) 1 where the strains have second order terms
     nxp, nep  (5,) coordinates and deformations per class
     """
 
@@ -68,6 +69,7 @@ class Scene:
     data: Array
     stiffness: Array
     damping: Array
+    quadratic: Index
     nxp: Index
     nep: Index
 
@@ -94,6 +96,7 @@ class Scene:
             data=table("DR0").reshape(n, -1),
             stiffness=table("STIF").reshape(n, -1),
             damping=table("EDAMP").reshape(n, -1),
+            quadratic=np.ravel(table("KDEF", int)),
             nxp=np.ravel(table("NXP", int)),
             nep=np.ravel(table("NEP", int)),
         )

@@ -184,3 +184,16 @@ class LivePlot:
             self._button.label.set_text("done")
             plt.show()
         plt.close(self._figure)
+
+
+def still_window(figure: Any) -> None:
+    """Show a finished figure and wait until its window is closed."""
+    import matplotlib.pyplot as plt
+
+    shown = open_window("spacar")
+    manager = shown.canvas.manager
+    shown.canvas.figure = figure
+    figure.set_canvas(shown.canvas)
+    if manager is not None:
+        manager.resize(*(int(v) for v in figure.get_size_inches() * figure.dpi))
+    plt.show()

@@ -1,0 +1,191 @@
+"""Vibration and buckling modes of a result: eigenvalue, vector of the degrees of freedom, and its motion in x.
+
+Vibration: eigenvectors of the state matrix of (q, dq/dt), from the `.sbm` (eigval, eigvre, eigvim), or where the mode of
+analysis does not store them (3, 4, 9) from its matrices: with Q = C0 + D0 and K = K0 + N0 + G0
+
+    d(q_k)/dt = Bk0 q_k + Ak0 u,   M0 du/dt = -Q u - K q_k              (reference/files.md section 5)
+
+Both of a pair (conjugate, or plus and minus without damping) are one mode. Order: unstable modes first, the fastest
+growing one as mode 1, then the others by the modulus of their eigenvalue. Buckling: the order of lmult.
+Motion: dx times the vector in the columns of the dynamic and kinematic degrees of freedom (files.md section 3).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacar.errors import UsageError
+from spacar_cli.drawing.scene import Array, Scene
+
+if TYPE_CHECKING:
+    from spacar_cli.drawing.source import Source
+
+SAME = 1e-6  # eigenvalues that differ less, relative to the largest, belong to one pair
+
+
+@dataclass(frozen=True)
+class ModeShape:
+    """One mode. `vector` (n degrees of freedom,) complex, norm 1, largest entry real; `motion` (nx,) = dx vector."""
+
+    number: int
+    kind: str  # "vibration" or "buckling"
+    value: complex  # eigenvalue [1/s], or load multiplier
+    vector: NDArray[np.complex128]
+    motion: NDArray[np.complex128]
+
+    @property
+    def is_complex(self) -> bool:
+        """The points do not all move in phase."""
+        size = float(np.max(np.abs(self.motion), initial=0.0))
+        return bool(np.max(np.abs(self.motion.imag), initial=0.0) > 1e-6 * size)
+
+    @property
+    def oscillates(self) -> bool:
+        return self.kind == "buckling" or abs(self.value.imag) > 1e-9 * abs(self.value)
+
+    @property
+    def label(self) -> str:
+        """The line above the picture."""
+        name = f"{self.kind} mode {self.number}"
+        if self.kind == "buckling":
+            return f"{name}   load multiplier {self.value.real:.6g}".replace("-", "\N{MINUS SIGN}")
+        size, real = abs(self.value), self.value.real
+        if not self.oscillates:
+            word = "unstable" if real > 0 else "decaying"
+            return f"{name}   \N{GREEK SMALL LETTER LAMDA} = {real:.5g} 1/s ({word})" if size else f"{name}   frequency zero"
+        text = f"{name}   f = {abs(self.value.imag) / (2 * np.pi):.5g} Hz, \N{GREEK SMALL LETTER OMEGA} = {abs(self.value.imag):.5g} rad/s"
+        if abs(real) > 1e-9 * size:
+            text += f", damping ratio {-real / size:.3g}" + (" (unstable)" if real > 0 else "")
+        return text
+
+
+def dynamic_columns(header: Any) -> NDArray[np.int64]:
+    """Columns of dx that are free to move: dynamic x, dynamic e, kinematic; in mode 3 the prescribed ones instead."""
+    nxp, nep = np.ravel(header["NXP"]).astype(int), np.ravel(header["NEP"]).astype(int)
+    xi, xd, ei, ed = nxp[2], nxp[3], nep[2], nep[3]
+    ndof, nk = xi + xd + ei + ed, nxp[4] + nep[4]
+    if not xd + ed:
+        return np.arange(ndof + nk)
+    return np.r_[xi : xi + xd, xi + xd + ei : ndof, ndof : ndof + nk]
+
+
+def open_matrices(source: Source) -> Any:
+    """The `.sbm` file beside a `.sbd` result. UsageError when there is none, or when it belongs to another input."""
+    from pathlib import Path
+
+    from spacar_formats.locate import open_result
+
+    name = Path(source.name)
+    kept = name.name.replace(".sbd", ".sbm")
+    file = open_result(name.with_name(kept), "sbm")
+    ours, theirs = (np.ravel(h.get("SHA256", [""]))[0] for h in (source.header, file.header))
+    if ours != theirs or int(np.ravel(file.header["MODE"])[0]) != source.scene.mode:
+        raise UsageError(f"{file.path} and {source.name} are of different runs; run again", "draw.stale")
+    return file
+
+
+def vibration_modes(source: Source, matrices: Any, step: int) -> list[ModeShape]:
+    """All vibration modes of a step, in the order of the module. Raises UsageError when dx is missing."""
+
+    def get(name: str) -> Array:
+        return np.atleast_2d(np.asarray(matrices.get(name, step), float))
+
+    if matrices.has("eigvre"):
+        values = get("eigval") @ np.array([1.0, 1.0j])
+        vectors = get("eigvre") + 1j * get("eigvim")
+    else:
+        values, vectors = eigenmodes(get)
+    motion = source.get("dx", step)[:, dynamic_columns(source.header)]
+    n = motion.shape[1]
+    order = _order(values)
+    modes: list[ModeShape] = []
+    seen: list[tuple[complex, NDArray[np.complex128]]] = []
+    largest = float(np.max(np.abs(values), initial=0.0)) or 1.0
+    for i in order:
+        vector = vectors[:n, i].astype(complex)
+        size = float(np.linalg.norm(vector))
+        if size < 1e-9 * max(float(np.linalg.norm(vectors[:, i])), 1e-300):
+            continue  # only a velocity: the other vector of a double zero eigenvalue
+        vector = vector / size
+        vector = vector * np.exp(-1j * np.angle(vector[np.argmax(np.abs(vector))]))
+        if any(_pair(values[i], v, largest) and abs(abs(np.vdot(w, vector)) - 1) < 1e-6 for v, w in seen):
+            continue
+        value = values[i] if abs(values[i]) > SAME * largest else 0.0
+        seen.append((complex(values[i]), vector))
+        if value.imag < 0:
+            value, vector = np.conj(value), np.conj(vector)
+        modes.append(ModeShape(len(modes) + 1, "vibration", complex(value), vector, motion @ vector))
+    return modes
+
+
+def _order(values: NDArray[np.complex128]) -> list[int]:
+    """Unstable ones first (fastest growth first), then by modulus; of a pair the one with growth or positive imaginary."""
+    largest = float(np.max(np.abs(values), initial=0.0)) or 1.0
+
+    def key(i: int) -> tuple[float, ...]:
+        v = values[i]
+        if v.real > SAME * largest:
+            return (0, -v.real, -v.imag)
+        return (1, round(abs(v) / largest, 9), -v.imag)
+
+    return sorted(range(len(values)), key=key)
+
+
+def _pair(a: complex, b: complex, largest: float) -> bool:
+    return min(abs(a - b), abs(a - np.conj(b)), abs(a + b), abs(a + np.conj(b))) < 1e-3 * SAME * largest + SAME * abs(a) or (
+        abs(a) < SAME * largest and abs(b) < SAME * largest
+    )
+
+
+def eigenmodes(get: Any) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """Eigenvalues (n,) and state vectors (states, n) of the state matrix of the stored matrices."""
+    from scipy.linalg import eig, solve
+
+    M, K, Q = get("m0"), get("k0") + get("n0") + get("g0"), get("c0") + get("d0")
+    n, k = len(M), K.shape[1]
+    A = np.zeros((k + n, k + n))
+    try:
+        A[:k, :k], A[:k, k:] = get("bk0"), get("ak0")
+    except UsageError:
+        A[:k, k:] = np.eye(k, n)
+    A[k:] = -solve(M, np.hstack((K, Q)))
+    values, vectors = eig(A)
+    return values, vectors
+
+
+def buckling_modes(source: Source, matrices: Any, step: int) -> list[ModeShape]:
+    """All buckling modes of a step with a finite load multiplier."""
+    multipliers = np.ravel(matrices.get("lmult", step)).astype(float)
+    vectors = np.atleast_2d(np.asarray(matrices.get("bmode", step), float)).reshape(-1, len(multipliers))
+    motion = source.get("dx", step)[:, dynamic_columns(source.header)]
+    modes = []
+    for i, multiplier in enumerate(multipliers):
+        vector = vectors[:, i]
+        size = float(np.linalg.norm(vector))
+        if np.isfinite(multiplier) and np.isfinite(size) and size > 0:
+            unit = (vector / size).astype(complex)
+            modes.append(ModeShape(i + 1, "buckling", complex(multiplier), unit, motion[:, : len(unit)] @ unit))
+    return modes
+
+
+def displaced(x: Array, mode: ModeShape, factor: float, phase: float) -> Array:
+    """(nx,) x + factor Re(motion e^(i phase)), phase [rad]."""
+    return x + factor * np.real(mode.motion * np.exp(1j * phase))
+
+
+def suitable_factor(scene: Scene, mode: ModeShape, extent: float, share: float = 0.12, most: float = 0.6) -> float:
+    """The factor at which the largest displacement is `share` of the extent [m] and no rotation exceeds `most` rad."""
+    amplitude = np.abs(mode.motion)
+    k = 2 if scene.planar else 3
+    rows = scene.position_nodes - 1
+    moves = float(np.max(amplitude[scene.lnp[rows, :k] - 1], initial=0.0)) if len(rows) else 0.0
+    turning = scene.orientation_nodes - 1
+    places = scene.lnp[turning, :1] if scene.planar else scene.lnp[turning]
+    turns = float(np.max(amplitude[places - 1], initial=0.0)) * (1.0 if scene.planar else 2.0) if len(turning) else 0.0
+    bounds = [share * extent / moves] if moves > 1e-12 * max(turns * extent, moves) and moves else []
+    bounds += [most / turns] if turns else []
+    return min(bounds, default=1.0)

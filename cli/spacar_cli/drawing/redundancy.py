@@ -1,0 +1,56 @@
+"""Over- and under-constraints after mode 0, from the stored derivative of the deformations (theory-system.md 1.1).
+
+The part of bigd with the rows fixed, input, dynamic and the columns calculable, kinematic is made dimensionless (lengths
+by the size of the mechanism) and decomposed: left null vectors are stresses that no load explains, right null vectors
+are motions that no deformation feels. Singular values below sqrt(eps) times the largest count as zero.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacar.deck import ELEMENT_TYPES
+from spacar_cli.drawing.scene import Array, Scene
+
+ZERO = float(np.sqrt(np.finfo(float).eps))
+
+
+@dataclass(frozen=True)
+class Redundancy:
+    """over (over-constraints, elements): share of every element number (squares, sum 1 with the normalizations);
+    under (under-constraints, nx): motions."""
+
+    over: Array
+    under: Array
+
+
+def redundancy(scene: Scene, bigd: Array, extent: float) -> Redundancy:
+    """The constraint analysis of a configuration; bigd (ne, nx), extent the size of the mechanism [m]."""
+    nx, ne = int(scene.nxp.sum()), int(scene.nep.sum())
+    column_scale, row_scale = np.ones(nx), np.ones(ne)
+    k = 2 if scene.planar else 3
+    column_scale[scene.lnp[scene.position_nodes - 1, :k] - 1] = extent
+    owner = np.full(ne, -1)
+    for e in scene.elements:
+        for mode, (_, unit) in enumerate(ELEMENT_TYPES[e.keyword].modes, 1):
+            i = scene.le[e.number - 1, mode - 1] - 1
+            owner[i] = e.number - 1
+            if unit == "m":
+                row_scale[i] = extent
+    rows = int(scene.nep[0] + scene.nep[2] + scene.nep[3])
+    fixed = int(scene.nxp[0])
+    columns = np.r_[fixed : fixed + scene.nxp[1], nx - scene.nxp[4] : nx]
+    D = (bigd * column_scale / row_scale[:, None])[:rows][:, columns]
+    if not D.size:
+        return Redundancy(np.zeros((0, len(scene.keywords))), np.zeros((0, nx)))
+    left, s, right = np.linalg.svd(D)
+    rank = int(np.sum(s > ZERO * s[0]))
+    over = np.zeros((rows - rank, len(scene.keywords)))
+    for j, vector in enumerate(left[:, rank:].T):
+        mine = owner[:rows] >= 0
+        np.add.at(over[j], owner[:rows][mine], vector[mine] ** 2)
+    under = np.zeros((len(columns) - rank, nx))
+    under[:, columns] = right[rank:] * column_scale[columns]
+    return Redundancy(over, under)

@@ -1,0 +1,161 @@
+"""Stresses and stress resultants on the mechanism: as colours along the beams, or as diagrams beside them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from spacar.errors import UsageError
+from spacar_cli.drawing.look import look_of
+from spacar_cli.drawing.mechanism_picture import Extras, camera_of, mechanism_shapes, series_bounds
+from spacar_cli.drawing.paint import paint
+from spacar_cli.drawing.parts import beam_line, body
+from spacar_cli.drawing.scene import TRUSSES, Array, Element, Pose, Scene
+from spacar_cli.drawing.settings import Settings
+from spacar_cli.drawing.shapes import Faces, Label, Line, Shape, merge_bounds
+from spacar_cli.drawing.stage import INK, new_figure
+from spacar_cli.drawing.stresses import QUANTITIES, STRESSES, along, resultants
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+HEIGHT = 0.16  # of the largest ordinate of a diagram, of the extent of the mechanism
+SIDE = {"My": 1, "Qz": 1}  # quantities that are drawn along local z' of spatial beams; the others along y'
+POSITIVE, NEGATIVE = "#c0392b", "#2471a3"
+
+
+@dataclass(frozen=True)
+class Course:
+    """A quantity along one element: values (n,)."""
+
+    element: Element
+    values: Array
+
+
+def courses(scene: Scene, sig: Array, e: Array, settings: Settings, quantity: str, n: int) -> list[Course]:
+    """The quantity along every element that has it. Raises UsageError when no element has."""
+    found = []
+    for element in scene.elements:
+        r = resultants(scene, element, sig, e, n)
+        if r is None or element.number in settings.hidden:
+            continue
+        values = along(quantity, r, settings.section(element.number, element.keyword in TRUSSES))
+        if values is not None:
+            found.append(Course(element, values))
+    if not found:
+        need = "no element has a cross-section: give BEAMVIS, CROSSTYPE or --section" if quantity in STRESSES else "no beams or trusses"
+        raise UsageError(f"{QUANTITIES[quantity][0]}: {need}", "draw.stress")
+    return found
+
+
+def stress_still(scene: Scene, x: Array, sig: Array, e: Array, settings: Settings, extras: Extras, quantity: str, note: str = "") -> Figure:
+    """The mechanism with the quantity as colours along its beams, and a scale with the unit."""
+    from matplotlib import colormaps
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    look = look_of(scene, x[None], settings)
+    n = max(look.points, 17)
+    found = courses(scene, sig, e, settings, quantity, n)
+    low, high = _range([c.values for c in found], quantity in ("mises", "shear"))
+    norm = Normalize(low, high)
+    colours = colormaps["viridis" if quantity in ("mises", "shear") else "coolwarm"]
+    camera = camera_of(scene, extras.view)
+    hidden = settings.hidden | {c.element.number for c in found}
+    rest = look_of(scene, x[None], _hiding(settings, hidden))
+    shapes: list[Shape] = list(mechanism_shapes(scene, x, rest, extras))
+    pose = Pose.of(scene, x)
+    for c in found:
+        middle = 0.5 * (c.values[:-1] + c.values[1:])
+        rgb = np.asarray(colours(norm(middle)))[:, :3]
+        shapes += body(scene, pose, look, c.element, n, rgb, 4.0, 0.45)
+    figure, axes = new_figure(series_bounds(scene, x[None], look, extras), camera, _title(scene, extras, quantity, note))
+    paint(axes, camera, shapes)
+    name, unit = QUANTITIES[quantity]
+    _scale(figure, axes, ScalarMappable(norm, colours), f"{name} ({unit})")
+    return figure
+
+
+def diagram_still(scene: Scene, x: Array, sig: Array, e: Array, settings: Settings, extras: Extras, quantity: str, note: str = "") -> Figure:
+    """The quantity as ordinates beside the beams, red where positive and blue where negative, extremes with numbers."""
+    look = look_of(scene, x[None], settings)
+    found = courses(scene, sig, e, settings, quantity, max(look.points, 17))
+    camera = camera_of(scene, extras.view)
+    largest = max(float(np.max(np.abs(c.values))) for c in found)
+    extent = look.size / 0.022
+    factor = HEIGHT * extent / largest if largest else 0.0
+    pose = Pose.of(scene, x)
+    shapes: list[Shape] = []
+    marks: list[tuple[float, Label]] = []
+    for c in found:
+        points, y, z = beam_line(scene, pose, c.element, len(c.values))
+        side = z if SIDE.get(quantity) and not scene.planar else y
+        tips = points + factor * c.values[:, None] * side
+        sign = np.where(0.5 * (c.values[:-1] + c.values[1:]) >= 0, 1, -1)
+        quads = np.stack((points[:-1], points[1:], tips[1:], tips[:-1]), axis=1)
+        for s, colour in ((1, POSITIVE), (-1, NEGATIVE)):
+            if np.any(sign == s) and factor:
+                shapes.append(Faces(quads[sign == s], colour, None, 0.25, 3, False))
+        if factor:
+            outline = np.concatenate((points[:1], tips, points[-1:]))
+            shapes.append(Line(outline, INK, 0.8, 4))
+        for i in (0, len(points) - 1):
+            if factor and abs(c.values[i]) > 0.02 * largest:
+                text = f"{c.values[i]:.4g}".replace("-", "\N{MINUS SIGN}")
+                marks.append((abs(c.values[i]), Label(tips[i], text, "#33414d")))
+    shapes += _without_doubles(marks, look.size)
+    shapes += mechanism_shapes(scene, x, look, extras)
+    bounds = series_bounds(scene, x[None], look, extras)
+    box = merge_bounds([s for s in shapes if not isinstance(s, Label)])
+    if box is not None:
+        bounds = np.minimum(bounds[0], box[0]), np.maximum(bounds[1], box[1])
+    figure, axes = new_figure(bounds, camera, _title(scene, extras, quantity, note, QUANTITIES[quantity][1]))
+    paint(axes, camera, shapes)
+    return figure
+
+
+def _hiding(settings: Settings, hidden: frozenset[int]) -> Settings:
+    from dataclasses import replace
+
+    return replace(settings, hidden=hidden)
+
+
+def _without_doubles(marks: list[tuple[float, Label]], size: float) -> list[Shape]:
+    """One label where neighbouring elements have the same value at the same place."""
+    kept: list[Label] = []
+    for _, label in sorted(marks, key=lambda m: -m[0]):
+        if all(np.linalg.norm(label.at - other.at) > 0.8 * size for other in kept):
+            kept.append(label)
+    return list(kept)
+
+
+def _range(values: list[Array], from_zero: bool) -> tuple[float, float]:
+    """Limits of the colours: from zero for magnitudes, symmetric for signed quantities."""
+    top = max(float(np.max(np.abs(v))) for v in values) or 1.0
+    return (0.0, top) if from_zero else (-top, top)
+
+
+def _scale(figure: Figure, axes: Any, mappable: Any, label: str) -> None:
+    """A colour scale in a strip to the right, for which the figure is made wider."""
+    width, height = figure.get_size_inches()
+    box = axes.get_position()
+    more = 1.05
+    figure.set_size_inches(width + more, height)
+    share = width / (width + more)
+    axes.set_position((box.x0 * share, box.y0, box.width * share, box.height))
+    strip = figure.add_axes(((width + 0.05) / (width + more), box.y0 + 0.08 * box.height, 0.16 / (width + more), 0.84 * box.height))
+    bar = figure.colorbar(mappable, cax=strip)
+    bar.ax.tick_params(labelsize=7.5, colors=INK)
+    bar.set_label(label, fontsize=8.5, color=INK)
+    bar.outline.set_linewidth(0.6)
+    bar.formatter.set_powerlimits((-3, 4))
+    bar.ax.yaxis.get_offset_text().set_fontsize(7.5)
+
+
+def _title(scene: Scene, extras: Extras, quantity: str, note: str, unit: str = "") -> str:
+    if extras.title is not None:
+        return extras.title
+    name = QUANTITIES[quantity][0]
+    return "   ".join(p for p in (scene.title, note, f"{name} ({unit})" if unit else name) if p)

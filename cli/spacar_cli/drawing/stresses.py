@@ -1,0 +1,146 @@
+"""Stress resultants along beams, and stresses in their cross-sections.
+
+Resultants (theory-spatial.md 3.5, theory-planar.md 3.1): N = sigma1; torque T = l0 sigma2; moments linear between the
+ends, My from l0 sigma3 to l0 sigma4, Mz from l0 sigma5 to l0 sigma6, with My = -EIy w_z'', Mz = EIz w_y''; shear forces
+Qy = (Mz_p - Mz_q)/l0, Qz = (My_q - My_p)/l0. Planar beams: e2, e3 have the opposite sign of e5, e6, so Mz runs from
+-l0 cos a_p (sigma2 + Q_2 sigma1) to -l0 cos a_q (sigma3 + Q_3 sigma1), with a the end rotations relative to the chord and
+Q of (5), which is exact at the ends. Spatial beams: first order terms only.
+
+Stresses at the points of a cross-section: sigma_x = N/A - Mz y/Iz + My z/Iy; shear of the torque (circle T r/J, rectangle
+by Saint-Venant's series, hollow rectangle by Bredt) and of the shear forces (parabola with the peak 3/2 Q/A of a
+rectangle, 4/3 Q/A of a circle; mean value over the walls that carry them, Q/A times 2, for hollow sections);
+von Mises sqrt(sigma_x^2 + 3 tau^2). Points: a grid over the section, its outline included.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacar_cli.drawing.scene import BEAMS, TRUSSES, Array, Element, Scene
+from spacar_cli.drawing.sections import moments, rectangle_twist_stress
+from spacar_cli.drawing.settings import Section
+
+GRID = 15  # points across a section in each direction
+RESULTANTS = {
+    "N": ("normal force", "N"),
+    "Qy": ("shear force along y'", "N"),
+    "Qz": ("shear force along z'", "N"),
+    "T": ("torque", "N m"),
+    "My": ("bending moment about y'", "N m"),
+    "Mz": ("bending moment about z'", "N m"),
+}
+STRESSES = {"mises": ("von Mises stress", "N/m\N{SUPERSCRIPT TWO}"), "normal": ("largest normal stress", "N/m\N{SUPERSCRIPT TWO}"), "shear": ("largest shear stress", "N/m\N{SUPERSCRIPT TWO}")}  # fmt: skip
+QUANTITIES = RESULTANTS | STRESSES
+
+
+@dataclass(frozen=True)
+class Resultants:
+    """Along one element, each (n,): N, Qy, Qz [N], T, My, Mz [N m]."""
+
+    N: Array
+    Qy: Array
+    Qz: Array
+    T: Array
+    My: Array
+    Mz: Array
+
+
+def planar_end_moments(scene: Scene, e: Element, s: Array, deformation: Array) -> tuple[float, float]:
+    """Internal moments EI w'' at p and q [N m] of stresses s and deformations (6,) (theory-planar.md 3.1 (3) to (5)).
+
+    The strain e2 = l0 sin a_p gives cos a_p (for a curved tube the angles are counted from the start).
+    """
+    i = e.number - 1
+    l0 = float(scene.length[i])
+    e2, e3 = deformation[1], deformation[2]
+    Phi = 12.0 * float(scene.stiffness[i, 2]) / l0**2
+    scale = float(scene.quadratic[i]) / (60.0 * l0 * (1.0 + Phi) ** 2)
+    A, B = (4 + 5 * Phi + 2.5 * Phi**2) * scale, (2 + 10 * Phi + 5 * Phi**2) * scale
+    cosine = np.sqrt(np.maximum(1.0 - (deformation[1:3] / l0) ** 2, 0.0))
+    p = -l0 * cosine[0] * (s[1] + (2 * A * e2 + B * e3) * s[0])
+    q = -l0 * cosine[1] * (s[2] + (2 * A * e3 + B * e2) * s[0])
+    return float(p), float(q)
+
+
+def resultants(scene: Scene, e: Element, sig: Array, e_values: Array, n: int) -> Resultants | None:
+    """Stress resultants of a beam or truss at n places from p to q; None for other elements. sig, e_values (ne,)."""
+    if e.keyword not in (*BEAMS, *TRUSSES):
+        return None
+    rows = scene.le[e.number - 1]
+    s = np.where(rows > 0, sig[np.maximum(rows - 1, 0)], 0.0)
+    l0 = float(scene.length[e.number - 1])
+    xi, zero = np.linspace(0.0, 1.0, n), np.zeros(n)
+    if e.keyword in TRUSSES:
+        return Resultants(s[0] + zero, zero, zero, zero, zero, zero)
+    if scene.planar:
+        deformation = np.where(rows > 0, e_values[np.maximum(rows - 1, 0)], 0.0)
+        p, q = planar_end_moments(scene, e, s, deformation)
+        return Resultants(s[0] + zero, (p - q) / l0 + zero, zero, zero, zero, p + (q - p) * xi)
+    y, z = l0 * s[2:4], l0 * s[4:6]
+    return Resultants(
+        s[0] + zero, (z[0] - z[1]) / l0 + zero, (y[1] - y[0]) / l0 + zero, l0 * s[1] + zero,
+        y[0] + (y[1] - y[0]) * xi, z[0] + (z[1] - z[0]) * xi,
+    )  # fmt: skip
+
+
+def section_points(section: Section) -> tuple[Array, Array]:
+    """Places y, z (m,) [m] over a section."""
+    if section.shape in ("RECT", "RECTHOL"):
+        w, h = section.dims[:2]
+        y, z = np.meshgrid(np.linspace(-0.5, 0.5, GRID) * w, np.linspace(-0.5, 0.5, GRID) * h)
+        y, z = y.ravel(), z.ravel()
+        if section.shape == "RECTHOL":
+            inner = (np.abs(y) < 0.5 * section.dims[2]) & (np.abs(z) < 0.5 * section.dims[3])
+            y, z = y[~inner], z[~inner]
+        return y, z
+    inside = 0.5 * section.dims[1] if section.shape == "CIRCHOL" else 0.0
+    r, a = np.meshgrid(np.linspace(inside, 0.5 * section.dims[0], 6), np.linspace(0, 2 * np.pi, 24, endpoint=False))
+    return (r * np.cos(a)).ravel(), (r * np.sin(a)).ravel()
+
+
+def stress_field(section: Section, r: Resultants) -> tuple[Array, Array]:
+    """Normal stress and shear stress, each (places along the element, points of the section) [N/m^2]."""
+    m = moments(section)
+    if m is None:
+        raise ValueError("a LINE has no stresses")
+    y, z = section_points(section)
+    normal = (r.N / m.A)[:, None] - np.outer(r.Mz, y) / m.Iz + np.outer(r.My, z) / m.Iy
+    d = section.dims
+    if section.shape == "RECT":
+        ty, tz = rectangle_twist_stress(d[0], d[1], y, z)
+        shear_y = 1.5 / m.A * (1 - (2 * y / d[0]) ** 2)
+        shear_z = 1.5 / m.A * (1 - (2 * z / d[1]) ** 2)
+    elif section.shape == "CIRC":
+        ty, tz = -z / m.It, y / m.It
+        shear_y = shear_z = 4 / (3 * m.A) * (1 - (y**2 + z**2) / (0.5 * d[0]) ** 2)
+    elif section.shape == "CIRCHOL":
+        ty, tz = -z / m.It, y / m.It
+        shear_y = shear_z = np.full(len(y), 2.0 / m.A)
+    else:
+        t_w, t_h = 0.5 * (d[0] - d[2]), 0.5 * (d[1] - d[3])
+        area = (d[0] - t_w) * (d[1] - t_h)
+        wall = np.where(np.abs(y) >= 0.5 * d[2], t_w, t_h)
+        ty = np.where(np.abs(y) >= 0.5 * d[2], 0.0, -np.sign(z) / (2 * area * wall))
+        tz = np.where(np.abs(y) >= 0.5 * d[2], np.sign(y) / (2 * area * wall), 0.0)
+        shear_y = shear_z = np.full(len(y), 2.0 / m.A)
+    tau_y = np.outer(r.T, ty) + np.outer(r.Qy, shear_y)
+    tau_z = np.outer(r.T, tz) + np.outer(r.Qz, shear_z)
+    return normal, np.hypot(tau_y, tau_z)
+
+
+def along(quantity: str, r: Resultants, section: Section | None) -> Array | None:
+    """(n,) a quantity of QUANTITIES along an element; None when it needs a cross-section that is not given."""
+    if quantity in RESULTANTS:
+        value: Array = getattr(r, quantity)
+        return value
+    if section is None or moments(section) is None:
+        return None
+    normal, shear = stress_field(section, r)
+    if quantity == "normal":
+        worst = np.argmax(np.abs(normal), axis=1)
+        return normal[np.arange(len(normal)), worst]
+    if quantity == "shear":
+        return shear.max(1)
+    return np.sqrt(normal**2 + 3 * shear**2).max(1)

@@ -1,0 +1,182 @@
+"""What `spacar visual` does once its options are read."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from spacar.errors import UsageError
+from spacar_cli.drawing.files import FILM, check_name, film, save
+from spacar_cli.drawing.look import SYMBOL, look_of
+from spacar_cli.drawing.mechanism_picture import camera_of
+from spacar_cli.drawing.mode_picture import PHASES, constraint_still, mode_pictures, mode_still
+from spacar_cli.drawing.mode_shapes import (
+    ModeShape,
+    buckling_modes,
+    open_matrices,
+    suitable_factor,
+    vibration_modes,
+)
+from spacar_cli.drawing.moving import Moving
+from spacar_cli.drawing.options import Choices, check_elements
+from spacar_cli.drawing.progress import frame_progress
+from spacar_cli.drawing.redundancy import redundancy
+from spacar_cli.drawing.scene import Array
+from spacar_cli.drawing.source import Source, open_source
+from spacar_cli.environment import Environment
+
+VIBRATION, BUCKLING = (3, 4, 7, 9, 10), (8, 10)
+
+
+def visual(
+    environment: Environment, file: str, mode: int | None, choices: Choices, numbers: str | None, factor: float | None,
+    step: int | None, rest: bool, stress: str | None, diagram: str | None, as_list: bool,
+) -> list[str]:  # fmt: skip
+    """Draw what was asked for; returns the lines to print. Raises UsageError."""
+    source = open_source(file, choices.stale_ok)
+    source = replace(source, settings=choices.overridden(source.settings))
+    check_elements(choices.hide, [e.number for e in source.scene.elements], "--hide: element")
+    step = _step(source, step)
+    if stress or diagram:
+        return _stresses(source, choices, step, stress, diagram)
+    kind = _kind(source, mode)
+    if kind == "constraints":
+        return _constraints(source, choices, step)
+    with open_matrices(source) as matrices:
+        modes = (vibration_modes if kind == "vibration" else buckling_modes)(source, matrices, step)
+    if not modes:
+        raise UsageError(f"{source.name} has no {kind} modes: no dynamic degrees of freedom, or no stress", "draw.modes")
+    if as_list:
+        return [m.label for m in modes]
+    default = source.settings.vibration_mode if kind == "vibration" else source.settings.buckling_mode
+    chosen = _numbers(numbers, modes, default or 1)
+    return [str(p) for m in chosen for p in _mode(environment, source, choices, step, m, factor, rest, len(chosen) > 1)]
+
+
+def _step(source: Source, step: int | None) -> int:
+    if step is not None and step > source.steps:
+        raise UsageError(f"--step {step} does not exist: {source.name} has steps 1 to {source.steps}", "files.step")
+    return step or source.steps
+
+
+def _kind(source: Source, mode: int | None) -> str:
+    """vibration, buckling or constraints. Raises UsageError when the result does not have what MODE asks for."""
+    ran = source.scene.mode
+    wanted = ran if mode is None else abs(mode)
+    if ran == 0 and wanted == 0:
+        return "constraints"
+    if wanted in BUCKLING and ran in BUCKLING and (wanted == 8 or ran == 8):
+        return "buckling"
+    if wanted in VIBRATION and ran in VIBRATION:
+        return "vibration"
+    if mode is None or wanted == ran:
+        raise UsageError(
+            f"{source.name} is a result of mode {ran}, which has no modes of vibration or buckling; use spacar draw, "
+            "or --stress or --diagram",
+            "draw.modes",
+        )
+    raise UsageError(
+        f"{source.name} is a result of mode {ran}; for pictures of mode {wanted} run: spacar {wanted} {source.scene.title}",
+        "draw.modes",
+    )
+
+
+def _numbers(text: str | None, modes: list[ModeShape], default: int) -> list[ModeShape]:
+    """The modes with these numbers. Raises UsageError."""
+    from spacar_formats.getfrsbf import step_numbers
+
+    if text is not None and text.lower() == "all":
+        return modes
+    known = {m.number: m for m in modes}
+    last = max(known)
+    found = default if text is None else step_numbers(text, last)
+    wanted = [found] if isinstance(found, int) else found
+    for n in wanted:
+        if n not in known:
+            finite = " with a finite load multiplier" if modes[0].kind == "buckling" else ""
+            raise UsageError(f"{modes[0].kind} mode {n} does not exist; there are {len(known)} modes{finite}", "draw.modes")
+    return [known[n] for n in wanted]
+
+
+def _outputs(source: Source, choices: Choices, what: str, several: bool = False) -> list[Path]:
+    """The files to write; with several modes the kind of picture is added to the given names."""
+    if not choices.output:
+        return [] if choices.show else [Path(source.name).parent / f"{source.scene.title}_{what}.png"]
+    paths = [p.with_name(f"{p.stem}_{what}{p.suffix}") if several else p for p in choices.output]
+    for p in paths:
+        check_name(p)
+    return paths
+
+
+def extent_of(source: Source, x: Array) -> float:
+    return look_of(source.scene, x[None], source.settings).size / SYMBOL
+
+
+def _mode(
+    environment: Environment, source: Source, choices: Choices, step: int, mode: ModeShape, factor: float | None, rest: bool,
+    several: bool,
+) -> list[Path]:  # fmt: skip
+    x, extras, settings = source.x(step), choices.extras(), source.settings
+    if factor is None:
+        factor = settings.enlarge if settings.enlarge is not None else suitable_factor(source.scene, mode, extent_of(source, x))
+    outputs = _outputs(source, choices, f"{mode.kind}{mode.number}", several)
+    for path in outputs:
+        if path.suffix.lower() not in FILM:
+            save(mode_still(source.scene, x, settings, extras, mode, factor, rest), path, choices.dpi)
+    if choices.show or any(p.suffix.lower() in FILM for p in outputs):
+        pictures, bounds = mode_pictures(source.scene, x, settings, extras, mode, factor, rest)
+        camera = camera_of(source.scene, choices.view)
+        for path in (p for p in outputs if p.suffix.lower() in FILM):
+            with frame_progress(environment.error_is_terminal, PHASES, path.name) as tick:
+                film(Moving.create(bounds, camera), pictures, PHASES, path, choices.fps, min(choices.dpi, 110.0), tick)
+        if choices.show:
+            from spacar_cli.drawing.window import slider_window
+
+            slider_window(pictures, PHASES, 0, bounds, camera, mode.label, choices.fps)
+    return outputs
+
+
+def _constraints(source: Source, choices: Choices, step: int) -> list[str]:
+    x = source.x(step)
+    extent = extent_of(source, x)
+    found = redundancy(source.scene, source.get("bigd", step), extent)
+    outputs = _outputs(source, choices, "constraints")
+    _stills_only(outputs)
+    figure = constraint_still(source.scene, x, source.settings, choices.extras(), found, extent)
+    return _finish(figure, outputs, choices)
+
+
+def _stresses(source: Source, choices: Choices, step: int, stress: str | None, diagram: str | None) -> list[str]:
+    from spacar_cli.drawing.drawing_job import step_text
+    from spacar_cli.drawing.stress_picture import diagram_still, stress_still
+
+    if stress and diagram:
+        raise UsageError("--stress and --diagram exclude each other")
+    x, sig, e = source.x(step), np.ravel(source.get("sig", step)), np.ravel(source.get("e", step))
+    quantity = stress or diagram or ""
+    note = step_text(source, step).removeprefix(source.scene.title).strip()
+    outputs = _outputs(source, choices, quantity)
+    _stills_only(outputs)
+    draw = stress_still if stress else diagram_still
+    figure = draw(source.scene, x, sig, e, source.settings, choices.extras(), quantity, note)
+    return _finish(figure, outputs, choices)
+
+
+def _stills_only(outputs: list[Path]) -> None:
+    for path in outputs:
+        check_name(path, film=False)
+
+
+def _finish(figure: object, outputs: list[Path], choices: Choices) -> list[str]:
+    from matplotlib.figure import Figure
+
+    assert isinstance(figure, Figure)
+    for path in outputs:
+        save(figure, path, choices.dpi)
+    if choices.show:
+        from spacar_cli.drawing.window import still_window
+
+        still_window(figure)
+    return [str(p) for p in outputs]
