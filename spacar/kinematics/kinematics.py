@@ -9,15 +9,20 @@ Newton's method starts from a guess (the motion extrapolated in time, if the cal
 configuration, moved by the first order prediction with the last factorization. It has converged when
 max |dx_i|/scale_i <= `converged` (1e-11; scale: size of the mechanism for positions, 1 for angles and Euler
 parameters); the correction that passes the test is still applied, and since convergence is quadratic the position is
-accurate to rounding, while V is that of a configuration that differs by the last correction. An integrator with a wide tolerance may widen
-`converged` for its intermediate states. At most 20 iterations; a correction that makes the residual grow is halved, at
-most 5 times.
+accurate to rounding, while V is that of a configuration that differs by the last correction. An integrator with a wide
+tolerance may widen `converged` for its intermediate states. At most 20 iterations; a correction that makes the
+residual grow is halved, at most 5 times.
+
+D(x) = e has several solutions (a rigid beam may point to either side), so a target is reached continuously: when an
+iteration fails, or ends farther than 0.8 model lengths or rad from where it began, the way to the target is halved, at
+most 10 times.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from spacar.errors import AnalysisError
 from spacar.kinematics.failure import count_failure, position_failure, singular_failure
 from spacar.kinematics.sweep import Sweep
 from spacar.linear_systems import SingularMatrixError, System, assemble
@@ -26,7 +31,8 @@ from spacar.mechanism.mechanism import Array, Index, Mechanism
 CONVERGED = 1e-11  # largest scaled correction that ends Newton's iteration
 MAX_ITERATIONS = 20
 MAX_HALVINGS = 5
-LARGEST_TURN = 1.0  # rad or model lengths: a larger change of the given values is reached in sub-steps
+LARGEST_JUMP = 0.8  # rad or model lengths between two configurations
+MAX_DEPTH = 10
 
 
 class Kinematics:
@@ -73,7 +79,7 @@ class Kinematics:
 
     # -- position -----------------------------------------------------------------------------------------------
     def move(self, x_given: Array, e_given: Array) -> None:
-        """Go to the configuration with these given values; far targets are reached in sub-steps.
+        """Go to the configuration with these given values, from the reference configuration at the first call.
 
         x_given (nx,) holds the given coordinates (entries of U are ignored), e_given (ne,) the given deformations.
         Raises AnalysisError 'position.no-convergence' or 'position.singular'.
@@ -82,17 +88,7 @@ class Kinematics:
             # DRPINBOD: the deformations of the reference configuration need not be those wanted
             self.sweep.strain(self.x)
             self.position(self.x, self.sweep.e.copy())
-        far = max(
-            float(np.max(np.abs(x_given - self.x)[self.given_x] / self.scale[self.given_x], initial=0.0)),
-            float(np.max(np.abs(e_given - self.e_given)[self.h], initial=0.0)) / max(1.0, self.mechanism.length),
-        )
-        if far <= LARGEST_TURN:
-            self.position(x_given, e_given)
-            return
-        x_start, e_start = self.x.copy(), self.e_given.copy()
-        for fraction in np.linspace(0.0, 1.0, int(np.ceil(far / LARGEST_TURN)) * 2 + 1)[1:]:
-            x = x_start + fraction * (x_given - x_start)
-            self.position(x, e_start + fraction * (e_given - e_start))
+        self.position(x_given, e_given)
 
     def position(self, x_given: Array, e_given: Array) -> None:
         """Solve D_h(x) = e_h from the present configuration; leaves V and its factorization at the solution."""
@@ -107,21 +103,36 @@ class Kinematics:
         return self.dependent(v_given, e_rate) if velocity is None else velocity
 
     def _solve(
-        self, x_given: Array, e_given: Array, v_given: Array | None, e_rate: Array | None, guess: Array | None
+        self,
+        x_given: Array,
+        e_given: Array,
+        v_given: Array | None,
+        e_rate: Array | None,
+        guess: Array | None,
+        depth: int = 0,
     ) -> Array | None:
-        x, c = x_given.copy(), self.c
-        x[c] = self.x[c] if guess is None else guess[c]
-        near = self.sweep.near
+        x, c, near = x_given.copy(), self.c, self.sweep.near
+        x_old, e_old, near_old = self.x, self.e_given, near.copy()
+        x[c] = x_old[c] if guess is None else guess[c]
         near[self.h] = e_given[self.h]
         if self._factored and guess is None:
-            change = x - self.x
-            residual = self.sweep.rate(change)[self.h] - (e_given - self.e_given)[self.h]
+            residual = self.sweep.rate(x - x_old)[self.h] - (e_given - e_old)[self.h]
             x[c] -= self.position_system.solve(residual)
         self._factored = False
-        velocity = self._newton(x, e_given, v_given, e_rate)
-        self.e_given = e_given
-        near[:] = self.sweep.e
-        return velocity
+        try:
+            velocity = self._newton(x, e_given, v_given, e_rate)
+            jump = _largest((x - x_old) / self.scale)
+            if jump <= LARGEST_JUMP or depth == MAX_DEPTH:
+                self.e_given = e_given
+                near[:] = self.sweep.e
+                return velocity
+        except AnalysisError:
+            if depth == MAX_DEPTH:
+                raise
+        self.x, self._factored = x_old, False
+        near[:] = near_old
+        self._solve(0.5 * (x_old + x_given), 0.5 * (e_old + e_given), None, None, None, depth + 1)
+        return self._solve(x_given, e_given, v_given, e_rate, None, depth + 1)
 
     def _newton(self, x: Array, e_given: Array, v_given: Array | None, e_rate: Array | None) -> Array | None:
         """Newton's iteration from x (changed in place); one solve also gives the velocity where both matrices agree."""
