@@ -20,7 +20,7 @@ E_STATEMENTS = {"RLSE": "calculable", "INPUTE": "input", "DYNE": "dynamic", "KIN
 
 def build(deck: Deck, mode: int = 1, **options: Any) -> Mechanism:
     """Mechanism of a checked deck. `options` override Settings fields. Raises InputError for impossible geometry."""
-    if mode == 0:  # the dynamics block is not checked in this mode, so nothing may be taken from it
+    if mode == 0:  # errors of the dynamics block are only warnings here: take nothing from it
         deck = replace(deck, statements=tuple(s for s in deck.statements if s.block == 1))
     elements = element_list(deck)
     if not elements:
