@@ -22,7 +22,10 @@ COMMANDS = {
     "check": "read an input file and report, without running it",
     "keywords": "the keywords of the input language",
     "examples": "list or copy the example models",
+    "sweep": "parameter study: many values, one row of quantities each",
+    "trade": "speed against accuracy of a model, and the cheapest setting",
     "draw": "picture or animation of the mechanism at chosen steps",
+    "visual": "vibration and buckling modes, constraints, stresses as pictures",
     "checksbf": "what is in a result file, and whether it is sound",
     "getfrsbf": "print a variable of a result file",
     "repinsbf": "replace the value of a variable",
@@ -30,4 +33,5 @@ COMMANDS = {
     "loadsbm": "export a .sbm result to .npz, .mat or .csv",
     "combsbd": "join .sbd results of the same mechanism",
     "getss": "state space matrices of one step of a .ltv result",
+    "symbolic": "equations of motion of a model file by computer algebra",
 }
