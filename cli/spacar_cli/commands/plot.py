@@ -1,0 +1,67 @@
+"""`spacar plot FILE EXPR...`: time histories, or one expression against another."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from spacar.errors import UsageError
+from spacar_cli.drawing.options import OUTPUT
+from spacar_cli.environment import Environment
+
+
+@click.command("plot")
+@click.argument("file")
+@click.argument("expressions", metavar="EXPR...", nargs=-1, required=True)
+@OUTPUT
+@click.option("--against", "-x", metavar="EXPR", default="t", show_default=True, help="What the horizontal axis shows.")
+@click.option("--csv", "csv_file", type=click.Path(path_type=Path, allow_dash=True), help="Write the numbers as csv ('-': print them); no picture then, unless --output is given.")
+@click.option("--title", help="Text above the plot, instead of the name of the result.")
+@click.option("--dpi", type=click.FloatRange(20, 1200), default=150.0, show_default=True, help="Resolution of png [dots per inch].")
+@click.option("--show", is_flag=True, help="Open a window. Without this option no window is opened.")
+@click.option("--stale-ok", is_flag=True, help="Plot a result although its input file has changed since.")
+@click.pass_obj
+def command(environment: Environment, /, file: str, expressions: tuple[str, ...], output: tuple[Path, ...], against: str, csv_file: Path | None, title: str | None, dpi: float, show: bool, stale_ok: bool) -> None:  # fmt: skip
+    """Plot expressions of the variables of a result file (NAME.sbd) over time.
+
+    Variables of nodes x, xd, xdd, fx, fxgrav, fxtot, xcompl as x[NODE,COORDINATE]; of elements e, ed, edd, sig as
+    e[ELEMENT,MODE]; t. With + - * / **, abs sqrt sin cos tan exp log deg hypot atan2 and pi. Example:
+
+    spacar plot crank 'x[6,1]' 'xdd[6,1]' 'sig[1,1]'
+
+    Without --output the picture is NAME_plot.png beside the result.
+    """
+    from spacar_cli.drawing.expressions import evaluate
+    from spacar_cli.drawing.files import check_name, save
+    from spacar_cli.drawing.history import csv_text, history_figure
+    from spacar_cli.drawing.source import open_source
+
+    source = open_source(file, stale_ok)
+    curves = [evaluate(source, text) for text in expressions]
+    across = evaluate(source, against)
+    outputs = list(output)
+    if not outputs and csv_file is None and not show:
+        outputs = [Path(source.name).parent / f"{source.scene.title}_plot.png"]
+    for path in outputs:
+        check_name(path, film=False)
+    if csv_file is not None:
+        text = csv_text(curves, across)
+        if str(csv_file) == "-":
+            environment.stdout.write(text)
+        else:
+            try:
+                csv_file.write_text(text, "utf-8")
+            except OSError as error:
+                raise UsageError(f"cannot write {csv_file}: {error.strerror}", "plot.write") from None
+            environment.say(str(csv_file))
+    if not outputs and not show:
+        return
+    figure = history_figure(curves, across, source.scene.title if title is None else title, source.scene.mode in (7, 8, 9, 10))
+    for path in outputs:
+        save(figure, path, dpi)
+        environment.say(str(path))
+    if show:
+        from spacar_cli.drawing.window import still_window
+
+        still_window(figure)

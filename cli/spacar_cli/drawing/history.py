@@ -1,0 +1,89 @@
+"""Curves over time, or against another expression, in one panel per unit; and the same numbers as csv."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from spacar_cli.drawing.expressions import MEANING, Curve
+from spacar_cli.drawing.quantities import unit_text
+from spacar_cli.drawing.stage import INK, RULE
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+COLOURS = ("#2f74b5", "#c2703d", "#3d8b5f", "#8e5ea2", "#c0272d", "#6b4a2b", "#5d6d7a", "#b8a11b")
+PANEL = 2.15  # inches
+
+
+def axis_text(curve: Curve) -> str:
+    """`x[6,1] (m)`; just the text for a pure number."""
+    text = unit_text(curve.quantity.unit)
+    return f"{curve.text} ({text})" if text else curve.text
+
+
+def panels(curves: Sequence[Curve]) -> list[list[Curve]]:
+    """Curves of the same variable, or of expressions with the same unit, together, in the given order."""
+    groups: dict[object, list[Curve]] = {}
+    for c in curves:
+        groups.setdefault((c.variable, c.quantity.unit), []).append(c)
+    return list(groups.values())
+
+
+def panel_text(group: Sequence[Curve]) -> str:
+    if len(group) == 1:
+        return axis_text(group[0])
+    text = unit_text(group[0].quantity.unit)
+    name = MEANING.get(group[0].variable, "value")
+    return f"{name} ({text})" if text else name
+
+
+def history_figure(curves: Sequence[Curve], against: Curve, title: str = "", stationary: bool = False) -> Figure:
+    """Panels above each other with a common horizontal axis."""
+    from matplotlib.figure import Figure
+
+    groups = panels(curves)
+    n = len(groups)
+    height = n * PANEL + 0.85 if n > 1 else 3.6
+    figure = Figure(figsize=(7.2, height), dpi=110)
+    all_axes = figure.subplots(n, 1, sharex=True, squeeze=False)[:, 0]
+    across = np.asarray(against.quantity.values)
+    few = len(across) < 3
+    for axes, group in zip(all_axes, groups, strict=True):
+        for k, c in enumerate(group):
+            axes.plot(across, c.quantity.values, "o-" if few else "-", color=COLOURS[k % len(COLOURS)], lw=1.4, ms=4, label=c.text)
+        axes.set_ylabel(panel_text(group), fontsize=8.5, color=INK)
+        axes.grid(True, color=RULE, lw=0.6)
+        axes.set_axisbelow(True)
+        axes.tick_params(labelsize=8, colors=INK, length=0)
+        axes.margins(x=0.0 if against.variable == "t" and not few else 0.05, y=0.08)
+        axes.ticklabel_format(axis="y", scilimits=(-4, 5), useMathText=True, useOffset=False)
+        axes.yaxis.get_offset_text().set(fontsize=8, color=INK)
+        for side in axes.spines.values():
+            side.set(color="#cfd5da", linewidth=0.8)
+        if len(group) > 1:
+            axes.legend(fontsize=8, frameon=False, ncols=min(len(group), 5), loc="lower left", bbox_to_anchor=(0, 1.0), borderpad=0.1)
+    label = ("load step" if stationary else "time t (s)") if against.variable == "t" else axis_text(against)
+    all_axes[-1].set_xlabel(label, fontsize=8.5, color=INK)
+    figure.align_ylabels(all_axes)
+    top = 0.45 if title or len(groups[0]) > 1 else 0.15
+    if title and len(groups[0]) > 1:
+        top = 0.62
+    figure.subplots_adjust(left=0.12, right=0.965, bottom=0.52 / height, top=1 - top / height, hspace=0.32 if any(len(g) > 1 for g in groups) else 0.16)
+    if title:
+        figure.text(0.12, 1 - 0.12 / height, title, fontsize=10, color=INK, va="top")
+    return figure
+
+
+def csv_text(curves: Sequence[Curve], against: Curve) -> str:
+    """A heading line and one line per step; numbers with all digits that they need to be read back exactly."""
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    columns = [against, *curves]
+    writer.writerow([axis_text(c) for c in columns])
+    writer.writerows(zip(*(map(repr, np.asarray(c.quantity.values).tolist()) for c in columns), strict=True))
+    return out.getvalue()
