@@ -67,7 +67,7 @@ def make_beam(
         shapes = shape_functions(shapes_of, X, length, clamped)
         if not shapes:
             return
-        pairs = []
+        pairs: list[tuple[sp.Expr, sp.Expr]] = []
         for _ in shapes:
             k = sum(len(f.shapes) for f in made) + len(pairs) + 1
             pairs.append(system.coordinate(f"phi{number}_{k}", speed=f"dphi{number}_{k}"))
@@ -135,6 +135,8 @@ def make_section(system: System, beam: Beam, x: sp.Expr) -> Section:
     velocity: Vector = beam.root.velocity + system.ddt(system.N, offset)
     public = {"u": "u", "w": "w", "slope": "ux", "slope_w": "wx", "twist": "theta", "stretch": "e"}
     values = {name: pseudo[key] for name, key in public.items() if key in pseudo}
-    section = Section(f"{beam.name}.tip" if x == beam.length else f"{label}", beam.root, offset, velocity, False, frame, values)
+    section = Section(
+        f"{beam.name}.tip" if x == beam.length else f"{label}", beam.root, offset, velocity, False, frame, values
+    )
     beam.sections[x] = section
     return section

@@ -16,8 +16,6 @@ import numpy as np
 from spacar.errors import AnalysisError
 from spacar.symbolic.program import Program
 
-_DOUBLES = np.ctypeslib.ndpointer(dtype=np.float64, flags="C_CONTIGUOUS")
-
 
 def compiler() -> str | None:
     """The C compiler: $CC, cc or gcc; None when there is none."""
@@ -27,53 +25,69 @@ def compiler() -> str | None:
 class CompiledFunction:
     """f(t, y) -> ẏ with f.jac, f.inputs, f.outputs and f.accel like the generated Python, computed in C."""
 
-    def __init__(self, program: Program, values: Mapping[str, float], feeds: Mapping[str, Callable[..., float]] | None = None) -> None:
-        from spacar.symbolic.run import check_values, check_feeds
+    def __init__(
+        self, program: Program, values: Mapping[str, float], feeds: Mapping[str, Callable[..., float]] | None = None
+    ) -> None:
+        from spacar.symbolic.run import check_feeds, check_values
 
         numbers = check_values(program, values)
         check_feeds(program, feeds)
         self.program, self.library = program, _build(program.text("c", jacobian=True))
-        self.p = np.array([numbers[s.name] for s in program.parameters] or [0.0])
-        self.c = np.zeros(len(program.jacobian.once) + 1)
-        self.u = np.zeros(max(len(program.inputs), 1))
+        n, size = program.n, len(program.state)
+        lengths = {
+            "p": len(program.parameters), "c": len(program.jacobian.once), "y": size, "u": len(program.inputs),
+            "ydot": size, "J": size * size, "M": n * n, "f": n, "out": len(program.outputs),
+        }  # fmt: skip
+        # one buffer for every argument: addresses are taken once, a call costs little more than the arithmetic
+        self._buffer = {name: np.zeros(max(length, 1)) for name, length in lengths.items()}
+        self._at = {name: ctypes.c_void_p(array.ctypes.data) for name, array in self._buffer.items()}
+        self._buffer["p"][: len(numbers)] = list(numbers.values())
         self._fed = [(i, (feeds or {})[s.name]) for i, (s, e) in enumerate(program.inputs.items()) if e is None]
-        self.library.eom_once(self.p, self.c)
+        self._call("eom_once", "p", "c")
 
-    def _state(self, t: float, y: Any) -> np.ndarray:
-        state = np.ascontiguousarray(y, dtype=float)
+    def _call(self, name: str, *arguments: str, time: float | None = None) -> int:
+        addresses = [self._at[a] for a in arguments]
+        done: int = getattr(self.library, name)(*([] if time is None else [time]), *addresses)
+        return done
+
+    def _at_state(self, t: float, y: Any) -> None:
+        self._buffer["y"][:] = y
         for i, function in self._fed:
-            self.u[i] = function(t, y)
-        return state
+            self._buffer["u"][i] = function(t, y)
 
     def __call__(self, t: float, y: Any) -> np.ndarray:
         """ẏ at (t, y). ArithmeticError when the mass matrix is not positive definite."""
-        rate = np.empty(len(self.program.state))
-        self._report(self.library.rhs(t, self.c, self.p, self._state(t, y), self.u, rate))
-        return rate
+        self._at_state(t, y)
+        self._report(self._call("rhs", "c", "p", "y", "u", "ydot", time=t))
+        return self._buffer["ydot"].copy()
 
     def jac(self, t: float, y: Any) -> np.ndarray:
         """∂ẏ/∂y at (t, y)."""
+        self._at_state(t, y)
+        self._report(self._call("jac", "c", "p", "y", "u", "J", time=t))
         size = len(self.program.state)
-        J = np.empty((size, size))
-        self._report(self.library.jac(t, self.c, self.p, self._state(t, y), self.u, J))
-        return J
+        return self._buffer["J"].reshape(size, size).copy()
 
     def inputs(self, t: float, y: Any) -> tuple[float, ...]:
-        self.library.eom_feed(t, self.c, self.p, self._state(t, y), self.u)
-        return tuple(self.u[: len(self.program.inputs)].tolist())
+        """The inputs at (t, y)."""
+        self._at_state(t, y)
+        self._call("eom_feed", "c", "p", "y", "u", time=t)
+        return tuple(self._buffer["u"][: len(self.program.inputs)].tolist())
 
     def outputs(self, t: float, y: Any) -> tuple[float, ...]:
+        """The named outputs at (t, y)."""
         self.inputs(t, y)
-        out = np.zeros(len(self.program.outputs) + 1)
-        self.library.eom_outputs(self.c, self.p, self._state(t, y), self.u, out)
-        return tuple(out[:-1].tolist())
+        self._call("eom_outputs", "c", "p", "y", "u", "out")
+        return tuple(self._buffer["out"][: len(self.program.outputs)].tolist())
 
     def accel(self, y: Any, u: Any) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """Upper triangle of I and f."""
+        """Upper triangle of I, and f, for a state and inputs."""
         n = self.program.n
-        M, f = np.empty((n, n)), np.empty(n)
-        self.library.accel(self.p, np.array(y, dtype=float), np.array([*u, 0.0], dtype=float), M, f)
-        return tuple(M[np.triu_indices(n)].tolist()), tuple(f.tolist())
+        self._buffer["y"][:] = y
+        self._buffer["u"][: len(self.program.inputs)] = u
+        self._call("accel", "p", "y", "u", "M", "f")
+        M = self._buffer["M"].reshape(n, n)
+        return tuple(M[np.triu_indices(n)].tolist()), tuple(self._buffer["f"].tolist())
 
     def _report(self, bad: int) -> None:
         if bad:
@@ -95,10 +109,10 @@ def _build(text: str) -> Any:
         raise AnalysisError(f"{cc} could not compile the generated file: {done.stderr.splitlines()[:1]}", "compiler")
     loaded = ctypes.CDLL(str(library))
     folder.cleanup()  # the loaded library stays mapped
-    real = ctypes.c_double
+    real, address = ctypes.c_double, ctypes.c_void_p
     for name, arguments in {
-        "eom_once": [_DOUBLES] * 2, "accel": [_DOUBLES] * 5, "eom_feed": [real, *[_DOUBLES] * 4],
-        "eom_outputs": [_DOUBLES] * 5, "rhs": [real, *[_DOUBLES] * 5], "jac": [real, *[_DOUBLES] * 5],
+        "eom_once": [address] * 2, "accel": [address] * 5, "eom_feed": [real, *[address] * 4],
+        "eom_outputs": [address] * 5, "rhs": [real, *[address] * 5], "jac": [real, *[address] * 5],
     }.items():  # fmt: skip
         getattr(loaded, name).argtypes = arguments
         getattr(loaded, name).restype = ctypes.c_int if name in ("rhs", "jac") else None

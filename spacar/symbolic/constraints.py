@@ -81,6 +81,11 @@ def eliminate_dependent_speeds(system: System, derivation: Derivation) -> Reduce
     return Reduced(tuple(speeds[k] for k in i), mass, rhs, dependent)
 
 
+def check_constraints(system: System) -> None:
+    """UsageError when the constraints so far are not linear in the speeds or depend on each other."""
+    choose_dependent(system, constraint_rows(system)[0])
+
+
 def constraint_rows(system: System) -> tuple[sp.Matrix, sp.Matrix]:
     """J and c of J s + c = 0, one row a constraint. UsageError when an expression is not linear in the speeds."""
     rows, rest = [], []

@@ -40,7 +40,8 @@ def read_expression(
 ) -> sp.Expr:
     """The scalar that `text` describes, with the names of `known`.
 
-    `unknown` makes a scalar of any other name; without it such a name is an error. Decimal numbers are read exactly.
+    Known names may contain points (`link1.tip.u`). `unknown` makes a scalar of any
+    other name; without it such a name is an error. Decimal numbers are read exactly.
     Raises UsageError with a sentence that quotes the offending piece.
 
     >>> q = sp.Symbol("q")
@@ -67,9 +68,12 @@ class _Reader:
         if depth > MAX_DEPTH:
             raise UsageError(f"an expression is nested deeper than {MAX_DEPTH}")
         if isinstance(node, ast.Constant) and type(node.value) in (int, float):
-            return self._finite(sp.Rational(str(node.value)) if abs(node.value) < 1e300 else sp.oo, node)
+            literal = str(node.value)
+            return self._finite(sp.oo if literal in ("inf", "nan") else sp.Rational(literal), node)
         if isinstance(node, ast.Name):
             return self._name(node.id)
+        if isinstance(node, ast.Attribute) and self._source(node) in self.known:
+            return self.known[self._source(node)]
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, (ast.USub, ast.UAdd)):
             value = self.read(node.operand, depth + 1)
             return -value if isinstance(node.op, ast.USub) else value
@@ -80,7 +84,7 @@ class _Reader:
         raise UsageError(f'"{self._source(node)}" is not allowed in an expression', "forbidden")
 
     def _source(self, node: ast.AST) -> str:
-        return ast.get_source_segment(self.text, node) or self.text  # type: ignore[arg-type]
+        return ast.get_source_segment(self.text, node) or self.text
 
     def _name(self, name: str) -> sp.Expr:
         if name in self.known:

@@ -16,12 +16,19 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
-from spacar.symbolic.collect import ZTable, gather_dots, gather_scalars, gather_vectors, read_measure_numbers, read_scalar
+from spacar.symbolic.collect import (
+    ZTable,
+    gather_dots,
+    gather_scalars,
+    gather_vectors,
+    read_measure_numbers,
+    read_scalar,
+)
 from spacar.symbolic.derivatives import omega, partial_velocity
 from spacar.symbolic.fields import Field
 from spacar.symbolic.parts import Beam, RigidBody
 from spacar.symbolic.shapes import X, integral
-from spacar.symbolic.transform import DirectionCosines, transform
+from spacar.symbolic.transform import DirectionCosines
 from spacar.symbolic.units import TIME, HeldScalar
 from spacar.symbolic.vectors import ZERO, Vector, cross, dot
 
@@ -144,13 +151,17 @@ class HeldDerivation:
         result: dict[sp.Expr, sp.Expr] = {}
         for f in beam.fields:
             for q, s, psi in zip(f.coordinates, f.speeds, f.shapes, strict=True):
-                move = beam.frame[f.direction] * (0 if f.kind == "twist" else psi) - beam.frame[1] * shortening.get(q, 0)
+                move = beam.frame[f.direction] * (0 if f.kind == "twist" else psi) - beam.frame[1] * shortening.get(
+                    q, 0
+                )
                 parts = [dot(self.remember(self.integrate(beam, move * beam.mass)), density[0] / beam.mass)]
                 inner = integral(dot(move, density[1]), X, beam.length)
                 if f.kind == "twist":
                     inner -= integral(psi * dot(beam.frame[1], self.section_momentum_rate(beam)), X, beam.length)
                 inner -= f.strain_energy(beam.length).diff(q) + damping_force(beam, f, psi)
-                parts.append(read_scalar(inner, self.table, self.accelerations) if self.recurrence else gather_scalars(inner))
+                parts.append(
+                    read_scalar(inner, self.table, self.accelerations) if self.recurrence else gather_scalars(inner)
+                )
                 result[s] = sp.Add(*parts)
         return result
 

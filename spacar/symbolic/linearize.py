@@ -36,7 +36,9 @@ def linearize(eq: Equations, values: dict[str, float], point: dict[str, float]) 
     Inputs with a law are differentiated with it. Raises UsageError when the coordinates do not correspond to the
     speeds one to one (q̇ = s), because K0 would not be square.
     """
-    if len(eq.coordinates) != len(eq.speeds) or any(eq.kinematics[q] != s for q, s in zip(eq.coordinates, eq.speeds, strict=True)):
+    if len(eq.coordinates) != len(eq.speeds) or any(
+        eq.kinematics[q] != s for q, s in zip(eq.coordinates, eq.speeds, strict=True)
+    ):
         raise UsageError("M0, C0, K0 need every speed to be the derivative of its coordinate")
     f = eq.program().function(values)
     names = [str(s.func) for s in (*eq.coordinates, *eq.speeds)]

@@ -145,5 +145,3 @@ class Constraint:
 
     expression: sp.Expr
     dependent: sp.Expr | None
-
-

@@ -7,6 +7,7 @@ are written with subscripts, u_x, u_xt.
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from typing import Any
 
 import sympy as sp
@@ -103,7 +104,8 @@ def unit_unicode(u: Unit) -> str:
 
 
 def _key(key: Key, style: str) -> str:
-    unit = {"text": str, "unicode": unit_unicode, "latex": unit_latex}[style]
+    units: dict[str, Callable[[Unit], str]] = {"text": str, "unicode": unit_unicode, "latex": unit_latex}
+    unit = units[style]
     if isinstance(key, HeldCross):
         return f"{unit(key.a)}{_CROSS[style]}{unit(key.b)}"
     return unit(key)

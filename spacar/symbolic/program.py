@@ -72,7 +72,9 @@ class Program:
     @cached_property
     def digest(self) -> str:
         """A short fingerprint of the equations, written into generated files."""
-        content = repr((self.parameters, self.state, self.inputs, self.once, self.step, self.mass, self.rhs, self.rates))
+        content = repr(
+            (self.parameters, self.state, self.inputs, self.once, self.step, self.mass, self.rhs, self.rates)
+        )
         return hashlib.sha256(content.encode()).hexdigest()[:16]
 
     @cached_property
@@ -162,7 +164,9 @@ def make_program(eq: Equations, outputs: dict[str, Any]) -> Program:
     order = definition_order(eq.table.definitions, flat)
     definitions = {z: eq.table.definitions[z] for z in order}
     feeds = {s: e for s, e in eq.system.inputs.items()}
-    rule = plain_symbols([*definitions, *definitions.values(), *flat, *filter(None, feeds.values()), *eq.coordinates, *eq.speeds])
+    rule = plain_symbols(
+        [*definitions, *definitions.values(), *flat, *filter(None, feeds.values()), *eq.coordinates, *eq.speeds]
+    )
     states = [rule[s] for s in [*eq.coordinates, *eq.speeds]]
     inputs = {sp.Symbol(s.name, real=True): e.xreplace(rule) if e is not None else None for s, e in feeds.items()}
     definitions = {rule[z]: e.xreplace(rule) for z, e in definitions.items()}
@@ -235,7 +239,9 @@ def share(
             step[symbol] = hoist(expression)
     results = [hoist(e) for e in results]
     step, results = _common(step, results, names)
-    needed = set().union(*(e.free_symbols for e in [*step.values(), *results])) & once.keys() if step or results else set()
+    needed = (
+        set().union(*(e.free_symbols for e in [*step.values(), *results])) & once.keys() if step or results else set()
+    )
     once, _ = _common(once, [], names, keep=needed)
     return tuple(once.items()), tuple(step.items()), results
 
@@ -261,7 +267,9 @@ def _common(
 class Hoist:
     """Move every maximal part of an expression that depends on constants only into `once`."""
 
-    def __init__(self, constants: set[sp.Symbol], once: dict[sp.Symbol, sp.Expr], names: Callable[[str], sp.Symbol]) -> None:
+    def __init__(
+        self, constants: set[sp.Symbol], once: dict[sp.Symbol, sp.Expr], names: Callable[[str], sp.Symbol]
+    ) -> None:
         self.constants, self.once, self.names = constants, once, names
         self._known: dict[sp.Expr, sp.Symbol] = {}
 
@@ -271,10 +279,9 @@ class Hoist:
         if expression.free_symbols <= self.constants:
             return self._constant(expression)
         if isinstance(expression, (sp.Mul, sp.Add)):
-            fixed, moving = [], []
-            for a in expression.args:
-                (fixed if a.free_symbols <= self.constants and not (a.is_number and isinstance(expression, sp.Add)) else moving).append(a)
-            moving = [self(a) for a in moving]
+            is_sum = isinstance(expression, sp.Add)
+            fixed = [a for a in expression.args if a.free_symbols <= self.constants and not (a.is_number and is_sum)]
+            moving = [self(a) for a in expression.args if a not in fixed]
             if any(not a.is_number for a in fixed):
                 return expression.func(self._constant(expression.func(*fixed)), *moving)
             return expression.func(*fixed, *moving)
@@ -292,5 +299,3 @@ class Hoist:
             self.once[symbol] = expression
             self.constants.add(symbol)
         return self._known[expression]
-
-

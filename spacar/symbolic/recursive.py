@@ -10,7 +10,7 @@ Beams: `recursive_beam.py`. Source: `symbolic.md`, section 4.4.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import sympy as sp
 
@@ -25,13 +25,13 @@ if TYPE_CHECKING:
     from spacar.symbolic.equations import Derivation
     from spacar.symbolic.system import System
 
-Column = sp.Matrix  # three measure numbers
+Column: TypeAlias = Any  # sympy Matrix of three measure numbers
 NOTHING = sp.zeros(3, 1)
 
 
 @dataclass(frozen=True)
 class Turning:
-    """A frame: partial angular velocities {speed: column}, angular velocity, bias angular acceleration, own components."""
+    """A frame in its own components: partial angular velocities {speed: column}, angular velocity and its bias rate."""
 
     partials: dict[sp.Expr, Column]
     velocity: Column
@@ -81,7 +81,11 @@ class Recursion:
             gradient = {self.field_speed[q]: self.read(g) for q, g in p.gradient.items()}
             speed = sp.Add(*(g * s for s, g in gradient.items()))
             bias = sp.Add(
-                *(g.diff(q) * self.field_speed[r] * s for r, g in p.gradient.items() for q, s in self.field_speed.items())
+                *(
+                    g.diff(q) * self.field_speed[r] * s
+                    for r, g in p.gradient.items()
+                    for q, s in self.field_speed.items()
+                )
             )
             self.values[p.coordinate] = self.table.read(gather_scalars(p.value), name=str(p.coordinate.func))
             self.values[p.speed] = self.table.read(speed, name=str(p.speed.func))
@@ -208,7 +212,9 @@ class Recursion:
         w, al0 = turning.velocity, turning.bias
         wr = self.reads(w.cross(r))
         own = velocity.applyfunc(self.bias)
-        return Moving(here.frame, partials, self.reads(here.bias + al0.cross(r) + w.cross(wr) + 2 * w.cross(rdot) + own))
+        return Moving(
+            here.frame, partials, self.reads(here.bias + al0.cross(r) + w.cross(wr) + 2 * w.cross(rdot) + own)
+        )
 
     def _given(self, point: Point, home: Frame) -> Moving:
         """A point whose velocity in N was given."""

@@ -46,7 +46,9 @@ class BeamMoments:
     def __init__(self, recursion: Recursion, beam: Beam) -> None:
         self.beam = beam
         self.read = recursion.table.read
-        self.modes = [(f, q, s, psi) for f in beam.fields for q, s, psi in zip(f.coordinates, f.speeds, f.shapes, strict=True)]
+        self.modes = [
+            (f, q, s, psi) for f in beam.fields for q, s, psi in zip(f.coordinates, f.speeds, f.shapes, strict=True)
+        ]
         self.moving = [mode for mode in self.modes if mode[0].kind != "twist"]
         gradient = beam.shortening.gradient(X) if beam.shortening else {}
         w = beam.shortening.value(X) if beam.shortening else sp.S.Zero
@@ -74,7 +76,10 @@ class BeamMoments:
         if value == 0 or not coordinates:
             return self.read(value)
         terms = sp.Poly(value, *coordinates).terms()
-        parts = [self.read(gather_scalars(c)) * sp.Mul(*(q**n for q, n in zip(coordinates, powers, strict=True))) for powers, c in terms]
+        parts = [
+            self.read(gather_scalars(c)) * sp.Mul(*(q**n for q, n in zip(coordinates, powers, strict=True)))
+            for powers, c in terms
+        ]
         return self.read(sp.factor_terms(sp.Add(*parts)))
 
     def integral(self, column: sp.Matrix) -> sp.Matrix:

@@ -50,7 +50,9 @@ class Run:
             return self.outputs[name]
         if name in self.input_names:
             return self.inputs[:, self.input_names.index(name)]
-        raise UsageError(f"no result named {name!r}: known are {', '.join([*self.names, *self.input_names, *self.outputs])}")
+        raise UsageError(
+            f"no result named {name!r}: known are {', '.join([*self.names, *self.input_names, *self.outputs])}"
+        )
 
 
 def check_values(program: Program, values: Mapping[str, float]) -> dict[str, float]:
@@ -65,7 +67,9 @@ def check_values(program: Program, values: Mapping[str, float]) -> dict[str, flo
     for what, s, strict in program.positive:
         value = result[s.name]
         if value < 0 or (strict and value == 0):
-            raise UsageError(f"parameter {s.name} = {value:g} is a {what} and must be {'> 0' if strict else '>= 0'}", "parameter")
+            raise UsageError(
+                f"parameter {s.name} = {value:g} is a {what} and must be {'> 0' if strict else '>= 0'}", "parameter"
+            )
     return result
 
 
@@ -77,7 +81,10 @@ def check_feeds(program: Program, feeds: Mapping[str, Callable[..., float]] | No
 
 
 def make_function(
-    program: Program, values: Mapping[str, float], jacobian: bool = True, feeds: Mapping[str, Callable[..., float]] | None = None
+    program: Program,
+    values: Mapping[str, float],
+    jacobian: bool = True,
+    feeds: Mapping[str, Callable[..., float]] | None = None,
 ) -> Any:
     """The generated Python right-hand side f(t, y) for parameter values, with f.jac, f.inputs, f.outputs, f.accel."""
     numbers = check_values(program, values)
@@ -105,18 +112,22 @@ def simulate(
     progress: Callable[[float], None] | None = None,
     limit: int = MOST_EVALUATIONS,
 ) -> Run:
-    """Integrate from `start` (states by name, others zero) to t_end [s] with `steps` equal output steps (or times `at`).
+    """Integrate from `start` (states by name, others zero) to t_end [s] with `steps` equal output steps.
 
-    atol: one number, numbers by state name, or None for rtol times the scale of each state (the larger
-    of start value and static deflection; of speeds that of their coordinate per second; 1 when all are zero). `function` replaces the generated Python (compiled code). `limit` ends a run that stalls. Raises UsageError for
-    unknown names or tolerances above 1e-2, AnalysisError when the integrator stops.
+    `at`: output times instead. atol: one number, numbers by state name, or None for rtol times the scale of each
+    state (the larger of start value and static deflection; of speeds that of their coordinate per second; 1 when all
+    are zero). `feeds`: functions of (t, y) for inputs without law. `function` replaces the generated Python (compiled
+    code). `progress` is called with the time; `limit` evaluations end a run that stalls. Raises UsageError for unknown
+    names or tolerances above 1e-2, AnalysisError when the integrator stops.
     """
     from scipy.integrate import solve_ivp
 
     if integrator not in INTEGRATORS:
         raise UsageError(f"unknown integrator {integrator!r}: choose one of {', '.join(INTEGRATORS)}")
     if not 0 < rtol <= LOOSEST:
-        raise UsageError(f"rtol = {rtol:g} must be positive and at most {LOOSEST:g}: looser runs may hide unstable motion")
+        raise UsageError(
+            f"rtol = {rtol:g} must be positive and at most {LOOSEST:g}: looser runs may hide unstable motion"
+        )
     if not (math.isfinite(t_end) and t_end > 0 and steps >= 1):
         raise UsageError(f"time {t_end:g} s and {steps} steps: both must be positive")
     names = tuple(s.name for s in program.state)
@@ -153,7 +164,8 @@ def simulate(
     eigenvalues = np.linalg.eigvals(f.jac(float(times[-1]), y[-1].tolist()))
     return Run(
         names, times, y, inputs, tuple(s.name for s in program.inputs),
-        dict(zip(program.outputs, outputs.T, strict=True)), statistics, complex(eigenvalues[np.argmax(eigenvalues.real)]),
+        dict(zip(program.outputs, outputs.T, strict=True)), statistics,
+        complex(eigenvalues[np.argmax(eigenvalues.real)]),
     )  # fmt: skip
 
 
@@ -190,7 +202,8 @@ def _watched(f: Callable[..., Any], progress: Callable[[float], None] | None, li
         evaluations += 1
         if evaluations > limit:
             raise AnalysisError(
-                f"simulation stalls at t = {t:.6g} s after {limit} evaluations: loosen rtol or atol, or try radau", "stall"
+                f"simulation stalls at t = {t:.6g} s after {limit} evaluations: loosen rtol or atol, or try radau",
+                "stall",
             )
         if progress is not None:
             progress(t)

@@ -116,7 +116,7 @@ def integral(integrand: sp.Expr, x: sp.Symbol, L: sp.Expr) -> sp.Expr:
 
 @lru_cache(maxsize=4096)
 def _quadrature(shape: sp.Expr, xi: sp.Symbol) -> sp.Expr:
-    import mpmath
+    import mpmath  # type: ignore[import-untyped]
 
     if shape.is_polynomial(xi):
         return _unit_integral(sp.Poly(shape, xi))

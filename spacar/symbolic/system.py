@@ -62,7 +62,9 @@ class System:
         """Reserve a name. Programs may not distinguish case, so names that differ only in case are refused."""
         other = self.names.get(name.lower())
         if other is not None:
-            raise UsageError(f"the name of {what} is already that of {other} (names must differ in more than case)", "name")
+            raise UsageError(
+                f"the name of {what} is already that of {other} (names must differ in more than case)", "name"
+            )
         self.names[name.lower()] = what
 
     def expression(self, value: Any) -> sp.Expr:
@@ -170,7 +172,9 @@ class System:
         """A beam along axis 1 of `frame` from `root`; the properties are those of `beams.make_beam`."""
         from spacar.symbolic.beams import make_beam
 
-        beam = make_beam(self, name, frame.frame if isinstance(frame, Section) else frame, root, length, mass, **properties)
+        beam = make_beam(
+            self, name, frame.frame if isinstance(frame, Section) else frame, root, length, mass, **properties
+        )
         self.beams.append(beam)
         return beam
 

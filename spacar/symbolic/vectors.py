@@ -185,22 +185,15 @@ def cross(a: Any, b: Any) -> Any:
     """a×b of two vectors (a vector), or of a vector and a dyad in either order (a dyad)."""
     if isinstance(a, Vector) and isinstance(b, Vector):
         return Vector.collect(
-            (key, c * d * e)
-            for p, c in a.terms.items()
-            for q, d in b.terms.items()
-            for e, key in cross_keys(p, q)
+            (key, c * d * e) for p, c in a.terms.items() for q, d in b.terms.items() for e, key in cross_keys(p, q)
         )
     if isinstance(a, Dyad) and isinstance(b, Vector):
         return Dyad.collect(
-            ((p, key), c * d)
-            for (p, q), c in a.terms.items()
-            for key, d in cross(Vector({q: 1}), b).terms.items()
+            ((p, key), c * d) for (p, q), c in a.terms.items() for key, d in cross(Vector({q: 1}), b).terms.items()
         )
     if isinstance(a, Vector) and isinstance(b, Dyad):
         return Dyad.collect(
-            ((key, q), c * d)
-            for (p, q), c in b.terms.items()
-            for key, d in cross(a, Vector({p: 1})).terms.items()
+            ((key, q), c * d) for (p, q), c in b.terms.items() for key, d in cross(a, Vector({p: 1})).terms.items()
         )
     raise TypeError(f"cross product of {a!r} and {b!r}: two vectors, or a vector and a dyad")
 

@@ -99,7 +99,9 @@ def source(program: Program, jacobian: bool = False) -> str:
 
 def _function(program: Program, r: Routine) -> str:
     w = Writer(C, r.known)
-    arguments = ", ".join("double t" if a == "t" else f"{'' if a in r.changed else 'const '}double *{a}" for a in r.arguments)
+    arguments = ", ".join(
+        "double t" if a == "t" else f"{'' if a in r.changed else 'const '}double *{a}" for a in r.arguments
+    )
     lines = [f"{'static ' if r.internal else ''}void eom_{r.name}({arguments})", "{"]
     lines += [f"    const double {w.add(s)} = {a}[{i}];" for a, i, s in r.reads]
     lines += [f"    const double {w.add(s)} = {w(e)};" for s, e in r.body]
@@ -109,4 +111,3 @@ def _function(program: Program, r: Routine) -> str:
     lines += [f"    (void){a};" for a in unused]
     lines += [f"    {a}[{i}] = {w(e)};" for a, i, e in r.results]
     return "\n".join([*lines, "}", ""])
-

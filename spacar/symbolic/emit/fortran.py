@@ -26,7 +26,11 @@ def source(program: Program, jacobian: bool = False) -> str:
         "f": n, "ydot": len(program.coordinates), "out": len(program.outputs),
     }  # fmt: skip
     lines = [f"! {line}".rstrip() for line in header(program)]
-    lines += ["module equations_of_motion", "  use, intrinsic :: iso_c_binding, only: dp => c_double", "  implicit none"]
+    lines += [
+        "module equations_of_motion",
+        "  use, intrinsic :: iso_c_binding, only: dp => c_double",
+        "  implicit none",
+    ]
     lines += ["contains", ""]
     for r in routines:
         lines += _subroutine(r, sizes)

@@ -15,7 +15,11 @@ def header(program: Program) -> list[str]:
         "units: SI (m, kg, s, rad) when the parameters are in SI units",
         f"operations: {counts['step']} per step, {counts['once']} once",
     ]
-    for name, symbols in (("parameters p", program.parameters), ("state y", program.state), ("inputs u", tuple(program.inputs))):
+    for name, symbols in (
+        ("parameters p", program.parameters),
+        ("state y", program.state),
+        ("inputs u", tuple(program.inputs)),
+    ):
         lines += _wrapped(f"{name}:", [s.name for s in symbols])
     return lines + _wrapped("outputs:", list(program.outputs))
 

@@ -15,6 +15,8 @@ def source(program: Program, jacobian: bool = False) -> str:
     for i in range(1, program.n + 1):
         rows += [(f"I_{{{i},{j}}}", latex(next(upper))) for j in range(i, program.n + 1)]
     rows += [(f"f_{{{i}}}", latex(e)) for i, e in enumerate(program.rhs, 1)]
-    rows += [(rf"\dot{{{symbol_latex(q.name)}}}", latex(e)) for q, e in zip(program.coordinates, program.rates, strict=True)]
+    rows += [
+        (rf"\dot{{{symbol_latex(q.name)}}}", latex(e)) for q, e in zip(program.coordinates, program.rates, strict=True)
+    ]
     body = " \\\\\n".join(f"{left} &= {right}" for left, right in rows)
     return "\n".join([*lines, r"\begin{align*}", body, r"\end{align*}", ""])

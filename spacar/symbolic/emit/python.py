@@ -20,18 +20,34 @@ def source(program: Program, jacobian: bool = False) -> str:
     """The module as text."""
     w = Writer(PYTHON, [*program.parameters, *program.state, *program.inputs])
     once = program.jacobian.once if jacobian else program.once
-    lines = ['"""', *header(program), '"""', "", "from math import acos, asin, atan, atan2, cos, cosh, exp, log, sin, sinh, sqrt, tan, tanh", ""]
+    lines = [
+        '"""',
+        *header(program),
+        '"""',
+        "",
+        "from math import acos, asin, atan, atan2, cos, cosh, exp, log, sin, sinh, sqrt, tan, tanh",
+        "",
+    ]
     if jacobian or program.n > UNROLLED:
         lines += ["import numpy as np", ""]
-    for name, symbols in (("PARAMETERS", program.parameters), ("STATE", program.state), ("INPUTS", tuple(program.inputs))):
+    for name, symbols in (
+        ("PARAMETERS", program.parameters),
+        ("STATE", program.state),
+        ("INPUTS", tuple(program.inputs)),
+    ):
         lines.append(f"{name} = ({''.join(repr(s.name) + ', ' for s in symbols)})")
     lines += [f"OUTPUTS = ({''.join(repr(n) + ', ' for n in program.outputs)})", "", ""]
-    lines += ["def make_rhs(parameters, feeds=None):", '    """rhs and jac for a mapping of parameter values and of functions of (t, y) for the inputs without law."""']
+    lines += [
+        "def make_rhs(parameters, feeds=None):",
+        '    """rhs and jac for a mapping of parameter values and of functions of (t, y) for inputs without law."""',
+    ]
     lines += [f"    {w.add(s)} = float(parameters[{s.name!r}])" for s in program.parameters]
     lines += [f"    {_feed(w, s)} = feeds[{s.name!r}]" for s, e in program.inputs.items() if e is None]
     lines += _assign(w, once, 4)
     lines += _routine(w, program, "accel", "y, u", _accel(w, program))
-    lines += _routine(w, program, "inputs", "t, y", [*_inputs(w, program), f"        return ({_tuple(w, program.inputs)})"])
+    lines += _routine(
+        w, program, "inputs", "t, y", [*_inputs(w, program), f"        return ({_tuple(w, program.inputs)})"]
+    )
     lines += _routine(w, program, "outputs", "t, y", _outputs(w, program))
     lines += _routine(w, program, "rhs", "t, y", _rhs(w, program))
     if jacobian:
@@ -59,9 +75,7 @@ def _routine(w: Writer, program: Program, name: str, arguments: str, body: list[
 
 
 def _inputs(w: Writer, program: Program) -> list[str]:
-    return [
-        f"        {w.add(s)} = {f'{_feed(w, s)}(t, y)' if e is None else w(e)}" for s, e in program.inputs.items()
-    ]
+    return [f"        {w.add(s)} = {f'{_feed(w, s)}(t, y)' if e is None else w(e)}" for s, e in program.inputs.items()]
 
 
 def _accel(w: Writer, program: Program) -> list[str]:
@@ -89,7 +103,9 @@ def _solve(w: Writer, program: Program) -> list[str]:
     entry = {(i, j): w(next(upper)) for i in range(n) for j in range(i, n)}
     if n > UNROLLED:
         rows = ", ".join("[" + ", ".join(entry[min(i, j), max(i, j)] for j in range(n)) + "]" for i in range(n))
-        return [f"        {''.join(f'a_{i}, ' for i in range(n))} = np.linalg.solve([{rows}], [{_tuple(w, program.rhs)}])"]
+        return [
+            f"        {''.join(f'a_{i}, ' for i in range(n))} = np.linalg.solve([{rows}], [{_tuple(w, program.rhs)}])"
+        ]
     lines = []
     for j in range(n):
         for i in range(j, n):  # v_ij = l_ij d_j

@@ -55,7 +55,9 @@ def compiled_routines(program: Program, jacobian: bool = False) -> tuple[Assignm
     rates = tuple(("ydot", i, e) for i, e in enumerate(program.rates))
     given = ("c", "p", "y", "u")
 
-    def routine(name: str, arguments: tuple[str, ...], changed: str | tuple[str, ...], body: Assignments, results: Results) -> Routine:
+    def routine(
+        name: str, arguments: tuple[str, ...], changed: str | tuple[str, ...], body: Assignments, results: Results
+    ) -> Routine:
         changed = (changed,) if isinstance(changed, str) else changed
         needed = _free(body, results) - {s for s, _ in body}
         reads = [(a, i, s) for s, (a, i) in places.items() if s in needed and a in arguments]

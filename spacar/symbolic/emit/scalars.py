@@ -30,25 +30,25 @@ class Language:
 _COMMON = ("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log")
 _SAME = {f: f for f in _COMMON} | {"sqrt": "sqrt"}
 
-PYTHON = Language(
-    "python", _SAME | {"Abs": "abs"}, "({0})**{1}", "({0})**{1}",
-    frozenset("and as assert async await break class continue def del elif else except false finally for from global if "
-              "import in is lambda none nonlocal not or pass raise return true try while with yield math float abs "
-              "sqrt t y u m f p np rhs jac accel outputs feeds parameters".split()) | frozenset(_COMMON),
-)  # fmt: skip
-C = Language(
-    "c", _SAME | {"Abs": "fabs"}, "pow({0}, {1})", "power_{1}({0})",
-    frozenset("auto break case char const continue default do double else enum extern float for goto if inline int long "
-              "register restrict return short signed sizeof static struct switch typedef union unsigned void volatile "
-              "while main t y u m f p c h i j k n ydot out jac once step accel feed rates rhs outputs fabs pow "
-              "j0 j1 y0 y1 jn yn gamma".split()) | frozenset(_SAME),
-)  # fmt: skip
-FORTRAN = Language(
-    "fortran", _SAME | {"Abs": "abs"}, "({0})**({1})", "({0})**{1}",
-    frozenset("program module subroutine function end do if then else call use implicit none real integer contains bind "
-              "intent in out return stop where select case data p y u m f c out once step accel feed rates outputs "
-              "dp abs max min".split()) | frozenset(_SAME),
-)  # fmt: skip
+_RESERVED = {
+    "python": """and as assert async await break class continue def del elif else except false finally for from global if
+        import in is lambda none nonlocal not or pass raise return true try while with yield math float abs sqrt
+        t y u m f p np rhs jac accel outputs inputs feeds parameters low""",
+    "c": """auto break case char const continue default do double else enum extern float for goto if inline int long
+        register restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
+        main t y u m f p c h i j k n a ydot out jac accel rhs fabs pow j0 j1 y0 y1 jn yn gamma np nc nq ny nu nout""",
+    "fortran": """program module subroutine function end do if then else call use implicit none real integer contains
+        bind intent in out return stop where select case data p y u m f c t ydot dp abs max min""",
+}
+
+
+def _reserved(name: str) -> frozenset[str]:
+    return frozenset([*_RESERVED[name].split(), *_SAME])
+
+
+PYTHON = Language("python", _SAME | {"Abs": "abs"}, "({0})**{1}", "({0})**{1}", _reserved("python"))
+C = Language("c", _SAME | {"Abs": "fabs"}, "pow({0}, {1})", "power_{1}({0})", _reserved("c"))
+FORTRAN = Language("fortran", _SAME | {"Abs": "abs"}, "({0})**({1})", "({0})**{1}", _reserved("fortran"))
 
 
 class Writer:

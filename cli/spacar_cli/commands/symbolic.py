@@ -1,0 +1,143 @@
+"""`spacar symbolic check|derive|export|simulate MODEL`: equations of motion by computer algebra.
+
+SymPy is imported inside the commands only.
+"""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from spacar.errors import SpacarError, UsageError
+
+if TYPE_CHECKING:
+    from spacar.symbolic.equations import Equations
+    from spacar.symbolic.script import Model
+
+MODEL = click.argument("model", type=click.Path(path_type=Path))
+STRATEGY = click.Choice(["held", "recursive"])
+
+
+@click.group("symbolic")
+def command() -> None:
+    """Equations of motion in vector notation, from a model file (NAME.toml, or a Python script NAME.py).
+
+    check reads a model; derive prints its equations; export writes a program; simulate runs it.
+    """
+
+
+def _read(path: Path) -> Model:
+    """The model; UsageError without SymPy."""
+    if find_spec("sympy") is None:
+        raise UsageError('spacar symbolic needs SymPy: pip install "spacar[symbolic]"', "sympy")
+    from spacar.symbolic.model import read_model
+
+    return read_model(path)
+
+
+def _derived(model: Model, strategy: str) -> Equations:
+    """The equations; errors of the derivation are errors of the model."""
+    try:
+        return model.system.derive(strategy)
+    except SpacarError as error:
+        raise UsageError(f"{model.path.name}: {error}", error.code) from None
+
+
+@command.command("check")
+@MODEL
+def check(model: Path) -> None:
+    """Read MODEL and say what it contains; nothing is derived."""
+    from spacar_cli.symbolic_text import description
+
+    click.echo("\n".join(description(_read(model))))
+
+
+@command.command("derive")
+@MODEL
+@click.option("--strategy", type=STRATEGY, default="held", show_default=True, help="Readable or lean.")
+@click.option(
+    "--show", type=click.Choice(["held", "transformed", "program"]), help="Vector notation, cosines, or assignments."
+)
+@click.option("--format", "form", type=click.Choice(["text", "latex", "json"]), default="text", show_default=True)
+def derive(model: Path, strategy: str, show: str | None, form: str) -> None:
+    """Derive the equations of MODEL and print them.
+
+    The default is vector notation for the held strategy and the program for the recursive one.
+    """
+    from spacar_cli.symbolic_text import equations_text
+
+    read = _read(model)
+    show = show or ("held" if strategy == "held" else "program")
+    click.echo(equations_text(read, _derived(read, strategy), show, form))
+
+
+@command.command("export")
+@MODEL
+@click.option("--language", type=click.Choice(["python", "c", "fortran", "latex"]), required=True)
+@click.option("--strategy", type=STRATEGY, default="recursive", show_default=True, help="Readable or lean.")
+@click.option("--jacobian", is_flag=True, help="Also the exact Jacobian (python, c).")
+@click.option("-o", "--output", type=click.Path(path_type=Path), help="File to write (default: MODEL with its ending).")
+def export(model: Path, language: str, strategy: str, jacobian: bool, output: Path | None) -> None:
+    """Write the equations of MODEL as a self-contained program."""
+    from spacar_formats.safety import replacing
+
+    read = _read(model)
+    from spacar.symbolic.emit import LANGUAGES
+
+    program = _derived(read, strategy).program(read.outputs)
+    target = output or read.path.with_suffix(LANGUAGES[language])
+    if target == read.path:
+        raise UsageError(f"{target} is the model itself: choose another file with --output")
+    with replacing(target) as side:
+        program.write(side, language, jacobian)
+    counts = program.counts()
+    click.echo(f"{target}: {counts['step']} operations per step, {counts['once']} once")
+
+
+def _setting(ctx: click.Context, parameter: click.Parameter, values: tuple[str, ...]) -> dict[str, float]:
+    result = {}
+    for text in values:
+        name, equal, number = text.partition("=")
+        try:
+            result[name.strip()] = float(number)
+        except ValueError:
+            equal = ""
+        if not equal:
+            raise click.BadParameter(f"'{text}' is not NAME=VALUE")
+    return result
+
+
+@command.command("simulate")
+@MODEL
+@click.option(
+    "--set", "changes", multiple=True, callback=_setting, metavar="NAME=VALUE", help="Parameter or start value."
+)
+@click.option("--time", type=float, help="End of the simulation [s].")
+@click.option("--steps", type=int, help="Number of output steps.")
+@click.option("--integrator", type=click.Choice(["gear", "bdf", "radau", "dop853"]), help="Default gear.")
+@click.option("--rtol", type=float, help="Relative tolerance (default 1e-8).")
+@click.option("--atol", type=float, help="Absolute tolerance (default: rtol times the scale of each state).")
+@click.option("--strategy", type=STRATEGY, default="recursive", show_default=True)
+@click.option("--compile", "compiled", is_flag=True, help="Build the C program with the system compiler.")
+@click.option("--plot", is_flag=True, help="Also one figure (png) for each coordinate and output.")
+@click.option("--show", is_flag=True, help="Write all equations in vector notation into the log.")
+@click.option("--quiet", is_flag=True, help="No summary.")
+def simulate(
+    model: Path,
+    changes: dict[str, float],
+    compiled: bool,
+    plot: bool,
+    show: bool,
+    strategy: str,
+    quiet: bool,
+    **wishes: Any,
+) -> None:
+    """Simulate MODEL; writes NAME.log and NAME.sbd beside it."""
+    from spacar_cli.symbolic_run import simulate_model
+
+    lines = simulate_model(_read(model), strategy, changes, wishes, compiled=compiled, plot=plot, show=show)
+    if not quiet:
+        click.echo("\n".join(lines))

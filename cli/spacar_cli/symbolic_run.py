@@ -1,0 +1,153 @@
+"""`spacar symbolic simulate`: run a model, write its log, its .sbd and, when asked, its figures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import spacar
+from spacar.errors import AnalysisError, SpacarError, UsageError
+from spacar_cli.symbolic_text import description, equations_text
+
+if TYPE_CHECKING:
+    from spacar.symbolic.equations import Equations
+    from spacar.symbolic.program import Program
+    from spacar.symbolic.run import Run
+    from spacar.symbolic.script import Model
+
+DEFAULTS: dict[str, Any] = {"time": 1.0, "steps": 1000, "integrator": "gear", "rtol": 1e-8, "atol": None}
+
+
+def simulate_model(
+    model: Model,
+    strategy: str,
+    changes: dict[str, float],
+    wishes: dict[str, Any],
+    compiled: bool,
+    plot: bool,
+    show: bool,
+) -> list[str]:
+    """Derive, integrate, write; the lines of the summary.
+
+    `changes` replace parameter or start values, `wishes` settings of the model (None: not wished). Raises UsageError
+    for names that the model does not have, AnalysisError when the integration stops.
+    """
+    values, start = _changed(model, changes)
+    settings = DEFAULTS | model.settings | {key: value for key, value in wishes.items() if value is not None}
+    try:
+        eq = model.system.derive(strategy)
+        program = eq.program(model.outputs)
+        function, note = _compiled(program, values) if compiled else (None, "generated Python")
+        run = program.simulate(
+            values, start, t_end=float(settings["time"]), steps=int(settings["steps"]),
+            integrator=settings["integrator"], rtol=float(settings["rtol"]), atol=settings["atol"], function=function,
+        )  # fmt: skip
+    except SpacarError as error:
+        kind = AnalysisError if isinstance(error, AnalysisError) else UsageError
+        raise kind(f"{model.path.name}: {error}", error.code) from None
+    log, sbd = (model.path.with_suffix(ending) for ending in (".log", ".sbd"))
+    summary = _summary(eq, program, run, note)
+    write_sbd(sbd, model, run)
+    _write_log(log, model, eq, values, start, summary, show)
+    written = [log, sbd]
+    if plot:
+        from spacar.symbolic.plot import save_plots
+
+        written += save_plots(run, model.path.with_suffix(""))
+    return [*summary, "written: " + ", ".join(path.name for path in written)]
+
+
+def _changed(model: Model, changes: dict[str, float]) -> tuple[dict[str, float], dict[str, float]]:
+    values, start = dict(model.values), dict(model.start)
+    states = {str(s.func) for s in [*model.system.coordinates, *model.system.speeds]}
+    symbols = model.parameter_names()
+    for name, number in changes.items():
+        if name in states:
+            start[name] = number
+        elif name in symbols:
+            values[name] = number
+        else:
+            raise UsageError(f"{model.path.name}: --set {name}: the model has no parameter or state of this name")
+    return values, start
+
+
+def _compiled(program: Program, values: dict[str, float]) -> tuple[Any, str]:
+    """The compiled function, or None with the reason when there is no compiler."""
+    from spacar.symbolic.compiled import CompiledFunction, compiler
+
+    if compiler() is None:
+        return None, "generated Python (no C compiler was found)"
+    return CompiledFunction(program, values), f"C, compiled by {compiler()}"
+
+
+def _summary(eq: Equations, program: Program, run: Run, note: str) -> list[str]:
+    counts, s, e = program.counts(), run.statistics, run.eigenvalue
+    last = ", ".join(f"{name} = {run[name][-1]:.12g}" for name in [*run.names, *run.outputs])
+    return [
+        f"derivation   {eq.strategy}, {eq.seconds:.2f} s, {counts['step']} operations per step, {counts['once']} once",
+        f"integration  {s['integrator']} ({s['method']}), rtol {s['rtol']:g}, {s['evaluations']} evaluations, "
+        f"{s['jacobians']} Jacobians, {s['seconds']:.2f} s, {note}",
+        f"end          t = {run.time[-1]:g} s: {last}",
+        f"eigenvalue   with the largest real part at the end: {e.real:.6g} {'+' if e.imag >= 0 else '-'} "
+        f"{abs(e.imag):.6g} i 1/s" + (" (unstable)" if e.real > 1e-6 * abs(e) and e.real > 1e-9 else ""),
+    ]
+
+
+def write_sbd(path: Path, model: Model, run: Run) -> None:
+    """The result container: time, q, s, u (inputs), y (outputs); names in the texts QNAME, SNAME, UNAME, YNAME."""
+    from spacar_formats.safety import begin, finish
+    from spacar_formats.sbf import SbfWriter
+
+    nq = len(model.system.coordinates)
+    groups = {
+        "Q": (run.names[:nq], run.state[:, :nq]),
+        "S": (run.names[nq:], run.state[:, nq:]),
+        "U": (run.input_names, run.inputs),
+    }
+    columns = [run.outputs[name] for name in run.outputs]
+    header: dict[str, Any] = {"TITLE": model.system.title or model.path.stem, "KIND": "symbolic"}
+    shapes: dict[str, tuple[int, int]] = {"T": (1, 1)}
+    for letter, (names, _) in groups.items():
+        if names:
+            header[f"{letter}NAME"] = list(names)
+            shapes[letter] = (len(names), 1)
+    if columns:
+        header["YNAME"] = list(run.outputs)
+        shapes["Y"] = (len(columns), 1)
+    with SbfWriter(begin(path), "sbd", header, shapes) as writer:
+        for k, t in enumerate(run.time):
+            step: dict[str, Any] = {"T": t} | {a: rows[k] for a, (names, rows) in groups.items() if names}
+            writer.append(step | ({"Y": [c[k] for c in columns]} if columns else {}))
+    finish(path)
+
+
+def _write_log(
+    path: Path,
+    model: Model,
+    eq: Equations,
+    values: dict[str, float],
+    start: dict[str, float],
+    summary: list[str],
+    show: bool,
+) -> None:
+    from spacar_formats.safety import replacing
+
+    lines = [f"spacar {spacar.__version__}, symbolic", "", *description(model), "", "parameters (SI units):"]
+    lines += [f"  {name} = {value:.17g}" for name, value in values.items()]
+    lines += [
+        "",
+        "start (states that are not listed: 0):",
+        *(f"  {name} = {value:.17g}" for name, value in start.items()),
+    ]
+    lines += [
+        "",
+        *summary,
+        "",
+        "model file:",
+        *(f"  {line}" for line in model.path.read_text(encoding="utf-8").splitlines()),
+    ]
+    if show:
+        held = eq if eq.strategy == "held" else model.system.derive("held")
+        lines += ["", "equations in vector notation:", "", equations_text(model, held, "held", "text")]
+    with replacing(path) as side:
+        side.write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -1,0 +1,390 @@
+"""Model files: TOML text (or a small Python script) to a `System` with parameter values, start and settings.
+
+Errors name the file, the table, the key, and what was expected; expressions are read by `expressions.py`.
+The format: `symbolic.md`, section 7; the keys: `tables.py`.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+import sys
+from importlib import import_module
+from pathlib import Path
+from typing import Any, NoReturn
+
+import sympy as sp
+
+from spacar.errors import InputError, Message, UsageError
+from spacar.symbolic.expressions import read_expression
+from spacar.symbolic.parts import Point, Section
+from spacar.symbolic.script import Model, read_script
+from spacar.symbolic.shapes import X
+from spacar.symbolic.system import System
+from spacar.symbolic.tables import KINDS, REFERENCES, SINGLE, TABLES, Key
+from spacar.symbolic.units import TIME, Frame
+from spacar.symbolic.vectors import ZERO, Vector
+
+
+def read_model(path: Path | str) -> Model:
+    """Read NAME.toml, or run NAME.py, which must define `system` and may define values, start, settings, outputs.
+
+    Raises InputError (one message, the first that is found) or UsageError when there is no such file.
+    """
+    path = Path(path)
+    if not path.exists() and not path.suffix:
+        path = path.with_suffix(".toml")
+    if not path.is_file():
+        raise UsageError(f"{path}: there is no such model file", "file")
+    return read_script(path) if path.suffix == ".py" else _Reader(path).read()
+
+
+class _Reader:
+    """One reading of one file; `place` is where the reader is, for messages."""
+
+    def __init__(self, path: Path) -> None:
+        self.path, self.place = path, ""
+        self.claimed: list[tuple[str, str]] = []
+        self.scalars: dict[str, sp.Expr] = {"t": TIME}
+        self.frames: dict[str, Frame | Section] = {}
+        self.points: dict[str, Point] = {}
+
+    def fail(self, text: str, code: str = "input") -> NoReturn:
+        raise InputError([Message("error", self.path.name, None, self.place, text, code)])
+
+    def read(self) -> Model:
+        tables = self._toml()
+        for name in tables:
+            if (name not in TABLES and name not in SINGLE) or name == "coordinate":
+                known = [*(t for t in TABLES if t != "coordinate"), "parameters", "coordinates", "outputs"]
+                near = difflib.get_close_matches(name, known, n=1)
+                self.fail(f"unknown table '{name}'" + (f", did you mean '{near[0]}'?" if near else ""))
+        values = self._parameters(tables.get("parameters", {}))
+        system_table = self._single(tables, "system")
+        system = self.system = System(title=system_table.get("title", self.path.stem))
+        start = self._coordinates(tables.get("coordinates", {}))
+        self.place = "[system] gravity"
+        system.gravity = self._vector(system_table.get("gravity", [0, 0, 0]), system.N)
+        start |= self._speeds(self._rows(tables, "speed"))
+        self._kinematics(self._rows(tables, "kinematic"))
+        self.frames["N"], self.points["O"] = system.N, system.O
+        self._resolve(tables)
+        for table, make in (("body", self._body), ("force", self._force), ("torque", self._torque),
+                            ("spring", self._spring), ("constraint", self._constraint)):  # fmt: skip
+            for number, row in enumerate(self._rows(tables, table), 1):
+                self.place = _label(table, row, number)
+                self._guarded(make, row, number)
+        settings = self._single(tables, "simulate")
+        outputs = self._outputs(tables.get("outputs", {}))
+        declared = frozenset(tables.get("parameters", {}))
+        return Model(self.path, system, values, start, settings, outputs, declared)
+
+    # -- text and types ----------------------------------------------------------------------------------------
+
+    def _toml(self) -> dict[str, Any]:
+        toml = import_module("tomllib" if sys.version_info >= (3, 11) else "tomli")
+        try:
+            tables: dict[str, Any] = toml.loads(self.path.read_text(encoding="utf-8"))
+        except ValueError as error:
+            self.fail(f"cannot read the file: {error}", "syntax")
+        return tables
+
+    def _single(self, tables: dict[str, Any], name: str) -> dict[str, Any]:
+        self.place = f"[{name}]"
+        row = tables.get(name, {})
+        if not isinstance(row, dict):
+            self.fail(f"must be one table, written [{name}]")
+        return self._checked(row, TABLES[name])
+
+    def _rows(self, tables: dict[str, Any], name: str) -> list[dict[str, Any]]:
+        rows = tables.get(name, [])
+        self.place = f"[[{name}]]"
+        if not isinstance(rows, list) or not all(isinstance(r, dict) for r in rows):
+            self.fail(f"must be an array of tables, written [[{name}]]")
+        for number, row in enumerate(rows, 1):
+            self.place = _label(name, row, number)
+            self._checked(row, TABLES[name])
+        return rows
+
+    def _checked(self, row: dict[str, Any], keys: dict[str, Key]) -> dict[str, Any]:
+        for key in row:
+            if key not in keys:
+                near = difflib.get_close_matches(key, keys, n=1)
+                self.fail(
+                    f"unknown key '{key}', "
+                    + (f"did you mean '{near[0]}'?" if near else f"expected one of {', '.join(keys)}")
+                )
+        for key, rule in keys.items():
+            if key not in row:
+                if rule.required:
+                    self.fail(f"key '{key}' is missing ({rule.help})")
+                continue
+            words, types = KINDS[rule.kind]
+            if not isinstance(row[key], types) or (isinstance(row[key], bool) and rule.kind != "flag"):
+                self.fail(f"key '{key}' must be {words}, not {row[key]!r}")
+        return row
+
+    def _guarded(self, make: Any, *arguments: Any) -> None:
+        """Errors of the library with the place in front."""
+        try:
+            make(*arguments)
+        except InputError:
+            raise
+        except UsageError as error:
+            self.fail(str(error), error.code)
+
+    def _claim(self, name: str, place: str) -> None:
+        if not name.isidentifier():
+            self.fail(f"'{name}' is not a name (letters, digits and _)")
+        # programs keep q1 and a parameter Q1 apart (the paper has both); within one kind such pairs are slips
+        for known, where in self.claimed:
+            alike = known.lower() == name.lower() and where.startswith("[parameters]") == place.startswith(
+                "[parameters]"
+            )
+            if known == name or alike:
+                self.place = place
+                same = "the same name" if known == name else f"'{known}', which differs only in case,"
+                self.fail(f"the name '{name}' is already used: {same} stands in {where}", "name")
+        self.claimed.append((name, place))
+
+    def expression(self, value: Any, extra: dict[str, sp.Expr] | None = None) -> sp.Expr:
+        if isinstance(value, bool) or not isinstance(value, (str, int, float)):
+            self.fail(f"must be {KINDS['expression'][0]}, not {value!r}")
+        if not isinstance(value, str):
+            if not math.isfinite(value):
+                self.fail(f"{value} is not a finite number")
+            return sp.Rational(str(value))
+        try:
+            return read_expression(value, self.scalars | (extra or {})).xreplace(self.system.rates)
+        except UsageError as error:
+            self.fail(str(error), error.code)
+
+    def _vector(self, values: list[Any], frame: Frame) -> Vector:
+        if len(values) != 3:
+            self.fail(f"must be a list of 3 expressions, not {len(values)}")
+        return sum((self.expression(v) * frame[i] for i, v in enumerate(values, 1)), ZERO)
+
+    # -- scalars -----------------------------------------------------------------------------------------------
+
+    def _parameters(self, table: Any) -> dict[str, float]:
+        self.place = "[parameters]"
+        if not isinstance(table, dict):
+            self.fail("must be one table, written [parameters]")
+        values: dict[str, float] = {}
+        for name, value in table.items():
+            self.place = f"[parameters] {name}"
+            self._claim(name, self.place)
+            self.scalars[name] = sp.Symbol(name, real=True)
+            if value == "":
+                continue  # a value must come from --set
+            if isinstance(value, bool) or not isinstance(value, (int, float)):
+                self.fail(f'must be a number (or "" for a value given later), not {value!r}')
+            values[name] = float(value)
+        return values
+
+    def _coordinates(self, table: Any) -> dict[str, float]:
+        start: dict[str, float] = {}
+        self.place = "[coordinates]"
+        if not isinstance(table, dict):
+            self.fail("must be one table, written [coordinates]")
+        for name, row in table.items():
+            self.place = f"[coordinates] {name}"
+            if not isinstance(row, dict):
+                self.fail(f'must be a table such as {{ speed = "s", start = 0.0 }}, not {row!r}')
+            self._checked(row, TABLES["coordinate"])
+            self._claim(name, self.place)
+            self.scalars[name] = self.system.coordinate(name)
+            start[name] = float(row.get("start", 0.0))
+            if "speed" in row:
+                self._claim(row["speed"], self.place)
+                speed = self.scalars[row["speed"]] = self.system.speed(row["speed"])
+                self.system.kinematic(self.scalars[name], speed)
+                start[row["speed"]] = float(row.get("speed_start", 0.0))
+        return start
+
+    def _speeds(self, rows: list[dict[str, Any]]) -> dict[str, float]:
+        start = {}
+        for row in rows:
+            place = f"[[speed]] {row['name']}"
+            self._claim(row["name"], place)
+            self.scalars[row["name"]] = self.system.speed(row["name"])
+            start[row["name"]] = float(row.get("start", 0.0))
+        return start
+
+    def _kinematics(self, rows: list[dict[str, Any]]) -> None:
+        for number, row in enumerate(rows, 1):
+            self.place = f"[[kinematic]] {number} coordinate"
+            q = self.scalars.get(row["coordinate"])
+            if q not in self.system.coordinates:
+                self.fail(f"'{row['coordinate']}' is not a coordinate")
+            self.place = f"[[kinematic]] {number} rate"
+            self.system.kinematic(q, self.expression(row["rate"]))
+        for q in self.system.coordinates:
+            if q.diff(TIME) not in self.system.rates:
+                self.place = f"[coordinates] {q.func}"
+                self.fail("the coordinate needs a speed, or a [[kinematic]] table")
+
+    # -- frames, points, beams ---------------------------------------------------------------------------------
+
+    def _resolve(self, tables: dict[str, Any]) -> None:
+        """Make frames, points and beams as soon as what they refer to exists."""
+        makers = {"frame": self._frame, "point": self._point, "beam": self._beam}
+        waiting = [(table, n, row) for table in makers for n, row in enumerate(self._rows(tables, table), 1)]
+        for table, n, row in waiting:
+            self.place = _label(table, row, n)
+            self._claim(row["name"], self.place)
+        names = {f"{row['name']}.tip" if table == "beam" else row["name"] for table, _, row in waiting}
+        while waiting:
+            ready = [item for item in waiting if not self._missing(*item)]
+            for table, n, row in ready:
+                self.place = _label(table, row, n)
+                self._guarded(makers[table], row)
+            waiting = [item for item in waiting if item not in ready]
+            if not ready and waiting:
+                unknown = [(item, [r for r in self._missing(*item) if r not in names]) for item in waiting]
+                (table, n, row), missing = next((u for u in unknown if u[1]), (waiting[0], []))
+                self.place = _label(table, row, n)
+                if missing:
+                    self.fail(f"refers to {missing}, which is not defined")
+                self.fail(f"refers to {self._missing(table, n, row)}, which depends on it in a cycle")
+
+    def _missing(self, table: str, n: int, row: dict[str, Any]) -> list[str]:
+        missing = []
+        for key in REFERENCES[table]:
+            name = row.get(key)
+            home = self.points if key in ("base", "root") else self.frames
+            if name is not None and name not in home:
+                missing.append(name)
+        return missing
+
+    def frame_of(self, row: dict[str, Any], key: str, default: Frame | None = None) -> Any:
+        name = row.get(key)
+        if name is None and default is not None:
+            return default
+        if name not in self.frames:
+            self.fail(f"{key} refers to ['{name}'], which is not defined")
+        return self.frames[name]
+
+    def point_of(self, row: dict[str, Any], key: str) -> Point:
+        if row[key] not in self.points:
+            self.fail(f"{key} refers to ['{row[key]}'], which is not defined")
+        return self.points[row[key]]
+
+    def components_in(self, row: dict[str, Any]) -> Frame:
+        frame = self.frame_of(row, "in", self.system.N)
+        return frame.frame if isinstance(frame, Section) else frame
+
+    def _frame(self, row: dict[str, Any]) -> None:
+        parent = self.frame_of(row, "parent")
+        place = self.place
+        self.place = f"{place} angle"
+        angle = self.expression(row["angle"])
+        self.place = place
+        self.frames[row["name"]] = self.system.frame(row["name"], parent, row["axis"], angle, row.get("symbol"))
+
+    def _point(self, row: dict[str, Any]) -> None:
+        frame, base = self.components_in(row), self.point_of(row, "base")
+        self.place += " offset"
+        self.points[row["name"]] = self.system.point(row["name"], base, self._vector(row["offset"], frame))
+
+    def _beam(self, row: dict[str, Any]) -> None:
+        place = self.place
+        options: dict[str, Any] = {}
+        for key in ("length", "mass", "EI", "damping", "GJ", "polar", "EA"):
+            if key in row:
+                self.place = f"{place} {key}"
+                value = row[key]
+                options[key] = tuple(map(self.expression, value)) if isinstance(value, list) else self.expression(value)
+        for key in ("field", "twist", "stretch"):
+            if key in row:
+                self.place = f"{place} {key}"
+                options[key] = self._shapes(row[key])
+        self.place = place
+        options |= {key: row[key] for key in ("damping_boundary", "foreshortening") if key in row}
+        if "bends" in row:
+            options["bends"] = tuple(row["bends"]) if isinstance(row["bends"], list) else row["bends"]
+        beam = self.system.beam(row["name"], self.frame_of(row, "frame"), self.point_of(row, "root"), **options)
+        tip = f"{row['name']}.tip"
+        self.frames[tip] = self.points[tip] = beam.tip
+
+    def _shapes(self, value: Any) -> Any:
+        if isinstance(value, int):
+            return value
+        if value and all(isinstance(v, list) for v in value):
+            return tuple(self._shapes(v) for v in value)
+        return tuple(self.expression(v, {"x": X}) for v in value)
+
+    # -- bodies, loads, constraints ----------------------------------------------------------------------------
+
+    def _body(self, row: dict[str, Any], number: int) -> None:
+        self._claim(row["name"], self.place)
+        mass, point = self.expression(row["mass"]), self.point_of(row, "at")
+        if "frame" not in row:
+            self.system.particle(row["name"], point, mass)
+            return
+        inertia = [self.expression(v) for v in row.get("inertia", [])]
+        if len(inertia) not in (0, 3, 6):
+            self.fail(f"key 'inertia' must be a list of 3 or 6 expressions, not {len(inertia)}")
+        self.system.rigid_body(row["name"], self.frame_of(row, "frame"), point, mass, inertia)
+
+    def _load(self, row: dict[str, Any], number: int, kind: str) -> Vector:
+        """Every measure number that is not constant zero becomes an input with that law."""
+        frame, place = self.components_in(row), self.place
+        self.place = f"{place} vector"
+        if len(row["vector"]) != 3:
+            self.fail(f"must be a list of 3 expressions, not {len(row['vector'])}")
+        laws = [self.expression(v) for v in row["vector"]]
+        self.place = place
+        stem = row.get("name", f"{kind}{number}")
+        acting = [i for i, law in enumerate(laws, 1) if law != 0]
+        total = ZERO
+        for i in acting:
+            name = stem if len(acting) == 1 else f"{stem}_{i}"
+            self._claim(name, place)
+            total += self.system.input(name, laws[i - 1]) * frame[i]
+        return total
+
+    def _force(self, row: dict[str, Any], number: int) -> None:
+        point = self.point_of(row, "at")
+        self.system.force(point, self._load(row, number, "force"))
+
+    def _torque(self, row: dict[str, Any], number: int) -> None:
+        frame = self.frame_of(row, "frame")
+        reaction = self.frame_of(row, "reaction") if "reaction" in row else None
+        self.system.torque(frame, self._load(row, number, "torque"), reaction)
+
+    def _spring(self, row: dict[str, Any], number: int) -> None:
+        numbers = [self.expression(row.get(key, 0)) for key in ("stiffness", "length", "damping")]
+        self.system.spring(self.point_of(row, "from"), self.point_of(row, "to"), *numbers)
+
+    def _constraint(self, row: dict[str, Any], number: int) -> None:
+        from spacar.symbolic.constraints import check_constraints
+
+        dependent = self.scalars.get(row["dependent"]) if "dependent" in row else None
+        if "dependent" in row and dependent not in self.system.speeds:
+            self.fail(f"dependent: '{row['dependent']}' is not a speed")
+        self.system.constraint(self.expression(row["expression"]), dependent)
+        check_constraints(self.system)
+
+    # -- outputs -----------------------------------------------------------------------------------------------
+
+    def _outputs(self, table: Any) -> dict[str, sp.Expr]:
+        self.place = "[outputs]"
+        if not isinstance(table, dict):
+            self.fail("must be one table, written [outputs]")
+        names: dict[str, sp.Expr] = {}
+        for name, point in self.points.items():
+            names |= {f"{name}.{axis}": point.position & self.system.N[i] for i, axis in enumerate("xyz", 1)}
+            if isinstance(point, Section):
+                names |= {f"{name}.{key}": value for key, value in point.values.items()}
+        result = {}
+        for name, value in table.items():
+            self.place = f"[outputs] {name}"
+            result[name] = self.expression(value, names)
+        return result
+
+
+def _label(table: str, row: dict[str, Any], number: int) -> str:
+    """[[beam]] link2, or [[torque]] 2 for a table without a name."""
+    name = row.get("name") if table in REFERENCES or table == "body" else None
+    return f"[[{table}]] {name if isinstance(name, str) else number}"

@@ -1,0 +1,62 @@
+"""A model as a small Python script: it defines `system` and may define values, start, settings and outputs.
+
+A script is a program of the user and runs as such; only TOML files are safe to read from strangers.
+"""
+
+from __future__ import annotations
+
+import runpy
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import sympy as sp
+
+from spacar.errors import InputError, Message, SpacarError
+from spacar.symbolic.system import System
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A system with what a simulation needs: parameter `values`, `start`, `settings` of [simulate], `outputs`."""
+
+    path: Path
+    system: System
+    values: dict[str, float] = field(default_factory=dict)
+    start: dict[str, float] = field(default_factory=dict)
+    settings: dict[str, Any] = field(default_factory=dict)
+    outputs: dict[str, sp.Expr] = field(default_factory=dict)
+    declared: frozenset[str] = frozenset()
+
+    def parameter_names(self) -> set[str]:
+        """Parameters with a value, and those that were declared without one."""
+        return {*self.values, *self.declared}
+
+
+def read_script(path: Path) -> Model:
+    """Run the script; errors of any kind become one message with the line. Raises InputError."""
+    try:
+        names = runpy.run_path(str(path), run_name="spacar_model")
+    except SpacarError as error:
+        raise InputError([Message("error", path.name, None, "", str(error))]) from None
+    except Exception as error:
+        lines = _lines_of(error, path)
+        line = lines[-1] if lines else None
+        raise InputError([Message("error", path.name, line, "", f"{type(error).__name__}: {error}")]) from None
+    system = names.get("system")
+    if not isinstance(system, System):
+        text = "the script must define `system`, a spacar.symbolic.System"
+        raise InputError([Message("error", path.name, None, "", text)])
+    values, start, settings, outputs = (
+        dict(names.get(key) or {}) for key in ("values", "start", "settings", "outputs")
+    )
+    return Model(path, system, values, start, settings, outputs)
+
+
+def _lines_of(error: BaseException, path: Path) -> list[int]:
+    lines, trace = [], error.__traceback__
+    while trace is not None:
+        if trace.tb_frame.f_code.co_filename == str(path):
+            lines.append(trace.tb_lineno)
+        trace = trace.tb_next
+    return lines
