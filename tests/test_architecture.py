@@ -23,10 +23,12 @@ ALLOWED = {
 }
 EXTRAS = {  # optional packages, each for one room
     "spacar/symbolic": {"sympy", "tomli", "mpmath"},
+    "spacar/compiled": {"sympy"},
     "spacar/simulation": {"control"},
     "formats/spacar_formats": {"control"},
     "cli/spacar_cli": {"sympy", "tomli", "control", "dask", "distributed"},
 }
+OPTIONAL = {"symbolic", "compiled"}  # packages of the core that only an extra needs
 # The stations of the core: a package may import those of a lower rank. Dynamics, linear and stationary share
 # one: the Jacobian of the implicit integrators is the state matrix, a stationary solution needs the tangent
 # matrices.
@@ -84,10 +86,14 @@ def test_the_stations_of_the_core_point_one_way():
     assert not bad, "\n".join(bad)
 
 
-def test_the_core_does_not_need_the_symbolic_half():
-    numeric = [p for room, p in sources() if room == "spacar" and "symbolic" not in p.parts]
-    wrong = ("spacar.symbolic", "sympy")
-    assert not [p for p in numeric if any(m.startswith(wrong) for m in imports(p, top_only=True))]
+def numeric(path: Path) -> bool:
+    return not OPTIONAL & set(path.parts)
+
+
+def test_the_core_does_not_need_the_optional_packages():
+    wrong = ("spacar.symbolic", "spacar.compiled", "sympy")
+    numeric_core = [p for room, p in sources() if room == "spacar" and numeric(p)]
+    assert not [p for p in numeric_core if any(m.startswith(wrong) for m in imports(p, top_only=True))]
 
 
 def test_heavy_packages_are_imported_where_they_are_used():
@@ -96,7 +102,7 @@ def test_heavy_packages_are_imported_where_they_are_used():
     bad = [
         f"{path.relative_to(HOUSE)} imports {module} at its top"
         for room, path in sources()
-        if room == "spacar_formats" or (room == "spacar" and "symbolic" not in path.parts)
+        if room == "spacar_formats" or (room == "spacar" and numeric(path))
         for module in imports(path, top_only=True)
         if module.startswith(heavy)
     ]
