@@ -114,12 +114,10 @@ class Along:
 
     def _dynamics(self, k: int) -> Dynamics:
         """Evaluator with the loads of step k, in the configuration of that step."""
-        leg = (
-            int(np.searchsorted(self.ends, self.nominal.t[k] * (1 + 1e-12), side="right"))
-            if len(self.legs)
-            else 0
-        )
-        model = self.legs[min(leg, len(self.legs) - 1)] if self.legs else self.mechanism
+        model = self.mechanism
+        if self.legs:
+            leg = int(np.searchsorted(self.ends, self.nominal.t[k] * (1 - 1e-12)))
+            model = self.legs[min(leg, len(self.legs) - 1)]
         dynamics = self.models.get(id(model))
         if dynamics is None:
             dynamics = self.models[id(model)] = Dynamics(replace(model, drive=self.drive))
@@ -199,16 +197,12 @@ def _legs(mechanism: Mechanism) -> list[Any]:
     """Trajectories of this file whose extra loads act here too, as far as their times are given."""
     from spacar.inverse.trajectory import Leg
 
-    return [
-        Leg(number, statements, 0.0, 0.0, 0, NO_STATE, NO_STATE)
-        for number, statements in groups(mechanism.deck)
-    ]
+    return [Leg(number, statements, 0.0, 0.0, 0, NO_STATE, NO_STATE) for number, statements in groups(mechanism.deck)]
 
 
 def _ends(mechanism: Mechanism) -> Array:
     """Times at which the trajectories of this file end."""
     durations = [
-        next(s.real(0) for s in statements if s.keyword == "TRTIME")
-        for _, statements in groups(mechanism.deck)
+        next(s.real(0) for s in statements if s.keyword == "TRTIME") for _, statements in groups(mechanism.deck)
     ]
     return np.cumsum(durations)

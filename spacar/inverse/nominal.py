@@ -56,9 +56,7 @@ class Nominal:
     def of(cls, result: Result) -> Nominal:
         """From a mode 2 run in memory. Raises UsageError when it is one of another mode."""
         if result.mode != INVERSE_DYNAMICS:
-            raise UsageError(
-                f"mode 3 needs a result of mode 2, this one is of mode {result.mode}", "files.not-mode-2"
-            )
+            raise UsageError(f"mode 3 needs a result of mode 2, this one is of mode {result.mode}", "files.not-mode-2")
         n = result.mechanism.numbering
         keywords = tuple(n.keyword.get(i, "") for i in range(1, len(n.le) + 1))
         u0 = result["u0"] if "u0" in result.frames[0].state_space else None
@@ -103,9 +101,7 @@ def check_same_mechanism(nominal: Nominal, n: Numbering) -> None:
     for element in sorted({*here, *there}):
         if here.get(element) != there.get(element):
             ours, theirs = (_described(elements.get(element)) for elements in (here, there))
-            raise UsageError(
-                f"{where}: element {element} is {ours} here, {theirs} there", "files.different-mechanism"
-            )
+            raise UsageError(f"{where}: element {element} is {ours} here, {theirs} there", "files.different-mechanism")
     for node in range(1, max(len(n.lnp), len(nominal.lnp)) + 1):
         tables = (n.lnp, nominal.lnp)
         sizes = [int(np.count_nonzero(table[node - 1])) if node <= len(table) else 0 for table in tables]

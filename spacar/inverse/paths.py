@@ -138,9 +138,7 @@ def arc(rows: Index, start: Array, centre: Array, end: Array) -> ArcPath:
     if size <= PARALLEL:
         if d @ e1 > 0.0:
             return ArcPath(rows, centre, e1, 0.0 * e1, radius, 0.0)
-        raise BadPath(
-            "start, centre and end point lie on one line: the plane of the arc is undefined; use two arcs"
-        )
+        raise BadPath("start, centre and end point lie on one line: the plane of the arc is undefined; use two arcs")
     return ArcPath(rows, centre, e1, across / size, radius, radius * float(np.arctan2(size, d @ e1)))
 
 

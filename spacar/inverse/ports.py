@@ -33,9 +33,7 @@ VARIABLE = {
 }  # fmt: skip
 SECOND_ORDER = ("REFES", "REFXS")
 ACCELERATIONS = ("REFEDP", "REFXDP")
-RANK = (
-    1e-9  # singular values of the scaled distribution of the inputs below this part of the largest are zero
-)
+RANK = 1e-9  # singular values of the scaled distribution of the inputs below this part of the largest are zero
 
 
 @dataclass(frozen=True)
@@ -67,9 +65,7 @@ class NominalInputs:
     degrees of freedom: least squares; more: minimum norm; both with a warning in the report.
     """
 
-    def __init__(
-        self, ports: Ports, mechanism: Mechanism, report: Report, rigid: Index | None = None
-    ) -> None:
+    def __init__(self, ports: Ports, mechanism: Mechanism, report: Report, rigid: Index | None = None) -> None:
         n = mechanism.numbering
         self.ports, self.report = ports, report
         self.residual = (0.0, 0.0)  # largest one, and when
@@ -105,11 +101,7 @@ class NominalInputs:
             user = dynamics.forces.user(frame.t, frame.e, frame.ed, frame.x, frame.xd)
             stress += np.where(self.elastic, user.sigma, 0.0)
         stress += dynamics.coupling.stress(frame.edd)
-        force = (
-            sweep.mass_times(frame.xdd)
-            + dynamics.forces.inertia(sweep, frame.xd)
-            - dynamics.forces(frame.x, user)
-        )
+        force = sweep.mass_times(frame.xdd) + dynamics.forces.inertia(sweep, frame.xd) - dynamics.forces(frame.x, user)
         force += V.T @ stress
         Q = W.T @ force
         We = V @ W
@@ -145,8 +137,7 @@ class NominalInputs:
         if np.any(size == 0.0):
             dead = int(np.flatnonzero(size == 0.0)[0])
             raise AnalysisError(
-                f"nominal input {dead + 1} ({self.ports.inputs[dead].name}) moves no degree of freedom at t"
-                f" = {t:.9g}",
+                f"nominal input {dead + 1} ({self.ports.inputs[dead].name}) moves no degree of freedom at t = {t:.9g}",
                 "inverse.inputs",
             )
         scaled = table / size

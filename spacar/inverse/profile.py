@@ -17,6 +17,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import cos, pi, sin
 
+ROUNDING = 1e-13
 TOLERANCE = 1e-9  # rise + decline may exceed the total time by this part: numbers in files are rounded
 
 
@@ -65,13 +66,14 @@ class Profile:
         if self.length == 0.0 or t < 0.0:
             return 0.0, 0.0, 0.0
         front, v, end = FRONTS[self.front], self.speed, self.duration
-        if t < self.rise:
+        small = ROUNDING * end  # an output time at the end of a phase may lie a rounding error before it
+        if t < self.rise - small:
             s, w, a = front(t / self.rise)
             return v * self.rise * s, v * w, v / self.rise * a
-        if t < end - self.decline:
+        if t < end - self.decline - small:
             return 0.5 * v * self.rise + v * (t - self.rise), v, 0.0
-        if t <= end:
-            s, w, a = front((end - t) / self.decline)
+        if t <= end + small:
+            s, w, a = front(max(end - t, 0.0) / self.decline)
             return self.length - v * self.decline * s, v * w, -v / self.decline * a
         return self.length, 0.0, 0.0
 
@@ -102,9 +104,7 @@ def make_profile(
     return Profile(length, duration, speed, rise, min(decline, duration - rise), front)
 
 
-def _explanation(
-    length: float, duration: float, rise: float, decline: float, speed: float, symmetric: bool
-) -> str:
+def _explanation(length: float, duration: float, rise: float, decline: float, speed: float, symmetric: bool) -> str:
     """The numbers of an impossible profile and the range of speeds that would be possible."""
     text = (
         f"illegal velocity profile: path length {length:.9g}, time {duration:.9g} s, rise time {rise:.6g} s,"

@@ -1,13 +1,13 @@
 """The trajectories of a deck as one prescribed motion (theory-system.md 7.2, keywords.md section 6).
 
 Trajectories follow each other: each starts where the previous one ended, time accumulates, and coordinates
-without a path rest. Where two of them meet, accelerations and loads are those of the later one. Extra masses
-(TRM) and forces (TRF) act during their own trajectory only.
+without a path rest. The set-point where two of them meet is the end of the earlier one: its accelerations
+and loads count there. Extra masses (TRM) and forces (TRF) act during their own trajectory only.
 """
 
 from __future__ import annotations
 
-from bisect import bisect_right
+from bisect import bisect_left
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -67,12 +67,10 @@ class TrajectoryDrive:
     def of(cls, legs: list[Leg]) -> TrajectoryDrive:
         breaks = {leg.start + b for leg in legs for profile, _ in leg.moves for b in profile.breaks}
         starts = tuple(leg.start for leg in legs)
-        return cls(
-            tuple(legs), starts, tuple(sorted({*breaks, *starts[1:], legs[-1].start + legs[-1].duration}))
-        )
+        return cls(tuple(legs), starts, tuple(sorted({*breaks, *starts[1:], legs[-1].start + legs[-1].duration})))
 
     def at(self, t: float) -> DriveState:
-        k = max(bisect_right(self.starts, t) - 1, 0)
+        k = max(bisect_left(self.starts, t) - 1, 0)
         return self.legs[k].at(t - self.starts[k])
 
 
@@ -97,8 +95,7 @@ def program(mechanism: Mechanism, report: Report) -> Program:
     start = mechanism.drive.at(0.0)
     if any(v.any() for v in (start.xd, start.xdd, start.ed, start.edd)):
         report.add(
-            "mode 2: rates and accelerations of INPUTX and INPUTE are not used; the trajectories prescribe"
-            " the motion"
+            "mode 2: rates and accelerations of INPUTX and INPUTE are not used; the trajectories prescribe the motion"
         )
     legs, x, e, begin = [], start.x, start.e, 0.0
     for number, statements in groups(deck):
@@ -110,12 +107,9 @@ def program(mechanism: Mechanism, report: Report) -> Program:
     user = deck.last("USERTRAJ", block=3)
     if user is not None:
         drive = _user_drive(mechanism, user, legs[0])
-    times = [np.linspace(leg.start, leg.start + leg.duration, leg.steps + 1)[:-1] for leg in legs]
+    times = [np.linspace(leg.start, leg.start + leg.duration, leg.steps + 1)[1:] for leg in legs]
     leg_of = [np.full(leg.steps, k) for k, leg in enumerate(legs)]
-    last = len(legs) - 1
-    return Program(
-        drive, tuple(legs), np.append(np.concatenate(times), begin), np.append(np.concatenate(leg_of), last)
-    )
+    return Program(drive, tuple(legs), np.concatenate(([0.0], *times)), np.concatenate(([0], *leg_of)))
 
 
 def groups(deck: Deck) -> list[tuple[int, tuple[Statement, ...]]]:
@@ -160,9 +154,7 @@ def _leg(
         given = speeds.get(s.integer(0))
         if path.length == 0.0 and given is not None:
             report.add(f"trajectory {number}: {s.subject} does not move, so {given.subject} is not used")
-        moves.append(
-            (_profile(mechanism.deck, path.length, duration, s, given, fronts.get(s.integer(0), 0)), path)
-        )
+        moves.append((_profile(mechanism.deck, path.length, duration, s, given, fronts.get(s.integer(0), 0)), path))
     return replace(leg, moves=tuple(moves))
 
 
@@ -215,9 +207,7 @@ def _rows(n: Numbering, node: int, n_prescribed: int) -> tuple[Index, Index]:
     needed[0] = size != 4
     if not inside[needed].all():
         coordinate = int(np.flatnonzero(needed & ~inside)[0]) + 1
-        raise BadPath(
-            f"coordinate {coordinate} of node {node} is not prescribed; the path needs INPUTX {node}"
-        )
+        raise BadPath(f"coordinate {coordinate} of node {node} is not prescribed; the path needs INPUTX {node}")
     return rows[inside], np.flatnonzero(inside)
 
 

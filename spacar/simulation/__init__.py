@@ -1,0 +1,28 @@
+"""Controlled simulation, set-points and time-varying linear systems (the roles of SPASIM, LTV and their
+blocks).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+_HOME = {
+    "Block": "blocks", "Continuous": "blocks", "Diagram": "diagram", "Event": "engine", "Function": "blocks",
+    "Gain": "blocks", "Linear": "blocks", "Ltv": "setpoints", "ReferenceY0": "setpoints", "Response":"
+    " "engine",
+    "Sampled": "blocks", "Saturation": "blocks", "SetpointSigma0": "setpoints", "SetpointU0": "setpoints",
+    "Spasim": "plant", "Table": "tables", "TimeVarying": "time_varying", "TimesM0": "setpoints",
+    "as_control": "control_systems", "closed_loop": "loop", "computed_torque": "feedback",
+    "proportional_derivative": "blocks", "reduce_modes": "reduction", "simulate": "engine",
+    "simulate_ltv": "propagation", "tracking_gains": "feedback", "with_gain": "feedback",
+}  # fmt: skip
+__all__ = sorted(_HOME)
+
+
+def __getattr__(name: str) -> Any:
+    """Import lazily: setting up a linear system does not need the mechanism, and the other way round."""
+    if name in _HOME:
+        from importlib import import_module
+
+        return getattr(import_module(f"spacar.simulation.{_HOME[name]}"), name)
+    raise AttributeError(f"module 'spacar.simulation' has no attribute '{name}'")

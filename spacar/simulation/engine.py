@@ -1,0 +1,349 @@
+"""Simulation of a diagram: integration between sampling times and discontinuities, location of events,
+output.
+
+The time axis is cut at every sampling time and at every break of a block. Inside a piece the states follow a
+SciPy method with error control; values next to a cut are those of the side on which the integration works.
+Events are zeros of functions of the signals; the first one inside a step is located by bisection on the
+dense output to rounding, and the integration starts again behind it. A step in which the mechanism cannot be
+evaluated is tried again with a quarter of its size, ten times at most.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacar.errors import AnalysisError, UsageError
+from spacar.simulation.blocks import Block
+from spacar.simulation.diagram import Diagram, Schedule, schedule
+
+Array = NDArray[np.float64]
+METHODS = ("RK45", "RK23", "DOP853", "Radau", "BDF")
+EPS = float(np.finfo(float).eps)
+MAX_REDUCTIONS = 10
+REDUCTION = 0.25
+MAX_BISECTIONS = 100
+
+
+class Signals(Mapping[str, Array]):
+    """The outputs of all blocks at one time, by signal name ("robot:1-3")."""
+
+    def __init__(self, diagram: Diagram, outputs: Mapping[str, slice], y: Array) -> None:
+        self._diagram, self._outputs, self._y = diagram, outputs, y
+
+    def __getitem__(self, name: str) -> Array:
+        block, rows = self._diagram.signals(name)
+        return np.asarray(self._y[..., self._outputs[block].start + rows])
+
+    def __iter__(self) -> Any:
+        return iter(self._diagram.blocks)
+
+    def __len__(self) -> int:
+        return len(self._diagram.blocks)
+
+
+@dataclass(frozen=True)
+class Event:
+    """A zero of function(t, signals). direction: +1 only rising, -1 only falling, 0 both; `terminal` ends
+    the simulation.
+    """
+
+    name: str
+    function: Callable[[float, Signals], float]
+    terminal: bool = False
+    direction: int = 0
+
+
+@dataclass(frozen=True)
+class Response:
+    """What happened: `response["robot:10-12"]` are outputs (times, signals).
+
+    t (n,) [s]; y (n, all outputs); x (n, all states) ; events: (time, name) in order; notes for the log;
+    counters of work
+    """
+
+    t: Array
+    y: Array
+    x: Array
+    diagram: Diagram
+    outputs: Mapping[str, slice]
+    states: Mapping[str, slice]
+    inputs: Mapping[str, slice]
+    u: Array
+    events: tuple[tuple[float, str], ...]
+    notes: tuple[str, ...]
+    statistics: dict[str, int] = field(default_factory=dict)
+
+    def __getitem__(self, name: str) -> Array:
+        """(times, signals) outputs by signal name. Raises UsageError for an unknown one."""
+        return Signals(self.diagram, self.outputs, self.y)[name]
+
+
+def simulate(
+    diagram: Diagram, times: Sequence[float] | Array, *, method: str = "RK45", atol: float = 1e-8, rtol: float = 1e-6,
+    max_step: float = np.inf, events: Sequence[Event] = (), x0: Mapping[str, Sequence[float]] | None = None,
+) -> Response:  # fmt: skip
+    """Simulate from times[0] and report at every time of `times` [s].
+
+    method    one of METHODS; atol, rtol error tolerances of the states; max_step [s]
+    x0        start states by block name instead of those of the block
+
+    Raises UsageError (arguments, algebraic loop), AnalysisError (a block failed, returned a wrong shape or a
+    value that is not finite, or the step size became too small).
+    """
+    output_times = np.asarray(times, float)
+    if method not in METHODS:
+        raise UsageError(f"method '{method}' does not exist; choose {', '.join(METHODS)}", "simulation.method")
+    if output_times.ndim != 1 or len(output_times) < 2 or not np.all(np.diff(output_times) > 0.0):
+        raise UsageError("the output times must increase, and there must be at least two", "simulation.times")
+    if not (atol > 0.0 and rtol >= 0.0 and max_step > 0.0):
+        raise UsageError("atol and max_step must be positive, rtol must not be negative", "simulation.tolerance")
+    return _Simulation(diagram, output_times, method, atol, rtol, max_step, tuple(events), x0 or {}).run()
+
+
+class _Simulation:
+    """One run through the time axis."""
+
+    def __init__(
+        self, diagram: Diagram, times: Array, method: str, atol: float, rtol: float, max_step: float,
+        events: tuple[Event, ...], x0: Mapping[str, Sequence[float]],
+    ) -> None:  # fmt: skip
+        self.diagram, self.times, self.user_events = diagram, times, events
+        self.s: Schedule = schedule(diagram)
+        self.options = {"atol": atol, "rtol": rtol, "max_step": max_step}
+        self.method = method
+        self.y = np.zeros(self.s.wiring.shape[1])
+        self.x = np.concatenate([np.zeros(0), *(b.start() for b in self.s.blocks)])
+        for name, values in x0.items():
+            place = self.s.states.get(name)
+            if place is None or len(values) != place.stop - place.start:
+                raise UsageError(f"x0: {name} is no block with {len(values)} states", "simulation.start")
+            self.x[place] = values
+        self.dynamic = [b for b in self.s.blocks if b.n_states]
+        self.watched = [b for b in self.s.blocks if b.n_events]
+        self.sampled = [b for b in self.s.blocks if b.period is not None]
+        self.span = float(times[-1] - times[0])
+        self.shift = 4.0 * EPS * max(abs(float(times[0])), abs(float(times[-1])), self.span)
+        self.window = (float(times[0]), float(times[-1]))
+        self.statistics = {"steps": 0, "rhs": 0, "restarts": 0, "samples": 0}
+
+    # -- evaluation
+    # -------------------------------------------------------------------------------------------------
+    def evaluate(self, t: float, x: Array, hit: Sequence[Block] = ()) -> Array:
+        """All outputs at a time and state (in self.y), and all inputs as the result. `hit` blocks are
+        sampled now.
+        """
+        s, y = self.s, self.y
+        for b in s.first:
+            y[s.outputs[b.name]] = b.state_outputs(t, x[s.states[b.name]])
+        for b in s.later:
+            u = s.wiring[s.inputs[b.name]] @ y
+            if b in hit:
+                y[s.outputs[b.name]] = b.step(t, u)
+            else:
+                y[s.outputs[b.name]] = b.outputs(t, x[s.states[b.name]], u)
+        return np.asarray(s.wiring @ y)
+
+    def sample(self, t: float, hit: Sequence[Block]) -> None:
+        """Sampling time: blocks with direct feedthrough in order, then the delayed ones with what they see
+        now.
+        """
+        if not hit:
+            return
+        delayed = [b for b in hit if b.delay]
+        for b in delayed:
+            b.release()  # type: ignore[attr-defined]
+        u = self.evaluate(t, self.x, [b for b in hit if not b.delay])
+        for b in delayed:
+            b.step(t, u[self.s.inputs[b.name]])
+        self.statistics["samples"] += len(hit)
+
+    def rhs(self, t: float, x: Array) -> Array:
+        t = min(max(t, self.window[0]), self.window[1])
+        self.statistics["rhs"] += 1
+        u = self.evaluate(t, x)
+        out = np.empty(len(x))
+        for b in self.dynamic:
+            out[self.s.states[b.name]] = b.derivative(t, x[self.s.states[b.name]], u[self.s.inputs[b.name]])
+        if not np.isfinite(out).all():
+            k = int(np.flatnonzero(~np.isfinite(out))[0])
+            owner = next(b for b in self.dynamic if self.s.states[b.name].start <= k < self.s.states[b.name].stop)
+            text = f"the derivative of state {k - self.s.states[owner.name].start + 1} of {owner.name} is {out[k]} at t = {t:.9g}"
+            raise AnalysisError(text, "simulation.not-finite")
+        return out
+
+    def signs(self, t: float, x: Array) -> Array:
+        """Event functions: those of the blocks, then those of the caller."""
+        if not self.watched and not self.user_events:
+            return np.zeros(0)
+        t = min(max(t, self.window[0]), self.window[1])
+        u = self.evaluate(t, x)
+        values = [b.events(t, x[self.s.states[b.name]], u[self.s.inputs[b.name]]) for b in self.watched]
+        view = Signals(self.diagram, self.s.outputs, self.y)
+        for event in self.user_events:
+            value = float(event.function(t, view))
+            if not np.isfinite(value):
+                raise AnalysisError(f"event {event.name} at t = {t:.9g} is {value}", "simulation.not-finite")
+            values.append(np.array([value]))
+        return np.concatenate(values)
+
+    # -- the time axis
+    # ----------------------------------------------------------------------------------------------
+    def cuts(self) -> list[tuple[float, list[Block]]]:
+        """Times where a piece ends, with the blocks that are sampled there; the first and the last time
+        included.
+        """
+        first, last = float(self.times[0]), float(self.times[-1])
+        found: list[tuple[float, Block | None]] = [(first, None), (last, None)]
+        for b in self.s.blocks:
+            found += [(t, None) for t in b.breaks if first < t < last]
+        for b in self.sampled:
+            assert b.period is not None
+            k0 = int(np.ceil((first - b.offset) / b.period - 1e-9))
+            k1 = int(np.floor((last - b.offset) / b.period + 1e-9))
+            found += [(min(max(b.offset + k * b.period, first), last), b) for k in range(k0, k1 + 1)]
+        found.sort(key=lambda pair: pair[0])
+        merged: list[tuple[float, list[Block]]] = []
+        for t, b in found:
+            if not merged or t - merged[-1][0] > 4.0 * self.shift:
+                merged.append((t, []))
+            if b is not None:
+                merged[-1][1].append(b)
+        merged[-1] = (last, merged[-1][1])
+        return merged
+
+    def run(self) -> Response:
+        cuts = self.cuts()
+        n = len(self.times)
+        ys, xs = np.zeros((n, len(self.y))), np.zeros((n, len(self.x)))
+        us = np.zeros((n, len(self.s.wiring)))
+        log: list[tuple[float, str]] = []
+        done = 0
+        h: float | None = None
+        stopped = False
+
+        def record(t: float, x: Array) -> None:
+            nonlocal done
+            us[done] = self.evaluate(t, x)
+            ys[done], xs[done] = self.y, x
+            done += 1
+
+        for k, (a, hit) in enumerate(cuts):
+            self.window = (a, a) if k == len(cuts) - 1 else (a + self.shift, cuts[k + 1][0] - self.shift)
+            self.sample(a, hit)
+            if done < n and abs(self.times[done] - a) <= 4.0 * self.shift:
+                record(self.window[0], self.x)
+            if k == len(cuts) - 1 or stopped:
+                break
+            b = cuts[k + 1][0]
+            t, before = a, self.signs(a, self.x)
+            while t < b and not stopped:
+                t_new, interpolate, x_new, h = self.step(t, b, h)
+                t_new, x_new, names, before, stopped = self.locate(t, t_new, interpolate, x_new, before)
+                log += [(t_new, name) for name in names]
+                while done < n and self.times[done] <= t_new and abs(self.times[done] - b) > 4.0 * self.shift:
+                    record(float(self.times[done]), interpolate(float(self.times[done])))
+                if names:
+                    self.statistics["restarts"] += 1
+                    self.solver = None
+                t, self.x = t_new, x_new
+            self.solver = None
+            if stopped:
+                if done < n:
+                    self.times = np.concatenate((self.times[:done], [t]))
+                    record(t, self.x)
+                break
+        return Response(
+            self.times[:done], ys[:done], xs[:done], self.diagram, self.s.outputs, self.s.states, self.s.inputs, us[:done],
+            tuple(log), self.s.notes, self.statistics,
+        )  # fmt: skip
+
+    solver: Any = None
+
+    def step(
+        self, t: float, end: float, h: float | None
+    ) -> tuple[float, Callable[[float], Array], Array, float | None]:
+        """One accepted step from t, not beyond `end`: new time, interpolation inside it, new state, its
+        size.
+        """
+        if not len(self.x):
+            return end, lambda time: self.x, self.x, h
+        import scipy.integrate
+
+        options = dict(self.options)
+        cause: AnalysisError | None = None
+        for _ in range(MAX_REDUCTIONS):
+            try:
+                if self.solver is None:
+                    first = None if h is None else min(h, end - t, options["max_step"])
+                    self.solver = getattr(scipy.integrate, self.method)(
+                        self.rhs, t, self.x, end, first_step=first, **options
+                    )
+                message = self.solver.step()
+            except AnalysisError as error:
+                if error.code.startswith("simulation.") or error.code.startswith("user-function"):
+                    raise
+                cause = error
+                size = (self.solver.h_abs if self.solver is not None else end - t) or end - t
+                options["max_step"] = max(REDUCTION * min(size, end - t), self.shift)
+                h, self.solver = options["max_step"], None
+                continue
+            if self.solver.status == "failed":
+                raise AnalysisError(
+                    f"the step size became too small at t = {self.solver.t:.9g} ({message}); the loop may be"
+                    " unstable or stiff:"
+                    " check the gains, or use the method Radau",
+                    "simulation.step-too-small",
+                )
+            self.statistics["steps"] += 1
+            solver, new = self.solver, self.solver.t
+            taken = float(new - solver.t_old)
+            # The last step of a piece is short only because the piece ends.
+            h = max(taken, float(solver.h_abs)) if np.isfinite(solver.h_abs) else taken
+            interpolate = solver.dense_output()
+            if cause is not None:
+                self.solver = None  # forget the reduced largest step
+            return float(new), interpolate, np.array(solver.y), h
+        raise AnalysisError(
+            f"the step at t = {t:.9g} could not be computed, also not with a step of"
+            f" {options['max_step']:.3g} s: {cause}",
+            cause.code if cause is not None else "simulation.step",
+        )
+
+    def locate(
+        self, t: float, t_new: float, interpolate: Callable[[float], Array], x_new: Array, before: Array
+    ) -> tuple[float, Array, list[str], Array, bool]:
+        """First event inside a step: its time, state, names, the signs behind it, and whether it ends the
+        simulation.
+        """
+        after = self.signs(t_new, x_new)
+        if not self._crossed(before, after).any():
+            return t_new, x_new, [], after, False
+        low, high, at_high, x_high = t, t_new, after, x_new
+        for _ in range(MAX_BISECTIONS):
+            middle = 0.5 * (low + high)
+            if high - low <= self.shift or not low < middle < high:
+                break
+            x_middle = interpolate(middle)
+            at_middle = self.signs(middle, x_middle)
+            if self._crossed(before, at_middle).any():
+                high, at_high, x_high = middle, at_middle, x_middle
+            else:
+                low = middle
+        crossed = np.flatnonzero(self._crossed(before, at_high))
+        names = [f"limit of {b.name}" for b in self.watched for _ in range(b.n_events)]
+        names += [e.name for e in self.user_events]
+        of_user = crossed[crossed >= len(names) - len(self.user_events)] - (len(names) - len(self.user_events))
+        ends = any(self.user_events[k].terminal for k in of_user)
+        return high, np.array(x_high), sorted({names[k] for k in crossed}), at_high, ends
+
+    def _crossed(self, before: Array, after: Array) -> NDArray[np.bool_]:
+        """Which event functions changed their sign in a direction that counts."""
+        n = len(before) - len(self.user_events)
+        direction = np.concatenate((np.zeros(n), [e.direction for e in self.user_events]))
+        rising, falling = (before < 0.0) & (after >= 0.0), (before > 0.0) & (after <= 0.0)
+        return (rising & (direction >= 0)) | (falling & (direction <= 0))

@@ -1,0 +1,165 @@
+"""Spasim: the non-linear mechanism as a block with inputs u and outputs y (keywords.md section 9).
+
+States are the degrees of freedom and their rates. Inputs are driving stresses (INPUTS, positive when they do
+positive work on the rate of their deformation) and forces (INPUTF). Outputs that are accelerations depend
+directly on the inputs, the others do not.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from spacar.deck import Deck, read_deck
+from spacar.dynamics.dynamics import Dynamics
+from spacar.errors import UsageError
+from spacar.frame import Frame
+from spacar.linear.signals import signals
+from spacar.linear.state_space import DRIVING_SIGN
+from spacar.mechanism import build
+from spacar.mechanism.mechanism import Mechanism, UserForces
+from spacar.simulation.blocks import Array, Block
+
+INPUT_KINDS = ("INPUTS", "INPUTF")
+OUTPUT_KINDS = ("OUTE", "OUTEP", "OUTEDP", "OUTX", "OUTXP", "OUTXDP")
+POSITION, RATE, ACCELERATION = range(3)
+QUANTITY = {
+    "OUTE": POSITION,
+    "OUTX": POSITION,
+    "OUTEP": RATE,
+    "OUTXP": RATE,
+    "OUTEDP": ACCELERATION,
+    "OUTXDP": ACCELERATION,
+}
+
+
+class Spasim(Block):
+    """A mechanism from a file name, a Deck (read for the mode "simulation") or a Mechanism.
+
+    Raises InputError for a wrong file, UsageError without dynamic degrees of freedom; ValueError for vectors
+    of wrong size.
+    """
+
+    def __init__(self, model: str | Path | Deck | Mechanism, name: str = "plant") -> None:
+        if isinstance(model, Mechanism):
+            mechanism = model
+        else:
+            deck = model if isinstance(model, Deck) else read_deck(model, "simulation")
+            mechanism = build(deck, 1)
+        n = mechanism.numbering
+        if not n.nddof:
+            text = f"{mechanism.deck.source}: a simulation needs dynamic degrees of freedom (DYNX, DYNE)"
+            raise UsageError(text, "simulation.no-states")
+        self.mechanism, self.numbering = mechanism, n
+        self.u_signals, self.y_signals = signals(mechanism, INPUT_KINDS), signals(mechanism, OUTPUT_KINDS)
+        super().__init__(name, [s.name for s in self.u_signals], [s.name for s in self.y_signals])
+        self.direct = np.array([QUANTITY[s.kind] == ACCELERATION for s in self.y_signals], bool)
+        self._places()
+        self.dynamics = Dynamics(mechanism)
+        self._zero = np.zeros(n.ne), np.zeros(n.nx)
+        self.dynamics.forces.user = self._user
+        self.u = np.zeros(self.n_in)
+        self.breaks = tuple(mechanism.drive.breaks)
+        names = [self.dynamics.component_name(i) for i in range(2 * n.nddof + n.nk)]
+        self.states = tuple(names)
+        self.x0 = self.dynamics.start()
+        self._at: tuple[float, bytes] | None = None
+        self._solved: bytes | None = None
+
+    def _places(self) -> None:
+        """Index arrays of inputs and outputs, by kind."""
+        kinds = np.array([s.kind for s in self.u_signals])
+        index = np.array([s.index for s in self.u_signals], np.int64)
+        self._by_stress, self._by_force = np.flatnonzero(kinds == "INPUTS"), np.flatnonzero(kinds == "INPUTF")
+        self._e_of, self._x_of = index[self._by_stress], index[self._by_force]
+        self._read = []
+        for quantity in (POSITION, RATE, ACCELERATION):
+            for of_elements in (True, False):
+                chosen = [k for k, s in enumerate(self.y_signals)
+                          if QUANTITY[s.kind] == quantity and s.kind.startswith("OUTE") == of_elements]  # fmt: skip
+                rows = np.array([self.y_signals[k].index for k in chosen], np.int64)
+                self._read.append((np.array(chosen, np.int64), rows))
+
+    def start(self) -> Array:
+        self._at = self._solved = None
+        self.u = np.zeros(self.n_in)
+        return self.dynamics.start()
+
+    # -- the mechanism
+    # ----------------------------------------------------------------------------------------------
+    def _user(self, t: float, e: Array, ed: Array, x: Array, xd: Array) -> UserForces:
+        """The inputs as stresses and forces, added to what a user function of the file gives."""
+        ze, zx = self._zero
+        signal = self.mechanism.user_signal
+        found = signal(t, e, ed, x, xd) if signal is not None else UserForces(ze.copy(), zx.copy(), ze, ze, zx, zx)
+        np.add.at(found.sigma, self._e_of, -DRIVING_SIGN * self.u[self._by_stress])
+        np.add.at(found.force, self._x_of, self.u[self._by_force])
+        return found
+
+    def _place(self, t: float, x: Array) -> None:
+        key = (t, x.tobytes())
+        if key != self._at:
+            self._at = self._solved = None
+            self._drive = self.dynamics.place(t, x)
+            self._at = key
+
+    def _solve(self, t: float, x: Array, u: Array) -> None:
+        """Accelerations for these inputs; what is already known is not computed again."""
+        self._place(t, x)
+        key = u.tobytes()
+        if key != self._solved:
+            self.u = u.copy()
+            self.xdd, self.sigma, self.convective = self.dynamics.accelerate(t, self._drive)
+            self._solved = key
+
+    def _check(self, x: Array, u: Array | None) -> None:
+        if x.shape != self.x0.shape:
+            raise ValueError(f"{self.name}: the state has the shape {x.shape}, expected {self.x0.shape}")
+        if u is not None and u.shape != (self.n_in,):
+            raise ValueError(f"{self.name}: the input has the shape {u.shape}, expected ({self.n_in},)")
+
+    # -- the block
+    # --------------------------------------------------------------------------------------------------
+    def state_outputs(self, t: float, x: Array) -> Array:
+        """Outputs that are positions and rates; accelerations are left zero."""
+        self._check(x, None)
+        self._place(t, x)
+        d, y = self.dynamics, np.zeros(self.n_out)
+        (ke, re), (kx, rx), (kep, rep), (kxp, rxp), *_ = self._read
+        y[ke], y[kx] = d.sweep.e[re], d.kinematics.x[rx]
+        if len(kep):
+            y[kep] = d.sweep.rate(d.xd)[rep]
+        y[kxp] = d.xd[rxp]
+        return y
+
+    def outputs(self, t: float, x: Array, u: Array) -> Array:
+        self._check(x, u)
+        y = self.state_outputs(t, x)
+        if self.direct.any():
+            self._solve(t, x, u)
+            (ke, re), (kx, rx) = self._read[4:]
+            if len(ke):
+                y[ke] = (self.dynamics.sweep.rate(self.xdd) + self.convective)[re]
+            y[kx] = self.xdd[rx]
+        return y
+
+    def derivative(self, t: float, x: Array, u: Array) -> Array:
+        """Time derivative of the states, (n_states,)."""
+        self._check(x, u)
+        self._solve(t, x, u)
+        d, n = self.dynamics, self.numbering
+        out, m = np.empty(len(x)), d.n_positions
+        out[: n.nddof] = x[m:]
+        if n.nk:
+            rates = d.sweep.rate(d.xd)
+            out[n.nddof : m] = np.concatenate((d.xd[d.xs["kinematic"]], rates[d.es["kinematic"]]))
+        edd = d.sweep.rate(self.xdd) + self.convective
+        out[m:] = np.concatenate((self.xdd[d.xs["dynamic"]], edd[d.es["dynamic"]]))
+        return out
+
+    def frame(self, t: float, x: Array, u: Array) -> Frame:
+        """The whole state of the mechanism for these inputs, as mode 1 gives it."""
+        self._check(x, u)
+        self._solve(t, x, u)
+        return self.dynamics.complete(t, self.xdd, self.sigma, self.convective)
