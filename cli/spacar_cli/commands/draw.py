@@ -15,14 +15,43 @@ from spacar_cli.environment import Environment
 @click.command("draw")
 @click.argument("file")
 @common
-@click.option("--steps", "-s", metavar="STEPS", help="Steps to draw: 3, end, 2:5, 1:10:end, 1,4,9 or all. The last one is drawn in full, those before it pale. Default: the first step, of stationary modes the last; all for animations and windows.")
+@click.option(
+    "--steps",
+    "-s",
+    metavar="STEPS",
+    help=(
+        "Steps to draw: 3, end, 2:5, 1:10:end, 1,4,9 or all. The last one is drawn in full, those before "
+        "it pale. Default: the first step, of stationary modes the last; all for animations and windows."
+    ),
+)
 @click.option("--strobe", type=click.IntRange(min=2), metavar="N", help="N evenly spread steps in one picture.")
-@click.option("--trace", type=int, multiple=True, metavar="NODE", help="Path of a node over all steps, instead of TRAJECTNODE. May be repeated.")
+@click.option(
+    "--trace",
+    type=int,
+    multiple=True,
+    metavar="NODE",
+    help="Path of a node over all steps, instead of TRAJECTNODE. May be repeated.",
+)
 @click.option("--no-trace", is_flag=True, help="No paths, whatever the settings say.")
-@click.option("--initial", is_flag=True, help="Dashed outline of the first step behind the others, in the INITIAL COLOR.")
-@click.option("--frames", type=click.IntRange(min=2), default=150, show_default=True, help="Most pictures in an animation.")
+@click.option(
+    "--initial", is_flag=True, help="Dashed outline of the first step behind the others, in the INITIAL COLOR."
+)
+@click.option(
+    "--frames", type=click.IntRange(min=2), default=150, show_default=True, help="Most pictures in an animation."
+)
 @click.pass_obj
-def command(environment: Environment, /, file: str, steps: str | None, strobe: int | None, trace: tuple[int, ...], no_trace: bool, initial: bool, frames: int, **common_options: Any) -> None:  # fmt: skip
+def command(
+    environment: Environment,
+    /,
+    file: str,
+    steps: str | None,
+    strobe: int | None,
+    trace: tuple[int, ...],
+    no_trace: bool,
+    initial: bool,
+    frames: int,
+    **common_options: Any,
+) -> None:
     """Draw the mechanism of a result file (NAME.sbd) at one or more steps.
 
     Settings of the VISUALIZATION section of the input file, or of NAME.spv, are honoured; options override them.

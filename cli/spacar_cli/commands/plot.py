@@ -16,13 +16,36 @@ from spacar_cli.environment import Environment
 @click.argument("expressions", metavar="EXPR...", nargs=-1, required=True)
 @OUTPUT
 @click.option("--against", "-x", metavar="EXPR", default="t", show_default=True, help="What the horizontal axis shows.")
-@click.option("--csv", "csv_file", type=click.Path(path_type=Path, allow_dash=True), help="Write the numbers as csv ('-': print them); no picture then, unless --output is given.")
+@click.option(
+    "--csv",
+    "csv_file",
+    type=click.Path(path_type=Path, allow_dash=True),
+    help="Write the numbers as csv ('-': print them); no picture then, unless --output is given.",
+)
 @click.option("--title", help="Text above the plot, instead of the name of the result.")
-@click.option("--dpi", type=click.FloatRange(20, 1200), default=150.0, show_default=True, help="Resolution of png [dots per inch].")
+@click.option(
+    "--dpi",
+    type=click.FloatRange(20, 1200),
+    default=150.0,
+    show_default=True,
+    help="Resolution of png [dots per inch].",
+)
 @click.option("--show", is_flag=True, help="Open a window. Without this option no window is opened.")
 @click.option("--stale-ok", is_flag=True, help="Plot a result although its input file has changed since.")
 @click.pass_obj
-def command(environment: Environment, /, file: str, expressions: tuple[str, ...], output: tuple[Path, ...], against: str, csv_file: Path | None, title: str | None, dpi: float, show: bool, stale_ok: bool) -> None:  # fmt: skip
+def command(
+    environment: Environment,
+    /,
+    file: str,
+    expressions: tuple[str, ...],
+    output: tuple[Path, ...],
+    against: str,
+    csv_file: Path | None,
+    title: str | None,
+    dpi: float,
+    show: bool,
+    stale_ok: bool,
+) -> None:
     """Plot expressions of the variables of a result file (NAME.sbd) over time.
 
     Variables of nodes x, xd, xdd, fx, fxgrav, fxtot, xcompl as x[NODE,COORDINATE]; of elements e, ed, edd, sig as
@@ -57,7 +80,9 @@ def command(environment: Environment, /, file: str, expressions: tuple[str, ...]
             environment.say(str(csv_file))
     if not outputs and not show:
         return
-    figure = history_figure(curves, across, source.scene.title if title is None else title, source.scene.mode in (7, 8, 9, 10))
+    figure = history_figure(
+        curves, across, source.scene.title if title is None else title, source.scene.mode in (7, 8, 9, 10)
+    )
     for path in outputs:
         save(figure, path, dpi)
         environment.say(str(path))

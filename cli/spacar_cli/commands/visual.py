@@ -16,15 +16,52 @@ QUANTITIES = ("N", "Qy", "Qz", "T", "My", "Mz", "mises", "normal", "shear")
 @click.argument("file")
 @click.argument("mode", type=int, required=False)
 @common
-@click.option("--mode-number", "-m", "mode_numbers", metavar="N", help="Vibration or buckling mode: 1, 2:4, 1,3 or all; instead of VIBRATIONMODE, BUCKLINGMODE. Default 1.")
-@click.option("--factor", type=float, help="Enlargement of the mode, whose degrees of freedom have norm 1, instead of ENLARGEFACTOR. Default: such that the largest displacement is an eighth of the mechanism.")
+@click.option(
+    "--mode-number",
+    "-m",
+    "mode_numbers",
+    metavar="N",
+    help="Vibration or buckling mode: 1, 2:4, 1,3 or all; instead of VIBRATIONMODE, BUCKLINGMODE. Default 1.",
+)
+@click.option(
+    "--factor",
+    type=float,
+    help=(
+        "Enlargement of the mode, whose degrees of freedom have norm 1, instead of ENLARGEFACTOR. "
+        "Default: such that the largest displacement is an eighth of the mechanism."
+    ),
+)
 @click.option("--step", type=click.IntRange(min=1), help="Stored step. Default: the last one.")
 @click.option("--rest/--no-rest", default=True, show_default=True, help="Dashed outline of the position at rest.")
-@click.option("--stress", type=click.Choice(QUANTITIES, case_sensitive=False), help="Colour the beams by a stress resultant (N, Qy, Qz, T, My, Mz) or a stress (mises, normal, shear; these need cross-sections).")
-@click.option("--diagram", type=click.Choice(QUANTITIES, case_sensitive=False), help="The same quantities as ordinates beside the beams.")
+@click.option(
+    "--stress",
+    type=click.Choice(QUANTITIES, case_sensitive=False),
+    help=(
+        "Colour the beams by a stress resultant (N, Qy, Qz, T, My, Mz) or a stress (mises, normal, "
+        "shear; these need cross-sections)."
+    ),
+)
+@click.option(
+    "--diagram",
+    type=click.Choice(QUANTITIES, case_sensitive=False),
+    help="The same quantities as ordinates beside the beams.",
+)
 @click.option("--list", "as_list", is_flag=True, help="Print the modes instead of drawing them.")
 @click.pass_obj
-def command(environment: Environment, /, file: str, mode: int | None, mode_numbers: str | None, factor: float | None, step: int | None, rest: bool, stress: str | None, diagram: str | None, as_list: bool, **common_options: Any) -> None:  # fmt: skip
+def command(
+    environment: Environment,
+    /,
+    file: str,
+    mode: int | None,
+    mode_numbers: str | None,
+    factor: float | None,
+    step: int | None,
+    rest: bool,
+    stress: str | None,
+    diagram: str | None,
+    as_list: bool,
+    **common_options: Any,
+) -> None:
     """Show what a result means: vibration modes (results of the modes 3, 4, 7, 9, 10), buckling modes (8, 10), over-
     and under-constraints (0), stress resultants and stresses along beams (all modes).
 

@@ -26,7 +26,8 @@ class Camera:
     @classmethod
     def plane(cls) -> Camera:
         """Looks at the plane z = 0 from above."""
-        return cls(*np.eye(3), True)
+        x, y, z = np.eye(3)
+        return cls(x, y, z, True)
 
     @classmethod
     def towards(cls, azimuth: float, elevation: float) -> Camera:

@@ -32,9 +32,16 @@ SAMPLES = 60  # configurations that decide the range of an animation
 
 
 def draw(
-    environment: Environment, file: str, choices: Choices, steps: str | None, strobe: int | None,
-    trace: Sequence[int], no_trace: bool, initial: bool, frames: int,
-) -> list[Path]:  # fmt: skip
+    environment: Environment,
+    file: str,
+    choices: Choices,
+    steps: str | None,
+    strobe: int | None,
+    trace: Sequence[int],
+    no_trace: bool,
+    initial: bool,
+    frames: int,
+) -> list[Path]:
     """Write all files and open the window that were asked for; returns the files. Raises UsageError."""
     source = open_source(file, choices.stale_ok)
     scene = source.scene
@@ -90,27 +97,45 @@ def step_text(source: Source, k: int) -> str:
 
 
 def _still(
-    source: Source, choices: Choices, outputs: Sequence[Path], steps: str | None, strobe: int | None,
-    nodes: Sequence[int], initial: bool,
-) -> None:  # fmt: skip
+    source: Source,
+    choices: Choices,
+    outputs: Sequence[Path],
+    steps: str | None,
+    strobe: int | None,
+    nodes: Sequence[int],
+    initial: bool,
+) -> None:
     numbers = chosen_steps(source, steps, strobe, False)
     xs = configurations(source, numbers)
     every = source.x() if nodes else None
     title = choices.title if choices.title is not None else step_text(source, numbers[-1])
     if len(numbers) > 1 and choices.title is None:
-        title = f"{source.scene.title}   {len(numbers)} steps, t = {source.time(numbers[0]):.4g} to {source.time(numbers[-1]):.4g} s"
+        first, last = source.time(numbers[0]), source.time(numbers[-1])
+        title = f"{source.scene.title}   {len(numbers)} steps, t = {first:.4g} to {last:.4g} s"
     behind = source.x(1) if initial else None
     figure = draw_steps(
-        source.scene, xs, source.settings, replace(choices.extras(), title=title), every_step=every, traces=nodes, behind=behind
+        source.scene,
+        xs,
+        source.settings,
+        replace(choices.extras(), title=title),
+        every_step=every,
+        traces=nodes,
+        behind=behind,
     )
     for path in outputs:
         save(figure, path, choices.dpi)
 
 
 def _film(
-    environment: Environment, source: Source, choices: Choices, outputs: Sequence[Path], steps: str | None,
-    nodes: Sequence[int], initial: bool, frames: int,
-) -> None:  # fmt: skip
+    environment: Environment,
+    source: Source,
+    choices: Choices,
+    outputs: Sequence[Path],
+    steps: str | None,
+    nodes: Sequence[int],
+    initial: bool,
+    frames: int,
+) -> None:
     numbers = chosen_steps(source, steps, None, True)
     scene, extras = source.scene, choices.extras()
     sample = configurations(source, [numbers[i] for i in evenly(0, len(numbers) - 1, SAMPLES)])
@@ -128,14 +153,32 @@ def _film(
         for path in outputs:
             moving = Moving.create((low, high), camera, still)
             with frame_progress(environment.error_is_terminal, len(few), path.name) as tick:
-                film(moving, pictures_of(source, few, look, choices, []), len(few), path, choices.fps, min(choices.dpi, 110.0), tick)
+                film(
+                    moving,
+                    pictures_of(source, few, look, choices, []),
+                    len(few),
+                    path,
+                    choices.fps,
+                    min(choices.dpi, 110.0),
+                    tick,
+                )
     if choices.show:
         from spacar_cli.drawing.window import slider_window
 
-        slider_window(pictures_of(source, numbers, look, choices, still), len(numbers), 0, (low, high), camera, scene.title, choices.fps)
+        slider_window(
+            pictures_of(source, numbers, look, choices, still),
+            len(numbers),
+            0,
+            (low, high),
+            camera,
+            scene.title,
+            choices.fps,
+        )
 
 
-def pictures_of(source: Source, numbers: Sequence[int], look: Look, choices: Choices, still: Sequence[Shape]) -> Pictures:
+def pictures_of(
+    source: Source, numbers: Sequence[int], look: Look, choices: Choices, still: Sequence[Shape]
+) -> Pictures:
     """Frame number -> shapes and title; reads the step when it is asked for."""
     extras = choices.extras()
 

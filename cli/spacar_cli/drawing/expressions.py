@@ -23,15 +23,27 @@ if TYPE_CHECKING:
 NODE_VARIABLES = {"x": 0, "xd": 1, "xdd": 2, "fx": -1, "fxgrav": -1, "fxtot": -1, "fxt": -1, "xcompl": -2}
 ELEMENT_VARIABLES = {"e": 0, "ed": 1, "edd": 2, "sig": -1}
 MEANING = {
-    "x": "coordinate", "xd": "velocity", "xdd": "acceleration", "fx": "applied force", "fxgrav": "gravity force",
-    "fxtot": "force", "fxt": "force", "xcompl": "compliance", "e": "deformation", "ed": "deformation rate",
-    "edd": "deformation acceleration", "sig": "stress resultant", "t": "time",
-}  # fmt: skip
+    "x": "coordinate",
+    "xd": "velocity",
+    "xdd": "acceleration",
+    "fx": "applied force",
+    "fxgrav": "gravity force",
+    "fxtot": "force",
+    "fxt": "force",
+    "xcompl": "compliance",
+    "e": "deformation",
+    "ed": "deformation rate",
+    "edd": "deformation acceleration",
+    "sig": "stress resultant",
+    "t": "time",
+}
 ANGLES = (unit(rad=1), unit(deg=1), NONE)
 FUNCTIONS: dict[str, tuple[int, Callable[..., object]]] = {
     **{name: (1, getattr(np, name)) for name in ("abs", "sqrt", "sin", "cos", "tan", "exp", "log")},
-    "deg": (1, np.degrees), "hypot": (2, np.hypot), "atan2": (2, np.arctan2),
-}  # fmt: skip
+    "deg": (1, np.degrees),
+    "hypot": (2, np.hypot),
+    "atan2": (2, np.arctan2),
+}
 HELP = "write for example x[6,1], xdd[6,1], e[2,1], sig[1,1], t, x[6,1]-x[3,1], hypot(x[6,1],x[6,2]), deg(x[2,1])"
 
 
@@ -134,7 +146,11 @@ def _variable(source: Source, node: ast.Subscript, text: str) -> Quantity:
         raise UsageError(f"'{text}': {'node' if of_node else 'element'} {number} does not exist", "plot.number")
     if not (1 <= k <= len(row) and row[k - 1]):
         last = int(np.max(np.flatnonzero(row))) + 1
-        what = f"node {number} has the coordinates 1 to {last}" if of_node else f"element {number} has the modes 1 to {last}"
+        what = (
+            f"node {number} has the coordinates 1 to {last}"
+            if of_node
+            else f"element {number} has the modes 1 to {last}"
+        )
         raise UsageError(f"'{text}': {what}", "plot.number")
     values = source.get(name)[:, row[k - 1] - 1]
     return Quantity(values, node_unit(source, name, number, row) if of_node else element_unit(source, name, number, k))

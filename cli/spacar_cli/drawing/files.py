@@ -28,7 +28,9 @@ def check_name(path: Path, film: bool = True) -> str:
     if ending not in kinds:
         raise UsageError(f"{path}: a picture file ends in {', '.join(kinds)}", "draw.format")
     if ending == ".mp4" and shutil.which("ffmpeg") is None:
-        raise UsageError(f"{path}: writing mp4 needs the program ffmpeg, which was not found; gif needs nothing", "draw.ffmpeg")
+        raise UsageError(
+            f"{path}: writing mp4 needs the program ffmpeg, which was not found; gif needs nothing", "draw.ffmpeg"
+        )
     if not path.parent.is_dir():
         raise UsageError(f"{path}: the folder {path.parent} does not exist", "draw.folder")
     return ending
@@ -47,7 +49,9 @@ def save(figure: Figure, path: Path, dpi: float = 150.0) -> None:
             raise UsageError(f"cannot write {path}: {error.strerror or error}", "draw.write") from None
 
 
-def film(moving: Moving, pictures: Pictures, count: int, path: Path, fps: float, dpi: float, tick: Tick | None = None) -> None:
+def film(
+    moving: Moving, pictures: Pictures, count: int, path: Path, fps: float, dpi: float, tick: Tick | None = None
+) -> None:
     """Write an animation of `count` frames as gif or mp4. `tick` is told the number of frames done.
 
     Raises UsageError for a name that cannot be written, AnalysisError when ffmpeg fails.
@@ -98,7 +102,20 @@ def _mp4(frames: Iterator[NDArray[np.uint8]], path: Path, fps: float) -> None:
     height, width = first.shape[:2]
     side = path.with_name(f".{path.stem}.part.mp4")
     command = ["ffmpeg", "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}"]
-    command += ["-r", f"{fps:g}", "-i", "-", "-an", "-vcodec", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", str(side)]
+    command += [
+        "-r",
+        f"{fps:g}",
+        "-i",
+        "-",
+        "-an",
+        "-vcodec",
+        "libx264",
+        "-pix_fmt",
+        "yuv420p",
+        "-crf",
+        "18",
+        str(side),
+    ]
     process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
     assert process.stdin is not None
     try:

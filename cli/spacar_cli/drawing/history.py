@@ -55,7 +55,15 @@ def history_figure(curves: Sequence[Curve], against: Curve, title: str = "", sta
     few = len(across) < 3
     for axes, group in zip(all_axes, groups, strict=True):
         for k, c in enumerate(group):
-            axes.plot(across, c.quantity.values, "o-" if few else "-", color=COLOURS[k % len(COLOURS)], lw=1.4, ms=4, label=c.text)
+            axes.plot(
+                across,
+                c.quantity.values,
+                "o-" if few else "-",
+                color=COLOURS[k % len(COLOURS)],
+                lw=1.4,
+                ms=4,
+                label=c.text,
+            )
         axes.set_ylabel(panel_text(group), fontsize=8.5, color=INK)
         axes.grid(True, color=RULE, lw=0.6)
         axes.set_axisbelow(True)
@@ -66,14 +74,27 @@ def history_figure(curves: Sequence[Curve], against: Curve, title: str = "", sta
         for side in axes.spines.values():
             side.set(color="#cfd5da", linewidth=0.8)
         if len(group) > 1:
-            axes.legend(fontsize=8, frameon=False, ncols=min(len(group), 5), loc="lower left", bbox_to_anchor=(0, 1.0), borderpad=0.1)
+            axes.legend(
+                fontsize=8,
+                frameon=False,
+                ncols=min(len(group), 5),
+                loc="lower left",
+                bbox_to_anchor=(0, 1.0),
+                borderpad=0.1,
+            )
     label = ("load step" if stationary else "time t (s)") if against.variable == "t" else axis_text(against)
     all_axes[-1].set_xlabel(label, fontsize=8.5, color=INK)
     figure.align_ylabels(all_axes)
     top = 0.45 if title or len(groups[0]) > 1 else 0.15
     if title and len(groups[0]) > 1:
         top = 0.62
-    figure.subplots_adjust(left=0.12, right=0.965, bottom=0.52 / height, top=1 - top / height, hspace=0.32 if any(len(g) > 1 for g in groups) else 0.16)
+    figure.subplots_adjust(
+        left=0.12,
+        right=0.965,
+        bottom=0.52 / height,
+        top=1 - top / height,
+        hspace=0.32 if any(len(g) > 1 for g in groups) else 0.16,
+    )
     if title:
         figure.text(0.12, 1 - 0.12 / height, title, fontsize=10, color=INK, va="top")
     return figure

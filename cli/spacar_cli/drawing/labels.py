@@ -46,9 +46,18 @@ def place_labels(axes: Axes, camera: Camera, labels: Sequence[Label], shapes: Se
         boxes.append(chosen)
         frame = {"boxstyle": "round,pad=0.18", "fc": "white", "ec": label.colour, "lw": 0.7} if label.boxed else None
         text = axes.annotate(
-            label.text, camera.project(label.at), xytext=(where - at) / scale, textcoords="offset points", fontsize=POINTS,
-            color=label.colour, ha="center", va="center", bbox=frame, zorder=30, annotation_clip=False,
-        )  # fmt: skip
+            label.text,
+            tuple(camera.project(label.at)),
+            xytext=tuple((where - at) / scale),
+            textcoords="offset points",
+            fontsize=POINTS,
+            color=label.colour,
+            ha="center",
+            va="center",
+            bbox=frame,
+            zorder=30,
+            annotation_clip=False,
+        )
         if not label.boxed:
             text.set_path_effects([withStroke(linewidth=2.5, foreground="white", alpha=0.85)])
         artists.append(text)

@@ -59,7 +59,14 @@ def look_of(scene: Scene, xs: Array, settings: Settings) -> Look:
         points = int(np.clip(round(1.0 / settings.step_line) + 1, 3, 1001))
     else:
         points = int(np.clip(MOST_POINTS // max(beams, 1), 4, DEFAULT_POINTS))
-    return Look(settings, SYMBOL * extent, points, places_of_hinges(scene, places[0]), pin_joints(scene) if scene.planar else (), ranges)
+    return Look(
+        settings,
+        SYMBOL * extent,
+        points,
+        places_of_hinges(scene, places[0]),
+        pin_joints(scene) if scene.planar else (),
+        ranges,
+    )
 
 
 def middle(pose: Pose, nodes: tuple[int, ...]) -> Array:

@@ -40,7 +40,9 @@ def spring(scene: Scene, ends: Array, look: Look, colour: Colour, l0: float) -> 
         angle = np.linspace(0.0, 2 * np.pi * coils, 14 * coils + 1)
         ramp = 0.6 * s * np.minimum(1.0, np.minimum(angle, angle[::-1]) / 1.5)
         along = lead + (l - 2 * lead) * angle / angle[-1]
-        points = ends[0] + along[:, None] * u + ramp[:, None] * (np.cos(angle)[:, None] * v + np.sin(angle)[:, None] * w)
+        points = (
+            ends[0] + along[:, None] * u + ramp[:, None] * (np.cos(angle)[:, None] * v + np.sin(angle)[:, None] * w)
+        )
     return [Line(np.concatenate((ends[:1], points, ends[1:])), colour, 1.3, 2)]
 
 
@@ -72,7 +74,9 @@ def hinge(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
         return [Faces(ring[None], "#ffffff", None, 1.0, 5, False), Line(ring, colour, 1.6, 5)]
     axis = pose.frame(scene, e)[0]
     crowd = sum(place == look.hinges[e.number] for place in look.hinges.values())
-    usual = (0.62 * s, 2.6 * s) if crowd == 1 else (0.42 * s, 4.0 * s)  # several at one place: slender, to be told apart
+    usual = (
+        (0.62 * s, 2.6 * s) if crowd == 1 else (0.42 * s, 4.0 * s)
+    )  # several at one place: slender, to be told apart
     radius, length = look.settings.hinges.get(e.number, look.settings.hinges.get(0, usual))
     a, b = at - 0.5 * length * axis, at + 0.5 * length * axis
     if scene.e_class(e.number, 2) != "fixed":  # no bearing: it only measures the rotation
@@ -117,7 +121,7 @@ def belt(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
 def wound_arcs(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
     """Belt on a pulley between two spans that share its centre and rotation node.
 
-    The belt leaves along u_b; a pulley on its left (negative radius) is wound counter-clockwise, on its right clockwise.
+    The belt leaves along u_b; a pulley on its left (negative radius) is wound counter-clockwise, else clockwise.
     """
     belts = [e for e in scene.elements if e.keyword == "PLBELT" and e.number not in look.settings.hidden]
     shapes: list[Shape] = []
@@ -125,8 +129,8 @@ def wound_arcs(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
         for second in belts:
             if (first.q, first.q_turn) != (second.p, second.p_turn) or first is second:
                 continue
-            (_, enter), _, n_1, r_1 = span(scene, pose, first)
-            (leave, _), _, n_2, r_2 = span(scene, pose, second)
+            (_, enter), _, _, r_1 = span(scene, pose, first)
+            (leave, _), _, _, r_2 = span(scene, pose, second)
             if r_1[1] * r_2[0] <= 0:
                 continue
             centre = pose.place[first.q - 1]
@@ -155,7 +159,7 @@ def planar_wheel(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape
 
 
 def wheel(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
-    """Rim and spokes of a disk or torus wheel about the spin axis (local z'), radius = distance to the contact point."""
+    """Rim and spokes of a disk or torus wheel about the spin axis (local z'), reaching to the contact point."""
     centre = pose.place[e.p - 1]
     frame = pose.frame(scene, e)
     axis, spoke = frame[2], frame[0]
@@ -191,5 +195,7 @@ def screw(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
     nut = 0.75 * s * np.stack((np.cos(np.arange(6) * np.pi / 3), np.sin(np.arange(6) * np.pi / 3)), axis=-1)
     turned = pose.frame(scene, e, "q")
     ends = np.stack((q - 0.6 * s * axis, q + 0.6 * s * axis))
-    shapes += solid(nut, ends, np.stack((turned[1],) * 2), np.stack((turned[2],) * 2), paint.HINGE, light=look.settings.light)
+    shapes += solid(
+        nut, ends, np.stack((turned[1],) * 2), np.stack((turned[2],) * 2), paint.HINGE, light=look.settings.light
+    )
     return shapes

@@ -51,7 +51,11 @@ def mechanism_shapes(scene: Scene, x: Array, look: Look, extras: Extras) -> list
 
 def ghost_shapes(scene: Scene, x: Array, look: Look, strength: float = 0.35) -> list[Shape]:
     """The elements only, pale: other steps of a stroboscopic picture, or the undeformed state."""
-    return [fade(s, strength) for s in element_shapes(scene, Pose.of(scene, x), look) if not isinstance(s, Faces) or s.layer < 5]
+    return [
+        fade(s, strength)
+        for s in element_shapes(scene, Pose.of(scene, x), look)
+        if not isinstance(s, Faces) or s.layer < 5
+    ]
 
 
 def outline_shapes(scene: Scene, x: Array, look: Look, colour: colours.Colour = colours.GHOST) -> list[Shape]:
@@ -86,14 +90,21 @@ def series_bounds(scene: Scene, xs: Array, look: Look, extras: Extras, most: int
 
 
 def draw_steps(
-    scene: Scene, xs: Array, settings: Settings, extras: Extras = Extras(), *, every_step: Array | None = None,
-    traces: Sequence[int] = (), behind: Array | None = None, look: Look | None = None,
+    scene: Scene,
+    xs: Array,
+    settings: Settings,
+    extras: Extras = Extras(),
+    *,
+    every_step: Array | None = None,
+    traces: Sequence[int] = (),
+    behind: Array | None = None,
+    look: Look | None = None,
 ) -> Figure:
     """One figure of the configurations xs (steps, nx): the last one in full, the earlier ones pale, oldest palest.
 
     `every_step` (all steps, nx) are the configurations for the traces of the nodes `traces`; `behind` (nx,) is drawn as
     a dashed outline.
-    """  # fmt: skip
+    """
     look = look or look_of(scene, xs if every_step is None else every_step, settings)
     camera = camera_of(scene, extras.view)
     low, high = series_bounds(scene, xs, look, extras)

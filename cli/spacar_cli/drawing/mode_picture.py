@@ -84,8 +84,10 @@ def mode_pictures(
     return picture, bounds
 
 
-def constraint_still(scene: Scene, x: Array, settings: Settings, extras: Extras, found: Redundancy, extent: float) -> Figure:
-    """Elements that take part in over-constraints in red, by their share; motions of under-constraints dashed in red."""
+def constraint_still(
+    scene: Scene, x: Array, settings: Settings, extras: Extras, found: Redundancy, extent: float
+) -> Figure:
+    """Elements that take part in over-constraints in red, by their share; motions of under-constraints dashed."""
     share = found.over.sum(0)
     largest = float(share.max(initial=0.0))
     tints: dict[int, Colour] = {}
@@ -104,7 +106,9 @@ def constraint_still(scene: Scene, x: Array, settings: Settings, extras: Extras,
         parts.append(f"{over} over-constraint{'s' * (over > 1)} (red elements take part)")
     if under:
         parts.append(f"{under} under-constraint{'s' * (under > 1)} (free motion dashed)")
-    figure, axes = new_figure(bounds, camera, _title(scene, extras, ", ".join(parts) or "no over- or under-constraints"))
+    figure, axes = new_figure(
+        bounds, camera, _title(scene, extras, ", ".join(parts) or "no over- or under-constraints")
+    )
     shapes: list[Shape] = []
     for y in moved:
         shapes += outline_shapes(scene, y, look, DRIVE)

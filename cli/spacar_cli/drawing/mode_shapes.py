@@ -1,7 +1,7 @@
 """Vibration and buckling modes of a result: eigenvalue, vector of the degrees of freedom, and its motion in x.
 
-Vibration: eigenvectors of the state matrix of (q, dq/dt), from the `.sbm` (eigval, eigvre, eigvim), or where the mode of
-analysis does not store them (3, 4, 9) from its matrices: with Q = C0 + D0 and K = K0 + N0 + G0
+Vibration: eigenvectors of the state matrix of (q, dq/dt), from the `.sbm` (eigval, eigvre, eigvim), or where the analysis
+does not store them (3, 4, 9) from its matrices: with Q = C0 + D0 and K = K0 + N0 + G0
 
     d(q_k)/dt = Bk0 q_k + Ak0 u,   M0 du/dt = -Q u - K q_k              (reference/files.md section 5)
 
@@ -56,8 +56,13 @@ class ModeShape:
         size, real = abs(self.value), self.value.real
         if not self.oscillates:
             word = "unstable" if real > 0 else "decaying"
-            return f"{name}   \N{GREEK SMALL LETTER LAMDA} = {real:.5g} 1/s ({word})" if size else f"{name}   frequency zero"
-        text = f"{name}   f = {abs(self.value.imag) / (2 * np.pi):.5g} Hz, \N{GREEK SMALL LETTER OMEGA} = {abs(self.value.imag):.5g} rad/s"
+            return (
+                f"{name}   \N{GREEK SMALL LETTER LAMDA} = {real:.5g} 1/s ({word})"
+                if size
+                else f"{name}   frequency zero"
+            )
+        omega = abs(self.value.imag)
+        text = f"{name}   f = {omega / (2 * np.pi):.5g} Hz, \N{GREEK SMALL LETTER OMEGA} = {omega:.5g} rad/s"
         if abs(real) > 1e-9 * size:
             text += f", damping ratio {-real / size:.3g}" + (" (unstable)" if real > 0 else "")
         return text
@@ -123,7 +128,7 @@ def vibration_modes(source: Source, matrices: Any, step: int) -> list[ModeShape]
 
 
 def _order(values: NDArray[np.complex128]) -> list[int]:
-    """Unstable ones first (fastest growth first), then by modulus; of a pair the one with growth or positive imaginary."""
+    """Unstable ones first (fastest growth first), then by modulus; of a pair the growing, or positive imaginary one."""
     largest = float(np.max(np.abs(values), initial=0.0)) or 1.0
 
     def key(i: int) -> tuple[float, ...]:
@@ -136,9 +141,9 @@ def _order(values: NDArray[np.complex128]) -> list[int]:
 
 
 def _pair(a: complex, b: complex, largest: float) -> bool:
-    return min(abs(a - b), abs(a - np.conj(b)), abs(a + b), abs(a + np.conj(b))) < 1e-3 * SAME * largest + SAME * abs(a) or (
-        abs(a) < SAME * largest and abs(b) < SAME * largest
-    )
+    return min(abs(a - b), abs(a - np.conj(b)), abs(a + b), abs(a + np.conj(b))) < 1e-3 * SAME * largest + SAME * abs(
+        a
+    ) or (abs(a) < SAME * largest and abs(b) < SAME * largest)
 
 
 def eigenmodes(get: Any) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:

@@ -14,27 +14,73 @@ from spacar_cli.drawing.mechanism_picture import Extras
 from spacar_cli.drawing.settings import ALL, DIMENSIONS, Section, Settings
 
 OUTPUT = click.option(
-    "--output", "-o", "output", type=click.Path(path_type=Path), multiple=True,
-    help="File to write; its ending decides: png, svg, pdf, gif (no other program needed), mp4 (needs ffmpeg). May be repeated.",
-)  # fmt: skip
+    "--output",
+    "-o",
+    "output",
+    type=click.Path(path_type=Path),
+    multiple=True,
+    help=(
+        "File to write; its ending decides: png, svg, pdf, gif (no other program needed), mp4 (needs "
+        "ffmpeg). May be repeated."
+    ),
+)
 
 COMMON = (
     OUTPUT,
-    click.option("--view", default="iso", show_default=True, help="View of a spatial mechanism: iso, xy, xz, yz or azimuth,elevation in degrees, as -60,25."),
-    click.option("--section", "sections", multiple=True, metavar="TEXT", help='Cross-section instead of BEAMVIS: "[RECT|RECTHOL|CIRC|CIRCHOL|LINE] [elements] dimensions", as in the VISUALIZATION section. May be repeated.'),
-    click.option("--opacity", type=click.FloatRange(0, 1), help="Opacity of solids, instead of TRANSPARENCY (1: opaque)."),
+    click.option(
+        "--view",
+        default="iso",
+        show_default=True,
+        help="View of a spatial mechanism: iso, xy, xz, yz or azimuth,elevation in degrees, as -60,25.",
+    ),
+    click.option(
+        "--section",
+        "sections",
+        multiple=True,
+        metavar="TEXT",
+        help=(
+            'Cross-section instead of BEAMVIS: "[RECT|RECTHOL|CIRC|CIRCHOL|LINE] [elements] dimensions", '
+            "as in the VISUALIZATION section. May be repeated."
+        ),
+    ),
+    click.option(
+        "--opacity", type=click.FloatRange(0, 1), help="Opacity of solids, instead of TRANSPARENCY (1: opaque)."
+    ),
     click.option("--light/--no-light", default=None, help="Shade solids or not, instead of LIGHT."),
-    click.option("--hide", type=int, multiple=True, metavar="ELEMENT", help="Do not draw this element (DONOTDRAW). May be repeated."),
+    click.option(
+        "--hide",
+        type=int,
+        multiple=True,
+        metavar="ELEMENT",
+        help="Do not draw this element (DONOTDRAW). May be repeated.",
+    ),
     click.option("--supports/--no-supports", default=True, show_default=True, help="Ground symbols, drives and pins."),
-    click.option("--numbers", "-n", is_flag=True, help="Numbers of nodes and elements; orientation nodes in brackets, element numbers in boxes."),
+    click.option(
+        "--numbers",
+        "-n",
+        is_flag=True,
+        help="Numbers of nodes and elements; orientation nodes in brackets, element numbers in boxes.",
+    ),
     click.option("--node-numbers", is_flag=True, help="Numbers of the nodes only."),
     click.option("--element-numbers", is_flag=True, help="Numbers of the elements only."),
     click.option("--title", help="Text above the picture, instead of the name of the result."),
-    click.option("--dpi", type=click.FloatRange(20, 1200), default=150.0, show_default=True, help="Resolution of png, gif and mp4 [dots per inch]."),
-    click.option("--fps", type=click.FloatRange(1, 100), default=25.0, show_default=True, help="Pictures per second of an animation."),
+    click.option(
+        "--dpi",
+        type=click.FloatRange(20, 1200),
+        default=150.0,
+        show_default=True,
+        help="Resolution of png, gif and mp4 [dots per inch].",
+    ),
+    click.option(
+        "--fps",
+        type=click.FloatRange(1, 100),
+        default=25.0,
+        show_default=True,
+        help="Pictures per second of an animation.",
+    ),
     click.option("--show", is_flag=True, help="Open a window. Without this option no window is opened."),
     click.option("--stale-ok", is_flag=True, help="Draw a result although its input file has changed since."),
-)  # fmt: skip
+)
 
 
 def common(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -66,7 +112,11 @@ class Choices:
 
     def extras(self) -> Extras:
         return Extras(
-            self.numbers or self.node_numbers, self.numbers or self.element_numbers, self.supports, self.view, self.title
+            self.numbers or self.node_numbers,
+            self.numbers or self.element_numbers,
+            self.supports,
+            self.view,
+            self.title,
         )
 
     def overridden(self, settings: Settings) -> Settings:
@@ -89,7 +139,9 @@ def sections_of(texts: Sequence[str]) -> dict[int, Section]:
         read = statement_section(text.split())
         if read is None or any(d <= 0 for d in read[1].dims):
             forms = ", ".join(f"{name} with {n} dimensions" for name, n in DIMENSIONS.items())
-            raise UsageError(f"--section {text}: expected a shape, element numbers (none: all) and positive dimensions; {forms}")
+            raise UsageError(
+                f"--section {text}: expected a shape, element numbers (none: all) and positive dimensions; {forms}"
+            )
         if ALL in read[0]:
             found = {}
         found |= dict.fromkeys(read[0], read[1])

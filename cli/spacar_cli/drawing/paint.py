@@ -24,7 +24,15 @@ def paint(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
     for mark in (s for s in shapes if isinstance(s, Mark)):
         p = camera.project(mark.at)
         artists += axes.plot(
-            *p, "o", ms=mark.size, mfc=mark.face, mec=mark.edge, mew=0.8, zorder=10 + mark.layer, scalex=False, scaley=False
+            *p,
+            "o",
+            ms=mark.size,
+            mfc=mark.face,
+            mec=mark.edge,
+            mew=0.8,
+            zorder=10 + mark.layer,
+            scalex=False,
+            scaley=False,
         )
     labels = [s for s in shapes if isinstance(s, Label)]
     if labels:
@@ -43,7 +51,7 @@ def _planar(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
         if isinstance(s, Faces):
             many = isinstance(s.colour, np.ndarray)  # edges in the colour of the face close the hairlines between them
             face = PolyCollection(
-                camera.project(s.corners),
+                list(camera.project(s.corners)),
                 facecolors=_rgba(s.colour, s.alpha),
                 edgecolors=s.edge or ("face" if many and s.alpha >= 1 else "none"),
                 linewidths=s.width,
@@ -82,7 +90,9 @@ def _spatial(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
             depths.append(camera.depth(s.corners).mean(1))
             faces.append(colour)
             # an edge in the colour of the face closes the hairlines between neighbours; with transparency it would show
-            edges.append(_rgba(s.edge, 1.0, len(colour)) if s.edge else colour if s.alpha >= 1 else colour * [1, 1, 1, 0])
+            edges.append(
+                _rgba(s.edge, 1.0, len(colour)) if s.edge else colour if s.alpha >= 1 else colour * [1, 1, 1, 0]
+            )
             widths.append(np.full(len(colour), s.width if s.edge else 0.4))
         elif isinstance(s, Line):
             if s.layer >= FRONT or s.dashes:

@@ -88,7 +88,9 @@ def body(
     return list(solid(disc_outline(radius * look.size, 12), points, y, z, colour, alpha, settings.light))
 
 
-def _planar_body(points: Array, y: Array, width: float, colour: Colour | Array, line: float, alpha: float) -> list[Shape]:
+def _planar_body(
+    points: Array, y: Array, width: float, colour: Colour | Array, line: float, alpha: float
+) -> list[Shape]:
     if not width:
         return _pieces(points, colour, line, alpha)
     left, right = points + 0.5 * width * y, points - 0.5 * width * y

@@ -54,9 +54,12 @@ def places_of_hinges(scene: Scene, place: Array) -> dict[int, tuple[int, ...]]:
 
 
 def _hinge_place(
-    e: Element, direct: dict[int, tuple[int, ...]], whole: dict[int, tuple[int, ...]],
-    neighbours: dict[int, list[int]], place: Array,
-) -> tuple[int, ...]:  # fmt: skip
+    e: Element,
+    direct: dict[int, tuple[int, ...]],
+    whole: dict[int, tuple[int, ...]],
+    neighbours: dict[int, list[int]],
+    place: Array,
+) -> tuple[int, ...]:
     for table in (direct, whole):
         common = [n for n in table.get(e.p_turn, ()) if n in table.get(e.q_turn, ())]
         if common:
@@ -66,13 +69,17 @@ def _hinge_place(
     if not p or not q:
         own = direct.get(e.p_turn) or direct.get(e.q_turn) or p or q
         return own[:1] if own else ()
-    a, b = min(((a, b) for a in p for b in q), key=lambda ab: float(np.linalg.norm(place[ab[0] - 1] - place[ab[1] - 1])))
+    a, b = min(
+        ((a, b) for a in p for b in q), key=lambda ab: float(np.linalg.norm(place[ab[0] - 1] - place[ab[1] - 1]))
+    )
     if e.p_turn in whole and e.q_turn in whole:
         return (a, b)
     return (a,) if e.p_turn in whole else (b,) if e.q_turn in whole else (a, b)
 
 
-def _reach(start: int, away_from: int, table: dict[int, tuple[int, ...]], neighbours: dict[int, list[int]]) -> tuple[int, ...]:
+def _reach(
+    start: int, away_from: int, table: dict[int, tuple[int, ...]], neighbours: dict[int, list[int]]
+) -> tuple[int, ...]:
     """Position nodes of the nearest orientation node that has some, going through hinges away from `away_from`."""
     seen, level = {away_from, start}, [start]
     while level:

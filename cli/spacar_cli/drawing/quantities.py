@@ -64,8 +64,8 @@ class Quantity:
 
     def power(self, exponent: Quantity, text: str) -> Quantity:
         n = exponent.values
-        if exponent.unit or not np.isscalar(n):
+        if exponent.unit or not isinstance(n, float):
             raise UsageError(f"{text}: an exponent must be a plain number", "plot.unit")
-        if self.unit and not float(n).is_integer():
+        if self.unit and not n.is_integer():
             raise UsageError(f"{text}: only whole powers of a quantity with a unit", "plot.unit")
-        return Quantity(self.values ** float(n), tuple((s, p * int(n)) for s, p in self.unit if int(n)))
+        return Quantity(self.values**n, tuple((s, p * int(n)) for s, p in self.unit if int(n)))

@@ -83,7 +83,10 @@ class Scene:
         keywords = tuple(word.strip() for word in header["ETYPE"])
         n = len(keywords)
         return cls(
-            planar=not any(w in ("BEAM", "TUBE", "TRUSS", "HINGE", "PINBODY", "RBEAM", "WHEEL", "TWHEEL", "SCREW") for w in keywords),
+            planar=not any(
+                w in ("BEAM", "TUBE", "TRUSS", "HINGE", "PINBODY", "RBEAM", "WHEEL", "TWHEEL", "SCREW")
+                for w in keywords
+            ),
             mode=int(np.ravel(header["MODE"])[0]),
             title=title,
             keywords=keywords,
@@ -139,7 +142,7 @@ class Scene:
         return CLASSES[self._e_class[i - 1]] if i else ""
 
     def e_classes(self, element: int) -> set[str]:
-        return {self.e_class(element, m + 1) for m in np.flatnonzero(self.le[element - 1] > 0)}
+        return {self.e_class(element, m + 1) for m in np.flatnonzero(self.le[element - 1] > 0).tolist()}
 
     def fixed_directions(self, node: int) -> tuple[int, ...]:
         """Coordinates (0, 1, 2) of a position node that are supported."""

@@ -74,7 +74,9 @@ def rectangle_torsion(w: float, h: float) -> float:
     """Torsion constant of a rectangle: (1/3)(2a)^3 (2b) (1 - 192/pi^5 (a/b) sum tanh(n pi b/2a)/n^5, n odd), a <= b."""
     a, b = sorted((0.5 * w, 0.5 * h))
     n = np.arange(1, 40, 2)
-    return float((2 * a) ** 3 * 2 * b / 3 * (1 - 192 / np.pi**5 * a / b * np.sum(np.tanh(n * np.pi * b / (2 * a)) / n**5)))
+    return float(
+        (2 * a) ** 3 * 2 * b / 3 * (1 - 192 / np.pi**5 * a / b * np.sum(np.tanh(n * np.pi * b / (2 * a)) / n**5))
+    )
 
 
 def rectangle_twist_stress(w: float, h: float, y: Array, z: Array) -> tuple[Array, Array]:

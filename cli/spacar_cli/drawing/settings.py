@@ -29,7 +29,7 @@ class Section:
 
 @dataclass(frozen=True)
 class Settings:
-    """What the VISUALIZATION section says; None or empty: not said. Keys of the tables are element numbers, 0 for all."""
+    """What the VISUALIZATION section says; None or empty: not said. Keys of tables: element numbers, 0 for all."""
 
     beams: dict[int, Section] = field(default_factory=dict)
     trusses: dict[int, Section] = field(default_factory=dict)
@@ -71,7 +71,8 @@ def read_settings(source: Path) -> Settings:
 def parse_settings(lines: Iterable[str]) -> Settings:
     """The settings of the lines behind the word VISUALIZATION."""
     settings = Settings()
-    group, elements = "", (ALL,)  # the new style: a heading line, then lines that belong to it
+    group: str = ""
+    elements: tuple[int, ...] = (ALL,)  # the new style: a heading line, then lines that belong to it
     trace_wanted: bool | None = None
     shape = "RECT"
     for line in lines:

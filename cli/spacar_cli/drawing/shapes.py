@@ -61,7 +61,9 @@ class Label:
 Shape = Line | Faces | Mark | Label
 
 
-def circle(centre: Array, u: Array, v: Array, radius: float, n: int = 48, span: tuple[float, float] | None = None) -> Array:
+def circle(
+    centre: Array, u: Array, v: Array, radius: float, n: int = 48, span: tuple[float, float] | None = None
+) -> Array:
     """(n, 3) points of a circle, or of the arc between two angles [rad], in the plane of the unit vectors u, v."""
     a, b = span if span is not None else (0.0, 2 * np.pi)
     angle = np.linspace(a, b, n)[:, None]
@@ -96,15 +98,22 @@ def disc_outline(radius: float, n: int = 16) -> Array:
 
 
 def solid(
-    outline: Array, centre: Array, y: Array, z: Array, colour: Colour | Array, alpha: float = 1.0, light: bool = True,
-    hole: Array | None = None, edge: Colour | None = None,
+    outline: Array,
+    centre: Array,
+    y: Array,
+    z: Array,
+    colour: Colour | Array,
+    alpha: float = 1.0,
+    light: bool = True,
+    hole: Array | None = None,
+    edge: Colour | None = None,
 ) -> list[Shape]:
-    """A swept solid with closed ends; with `hole` (k, 2), a tube. One colour, or one per place along the line (m - 1, 3)."""  # fmt: skip
+    """A swept solid with closed ends; with `hole` (k, 2), a tube. One colour, or one per piece (m - 1, 3)."""
     k = len(outline)
     along = np.repeat(colour, k, axis=0) if isinstance(colour, np.ndarray) else colour
     shapes: list[Shape] = [Faces(sweep(outline, centre, y, z), along, edge, alpha, light=light, width=0.3)]
     for end, at in ((0, 0), (-1, -1)):
-        paint: Colour = tuple(colour[end]) if isinstance(colour, np.ndarray) else colour  # type: ignore[assignment]
+        paint: Colour = (colour[end][0], colour[end][1], colour[end][2]) if isinstance(colour, np.ndarray) else colour
         if hole is None:
             shapes.append(Faces(cap(outline, centre[at], y[at], z[at]), paint, edge, alpha, light=light, width=0.3))
         else:
@@ -116,14 +125,20 @@ def solid(
     return shapes
 
 
-def cylinder(a: Array, b: Array, radius: float, colour: Colour, n: int = 18, alpha: float = 1.0, light: bool = True) -> list[Shape]:
+def cylinder(
+    a: Array, b: Array, radius: float, colour: Colour, n: int = 18, alpha: float = 1.0, light: bool = True
+) -> list[Shape]:
     """A closed cylinder between two points (3,)."""
     u, v = normal_pair(b - a)
     m = np.ones((7, 1))
-    return solid(disc_outline(radius, n), a + np.linspace(0.0, 1.0, 7)[:, None] * (b - a), m * u, m * v, colour, alpha, light)
+    return solid(
+        disc_outline(radius, n), a + np.linspace(0.0, 1.0, 7)[:, None] * (b - a), m * u, m * v, colour, alpha, light
+    )
 
 
-def torus(centre: Array, axis: Array, turn: Array, radius: float, tread: float, colour: Colour, n: int = 36) -> list[Shape]:
+def torus(
+    centre: Array, axis: Array, turn: Array, radius: float, tread: float, colour: Colour, n: int = 36
+) -> list[Shape]:
     """A torus about the unit vector axis; `turn` (3,) is a radial direction that turns with it."""
     u = turn
     v = np.cross(axis, u)

@@ -22,7 +22,7 @@ ALIASES = {"fxtot": "fxt"}
 
 @dataclass(frozen=True)
 class Source:
-    """A result to be drawn. `read(name, k)` gives a variable of step k (from 1), or of all steps (k None, step first)."""
+    """A result to be drawn. `read(name, k)` gives a variable of step k (from 1), or of all (k None, step first)."""
 
     scene: Scene
     settings: Settings
@@ -34,7 +34,7 @@ class Source:
     complete: bool = True
 
     def get(self, name: str, k: int | None = None) -> Array:
-        """A variable of step k, (n,) or (rows, cols); of all steps with a first axis more. UsageError when it is absent."""
+        """A variable of step k, (n,) or (rows, cols); of all steps with one more first axis. UsageError if absent."""
         value = self.read(name, k)
         if value is None:
             level = LEVELS.get(name.lower())
@@ -85,9 +85,15 @@ def open_source(name: str | Path, stale_ok: bool = False) -> Source:
 
     header = dict(file.header.items())
     return Source(
-        Scene.of_header(header, stem), read_settings(beside), file.steps, str(file.path), beside if beside.is_file() else None,
-        read, header, file.complete,
-    )  # fmt: skip
+        Scene.of_header(header, stem),
+        read_settings(beside),
+        file.steps,
+        str(file.path),
+        beside if beside.is_file() else None,
+        read,
+        header,
+        file.complete,
+    )
 
 
 def source_of_result(result: Result, settings: Settings | None = None) -> Source:

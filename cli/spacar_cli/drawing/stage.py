@@ -17,7 +17,9 @@ WIDTH = 7.2  # inches
 LEAST, MOST = 2.6, 6.6  # height of the axes in inches
 
 
-def new_figure(bounds: tuple[Array, Array], camera: Camera, title: str = "", width: float = WIDTH) -> tuple[Figure, Axes]:
+def new_figure(
+    bounds: tuple[Array, Array], camera: Camera, title: str = "", width: float = WIDTH
+) -> tuple[Figure, Axes]:
     """A figure whose axes show the box `bounds` (lower, upper corner) [m] completely, with equal scales."""
     from matplotlib.figure import Figure
 
@@ -126,7 +128,9 @@ def _space_grid(axes: Axes, camera: Camera, low: Array, high: Array) -> None:
                 line = np.empty((2, 3))
                 line[:, k], line[:, m], line[:, o] = far[k], value, [low[o], high[o]]
                 rules.append(camera.project(line))
-    axes.add_collection(PolyCollection(panes, facecolors=PANE, edgecolors="#cfd5da", linewidths=0.8, zorder=1), autolim=False)
+    axes.add_collection(
+        PolyCollection(panes, facecolors=PANE, edgecolors="#cfd5da", linewidths=0.8, zorder=1), autolim=False
+    )
     axes.add_collection(LineCollection(rules, colors=RULE, linewidths=0.6, zorder=2), autolim=False)
     centre = camera.project(0.5 * (low + high))
     for k, name in enumerate("xyz"):
@@ -144,13 +148,29 @@ def _space_grid(axes: Axes, camera: Camera, low: Array, high: Array) -> None:
         out *= np.sign(out @ (0.5 * (a + b) - centre)) or 1.0
         for place, value in zip(places, lists[k], strict=True):
             axes.annotate(
-                f"{value:g}".replace("-", "\N{MINUS SIGN}"), place, xytext=9 * out, textcoords="offset points", ha="center",
-                va="center", fontsize=7.5, color=INK, zorder=3, annotation_clip=False,
-            )  # fmt: skip
+                f"{value:g}".replace("-", "\N{MINUS SIGN}"),
+                tuple(place),
+                xytext=tuple(9 * out),
+                textcoords="offset points",
+                ha="center",
+                va="center",
+                fontsize=7.5,
+                color=INK,
+                zorder=3,
+                annotation_clip=False,
+            )
         axes.annotate(
-            f"{name} (m)", 0.5 * (a + b), xytext=(34 if k == 2 else 27) * out, textcoords="offset points", ha="center", va="center", fontsize=8.5,
-            color=INK, zorder=3, annotation_clip=False,
-        )  # fmt: skip
+            f"{name} (m)",
+            tuple(0.5 * (a + b)),
+            xytext=tuple((34 if k == 2 else 27) * out),
+            textcoords="offset points",
+            ha="center",
+            va="center",
+            fontsize=8.5,
+            color=INK,
+            zorder=3,
+            annotation_clip=False,
+        )
 
 
 def _edge_for_numbers(camera: Camera, k: int, low: Array, high: Array, far: Array, near: Array) -> Array:

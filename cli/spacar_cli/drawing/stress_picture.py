@@ -45,12 +45,18 @@ def courses(scene: Scene, sig: Array, e: Array, settings: Settings, quantity: st
         if values is not None:
             found.append(Course(element, values))
     if not found:
-        need = "no element has a cross-section: give BEAMVIS, CROSSTYPE or --section" if quantity in STRESSES else "no beams or trusses"
+        need = (
+            "no element has a cross-section: give BEAMVIS, CROSSTYPE or --section"
+            if quantity in STRESSES
+            else "no beams or trusses"
+        )
         raise UsageError(f"{QUANTITIES[quantity][0]}: {need}", "draw.stress")
     return found
 
 
-def stress_still(scene: Scene, x: Array, sig: Array, e: Array, settings: Settings, extras: Extras, quantity: str, note: str = "") -> Figure:
+def stress_still(
+    scene: Scene, x: Array, sig: Array, e: Array, settings: Settings, extras: Extras, quantity: str, note: str = ""
+) -> Figure:
     """The mechanism with the quantity as colours along its beams, and a scale with the unit."""
     from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
@@ -71,14 +77,18 @@ def stress_still(scene: Scene, x: Array, sig: Array, e: Array, settings: Setting
         middle = 0.5 * (c.values[:-1] + c.values[1:])
         rgb = np.asarray(colours(norm(middle)))[:, :3]
         shapes += body(scene, pose, look, c.element, n, rgb, 4.0, 0.45)
-    figure, axes = new_figure(series_bounds(scene, x[None], look, extras), camera, _title(scene, extras, quantity, note))
+    figure, axes = new_figure(
+        series_bounds(scene, x[None], look, extras), camera, _title(scene, extras, quantity, note)
+    )
     paint(axes, camera, shapes)
     name, unit = QUANTITIES[quantity]
     _scale(figure, axes, ScalarMappable(norm, colours), f"{name} ({unit})")
     return figure
 
 
-def diagram_still(scene: Scene, x: Array, sig: Array, e: Array, settings: Settings, extras: Extras, quantity: str, note: str = "") -> Figure:
+def diagram_still(
+    scene: Scene, x: Array, sig: Array, e: Array, settings: Settings, extras: Extras, quantity: str, note: str = ""
+) -> Figure:
     """The quantity as ordinates beside the beams, red where positive and blue where negative, extremes with numbers."""
     look = look_of(scene, x[None], settings)
     found = courses(scene, sig, e, settings, quantity, max(look.points, 17))
@@ -145,12 +155,14 @@ def _scale(figure: Figure, axes: Any, mappable: Any, label: str) -> None:
     figure.set_size_inches(width + more, height)
     share = width / (width + more)
     axes.set_position((box.x0 * share, box.y0, box.width * share, box.height))
-    strip = figure.add_axes(((width + 0.05) / (width + more), box.y0 + 0.08 * box.height, 0.16 / (width + more), 0.84 * box.height))
+    strip = figure.add_axes(
+        ((width + 0.05) / (width + more), box.y0 + 0.08 * box.height, 0.16 / (width + more), 0.84 * box.height)
+    )
     bar = figure.colorbar(mappable, cax=strip)
     bar.ax.tick_params(labelsize=7.5, colors=INK)
     bar.set_label(label, fontsize=8.5, color=INK)
     bar.outline.set_linewidth(0.6)
-    bar.formatter.set_powerlimits((-3, 4))
+    bar.ax.ticklabel_format(axis="y", scilimits=(-3, 4))
     bar.ax.yaxis.get_offset_text().set_fontsize(7.5)
 
 

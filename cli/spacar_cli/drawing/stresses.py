@@ -3,11 +3,11 @@
 Resultants (theory-spatial.md 3.5, theory-planar.md 3.1): N = sigma1; torque T = l0 sigma2; moments linear between the
 ends, My from l0 sigma3 to l0 sigma4, Mz from l0 sigma5 to l0 sigma6, with My = -EIy w_z'', Mz = EIz w_y''; shear forces
 Qy = (Mz_p - Mz_q)/l0, Qz = (My_q - My_p)/l0. Planar beams: e2, e3 have the opposite sign of e5, e6, so Mz runs from
--l0 cos a_p (sigma2 + Q_2 sigma1) to -l0 cos a_q (sigma3 + Q_3 sigma1), with a the end rotations relative to the chord and
+-l0 cos a_p (sigma2 + Q_2 sigma1) to -l0 cos a_q (sigma3 + Q_3 sigma1), with a the end rotations to the chord and
 Q of (5), which is exact at the ends. Spatial beams: first order terms only.
 
-Stresses at the points of a cross-section: sigma_x = N/A - Mz y/Iz + My z/Iy; shear of the torque (circle T r/J, rectangle
-by Saint-Venant's series, hollow rectangle by Bredt) and of the shear forces (parabola with the peak 3/2 Q/A of a
+Stresses at the points of a cross-section: sigma_x = N/A - Mz y/Iz + My z/Iy; shear of the torque (circle T r/J,
+rectangle by Saint-Venant's series, hollow rectangle by Bredt) and of the shear forces (parabola with the peak 3/2 Q/A of a
 rectangle, 4/3 Q/A of a circle; mean value over the walls that carry them, Q/A times 2, for hollow sections);
 von Mises sqrt(sigma_x^2 + 3 tau^2). Points: a grid over the section, its outline included.
 """
@@ -31,7 +31,11 @@ RESULTANTS = {
     "My": ("bending moment about y'", "N m"),
     "Mz": ("bending moment about z'", "N m"),
 }
-STRESSES = {"mises": ("von Mises stress", "N/m\N{SUPERSCRIPT TWO}"), "normal": ("largest normal stress", "N/m\N{SUPERSCRIPT TWO}"), "shear": ("largest shear stress", "N/m\N{SUPERSCRIPT TWO}")}  # fmt: skip
+STRESSES = {
+    "mises": ("von Mises stress", "N/m\N{SUPERSCRIPT TWO}"),
+    "normal": ("largest normal stress", "N/m\N{SUPERSCRIPT TWO}"),
+    "shear": ("largest shear stress", "N/m\N{SUPERSCRIPT TWO}"),
+}
 QUANTITIES = RESULTANTS | STRESSES
 
 
@@ -80,17 +84,21 @@ def resultants(scene: Scene, e: Element, sig: Array, e_values: Array, n: int) ->
         return Resultants(s[0] + zero, (p - q) / l0 + zero, zero, zero, zero, p + (q - p) * xi)
     y, z = l0 * s[2:4], l0 * s[4:6]
     return Resultants(
-        s[0] + zero, (z[0] - z[1]) / l0 + zero, (y[1] - y[0]) / l0 + zero, l0 * s[1] + zero,
-        y[0] + (y[1] - y[0]) * xi, z[0] + (z[1] - z[0]) * xi,
-    )  # fmt: skip
+        s[0] + zero,
+        (z[0] - z[1]) / l0 + zero,
+        (y[1] - y[0]) / l0 + zero,
+        l0 * s[1] + zero,
+        y[0] + (y[1] - y[0]) * xi,
+        z[0] + (z[1] - z[0]) * xi,
+    )
 
 
 def section_points(section: Section) -> tuple[Array, Array]:
     """Places y, z (m,) [m] over a section."""
     if section.shape in ("RECT", "RECTHOL"):
         w, h = section.dims[:2]
-        y, z = np.meshgrid(np.linspace(-0.5, 0.5, GRID) * w, np.linspace(-0.5, 0.5, GRID) * h)
-        y, z = y.ravel(), z.ravel()
+        grid = np.meshgrid(np.linspace(-0.5, 0.5, GRID) * w, np.linspace(-0.5, 0.5, GRID) * h)
+        y, z = grid[0].ravel(), grid[1].ravel()
         if section.shape == "RECTHOL":
             inner = (np.abs(y) < 0.5 * section.dims[2]) & (np.abs(z) < 0.5 * section.dims[3])
             y, z = y[~inner], z[~inner]

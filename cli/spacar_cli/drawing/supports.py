@@ -59,7 +59,9 @@ def planar_support(scene: Scene, pose: Pose, look: Look, node: int) -> list[Shap
         low, high = look.ranges[node - 1]
         a, b = float((low - at) @ along) - 2.2 * s, float((high - at) @ along) + 2.2 * s
         ground = at + 0.75 * s * away
-        block = np.array([at + i * 1.1 * s * along + j * 0.75 * s * away for i, j in ((1, 1), (1, -1), (-1, -1), (-1, 1))])
+        block = np.array(
+            [at + i * 1.1 * s * along + j * 0.75 * s * away for i, j in ((1, 1), (1, -1), (-1, -1), (-1, 1))]
+        )
         shapes += _wall(ground + 0.5 * (a + b) * along, along, away, 0.5 * (b - a), s)
         if held == "fixed":
             block = 1.0 * block
@@ -69,7 +71,9 @@ def planar_support(scene: Scene, pose: Pose, look: Look, node: int) -> list[Shap
         ]
     elif held == "fixed" and inward is not None:  # guided: free to move, not to turn
         v, w = np.cross(Z, inward), -0.45 * s * inward
-        shapes += [Line(np.stack((at + 1.6 * s * v + k * w, at - 1.6 * s * v + k * w)), paint.GROUND, 1.2, 1) for k in (0, 1)]
+        shapes += [
+            Line(np.stack((at + 1.6 * s * v + k * w, at - 1.6 * s * v + k * w)), paint.GROUND, 1.2, 1) for k in (0, 1)
+        ]
     if held == "input":
         shapes += _turning_drive(at, s)
     return shapes
@@ -77,7 +81,7 @@ def planar_support(scene: Scene, pose: Pose, look: Look, node: int) -> list[Shap
 
 def _wall(at: Array, along: Array, away: Array, half: float, s: float) -> list[Shape]:
     """A ground line of length 2 half with hatching on the side `away`."""
-    n = max(int(round(2 * half / (0.55 * s))), 3)
+    n = max(round(2 * half / (0.55 * s)), 3)
     start = at + np.linspace(-half, half, n + 1)[1:, None] * along
     shapes: list[Shape] = [Line(np.stack((at - half * along, at + half * along)), paint.GROUND, 1.4, 1)]
     for p in start:
@@ -97,7 +101,10 @@ def _pinned(at: Array, s: float) -> list[Shape]:
 def _arrow(a: Array, b: Array, side: Array, s: float) -> list[Shape]:
     d = (b - a) / max(float(np.linalg.norm(b - a)), 1e-300)
     head = np.stack((b, b - 0.8 * s * d + 0.32 * s * side, b - 0.8 * s * d - 0.32 * s * side))
-    return [Line(np.stack((a, b - 0.5 * s * d)), paint.DRIVE, 1.5, 6), Faces(head[None], paint.DRIVE, None, 1.0, 7, False)]
+    return [
+        Line(np.stack((a, b - 0.5 * s * d)), paint.DRIVE, 1.5, 6),
+        Faces(head[None], paint.DRIVE, None, 1.0, 7, False),
+    ]
 
 
 def _turning_drive(at: Array, s: float) -> list[Shape]:
@@ -149,11 +156,15 @@ def node_marks(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
     """Small dots at the position nodes that are no joints of a planar mechanism."""
     if not scene.planar:
         return []
-    return [Mark(pose.place[n - 1], 2.6, paint.NODE, paint.NODE) for n in scene.position_nodes.tolist() if n not in look.pins]
+    return [
+        Mark(pose.place[n - 1], 2.6, paint.NODE, paint.NODE)
+        for n in scene.position_nodes.tolist()
+        if n not in look.pins
+    ]
 
 
 def number_labels(scene: Scene, pose: Pose, look: Look, nodes: bool, elements: bool) -> list[Shape]:
-    """Numbers of the nodes (orientation nodes in brackets behind the place they belong to) and of the elements (boxed)."""
+    """Numbers of the nodes (orientation nodes in brackets behind their place) and of the elements (boxed)."""
     from spacar_cli.drawing.placement import attachments
 
     shapes: list[Shape] = []

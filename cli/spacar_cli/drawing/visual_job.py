@@ -31,9 +31,18 @@ VIBRATION, BUCKLING = (3, 4, 7, 9, 10), (8, 10)
 
 
 def visual(
-    environment: Environment, file: str, mode: int | None, choices: Choices, numbers: str | None, factor: float | None,
-    step: int | None, rest: bool, stress: str | None, diagram: str | None, as_list: bool,
-) -> list[str]:  # fmt: skip
+    environment: Environment,
+    file: str,
+    mode: int | None,
+    choices: Choices,
+    numbers: str | None,
+    factor: float | None,
+    step: int | None,
+    rest: bool,
+    stress: str | None,
+    diagram: str | None,
+    as_list: bool,
+) -> list[str]:
     """Draw what was asked for; returns the lines to print. Raises UsageError."""
     source = open_source(file, choices.stale_ok)
     source = replace(source, settings=choices.overridden(source.settings))
@@ -47,7 +56,9 @@ def visual(
     with open_matrices(source) as matrices:
         modes = (vibration_modes if kind == "vibration" else buckling_modes)(source, matrices, step)
     if not modes:
-        raise UsageError(f"{source.name} has no {kind} modes: no dynamic degrees of freedom, or no stress", "draw.modes")
+        raise UsageError(
+            f"{source.name} has no {kind} modes: no dynamic degrees of freedom, or no stress", "draw.modes"
+        )
     if as_list:
         return [m.label for m in modes]
     default = source.settings.vibration_mode if kind == "vibration" else source.settings.buckling_mode
@@ -78,7 +89,8 @@ def _kind(source: Source, mode: int | None) -> str:
             "draw.modes",
         )
     raise UsageError(
-        f"{source.name} is a result of mode {ran}; for pictures of mode {wanted} run: spacar {wanted} {source.scene.title}",
+        f"{source.name} is a result of mode {ran}; for pictures of mode {wanted} run: spacar {wanted} "
+        f"{source.scene.title}",
         "draw.modes",
     )
 
@@ -96,7 +108,9 @@ def _numbers(text: str | None, modes: list[ModeShape], default: int) -> list[Mod
     for n in wanted:
         if n not in known:
             finite = " with a finite load multiplier" if modes[0].kind == "buckling" else ""
-            raise UsageError(f"{modes[0].kind} mode {n} does not exist; there are {len(known)} modes{finite}", "draw.modes")
+            raise UsageError(
+                f"{modes[0].kind} mode {n} does not exist; there are {len(known)} modes{finite}", "draw.modes"
+            )
     return [known[n] for n in wanted]
 
 
@@ -115,12 +129,22 @@ def extent_of(source: Source, x: Array) -> float:
 
 
 def _mode(
-    environment: Environment, source: Source, choices: Choices, step: int, mode: ModeShape, factor: float | None, rest: bool,
+    environment: Environment,
+    source: Source,
+    choices: Choices,
+    step: int,
+    mode: ModeShape,
+    factor: float | None,
+    rest: bool,
     several: bool,
-) -> list[Path]:  # fmt: skip
+) -> list[Path]:
     x, extras, settings = source.x(step), choices.extras(), source.settings
     if factor is None:
-        factor = settings.enlarge if settings.enlarge is not None else suitable_factor(source.scene, mode, extent_of(source, x))
+        factor = (
+            settings.enlarge
+            if settings.enlarge is not None
+            else suitable_factor(source.scene, mode, extent_of(source, x))
+        )
     outputs = _outputs(source, choices, f"{mode.kind}{mode.number}", several)
     for path in outputs:
         if path.suffix.lower() not in FILM:

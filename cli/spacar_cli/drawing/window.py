@@ -25,14 +25,18 @@ LIVE_INTERVAL = 0.1  # s between two pictures of a run
 
 def open_window(title: str) -> Any:
     """An empty window figure. Raises UsageError where no window can be opened."""
-    if sys.platform.startswith("linux") and not any(os.environ.get(v) for v in ("DISPLAY", "WAYLAND_DISPLAY", "MPLBACKEND")):
+    if sys.platform.startswith("linux") and not any(
+        os.environ.get(v) for v in ("DISPLAY", "WAYLAND_DISPLAY", "MPLBACKEND")
+    ):
         raise UsageError("no window can be opened here (no display); write a file with --output instead", "draw.window")
     import matplotlib.pyplot as plt
 
     figure = plt.figure(figsize=(8.4, 7.0))
     if plt.get_backend().lower() == "agg" and os.environ.get("MPLBACKEND", "").lower() != "agg":
         plt.close(figure)
-        raise UsageError("no window can be opened: matplotlib found no window toolkit (install python3-tk or PyQt)", "draw.window")
+        raise UsageError(
+            "no window can be opened: matplotlib found no window toolkit (install python3-tk or PyQt)", "draw.window"
+        )
     manager = figure.canvas.manager
     if manager is not None:
         manager.set_window_title(title)
@@ -40,21 +44,35 @@ def open_window(title: str) -> Any:
 
 
 def slider_window(
-    pictures: Pictures, count: int, first: int, bounds: tuple[Array, Array], camera: Camera, title: str, fps: float = 25.0,
+    pictures: Pictures,
+    count: int,
+    first: int,
+    bounds: tuple[Array, Array],
+    camera: Camera,
+    title: str,
+    fps: float = 25.0,
     block: bool = True,
 ) -> Any:
     """A window with a time slider and a play button; dragging in a spatial picture turns it. Blocks until it is closed.
 
     `pictures(k)` gives frame k from 0; `first` is the frame shown at the start. Returns the figure.
-    """  # fmt: skip
+    """
     import matplotlib.pyplot as plt
     from matplotlib.widgets import Button, Slider
 
     figure = open_window(title)
     moving = Moving(figure, furnish(figure, bounds, camera, " ", FOOT), camera)
-    slider = Slider(figure.add_axes((0.18, 0.03, 0.62, 0.03)), "step ", 1, max(count, 2), valinit=first + 1, valstep=1, color="#2f74b5")
+    slider = Slider(
+        figure.add_axes((0.18, 0.03, 0.62, 0.03)),
+        "step ",
+        1,
+        max(count, 2),
+        valinit=first + 1,
+        valstep=1,
+        color="#2f74b5",
+    )
     button = Button(figure.add_axes((0.86, 0.02, 0.10, 0.05)), "play")
-    state = {"drag": None, "playing": False}
+    state: dict[str, Any] = {"drag": None, "playing": False}
 
     def refresh(_: object = None) -> None:
         moving.show(*pictures(min(int(slider.val), count) - 1))
@@ -128,7 +146,9 @@ class LivePlot:
         self._scene = Scene.of_header(sbd_header(run), deck.source)
         self._settings = parse_settings(deck.visualization)
         self._camera = camera_of(self._scene, self._view)
-        self._button = Button(self._figure.add_axes((0.84, 0.02, 0.13, 0.05)), "Abort", color="#f3d4d4", hovercolor="#eebcbc")
+        self._button = Button(
+            self._figure.add_axes((0.84, 0.02, 0.13, 0.05)), "Abort", color="#f3d4d4", hovercolor="#eebcbc"
+        )
         self._button.on_clicked(self._abort)
         self._figure.canvas.mpl_connect("close_event", self._abort)
         self._moving: Moving | None = None
@@ -161,7 +181,9 @@ class LivePlot:
             self._look = look_of(self._scene, frame.x[None], self._settings)
         shapes = mechanism_shapes(self._scene, frame.x, self._look, Extras())
         box = merge_bounds(shapes)
-        if box is not None and (self._bounds is None or np.any(box[0] < self._bounds[0]) or np.any(box[1] > self._bounds[1])):
+        if box is not None and (
+            self._bounds is None or np.any(box[0] < self._bounds[0]) or np.any(box[1] > self._bounds[1])
+        ):
             self._enlarge(box)
         assert self._moving is not None
         self._moving.show(shapes, f"{self._scene.title}   t = {frame.t:.6g} s")

@@ -1,0 +1,67 @@
+"""`spacar report FILE`: one self-contained HTML page about a run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from spacar.errors import UsageError
+from spacar_cli.environment import Environment
+
+
+@click.command("report")
+@click.argument("file")
+@click.option(
+    "--output", "-o", type=click.Path(path_type=Path), help="File to write. Default: NAME.html beside the result."
+)
+@click.option(
+    "--plot",
+    "-p",
+    "expressions",
+    multiple=True,
+    metavar="EXPR",
+    help="Expression to plot, as for spacar plot, instead of the degrees of freedom. May be repeated.",
+)
+@click.option(
+    "--log-lines",
+    type=click.IntRange(min=0),
+    default=120,
+    show_default=True,
+    help="Lines of the log shown from its beginning and its end; 0: none.",
+)
+@click.option(
+    "--view",
+    default="iso",
+    show_default=True,
+    help="View of a spatial mechanism: iso, xy, xz, yz or azimuth,elevation in degrees.",
+)
+@click.option("--stale-ok", is_flag=True, help="Report a result although its input file has changed since.")
+@click.pass_obj
+def command(
+    environment: Environment,
+    /,
+    file: str,
+    output: Path | None,
+    expressions: tuple[str, ...],
+    log_lines: int,
+    view: str,
+    stale_ok: bool,
+) -> None:
+    """Write one HTML page about a run: picture of the model, degrees of freedom, key results, plots, log.
+
+    The page holds everything it shows: it can be sent by mail and opened without a network.
+    """
+    from spacar_cli.drawing.report import report_page
+    from spacar_cli.drawing.source import open_source
+
+    source = open_source(file, stale_ok)
+    path = output or Path(source.name).parent / f"{source.scene.title}.html"
+    page = report_page(source, expressions, log_lines, view)
+    side = path.with_name(f".{path.name}.part")
+    try:
+        side.write_text(page, "utf-8")
+        side.replace(path)
+    except OSError as error:
+        raise UsageError(f"cannot write {path}: {error.strerror}", "report.write") from None
+    environment.say(str(path))

@@ -1,0 +1,305 @@
+"""The report of a run: a self-contained HTML page with embedded pictures, without scripts."""
+
+from __future__ import annotations
+
+import base64
+import io
+from collections.abc import Sequence
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+import spacar
+from spacar.errors import UsageError
+from spacar.modes import MODES
+from spacar_cli.drawing.expressions import Curve, evaluate
+from spacar_cli.drawing.history import axis_text, history_figure
+from spacar_cli.drawing.mechanism_picture import Extras, draw_steps
+from spacar_cli.drawing.moving import evenly
+from spacar_cli.drawing.report_style import STYLE
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from spacar_cli.drawing.mode_shapes import ModeShape
+    from spacar_cli.drawing.scene import Scene
+    from spacar_cli.drawing.source import Source
+
+MOST_CURVES = 12
+MOST_MODES = 4
+STATIONARY = (7, 8, 9, 10)
+DPI = 120
+
+
+def report_page(source: Source, expressions: Sequence[str] = (), log_lines: int = 120, view: str = "iso") -> str:
+    """The page of a result. Raises UsageError for an expression that cannot be evaluated."""
+    scene = source.scene
+    extras = Extras(view=view, title="")
+    parts = [_summary(source), _model(source, extras), _freedoms(source)]
+    if scene.mode == 0:
+        parts.append(_constraints(source, extras))
+    if scene.mode in STATIONARY:
+        parts.append(_modes(source, extras))
+    curves = [evaluate(source, text) for text in expressions] or key_curves(source)
+    parts.append(_results(source, curves))
+    if source.steps > 2:
+        parts.append(_plots(source, curves))
+    parts.append(_log(source, log_lines))
+    title = escape(scene.title)
+    return (
+        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<meta name="viewport" '
+        'content="width=device-width">\n'
+        f"<title>{title}: spacar report</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<main>\n"
+        f"<h1>{title}</h1>\n"
+        + "\n".join(p for p in parts if p)
+        + f"\n<footer>spacar {spacar.__version__}</footer>\n</main>\n</body>\n</html>\n"
+    )
+
+
+def key_curves(source: Source) -> list[Curve]:
+    """What a reader wants to see first: the degrees of freedom that the analysis found; what the prescribed ones
+    need as driving forces or stresses; then the coordinates that move most."""
+    scene = source.scene
+    found = freedoms(scene)
+    texts = [text for text, _, kind in found if kind != "input"]
+    for text, _, kind in found:
+        if kind == "input" and not (text[0] == "x" and _is_spatial_rotation(scene, text)):
+            texts.append(text.replace("x[", "fxtot[") if text[0] == "x" else text.replace("e[", "sig["))
+    if len(texts) < MOST_CURVES:
+        x = source.x()
+        k = 2 if scene.planar else 3
+        moves = [
+            (float(np.ptp(x[:, scene.lnp[n - 1, i] - 1])), f"x[{n},{i + 1}]")
+            for n in scene.position_nodes.tolist()
+            for i in range(k)
+        ]
+        largest = max((m for m, _ in moves), default=0.0)
+        ranked = sorted((m for m in moves if m[0] > 1e-9 * (1.0 + largest)), key=lambda m: -m[0])[:3]
+        texts += [text for _, text in ranked if text not in texts]
+    return [evaluate(source, text) for text in texts[:MOST_CURVES]]
+
+
+def _is_spatial_rotation(scene: Scene, text: str) -> bool:
+    """The force dual to an Euler parameter says nothing to a reader."""
+    return not scene.planar and int(text[2:].partition(",")[0]) not in scene.position_nodes
+
+
+def freedoms(scene: Scene) -> list[tuple[str, str, str]]:
+    """(expression, description, class) of every degree of freedom and kinematic coordinate, in the order of q."""
+    from spacar.deck import ELEMENT_TYPES
+
+    found: list[tuple[int, str, str, str]] = []
+    rank = {"input": 0, "dynamic": 1, "kinematic": 4}
+    for node, row in enumerate(scene.lnp, 1):
+        for k in np.flatnonzero(row > 0).tolist():
+            kind = scene.x_class(node, k + 1)
+            if kind in rank:
+                position = node in scene.position_nodes
+                name = "xyz"[k] if position else "rotation" if scene.planar else f"\N{GREEK SMALL LETTER LAMDA}{k}"
+                found.append((rank[kind], f"x[{node},{k + 1}]", f"node {node}, {name}", kind))
+    for e in scene.elements:
+        for m in np.flatnonzero(scene.le[e.number - 1] > 0).tolist():
+            kind = scene.e_class(e.number, m + 1)
+            if kind in rank:
+                mode = ELEMENT_TYPES[e.keyword].modes[m][0]
+                found.append(
+                    (
+                        rank[kind] + (2 if kind != "kinematic" else 1),
+                        f"e[{e.number},{m + 1}]",
+                        f"{e.keyword} {e.number}, {mode}",
+                        kind,
+                    )
+                )
+    return [(text, words, kind) for _, text, words, kind in sorted(found, key=lambda f: f[0])]
+
+
+def _summary(source: Source) -> str:
+    header, scene = source.header, source.scene
+    mode = MODES[scene.mode]
+    words: dict[str, str] = {}
+    for e in scene.elements:
+        words[e.keyword] = str(int(words.get(e.keyword, "0")) + 1)
+    rows = [
+        ("Input", _text(header, "SOURCE")),
+        ("Analysis", f"mode {mode.number}: {mode.title}"),
+        ("Program", _text(header, "VERSION")),
+        ("Elements", ", ".join(f"{n} {k}" for k, n in words.items())),
+        ("Nodes", f"{len(scene.position_nodes)} for positions, {len(scene.orientation_nodes)} for orientations"),
+        ("Steps stored", _steps(source)),
+        ("Input digest", f"SHA-256 {_text(header, 'SHA256')[:16]}\N{HORIZONTAL ELLIPSIS}"),
+    ]
+    warning = (
+        "" if source.complete else '<p class="warn">The run did not come to its end: the result is incomplete.</p>'
+    )
+    return warning + _table(rows, head=None, klass="facts")
+
+
+def _steps(source: Source) -> str:
+    if source.scene.mode in STATIONARY or source.steps == 1:
+        return str(source.steps)
+    return f"{source.steps}, t = {source.time(1):.6g} to {source.time(source.steps):.6g} s"
+
+
+def _text(header: object, name: str) -> str:
+    value = np.ravel(header.get(name, [""]))  # type: ignore[attr-defined]
+    return str(value[0]) if len(value) else ""
+
+
+def _model(source: Source, extras: Extras) -> str:
+    from dataclasses import replace
+
+    scene = source.scene
+    k = source.steps if scene.mode in STATIONARY else 1
+    numbered = draw_steps(
+        scene, source.x(k)[None], source.settings, replace(extras, node_numbers=True, element_numbers=True)
+    )
+    out = "<h2>Model</h2>" + _figure(
+        numbered, "Numbers of nodes (orientation nodes in brackets) and of elements (in boxes)."
+    )
+    if source.steps > 2 and scene.mode not in STATIONARY:
+        chosen = evenly(1, source.steps, 9)
+        xs = np.stack([source.x(k) for k in chosen])
+        moving = draw_steps(scene, xs, source.settings, extras)
+        if float(np.max(np.ptp(xs, axis=0), initial=0.0)) > 0:
+            out += _figure(moving, f"{len(chosen)} evenly spread steps, the last one in full.")
+    return out
+
+
+def _freedoms(source: Source) -> str:
+    found = freedoms(source.scene)
+    counts = {kind: sum(f[2] == kind for f in found) for kind in ("input", "dynamic", "kinematic")}
+    words = {"input": "prescribed", "dynamic": "dynamic", "kinematic": "kinematic"}
+    text = ", ".join(f"{n} {words[k]}" for k, n in counts.items() if n) or "none"
+    rows = [(str(i + 1), a, b, words[c]) for i, (a, b, c) in enumerate(found)]
+    table = _table(rows, ("", "variable", "meaning", "class")) if rows else ""
+    if len(rows) > 30:
+        table = f"<details><summary>all {len(rows)}</summary>{table}</details>"
+    return f"<h2>Degrees of freedom</h2><p>{text}.</p>{table}"
+
+
+def _results(source: Source, curves: Sequence[Curve]) -> str:
+    """Start, end and extremes of the curves; of a single step the values."""
+    if not curves:
+        return ""
+    rows: list[tuple[str, ...]] = []
+    times = np.ravel(source.get("t"))
+    unit = "" if source.scene.mode in STATIONARY else " s"
+    for c in curves:
+        v = np.asarray(c.quantity.values)
+        if len(v) == 1:
+            rows.append((axis_text(c), _number(v[0])))
+            continue
+        low, high = int(np.argmin(v)), int(np.argmax(v))
+        rows.append(
+            (
+                axis_text(c),
+                _number(v[0]),
+                _number(v[-1]),
+                f"{_number(v[low])} at {times[low]:.4g}{unit}",
+                f"{_number(v[high])} at {times[high]:.4g}{unit}",
+            )
+        )
+    head = ("", "value") if source.steps == 1 else ("", "first", "last", "smallest", "largest")
+    return "<h2>Key results</h2>" + _table(rows, head, "numbers")
+
+
+def _plots(source: Source, curves: Sequence[Curve]) -> str:
+    if not curves:
+        return ""
+    across = evaluate(source, "t")
+    figure = history_figure(curves, across, "", source.scene.mode in STATIONARY)
+    return "<h2>Plots</h2>" + _figure(figure, ", ".join(c.text for c in curves) + " over time.")
+
+
+def _modes(source: Source, extras: Extras) -> str:
+    """Tables and pictures of vibration and buckling modes; a sentence where the result has none."""
+    from spacar_cli.drawing.look import SYMBOL, look_of
+    from spacar_cli.drawing.mode_picture import mode_still
+    from spacar_cli.drawing.mode_shapes import buckling_modes, open_matrices, suitable_factor, vibration_modes
+
+    out = ""
+    rows: list[tuple[str, ...]]
+    kinds = {7: ("vibration",), 8: ("buckling",), 9: ("vibration",), 10: ("vibration", "buckling")}[source.scene.mode]
+    step = source.steps
+    x = source.x(step)
+    extent = look_of(source.scene, x[None], source.settings).size / SYMBOL
+    for kind in kinds:
+        try:
+            with open_matrices(source) as matrices:
+                found = (vibration_modes if kind == "vibration" else buckling_modes)(source, matrices, step)
+        except UsageError as error:
+            out += f'<h2>{kind.capitalize()} modes</h2><p class="warn">{escape(str(error))}</p>'
+            continue
+        if kind == "vibration":
+            rows = [_vibration_row(m) for m in found]
+            head: tuple[str, ...] = ("mode", "real part (1/s)", "frequency (rad/s)", "frequency (Hz)", "damping ratio")
+        else:
+            rows = [(str(m.number), _number(m.value.real)) for m in found]
+            head = ("mode", "load multiplier")
+        out += f"<h2>{kind.capitalize()} modes</h2>" + _table(rows, head, "numbers")
+        for m in found[:MOST_MODES]:
+            still = mode_still(
+                source.scene, x, source.settings, extras, m, suitable_factor(source.scene, m, extent), True
+            )
+            out += _figure(still, m.label.replace("   ", ": ", 1), "half")
+    return out
+
+
+def _vibration_row(mode: ModeShape) -> tuple[str, ...]:
+    real, omega, size = mode.value.real, abs(mode.value.imag), abs(mode.value)
+    ratio = _number(-real / size) if size else ""
+    return str(mode.number), _number(real), _number(omega), _number(omega / (2 * np.pi)), ratio
+
+
+def _constraints(source: Source, extras: Extras) -> str:
+    from spacar_cli.drawing.look import SYMBOL, look_of
+    from spacar_cli.drawing.mode_picture import constraint_still
+    from spacar_cli.drawing.redundancy import redundancy
+
+    x = source.x(1)
+    extent = look_of(source.scene, x[None], source.settings).size / SYMBOL
+    found = redundancy(source.scene, source.get("bigd", 1), extent)
+    figure = constraint_still(source.scene, x, source.settings, extras, found, extent)
+    text = f"{len(found.over)} over-constraints, {len(found.under)} under-constraints."
+    return f"<h2>Constraints</h2><p>{text}</p>" + _figure(
+        figure, "Red elements take part in over-constraints; dashed red: free motion."
+    )
+
+
+def _log(source: Source, lines: int) -> str:
+    path = Path(source.name).parent / f"{source.scene.title}.log"
+    if not lines or not path.is_file():
+        return ""
+    text = path.read_text("utf-8", "replace").splitlines()
+    if len(text) > 2 * lines:
+        left = len(text) - 2 * lines
+        text = [*text[:lines], "", f"[... {left} lines left out, see {path.name} ...]", "", *text[-lines:]]
+    return f"<h2>Log</h2><pre>{escape(chr(10).join(text))}</pre>"
+
+
+def _number(value: float) -> str:
+    return f"{float(value) + 0.0:.6g}".replace("-", "\N{MINUS SIGN}")
+
+
+def _table(rows: Sequence[Sequence[str]], head: Sequence[str] | None, klass: str = "") -> str:
+    top = "<thead><tr>" + "".join(f"<th>{escape(h)}</th>" for h in head) + "</tr></thead>" if head else ""
+    body = "".join(
+        f"<tr><th>{escape(r[0])}</th>" + "".join(f"<td>{escape(c)}</td>" for c in r[1:]) + "</tr>" for r in rows
+    )
+    return f'<div class="scroll"><table class="{klass}">{top}<tbody>{body}</tbody></table></div>'
+
+
+def _figure(figure: Figure, caption: str, klass: str = "") -> str:
+    """The picture as data inside the page, so that nothing else is needed."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    FigureCanvasAgg(figure)
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=DPI)
+    width = round(figure.get_size_inches()[0] * 96)
+    data = base64.b64encode(buffer.getvalue()).decode("ascii")
+    text = escape(caption)
+    image = f'<img width="{width}" alt="{text}" src="data:image/png;base64,{data}">'
+    return f'<figure class="{klass}">{image}<figcaption>{text}</figcaption></figure>'
