@@ -12,7 +12,7 @@ import numpy as np
 from spacar.dynamics.analysis import at_time
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.limits import Limits
-from spacar.errors import AnalysisError, UsageError
+from spacar.errors import UsageError
 from spacar.frame import Frame
 from spacar.inverse.along import Along
 from spacar.inverse.nominal import Nominal, check_same_mechanism
@@ -109,14 +109,10 @@ def _placed(work: Program, mechanism: Mechanism) -> Iterator[tuple[Dynamics, flo
             else:
                 dynamics = Dynamics(replace(model, drive=work.drive))
                 plain = dynamics if model is mechanism else plain
-            if before is None:
-                dynamics.kinematics.position(mechanism.x0, np.zeros(mechanism.numbering.ne))
-            elif before is not dynamics:
+            if before is not None and before is not dynamics:
                 dynamics.kinematics.start_from(before.kinematics)
                 dynamics.kinematics.position(before.kinematics.x, before.kinematics.e_given)
         assert dynamics is not None
-        try:
+        if t == 0.0:
             dynamics.kinematics.move(*dynamics.given(work.drive.at(t), NO_STATE))
-        except AnalysisError as error:
-            raise AnalysisError(f"at t = {t:.9g}: {error}", error.code, **error.data) from error
         yield dynamics, t

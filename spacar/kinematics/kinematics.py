@@ -188,7 +188,7 @@ class Kinematics:
 
     def start_at(self, x: Array, e: Array) -> None:
         """Begin the next Newton iteration at x (nx,) with angles near those of e (ne,), without a prediction."""
-        self.x = x.copy()
+        self.x, self.e_given = x.copy(), e.copy()
         self.sweep.near[:] = e
         self._factored = False
 

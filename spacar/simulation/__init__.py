@@ -8,8 +8,7 @@ from typing import Any
 
 _HOME = {
     "Block": "blocks", "Continuous": "blocks", "Diagram": "diagram", "Event": "engine", "Function": "blocks",
-    "Gain": "blocks", "Linear": "blocks", "Ltv": "setpoints", "ReferenceY0": "setpoints", "Response":"
-    " "engine",
+    "Gain": "blocks", "Linear": "blocks", "Ltv": "setpoints", "ReferenceY0": "setpoints", "Response": "engine",
     "Sampled": "blocks", "Saturation": "blocks", "SetpointSigma0": "setpoints", "SetpointU0": "setpoints",
     "Spasim": "plant", "Table": "tables", "TimeVarying": "time_varying", "TimesM0": "setpoints",
     "as_control": "control_systems", "closed_loop": "loop", "computed_torque": "feedback",

@@ -163,8 +163,8 @@ class Sampled(Block):
     """
 
     def __init__(
-        self, name: str, f: Callable[..., Any], period: float, inputs: Sequence[str] | int, outputs: Sequence[str] | int,
-        *, x0: Any = None, y0: Sequence[float] | None = None, offset: float = 0.0, delay: bool = False,
+        self, name: str, f: Callable[..., Any], period: float, inputs: Sequence[str] | int,
+        outputs: Sequence[str] | int, *, x0: Any = None, y0: Sequence[float] | None = None, offset: float = 0.0, delay: bool = False,
     ) -> None:  # fmt: skip
         super().__init__(name, inputs, outputs)
         if not period > 0.0:
@@ -262,5 +262,5 @@ class Linear(Continuous):
         if A.shape != (n, n) or len(B) != n or C.shape[1] != n or D.shape != (p, m):
             shapes = ", ".join(str(k.shape) for k in (A, B, C, D))
             raise UsageError(f"{name}: the shapes of A, B, C, D do not fit together: {shapes}", "simulation.size")
-        start = np.zeros(n) if x0 is None else np.asarray(x0, float)
+        start = [0.0] * n if x0 is None else x0
         super().__init__(name, lambda t, x, u: A @ x + B @ u, lambda t, x, u: C @ x + D @ u, start, m, p, bool(D.any()))

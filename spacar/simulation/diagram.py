@@ -32,8 +32,7 @@ class Diagram:
         for block in blocks:
             if not block.name or any(c in block.name for c in ":, \t->"):
                 raise UsageError(
-                    f"'{block.name}' cannot be the name of a block: no spaces, ':', ',', '-', '>'","
-                    " "simulation.name"
+                    f"'{block.name}' cannot be the name of a block: no spaces, ':', ',', '-', '>'", "simulation.name"
                 )
             if block.name in self.blocks:
                 raise UsageError(f"there are two blocks with the name {block.name}", "simulation.name")
@@ -54,7 +53,8 @@ class Diagram:
                 raise UsageError(text, "simulation.wire")
             K = float(K) * np.eye(len(rows))
         if K.shape != (len(columns), len(rows)) or not np.isfinite(K).all():
-            text = f"{source} -> {target}: the gain must be finite and of the shape {(len(columns), len(rows))}, not {K.shape}"
+            shape = (len(columns), len(rows))
+            text = f"{source} -> {target}: the gain must be finite and of the shape {shape}, not {K.shape}"
             raise UsageError(text, "simulation.wire")
         self.wires.append((source_name, rows, target_name, columns, K))
         return self
@@ -69,7 +69,7 @@ class Diagram:
         count = block.n_in if what == "input" else block.n_out
         if not colon:
             return block.name, np.arange(count)
-        found = []
+        found: list[int] = []
         for part in numbers.split(","):
             first, dash, last = part.partition("-")
             try:

@@ -172,7 +172,8 @@ class _Simulation:
         if not np.isfinite(out).all():
             k = int(np.flatnonzero(~np.isfinite(out))[0])
             owner = next(b for b in self.dynamic if self.s.states[b.name].start <= k < self.s.states[b.name].stop)
-            text = f"the derivative of state {k - self.s.states[owner.name].start + 1} of {owner.name} is {out[k]} at t = {t:.9g}"
+            state = k - self.s.states[owner.name].start + 1
+            text = f"the derivative of state {state} of {owner.name} is {out[k]} at t = {t:.9g}"
             raise AnalysisError(text, "simulation.not-finite")
         return out
 
@@ -199,13 +200,12 @@ class _Simulation:
         """
         first, last = float(self.times[0]), float(self.times[-1])
         found: list[tuple[float, Block | None]] = [(first, None), (last, None)]
-        for b in self.s.blocks:
-            found += [(t, None) for t in b.breaks if first < t < last]
-        for b in self.sampled:
-            assert b.period is not None
-            k0 = int(np.ceil((first - b.offset) / b.period - 1e-9))
-            k1 = int(np.floor((last - b.offset) / b.period + 1e-9))
-            found += [(min(max(b.offset + k * b.period, first), last), b) for k in range(k0, k1 + 1)]
+        for block in self.s.blocks:
+            found += [(t, None) for t in block.breaks if first < t < last]
+        for block in self.sampled:
+            period, offset = block.period or 0.0, block.offset
+            k0, k1 = int(np.ceil((first - offset) / period - 1e-9)), int(np.floor((last - offset) / period + 1e-9))
+            found += [(min(max(offset + k * period, first), last), block) for k in range(k0, k1 + 1)]
         found.sort(key=lambda pair: pair[0])
         merged: list[tuple[float, list[Block]]] = []
         for t, b in found:
@@ -258,8 +258,8 @@ class _Simulation:
                     record(t, self.x)
                 break
         return Response(
-            self.times[:done], ys[:done], xs[:done], self.diagram, self.s.outputs, self.s.states, self.s.inputs, us[:done],
-            tuple(log), self.s.notes, self.statistics,
+            self.times[:done], ys[:done], xs[:done], self.diagram, self.s.outputs, self.s.states, self.s.inputs,
+            us[:done], tuple(log), self.s.notes, self.statistics,
         )  # fmt: skip
 
     solver: Any = None

@@ -47,7 +47,8 @@ def with_gain(data: TimeVarying, kp: Array, kd: Array | None = None) -> TimeVary
 def _gains(K: Array, steps: int, count: int, what: str) -> Array:
     table = np.asarray(K, float)
     if table.shape not in ((count, count), (steps, count, count)):
-        text = f"{what} has the shape {table.shape}; expected {(count, count)}, or {(steps, count, count)} with one for every step"
+        every = (steps, count, count)
+        text = f"{what} has the shape {table.shape}; expected {(count, count)}, or {every} with one for every step"
         raise UsageError(text, "simulation.gain")
     if not np.isfinite(table).all():
         raise UsageError(f"{what} has entries that are not finite", "simulation.gain")

@@ -161,5 +161,5 @@ class Spasim(Block):
     def frame(self, t: float, x: Array, u: Array) -> Frame:
         """The whole state of the mechanism for these inputs, as mode 1 gives it."""
         self._check(x, u)
-        self._solve(t, x, u)
-        return self.dynamics.complete(t, self.xdd, self.sigma, self.convective)
+        self.u, self._at, self._solved = u.copy(), None, None
+        return self.dynamics.frame(t, x)

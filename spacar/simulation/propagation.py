@@ -60,8 +60,7 @@ def simulate_ltv(
     u = disturbance(data) if u is None else np.asarray(u, float)
     if u.shape != (steps, m):
         raise UsageError(
-            f"the inputs have the shape {u.shape}, expected {(steps, m)}: one row a stored time","
-            " "simulation.size"
+            f"the inputs have the shape {u.shape}, expected {(steps, m)}: one row a stored time", "simulation.size"
         )
     if interpolation not in ("step", "linear"):
         raise UsageError(
@@ -72,10 +71,8 @@ def simulate_ltv(
     start = data.x0 if z0 is None else z0
     z = np.zeros((steps, n))
     z[0] = 0.0 if start is None else np.ravel(start)
-    if interpolation == "step":
-        maps = _stepwise(data.t, A, B, u)
-    else:
-        maps = _linear(data.t, A, B, u, substeps)
+    stepwise = interpolation == "step"
+    maps = _stepwise(data.t, A, B, u) if stepwise else _linear(data.t, A, B, u, substeps)
     with np.errstate(over="ignore", invalid="ignore"):
         for k, (P, c) in enumerate(maps):
             z[k + 1] = P @ z[k] + c

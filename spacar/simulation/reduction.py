@@ -48,7 +48,7 @@ def reduce_modes(data: TimeVarying, n_low: int, n_static: int | None = None) -> 
     Raises UsageError when the numbers do not fit or M0, C0B, K0B are not stored; AnalysisError when M0 is
     not positive definite or the stiffness of a quasi-static mode is not positive.
     """
-    M, C, K, A, B, Cy = data.need("m0", "c0b", "k0b", "A", "B", "C")
+    M, C, K, B, Cy = data.need("m0", "c0b", "k0b", "B", "C")
     steps, n = M.shape[:2]
     n_static = n - n_low if n_static is None else n_static
     if not (1 <= n_low <= n and 0 <= n_static <= n - n_low):
@@ -80,8 +80,8 @@ def reduce_modes(data: TimeVarying, n_low: int, n_static: int | None = None) -> 
     )  # fmt: skip
     rates = np.sign(values) * np.sqrt(np.abs(values))
     report = _report(data.t, rates, overlap, low, static, high)
-    groups = (tuple(int(i) for i in part) for part in (low, static, high))
-    return Reduction(system, basis, rates, *groups, report=report)
+    kept, answering, dropped = (tuple(int(i) for i in part) for part in (low, static, high))
+    return Reduction(system, basis, rates, kept, answering, dropped, report)
 
 
 def tracked_modes(t: Array, M: Array, K: Array) -> tuple[Array, Array, Array]:

@@ -33,8 +33,7 @@ class Table:
         self.values = np.asarray(values, float)
         if kind not in KINDS:
             raise UsageError(
-                f"{name}: interpolation '{kind}' does not exist; choose {', '.join(KINDS)}","
-                " "simulation.table"
+                f"{name}: interpolation '{kind}' does not exist; choose {', '.join(KINDS)}", "simulation.table"
             )
         if self.times.ndim != 1 or len(self.times) != len(self.values) or not len(self.times):
             shape = (self.times.shape, self.values.shape)
