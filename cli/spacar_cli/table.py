@@ -26,6 +26,8 @@ COMMANDS = {
     "trade": "speed against accuracy of a model, and the cheapest setting",
     "draw": "picture or animation of the mechanism at chosen steps",
     "visual": "vibration and buckling modes, constraints, stresses as pictures",
+    "plot": "time histories of results, or one quantity against another",
+    "report": "one self-contained HTML page about a run",
     "checksbf": "what is in a result file, and whether it is sound",
     "getfrsbf": "print a variable of a result file",
     "repinsbf": "replace the value of a variable",

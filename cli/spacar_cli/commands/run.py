@@ -61,6 +61,8 @@ def command_of_mode(word: str) -> click.Command:
         params.append(
             click.Option(["--setpoints"], help="Result of mode 2 to linearize along, instead of the search by name.")
         )
+    if not word.startswith("-"):
+        params.append(click.Option(["--plot"], is_flag=True, help="Show the mechanism in a window while it runs."))
     params += [
         click.Option(["--quiet", "-q"], is_flag=True, help="Print errors only."),
         click.Option(["--verbose", "-v"], is_flag=True, help="Print warnings, information and a summary."),
@@ -80,6 +82,7 @@ def run_mode(
     verbose: bool,
     as_json: bool,
     setpoints: str | None = None,
+    plot: bool = False,
     **options: Any,
 ) -> ExitStatus:
     """Run the analysis and report. Errors before the log exists are raised, others are told and logged."""
@@ -100,7 +103,11 @@ def run_mode(
         _check_timestep(run)
         if not quiet:
             tell_messages(environment, run.mechanism.deck.messages, ("warning", "information")[: 1 + verbose])
-        show = [] if quiet else [Progress(environment)]
+        show: list[Sink] = [] if quiet else [Progress(environment)]
+        if plot:
+            from spacar_cli.drawing.window import LivePlot
+
+            show.append(LivePlot())
         outcome = consume(run, [*show, *results, log])
     except (Exception, KeyboardInterrupt) as error:  # before the first step
         log.finish(error)

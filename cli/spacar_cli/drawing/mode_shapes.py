@@ -1,7 +1,7 @@
 """Vibration and buckling modes of a result: eigenvalue, vector of the degrees of freedom, and its motion in x.
 
-Vibration: eigenvectors of the state matrix of (q, dq/dt), from the `.sbm` (eigval, eigvre, eigvim), or where the analysis
-does not store them (3, 4, 9) from its matrices: with Q = C0 + D0 and K = K0 + N0 + G0
+Vibration: eigenvectors of the state matrix of (q, dq/dt), from the `.sbm` (eigval, eigvre, eigvim), or where the
+analysis does not store them (3, 4, 9) from its matrices: with Q = C0 + D0 and K = K0 + N0 + G0
 
     d(q_k)/dt = Bk0 q_k + Ak0 u,   M0 du/dt = -Q u - K q_k              (reference/files.md section 5)
 

@@ -1,8 +1,8 @@
 """Over- and under-constraints after mode 0, from the stored derivative of the deformations (theory-system.md 1.1).
 
 The part of bigd with the rows fixed, input, dynamic and the columns calculable, kinematic is made dimensionless
-(lengths by the size of the mechanism) and decomposed: left null vectors are stresses that no load explains, right null vectors
-are motions that no deformation feels. Singular values below sqrt(eps) times the largest count as zero.
+(lengths by the size of the mechanism) and decomposed: left null vectors are stresses that no load explains, right
+null vectors are motions that no deformation feels. Singular values below sqrt(eps) times the largest count as zero.
 """
 
 from __future__ import annotations

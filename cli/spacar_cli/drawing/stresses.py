@@ -7,9 +7,9 @@ Qy = (Mz_p - Mz_q)/l0, Qz = (My_q - My_p)/l0. Planar beams: e2, e3 have the oppo
 Q of (5), which is exact at the ends. Spatial beams: first order terms only.
 
 Stresses at the points of a cross-section: sigma_x = N/A - Mz y/Iz + My z/Iy; shear of the torque (circle T r/J,
-rectangle by Saint-Venant's series, hollow rectangle by Bredt) and of the shear forces (parabola with the peak 3/2 Q/A of a
-rectangle, 4/3 Q/A of a circle; mean value over the walls that carry them, Q/A times 2, for hollow sections);
-von Mises sqrt(sigma_x^2 + 3 tau^2). Points: a grid over the section, its outline included.
+rectangle by Saint-Venant's series, hollow rectangle by Bredt) and of the shear forces (parabola with the peak 3/2 Q/A
+of a rectangle, 4/3 Q/A of a circle; mean value over the walls that carry them, Q/A times 2, for hollow sections); von
+Mises sqrt(sigma_x^2 + 3 tau^2). Points: a grid over the section, its outline included.
 """
 
 from __future__ import annotations

@@ -43,6 +43,12 @@ def open_window(title: str) -> Any:
     return figure
 
 
+def _on_screen() -> bool:
+    import matplotlib.pyplot as plt
+
+    return plt.get_backend().lower() != "agg"
+
+
 def slider_window(
     pictures: Pictures,
     count: int,
@@ -114,9 +120,10 @@ def slider_window(
     timer = figure.canvas.new_timer(interval=int(1000 / fps))
     timer.add_callback(tick)
     timer.start()
+    figure.canvas.mpl_connect("close_event", lambda _: timer.stop())
     figure._spacar = (slider, button, timer)  # keep the widgets alive as long as the window
     refresh()
-    if block:
+    if block and _on_screen():
         plt.show()
     return figure
 
@@ -132,6 +139,7 @@ class LivePlot:
         self._figure = open_window("spacar")
         self._aborted = False
         self._last = 0.0
+        self._latest: Frame | None = None
         self._bounds: tuple[Array, Array] | None = None
 
     def start(self, run: Run) -> None:
@@ -152,6 +160,10 @@ class LivePlot:
         self._button.on_clicked(self._abort)
         self._figure.canvas.mpl_connect("close_event", self._abort)
         self._moving: Moving | None = None
+        if _on_screen():
+            import matplotlib.pyplot as plt
+
+            plt.show(block=False)
 
     def _abort(self, _: object) -> None:
         self._aborted = True
@@ -159,16 +171,14 @@ class LivePlot:
     def frame(self, frame: Frame) -> None:
         if self._aborted:
             raise KeyboardInterrupt
+        self._latest = frame
         now = time.monotonic()
         if self._moving is not None and now - self._last < LIVE_INTERVAL:
             return
         self._last = now
         self._draw(frame)
-        self._figure.canvas.draw_idle()
-        self._figure.canvas.flush_events()
-        if not self._figure.canvas.manager or self._moving is None:
-            return
-        self._figure.show()
+        self._figure.canvas.draw()
+        self._figure.canvas.flush_events()  # the Abort button is heard here
         if self._aborted:
             raise KeyboardInterrupt
 
@@ -202,8 +212,10 @@ class LivePlot:
         """Leave the last picture on the screen until the user closes it, except after an abort."""
         import matplotlib.pyplot as plt
 
-        if error is None and not self._aborted and plt.get_backend().lower() != "agg":
+        if error is None and not self._aborted and _on_screen():
             self._button.label.set_text("done")
+            if self._latest is not None:
+                self._draw(self._latest)
             plt.show()
         plt.close(self._figure)
 
@@ -218,4 +230,5 @@ def still_window(figure: Any) -> None:
     figure.set_canvas(shown.canvas)
     if manager is not None:
         manager.resize(*(int(v) for v in figure.get_size_inches() * figure.dpi))
-    plt.show()
+    if _on_screen():
+        plt.show()
