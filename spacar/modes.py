@@ -65,7 +65,19 @@ class Run:
     def __iter__(self) -> Iterator[Frame]:
         module, _, name = self.mode.analysis.partition(":")
         analysis: Callable[[Run], Iterator[Frame]] = getattr(import_module(module), name)
-        return analysis(self)
+        return _without_warnings(analysis(self))
+
+
+def _without_warnings(frames: Iterator[Frame]) -> Iterator[Frame]:
+    """The frames, without NumPy's warnings: what is infinite or undefined is found where it matters, and named."""
+    import numpy as np
+
+    while True:
+        with np.errstate(all="ignore"):
+            frame = next(frames, None)
+        if frame is None:
+            return
+        yield frame
 
 
 def find_mode(number: int) -> Mode:

@@ -18,6 +18,7 @@ from spacar.errors import AnalysisError
 from spacar.frame import Frame
 from spacar.integrators import METHODS, integrate
 from spacar.kinematics.output import TransferOutput
+from spacar.kinematics.regularity import HalfTurns
 from spacar.mechanism.mechanism import Array
 from spacar.modes import Run
 
@@ -43,6 +44,9 @@ def states(run: Run) -> Iterator[tuple[Dynamics, float, Array, dict[str, int]]]:
     dynamics = Dynamics(run.mechanism)
     y = dynamics.start()
     run.header["condition"] = dynamics.kinematics.condition()
+    half_turns = HalfTurns(dynamics.kinematics)
+    if half_turns.nodes:
+        dynamics.accepted = half_turns.check
     times = output_times(run)
     run.n_frames = len(times)
     if not run.mechanism.numbering.nkddof or len(times) == 1:
@@ -55,6 +59,10 @@ def states(run: Run) -> Iterator[tuple[Dynamics, float, Array, dict[str, int]]]:
     atol, rtol = local * settings.atol, local * settings.rtol
     exact = dynamics.kinematics.converged
     dynamics.kinematics.converged = max(exact, POSITION * min(atol, rtol)) if method.variable_step else exact
+    # Outputs are interpolated inside steps that may have passed a dead point: they follow their own path from the last
+    # one, not back from the end of the step.
+    shown = Dynamics(run.mechanism)
+    shown.kinematics.start_from(dynamics.kinematics)
     for out in integrate(
         dynamics, y, times, settings.integrator, atol, rtol, settings.step, breaks=dynamics.drive.breaks
     ):
@@ -62,7 +70,7 @@ def states(run: Run) -> Iterator[tuple[Dynamics, float, Array, dict[str, int]]]:
             "steps": out.n_steps, "rhs": out.n_rhs, "jacobians": out.n_jacobian,
             "rejected": out.n_rejected, "iterations": out.newton_iterations,
         }  # fmt: skip
-        yield dynamics, float(out.t), out.y, statistics
+        yield shown, float(out.t), out.y, statistics
 
 
 def output_times(run: Run) -> Array:

@@ -7,6 +7,8 @@ velocity, element sweeps for H(xd,xd), M, h and sigma, one solve of the saddle-p
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from spacar.dynamics.forces import AppliedForces, StressLaw
@@ -44,6 +46,7 @@ class Dynamics:
         self.kind = kind
         self.xd, self.ed = np.zeros(n.nx), np.zeros(n.ne)
         self.evaluations = 0
+        self.accepted: Callable[[float, Array], None] | None = None  # called by the integrators after each step
         self._convected = np.zeros(n.nx)  # h minus gravity on moving families at the last accelerated state
         self._last: tuple[float, Array, Array, Array] | None = None  # t, x, xd, xdd of the last accelerated state
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from spacar.errors import AnalysisError, Report
 from spacar.frame import Frame
+from spacar.kinematics.regularity import Regularity
 from spacar.mechanism.mechanism import Array
 
 if TYPE_CHECKING:
@@ -32,9 +33,11 @@ class Limits:
         self.compression = np.zeros(len(wheels))
         self.report = report
         self.warned: set[int] = set()
+        self.regularity = Regularity(dynamics.kinematics, report)
 
     def check(self, dynamics: Dynamics, frame: Frame) -> None:
         """Raises AnalysisError 'element.range' or 'element.lift-off' with element, time and advice."""
+        self.regularity.check(frame.t)
         sweep = dynamics.sweep
         for batch in sweep.strained:
             e, sigma = frame.e[batch.e], frame.sig[batch.e]

@@ -67,15 +67,20 @@ class Diagnosis:
         return lines
 
 
-def scaled_difference_matrix(mechanism: Mechanism, V: Array) -> Array:
-    """V (ne, nx) with dimensionless rows and columns."""
+def deformation_scale(mechanism: Mechanism) -> Array:
+    """(ne,) `length` for deformations in metres, 1 for the others."""
     numbering = mechanism.numbering
-    row_scale = np.ones(numbering.ne)
+    scale = np.ones(numbering.ne)
     for element, keyword, _ in numbering.elements:
         for mode, (_, unit) in enumerate(ELEMENT_TYPES[keyword].modes, 1):
             if unit == "m":
-                row_scale[numbering.e_index(element, mode)] = mechanism.length
-    return V * mechanism.scale / row_scale[:, None]
+                scale[numbering.e_index(element, mode)] = mechanism.length
+    return scale
+
+
+def scaled_difference_matrix(mechanism: Mechanism, V: Array) -> Array:
+    """V (ne, nx) with dimensionless rows and columns."""
+    return V * mechanism.scale / deformation_scale(mechanism)[:, None]
 
 
 def diagnose(mechanism: Mechanism, V: Array) -> Diagnosis:

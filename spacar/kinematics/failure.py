@@ -11,6 +11,9 @@ from spacar.kinematics.diagnosis import Diagnosis, diagnose, scaled_difference_m
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Array
 
+SHORTENING = ("PLTRUSS", "TRUSS", "PLBEAM", "BEAM", "PLTUBE", "TUBE")  # mode 1 is the change of their length
+SHORT = 1e-6
+
 if TYPE_CHECKING:
     from spacar.kinematics.kinematics import Kinematics
 
@@ -50,6 +53,9 @@ def position_failure(
 ) -> AnalysisError:
     """Newton's iteration did not converge."""
     numbering = kinematics.numbering
+    collapsed = collapse(kinematics)
+    if collapsed:
+        return AnalysisError(collapsed, "element.range", iterations=iteration, history=history)
     values = np.where(np.isfinite(residual), np.abs(residual), np.inf)
     worst = int(kinematics.h[int(np.argmax(values))]) if len(values) else 0
     D = scaled_difference_matrix(kinematics.mechanism, kinematics.sweep.gradient())[np.ix_(kinematics.h, kinematics.c)]
@@ -67,6 +73,35 @@ def position_failure(
         " try a smaller step, other degrees of freedom, or start values that can be reached"
     )
     return AnalysisError(text, "position.no-convergence", iterations=iteration, history=history)
+
+
+def collapse(kinematics: Kinematics) -> str:
+    """Which element has no length left: one that is asked to be shorter than nothing, or whose deformations are no
+    numbers at the last iterate. Empty when there is none."""
+    sweep = kinematics.sweep
+    for batch in sweep.strained:
+        family = batch.family
+        if family.keyword in SHORTENING:
+            wanted = sweep.near[batch.e[0]] + family.length
+            asked = np.isin(batch.e[0], kinematics.h) & (wanted <= SHORT * family.length)
+            for k in np.flatnonzero(asked):
+                return _collapsed(family.keyword, int(family.numbers[k]), wanted[k], family.length[k])
+        undefined = ~np.isfinite(sweep.e[batch.e]).all(axis=0)
+        for k in np.flatnonzero(undefined):
+            if family.keyword == "normalization":
+                continue
+            return (
+                f"element {family.numbers[k]} ({family.keyword}) has collapsed: its end nodes have met and its"
+                " deformations are undefined; limit the motion, or release the element (RLSE)"
+            )
+    return ""
+
+
+def _collapsed(keyword: str, number: int, wanted: float, length: float) -> str:
+    return (
+        f"element {number} ({keyword}) has collapsed: its length would have to be {wanted:.3g} m, undeformed"
+        f" {length:.3g} m; limit the motion of its ends or its prescribed elongation"
+    )
 
 
 def _candidates(diagnosis: Diagnosis) -> str:

@@ -139,5 +139,5 @@ def test_a_chain_of_two_cardan_joints_is_homokinetic() -> None:
     np.testing.assert_allclose(r.element(6, 1), r.element(1, 1), atol=1e-12)
     np.testing.assert_allclose(r.element(6, 1, "edd"), 0.0, atol=1e-9)
     # (accelerations are of size (2 pi)^2 = 39, and V belongs to an iterate that is at most 1e-11 away)
-    exact = np.unwrap(np.arctan2(np.sin(r.element(1, 1)), np.cos(a) * np.cos(r.element(1, 1))))
+    exact = np.unwrap(np.arctan2(np.cos(a) * np.sin(r.element(1, 1)), np.cos(r.element(1, 1))))
     np.testing.assert_allclose(r.element(8, 1), exact, atol=1e-12)

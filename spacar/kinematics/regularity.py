@@ -1,0 +1,108 @@
+"""Is the configuration determined by its degrees of freedom? Asked at stored steps only.
+
+At a dead point the position may still solve D(x) = e to rounding, but velocities and reactions are not determined:
+numbers would come out, of any size. There the position itself is known to the square root of the rounding only, so the
+limit on the reciprocal condition of the scaled matrix V[E, U] is the one of the diagnosis, sqrt(eps). Euler parameters
+as dynamic coordinates end at a rotation of 180 degrees.
+
+A dynamic degree of freedom that passes a singular position between two stored steps shows in the sign of the
+determinant. The integration may have gone through it, but its accuracy is lost there, so this is reported too (for
+systems in dense storage, where the determinant costs nothing).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from spacar.errors import AnalysisError, Report
+from spacar.kinematics.diagnosis import ZERO, deformation_scale, scaled_difference_matrix
+from spacar.linear_systems.condition import reciprocal_condition
+from spacar.linear_systems.dense import DenseSystem
+from spacar.mechanism.mechanism import Array
+
+if TYPE_CHECKING:
+    from spacar.kinematics.kinematics import Kinematics
+
+HALF_TURN = 0.02  # smallest |lambda0| of a node whose lambda1..3 are dynamic: 177.7 degrees
+
+
+class Regularity:
+    """Checks one evaluator at its present configuration."""
+
+    def __init__(self, kinematics: Kinematics, report: Report) -> None:
+        self.kinematics = k = kinematics
+        self.report = report
+        self.last: tuple[float, float] | None = None  # time, sign of the determinant
+        n = k.numbering
+        self.rows = 1.0 / deformation_scale(k.mechanism)[k.E]
+        self.columns = k.scale[k.U]
+        row_of, column_of = np.full(n.ne, -1), np.full(n.nx, -1)
+        row_of[k.E], column_of[k.U] = np.arange(len(k.E)), np.arange(len(k.U))
+        r, c = row_of[k.sweep.v_rows], column_of[k.sweep.v_columns]
+        self.take = np.flatnonzero((r >= 0) & (c >= 0))
+        self.column = c[self.take]
+        self.weight = self.rows[r[self.take]] * self.columns[self.column]
+
+    def check(self, t: float) -> None:
+        """Raises AnalysisError 'position.singular' that names the motion which is not determined."""
+        k = self.kinematics
+        if not len(k.U):
+            return
+        entries = np.abs(k.sweep.entries[self.take] * self.weight)
+        norm = float(np.bincount(self.column, entries, len(k.U)).max())
+        rcond = reciprocal_condition(k.velocity_system, norm, self.rows, self.columns)
+        if rcond > ZERO:
+            self._passage(t)
+            return
+        raise AnalysisError(
+            f"singular position at t = {t:.9g}: the degrees of freedom do not determine the motion of {self._motion()}"
+            f" (reciprocal condition {rcond:.2g}); a dead point: choose other degrees of freedom, or output times that"
+            " do not fall on it",
+            "position.singular",
+            rcond=rcond,
+        )
+
+    def _passage(self, t: float) -> None:
+        system = self.kinematics.velocity_system
+        if not self.kinematics.numbering.nddof or not isinstance(system, DenseSystem):
+            return
+        sign = float(np.linalg.slogdet(system.A)[0])
+        if self.last is not None and sign != self.last[1]:
+            self.report.add(
+                f"warning: between t = {self.last[0]:.9g} and {t:.9g} the degrees of freedom passed a singular position"
+                " (dead point); the accuracy of the integration is lost there: choose other degrees of freedom"
+            )
+        self.last = t, sign
+
+    def _motion(self) -> str:
+        k = self.kinematics
+        D = scaled_difference_matrix(k.mechanism, k.sweep.gradient())[np.ix_(k.E, k.U)]
+        motion = np.abs(np.linalg.svd(D)[2][-1]).round(9)
+        order = np.argsort(-motion, kind="stable")[:3]
+        return ", ".join(k.numbering.x_name(int(k.U[i])) for i in order if motion[i] > 0.1)
+
+
+class HalfTurns:
+    """Watches the nodes whose lambda1, lambda2 or lambda3 is a dynamic coordinate, at every accepted step."""
+
+    def __init__(self, kinematics: Kinematics) -> None:
+        self.kinematics = kinematics
+        n = kinematics.numbering
+        nodes: set[int] = set()
+        if not n.planar:
+            owners = (n.x_owner(i) for i in range(n.x_class["dynamic"].start, n.x_class["dynamic"].stop))
+            nodes = {node for node, _ in owners if n.kind[node] == "orientation"}
+        self.nodes = sorted(nodes)
+        self.lambda0 = np.array([n.x_index(node, 1) for node in self.nodes], np.int64)
+
+    def check(self, t: float, y: Array) -> None:
+        """Raises AnalysisError 'position.singular'; `y` is not used, it belongs to the hook of the integrators."""
+        near = np.flatnonzero(np.abs(self.kinematics.x[self.lambda0]) < HALF_TURN)
+        if len(near):
+            raise AnalysisError(
+                f"singular position at t = {t:.9g}: the rotation of node {self.nodes[near[0]]} has reached 180 degrees,"
+                " where lambda1, lambda2, lambda3 (DYNX) are no coordinates; describe it by HINGE elements (DYNE)",
+                "position.singular",
+            )

@@ -1,0 +1,145 @@
+"""Dead centres, parallelograms, collapsed elements: pass through, or stop with a message that says where and why."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+import pytest
+
+import spacar
+from spacar import Deck
+from spacar.errors import AnalysisError
+
+PARALLELOGRAM = [
+    ("PLRBEAM", 1, 1, 2, 3), ("PLRBEAM", 2, 4, 5, 6), ("PLRBEAM", 3, 3, 7, 6),
+    ("X", 3, 0.0, 1.0), ("X", 4, 2.0, 0.0), ("X", 6, 2.0, 1.0), ("FIX", 1), ("FIX", 4),
+]  # fmt: skip
+R, L = 0.15, 0.35
+START = float(np.sqrt(L**2 - R**2))  # slider with the crank upright
+SLIDER = [
+    ("PLRBEAM", 1, 1, 2, 3), ("PLRBEAM", 2, 3, 4, 5), ("X", 3, 0.0, R), ("X", 5, START, 0.0), ("FIX", 1), ("FIX", 5, 2),
+]  # fmt: skip
+
+
+def failure(rows: list[tuple], dynamics: list[tuple], mode: int = 1) -> tuple[AnalysisError, int]:
+    """The error and the number of frames before it; NumPy must not warn."""
+    count = 0
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        try:
+            for _ in spacar.frames(mode, Deck.build(rows, dynamics)):
+                count += 1
+        except AnalysisError as error:
+            assert "\n" not in str(error)
+            return error, count
+    raise AssertionError("no failure")
+
+
+def test_a_driven_parallelogram_passes_its_dead_points() -> None:
+    """Output times straddle the dead points: the cranks stay parallel over three turns."""
+    dynamics = [("INPUTX", 2, 1, 0.0, 1.0, 0.0), ("TIMESTEP", 20.0, 200)]
+    r = spacar.run(1, Deck.build([*PARALLELOGRAM, ("INPUTX", 2)], dynamics))
+    np.testing.assert_allclose(r.node(5, 1), r.node(2, 1), atol=1e-9)
+    np.testing.assert_allclose(r.node(7, 1), 0.0, atol=1e-9)
+
+
+def test_a_free_parallelogram_passes_its_dead_points_with_a_warning() -> None:
+    """Masses on both cranks: it turns with constant rate; the passage is reported because accuracy may suffer."""
+    dynamics = [("XM", 2, 1.0), ("XM", 5, 1.0), ("STARTDX", 2, 1, 0.0, 1.0), ("TIMESTEP", 2.0, 20)]
+    r = spacar.run(1, Deck.build([*PARALLELOGRAM, ("DYNX", 2)], dynamics))
+    np.testing.assert_allclose(r.node(2, 1), r.t, atol=1e-6)
+    np.testing.assert_allclose(r.node(5, 1), r.node(2, 1), atol=1e-6)
+    assert any("passed a singular position" in line and "t = 1.5 and 1.6" in line for line in r.report)
+
+
+def test_an_output_time_at_a_dead_point_is_refused() -> None:
+    """The velocities of rod and follower are not determined there; anything could be stored."""
+    error, frames = failure(
+        [*PARALLELOGRAM, ("INPUTX", 2)], [("INPUTX", 2, 1, 0.0, np.pi / 2, 0.0), ("TIMESTEP", 4.0, 40)]
+    )
+    assert error.code == "position.singular"
+    assert frames == 10
+    for words in ("t = 1:", "node 5 phi", "node 7 phi", "dead point", "other degrees of freedom"):
+        assert words in str(error)
+
+
+def test_a_slider_that_is_driven_past_its_dead_centre() -> None:
+    """The crank cannot follow beyond x = R + L = 0.5, reached at t = 1.84."""
+    error, frames = failure([*SLIDER, ("INPUTX", 5, 1)], [("INPUTX", 5, 1, START, 0.1, 0.0), ("TIMESTEP", 3.0, 30)])
+    assert error.code == "position.no-convergence"
+    assert frames == 19  # up to t = 1.8
+    for words in (
+        "t = 1.9",
+        "node 2 phi",
+        "smallest singular value",
+        "other degrees of freedom",
+        "iterations",
+        "residual",
+    ):
+        assert words in str(error)
+
+
+def test_a_free_slider_at_its_dead_centre_stops_or_warns() -> None:
+    """The slider is no coordinate at the dead centre, t = 2.2924 from the energy integral: never silently."""
+    dynamics = [("XM", 5, 1.0), ("XM", 2, 0.1), ("STARTDX", 5, 1, START, 0.1), ("TIMESTEP", 3.0, 30)]
+    rows = [*SLIDER, ("DYNX", 5, 1)]
+    for tolerance in (1e-4, 1e-6, 1e-8, 1e-10, 1e-12):
+        run = spacar.frames(1, Deck.build(rows, [*dynamics, ("ERROR", tolerance, tolerance)]))
+        try:
+            for _ in run:
+                pass
+        except AnalysisError as error:
+            assert "t = 2.29" in str(error)
+            assert "singular position" in str(error)
+        else:
+            assert any("between t = 2.2 and 2.3" in line and "dead point" in line for line in run.report.lines)
+
+
+def test_euler_parameters_as_coordinates_end_at_half_a_turn() -> None:
+    rows = [("HINGE", 1, 1, 2, 0.0, 0.0, 1.0), ("FIX", 1), ("RLSE", 1, 1), ("DYNX", 2, 4)]
+    dynamics = [("XM", 2, 1.0, 0.0, 0.0, 1.0, 0.0, 1.0), ("STARTDX", 2, 4, 0.0, 1.0), ("TIMESTEP", 4.0, 4)]
+    error, _ = failure(rows, dynamics)
+    assert error.code == "position.singular"
+    for words in ("node 2", "180 degrees", "HINGE", "t = 1.5"):
+        assert words in str(error)
+
+
+def test_start_values_that_cannot_be_reached() -> None:
+    error, frames = failure([*SLIDER, ("INPUTX", 5, 1)], [("INPUTX", 5, 1, 0.6, 0.1, 0.0), ("TIMESTEP", 3.0, 30)])
+    assert error.code == "position.no-convergence"
+    assert frames == 0
+    assert "start values that can be reached" in str(error)
+
+
+@pytest.mark.parametrize(
+    ("rows", "mass"),
+    [
+        ([("PLTRUSS", 1, 1, 2), ("X", 2, 1.0), ("FIX", 1), ("FIX", 2, 2)], 2),
+        ([("TRUSS", 1, 1, 2), ("X", 2, 1.0), ("FIX", 1), ("FIX", 2, 2, 3)], 2),
+        ([("PLBEAM", 1, 1, 2, 3, 4), ("X", 3, 1.0), ("FIX", 1), ("FIX", 2)], 3),
+        ([("BEAM", 1, 1, 2, 3, 4), ("X", 3, 1.0), ("FIX", 1), ("FIX", 2)], 3),
+    ],
+    ids=["PLTRUSS", "TRUSS", "PLBEAM", "BEAM"],
+)
+@pytest.mark.parametrize("driven", [True, False])
+def test_an_element_that_is_shortened_to_nothing(rows: list[tuple], mass: int, driven: bool) -> None:
+    """1 m with -0.5 m/s: gone at t = 2, prescribed or free."""
+    if driven:
+        more, dynamics = [("INPUTE", 1, 1)], [("INPUTE", 1, 1, 0.0, -0.5, 0.0)]
+    else:
+        more, dynamics = [("DYNE", 1, 1)], [("XM", mass, 1.0), ("STARTDE", 1, 1, 0.0, -0.5)]
+    error, frames = failure([*rows, *more], [*dynamics, ("TIMESTEP", 4.0, 8)])
+    assert error.code == "element.range"
+    assert frames == 4
+    for words in ("element 1", rows[0][0], "collapsed", "undeformed 1 m", "t = 2"):
+        assert words in str(error)
+
+
+def test_nodes_that_meet() -> None:
+    """A spring without stiffness between a fixed node and a mass that flies through it."""
+    rows = [("PLTRUSS", 1, 1, 2), ("X", 2, 1.0), ("FIX", 1), ("DYNX", 2), ("RLSE", 1)]
+    dynamics = [("XM", 2, 1.0), ("STARTDX", 2, 1, 1.0, -0.5), ("TIMESTEP", 4.0, 8)]
+    error, _ = failure(rows, dynamics)
+    assert "element 1 (PLTRUSS)" in str(error)
+    assert "t = 2" in str(error)
