@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,12 +14,16 @@ from spacar.frame import Frame
 from spacar.kinematics.output import TransferOutput
 from spacar.linear.buckling import buckling_modes, directional_compliances
 from spacar.linear.eigen import vibration_modes
+from spacar.linear.lowest import WANTED, lowest_buckling, lowest_vibration, sparse_compliances
 from spacar.linear.matrices import Linearization, linearize
 from spacar.linear.signals import linearization_signals
 from spacar.linear.state_space import Signal, chosen_rows, state_space
 from spacar.mechanism.mechanism import Array
 from spacar.modes import Run
 from spacar.stationary import StationarySolver, load_program
+from spacar.stationary.equilibrium import Equilibrium
+from spacar.stationary.newton import LARGE
+from spacar.stationary.tangent import SparseTangent
 
 
 def forward(run: Run) -> Iterator[Frame]:
@@ -39,67 +44,90 @@ def forward(run: Run) -> Iterator[Frame]:
 
 def eigenvalues(run: Run) -> Iterator[Frame]:
     """Mode 7: stationary solution, eigenvalues and eigenvectors."""
-    for frame, L, dynamics in stationary(run):
-        _store_vibration(run, frame, L, dynamics)
-        yield frame
+    for solution in stationary(run):
+        _store_vibration(run, solution)
+        yield solution.frame
 
 
 def buckling(run: Run) -> Iterator[Frame]:
     """Mode 8: stationary solution, load multipliers, buckling modes, directional compliances."""
-    for frame, L, dynamics in stationary(run):
-        _store_buckling(run, frame, L, dynamics)
-        yield frame
+    for solution in stationary(run):
+        _store_buckling(run, solution)
+        yield solution.frame
 
 
 def vibration_and_buckling(run: Run) -> Iterator[Frame]:
     """Mode 10: modes 7 and 8 at every stored load step."""
-    for frame, L, dynamics in stationary(run):
-        _store_vibration(run, frame, L, dynamics)
-        _store_buckling(run, frame, L, dynamics)
-        yield frame
+    for solution in stationary(run):
+        _store_vibration(run, solution)
+        _store_buckling(run, solution)
+        yield solution.frame
 
 
 def state_space_matrices(run: Run) -> Iterator[Frame]:
     """Mode 9: stationary solution, state space matrices."""
     inputs, outputs = _announce(run)
-    for frame, L, dynamics in stationary(run):
-        _store_state_space(frame, L, dynamics, inputs, outputs)
-        yield frame
+    for solution in stationary(run, reducible=False):
+        assert solution.L is not None
+        _store_state_space(solution.frame, solution.L, solution.dynamics, inputs, outputs)
+        yield solution.frame
 
 
-def stationary(run: Run) -> Iterator[tuple[Frame, Linearization, Dynamics]]:
-    """The stored stationary solutions with their linearization."""
+@dataclass(frozen=True)
+class Solution:
+    """A stored stationary solution with its linearization L, or for large systems the sparse tangent instead."""
+
+    frame: Frame
+    dynamics: Dynamics
+    L: Linearization | None
+    tangent: SparseTangent | None
+
+
+def stationary(run: Run, reducible: bool = True) -> Iterator[Solution]:
+    """The stored stationary solutions. `reducible`: large systems at rest get no dense matrices unless OUTLEVEL asks."""
     mechanism, settings = run.mechanism, run.mechanism.settings
-    output = TransferOutput(run)
+    n = mechanism.numbering
     program = load_program(settings)
     run.n_frames = sum(level.store for level in program)
     solver = StationarySolver(mechanism, run.report)
+    reduced = reducible and solver.sparse and n.nddof > LARGE and settings.sbd_level is None
+    if reduced:
+        run.report.add(
+            f"{n.nddof} dynamic degrees of freedom (more than {LARGE}): only the {WANTED} lowest modes, no matrices and no"
+            " transfer functions are computed; OUTLEVEL 0 1 asks for all of them"
+        )
+    output = TransferOutput(run)
     limits: Limits | None = None
-    stored = 0
+    stored = iterations = 0
     for level in program:
         solver.solve(level)
+        dynamics, state = solver.dynamics, solver.solution.state
+        iterations += solver.solution.iterations
         if "condition" not in run.header:
-            run.header["condition"] = solver.dynamics.kinematics.condition()
+            run.header["condition"] = dynamics.kinematics.condition()
         if not level.store:
             continue
-        dynamics = solver.dynamics
         limits = limits or Limits(dynamics, run.report)
         convected = dynamics.forces.inertia(dynamics.sweep, dynamics.xd)
-        stress = _stored_stress(dynamics, solver)
-        frame = dynamics.complete(float(stored), solver.xdd, stress, solver.convective, convected)
+        frame = dynamics.complete(float(stored), state.xdd, _stored_stress(dynamics, state), state.convective, convected)
         limits.check(dynamics, frame)
-        frame.statistics = {"iterations": solver.iterations, "residual": solver.history[-1]}
-        L = linearize(dynamics, solver.xdd, solver.sigma)
+        frame.statistics = {"iterations": iterations, "residual": state.norm}
+        stored, iterations = stored + 1, 0
+        if reduced:
+            tangent = solver.sparse_tangent()
+            tangent.sigma = state.full
+            yield Solution(frame, dynamics, None, tangent)
+            continue
+        L = linearize(dynamics, state.xdd, state.sigma)
         _store_matrices(frame, L, dynamics)
-        stored += 1
-        yield output.add(frame, dynamics.kinematics), L, dynamics
+        yield Solution(output.add(frame, dynamics.kinematics), dynamics, L, None)
 
 
-def _stored_stress(dynamics: Dynamics, solver: StationarySolver) -> Array:
+def _stored_stress(dynamics: Dynamics, state: Equilibrium) -> Array:
     """Constitutive values for the free rows, multipliers for fixed and prescribed ones."""
-    sigma = solver.sigma.copy()
+    sigma = state.sigma.copy()
     constrained = dynamics.numbering.e_class["input"].stop
-    sigma[:constrained] = solver.full_sigma[:constrained]
+    sigma[:constrained] = state.full[:constrained]
     return sigma
 
 
@@ -115,23 +143,35 @@ def _store_matrices(frame: Frame, L: Linearization, dynamics: Dynamics) -> None:
     frame.matrices["bk0"] = L.bk0[np.ix_(s, s)]
 
 
-def _store_vibration(run: Run, frame: Frame, L: Linearization, dynamics: Dynamics) -> None:
-    q, s = chosen_rows(L, dynamics)
-    if not len(q):
+def _store_vibration(run: Run, solution: Solution) -> None:
+    if not run.mechanism.numbering.nddof:
         run.report.add("no dynamic degrees of freedom: there are no eigenvalues")
         return
-    modes = vibration_modes(L, q, s)
-    frame.matrices["eigval"] = np.column_stack((modes.values.real, modes.values.imag))
-    frame.matrices["eigvre"], frame.matrices["eigvim"] = modes.vectors.real, modes.vectors.imag
+    if solution.tangent is not None:
+        modes = lowest_vibration(solution.tangent)
+    else:
+        assert solution.L is not None
+        modes = vibration_modes(solution.L, *chosen_rows(solution.L, solution.dynamics))
+    store = solution.frame.matrices
+    store["eigval"] = np.column_stack((modes.values.real, modes.values.imag))
+    store["eigvre"], store["eigvim"] = modes.vectors.real, modes.vectors.imag
 
 
-def _store_buckling(run: Run, frame: Frame, L: Linearization, dynamics: Dynamics) -> None:
-    q, _ = chosen_rows(L, dynamics)
-    frame.xcompl = directional_compliances(L, q, run.report)
-    if not len(q):
+def _store_buckling(run: Run, solution: Solution) -> None:
+    frame, dynamic = solution.frame, run.mechanism.numbering.dynamic
+    if not len(dynamic):
+        frame.xcompl = np.zeros(run.mechanism.numbering.nx)
         run.report.add("no dynamic degrees of freedom: there are no load multipliers")
         return
-    modes = buckling_modes(L.k0[np.ix_(q, q)], L.g0[np.ix_(q, q)], run.report)
+    if solution.tangent is not None:
+        frame.xcompl = sparse_compliances(solution.tangent)
+        modes = lowest_buckling(solution.tangent)
+    else:
+        L = solution.L
+        assert L is not None
+        frame.xcompl = directional_compliances(L, dynamic, run.report)
+        block = np.ix_(dynamic, dynamic)
+        modes = buckling_modes(L.k0[block], L.g0[block], run.report)
     frame.matrices["lmult"], frame.matrices["bmode"] = modes.multipliers, modes.modes
 
 

@@ -6,7 +6,7 @@ lambda = +-i omega, or +-sqrt(-omega^2) for an unstable mode. Eigenvectors are t
 Euclidean norm 1, with a real largest position component. Order: decreasing modulus, conjugates together, positive
 imaginary part first.
 
-Every returned pair is checked: |A z - lambda z| <= 1e-8 (|A| + |lambda|) |z|, else AnalysisError.
+Every returned pair is checked (`residuals`, limit 1e-8), else AnalysisError.
 """
 
 from __future__ import annotations
@@ -24,6 +24,8 @@ from spacar.mechanism.mechanism import Array, Index
 Complex = NDArray[np.complex128]
 SYMMETRIC = 1e-9  # relative asymmetry below which a matrix counts as symmetric (rounding of assembled sums)
 RESIDUAL = 1e-8
+POLISHED = 1e-4  # modes with omega^2 below this fraction of the largest are improved
+ROUNDING = 1e-12  # omega^2 below this fraction of the largest may be rigid motions
 
 
 @dataclass(frozen=True)
@@ -37,16 +39,46 @@ class Modes:
     @property
     def zero(self) -> NDArray[np.bool_]:
         """Eigenvalues that are zero to working precision: below sqrt(eps) times the largest."""
-        largest = float(np.max(np.abs(self.values), initial=0.0))
-        return np.abs(self.values) <= np.sqrt(np.finfo(float).eps) * largest
+        return is_zero(self.values)
+
+
+def is_zero(values: Complex) -> NDArray[np.bool_]:
+    """Below sqrt(eps) times the largest modulus: a multiple zero eigenvalue cannot be computed more accurately."""
+    largest = float(np.max(np.abs(values), initial=0.0))
+    return np.asarray(np.abs(values) <= np.sqrt(np.finfo(float).eps) * largest)
 
 
 def vibration_modes(L: Linearization, q: Index, s: Index) -> Modes:
     """All eigenvalues and eigenvectors about the linearization point for the rows q, s (see chosen_rows)."""
     M, C, K = L.m0[np.ix_(q, q)], L.damping[np.ix_(q, q)], L.stiffness[np.ix_(q, s)]
-    if len(q) == len(s) and is_symmetric(K) and is_symmetric(M) and not _matters(C, M, K):
-        return undamped_modes(K, M)
-    A = state_matrix(L, q, s)
+    if len(q) == len(s) and is_symmetric(K) and is_symmetric(M):
+        return damped_modes(K, C, M) if _matters(C, M, K) else undamped_modes(K, M)
+    values, vectors = _eig(state_matrix(L, q, s))
+    return arranged(values, vectors, len(s))
+
+
+def damped_modes(K: Array, C: Array, M: Array) -> Modes:
+    """Modes of M qdd + C qd + K q = 0, K symmetric, in the coordinates of the undamped modes.
+
+    With q = Phi p, Phi^T M Phi = 1, Phi^T K Phi = Omega^2 the state (w p, pd), w = |Omega| (1 where Omega = 0), has the graded
+    matrix [0 w; -Omega^2/w -Phi^T C Phi], from the highest to the lowest mode: low modes keep their relative accuracy.
+    """
+    squares, Phi = polished(K, M, *symmetric_pencil(K, M))
+    order = np.argsort(-np.abs(squares), kind="stable")
+    squares, Phi = squares[order], Phi[:, order]
+    w = np.sqrt(np.abs(squares))
+    w = np.where(w > np.sqrt(ROUNDING) * w.max(initial=0.0), w, w[w > 0.0].min(initial=1.0))
+    n = len(K)
+    A = np.zeros((2 * n, 2 * n))
+    pairs = np.arange(n)
+    A[2 * pairs, 2 * pairs + 1], A[2 * pairs + 1, 2 * pairs] = w, -squares / w
+    A[1::2, 1::2] = -Phi.T @ C @ Phi
+    values, z = _eig(A)
+    return arranged(values, np.vstack((Phi @ (z[0::2] / w[:, None]), Phi @ z[1::2])), n)
+
+
+def _eig(A: Array) -> tuple[Complex, Complex]:
+    """Checked eigenvalues and eigenvectors of a state matrix. Raises AnalysisError 'eigen.residual'."""
     values, vectors = np.linalg.eig(A)
     if residuals(A, values, vectors).max(initial=0.0) > RESIDUAL:
         # balancing has blown up the rounding of structural zeros: the QZ algorithm does not balance
@@ -54,17 +86,19 @@ def vibration_modes(L: Linearization, q: Index, s: Index) -> Modes:
 
         values, vectors = eig(A, np.eye(len(A)))
     _check(A, values, vectors)
-    return _arranged(values, vectors, len(s))
+    return values, vectors
 
 
 def undamped_modes(K: Array, M: Array) -> Modes:
     """Modes of M qdd + K q = 0 from the symmetric eigenproblem. Raises AnalysisError for an indefinite mass matrix."""
     squares, shapes = symmetric_pencil(K, M)
+    squares, shapes = polished(K, M, squares, shapes)
+    _check_pencil(K, M, squares, shapes)
     root = np.sqrt(squares.astype(complex))  # omega, or i kappa for an unstable mode
     values = np.concatenate((1j * root, -1j * root))
     shapes = np.hstack((shapes, shapes)).astype(complex)
     vectors = np.vstack((shapes, shapes * values))
-    return _arranged(values, vectors, len(K))
+    return arranged(values, vectors, len(K))
 
 
 def symmetric_pencil(K: Array, M: Array) -> tuple[Array, Array]:
@@ -81,6 +115,39 @@ def symmetric_pencil(K: Array, M: Array) -> tuple[Array, Array]:
     reduced = np.linalg.solve(lower, half.T)
     squares, vectors = np.linalg.eigh((reduced + reduced.T) / 2)
     shapes = np.linalg.solve(lower.T, vectors) * scale[:, None]
+    return squares, shapes
+
+
+def polished(K: Array, M: Array, squares: Array, shapes: Array) -> tuple[Array, Array]:
+    """The same with accurate low modes: one step of inverse iteration and a Rayleigh-Ritz projection.
+
+    The reduction to a standard problem leaves an error of eps times the largest omega^2 in all of them. For the low ones
+    X, with F = M X and Y = Q^-1 F of the shifted matrix Q = K + s^2 M, the projected problem (Y^T M Y) c = theta (F^T Y) c
+    has theta = 1/(omega^2 + s^2) with small relative errors: K itself is not multiplied. Left alone where it does not apply.
+    """
+    largest = float(np.max(np.abs(squares), initial=0.0))
+    low = np.flatnonzero(np.abs(squares) < POLISHED * largest)
+    if not len(low):
+        return squares, shapes
+    positive = squares[squares > ROUNDING * largest]
+    s2 = 1e-3 * float(positive[0]) if len(positive) else POLISHED * largest
+    d = 1.0 / np.sqrt(np.maximum(np.abs(np.diag(K)) + s2 * np.diag(M), 1e-300))
+    F = M @ shapes[:, low]
+    try:
+        Y = np.linalg.solve((K + s2 * M) * np.outer(d, d), F * d[:, None]) * d[:, None]
+        Y = Y * np.sqrt(np.abs(squares[low]) + s2)
+        F = F * np.sqrt(np.abs(squares[low]) + s2)
+        energy, work = F.T @ Y, Y.T @ (M @ Y)
+        lower = np.linalg.cholesky((energy + energy.T) / 2)
+    except np.linalg.LinAlgError:  # unstable or exactly singular
+        return squares, shapes
+    reduced = np.linalg.solve(lower, np.linalg.solve(lower, (work + work.T) / 2).T)
+    theta, c = np.linalg.eigh((reduced + reduced.T) / 2)
+    if not np.all(theta > 0.0):
+        return squares, shapes
+    vectors = Y @ np.linalg.solve(lower.T, c) / np.sqrt(theta)  # Y^T M Y -> 1
+    squares, shapes = squares.copy(), shapes.copy()
+    squares[low], shapes[:, low] = (1.0 / theta - s2)[::-1], vectors[:, ::-1]
     return squares, shapes
 
 
@@ -118,8 +185,20 @@ def _check(A: Array, values: Complex, vectors: Complex) -> None:
         raise AnalysisError(text, "eigen.residual")
 
 
-def _arranged(values: Complex, vectors: Complex, n_positions: int) -> Modes:
-    """Norm 1, phase, order."""
+def _check_pencil(K: Array, M: Array, squares: Array, shapes: Array) -> None:
+    """|K phi - omega^2 M phi|_i <= 1e-8 (|K| |phi| + omega^2 |M| |phi|)_i for every pair."""
+    size = np.abs(K) @ np.abs(shapes) + (np.abs(M) @ np.abs(shapes)) * np.abs(squares)
+    row = np.sqrt(np.abs(np.diag(K)) + np.abs(squares).max(initial=0.0) * np.diag(M))
+    size = np.maximum(size, 1e-8 * row[:, None] * np.max(row[:, None] * np.abs(shapes), axis=0, initial=0.0))
+    residual = np.max(np.abs(K @ shapes - (M @ shapes) * squares) / np.maximum(size, 1e-300), axis=0, initial=0.0)
+    if residual.max(initial=0.0) > RESIDUAL:
+        worst = int(np.argmax(residual))
+        text = f"omega^2 = {squares[worst]:.6g} has the relative residual {residual[worst]:.3g} > {RESIDUAL:g}"
+        raise AnalysisError(text, "eigen.residual")
+
+
+def arranged(values: Complex, vectors: Complex, n_positions: int) -> Modes:
+    """Norm 1, real largest position component, decreasing modulus, conjugates together."""
     vectors = vectors / np.linalg.norm(vectors, axis=0)
     if n_positions:
         largest = np.argmax(np.abs(vectors[:n_positions]), axis=0)

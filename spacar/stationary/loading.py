@@ -19,31 +19,44 @@ WITH_ADDITIONAL = (2, 3)
 
 @dataclass(frozen=True)
 class LoadLevel:
-    """Fractions of the initial and of the additional loading; `store` says whether the solution is a result."""
+    """Fractions of the initial and of the additional loading; `store` says whether the solution is a result.
+
+    `step` of `steps` is what messages call it; a level inside a cut step has the number of the whole step.
+    """
 
     initial: float
     additional: float
     store: bool = False
+    step: int = 0
+    steps: int = 0
+
+    @property
+    def path(self) -> float:
+        """Place on the way: 0 to 1 along the initial loading, 1 to 2 along the additional loading."""
+        return self.initial + self.additional
 
     def towards(self, other: LoadLevel, fraction: float) -> LoadLevel:
         """The level between this and the other one."""
         a = self.initial + fraction * (other.initial - self.initial)
-        return LoadLevel(a, self.additional + fraction * (other.additional - self.additional))
+        b = self.additional + fraction * (other.additional - self.additional)
+        return replace(other, initial=a, additional=b, store=False)
 
     def __str__(self) -> str:
         extra = f" + {self.additional:.6g} x additional" if self.additional else ""
-        return f"{self.initial:.6g} x initial{extra} loading"
+        return f"load step {self.step} of {self.steps} ({self.initial:.6g} x initial{extra} loading)"
 
 
 def load_program(settings: Settings) -> list[LoadLevel]:
     """All levels in order; those with `store` become frames."""
     if settings.stationary_type not in WITH_ADDITIONAL:
         n = settings.initial_steps if settings.initial_steps > 0 else max(settings.load_steps, 1)
-        return [LoadLevel(k / n, 0.0, k == n) for k in range(1, n + 1)]
+        return [LoadLevel(k / n, 0.0, k == n, k, n) for k in range(1, n + 1)]
     n0, n1 = max(settings.initial_steps, 1), max(settings.load_steps, 1)
-    levels = [LoadLevel(k / n0, 0.0, k == n0) for k in range(1, n0 + 1)]
+    levels = [LoadLevel(k / n0, 0.0, k == n0, k, n0 + n1) for k in range(1, n0 + 1)]
     every = max(settings.store_every, 1)
-    return levels + [LoadLevel(1.0, k / n1, k % every == 0 or k == n1) for k in range(1, n1 + 1)]
+    return levels + [
+        LoadLevel(1.0, k / n1, k % every == 0 or k == n1, n0 + k, n0 + n1) for k in range(1, n1 + 1)
+    ]
 
 
 def loads_at(mechanism: Mechanism, level: LoadLevel) -> Loads:
@@ -89,5 +102,11 @@ class SteadyDrive:
         zero_x, zero_e = np.zeros_like(x), np.zeros_like(e)
         return cls(DriveState(x, level.initial * start.xd, zero_x, e, level.initial * start.ed, zero_e))
 
+    @property
+    def moving(self) -> bool:
+        """Does anything prescribed move?"""
+        return bool(self.state.xd.any() or self.state.ed.any())
+
     def at(self, t: float) -> DriveState:
+        """The same at all times."""
         return self.state

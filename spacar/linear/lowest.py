@@ -1,0 +1,209 @@
+"""Lowest modes of large systems at rest, without dense matrices (theory-system.md 6.2).
+
+Vibration: (lambda^2 M + lambda C + K_x) x + V^T sigma = 0, V x = 0 (rows fixed and input). With a real shift s > 0, that is
+the negative shift -s^2 for omega^2, Q = K_x + s C + s^2 M is regular although there may be rigid-body modes:
+
+    C = 0, K symmetric:  op = Q^-1 M,  theta = 1/(omega^2 + s^2), Rayleigh-Ritz in the energy of Q (no cancellation in K)
+    otherwise:           op (x, v) = (x', x + s x'),  Q x' = -(M v + (C + s M) x),  theta = 1/(lambda - s)
+
+s^2 is a thousandth of the highest wanted omega^2, found by two steps of the iteration. Buckling: op = -K_S^-1 (Hs + load),
+theta = 1/lambda, K_S = V^T S V. All pairs are checked: |op(z) - theta z| <= 1e-8 |theta| |z|.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spacar.errors import AnalysisError
+from spacar.linear.buckling import NOTHING, RESIDUAL, BucklingModes
+from spacar.linear.eigen import Modes, arranged
+from spacar.linear.subspace import SPARE, Operator, dominant_subspace
+from spacar.linear_systems import SingularMatrixError
+from spacar.mechanism.mechanism import Array
+from spacar.stationary.tangent import STATIC, SparseTangent
+
+WANTED = 20  # modes
+SHIFT = 1e-3  # s^2 as a fraction of the highest wanted omega^2
+LOADING = ("geometric", "load", "moment")
+SYMMETRIC = 1e-9
+COLUMNS = 256  # right-hand sides at once
+
+
+def lowest_vibration(tangent: SparseTangent, wanted: int = WANTED) -> Modes:
+    """The `wanted` modes of lowest frequency about the equilibrium of `tangent` (its sigma set)."""
+    n = tangent.dynamics.numbering
+    wanted = min(wanted, n.nddof)
+    damped = any(part.values().any() for part in (tangent.parts["damping"], tangent.parts["flow"]))
+    s = _shift(tangent, wanted)
+    if damped or not _symmetric(tangent):
+        values, x = _quadratic(tangent, s, wanted)
+    else:
+        squares, x = _undamped(tangent, s, wanted)
+        root = np.sqrt(squares.astype(complex))
+        values, x = np.concatenate((1j * root, -1j * root)), np.hstack((x, x)).astype(complex)
+    q = _degrees_of_freedom(tangent, x)
+    return arranged(values, np.vstack((q, q * values)), len(q))
+
+
+def lowest_buckling(tangent: SparseTangent, wanted: int = WANTED) -> BucklingModes:
+    """The `wanted` load multipliers of smallest modulus. Raises AnalysisError when K0 is singular."""
+    wanted = min(wanted, tangent.dynamics.numbering.nddof)
+    if not any(tangent.parts[k].values().any() for k in LOADING):
+        return BucklingModes(np.zeros(0), np.zeros((tangent.dynamics.numbering.nddof, 0)))
+    try:
+        system = tangent.factor({"material": 1.0})
+    except SingularMatrixError as error:
+        raise AnalysisError(
+            f"the stiffness matrix K0 is singular ({error}): no load multipliers; support or prescribe the motion without"
+            " stiffness",
+            "buckling.singular",
+        ) from None
+
+    def operator(x: Array) -> Array:
+        return -tangent.displacement(system, tangent.times(LOADING, x))
+
+    X = dominant_subspace(operator, operator(_random(tangent, wanted)), wanted)
+    if _symmetric(tangent):
+        F = -tangent.times(LOADING, X)
+        Y = tangent.displacement(system, F)
+        theta, x = _ritz(F, Y, -tangent.times(LOADING, Y))
+    else:
+        values, vectors = np.linalg.eig(X.T @ operator(X))
+        real = np.abs(values.imag) <= 1e-8 * np.abs(values)
+        theta, x = values[real].real, X @ vectors[:, real].real
+    order = np.argsort(-np.abs(theta), kind="stable")[:wanted]
+    theta, x = theta[order], x[:, order]
+    _check(operator, theta, x, "load multiplier")
+    finite = np.abs(theta) > NOTHING * np.max(np.abs(theta), initial=0.0)
+    modes = _degrees_of_freedom(tangent, x[:, finite])
+    return BucklingModes(1.0 / theta[finite], modes / np.linalg.norm(modes, axis=0))
+
+
+def sparse_compliances(tangent: SparseTangent) -> Array:
+    """(nx,) directional compliances: one solution for every free coordinate; infinite where K is singular."""
+    n = tangent.dynamics.numbering
+    out = np.zeros(n.nx)
+    try:
+        system = tangent.factor(STATIC)
+    except SingularMatrixError:
+        out[tangent.F] = np.inf
+        return out
+    for first in range(0, tangent.nf, COLUMNS):
+        rows = tangent.F[first : first + COLUMNS]
+        unit = np.zeros((n.nx, len(rows)))
+        unit[rows, np.arange(len(rows))] = 1.0
+        out[rows] = tangent.displacement(system, unit)[rows, np.arange(len(rows))]
+    return out
+
+
+def _shift(tangent: SparseTangent, wanted: int) -> float:
+    """s > 0 with s^2 = a thousandth of the highest wanted omega^2, from upper bounds that two iterations give."""
+    K = max(float(np.max(np.abs(tangent.parts[k].values()), initial=0.0)) for k in ("material", "geometric"))
+    M = float(np.max(np.abs(tangent.parts["mass"].values()), initial=0.0))
+    if M == 0.0:
+        raise AnalysisError("singular mass matrix: the system carries no mass; add XM or EM", "dynamics.singular-mass")
+    square = 1e-6 * K / M
+    for _ in range(12):
+        operator = _squared(tangent, square)
+        X = np.linalg.qr(operator(operator(_random(tangent, wanted))))[0]
+        theta = np.sort(np.abs(np.linalg.eigvals(X.T @ operator(X))))[::-1][wanted - 1]
+        better = SHIFT * max(1.0 / float(theta) - square, SHIFT * square)
+        if square / 10.0 < better:
+            break
+        square = better
+    return float(np.sqrt(square))
+
+
+def _squared(tangent: SparseTangent, square: float) -> Operator:
+    """op = (K_x + s^2 M)^-1 M."""
+    system = tangent.factor({**STATIC, "mass": square})
+    return lambda x: tangent.displacement(system, tangent.times(("mass",), x))
+
+
+def _undamped(tangent: SparseTangent, s: float, wanted: int) -> tuple[Array, Array]:
+    """omega^2 (wanted,) and shapes (nx, wanted)."""
+    operator = _squared(tangent, s * s)
+    X = dominant_subspace(operator, operator(_random(tangent, wanted)), wanted)
+    F = tangent.times(("mass",), X)
+    Y = operator(X)
+    theta, x = _ritz(F, Y, tangent.times(("mass",), Y))
+    order = np.argsort(-theta, kind="stable")[:wanted]
+    theta, x = theta[order], x[:, order]
+    _check(operator, theta, x, "eigenvalue")
+    return 1.0 / theta - s * s, x
+
+
+def _quadratic(tangent: SparseTangent, s: float, wanted: int) -> tuple[Array, Array]:
+    """lambda and displacement shapes of the damped, gyroscopic or unsymmetric system; 2 x wanted of them."""
+    weights = {**STATIC, "mass": s * s, "damping": s, "flow": s}
+    system = tangent.factor(weights)
+    n = tangent.dynamics.numbering.nx
+    size = s / np.sqrt(SHIFT)  # x is multiplied by a typical frequency, so that both halves compare
+
+    def operator(z: Array) -> Array:
+        x, v = z[:n] / size, z[n:]
+        force = tangent.times(("mass",), v + s * x) + tangent.times(("damping", "flow"), x)
+        following = -tangent.displacement(system, force)
+        return np.vstack((size * following, x + s * following))
+
+    start = np.vstack([_random(tangent, 2 * wanted) for _ in range(2)])
+    X = dominant_subspace(operator, operator(start), 2 * wanted)
+    theta, vectors = np.linalg.eig(X.T @ operator(X))
+    order = np.argsort(-np.abs(theta), kind="stable")[: 2 * wanted]
+    if theta[order[-1]].imag and not np.any(np.isclose(theta[order], theta[order[-1]].conj(), rtol=1e-8)):
+        order = order[:-1]  # half a pair
+    theta, z = theta[order], X @ vectors[:, order]
+    _check(operator, theta, z, "eigenvalue")
+    return s + 1.0 / theta, z[:n]
+
+
+def _ritz(F: Array, Y: Array, BY: Array) -> tuple[Array, Array]:
+    """theta and vectors of B y = (1/theta) Q y in the space of Y = Q^-1 F, F = B X: Y^T Q Y = F^T Y, without Q."""
+    R = np.linalg.qr(Y)[1]
+    Y, F, BY = (np.linalg.solve(R.T, A.T).T for A in (Y, F, BY))
+    energy, work = F.T @ Y, Y.T @ BY
+    energy, work = (energy + energy.T) / 2, (work + work.T) / 2
+    try:
+        lower = np.linalg.cholesky(energy)
+    except np.linalg.LinAlgError:  # an unstable equilibrium: Q is indefinite
+        theta, c = np.linalg.eig(np.linalg.solve(energy, work))
+        return theta.real, Y @ c.real
+    reduced = np.linalg.solve(lower, np.linalg.solve(lower, work).T)
+    theta, c = np.linalg.eigh((reduced + reduced.T) / 2)
+    return theta, Y @ np.linalg.solve(lower.T, c)
+
+
+def _symmetric(tangent: SparseTangent) -> bool:
+    """Is the loading part symmetric? Follower moments and tube flow make it unsymmetric."""
+    a, b = _random(tangent, 0)[:, :2].T
+    left, right = (float(u @ tangent.times(LOADING, v[:, None])[:, 0]) for u, v in ((a, b), (b, a)))
+    size = float(np.abs(a) @ np.abs(tangent.times(LOADING, np.abs(b)[:, None])[:, 0]))
+    return abs(left - right) <= SYMMETRIC * max(size, 1e-300)
+
+
+def _random(tangent: SparseTangent, wanted: int) -> Array:
+    """Start block (nx, p), always the same."""
+    x = np.zeros((tangent.dynamics.numbering.nx, min(wanted + SPARE, tangent.dynamics.numbering.nddof)))
+    x[tangent.F] = np.random.default_rng(1).standard_normal((tangent.nf, x.shape[1]))
+    return x
+
+
+def _degrees_of_freedom(tangent: SparseTangent, x: Array) -> Array:
+    """q_d of displacement shapes (nx, k)."""
+    d = tangent.dynamics
+    n, sweep = d.numbering, d.sweep
+    parts = (x.real, x.imag) if np.iscomplexobj(x) else (x,)
+    e = [np.array([sweep.rate(column) for column in p.T]).reshape(p.shape[1], -1).T for p in parts]
+    rates = e[0] + 1j * e[1] if len(e) == 2 else e[0]
+    return np.vstack((x[n.x_class["dynamic"]], rates[n.e_class["dynamic"]]))
+
+
+def _check(operator: Operator, theta: Array, z: Array, what: str) -> None:
+    """|op(z) - theta z| <= 1e-8 |theta| |z| for every pair."""
+    image = operator(z.real) + 1j * operator(z.imag) if np.iscomplexobj(z) else operator(z)
+    size = np.maximum(np.abs(theta), 1e-9 * np.max(np.abs(theta), initial=0.0)) * np.linalg.norm(z, axis=0)
+    residual = np.linalg.norm(image - z * theta, axis=0) / np.where(size > 0.0, size, 1.0)
+    if not np.all(residual <= RESIDUAL):
+        worst = int(np.argmax(residual))
+        text = f"the {what} number {worst + 1} from below has the relative residual {residual[worst]:.3g} > {RESIDUAL:g}"
+        raise AnalysisError(f"{text}; ask for all modes with OUTLEVEL 0 1", "eigen.residual")
