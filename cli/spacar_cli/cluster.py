@@ -1,0 +1,39 @@
+"""Cases on a Dask cluster that is already running; the package is an optional extra."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+from spacar.errors import UsageError
+from spacar.studies.workers import Lost
+
+PATIENCE = "10s"
+
+
+def run_on_cluster(function: Callable[[Any], Any], cases: Sequence[Any], scheduler: str) -> Iterator[tuple[Any, Any]]:
+    """Outcomes of function(case) as they finish on the cluster at `scheduler` (host:port or a scheduler file).
+
+    The workers need spacar, and files that the model refers to under the same path. A case whose worker dies is
+    `Lost`. Raises UsageError when Dask is missing or the scheduler does not answer.
+    """
+    try:
+        from distributed import Client, as_completed
+    except ImportError:
+        text = "--scheduler needs Dask, which is not installed: pip install 'spacar[dask]', here and on the workers"
+        raise UsageError(text, "study.dask") from None
+    where = {"scheduler_file": scheduler} if scheduler.endswith(".json") else {"address": scheduler}
+    try:
+        client = Client(**where, timeout=PATIENCE, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise UsageError(f"no Dask scheduler answers at {scheduler}: {error}", "study.dask") from None
+    with client:
+        futures = client.map(function, list(cases), pure=False)
+        case_of = {future.key: case for future, case in zip(futures, cases, strict=True)}
+        for future in as_completed(futures):
+            case = case_of[future.key]
+            if future.status == "finished":
+                yield case, future.result()
+            else:
+                reason = future.exception()
+                yield case, Lost(f"{type(reason).__name__} on the cluster: {reason}")

@@ -1,0 +1,153 @@
+"""`spacar sweep FILE --set TARGET=VALUES --result QUANTITY`: parameter studies."""
+
+from __future__ import annotations
+
+import json
+import time
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import click
+
+from spacar.errors import UsageError
+from spacar_cli.environment import Environment
+from spacar_cli.source import input_file
+from spacar_cli.status import ExitStatus, tell
+from spacar_cli.studying import POSITIVE, common, counted
+
+
+@click.command("sweep", epilog="Targets and quantities are explained in docs/studies.md. Exit status 1: cases failed.")
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option(
+    "--set",
+    "assignments",
+    multiple=True,
+    metavar="TARGET=VALUES",
+    help="Values of a number of the input file: 'ESTIFF.3[EI]=100,200,300', 'XM.8=1:100:7:log', "
+    "'ESTIFF.*[EI]=@cases.csv:ei'. Several are combined.",
+)
+@click.option(
+    "--from",
+    "table_file",
+    type=click.Path(path_type=Path),
+    metavar="CSV",
+    help="One case a row; the header holds targets.",
+)
+@click.option(
+    "--zip", "together", is_flag=True, help="Take the values of several --set in parallel instead of all combinations."
+)
+@click.option("--mode", "-m", type=int, default=1, show_default=True, help="Mode to run.")
+@click.option(
+    "--result",
+    "-r",
+    "results",
+    multiple=True,
+    metavar="[NAME:]EXPRESSION",
+    help="Quantity to keep: 'x[6,1]@end', 'max(sig[1,1])', 'abs(eigval[1])'. May be repeated.",
+)
+@click.option(
+    "--output",
+    "-o",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Rows, .csv or .jsonl. Default: FILE.sweep.csv.",
+)
+@click.option(
+    "--scheduler", metavar="ADDRESS", help="Run on the Dask cluster with this scheduler instead of on local processes."
+)
+@click.option("--retry-failed", is_flag=True, help="Run cases again that failed earlier.")
+@click.option(
+    "--batch/--no-batch",
+    default=None,
+    help="Many cases at once along one more array axis; default: where that is possible and measures faster.",
+)
+@click.option("--atol", type=POSITIVE, help="Absolute error tolerance, instead of ERROR.")
+@click.option("--rtol", type=POSITIVE, help="Relative error tolerance, instead of ERROR.")
+@click.option("--integrator", type=int, help="Integration method, instead of INTEGRAT.")
+@common
+@click.pass_obj
+def command(
+    environment: Environment,
+    /,
+    file: Path,
+    assignments: tuple[str, ...],
+    table_file: Path | None,
+    together: bool,
+    mode: int,
+    results: tuple[str, ...],
+    output: Path | None,
+    scheduler: str | None,
+    retry_failed: bool,
+    batch: bool | None,
+    jobs: int,
+    quiet: bool,
+    as_json: bool,
+    **options: Any,
+) -> ExitStatus:
+    """Run FILE for many values of its numbers and keep quantities of every case.
+
+    Every case is one row of the output, written when it has finished. Started again, the command runs what is not
+    there yet.
+    """
+    from spacar.deck import read_deck
+    from spacar.modes import find_mode
+    from spacar.studies import assignments as parameters
+    from spacar.studies.quantities import quantity
+    from spacar.studies.sweep import DONE, Study, sweep
+    from spacar.studies.workers import run
+
+    source = input_file(file)
+    if not results:
+        raise UsageError("nothing to keep: give at least one --result, for instance 'x[6,1]@end'", "usage.sweep")
+    number = find_mode(mode).number
+    settings, cases = _cases(parameters, assignments, table_file, together)
+    given = {name: value for name, value in options.items() if value is not None}
+    study = Study(number, read_deck(source, number), settings, tuple(map(quantity, results)), given)
+    doubled = [c for c in study.columns if study.columns.count(c) > 1]
+    if doubled:
+        raise UsageError(
+            f"two columns would be called {doubled[0]}; name the quantity 'NAME: EXPRESSION'", "usage.sweep"
+        )
+    for target in (t for s in settings for t in s.targets):
+        target.places(study.deck)  # a wrong target ends the study now, not in every row
+    path = output or source.with_name(f"{source.stem}.sweep.csv")
+    if path.suffix.lower() not in (".csv", ".jsonl"):
+        raise UsageError(f"--output {path}: the rows are written as .csv or .jsonl", "usage.sweep")
+    engine: Any = partial(run, jobs=jobs)
+    if scheduler is not None:
+        from spacar_cli.cluster import run_on_cluster
+
+        engine = partial(run_on_cluster, scheduler=scheduler)
+    begun = time.perf_counter()
+    failed = new = 0
+    reasons: list[str] = []
+    for row in counted(environment, sweep(study, cases, path, engine, retry_failed), len(cases), quiet, "cases"):
+        new += 1
+        if row["status"] != DONE:
+            failed += 1
+            reasons.append(f"{', '.join(f'{s.name} = {row[s.name]:.9g}' for s in settings)}: {row['reason']}")
+    seconds = time.perf_counter() - begun
+    for reason in reasons[:5]:
+        tell(environment, "warning", reason)
+    if as_json:
+        summary = {"cases": len(cases), "run": new, "failed": failed, "seconds": seconds, "output": str(path)}
+        environment.say(json.dumps(summary))
+    elif not quiet:
+        environment.say(f"{len(cases)} cases: {new} run in {seconds:.2f} s, {failed} of them failed; rows in {path}")
+    return ExitStatus.FAILED if failed else ExitStatus.DONE
+
+
+def _cases(parameters: Any, assignments: tuple[str, ...], table_file: Path | None, together: bool) -> Any:
+    """Settings and values of all cases; every row of --from is combined with every case of --set."""
+    if not assignments and table_file is None:
+        raise UsageError("nothing to vary: give --set TARGET=VALUES or --from CSV", "usage.sweep")
+    settings, cases = (
+        parameters.combine([parameters.axis(a) for a in assignments], together) if assignments else ((), [()])
+    )
+    if table_file is not None:
+        header, rows = parameters.table(table_file)
+        settings = (*map(parameters.setting, header), *settings)
+        cases = [(*row, *case) for row in rows for case in cases]
+    if len({s.name for s in settings}) < len(settings):
+        raise UsageError("a target is set by --set and by --from", "usage.sweep")
+    return settings, cases

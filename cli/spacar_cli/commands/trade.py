@@ -1,0 +1,286 @@
+"""`spacar trade FILE`: what accuracy costs, and the cheapest setting for the accuracy that is wanted."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import click
+
+from spacar.errors import UsageError
+from spacar_cli.environment import Environment
+from spacar_cli.source import input_file
+from spacar_cli.status import ExitStatus, tell
+from spacar_cli.studying import POSITIVE, common, counted, say_table
+
+HEADER = ("model", "integration", "error", "wall time [s]", "right-hand sides", "note")
+
+
+@click.command("trade", epilog="The error norm and the reference are explained in docs/studies.md.")
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--mode", "-m", type=int, help="1, 7, 8, 9 or 10. Default: 1 with TIMESTEP, else 7.")
+@click.option(
+    "--integrators",
+    "-i",
+    default="0,155,853",
+    show_default=True,
+    metavar="CODES",
+    help="Integration methods to compare.",
+)
+@click.option(
+    "--tolerances",
+    "-t",
+    default="1e-3:1e-9:7:log",
+    show_default=True,
+    metavar="VALUES",
+    help="Tolerances of methods with variable step.",
+)
+@click.option(
+    "--substeps",
+    default="1,4,16,64",
+    show_default=True,
+    metavar="VALUES",
+    help="Steps in an output step, of methods with fixed step.",
+)
+@click.option(
+    "--elements",
+    "-e",
+    default="1",
+    show_default=True,
+    metavar="VALUES",
+    help="Elements in the place of every flexible beam of the file.",
+)
+@click.option("--rigid", is_flag=True, help="Also with rigid beams.")
+@click.option("--linear", is_flag=True, help="Also without the non-linear strain terms (LDEFORM).")
+@click.option(
+    "--variable",
+    "variables",
+    multiple=True,
+    metavar="EXPRESSION",
+    help="What is compared, as in `spacar sweep`: 'x[6,1]'. Default: all free coordinates.",
+)
+@click.option(
+    "--target",
+    type=POSITIVE,
+    default=1e-6,
+    show_default=True,
+    help="Error for which the cheapest setting is recommended.",
+)
+@click.option(
+    "--repeats",
+    type=click.IntRange(min=1),
+    default=3,
+    show_default=True,
+    help="Runs of each setting; the median time counts.",
+)
+@click.option(
+    "--output",
+    "-o",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Table as .csv or .json; what is finished is kept in OUTPUT.rows.jsonl and not run again.",
+)
+@click.option(
+    "--plot", type=click.Path(path_type=Path, dir_okay=False), help="Work-precision diagram as .png, .svg or .pdf."
+)
+@common
+@click.pass_obj
+def command(
+    environment: Environment,
+    /,
+    file: Path,
+    mode: int | None,
+    integrators: str,
+    tolerances: str,
+    substeps: str,
+    elements: str,
+    rigid: bool,
+    linear: bool,
+    variables: tuple[str, ...],
+    target: float,
+    repeats: int,
+    output: Path | None,
+    plot: Path | None,
+    jobs: int,
+    quiet: bool,
+    as_json: bool,
+    duration: float | None,
+    n_steps: int | None,
+) -> ExitStatus:
+    """Run FILE with many settings, compare with a reference, and recommend the cheapest setting for --target.
+
+    The reference and its error come from two methods at a tight tolerance and, where meshes are compared, from
+    extrapolation over three meshes. With --jobs the runs share the processor, which disturbs the times.
+    """
+    from spacar.studies.quantities import quantity
+    from spacar.studies.trade import (
+        STATIONARY,
+        Trade,
+        assess,
+        default_variables,
+        recommend,
+        reference,
+        reference_setups,
+        setups,
+    )
+
+    for path, kinds in ((output, (".csv", ".json")), (plot, (".png", ".svg", ".pdf"))):
+        if path is not None and path.suffix.lower() not in kinds:
+            raise UsageError(f"{path}: its name must end with {', '.join(kinds)}", "usage.trade")
+    source = input_file(file)
+    options = {k: v for k, v in (("duration", duration), ("n_steps", n_steps)) if v is not None}
+    number, deck = _deck(source, mode, options)
+    chosen = tuple(map(quantity, variables)) or default_variables(number, deck)
+    trade = Trade(number, deck, chosen, repeats, options)
+    meshes = _whole(elements, "--elements")
+    cases = setups(
+        trade,
+        _whole(integrators, "--integrators"),
+        _numbers(tolerances),
+        _whole(substeps, "--substeps"),
+        meshes,
+        rigid,
+        linear,
+    )
+    against = reference_setups(trade, meshes) if _refinable(deck, number) else [s for s in cases if s.elements == 1][:1]
+    rows = _rows(environment, trade, list(dict.fromkeys([*against, *cases])), output, jobs, quiet)
+    ref = reference(trade, rows, against)
+    entries = assess(trade, rows, cases, ref)
+    best = recommend(entries, target, ref)
+    sentence = _sentence(best, target, ref)
+    table = [_cells(e) for e in entries]
+    if output is not None:
+        _write(output, entries, ref, target, best)
+    if plot is not None:
+        from spacar_cli.work_precision import draw
+
+        draw(entries, ref.error, target, number in STATIONARY, f"{source.name}, mode {number}", plot)
+    if as_json:
+        environment.say(json.dumps(_document(entries, ref, target, best)))
+    elif not quiet:
+        say_table(environment, HEADER, table, None if best is None else entries.index(best))
+        environment.say(f"reference: {ref.text}; its estimated error is {ref.error:.2e}")
+        environment.say(sentence)
+    for entry in entries:
+        if entry.reason:
+            tell(environment, "warning", f"{' '.join(filter(None, entry.label))}: {entry.reason}")
+    return ExitStatus.DONE
+
+
+def _deck(source: Path, mode: int | None, options: dict[str, Any]) -> tuple[int, Any]:
+    from spacar.deck import read_deck
+    from spacar.studies.trade import MODES
+
+    if mode is None:
+        mode = 1 if read_deck(source).of("TIMESTEP", block=2) or "duration" in options else 7
+    if abs(mode) not in MODES:
+        raise UsageError(f"trade runs modes {', '.join(map(str, MODES))}, not {mode}", "usage.trade")
+    deck = read_deck(source, abs(mode))
+    if abs(mode) == 1 and not deck.of("TIMESTEP", block=2) and len(options) < 2:
+        raise UsageError(f"{source.name} has no TIMESTEP; give --time and --steps", "usage.timestep")
+    return abs(mode), deck
+
+
+def _refinable(deck: Any, mode: int) -> bool:
+    """Whether a stationary mode can have a reference: only with beams to refine."""
+    from spacar.studies.models import flexible_beams
+
+    if mode != 1 and not flexible_beams(deck):
+        raise UsageError("a stationary solution without flexible beams has no error to compare", "usage.trade")
+    return True
+
+
+def _numbers(text: str) -> tuple[float, ...]:
+    from spacar.studies.assignments import values
+
+    found = values(text)
+    if any(v <= 0.0 for v in found):
+        raise UsageError(f"'{text}': the values must be positive", "usage.trade")
+    return found
+
+
+def _whole(text: str, option: str) -> tuple[int, ...]:
+    from spacar.studies.assignments import values
+
+    found = values(text)
+    if any(v != int(v) or v < 0 for v in found):
+        raise UsageError(f"{option} {text}: whole numbers are needed", "usage.trade")
+    return tuple(int(v) for v in found)
+
+
+def _rows(
+    environment: Environment, trade: Any, wanted: list[Any], output: Path | None, jobs: int, quiet: bool
+) -> list[Any]:
+    """Rows of all setups: those of an earlier run of this study, and the others as they finish."""
+    import tempfile
+
+    from spacar.studies.rows import Rows
+    from spacar.studies.trade import Job, run_setup
+    from spacar.studies.workers import Lost, run
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "rows.jsonl" if output is None else output.with_name(f"{output.name}.rows.jsonl")
+        with Rows(path, ()) as rows:
+            todo = [Job(trade, s) for s in wanted if trade.key(s) not in rows.done]
+            outcomes = partial(run, jobs=jobs)(run_setup, todo)
+            for job, outcome in counted(environment, outcomes, len(todo), quiet, "settings"):
+                if isinstance(outcome, Lost):
+                    outcome = {"case": trade.key(job.setup), "status": "failed", "reason": outcome.reason}
+                rows.add(outcome)
+            return list(rows.done.values())
+
+
+def _cells(entry: Any) -> tuple[str, ...]:
+    note = entry.reason and "failed"
+    if entry.estimate is not None:
+        note = f"estimates {entry.estimate:.2e}"
+    error = "" if math.isnan(entry.error) else f"{entry.error:.2e}"
+    seconds = "" if math.isnan(entry.seconds) else f"{entry.seconds:.4g}"
+    return (*entry.label, error, seconds, "" if entry.rhs is None else str(entry.rhs), note)
+
+
+def _sentence(best: Any, target: float, ref: Any) -> str:
+    if best is None:
+        if ref.error > target:
+            return f"no recommendation for {target:.3g}: the error of the reference itself is {ref.error:.2e}"
+        return f"none of the settings reaches an error of {target:.3g}; try smaller tolerances or more elements"
+    how = " with ".join(filter(None, best.label))
+    return f"cheapest for an error of {target:.3g}: {how} ({best.seconds:.4g} s, error {best.error:.2e})"
+
+
+def _document(entries: Any, ref: Any, target: float, best: Any) -> dict[str, Any]:
+    def plain(e: Any) -> dict[str, Any]:
+        setup = {} if e.setup is None else {k: v for k, v in vars(e.setup).items()}
+        numbers = {"error": e.error, "seconds": e.seconds, "rhs": e.rhs, "estimate": e.estimate}
+        numbers = {k: None if isinstance(v, float) and math.isnan(v) else v for k, v in numbers.items()}
+        return {"model": e.label[0], "integration": e.label[1], **setup, **numbers, "reason": e.reason}
+
+    return {
+        "reference": {"error": ref.error, "text": ref.text},
+        "target": target,
+        "recommended": None if best is None else plain(best),
+        "settings": [plain(e) for e in entries],
+    }
+
+
+def _write(path: Path, entries: Any, ref: Any, target: float, best: Any) -> None:
+    """The whole table, complete or not at all."""
+    import csv
+    import io
+
+    document = _document(entries, ref, target, best)
+    if path.suffix.lower() == ".json":
+        text = json.dumps(document, indent=1) + "\n"
+    else:
+        stream = io.StringIO()
+        names = list(dict.fromkeys(name for row in document["settings"] for name in row))
+        writer = csv.DictWriter(stream, names, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(document["settings"])
+        text = stream.getvalue()
+    side = path.with_name(f".{path.name}.{os.getpid()}")
+    side.write_text(text, encoding="utf-8")
+    side.replace(path)

@@ -1,0 +1,252 @@
+"""What a study changes in a deck, and to which values.
+
+    KEYWORD.NUMBER...[WHICH] = VALUES        ESTIFF.3[EI] = 100,200,300        INPUTX.2.1[start rate] = 50:150:11
+
+The numbers are the first arguments of the statement, as many as tell it apart (none: TIMESTEP[2]); `*` in the place
+of the first number means every statement of that keyword. WHICH is the position of the argument, from 1 as in the
+reference, or the beginning of its meaning there (EA, EI, mass, start rate); left out: the first real number. Several
+targets that get the same value are joined by `&`: ESTIFF.2[EI] & ESTIFF.3[EI]. VALUES are a list a,b,c;
+start:stop:count, evenly spaced with both ends; start:stop:count:log, in equal ratios; or @FILE.csv:COLUMN.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from spacar.deck import ELEMENT_TYPES, Deck, Statement
+from spacar.deck.table import KEYWORDS, Block
+from spacar.deck.table_types import Parameter
+from spacar.errors import UsageError
+
+TARGET = re.compile(r"([A-Za-z]\w*)((?:[.\s]+(?:\d+|\*))*)\s*(?:\[\s*([^\[\]]+?)\s*\])?")
+MOST_VALUES = 1_000_000
+BY_NUMBER = {block.number: block for block in Block if block.number < 3}
+
+
+@dataclass(frozen=True)
+class Target:
+    """One place, or with `everywhere` all places of a keyword, whose value changes."""
+
+    keyword: str
+    numbers: tuple[int, ...]
+    everywhere: bool
+    which: str  # position, meaning, or empty
+
+    def places(self, deck: Deck) -> list[tuple[Statement, int]]:
+        """(statement, argument number from 1) of every value it means. Raises UsageError for none and for a choice."""
+        statements = deck.of(self.keyword)
+        if not self.everywhere:
+            statements = [s for s in statements if s.values[: len(self.numbers)] == self.numbers]
+        found = [(s, p) for s in statements if (p := _position(deck, s, self)) is not None]
+        real = [(s, p) for s, p in found if _parameter(deck, s, p).kind == "real"]
+        found = real or found  # a declaration (INPUTX in the first block) has integers only
+        name = " ".join([self.keyword, *map(str, self.numbers)])
+        if not found:
+            if not statements:
+                raise UsageError(f"{deck.source}: there is no statement {name} to change", "study.set")
+            meanings = [p.meaning for p in _parameters(deck, statements[-1])]
+            listed = ", ".join(f"{i} {m}" for i, m in enumerate(meanings, 1))
+            raise UsageError(f"{name} has no argument '{self.which}'; its arguments are {listed}", "study.set")
+        if len(found) > 1 and not self.everywhere:
+            raise UsageError(
+                f"{deck.source}: {len(found)} statements {name}; give more numbers, or * for all", "study.set"
+            )
+        return found
+
+
+@dataclass(frozen=True)
+class Setting:
+    """Targets that change together; `name` is the left side as it was written and heads the column."""
+
+    name: str
+    targets: tuple[Target, ...]
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A setting with its values."""
+
+    setting: Setting
+    values: tuple[float, ...]
+
+
+def change(deck: Deck, settings: Sequence[Setting], numbers: Sequence[float]) -> Deck:
+    """The deck with a number at all places of each setting, read and checked once. Raises UsageError, InputError."""
+    from spacar.deck.reader import parse
+    from spacar.deck.writer import splice
+
+    edits: dict[tuple[int, int], tuple[Statement, int, float | int]] = {}
+    later = []
+    for given, number in zip(settings, numbers, strict=True):
+        for target in given.targets:
+            for statement, position in target.places(deck):
+                value = _typed(number, _parameter(deck, statement, position).kind, given.name)
+                if position > len(statement.values):
+                    later.append((target, position, value))
+                    continue
+                place = (statement.lines[position - 1], statement.columns[position - 1])
+                if place in edits:
+                    raise UsageError(f"{statement.subject}: argument {position} is set twice", "study.set")
+                edits[place] = (statement, position, value)
+    text = deck.text
+    for place in sorted(edits, reverse=True):  # from the end, so that earlier columns stay
+        text = splice(text, *edits[place])
+    if edits:
+        deck = parse(text, deck.source, deck.mode, path=deck.path, visualization=deck.visualization)
+    for target, position, value in later:  # arguments that were left out
+        for k in range(len(target.places(deck))):
+            deck = deck.with_value(target.places(deck)[k][0], position, value)
+    return deck
+
+
+def setting(text: str) -> Setting:
+    """The left side of an assignment. Raises UsageError."""
+    targets = []
+    for part in text.split("&"):
+        match = TARGET.fullmatch(part.strip())
+        if match is None:
+            form = "KEYWORD.NUMBER[WHICH], for instance ESTIFF.3[EI] or INPUTX.2.1[start rate]"
+            raise UsageError(f"cannot read '{part.strip()}': expected {form}", "study.set")
+        keyword = match[1].upper()
+        if all((keyword, block) not in KEYWORDS for block in Block):
+            raise UsageError(f"'{match[1]}' is not a keyword of the input language; see `spacar keywords`", "study.set")
+        words = match[2].replace(".", " ").split()
+        if "*" in words and words != ["*"]:
+            raise UsageError(f"'{part.strip()}': * stands alone, for every statement {keyword}", "study.set")
+        numbers = tuple(int(w) for w in words if w != "*")
+        targets.append(Target(keyword, numbers, words == ["*"], match[3] or ""))
+    return Setting(text.strip(), tuple(targets))
+
+
+def axis(text: str) -> Axis:
+    """The axis of `TARGET = VALUES`. Raises UsageError."""
+    left, equals, right = text.partition("=")
+    if not equals or not right.strip():
+        raise UsageError(f"'{text}' has no values; write TARGET=VALUES, for instance ESTIFF.3[EI]=100,200", "study.set")
+    return Axis(setting(left), values(right.strip()))
+
+
+def values(text: str) -> tuple[float, ...]:
+    """Numbers of a list, a range or a column of a csv file. Raises UsageError."""
+    if text.startswith("@"):
+        name, colon, column = text[1:].rpartition(":")
+        if not colon:
+            raise UsageError(f"'{text}' names no column; write @FILE.csv:COLUMN", "study.set")
+        header, rows = table(Path(name))
+        if column not in header:
+            raise UsageError(f"{name} has no column '{column}'; it has {', '.join(header)}", "study.set")
+        return tuple(row[header.index(column)] for row in rows)
+    if ":" not in text:
+        return tuple(_number(word, text) for word in text.split(","))
+    words = text.split(":")
+    if len(words) not in (3, 4) or (len(words) == 4 and words[3].strip() != "log"):
+        raise UsageError(f"'{text}' is no range; write start:stop:count or start:stop:count:log", "study.set")
+    start, stop = _number(words[0], text), _number(words[1], text)
+    count = _number(words[2], text)
+    if count != int(count) or not 1 <= count <= MOST_VALUES:
+        raise UsageError(f"'{text}': the count is a whole number from 1 to {MOST_VALUES}, not {words[2]}", "study.set")
+    if len(words) == 3:
+        return tuple(np.linspace(start, stop, int(count)).tolist())
+    if start * stop <= 0.0:
+        raise UsageError(f"'{text}': both ends of a logarithmic range have the same sign and are not zero", "study.set")
+    return tuple(np.geomspace(start, stop, int(count)).tolist())
+
+
+def table(path: Path) -> tuple[list[str], list[tuple[float, ...]]]:
+    """Header and rows of a csv file of numbers. Raises UsageError, OSError."""
+    with path.open(newline="", encoding="utf-8-sig") as file:
+        rows = [row for row in csv.reader(file, skipinitialspace=True) if row and not row[0].startswith("#")]
+    if len(rows) < 2:
+        raise UsageError(f"{path} has no rows under its header", "study.set")
+    header = [name.strip() for name in rows[0]]
+    found = []
+    for i, row in enumerate(rows[1:], 1):
+        if len(row) != len(header):
+            raise UsageError(f"{path}: row {i} has {len(row)} values, the header {len(header)}", "study.set")
+        found.append(tuple(_number(word, f"{path}, row {i}") for word in row))
+    return header, found
+
+
+def combine(axes: Sequence[Axis], together: bool = False) -> tuple[tuple[Setting, ...], list[tuple[float, ...]]]:
+    """The settings and the values of every case: all combinations (the last axis fastest), or element by element."""
+    from itertools import product
+
+    settings = tuple(a.setting for a in axes)
+    names = [s.name for s in settings]
+    doubled = sorted({n for n in names if names.count(n) > 1})
+    if doubled:
+        raise UsageError(f"{', '.join(doubled)} is set twice", "study.set")
+    if not together:
+        return settings, list(product(*(a.values for a in axes)))
+    sizes = {len(a.values) for a in axes}
+    if len(sizes) > 1:
+        listed = ", ".join(f"{a.setting.name} has {len(a.values)}" for a in axes)
+        raise UsageError(f"values taken together must be equally many: {listed}", "study.set")
+    return settings, list(zip(*(a.values for a in axes), strict=True))
+
+
+def _number(word: str, text: str) -> float:
+    try:
+        value = float(word)
+    except ValueError:
+        value = float("nan")
+    if not np.isfinite(value):
+        raise UsageError(f"'{word.strip()}' in '{text}' is not a number", "study.set")
+    return value
+
+
+def _typed(value: float, kind: str, name: str) -> float | int:
+    if kind == "real":
+        return value
+    if kind == "integer" and value == int(value):
+        return int(value)
+    raise UsageError(f"{name} takes {'whole numbers' if kind == 'integer' else 'a name'}, not {value:.9g}", "study.set")
+
+
+def _parameters(deck: Deck, s: Statement) -> tuple[Parameter, ...]:
+    """What the arguments of a statement mean: the longest form that its node, element and model allow."""
+    block = BY_NUMBER.get(s.block, deck.third)
+    assert block is not None
+    keyword = KEYWORDS[s.keyword, block]
+    space, role, kind = "", "", ""
+    elements = deck.of(*ELEMENT_TYPES, block=1)
+    if elements:
+        space = "planar" if ELEMENT_TYPES[elements[0].keyword].planar else "spatial"
+    if keyword.subject is not None and s.keyword not in ELEMENT_TYPES and keyword.subject < len(s.values):
+        number = s.values[keyword.subject]
+        for element in elements:
+            shape = ELEMENT_TYPES[element.keyword]
+            if keyword.variants[0].parameters[keyword.subject].of == "element":
+                kind = element.keyword if element.values[0] == number else kind
+            else:
+                nodes = zip(element.values[1:], shape.nodes, strict=False)
+                role = next((r for n, r in nodes if n == number), role)
+    fits = [v for v in keyword.variants if v.fits(space, role, kind)] or list(keyword.variants)
+    given = [v for v in fits if len(s.values) in v.counts]
+    return max(given or fits, key=lambda v: len(v.parameters)).parameters
+
+
+def _parameter(deck: Deck, s: Statement, position: int) -> Parameter:
+    return _parameters(deck, s)[position - 1]
+
+
+def _position(deck: Deck, s: Statement, target: Target) -> int | None:
+    parameters = _parameters(deck, s)
+    if target.which.isdigit():
+        return int(target.which) if 1 <= int(target.which) <= len(parameters) else None
+    if not target.which:
+        kinds = [p.kind for p in parameters]
+        return kinds.index("real") + 1 if "real" in kinds else None
+    wanted = target.which.lower()
+    exact = [i for i, p in enumerate(parameters, 1) if p.meaning.lower() == wanted]
+    begins = exact or [i for i, p in enumerate(parameters, 1) if p.meaning.lower().startswith(wanted)]
+    if len(begins) > 1:
+        names = ", ".join(parameters[i - 1].meaning for i in begins)
+        raise UsageError(f"{s.subject}: '{target.which}' could be {names}", "study.set")
+    return begins[0] if begins else None

@@ -1,0 +1,54 @@
+"""Richardson's extrapolation over meshes with n, 2n and 4n elements a beam.
+
+For an error c h^p + d h^(p+2) + ...: two steps of extrapolation with the factors 2^p and 2^(p+2) (Romberg). The
+order is observed, 2^p = |u_n - u_2n| / |u_2n - u_4n| in the norm of the study, and taken as 2 or 4, what beams of
+this kind have, if it is close to one of them. The error estimate is the last step of the extrapolation, the
+difference between one step and two: an upper estimate while the expansion holds. Otherwise the finest mesh is taken
+with the last difference as error.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+Array = np.ndarray[Any, np.dtype[Any]]
+ORDERS = (2, 4)
+CLOSE = 0.6  # between observed and theoretical order
+ROUNDING = 1e-13  # differences below cannot tell an order
+
+
+@dataclass(frozen=True)
+class Extrapolation:
+    """Values, estimated error (in the norm of the study), observed order (nan when there is none) and how, in words."""
+
+    values: Array
+    error: float
+    order: float
+    text: str
+
+
+def extrapolate(coarse: Array, middle: Array, fine: Array, amplitude: Array) -> Extrapolation:
+    """Values of n, 2n, 4n elements, each (variables, steps); amplitude (variables,) scales the norm."""
+
+    def norm(v: Array) -> float:
+        return float(np.max(np.abs(v) / amplitude[:, None], initial=0.0))
+
+    first, second = norm(coarse - middle), norm(middle - fine)
+    if second <= ROUNDING:
+        return Extrapolation(fine, second, float("nan"), f"which differ by {second:.2e}")
+    order = float(np.log2(max(first, 1e-300) / second))
+    p = min(ORDERS, key=lambda k: abs(k - order))
+    if abs(p - order) > CLOSE:
+        return Extrapolation(
+            fine, second, order, f"not extrapolated (observed order {order:.2f}), the last two differ by {second:.2e}"
+        )
+    once = [(2**p * b - a) / (2**p - 1) for a, b in ((coarse, middle), (middle, fine))]
+    q = 2 ** (p + 2)
+    twice = (q * once[1] - once[0]) / (q - 1)
+    error = norm(twice - once[1])
+    return Extrapolation(
+        twice, error, order, f"extrapolated with order {p} (observed {order:.2f}), estimated error {error:.2e}"
+    )

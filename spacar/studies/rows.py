@@ -1,0 +1,131 @@
+"""Append-only rows of a study: one line a finished case, whole or not there.
+
+Every row is written with a single call and brought to the disk before the next case counts as finished. A process
+that is killed leaves at most a piece of a last line; it is cut off when the file is opened again. JSON lines hold
+anything; csv has its columns fixed by the first row. Rows are told apart by the text `case`.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from spacar.errors import UsageError
+
+Row = dict[str, Any]
+
+
+class Rows:
+    """The file of rows; use as a context. `done` holds the rows that were there, by `case`, the last of each.
+
+    Raises UsageError when the file belongs to something else or another process is writing to it.
+    """
+
+    def __init__(self, path: Path, columns: Sequence[str]) -> None:
+        self.path, self.columns = path, tuple(columns)
+        self.csv = path.suffix.lower() == ".csv"
+        self.done: dict[str, Row] = {}
+
+    def __enter__(self) -> Rows:
+        self._file = self.path.open("a+b")
+        try:
+            _lock(self._file, self.path)
+            self._file.seek(0)
+            data = self._file.read()
+            whole = data.rfind(b"\n") + 1
+            if whole < len(data):
+                self._file.truncate(whole)
+            text = data[:whole].decode("utf-8")
+            for row in self._read_csv(text) if self.csv else self._read_json(text):
+                self.done[str(row["case"])] = row
+            if self.csv and not whole:
+                self._write(_csv_line(self.columns))
+        except BaseException:
+            self._file.close()
+            raise
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._file.close()
+
+    def add(self, row: Row) -> None:
+        """Append a row and bring it to the disk."""
+        if self.csv:
+            self._write(_csv_line([_cell(row.get(name)) for name in self.columns]))
+        else:
+            self._write(json.dumps(_plain(row)) + "\n")
+        self.done[str(row["case"])] = row
+
+    def _write(self, line: str) -> None:
+        self._file.write(line.encode("utf-8"))
+        self._file.flush()
+        os.fsync(self._file.fileno())
+
+    def _read_csv(self, text: str) -> list[Row]:
+        if not text:
+            return []
+        header, *lines = csv.reader(io.StringIO(text))
+        if tuple(header) != self.columns:
+            odd = ", ".join(sorted({*header} ^ {*self.columns})) or "the order"
+            text = f"{self.path} has other columns than this study ({odd}); choose another --output"
+            raise UsageError(text, "study.rows")
+        return [dict(zip(header, line, strict=True)) for line in lines]
+
+    def _read_json(self, text: str) -> list[Row]:
+        try:
+            rows = [json.loads(line) for line in text.splitlines()]
+        except json.JSONDecodeError:
+            rows = [None]
+        if not all(isinstance(row, dict) and "case" in row for row in rows):
+            raise UsageError(f"{self.path} does not hold rows of a study; choose another --output", "study.rows")
+        return rows
+
+
+def key(*parts: Any) -> str:
+    """A short digest that tells cases apart: the same parts give the same key in every process."""
+    from hashlib import sha256
+
+    return sha256(json.dumps(_plain(parts), sort_keys=True).encode()).hexdigest()[:16]
+
+
+def _plain(value: Any) -> Any:
+    """JSON has no complex numbers: [real, imaginary]."""
+    if isinstance(value, complex):
+        return [value.real, value.imag]
+    if isinstance(value, dict):
+        return {k: _plain(v) for k, v in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(v) for v in value]
+    return value
+
+
+def _cell(value: Any) -> str:
+    """Numbers with all their digits; a complex one as Python and NumPy read it."""
+    if value is None:
+        return ""
+    if isinstance(value, complex):
+        return repr(value).strip("()")
+    return repr(value) if isinstance(value, float) else str(value)
+
+
+def _csv_line(cells: Sequence[str]) -> str:
+    line = io.StringIO()
+    csv.writer(line, lineterminator="\n").writerow([" ".join(c.splitlines()) for c in cells])
+    return line.getvalue()
+
+
+def _lock(file: Any, path: Path) -> None:
+    """One writer at a time; the lock ends with the process. Not on systems without flock."""
+    try:
+        import fcntl
+    except ImportError:
+        return
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise UsageError(f"{path} is being written by another study", "study.rows") from None

@@ -1,0 +1,126 @@
+"""Parameter studies: the same model with other numbers, one row of quantities for every case.
+
+A case that fails is a row too, with the reason; exceptions that are no SpacarError are recorded in the same way, so
+that one case cannot end a study of thousands. Rows are append-only and finished cases are skipped, see `rows`.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from spacar.deck import Deck
+from spacar.errors import SpacarError
+from spacar.result import Result
+from spacar.studies.assignments import Setting, change
+from spacar.studies.quantities import Quantity
+from spacar.studies.rows import Row, Rows, key
+from spacar.studies.workers import Engine, Lost, run
+
+DONE, FAILED = "done", "failed"
+Values = tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Study:
+    """What is run for every case: the model in a mode, with options of `spacar.run`, and what is kept."""
+
+    mode: int
+    deck: Deck
+    settings: tuple[Setting, ...]
+    quantities: tuple[Quantity, ...]
+    options: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns of a row."""
+        names = (s.name for s in self.settings), (q.name for q in self.quantities)
+        return ("case", *names[0], *names[1], "status", "seconds", "reason")
+
+    def key(self, values: Sequence[float]) -> str:
+        """What tells this case from every other one: model, mode, options, parameters, quantities."""
+        asked = [(q.name, q.text) for q in self.quantities]
+        names = [s.name for s in self.settings]
+        return key(self.deck.sha256, self.mode, sorted(self.options.items()), names, list(values), asked)
+
+
+Batch = Callable[[Study, Sequence[Values]], Iterator[Row]]
+
+
+@dataclass(frozen=True)
+class Case:
+    """One set of values of a study, on its way to a process."""
+
+    study: Study
+    values: Values
+
+
+def sweep(
+    study: Study,
+    cases: Sequence[Values],
+    output: Path,
+    engine: Engine = run,
+    retry: bool = False,
+    batch: Batch | None = None,
+) -> Iterator[Row]:
+    """Rows of the cases that are not in `output` yet, each after it has been written there.
+
+    `cases` holds values in the order of study.settings; `engine` runs them (spacar.studies.workers); `retry` runs failed
+    cases again; `batch`, if given, runs them instead, many at once. Raises UsageError for a file of another study.
+    """
+    with Rows(output, study.columns) as rows:
+        todo = list(dict.fromkeys(v for v in cases if not finished(rows.done.get(study.key(v)), retry)))
+        outcomes = batch(study, todo) if batch is not None else singly(study, todo, engine)
+        for outcome in outcomes:
+            rows.add(outcome)
+            yield outcome
+
+
+def singly(study: Study, cases: Sequence[Values], engine: Engine = run) -> Iterator[Row]:
+    """Rows of cases that run one by one on an engine."""
+    for case, outcome in engine(run_case, [Case(study, v) for v in cases]):
+        yield row(study, case.values, {}, 0.0, outcome.reason) if isinstance(outcome, Lost) else outcome
+
+
+def finished(found: Row | None, retry: bool) -> bool:
+    """Whether a row of an earlier run settles its case."""
+    return found is not None and (found["status"] == DONE or not retry)
+
+
+def run_case(case: Case) -> Row:
+    """Run one case to a row; a failure is a row with its reason."""
+    from spacar.modes import frames
+
+    study = case.study
+    begun = time.perf_counter()
+    results: dict[str, float | complex] = {}
+    reason = ""
+    try:
+        deck = change(study.deck, study.settings, case.values)
+        result = Result.collect(frames(study.mode, deck, **study.options))
+        results = {q.name: q.number(result) for q in study.quantities}
+    except Exception as error:
+        reason = explain(error)
+    return row(study, case.values, results, time.perf_counter() - begun, reason)
+
+
+def explain(error: Exception) -> str:
+    """A failure in one line."""
+    text = " ".join(str(error).split())
+    return text if isinstance(error, SpacarError) and text else f"{type(error).__name__}: {text}"
+
+
+def row(study: Study, values: Sequence[float], results: dict[str, Any], seconds: float, reason: str) -> Row:
+    """The row of a case; it failed when there is a reason."""
+    names = [s.name for s in study.settings]
+    return {
+        "case": study.key(values),
+        **dict(zip(names, values, strict=True)),
+        **results,
+        "status": FAILED if reason else DONE,
+        "seconds": round(seconds, 6),
+        "reason": reason,
+    }

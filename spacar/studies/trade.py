@@ -1,0 +1,307 @@
+"""Speed against accuracy: one model with many settings of model and integration, each timed and compared with a
+reference.
+
+A `Setup` is one way to compute the same thing. Every setup is run (the reference ones too) to a row with the values
+of the chosen variables at the output times, its median wall time and its right-hand sides; `assess` turns rows into
+errors.
+
+Error of a setup: the maximum over variables and output times of |v - v_ref| / amplitude, where the amplitude of a
+variable is its span over the output times of the reference, or its largest magnitude when it hardly changes (span
+below 1e-6 of it) and in the stationary modes. So 1e-6 means: a millionth of the motion of that variable.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from spacar.deck import Deck
+from spacar.errors import AnalysisError, UsageError
+from spacar.integrators.methods import METHODS
+from spacar.result import Result
+from spacar.studies.extrapolation import extrapolate
+from spacar.studies.models import linear_strain, refine, rigid
+from spacar.studies.quantities import Quantity, quantity
+from spacar.studies.rows import Row, key
+from spacar.studies.sweep import explain
+
+STATIONARY = (7, 8, 9, 10)
+MODES = (1, *STATIONARY)
+MOST_VARIABLES = 60  # chosen without being asked
+REFERENCE_METHODS = (853, 0)
+REFERENCE_TOLERANCE = 1e-11
+CONSTANT = 1e-6  # a variable whose span is a smaller part of its magnitude is compared with the magnitude
+STILL = 1e-9  # a variable that stays below this part of the largest one is left out
+
+Array = np.ndarray[Any, np.dtype[Any]]
+
+
+@dataclass(frozen=True)
+class Setup:
+    """One way to compute. `elements` per beam of the file; beams flexible or rigid; strain full or linear (LDEFORM).
+
+    `integrator`, `tolerance` (relative; the absolute one keeps its ratio of ERROR) of variable step codes, `substeps` per
+    output step of fixed step codes; None in the stationary modes.
+    """
+
+    elements: int = 1
+    beams: str = "flexible"
+    strain: str = "full"
+    integrator: int | None = None
+    tolerance: float | None = None
+    substeps: int | None = None
+
+    @property
+    def model(self) -> str:
+        """Model in words."""
+        if self.beams == "rigid":
+            return "rigid beams"
+        text = "as given" if self.elements == 1 else f"{self.elements} elements a beam"
+        return f"{text}, linear strain" if self.strain == "linear" else text
+
+    @property
+    def integration(self) -> str:
+        """Integration in words; empty in the stationary modes."""
+        if self.integrator is None:
+            return ""
+        how = f"tol {self.tolerance:.3g}" if self.substeps is None else f"{self.substeps} steps an output"
+        return f"{self.integrator} {how}"
+
+
+@dataclass(frozen=True)
+class Trade:
+    """The question: a checked deck in a mode, variables, repeats of the timing, options of `spacar.run`."""
+
+    mode: int
+    deck: Deck
+    variables: tuple[Quantity, ...]
+    repeats: int = 3
+    options: dict[str, Any] = field(default_factory=dict)
+
+    def key(self, setup: Setup) -> str:
+        """What tells the row of this setup from others."""
+        asked = [v.text for v in self.variables]
+        return key(self.deck.sha256, self.mode, asked, self.repeats, sorted(self.options.items()), asdict(setup))
+
+
+@dataclass(frozen=True)
+class Job:
+    """A setup on its way to a process."""
+
+    trade: Trade
+    setup: Setup
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A setup with its cost and error; `error` nan and a reason when it failed. `estimate`: its own estimate of the error."""
+
+    setup: Setup | None
+    label: tuple[str, str]  # model, integration
+    error: float
+    seconds: float
+    rhs: int | None
+    reason: str = ""
+    estimate: float | None = None
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Values (variables, times), their estimated error in the norm of the study, and how both came about."""
+
+    values: Array
+    amplitude: Array
+    error: float
+    text: str
+
+
+def default_variables(mode: int, deck: Deck) -> tuple[Quantity, ...]:
+    """All coordinates that the motion determines: calculable, dynamic, kinematic. Raises UsageError when too many."""
+    from spacar.mechanism import build
+
+    n = build(deck, mode).numbering
+    given = {*range(n.x_class["fixed"].stop), *range(n.x_class["input"].start, n.x_class["input"].stop)}
+    names = [n.x_owner(i) for i in range(n.nx) if i not in given]
+    if not 0 < len(names) <= MOST_VARIABLES:
+        text = f"the model has {len(names)} free coordinates; choose with --variable, for instance 'x[3,1]'"
+        raise UsageError(text, "study.trade")
+    return tuple(quantity(f"x[{node},{c}]") for node, c in names)
+
+
+def setups(
+    trade: Trade, integrators: Sequence[int], tolerances: Sequence[float], substeps: Sequence[int],
+    elements: Sequence[int] = (1,), rigid_too: bool = False, linear_too: bool = False,
+) -> list[Setup]:  # fmt: skip
+    """Every model with every integration; in the stationary modes every model. Raises UsageError for what is not there."""
+    models = [Setup(n) for n in elements]
+    models += [Setup(n, strain="linear") for n in elements] if linear_too else []
+    models += [Setup(beams="rigid")] if rigid_too else []
+    for model in models:
+        variant(trade.deck, model)
+    if trade.mode in STATIONARY:
+        return models
+    found = []
+    for model in models:
+        for code in integrators:
+            if code not in METHODS:
+                known = ", ".join(map(str, METHODS))
+                raise UsageError(f"integrator {code} does not exist; the methods are {known}", "usage.integrator")
+            if METHODS[code].variable_step:
+                found += [replace(model, integrator=code, tolerance=tol) for tol in tolerances]
+            else:
+                found += [replace(model, integrator=code, substeps=k) for k in substeps]
+    return found
+
+
+def reference_setups(trade: Trade, elements: Sequence[int]) -> list[Setup]:
+    """Setups of the reference: two methods at a tight tolerance, and three meshes when meshes are compared."""
+    codes = [None] if trade.mode in STATIONARY else list(REFERENCE_METHODS)
+    finest = 4 * -(-2 * max(elements) // 4)
+    meshes = [finest, finest // 2, finest // 4] if len(set(elements)) > 1 or trade.mode in STATIONARY else [elements[0]]
+    found = []
+    for mesh in meshes:
+        for code in codes[: 2 if mesh == meshes[0] else 1]:
+            tolerance = None if code is None else REFERENCE_TOLERANCE
+            found.append(Setup(mesh, integrator=code, tolerance=tolerance))
+    return found
+
+
+def variant(deck: Deck, setup: Setup) -> Deck:
+    """The model of a setup. Raises UsageError when the deck has no such variant."""
+    if setup.beams == "rigid":
+        return rigid(deck)
+    if setup.strain == "linear":
+        deck = linear_strain(deck)
+    return refine(deck, setup.elements) if setup.elements != 1 else deck
+
+
+def run_setup(job: Job) -> Row:
+    """Run one setup as often as wanted, to a row; a failure is a row with its reason."""
+    trade, setup = job.trade, job.setup
+    row: Row = {"case": trade.key(setup), **asdict(setup), "status": "failed"}
+    try:
+        deck = variant(trade.deck, setup)
+        seconds = []
+        for _ in range(trade.repeats):
+            begun = time.perf_counter()
+            result = _run(trade, setup, deck)
+            seconds.append(time.perf_counter() - begun)
+        row["values"] = [_series(v, result) for v in trade.variables]
+        row["seconds"] = float(np.median(seconds))
+        row["rhs"] = int(sum(f.statistics.get("rhs", 0) for f in result.frames))
+        row["status"] = "done"
+    except Exception as error:
+        row["reason"] = explain(error)
+    return row
+
+
+def _series(variable: Quantity, result: Result) -> list[float]:
+    series = variable.series(result)
+    if np.iscomplexobj(series):
+        raise UsageError(f"{variable.text} is complex; compare real(), imag() or abs() of it", "study.trade")
+    return [float(v) for v in series]
+
+
+def _run(trade: Trade, setup: Setup, deck: Deck) -> Result:
+    from spacar.mechanism import build
+    from spacar.modes import frames
+
+    options = dict(trade.options)
+    if setup.integrator is not None:
+        given = build(deck, trade.mode, **options).settings
+        options["integrator"] = setup.integrator
+        if setup.tolerance is not None:
+            options |= {"rtol": setup.tolerance, "atol": setup.tolerance * (given.atol / given.rtol)}
+        elif given.duration is not None:
+            options["step"] = given.duration / given.n_steps / (setup.substeps or 1)
+    return Result.collect(frames(trade.mode, deck, **options))
+
+
+def reference(trade: Trade, rows: Sequence[Row], wanted: Sequence[Setup]) -> Reference:
+    """The reference of the rows of `wanted` (reference_setups) and its estimated error. Raises AnalysisError."""
+    by_key = {row["case"]: row for row in rows}
+    found = [(s, by_key.get(trade.key(s))) for s in wanted]
+    good = {s: np.array(row["values"]) for s, row in found if row is not None and row["status"] == "done"}
+    meshes = sorted({s.elements for s in wanted})
+    first = {n: next((v for s, v in good.items() if s.elements == n), None) for n in meshes}
+    best = first[meshes[-1]]
+    if best is None or any(v is None for v in first.values()):
+        reasons = [str(row["reason"]) for _, row in found if row is not None and row.get("reason")]
+        raise AnalysisError(f"the reference could not be computed: {'; '.join(reasons)}", "study.reference")
+    stationary = trade.mode in STATIONARY
+    amplitude = amplitudes(best, stationary)
+    error, words = 0.0, []
+    finest = [v for s, v in good.items() if s.elements == meshes[-1]]
+    if not stationary:
+        if len(finest) < 2:
+            text = "only one of the two methods reached the reference; choose a shorter time"
+            raise AnalysisError(text, "study.reference")
+        error = distance(finest[0], finest[1], amplitude)
+        codes = " and ".join(str(c) for c in REFERENCE_METHODS)
+        words.append(f"methods {codes} at tolerance {REFERENCE_TOLERANCE:.3g} differ by {error:.2e}")
+    if len(meshes) > 1:
+        coarse, middle, fine = (np.asarray(first[n]) for n in meshes)
+        result = extrapolate(coarse, middle, fine, amplitude)
+        best = result.values
+        error += result.error
+        words.append(f"meshes {', '.join(map(str, meshes))} elements a beam, {result.text}")
+    return Reference(best, amplitude, error, "; ".join(words))
+
+
+def amplitudes(values: Array, stationary: bool) -> Array:
+    """(variables,) scale of each variable; inf for one that stays at zero, so that it does not count."""
+    size = np.abs(values).max(axis=1)
+    span = np.ptp(values, axis=1)
+    scale = np.where((span > CONSTANT * size) & (not stationary), span, size)
+    return np.where(size > STILL * size.max(initial=0.0), scale, np.inf)
+
+
+def distance(a: Array, b: Array, amplitude: Array) -> float:
+    """The error norm of the study: max |a - b| / amplitude."""
+    return float(np.max(np.abs(a - b) / amplitude[:, None], initial=0.0))
+
+
+def assess(trade: Trade, rows: Sequence[Row], wanted: Sequence[Setup], ref: Reference) -> list[Entry]:
+    """Entries of the setups, and in the stationary modes of every three meshes n, 2n, 4n among them."""
+    by_key = {row["case"]: row for row in rows}
+    entries = []
+    values: dict[Setup, tuple[Array, float]] = {}
+    for setup in wanted:
+        row = by_key[trade.key(setup)]
+        label = (setup.model, setup.integration)
+        if row["status"] != "done":
+            entries.append(Entry(setup, label, float("nan"), float("nan"), None, str(row["reason"])))
+            continue
+        found = np.array(row["values"])
+        values[setup] = found, row["seconds"]
+        rhs = row["rhs"] or None
+        entries.append(Entry(setup, label, distance(found, ref.values, ref.amplitude), row["seconds"], rhs))
+    if trade.mode in STATIONARY:
+        entries += _extrapolated(values, ref)
+    return entries
+
+
+def _extrapolated(values: dict[Setup, tuple[Array, float]], ref: Reference) -> list[Entry]:
+    entries = []
+    for setup in values:
+        chain = [replace(setup, elements=k * setup.elements) for k in (1, 2, 4)]
+        if setup.beams == "rigid" or not all(s in values for s in chain):
+            continue
+        coarse, middle, fine = (values[s][0] for s in chain)
+        result = extrapolate(coarse, middle, fine, ref.amplitude)
+        label = f"{', '.join(str(s.elements) for s in chain)} elements a beam, extrapolated"
+        label += ", linear strain" if setup.strain == "linear" else ""
+        cost = sum(values[s][1] for s in chain)
+        error = distance(result.values, ref.values, ref.amplitude)
+        entries.append(Entry(None, (label, ""), error, cost, None, estimate=result.error))
+    return entries
+
+
+def recommend(entries: Sequence[Entry], target: float, ref: Reference) -> Entry | None:
+    """The cheapest entry whose error, together with that of the reference, is within the target."""
+    good = [e for e in entries if e.error + ref.error <= target]
+    return min(good, key=lambda e: e.seconds, default=None)

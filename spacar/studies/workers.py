@@ -1,0 +1,92 @@
+"""Independent cases on this process or on local processes.
+
+`run` yields (case, outcome) as cases finish; an outcome is what the function returned or the text of what went wrong
+outside of it. A local process that dies (killed, out of memory) takes only its own case with it: the cases that were
+under way are run again, one process each, and the one that dies once more is given up.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+AHEAD = 2  # cases handed over per process
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+@dataclass(frozen=True)
+class Lost:
+    """A case whose process died."""
+
+    reason: str
+
+
+Function = Callable[[Any], Any]
+Engine = Callable[[Function, Sequence[Any]], Iterator[tuple[Any, Any]]]
+"""Runs a picklable function of a module on every case: `run`, or that of a cluster."""
+
+
+def run(function: Function, cases: Sequence[Any], jobs: int = 1) -> Iterator[tuple[Any, Any]]:
+    """Outcomes of function(case) in the order in which they finish; exceptions of the function come through."""
+    if jobs <= 1 or len(cases) <= 1:
+        for case in cases:
+            yield case, function(case)
+    else:
+        yield from _on_processes(function, cases, min(jobs, len(cases)))
+
+
+def _on_processes(function: Function, cases: Sequence[Any], jobs: int) -> Iterator[tuple[Any, Any]]:
+    from concurrent.futures.process import BrokenProcessPool
+
+    waiting = list(reversed(cases))
+    suspects: list[Any] = []
+    while waiting:
+        with _pool(jobs) as pool:
+            under_way: dict[Any, Any] = {}
+            try:
+                while waiting or under_way:
+                    while waiting and len(under_way) < AHEAD * jobs:
+                        under_way[pool.submit(function, waiting[-1])] = waiting[-1]
+                        waiting.pop()
+                    for future in _finished(under_way):
+                        outcome = future.result()
+                        yield under_way.pop(future), outcome
+            except BrokenProcessPool:
+                suspects += under_way.values()
+    for case in suspects:
+        with _pool(1) as pool:
+            try:
+                outcome = pool.submit(function, case).result()
+            except BrokenProcessPool:
+                outcome = Lost("the process died while it ran this case (killed, or out of memory)")
+        yield case, outcome
+
+
+def _finished(futures: Any) -> Any:
+    from concurrent.futures import FIRST_COMPLETED, wait
+
+    return wait(futures, return_when=FIRST_COMPLETED).done
+
+
+@contextmanager
+def _pool(jobs: int) -> Iterator[Any]:
+    """Fresh processes with one thread each; interrupted, it does not wait for cases that have not begun."""
+    from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import get_context
+
+    unset = [name for name in THREADS if name not in os.environ]
+    os.environ.update(dict.fromkeys(unset, "1"))
+    pool = ProcessPoolExecutor(jobs, mp_context=get_context("spawn"))
+    try:
+        yield pool
+    except BaseException:
+        for process in list((pool._processes or {}).values()):
+            process.terminate()
+        raise
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+        for name in unset:
+            os.environ.pop(name, None)
