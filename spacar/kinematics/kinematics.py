@@ -181,6 +181,18 @@ class Kinematics:
                 return v
         raise position_failure(self, x, residual, history, MAX_ITERATIONS)
 
+    def forget_factors(self) -> None:
+        """x was changed from outside: no prediction with the old factorization."""
+        self._factored = False
+
+    def refresh(self) -> None:
+        """x was changed from outside: evaluate and factor there."""
+        self.sweep.strain(self.x)
+        self._factor_position()
+        if not self.velocity_map_is_position_map:
+            self.velocity_system.factor(self.sweep.entries[self._velocity_take])
+        self._factored = True
+
     def start_from(self, other: Kinematics) -> None:
         """Take over the configuration of another evaluator of the same mechanism."""
         self.x, self.e_given = other.x.copy(), other.e_given.copy()
@@ -224,14 +236,10 @@ class Kinematics:
         sigma[self.E] = self.velocity_system.solve_transposed(-residual[self.U])
 
     def condition(self) -> float:
-        """s_1/s_n of the scaled part of V that is inverted; infinite when singular."""
-        from spacar.kinematics.diagnosis import scaled_difference_matrix
+        """Condition number of the part of V that is inverted, scaled; infinite when singular."""
+        from spacar.kinematics.condition import condition_number
 
-        D = scaled_difference_matrix(self.mechanism, self.sweep.gradient())[np.ix_(self.E, self.U)]
-        if not D.size:
-            return 1.0
-        s = np.linalg.svd(D, compute_uv=False)
-        return float(s[0] / s[-1]) if s[-1] > 0.0 else float("inf")
+        return condition_number(self)
 
 
 def _largest(values: Array) -> float:
