@@ -14,17 +14,17 @@ PATIENCE = "10s"
 def run_on_cluster(function: Callable[[Any], Any], cases: Sequence[Any], scheduler: str) -> Iterator[tuple[Any, Any]]:
     """Outcomes of function(case) as they finish on the cluster at `scheduler` (host:port or a scheduler file).
 
-    The workers need spacar, and files that the model refers to under the same path. A case whose worker dies is
-    `Lost`. Raises UsageError when Dask is missing or the scheduler does not answer.
+    Scheduler and workers need spacar and numpy, the workers the files that the model refers to, under the same path.
+    A case whose worker dies, or that never got there, is `Lost`. Raises UsageError when Dask is missing or the scheduler does not answer.
     """
     try:
         from distributed import Client, as_completed
     except ImportError:
-        text = "--scheduler needs Dask, which is not installed: pip install 'spacar[dask]', here and on the workers"
+        text = "--scheduler needs Dask, which is not installed: pip install 'spacar[dask]', here and on the cluster"
         raise UsageError(text, "study.dask") from None
     where = {"scheduler_file": scheduler} if scheduler.endswith(".json") else {"address": scheduler}
     try:
-        client = Client(**where, timeout=PATIENCE, set_as_default=False)
+        client = Client(**where, timeout=PATIENCE)
     except (OSError, ValueError) as error:
         raise UsageError(f"no Dask scheduler answers at {scheduler}: {error}", "study.dask") from None
     with client:

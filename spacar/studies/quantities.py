@@ -79,6 +79,8 @@ def quantity(text: str) -> Quantity:
 def _parse(text: str) -> ast.expr:
     if len(text) > LONGEST:
         raise UsageError(f"the expression has {len(text)} characters, {LONGEST} are allowed", "study.quantity")
+    if "\\" in text:
+        raise _wrong(text, "a backslash has no meaning")
     try:
         return ast.parse(text, mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:

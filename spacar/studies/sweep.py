@@ -1,7 +1,7 @@
 """Parameter studies: the same model with other numbers, one row of quantities for every case.
 
 A case that fails is a row too, with the reason; exceptions that are no SpacarError are recorded in the same way, so
-that one case cannot end a study of thousands. Rows are append-only and finished cases are skipped, see `rows`.
+that one case cannot end a study of thousands. A case whose process died is marked lost. Rows are append-only and finished cases are skipped, see `rows`.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from spacar.studies.quantities import Quantity
 from spacar.studies.rows import Row, Rows, key
 from spacar.studies.workers import Engine, Lost, run
 
-DONE, FAILED = "done", "failed"
+DONE, FAILED, LOST = "done", "failed", "lost"
 Values = tuple[float, ...]
 
 
@@ -68,8 +68,9 @@ def sweep(
 ) -> Iterator[Row]:
     """Rows of the cases that are not in `output` yet, each after it has been written there.
 
-    `cases` holds values in the order of study.settings; `engine` runs them (spacar.studies.workers); `retry` runs failed
-    cases again; `batch`, if given, runs them instead, many at once. Raises UsageError for a file of another study.
+    `cases` holds values in the order of study.settings; `engine` runs them (spacar.studies.workers); `retry` runs
+    failed cases again; `batch`, if given, runs them instead, many at once. Raises UsageError for a file of another
+    study.
     """
     with Rows(output, study.columns) as rows:
         todo = list(dict.fromkeys(v for v in cases if not finished(rows.done.get(study.key(v)), retry)))
@@ -82,12 +83,15 @@ def sweep(
 def singly(study: Study, cases: Sequence[Values], engine: Engine = run) -> Iterator[Row]:
     """Rows of cases that run one by one on an engine."""
     for case, outcome in engine(run_case, [Case(study, v) for v in cases]):
-        yield row(study, case.values, {}, 0.0, outcome.reason) if isinstance(outcome, Lost) else outcome
+        if isinstance(outcome, Lost):
+            yield {**row(study, case.values, {}, 0.0, outcome.reason), "status": LOST}
+        else:
+            yield outcome
 
 
 def finished(found: Row | None, retry: bool) -> bool:
-    """Whether a row of an earlier run settles its case."""
-    return found is not None and (found["status"] == DONE or not retry)
+    """Whether a row of an earlier run settles its case; one whose process died is always run again."""
+    return found is not None and (found["status"] == DONE or (found["status"] == FAILED and not retry))
 
 
 def run_case(case: Case) -> Row:

@@ -44,8 +44,8 @@ Array = np.ndarray[Any, np.dtype[Any]]
 class Setup:
     """One way to compute. `elements` per beam of the file; beams flexible or rigid; strain full or linear (LDEFORM).
 
-    `integrator`, `tolerance` (relative; the absolute one keeps its ratio of ERROR) of variable step codes, `substeps` per
-    output step of fixed step codes; None in the stationary modes.
+    `integrator`, `tolerance` (relative; the absolute one keeps its ratio of ERROR) of variable step codes, `substeps`
+    per output step of fixed step codes; None in the stationary modes.
     """
 
     elements: int = 1
@@ -98,7 +98,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Entry:
-    """A setup with its cost and error; `error` nan and a reason when it failed. `estimate`: its own estimate of the error."""
+    """A setup with its cost and error; nan and a reason when it failed. `estimate`: its own estimate of the error."""
 
     setup: Setup | None
     label: tuple[str, str]  # model, integration
@@ -136,7 +136,7 @@ def setups(
     trade: Trade, integrators: Sequence[int], tolerances: Sequence[float], substeps: Sequence[int],
     elements: Sequence[int] = (1,), rigid_too: bool = False, linear_too: bool = False,
 ) -> list[Setup]:  # fmt: skip
-    """Every model with every integration; in the stationary modes every model. Raises UsageError for what is not there."""
+    """Every model with every integration (stationary modes: every model). Raises UsageError for what is not there."""
     models = [Setup(n) for n in elements]
     models += [Setup(n, strain="linear") for n in elements] if linear_too else []
     models += [Setup(beams="rigid")] if rigid_too else []

@@ -1,0 +1,126 @@
+"""Quantities: values against the arrays of the result, and everything that is refused."""
+
+from __future__ import annotations
+
+import contextlib
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import spacar
+from spacar.errors import UsageError
+from spacar.studies.quantities import quantity
+
+
+@pytest.fixture(scope="module")
+def crank():
+    from .conftest import DATA
+
+    return spacar.run(1, DATA / "crank.dat", duration=0.02, n_steps=4)
+
+
+@pytest.fixture(scope="module")
+def cantilever():
+    from .conftest import DATA
+
+    return spacar.run(7, DATA / "plbeam5.dat")
+
+
+def test_numbers_of_a_result(crank):
+    x, t = crank.node(6, 1), crank.t
+    truth = {
+        "x[6,1]@end": x[-1],
+        "x[6,1]@start": x[0],
+        "x[6, 1]@2": x[1],
+        "x[6,1]@0.015": x[3],
+        "max(sig[2,1])": crank.element(2, 1, "sig").max(),
+        "min(x[6,1]) - 1": x.min() - 1,
+        "span(x[6,1])": np.ptp(x),
+        "rms(xd[6,1])": np.sqrt(np.mean(crank.node(6, 1, "xd") ** 2)),
+        "-2*pi*mean(abs(x[6,1]))**2": -2 * np.pi * np.mean(np.abs(x)) ** 2,
+        "last(t)": t[-1],
+        "max(x[6,1] + 3*xd[6,1])": np.max(x + 3 * crank.node(6, 1, "xd")),
+    }
+    for text, value in truth.items():
+        assert quantity(text).number(crank) == pytest.approx(value, rel=1e-15), text
+
+
+def test_series_and_name(crank):
+    q = quantity("slider: x[6,1]")
+    assert (q.name, q.text) == ("slider", "x[6,1]")
+    assert np.array_equal(q.series(crank), crank.node(6, 1))
+
+
+def test_eigenvalues_are_complex(cantilever):
+    value = quantity("eigval[1]").number(cantilever)
+    assert isinstance(value, complex)
+    assert quantity("abs(eigval[1])/(2*pi)").number(cantilever) == pytest.approx(abs(value) / (2 * np.pi))
+    assert quantity("k0[1,2]@end").number(cantilever) == cantilever["k0"][-1, 0, 1]
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("__import__('os')", "functions are"),
+        ("x.real", "Attribute is not allowed"),
+        ("(lambda: 1)()", "cannot read"),
+        ("(1)(t)", "functions are"),
+        ("[t for t in t]", "ListComp"),
+        ("'a'", "not a number"),
+        ("True", "not a number"),
+        ("x[6]", "takes 2 indices, not 1"),
+        ("x", r"write x\[i, j\]"),
+        ("y[1,1]", "variables with indices"),
+        ("x[0,1]", "whole numbers from 1"),
+        ("x[1.5,1]", "whole numbers from 1"),
+        ("x[t,1]", "whole numbers from 1"),
+        ("x[1:2,1]", "cannot read"),
+        ("max(t, t)", "one argument"),
+        ("t @ t", "after @"),
+        ("x[6,1]@end@", "cannot read"),
+        ("t // 2", "BinOp is not allowed"),
+        ("not t", "UnaryOp is not allowed"),
+        ("", "no name|cannot read"),
+        (": t", "no name"),
+        ("1+" * 300 + "1", "characters"),
+    ],
+)
+def test_what_is_refused_at_once(text, why):
+    with pytest.raises(UsageError, match=why):
+        quantity(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("x[6,1]", "5 steps; add @end"),
+        ("x[99,1]@end", "node 99 has no coordinate 1"),
+        ("sig[9,1]@end", "element 9 has no deformation mode 1"),
+        ("eigval[1]@end", "was not computed"),
+        ("x[6,1]@6", "there are 5 steps"),
+        ("x[6,1]@0.0151", "the nearest is 0.015"),
+        ("max(t)@end", "behind a series"),
+        ("1/min(t)", "is inf"),
+        ("log(-1)", "is nan"),
+        ("10.0**400", "is inf"),
+        ("9**9**9**9", "is inf"),
+    ],
+)
+def test_what_a_result_does_not_have(crank, text, why):
+    with pytest.raises(UsageError, match=why):
+        quantity(text).number(crank)
+
+
+def test_an_index_beyond_the_matrix(cantilever):
+    with pytest.raises(UsageError, match="20 values"):
+        quantity("eigval[21]").number(cantilever)
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.text("xt[]()@,.*+-/ 0123456789maxsigend:'\"\\\n", max_size=30))
+def test_any_text_is_read_or_refused(text):
+    """No text brings anything but a quantity or a UsageError."""
+    with contextlib.suppress(UsageError):
+        quantity(text)

@@ -1,0 +1,77 @@
+"""Append-only rows: whole lines, cut lines, other studies, two writers."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from spacar.errors import UsageError
+from spacar.studies.rows import Rows, key
+
+COLUMNS = ("case", "k", "y", "status", "reason")
+
+
+@pytest.mark.parametrize("name", ["r.csv", "r.jsonl"])
+def test_rows_come_back(tmp_path, name):
+    path = tmp_path / name
+    row = {"case": "a", "k": 0.1, "y": 1 / 3, "status": "done", "reason": 'text, with "quotes"\nand lines'}
+    with Rows(path, COLUMNS) as rows:
+        rows.add(row)
+    with Rows(path, COLUMNS) as rows:
+        assert float(rows.done["a"]["y"]) == 1 / 3  # all digits
+        assert "quotes" in rows.done["a"]["reason"]
+    assert path.read_text().count("\n") == (2 if name == "r.csv" else 1)
+
+
+@pytest.mark.parametrize("name", ["r.csv", "r.jsonl"])
+def test_a_file_cut_anywhere_is_repaired(tmp_path, name):
+    """A killed process leaves a prefix of the file: rows before it are kept, the piece disappears."""
+    path = tmp_path / name
+    with Rows(path, COLUMNS) as rows:
+        for case in "abc":
+            rows.add({"case": case, "k": 1.0, "y": 2.0, "status": "done", "reason": ""})
+    data = path.read_bytes()
+    lines = data.count(b"\n")
+    for size in range(0, len(data), 3):
+        path.write_bytes(data[:size])
+        with Rows(path, COLUMNS) as rows:
+            whole = max(0, data[:size].count(b"\n") - (lines - 3))
+            assert len(rows.done) == whole
+            for case in "abc"[whole:]:
+                rows.add({"case": case, "k": 1.0, "y": 2.0, "status": "done", "reason": ""})
+        assert path.read_bytes() == data
+
+
+def test_complex_numbers(tmp_path):
+    with Rows(tmp_path / "r.csv", COLUMNS) as rows:
+        rows.add({"case": "a", "y": 1.5 - 2j})
+    with Rows(tmp_path / "r.csv", COLUMNS) as rows:
+        assert complex(rows.done["a"]["y"]) == 1.5 - 2j
+    with Rows(tmp_path / "r.jsonl", COLUMNS) as rows:
+        rows.add({"case": "a", "y": 1.5 - 2j})
+    with Rows(tmp_path / "r.jsonl", COLUMNS) as rows:
+        assert rows.done["a"]["y"] == [1.5, -2.0]
+
+
+def test_other_files_are_not_touched(tmp_path):
+    (tmp_path / "r.csv").write_text("a,b\n1,2\n")
+    with pytest.raises(UsageError, match=r"other columns .*a, b"), Rows(tmp_path / "r.csv", COLUMNS):
+        pass
+    for text in ("{}\n", "hello\n", "[1]\n"):
+        (tmp_path / "r.jsonl").write_text(text)
+        with pytest.raises(UsageError, match="does not hold rows"), Rows(tmp_path / "r.jsonl", COLUMNS):
+            pass
+        assert (tmp_path / "r.jsonl").read_text() == text
+
+
+def test_one_writer(tmp_path):
+    pytest.importorskip("fcntl")
+    path = tmp_path / "r.csv"
+    with Rows(path, COLUMNS), pytest.raises(UsageError, match="another study"), Rows(path, COLUMNS):
+        pass
+
+
+def test_keys():
+    assert key("a", 1.0) == key("a", 1.0)
+    assert len({key("a", 1.0), key("a", math.nextafter(1.0, 2.0)), key("b", 1.0), key("a", [1.0])}) == 4
