@@ -132,7 +132,7 @@ def _variable(source: Source, node: ast.Subscript, text: str) -> Quantity:
     """x[node, coordinate] or e[element, mode]."""
     name = node.value.id if isinstance(node.value, ast.Name) else ""
     index = node.slice.elts if isinstance(node.slice, ast.Tuple) else []
-    numbers = [n.value for n in index if isinstance(n, ast.Constant) and isinstance(n.value, int)]
+    numbers = [n.value for n in index if isinstance(n, ast.Constant) and type(n.value) is int]
     if name not in NODE_VARIABLES and name not in ELEMENT_VARIABLES:
         raise UsageError(f"'{text}': {name or 'this'} is not a variable with brackets; {HELP}", "plot.expression")
     if len(numbers) != 2 or len(index) != 2:

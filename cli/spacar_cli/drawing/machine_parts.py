@@ -190,8 +190,8 @@ def screw(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
     shapes = cylinder(a, b, 0.32 * s, colour, light=look.settings.light)
     turns = max(int(np.linalg.norm(b - a) / (0.55 * s)), 4)
     angle = np.linspace(0.0, 2 * np.pi * turns, 12 * turns + 1)[:, None]
-    thread = a + angle / angle[-1] * (b - a) + 0.36 * s * (np.cos(angle) * frame[1] + np.sin(angle) * frame[2])
-    shapes.append(Line(thread, "#59646e", 0.6))
+    thread = a + angle / angle[-1] * (b - a) + 0.40 * s * (np.cos(angle) * frame[1] + np.sin(angle) * frame[2])
+    shapes.append(Line(thread, "#4a545d", 0.8))
     nut = 0.75 * s * np.stack((np.cos(np.arange(6) * np.pi / 3), np.sin(np.arange(6) * np.pi / 3)), axis=-1)
     turned = pose.frame(scene, e, "q")
     ends = np.stack((q - 0.6 * s * axis, q + 0.6 * s * axis))

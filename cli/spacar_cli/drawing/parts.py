@@ -10,12 +10,12 @@ from spacar_cli.drawing import look as paint
 from spacar_cli.drawing import machine_parts as machine
 from spacar_cli.drawing.elastic_line import chord_axes, elastic_line, section_axes
 from spacar_cli.drawing.look import Look
-from spacar_cli.drawing.scene import BEAMS, Array, Element, Pose, Scene
+from spacar_cli.drawing.scene import BEAMS, RIGID, Array, Element, Pose, Scene
 from spacar_cli.drawing.sections import breadth, hole, outline
 from spacar_cli.drawing.shapes import Colour, Faces, Line, Shape, disc_outline, solid
 
 Z = np.array([0.0, 0.0, 1.0])
-THIN_BEAM, THICK_BEAM = 0.28, 0.40  # radius of spatial beams without a cross-section, of the symbol size
+DRAWN_ONLY, THIN_BEAM, THICK_BEAM = 0.20, 0.28, 0.40  # radius of spatial beams without a cross-section, of the symbol size
 
 
 def element_shapes(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
@@ -56,9 +56,12 @@ def shear_parameters(scene: Scene, e: Element) -> Array:
 
 
 def beam(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
-    rigid = e.keyword not in BEAMS or scene.is_rigid(e.number)
+    rigid = e.keyword in RIGID or scene.is_rigid(e.number)
     colour = look.colour(e.number, paint.RIGID if rigid else paint.FLEXIBLE)
-    n = look.points if e.keyword in BEAMS else 2 if scene.planar else 9  # short pieces sort better by depth
+    n = look.points if e.keyword in BEAMS else 2 if scene.planar else 25  # short pieces sort better by depth
+    if e.keyword in RIGID and scene.e_classes(e.number) == {"calculable"}:  # only there to be seen: holds nothing
+        twin = any(o.number != e.number and {o.p, o.q} == {e.p, e.q} for o in scene.elements)
+        return [] if twin else body(scene, pose, look, e, n, colour, 1.2, DRAWN_ONLY)
     return body(scene, pose, look, e, n, colour, 2.8 if rigid else 2.2, THICK_BEAM if rigid else THIN_BEAM)
 
 

@@ -128,12 +128,12 @@ def solid(
 def cylinder(
     a: Array, b: Array, radius: float, colour: Colour, n: int = 18, alpha: float = 1.0, light: bool = True
 ) -> list[Shape]:
-    """A closed cylinder between two points (3,)."""
+    """A closed cylinder between two points (3,), in pieces short enough to be sorted by depth."""
     u, v = normal_pair(b - a)
-    m = np.ones((7, 1))
-    return solid(
-        disc_outline(radius, n), a + np.linspace(0.0, 1.0, 7)[:, None] * (b - a), m * u, m * v, colour, alpha, light
-    )
+    rings = int(np.clip(np.linalg.norm(b - a) / (1.5 * radius), 6, 40)) + 1
+    m = np.ones((rings, 1))
+    line = a + np.linspace(0.0, 1.0, rings)[:, None] * (b - a)
+    return solid(disc_outline(radius, n), line, m * u, m * v, colour, alpha, light)
 
 
 def torus(

@@ -146,13 +146,14 @@ def _space_grid(axes: Axes, camera: Camera, low: Array, high: Array) -> None:
         along = (b - a) / np.linalg.norm(b - a)
         out = np.array([-along[1], along[0]])
         out *= np.sign(out @ (0.5 * (a + b) - centre)) or 1.0
+        beside = out[0] < -0.8  # numbers to the left of an edge end at it
         for place, value in zip(places, lists[k], strict=True):
             axes.annotate(
                 f"{value:g}".replace("-", "\N{MINUS SIGN}"),
                 tuple(place),
-                xytext=tuple(9 * out),
+                xytext=tuple((5 if beside else 9) * out),
                 textcoords="offset points",
-                ha="center",
+                ha="right" if beside else "center",
                 va="center",
                 fontsize=7.5,
                 color=INK,
@@ -162,7 +163,7 @@ def _space_grid(axes: Axes, camera: Camera, low: Array, high: Array) -> None:
         axes.annotate(
             f"{name} (m)",
             tuple(0.5 * (a + b)),
-            xytext=tuple((34 if k == 2 else 27) * out),
+            xytext=tuple((40 if beside else 27) * out),
             textcoords="offset points",
             ha="center",
             va="center",

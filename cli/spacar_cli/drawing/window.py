@@ -175,9 +175,9 @@ class LivePlot:
         now = time.monotonic()
         if self._moving is not None and now - self._last < LIVE_INTERVAL:
             return
-        self._last = now
         self._draw(frame)
         self._figure.canvas.draw()
+        self._last = time.monotonic()
         self._figure.canvas.flush_events()  # the Abort button is heard here
         if self._aborted:
             raise KeyboardInterrupt

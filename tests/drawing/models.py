@@ -1,0 +1,94 @@
+"""Pictures of all example models: how each is made, for the reference images and their test."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from spacar_cli.drawing.mechanism_picture import Extras, draw_steps
+from spacar_cli.drawing.moving import evenly
+from spacar_cli.drawing.source import Source, source_of_result
+
+import spacar
+
+DATA = Path(__file__).parents[2] / "data"
+REFERENCE = Path(__file__).parent / "reference"
+DPI = 45  # small files; the lines are still visible
+
+
+@cache
+def result_source(name: str, mode: int, duration: float | None = None, n_steps: int | None = None) -> Source:
+    """A run of an example, shortened in time where given."""
+    options = {k: v for k, v in (("duration", duration), ("n_steps", n_steps)) if v is not None}
+    return source_of_result(spacar.run(mode, DATA / f"{name}.dat", **options))
+
+
+def strobe(source: Source, count: int, **extras: Any) -> Any:
+    """Pale and full pictures of evenly spread steps, with the paths that the settings ask for."""
+    xs = source.x()
+    chosen = xs[[k - 1 for k in evenly(1, len(xs), count)]]
+    return draw_steps(
+        source.scene, chosen, source.settings, Extras(title="", **extras), every_step=xs, traces=source.settings.traces
+    )
+
+
+def plain(source: Source, **extras: Any) -> Any:
+    return strobe(source, 1, **extras)
+
+
+NUMBERED = {"node_numbers": True, "element_numbers": True}
+PICTURES: dict[str, Callable[[], Any]] = {
+    "crank": lambda: strobe(result_source("crank", 1, 0.035, 14), 5),
+    "crank2": lambda: strobe(result_source("crank2", 1, 0.02, 8), 3),
+    "crankfl": lambda: strobe(result_source("crankfl", 1, 0.01, 5), 6),
+    "slider": lambda: strobe(result_source("slider", 1, 3.0, 10), 5),
+    "cardan": lambda: strobe(result_source("cardan", 1, 0.1, 4), 1),
+    "cardansimp": lambda: plain(result_source("cardansimp", 0)),
+    "column2": lambda: plain(result_source("column2", 0), **NUMBERED),
+    "finger": lambda: plain(result_source("finger", 0), **NUMBERED),
+    "fingersim": lambda: strobe(result_source("fingersim", 1, 0.1, 10), 4),
+    "fourbar": lambda: plain(result_source("fourbar", 1), **NUMBERED),
+    "lateral4": lambda: plain(result_source("lateral4", 0)),
+    "lateral4cw": lambda: plain(result_source("lateral4cw", 0), view="xz"),
+    "lever": lambda: plain(result_source("lever", 1), **NUMBERED),
+    "massspring": lambda: plain(result_source("massspring", 1), **NUMBERED),
+    "plbeam5": lambda: plain(result_source("plbeam5", 7)),
+    "plbeam5buck": lambda: plain(result_source("plbeam5buck", 0), **NUMBERED),
+    "plbeam5free": lambda: plain(result_source("plbeam5free", 0)),
+    "robotflexinv": lambda: plain(result_source("robotflexinv", 0), **NUMBERED),
+    "robotflexinvlin": lambda: plain(result_source("robotflexinvlin", 0), view="xz"),
+    "robotflexsim": lambda: plain(result_source("robotflexsim", 0)),
+    "robotinv": lambda: strobe(result_source("robotinv", 2), 6),
+    "robotinvlin": lambda: plain(result_source("robotinvlin", 0), **NUMBERED),
+    "robotsim": lambda: plain(result_source("robotsim", 0), view="-120,30"),
+    "screw": lambda: strobe(result_source("screw", 1, 1.0, 10), 1),
+    "shear2": lambda: plain(result_source("shear2", 0)),
+    "trike2": lambda: strobe(result_source("trike2", 1, 0.5, 10), 3),
+    "trike3i": lambda: plain(result_source("trike3i", 0)),
+    "trike3v": lambda: strobe(result_source("trike3v", 1, 0.4, 6), 2),
+}
+
+
+def pixels(figure: Any) -> np.ndarray:
+    """(height, width) grey values 0 to 255 of a figure."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    figure.set_dpi(DPI)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    return np.asarray(canvas.buffer_rgba())[:, :, :3].astype(float).mean(2)
+
+
+def write_references() -> None:
+    """Write all reference images anew: `python -m tests.drawing.models`; look at them before committing."""
+    from PIL import Image
+
+    for name, make in PICTURES.items():
+        Image.fromarray(pixels(make()).round().astype(np.uint8)).save(REFERENCE / f"{name}.png", optimize=True)
+
+
+if __name__ == "__main__":
+    write_references()

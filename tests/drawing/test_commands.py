@@ -1,0 +1,272 @@
+"""The commands draw, visual, plot and report as a user sees them: files, messages, exit status."""
+
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from .conftest import call
+
+PNG, PDF = b"\x89PNG", b"%PDF"
+
+
+def picture_size(path):
+    from PIL import Image
+
+    with Image.open(path) as image:
+        return image.size, getattr(image, "n_frames", 1)
+
+
+def test_draw_writes_beside_the_result_and_says_so(results):
+    done = call("draw", results / "crank")
+    assert (done.status, done.err) == (0, "")
+    assert done.out.strip() == str(results / "crank.png")
+    assert (results / "crank.png").read_bytes().startswith(PNG)
+
+
+@pytest.mark.parametrize("name", ["crank", "crank.sbd", "crank.dat"])
+def test_names_with_and_without_extension(results, name):
+    assert call("draw", results / name, "-o", results / "p.png").status == 0
+
+
+def test_draw_in_all_still_formats_is_reproducible(results):
+    files = [results / f"p.{kind}" for kind in ("png", "svg", "pdf")]
+    arguments = ["draw", results / "crank", "--strobe", 4, "-n", "--trace", 6, *(w for f in files for w in ("-o", f))]
+    assert call(*arguments).status == 0
+    first = [f.read_bytes() for f in files]
+    assert first[0].startswith(PNG)
+    assert b"<svg" in first[1]
+    assert first[2].startswith(PDF)
+    call(*arguments)
+    assert [f.read_bytes() for f in files] == first
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ["--steps", "end"],
+        ["--steps", "1:3"],
+        ["-s", "all", "--no-supports"],
+        ["--strobe", "3", "--initial"],
+        ["--no-trace"],
+        ["--node-numbers"],
+        ["--element-numbers", "--title", "a crank"],
+        ["--section", "RECT 0.01 0.01", "--opacity", "0.4"],
+        ["--section", "CIRC 2 0.02", "--hide", "1"],
+        ["--dpi", "40"],
+    ],
+    ids=" ".join,
+)
+def test_options_of_draw(results, options):
+    done = call("draw", results / "crank", "-o", results / "p.png", *options)
+    assert (done.status, done.err) == (0, "")
+
+
+@pytest.mark.parametrize(
+    "options", [["--view", "xz"], ["--view", "-120,35", "--no-light"], ["--section", "CIRCHOL 0.1 0.08"]], ids=" ".join
+)
+def test_options_of_spatial_pictures(results, options):
+    done = call("draw", results / "trike3v", "-o", results / "p.png", *options)
+    assert (done.status, done.err) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "part"),
+    [
+        (["draw", "nothing"], "nothing.sbd not found"),
+        (["draw", "crank", "--steps", "999"], "step 999 does not exist"),
+        (["draw", "crank", "--steps", "first"], "is no step"),
+        (["draw", "crank", "--steps", "1", "--strobe", "3"], "exclude each other"),
+        (["draw", "crank", "--trace", "99"], "--trace: position node 99 does not exist; the model has 1, 3, 6"),
+        (["draw", "crank", "--trace", "2"], "position node 2"),
+        (["draw", "crank", "--hide", "9"], "element 9 does not exist"),
+        (["draw", "crank", "-o", "p.bmp"], "ends in .png"),
+        (["draw", "crank", "-o", "no/p.png"], "does not exist"),
+        (["draw", "crank", "--section", "RECT 1"], "--section"),
+        (["draw", "trike3v", "--view", "front"], "--view front"),
+        (["visual", "crank"], "use spacar draw"),
+        (["visual", "crank", "7"], "for pictures of mode 7 run: spacar 7 crank"),
+        (["visual", "plbeam5free", "8"], "spacar 8 plbeam5free"),
+        (["visual", "plbeam5free", "-m", "11"], "does not exist"),
+        (["visual", "fourbar"], "OUTLEVEL 0 1"),
+        (["visual", "plbeam5", "--stress", "mises"], "cross-section"),
+        (["visual", "trike2", "--diagram", "N"], "no beams or trusses"),
+        (["visual", "trike2", "-o", "c.gif"], "ends in .png, .svg, .pdf"),
+        (["visual", "plbeam5", "--step", "7"], "step 7 does not exist"),
+        (["plot", "crank", "x[99,1]"], "node 99 does not exist"),
+        (["plot", "crank", "dxx"], "not a variable"),
+        (["plot", "crank"], "EXPR"),
+        (["report", "crank", "-p", "x[1"], "no expression"),
+    ],
+    ids=lambda v: " ".join(v) if isinstance(v, list) else "",
+)
+def test_wrong_use_is_explained(results, monkeypatch, arguments, part):
+    monkeypatch.chdir(results)
+    done = call(*arguments)
+    assert done.status == 2
+    assert part in done.err
+    assert not list(results.glob("*.bmp")) + list(results.glob("p.*"))
+
+
+@pytest.mark.parametrize(
+    "command", [["draw"], ["visual", "--diagram", "Mz"], ["plot", "t"], ["report"]], ids=lambda c: c[0]
+)
+def test_stale_results_are_refused(results, command):
+    """The digest of the input decides, not the date."""
+    word, *rest = command
+    target = results / "crank"
+    with open(results / "crank.dat", "a") as file:
+        file.write("% changed\n")
+    arguments = [word, target, *rest]
+    done = call(*arguments)
+    assert done.status == 2
+    assert "has changed since" in done.err
+    assert "--stale-ok" in done.err
+    assert call(*arguments, "--stale-ok").status == 0
+
+
+def test_matrices_of_another_run_are_refused(results):
+    shutil.copy(results / "lateral4.sbm", results / "plbeam5free.sbm")
+    done = call("visual", results / "plbeam5free")
+    assert done.status == 2
+    assert "different runs" in done.err
+
+
+def test_gif_has_the_frames_and_loops(results):
+    done = call("draw", results / "crank", "-o", results / "c.gif", "--frames", 5, "--dpi", 40)
+    assert done.status == 0
+    (width, height), frames = picture_size(results / "c.gif")
+    assert frames == 5
+    assert width % 2 == height % 2 == 0
+    from PIL import Image
+
+    with Image.open(results / "c.gif") as image:
+        assert image.info["loop"] == 0
+        shots = []
+        for k in (0, 2):
+            image.seek(k)
+            shots.append(np.asarray(image.convert("L"), float))
+    assert np.abs(shots[1] - shots[0]).max() > 50  # it moves
+    assert not list(results.glob(".*part*"))
+
+
+@pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg is not installed")
+def test_mp4(results):
+    assert call("draw", results / "crank", "-o", results / "c.mp4", "--frames", 3, "--dpi", 40).status == 0
+    assert b"ftyp" in (results / "c.mp4").read_bytes()[:16]
+
+
+def test_mp4_without_ffmpeg_is_refused_before_anything_is_drawn(results, monkeypatch):
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    done = call("draw", results / "crank", "-o", results / "c.mp4")
+    assert done.status == 2
+    assert "needs the program ffmpeg" in done.err
+
+
+def test_animation_bar_on_terminals_only(results):
+    quiet = call("draw", results / "crank", "-o", results / "c.gif", "--frames", 20, "--dpi", 30)
+    assert quiet.err == ""
+
+
+@pytest.mark.parametrize(
+    ("arguments", "file"),
+    [
+        (["visual", "plbeam5free"], "plbeam5free_vibration1.png"),
+        (["visual", "plbeam5free", "7", "-m", "2", "--factor", "3", "--no-rest"], "plbeam5free_vibration2.png"),
+        (["visual", "lateral4"], "lateral4_buckling1.png"),
+        (["visual", "trike2"], "trike2_constraints.png"),
+        (["visual", "plbeam5", "--diagram", "Mz"], "plbeam5_Mz.png"),
+        (["visual", "plbeam5", "--stress", "N"], "plbeam5_N.png"),
+        (["visual", "plbeam5", "--stress", "mises", "--section", "CIRC 0.2"], "plbeam5_mises.png"),
+        (["visual", "lateral4", "--stress", "MISES"], "lateral4_mises.png"),
+        (["visual", "fourbar", "--diagram", "N"], "fourbar_N.png"),
+        (["plot", "crank", "x[6,1]", "sig[1,1]"], "crank_plot.png"),
+    ],
+    ids=lambda v: " ".join(v) if isinstance(v, list) else "",
+)
+def test_default_names(results, monkeypatch, arguments, file):
+    monkeypatch.chdir(results)
+    done = call(*arguments)
+    assert (done.status, done.err, done.out.strip()) == (0, "", file)
+    assert (results / file).read_bytes().startswith(PNG)
+
+
+def test_several_modes_get_names_of_their_own(results):
+    done = call("visual", results / "plbeam5free", "-m", "1:3", "-o", results / "m.svg")
+    assert done.out.split() == [str(results / f"m_vibration{k}.svg") for k in (1, 2, 3)]
+
+
+def test_mode_as_gif_and_list(results):
+    assert call("visual", results / "plbeam5free", "-o", results / "m.gif", "--dpi", 30).status == 0
+    assert picture_size(results / "m.gif")[1] == 48
+    lines = call("visual", results / "plbeam5free", "--list").out.splitlines()
+    assert len(lines) == 10
+    assert lines[0].startswith("vibration mode 1   f = 0.056521 Hz")
+
+
+def test_plot_csv_to_a_file_and_to_the_output(results):
+    done = call("plot", results / "crank", "x[6,1]", "--csv", "-")
+    assert done.out.splitlines()[0] == 't (s),"x[6,1] (m)"'
+    assert len(done.out.splitlines()) == 102
+    call("plot", results / "crank", "x[6,1]", "--csv", results / "c.csv", "-x", "x[2,1]")
+    assert (results / "c.csv").read_text("utf-8").startswith('"x[2,1] (rad)","x[6,1] (m)"\n')
+    assert not (results / "crank_plot.png").exists()
+
+
+def test_only_the_step_that_is_drawn_is_read(made, monkeypatch):
+    """10 000 steps: the checksums of all other blocks stay unread (they are verified on reading)."""
+    from spacar_cli.drawing.drawing_job import chosen_steps, configurations
+    from spacar_cli.drawing.source import open_source
+    from spacar_formats.sbf import SbfFile
+
+    asked = []
+    inside = SbfFile.check_steps
+    monkeypatch.setattr(SbfFile, "check_steps", lambda self, chosen: (asked.append(list(chosen)), inside(self, chosen)))
+    source = open_source(made / "crank")
+    configurations(source, chosen_steps(source, "77", None, False))
+    source.time(77)
+    assert asked == [[76], [76]]
+
+
+def long_result(folder, steps=10_000):
+    """A `.sbd` of the crank with many steps."""
+    from spacar_formats.sbf import SbfFile, SbfWriter
+
+    with SbfFile(folder / "crank.sbd") as old:
+        header = {k: v for k, v in old.header.items() if k not in ("SOURCE", "SHA256")}
+        shapes = {k: (r.rows, r.cols) for k, r in old.step_records.items()}
+        values = {k: old.get(k, 30) for k in shapes}
+    with SbfWriter(folder / "long.sbd", "sbd", header, shapes) as writer:
+        for k in range(steps):
+            writer.append(values | {"T": np.array([[float(k)]])})
+
+
+def test_one_frame_of_ten_thousand_in_a_second_and_a_half(results):
+    """A whole process. Processor time is compared, which a busy machine does not lengthen."""
+    import resource
+
+    long_result(results)
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run([sys.executable, "-m", "spacar_cli.main", "draw", results / "long", "-s", "9000"], check=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    assert (results / "long.png").exists()
+    assert after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime < 1.5
+
+
+def test_no_window_toolkit_is_loaded_for_files(results):
+    code = (
+        "import sys; from spacar_cli.main import main; s = main(sys.argv[1:]); "
+        "print(s, [m for m in sys.modules if m in ('matplotlib.pyplot', 'tkinter', 'pandas')])"
+    )
+    done = subprocess.run([sys.executable, "-c", code, "draw", results / "trike3v"], capture_output=True, text=True)
+    assert done.stdout.splitlines()[-1] == "0 []"
+
+
+def test_incomplete_results_can_be_drawn(results):
+    shutil.move(results / "crank.sbd", results / "crank.sbd.part")
+    done = call("draw", results / "crank")
+    assert done.status == 2
+    assert "crank.sbd.part" in done.err
+    assert call("draw", results / "crank.sbd.part").status == 0

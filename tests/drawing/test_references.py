@@ -1,0 +1,53 @@
+"""Every example model has a picture that somebody has looked at; it must not change unnoticed."""
+
+import numpy as np
+import pytest
+
+from .models import DATA, DPI, PICTURES, REFERENCE, pixels
+
+# Root mean square of the difference in grey levels. Other fonts or another antialiasing move single pixels of the
+# letters only; a joint that moves by 3 % of the width of the picture gives more than this, see the last test.
+TOLERANCE = 3.0
+
+
+def stored(name):
+    from PIL import Image
+
+    return np.asarray(Image.open(REFERENCE / f"{name}.png").convert("L"), float)
+
+
+def difference(a, b):
+    assert np.all(np.abs(np.subtract(a.shape, b.shape)) <= 1)  # rounding of the size in pixels
+    h, w = np.minimum(a.shape, b.shape)
+    return float(np.sqrt(np.mean((a[:h, :w] - b[:h, :w]) ** 2)))
+
+
+def test_every_example_has_a_picture():
+    assert set(PICTURES) == {p.stem for p in DATA.glob("*.dat")} == {p.stem for p in REFERENCE.glob("*.png")}
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_picture_is_the_reviewed_one(name):
+    assert difference(pixels(PICTURES[name]()), stored(name)) < TOLERANCE
+
+
+def test_the_tolerance_notices_a_change():
+    from dataclasses import replace
+
+    from spacar_cli.drawing.mechanism_picture import Extras, draw_steps
+
+    from .models import result_source
+
+    source = result_source("fourbar", 1)
+    x = source.x().copy()
+    right = pixels(draw_steps(source.scene, x, source.settings, Extras(True, True, title="")))
+    x[:, source.scene.lnp[1, 0] - 1] += 0.04  # one of four nodes, 3 % of the width
+    wrong = pixels(draw_steps(source.scene, x, source.settings, Extras(True, True, title="")))
+    assert difference(wrong, stored("fourbar")) > TOLERANCE
+    assert difference(right, stored("fourbar")) < 0.5
+    hidden = replace(source.settings, hidden=frozenset({3}))
+    assert (
+        difference(pixels(draw_steps(source.scene, source.x(), hidden, Extras(True, True, title=""))), right)
+        > TOLERANCE
+    )
+    assert DPI < 60

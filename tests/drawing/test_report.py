@@ -1,0 +1,98 @@
+"""The report: one file that needs nothing else, shown by a real browser."""
+
+import re
+import shutil
+import subprocess
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from .conftest import RUNS, call
+
+BROWSER = next((b for b in map(shutil.which, ("chromium", "chromium-browser", "google-chrome")) if b), None)
+
+
+class Page(HTMLParser):
+    """Headings, images, and whether every element was closed."""
+
+    EMPTY = ("meta", "img", "br", "link")
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.headings, self.images = [], [], []
+        self.feed(text)
+        assert self.open == []
+
+    def handle_starttag(self, tag, attributes):
+        if tag == "img":
+            self.images.append(dict(attributes))
+        assert tag != "script"
+        if tag not in self.EMPTY:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if self.open and self.open[-1] in ("h1", "h2"):
+            self.headings.append(data)
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_page_is_well_formed_and_self_contained(results, name):
+    done = call("report", results / name)
+    assert (done.status, done.err) == (0, "")
+    text = (results / f"{name}.html").read_text("utf-8")
+    page = Page(text)
+    assert page.headings[:3] == [name, "Model", "Degrees of freedom"]
+    assert page.images
+    assert all(i["src"].startswith("data:image/png;base64,") and i["alt"] for i in page.images)
+    assert not re.search(r"(https?:)?//\w+\.\w", re.sub(r'src="data:[^"]*"', "", text))
+    assert "Log" in page.headings
+
+
+def test_what_the_page_says(results):
+    call("report", results / "crank")
+    text = (results / "crank.html").read_text("utf-8")
+    for part in (
+        "mode 1: forward dynamics",
+        "2 PLBEAM",
+        "101, t = 0 to 0.1 s",
+        "node 2, rotation",
+        "prescribed",
+        "fxtot[2,1] (N m)",
+    ):
+        assert part in text
+    call("report", results / "plbeam5free", "--log-lines", 0)
+    text = (results / "plbeam5free.html").read_text("utf-8")
+    assert "0.355131" in text
+    assert "<h2>Log</h2>" not in text
+    call("report", results / "crank", "-p", "x[6,1]", "-o", results / "other.html")
+    assert "x[6,1] (m)" in (results / "other.html").read_text("utf-8")
+
+
+def test_text_from_files_cannot_break_the_page(results):
+    """A log with markup is shown, not interpreted."""
+    (results / "crank.log").write_text("<script>alert(1)</script> & <b>")
+    call("report", results / "crank")
+    text = (results / "crank.html").read_text("utf-8")
+    assert "<script" not in text
+    assert "&lt;script&gt;" in text
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no chromium on this machine")
+def test_a_browser_shows_the_pictures(results):
+    from PIL import Image
+
+    call("report", results / "crank")
+    shot = results / "shot.png"
+    command = [BROWSER, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={results / 'profile'}",
+               "--window-size=950,1400", f"--screenshot={shot}", f"file://{results / 'crank.html'}"]  # fmt: skip
+    subprocess.run(command, check=True, capture_output=True, timeout=60)
+    with Image.open(shot) as image:
+        pixels = np.asarray(image.convert("RGB"), int)
+    assert pixels.shape == (1400, 950, 3)
+    # the dark blue-grey of the rigid bars and the red of the drive arrow are on the page: the pictures were decoded
+    for colour in ((0x3C, 0x4A, 0x57), (0xC0, 0x27, 0x2D)):
+        assert np.sum(np.abs(pixels - colour).max(2) < 30) > 20

@@ -1,0 +1,97 @@
+"""Windows: never without being asked; slider, live picture and Abort, with matplotlib's backend that has no screen."""
+
+import pytest
+from spacar_cli.drawing import window
+
+import spacar
+
+from .conftest import call
+from .models import DATA
+
+
+@pytest.fixture
+def no_screen(monkeypatch):
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    import matplotlib.pyplot as plt
+
+    plt.switch_backend("agg")
+    yield plt
+    plt.close("all")
+
+
+def test_show_without_display_is_refused(results, monkeypatch):
+    for name in ("DISPLAY", "WAYLAND_DISPLAY", "MPLBACKEND"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr("sys.platform", "linux")
+    for arguments in (
+        ["draw", "crank", "--show"],
+        ["plot", "crank", "t", "--show"],
+        ["visual", "plbeam5free", "--show"],
+    ):
+        done = call(arguments[0], results / arguments[1], *arguments[2:])
+        assert done.status == 2
+        assert "no display" in done.err
+
+
+def test_slider_shows_the_step(no_screen):
+    from spacar_cli.drawing.drawing_job import pictures_of
+    from spacar_cli.drawing.look import look_of
+    from spacar_cli.drawing.mechanism_picture import Extras, camera_of, series_bounds
+
+    from .models import result_source
+
+    source = result_source("crank", 1, 0.035, 14)
+    look = look_of(source.scene, source.x(), source.settings)
+    bounds = series_bounds(source.scene, source.x(), look, Extras())
+
+    class Choices:
+        title = None
+
+        @staticmethod
+        def extras():
+            return Extras()
+
+    pictures = pictures_of(source, range(1, 16), look, Choices, [])
+    figure = window.slider_window(pictures, 15, 0, bounds, camera_of(source.scene, "iso"), "crank", block=False)
+    axes = figure.axes[0]
+    assert axes.get_title(loc="left") == "crank   t = 0 s"
+    slider = figure._spacar[0]
+    slider.set_val(9)
+    assert axes.get_title(loc="left") == "crank   t = 0.02 s"
+
+
+def live_run(steps=6):
+    return spacar.frames(1, DATA / "crank.dat", duration=0.01, n_steps=steps)
+
+
+def test_live_plot_follows_a_run(no_screen, monkeypatch):
+    monkeypatch.setattr(window, "LIVE_INTERVAL", 0.0)
+    plot = window.LivePlot()
+    run = live_run()
+    plot.start(run)
+    titles = []
+    for frame in run:
+        plot.frame(frame)
+        titles.append(plot._moving.axes.get_title(loc="left"))
+    plot.finish(None)
+    assert titles[0] == "crank.dat   t = 0 s"
+    assert titles[-1] == "crank.dat   t = 0.01 s"
+    assert no_screen.get_fignums() == []
+
+
+def test_abort_ends_the_run_like_an_interrupt(no_screen):
+    plot = window.LivePlot()
+    run = live_run()
+    plot.start(run)
+    frames = iter(run)
+    plot.frame(next(frames))
+    plot._button._observers.process("clicked", None)
+    with pytest.raises(KeyboardInterrupt):
+        plot.frame(next(frames))
+    plot.finish(KeyboardInterrupt())
+
+
+def test_plot_option_of_a_run(results, no_screen):
+    assert call("1", results / "crank", "--plot", "--quiet", "--steps", 4).status == 0
+    assert (results / "crank.sbd").is_file()
+    assert "No such option" in call("-1", results / "crank", "--plot").err
