@@ -93,7 +93,7 @@ def find_mode(number: int) -> Mode:
 def frames(mode: int, source: str | Path | Deck, *, nominal: Any = None, **options: Any) -> Run:
     """Prepare an analysis: read, check and number the model; the frames come when the returned Run is iterated over.
 
-    `options` override the deck for this run: atol, rtol, integrator, step, duration, n_steps (see Settings).
+    `options` override the deck for this run: atol, rtol, integrator, step, duration, n_steps, compiled (see Settings).
     Raises UsageError (unknown mode), InputError (bad input) now; AnalysisError while iterating.
     """
     from spacar.deck import Deck, read_deck

@@ -41,7 +41,7 @@ def forward(run: Run) -> Iterator[Frame]:
 def states(run: Run) -> Iterator[tuple[Dynamics, float, Array, dict[str, int]]]:
     """The states at the output times, with the counters of the integrator since the last one."""
     settings = run.mechanism.settings
-    dynamics = Dynamics(run.mechanism)
+    dynamics = evaluator(run)
     y = dynamics.start()
     run.header["condition"] = dynamics.kinematics.condition()
     half_turns = HalfTurns(dynamics.kinematics)
@@ -61,7 +61,7 @@ def states(run: Run) -> Iterator[tuple[Dynamics, float, Array, dict[str, int]]]:
     dynamics.kinematics.converged = max(exact, POSITION * min(atol, rtol)) if method.variable_step else exact
     # Outputs are interpolated inside steps that may have passed a dead point: they follow their own path from the last
     # one, not back from the end of the step.
-    shown = Dynamics(run.mechanism)
+    shown = evaluator(run)
     shown.kinematics.start_from(dynamics.kinematics)
     for out in integrate(
         dynamics, y, times, settings.integrator, atol, rtol, settings.step, breaks=dynamics.drive.breaks
@@ -71,6 +71,19 @@ def states(run: Run) -> Iterator[tuple[Dynamics, float, Array, dict[str, int]]]:
             "rejected": out.n_rejected, "iterations": out.newton_iterations,
         }  # fmt: skip
         yield shown, float(out.t), out.y, statistics
+
+
+def evaluator(run: Run) -> Dynamics:
+    """The general evaluator, or the compiled one when the run asks for it and the mechanism allows it."""
+    if not run.mechanism.settings.compiled:
+        return Dynamics(run.mechanism)
+    from spacar.compiled import CompiledDynamics, why_not
+
+    reason = why_not(run.mechanism)
+    if reason:
+        run.report.add(f"not compiled: {reason}")
+        return Dynamics(run.mechanism)
+    return CompiledDynamics(run.mechanism)
 
 
 def output_times(run: Run) -> Array:

@@ -29,6 +29,7 @@ OVERRIDES: tuple[tuple[str, str, Any, str, tuple[int, ...]], ...] = (
     ("--rtol", "rtol", POSITIVE, "Relative error tolerance, instead of ERROR.", INTEGRATED),
     ("--integrator", "integrator", int, "Integration method, instead of INTEGRAT.", INTEGRATED),
     ("--steps", "n_steps", click.IntRange(min=1), "Number of output steps, instead of TIMESTEP.", INTEGRATED),
+    ("--compiled", "compiled", bool, "Right-hand side in C: faster, needs a C compiler.", INTEGRATED),
     ("--time", "duration", POSITIVE, "Length of the time interval, instead of TIMESTEP [s].", INTEGRATED),
 )
 
@@ -56,7 +57,8 @@ def command_of_mode(word: str) -> click.Command:
     )
     for flag, field, kind, text, modes in OVERRIDES:
         if mode.number in modes:
-            params.append(click.Option([flag, field], type=kind, help=text))
+            switch = {"is_flag": True, "flag_value": True, "default": None} if kind is bool else {"type": kind}
+            params.append(click.Option([flag, field], help=text, **switch))
     if mode.number in LINEARIZED:
         params.append(
             click.Option(["--setpoints"], help="Result of mode 2 to linearize along, instead of the search by name.")

@@ -1,0 +1,77 @@
+"""The compiled right-hand side gives the numbers of the general path, and says so when it cannot be used."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import spacar
+from spacar.compiled import CompiledDynamics, library, why_not
+from spacar.dynamics import Dynamics
+from spacar.errors import UsageError
+
+DATA = Path(__file__).parents[2] / "data"
+MODELS = ["slider", "crank", "crank2", "crankfl", "fourbar", "cardansimp", "cardan", "robotsim", "plbeam5", "lateral4"]
+VARIABLES = ("x", "xd", "xdd", "e", "ed", "edd", "sig", "fx", "fxgrav", "fxtot")
+
+pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_frames_equal_those_of_the_general_path(name):
+    """At random states: both paths solve the same equations to the same position tolerance.
+
+    A state is known to 1e-11 of the model size (CONVERGED) and stiffness turns that into forces, so the bound is 1e-8
+    of the largest value of each kind; rates and accelerations of rigid deformations are rounding of zero.
+    """
+    mechanism = spacar.frames(1, DATA / f"{name}.dat").mechanism
+    assert why_not(mechanism) is None
+    general, compiled = Dynamics(mechanism), CompiledDynamics(mechanism)
+    y, rng = general.start(), np.random.default_rng(4)
+    np.testing.assert_array_equal(compiled.start(), y)
+    n = general.n_positions
+    for k in range(5):
+        state = y + np.r_[1e-2 * rng.standard_normal(n), rng.standard_normal(len(y) - n)]
+        a, b = general.frame(1e-3 * k, state), compiled.frame(1e-3 * k, state)
+        size = {"e": "x", "ed": "xd", "edd": "xdd"}
+        for variable in VARIABLES:
+            reference = np.abs(getattr(a, size.get(variable, variable))).max()
+            got, want = getattr(b, variable), getattr(a, variable)
+            np.testing.assert_allclose(got, want, atol=1e-8 * max(reference, 1e-12), rtol=0)
+        if len(y):
+            expected = general.rhs(1e-3 * k, state)
+            np.testing.assert_allclose(compiled.rhs(1e-3 * k, state), expected, atol=1e-8 * np.abs(expected).max())
+
+
+def test_a_simulation_is_the_same():
+    """Same method and tolerances: the step sequences agree up to rounding, the results to the tolerance."""
+    options = {"atol": 1e-9, "rtol": 1e-9, "duration": 0.02, "n_steps": 20}
+    a = spacar.run(1, DATA / "crankfl.dat", **options)
+    b = spacar.run(1, DATA / "crankfl.dat", compiled=True, **options)
+    np.testing.assert_allclose(b["x"], a["x"], atol=1e-8)
+    np.testing.assert_allclose(b["sig"], a["sig"], atol=1e-5 * np.abs(a["sig"]).max())
+
+
+def test_what_cannot_be_compiled_runs_in_the_general_path_and_says_so():
+    result = spacar.run(1, DATA / "trike2.dat", compiled=True, duration=0.02, n_steps=2)
+    assert any("not compiled" in line and "PLWHEEL" in line for line in result.report)
+
+
+def test_a_missing_compiler_is_said_in_one_sentence(monkeypatch, tmp_path):
+    monkeypatch.setenv("CC", "no-such-compiler")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    library.library.cache_clear()
+    with pytest.raises(UsageError, match="no-such-compiler"):
+        library.library()
+    library.library.cache_clear()
+
+
+def test_the_command_line_option(tmp_path):
+    shutil.copy(DATA / "crank.dat", tmp_path)
+    command = [str(Path(sys.executable).parent / "spacar"), "1", "crank", "--compiled"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert "compiled" in (tmp_path / "crank.log").read_text().lower()
