@@ -1,0 +1,94 @@
+"""Decks of the speed and accuracy measurements, as text. SI units."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+DATA = Path(__file__).resolve().parents[1] / "data"
+
+
+def deck(kinematics: list[str], dynamics: list[str]) -> str:
+    """Both blocks of an input file."""
+    return "\n".join([*kinematics, "END", "HALT", *dynamics, "END", "END", ""])
+
+
+def example(name: str) -> str:
+    """The text of an example of `data/`."""
+    return (DATA / f"{name}.dat").read_text()
+
+
+def free_slider_crank(duration: float, steps: int) -> str:
+    """Rigid slider-crank, 0.15 m and 0.30 m, falling under gravity from a horizontal crank that turns with 10 rad/s."""
+    return deck(
+        ["PLBEAM 1 1 2 3 4", "PLBEAM 2 3 5 6 7", "X 3 0.15 0.", "X 6 0.45 0.", "FIX 1", "FIX 6 2", "DYNX 2 1"],
+        ["XM 6 0.033375", "EM 1 0.2225", "EM 2 0.2225", "GRAVITY 0. -9.81", "STARTDX 2 1 0. 10.", f"TIMESTEP {duration} {steps}"],
+    )  # fmt: skip
+
+
+def slider_crank(n: int, duration: float = 0.1, steps: int = 100) -> str:
+    """crankfl.dat with n equal elements in the rod: crank at 150 rad/s, inextensible flexible rod of 0.30 m."""
+    node = [3] + [2 * i + 4 for i in range(1, n + 1)]  # crank pin, then every second number from 6
+    turn = [5 + 2 * i for i in range(n + 1)]
+    kinematics = ["PLBEAM 1 1 2 3 4"]
+    kinematics += [f"PLBEAM {i + 2} {node[i]} {turn[i]} {node[i + 1]} {turn[i + 1]}" for i in range(n)]
+    kinematics += [f"X {node[i]} {0.15 + 0.3 * i / n!r} 0." for i in range(n + 1)]
+    kinematics += ["FIX 1", f"FIX {node[n]} 2", "INPUTX 2 1", *(f"DYNE {i + 2} 2 3" for i in range(n))]
+    dynamics = [f"XM {node[n]} 0.033375", "INPUTX 2 1 0. 150. 0.", f"TIMESTEP {duration} {steps}"]
+    dynamics += [f"EM {i + 2} 0.2225" for i in range(n)] + [f"ESTIFF {i + 2} 0. 13.359623" for i in range(n)]
+    return deck(kinematics, dynamics)
+
+
+def pendulum(links: int, duration: float, steps: int) -> str:
+    """Chain of uniform rods of 1 m and 1 kg, straight, 30 degrees from the vertical, released under gravity."""
+    n, sine, cosine = links, 0.5, 0.8660254037844386
+    kinematics = [f"PLRBEAM {i + 1} {i + 1} {n + 2 + i} {i + 2}" for i in range(n)]
+    kinematics += [f"X {i + 1} {sine * i!r} {-cosine * i!r}" for i in range(n + 1)]
+    kinematics += ["FIX 1", *(f"DYNX {n + 2 + i} 1" for i in range(n))]
+    return deck(kinematics, [*(f"EM {i + 1} 1." for i in range(n)), "GRAVITY 0. -9.81", f"TIMESTEP {duration} {steps}"])
+
+
+def spatial_pendulum(links: int, duration: float, steps: int) -> str:
+    """Chain of spatial rigid rods, 1 m together, with hinges of alternating axes; rotary inertia of the rods."""
+    n = links
+    kinematics = [f"RBEAM {i + 1} {i + 1} {n + 2 + i} {i + 2}" for i in range(n)]
+    ground = 2 * n + 2
+    previous = [ground, *(n + 2 + i for i in range(n - 1))]
+    axes = ("0 1 0", "0 0 1")
+    kinematics += [f"HINGE {n + 1 + i} {previous[i]} {n + 2 + i} {axes[i % 2]}" for i in range(n)]
+    kinematics += [f"X {i + 1} {i / n!r} 0. 0." for i in range(n + 1)]
+    kinematics += ["FIX 1", f"FIX {ground}", *(f"DYNE {n + 1 + i} 1" for i in range(n))]
+    dynamics = [f"EM {i + 1} 1. 0.01 0.005 0.005" for i in range(n)]
+    return deck(kinematics, [*dynamics, "GRAVITY 1. 2. -9.81", f"TIMESTEP {duration} {steps}"])
+
+
+def manipulator(duration: float = 1.4, steps: int = 14) -> str:
+    """robotsim.dat as forward dynamics: the arm with three hinges falls under its weights."""
+    text = example("robotsim").split("HALT")
+    dynamics = text[1].replace("END", f"STARTDE 1 1 0. 1.\nTIMESTEP {duration} {steps}\nEND\nEND")
+    return f"{text[0]}HALT{dynamics}"
+
+
+def cantilever(
+    n: int, *, load: str = "", mass: float = 1.0, extensible: str = "2 3", EI: float = 102.0, length: float = 10.0,
+    dynamics: tuple[str, ...] = (),
+) -> str:  # fmt: skip
+    """n equal planar beams along x, clamped at the origin; `load` is put on the tip."""
+    kinematics = [f"PLBEAM {i + 1} {2 * i + 1} {2 * i + 2} {2 * i + 3} {2 * i + 4}" for i in range(n)]
+    kinematics += [f"X {2 * i + 1} {length * i / n!r} 0." for i in range(1, n + 1)]
+    kinematics += ["FIX 1", "FIX 2", *(f"DYNE {i + 1} {extensible}" for i in range(n))]
+    rows = [f"ESTIFF {i + 1} 0. {EI!r}" for i in range(n)]
+    if mass:
+        rows += [f"EM {i + 1} {mass!r}" for i in range(n)]
+    if load:
+        rows.append(f"XF {2 * n + 1} {load}")
+    return deck(kinematics, [*rows, *dynamics])
+
+
+def spatial_chain(n: int) -> str:
+    """n equal spatial beams along x, clamped, with bending and torsion, rotary inertia and gravity."""
+    kinematics = [f"BEAM {i + 1} {2 * i + 1} {2 * i + 2} {2 * i + 3} {2 * i + 4} 0 1 0" for i in range(n)]
+    kinematics += [f"X {2 * i + 1} {i / n!r} 0 0" for i in range(1, n + 1)]
+    kinematics += ["FIX 1", "FIX 2", *(f"DYNE {i + 1} 2 3 4 5 6" for i in range(n))]
+    dynamics = [f"EM {i + 1} 1. 0.01 0.005 0.005" for i in range(n)]
+    dynamics += [f"ESTIFF {i + 1} 0. 1. 1. 1." for i in range(n)]
+    return deck(kinematics, [*dynamics, "GRAVITY 0 0 -9.81", "TIMESTEP 0.01 1"])
