@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +17,17 @@ SHORT = 1e-6
 
 if TYPE_CHECKING:
     from spacar.kinematics.kinematics import Kinematics
+
+
+LARGEST_DIAGNOSED = 1000  # unknowns; a singular value decomposition of more would take longer than the analysis
+
+
+class Unplaced(Exception):
+    """A Newton iteration that did not reach its target. Smaller steps may; explaining costs more than trying."""
+
+    def __init__(self, explain: Callable[[], AnalysisError]) -> None:
+        super().__init__()
+        self.explain = explain
 
 
 def count_failure(kinematics: Kinematics) -> AnalysisError:
@@ -40,6 +52,9 @@ def count_failure(kinematics: Kinematics) -> AnalysisError:
 
 def singular_failure(kinematics: Kinematics, x: Array, error: SingularMatrixError) -> AnalysisError:
     """The matrix of the position problem is singular at x."""
+    if len(kinematics.E) > LARGEST_DIAGNOSED:
+        text = f"the position cannot be determined: {error}; `spacar 0` looks for the reason"
+        return AnalysisError(text, "position.singular")
     diagnosis = diagnose(kinematics.mechanism, kinematics.sweep.gradient())
     text = (
         f"the position cannot be determined: {error}; {_candidates(diagnosis)};"
@@ -58,9 +73,12 @@ def position_failure(
         return AnalysisError(collapsed, "element.range", iterations=iteration, history=history)
     values = np.where(np.isfinite(residual), np.abs(residual), np.inf)
     worst = int(kinematics.h[int(np.argmax(values))]) if len(values) else 0
-    D = scaled_difference_matrix(kinematics.mechanism, kinematics.sweep.gradient())[np.ix_(kinematics.h, kinematics.c)]
     where = ""
     smallest = float("nan")
+    D = np.zeros((0, 0))
+    if len(kinematics.c) <= LARGEST_DIAGNOSED:
+        V = kinematics.sweep.gradient()
+        D = scaled_difference_matrix(kinematics.mechanism, V)[np.ix_(kinematics.h, kinematics.c)]
     if np.isfinite(D).all() and D.size:
         _, s, right = np.linalg.svd(D)
         smallest = float(s[-1])

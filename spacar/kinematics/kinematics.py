@@ -20,10 +20,11 @@ most 10 times.
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
-from spacar.errors import AnalysisError
-from spacar.kinematics.failure import count_failure, position_failure, singular_failure
+from spacar.kinematics.failure import Unplaced, count_failure, position_failure, singular_failure
 from spacar.kinematics.sweep import Sweep
 from spacar.linear_systems import SingularMatrixError, System, assemble
 from spacar.mechanism.mechanism import Array, Index, Mechanism
@@ -126,9 +127,9 @@ class Kinematics:
                 self.e_given = e_given
                 near[:] = self.sweep.e
                 return velocity
-        except AnalysisError:
+        except Unplaced as failure:
             if depth == MAX_DEPTH:
-                raise
+                raise failure.explain() from None
         self.x, self._factored = x_old, False
         near[:] = near_old
         self._solve(0.5 * (x_old + x_given), 0.5 * (e_old + e_given), None, None, None, depth + 1)
@@ -148,7 +149,7 @@ class Kinematics:
             norm = _largest(residual)
             if not norm < np.inf or (history and norm > 2.0 * history[-1] and norm > 1e-6):
                 if halvings == MAX_HALVINGS:
-                    raise position_failure(self, x, residual, history, iteration)
+                    raise Unplaced(partial(position_failure, self, x, residual, history, iteration))
                 halvings += 1
                 correction *= 0.5
                 x[c] += correction
@@ -164,7 +165,7 @@ class Kinematics:
                 self._factor_position()
                 solution = self.position_system.solve(right)
             except SingularMatrixError as error:
-                raise singular_failure(self, x, error) from None
+                raise Unplaced(partial(singular_failure, self, x, error)) from None
             correction = solution[:, 0] if together else solution
             x[c] -= correction
             if _largest(correction / scale) <= self.converged:
@@ -179,7 +180,7 @@ class Kinematics:
                 v = v_given.copy()  # type: ignore[union-attr]
                 v[self.U] = solution[:, 1]
                 return v
-        raise position_failure(self, x, residual, history, MAX_ITERATIONS)
+        raise Unplaced(partial(position_failure, self, x, residual, history, MAX_ITERATIONS))
 
     def forget_factors(self) -> None:
         """x was changed from outside: no prediction with the old factorization."""
