@@ -33,9 +33,8 @@ def lowest_vibration(tangent: SparseTangent, wanted: int = WANTED) -> Modes:
     """The `wanted` modes of lowest frequency about the equilibrium of `tangent` (its sigma set)."""
     n = tangent.dynamics.numbering
     wanted = min(wanted, n.nddof)
-    damped = any(part.values().any() for part in (tangent.parts["damping"], tangent.parts["flow"]))
     s = _shift(tangent, wanted)
-    if damped or not _symmetric(tangent):
+    if tangent.damped or not _symmetric(tangent):
         values, x = _quadratic(tangent, s, wanted)
     else:
         squares, x = _undamped(tangent, s, wanted)
@@ -51,7 +50,7 @@ def lowest_buckling(tangent: SparseTangent, wanted: int = WANTED) -> BucklingMod
     if not any(tangent.parts[k].values().any() for k in LOADING):
         return BucklingModes(np.zeros(0), np.zeros((tangent.dynamics.numbering.nddof, 0)))
     try:
-        system = tangent.factor({"material": 1.0})
+        system = tangent.factor({})
     except SingularMatrixError as error:
         raise AnalysisError(
             f"the stiffness matrix K0 is singular ({error}): no load multipliers; support or prescribe the motion without"
@@ -98,7 +97,7 @@ def sparse_compliances(tangent: SparseTangent) -> Array:
 
 def _shift(tangent: SparseTangent, wanted: int) -> float:
     """s > 0 with s^2 = a thousandth of the highest wanted omega^2, from upper bounds that two iterations give."""
-    K = max(float(np.max(np.abs(tangent.parts[k].values()), initial=0.0)) for k in ("material", "geometric"))
+    K = max(float(np.max(S)) for S in (b.family.stiffness()[0] for b in tangent.elastic))
     M = float(np.max(np.abs(tangent.parts["mass"].values()), initial=0.0))
     if M == 0.0:
         raise AnalysisError("singular mass matrix: the system carries no mass; add XM or EM", "dynamics.singular-mass")
@@ -135,14 +134,13 @@ def _undamped(tangent: SparseTangent, s: float, wanted: int) -> tuple[Array, Arr
 
 def _quadratic(tangent: SparseTangent, s: float, wanted: int) -> tuple[Array, Array]:
     """lambda and displacement shapes of the damped, gyroscopic or unsymmetric system; 2 x wanted of them."""
-    weights = {**STATIC, "mass": s * s, "damping": s, "flow": s}
-    system = tangent.factor(weights)
+    system = tangent.factor({**STATIC, "mass": s * s, "flow": s}, damping=s)
     n = tangent.dynamics.numbering.nx
     size = s / np.sqrt(SHIFT)  # x is multiplied by a typical frequency, so that both halves compare
 
     def operator(z: Array) -> Array:
         x, v = z[:n] / size, z[n:]
-        force = tangent.times(("mass",), v + s * x) + tangent.times(("damping", "flow"), x)
+        force = tangent.times(("mass",), v + s * x) + tangent.times(("flow",), x) + tangent.viscous(x)
         following = -tangent.displacement(system, force)
         return np.vstack((size * following, x + s * following))
 

@@ -1,12 +1,15 @@
-"""The static tangent without dense matrices (theory-system.md 6.2).
+"""The static tangent without dense matrices (theory-system.md 6.2), in mixed form.
 
-    [ K_x   V_RF^T ] [ dx_F    ]   [ (f - h - V_A^T sigma_A)_F ]
-    [ V_RF  0      ] [ sigma_R ] = [ 0                          ],    K_x = V_A^T S V_A + Hs(sigma) + d(h - f)/dx      (18)
+    [ K_g  V^T ] [ dx_F  ]   [ (f - h - V_A^T sigma_A)_F ]
+    [ V    -C  ] [ sigma ] = [ 0                          ],     K_g = Hs(sigma) + d(h - f)/dx
 
-F: coordinates that are not prescribed, R: fixed and input deformations. All blocks are element-local; the pattern, its
-ordering and the element stiffness S are made once per model, an iteration only fills values. The same parts, weighted,
-are the pencils of vibration, (K_x + s^2 M), and of buckling, (V_A^T S V_A).
+F: coordinates that are not prescribed. C is the flexibility of the elements: zero for fixed and input deformations (then
+sigma is the multiplier of (18)), the inverse of the element stiffness S for the elastic ones; deformations without stiffness
+have sigma = 0. The elimination of sigma gives K_x = V_A^T S V_A + K_g of (18), whose rounding errors grow with the
+fourth power of the number of beams in a chain; here they grow with the second.
 
+All blocks are element-local; the pattern, its ordering and S are made once per model, an iteration only fills values. The
+same parts, weighted, are the pencils of vibration (K_x + s^2 M + s C_d) and of buckling (K_x without K_g).
 Only for systems at rest, holonomic, without user functions and MEE.
 """
 
@@ -22,7 +25,7 @@ from spacar.linear.contractions import configuration_of, geometric_blocks
 from spacar.linear_systems import SingularMatrixError, System, assemble
 from spacar.mechanism.mechanism import Array, Batch, Index
 
-SINGULAR = 1e14  # growth |A| |A^-1 b| / |b| above which the matrix counts as singular
+SINGULAR = 1e14  # displacements under a load of the size of the stiffness above which it counts as singular
 
 
 class Part:
@@ -51,47 +54,84 @@ class SparseTangent:
         self.place = np.full(n.nx, -1)
         self.place[self.F] = np.arange(self.nf)
         self.sigma = np.zeros(n.ne)
-        self.stiff = _active_blocks(dynamics, 0)
-        self.damped = _active_blocks(dynamics, 1)
+        self.elastic = [b for b in sweep.strained if any(S.any() for S in b.family.stiffness())]
+        self.active = {id(b): (b.e >= dynamics.law.first).astype(float) for b in self.elastic}
         loaded = [b for b in sweep.moving if dynamics.forces.heavy or hasattr(b.family, "with_flow")]
         moment_rows = _moment_rows(dynamics)
         self.parts = {
-            "material": Part(self.place, *_square([b for b, _ in self.stiff]), lambda: self._constitutive(self.stiff)),
             "geometric": Part(self.place, *_square(sweep.curved), self._geometric),
             "load": Part(self.place, *_square(loaded), lambda: self._inertia(loaded, 0)),
             "moment": Part(self.place, *_pairs(moment_rows), lambda: self._moments(moment_rows.shape[1])),
             "mass": Part(self.place, sweep.m_rows, sweep.m_columns, lambda: sweep.m_entries),
-            "damping": Part(self.place, *_square([b for b, _ in self.damped]), lambda: self._constitutive(self.damped)),
             "flow": Part(self.place, *_square(loaded), lambda: self._inertia(loaded, 1)),
         }
-        self._constraint = np.flatnonzero((sweep.v_rows < self.n_rows) & (self.place[sweep.v_columns] >= 0))
+        self.ne = n.ne
+        self._v = np.flatnonzero(self.place[sweep.v_columns] >= 0)
+        self._flexible = _square_e(self.elastic)
+        self._rigid = np.setdiff1d(np.arange(n.ne), self._flexible[0])  # rows of other elements: only a diagonal
         self._systems: dict[tuple[str, ...], System] = {}
 
-    def factor(self, weights: dict[str, float]) -> System:
-        """Factored saddle-point matrix of the weighted parts. Raises SingularMatrixError, also for growth above 1e14."""
-        names = tuple(weights)
-        v = self.dynamics.sweep.v_entries[self._constraint]
+    @property
+    def damped(self) -> bool:
+        """Does any active deformation or the flow in a tube give forces proportional to rates?"""
+        viscous = any((b.family.stiffness()[1] * self.active[id(b)]).any() for b in self.elastic)
+        return viscous or bool(self.parts["flow"].values().any())
+
+    def factor(self, weights: dict[str, float], stiffness: float = 1.0, damping: float = 0.0) -> System:
+        """Factored matrix of the weighted parts and of the element matrices stiffness x S + damping x S_d.
+
+        Raises SingularMatrixError, also when displacements under a load of the size of the stiffness exceed 1e14.
+        """
+        sweep, names = self.dynamics.sweep, tuple(weights)
         if names not in self._systems:
-            i = self.nf + self.dynamics.sweep.v_rows[self._constraint]
-            j = self.place[self.dynamics.sweep.v_columns[self._constraint]]
-            rows = np.concatenate([self.parts[k].rows for k in names] + [i, j])
-            columns = np.concatenate([self.parts[k].columns for k in names] + [j, i])
-            self._systems[names] = assemble(self.nf + self.n_rows, rows, columns)
+            i, j = self.nf + sweep.v_rows[self._v], self.place[sweep.v_columns[self._v]]
+            a, b = (self.nf + k for k in self._flexible)
+            c = self.nf + self._rigid
+            rows = np.concatenate([self.parts[k].rows for k in names] + [i, j, a, c])
+            columns = np.concatenate([self.parts[k].columns for k in names] + [j, i, b, c])
+            self._systems[names] = assemble(self.nf + self.ne, rows, columns)
         system = self._systems[names]
+        flexibility, coupled, size = self._flexibility(stiffness, damping)
+        diagonal = np.where(self._rigid >= self.n_rows, -1.0, 0.0)
+        coupled[: self.n_rows] = 1.0
+        v = sweep.v_entries[self._v] * coupled[sweep.v_rows[self._v]]
         values = [w * self.parts[k].values() for k, w in weights.items()]
-        # constraint rows of the size of the stiffness: the pivots of both blocks then compare
-        self.row_scale = max((float(np.max(np.abs(u), initial=0.0)) for u in values), default=1.0) or 1.0
-        system.factor(np.concatenate([*values, self.row_scale * v, self.row_scale * v]))
-        probe = np.zeros(self.nf + self.n_rows)
-        probe[: self.nf] = self.row_scale
+        # multiplied by a typical stiffness, the rows of all unknowns compare
+        system.factor(np.concatenate([*values, size * v, size * v, -size * flexibility, size * diagonal]))
+        self._size = size
+        probe = np.zeros(self.nf + self.ne)
+        probe[: self.nf] = size
         growth = float(np.max(np.abs(system.solve(probe)[: self.nf]), initial=0.0))
         if not growth < SINGULAR:
             raise SingularMatrixError(f"the stiffness is singular to working precision (growth {growth:.2g})")
         return system
 
+    def _flexibility(self, stiffness: float, damping: float) -> tuple[Array, Array, float]:
+        """C times `size`, in the order of `_flexible`; which rows of e have stiffness (ne,); the largest stiffness."""
+        coupled, blocks = np.zeros(self.ne), []
+        for b in self.elastic:
+            S, Sd = b.family.stiffness()
+            S = stiffness * S + damping * Sd
+            n = len(b.e)
+            elastic = (S[np.arange(n), np.arange(n)] > 0.0) * self.active[id(b)]
+            S = S * elastic[:, None] * elastic[None, :]
+            coupled[b.e] = elastic
+            blocks.append((b, S, elastic))
+        size = max((float(np.max(np.abs(S), initial=0.0)) for _, S, _ in blocks), default=1.0) or 1.0
+        values = []
+        for b, S, elastic in blocks:
+            n = len(b.e)
+            S = S / size
+            S[np.arange(n), np.arange(n)] += 1.0 - elastic  # decoupled rows: sigma = 0, or the multiplier below
+            C = np.linalg.inv(S.transpose(2, 0, 1)).transpose(1, 2, 0)
+            passive = (b.e < self.n_rows).astype(float)
+            C[np.arange(n), np.arange(n)] -= passive
+            values.append(C.ravel())
+        return _joined(values), coupled, size
+
     def displacement(self, system: System, force: Array) -> Array:
         """Coordinates (nx,) or (nx, k) that the force (nx,) or (nx, k) on F produces, the constraint rows kept."""
-        b = np.zeros((self.nf + self.n_rows, *force.shape[1:]))
+        b = np.zeros((self.nf + self.ne, *force.shape[1:]))
         b[: self.nf] = force[self.F]
         x = np.zeros_like(force)
         x[self.F] = system.solve(b)[: self.nf]
@@ -120,15 +160,19 @@ class SparseTangent:
         out[self.F] = coo_matrix((values, (rows, columns)), (self.nf, self.nf)).tocsr() @ x[self.F]
         return out
 
-    # -- values of the parts ------------------------------------------------------------------------------------
-    def _constitutive(self, blocks: list[tuple[Batch, Array]]) -> Array:
-        V = self.dynamics.sweep.V
-        products = []
-        for b, S in blocks:
-            SV = np.einsum("abn,bjn->ajn", S, V[id(b)])
-            products.append(np.einsum("ain,ajn->ijn", V[id(b)], SV).ravel())
-        return _joined(products)
+    def viscous(self, x: Array) -> Array:
+        """V^T S_d V x of displacements (nx, k)."""
+        sweep = self.dynamics.sweep
+        out = np.zeros_like(x)
+        for k in range(x.shape[1]):
+            e, sigma = sweep.rate(x[:, k]), np.zeros(self.ne)
+            for b in self.elastic:
+                active = self.active[id(b)]
+                sigma[b.e] = active * np.einsum("abn,bn->an", b.family.stiffness()[1], active * e[b.e])
+            out[self.F, k] = sweep.rate_transposed(sigma)[self.F]
+        return out
 
+    # -- values of the parts ------------------------------------------------------------------------------------
     def _geometric(self) -> Array:
         return _joined([block.ravel() for _, block in geometric_blocks(self.dynamics.sweep, self.sigma)])
 
@@ -150,18 +194,15 @@ class SparseTangent:
         return -moment_gradient(moments).ravel()
 
 
-STATIC = {"material": 1.0, "geometric": 1.0, "load": 1.0, "moment": 1.0}
+STATIC = {"geometric": 1.0, "load": 1.0, "moment": 1.0}
 
 
-def _active_blocks(d: Dynamics, which: int) -> list[tuple[Batch, Array]]:
-    """S (0) or S_d (1) of the batches that have it, restricted to active rows."""
-    blocks = []
-    for b in d.sweep.strained:
-        active = (b.e >= d.law.first).astype(float)
-        S = b.family.stiffness()[which] * active[:, None] * active[None, :]
-        if S.any():
-            blocks.append((b, S))
-    return blocks
+def _square_e(batches: list[Batch]) -> tuple[Index, Index]:
+    """Rows and columns of square blocks over the deformations of elements."""
+    shapes = [(len(b.e), len(b.e), b.family.n) for b in batches]
+    rows = [np.broadcast_to(b.e[:, None, :], s).ravel() for b, s in zip(batches, shapes, strict=True)]
+    columns = [np.broadcast_to(b.e[None, :, :], s).ravel() for b, s in zip(batches, shapes, strict=True)]
+    return _joined_index(rows), _joined_index(columns)
 
 
 def _moment_rows(d: Dynamics) -> Index:
