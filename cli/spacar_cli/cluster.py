@@ -14,8 +14,9 @@ PATIENCE = "10s"
 def run_on_cluster(function: Callable[[Any], Any], cases: Sequence[Any], scheduler: str) -> Iterator[tuple[Any, Any]]:
     """Outcomes of function(case) as they finish on the cluster at `scheduler` (host:port or a scheduler file).
 
-    Scheduler and workers need spacar and numpy, the workers the files that the model refers to, under the same path.
-    A case whose worker dies, or that never got there, is `Lost`. Raises UsageError when Dask is missing or the scheduler does not answer.
+    Scheduler and workers need spacar, the workers also the files that the model refers to, under the same path. A case
+    whose worker dies, or that never got there, is `Lost`. Raises UsageError when Dask is missing or the scheduler does
+    not answer.
     """
     try:
         from distributed import Client, as_completed

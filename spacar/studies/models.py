@@ -2,13 +2,13 @@
 
 `refine` splits every flexible beam (PLBEAM, BEAM) into n equal ones along its chord. With xi = s/l on the parent and
 h = l/n, the deformations e_p, e_q of a bending pair (slopes relative to the chord times l, e_q with the opposite
-sign: pure bending is e_q = -e_p) belong to the cubic
+sign: pure bending is e_q = e_p) belong to the cubic
 
     w/l = e_p/l (xi - 2 xi^2 + xi^3) - e_q/l (xi^3 - xi^2)        (clamped cubic; theory-planar.md, beam)
 
 and those of a part follow from its end slopes relative to its own chord, times h. Elongation is divided by n,
 torsion (twist times length) by n^2. A preload (sigma_p, sigma_q) is a bending moment that runs linearly from sigma_p
-l to -sigma_q l, so a part has m(xi_i)/h and -m(xi_i+1)/h; the normal force is the same in all parts, the torsional
+l to sigma_q l, so a part has m(xi_i)/h and m(xi_i+1)/h; the normal force is the same in all parts, the torsional
 preload (moment divided by the length) is multiplied by n.
 
 Limits: start values and prescribed deformations are split by this linear theory, exact for small deformations. Both
@@ -152,8 +152,8 @@ def _split_preload(keyword: str, sigma: tuple[float, ...], n: int) -> np.ndarray
         table[:, 1] *= n
     xi = np.arange(n + 1) / n
     for p, q in PAIRS[keyword]:
-        m = sigma[p - 1] * (1.0 - xi) - sigma[q - 1] * xi  # moment / l
-        table[:, p - 1], table[:, q - 1] = n * m[:-1], -n * m[1:]
+        m = sigma[p - 1] * (1.0 - xi) + sigma[q - 1] * xi  # moment / l
+        table[:, p - 1], table[:, q - 1] = n * m[:-1], n * m[1:]
     return table
 
 

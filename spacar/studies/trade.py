@@ -33,7 +33,8 @@ STATIONARY = (7, 8, 9, 10)
 MODES = (1, *STATIONARY)
 MOST_VARIABLES = 60  # chosen without being asked
 REFERENCE_METHODS = (853, 0)
-REFERENCE_TOLERANCE = 1e-11
+REFERENCE_TOLERANCE = 1e-12  # smallest
+REFERENCE_MARGIN = 0.01  # tolerance of the reference / smallest error that is looked at
 CONSTANT = 1e-6  # a variable whose span is a smaller part of its magnitude is compared with the magnitude
 STILL = 1e-9  # a variable that stays below this part of the largest one is left out
 
@@ -157,15 +158,19 @@ def setups(
     return found
 
 
-def reference_setups(trade: Trade, elements: Sequence[int]) -> list[Setup]:
-    """Setups of the reference: two methods at a tight tolerance, and three meshes when meshes are compared."""
+def reference_setups(trade: Trade, elements: Sequence[int], smallest: float) -> list[Setup]:
+    """Setups of the reference: two methods at a tight tolerance, and three meshes when meshes are compared.
+
+    `smallest` error (or tolerance) of the study; the reference gets a hundredth of it.
+    """
+    tight = max(REFERENCE_MARGIN * smallest, REFERENCE_TOLERANCE)
     codes = [None] if trade.mode in STATIONARY else list(REFERENCE_METHODS)
     finest = 4 * -(-2 * max(elements) // 4)
     meshes = [finest, finest // 2, finest // 4] if len(set(elements)) > 1 or trade.mode in STATIONARY else [elements[0]]
     found = []
     for mesh in meshes:
         for code in codes[: 2 if mesh == meshes[0] else 1]:
-            tolerance = None if code is None else REFERENCE_TOLERANCE
+            tolerance = None if code is None else tight
             found.append(Setup(mesh, integrator=code, tolerance=tolerance))
     return found
 
@@ -237,12 +242,13 @@ def reference(trade: Trade, rows: Sequence[Row], wanted: Sequence[Setup]) -> Ref
     error, words = 0.0, []
     finest = [v for s, v in good.items() if s.elements == meshes[-1]]
     if not stationary:
+        tight = next(s.tolerance for s in wanted)
         if len(finest) < 2:
             text = "only one of the two methods reached the reference; choose a shorter time"
             raise AnalysisError(text, "study.reference")
         error = distance(finest[0], finest[1], amplitude)
         codes = " and ".join(str(c) for c in REFERENCE_METHODS)
-        words.append(f"methods {codes} at tolerance {REFERENCE_TOLERANCE:.3g} differ by {error:.2e}")
+        words.append(f"methods {codes} at tolerance {tight:.3g} differ by {error:.2e}")
     if len(meshes) > 1:
         coarse, middle, fine = (np.asarray(first[n]) for n in meshes)
         result = extrapolate(coarse, middle, fine, amplitude)

@@ -145,7 +145,8 @@ def command(
         rigid,
         linear,
     )
-    against = reference_setups(trade, meshes) if _refinable(deck, number) else [s for s in cases if s.elements == 1][:1]
+    _require_beams(deck, number)
+    against = reference_setups(trade, meshes, min(target, *_numbers(tolerances)))
     rows = _rows(environment, trade, list(dict.fromkeys([*against, *cases])), output, jobs, quiet)
     ref = reference(trade, rows, against)
     entries = assess(trade, rows, cases, ref)
@@ -184,13 +185,12 @@ def _deck(source: Path, mode: int | None, options: dict[str, Any]) -> tuple[int,
     return abs(mode), deck
 
 
-def _refinable(deck: Any, mode: int) -> bool:
-    """Whether a stationary mode can have a reference: only with beams to refine."""
+def _require_beams(deck: Any, mode: int) -> None:
+    """A stationary mode has a reference only with beams to refine."""
     from spacar.studies.models import flexible_beams
 
     if mode != 1 and not flexible_beams(deck):
         raise UsageError("a stationary solution without flexible beams has no error to compare", "usage.trade")
-    return True
 
 
 def _numbers(text: str) -> tuple[float, ...]:
