@@ -56,7 +56,7 @@ def furnish(figure: Figure, bounds: tuple[Array, Array], camera: Camera, title: 
 def _margins(camera: Camera, title: str) -> tuple[float, float, float, float]:
     """Left, right, bottom, top in inches."""
     top = 0.42 if title else 0.15
-    return (0.75, 0.2, 0.55, top) if camera.planar else (0.2, 0.2, 0.15, top)
+    return (0.75, 0.2, 0.55, top) if camera.planar else (0.5, 0.2, 0.15, top)
 
 
 def _window(bounds: tuple[Array, Array], camera: Camera) -> tuple[Array, Array, Array, Array]:

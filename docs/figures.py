@@ -1,0 +1,87 @@
+"""Make all pictures of the documentation from the example models: `python docs/figures.py [FOLDER]`.
+
+Every picture is a list of command lines, the same that a user would type; they run in a temporary folder with copies of
+the models in `data/`. Without FOLDER the pictures go to `docs/pictures`.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+
+from spacar_cli.main import main
+
+HERE = Path(__file__).parent
+DATA = HERE.parent / "data"
+
+# picture -> command lines; the last one writes it, {} stands for its name
+FIGURES: dict[str, tuple[str, ...]] = {
+    "crank.png": ("1 crank", "draw crank --strobe 9 --trace 3 -o {}"),
+    "crank-numbers.png": ("1 crank", "draw crank -s 10 --numbers -o {}"),
+    "crank.gif": ("1 crank --time 0.04188790204786391 --steps 60", "draw crank --frames 60 --dpi 70 --trace 3 -o {}"),
+    "crank-plot.png": ("1 crank", "plot crank x[6,1] xdd[6,1] sig[1,1] -o {}"),
+    "crankfl-path.png": ("1 crankfl", "plot crankfl x[6,2] x[3,2] -x x[6,1] -o {}"),
+    "lever.png": ("9 lever", "draw lever --numbers -o {}"),
+    "finger.png": ("7 finger", "draw finger --numbers -o {}"),
+    "finger-mode.png": ("7 finger", "visual finger -o {}"),
+    "cantilever-moment.png": ("7 plbeam5", "visual plbeam5 --diagram Mz -o {}"),
+    "cantilever-modes.gif": ("7 plbeam5free", "visual plbeam5free -m 2 --dpi 70 -o {}"),
+    "lateral4-buckling.png": ("8 lateral4", "visual lateral4 -o {}"),
+    "lateral4-stress.png": ("8 lateral4", "visual lateral4 --stress mises -o {}"),
+    "robot.png": ("2 robotinv", "draw robotinv --strobe 7 -o {}"),
+    "robot-moments.png": ("2 robotinv", "plot robotinv sig[1,1] sig[2,1] sig[3,1] -o {}"),
+    "trike.png": ("1 trike3i", "draw trike3i --strobe 4 --trace 11 -o {}"),
+    "cardan.png": ("1 cardan", "draw cardan -s 12 -o {}"),
+    "square-constraints.png": ("0 square", "visual square -o {}"),
+}
+
+# A square with both diagonals: one bar too many.
+SQUARE = """PLTRUSS 1 1 2
+PLTRUSS 2 2 3
+PLTRUSS 3 3 4
+PLTRUSS 4 4 1
+PLTRUSS 5 1 3
+PLTRUSS 6 2 4
+PLTRUSS 7 3 5
+PLTRUSS 8 2 5
+X 2 1. 0.
+X 3 1. 1.
+X 4 0. 1.
+X 5 2. 1.
+FIX 1
+FIX 2 2
+END
+END
+"""
+
+
+def make(folder: Path) -> list[str]:
+    """Write all pictures; returns the command lines that failed."""
+    failed = []
+    before = os.getcwd()
+    with tempfile.TemporaryDirectory() as name:
+        os.chdir(name)
+        for model in DATA.glob("*.dat"):
+            shutil.copy(model, name)
+        Path("square.dat").write_text(SQUARE)
+        ran = set()
+        for picture, (run, draw) in FIGURES.items():
+            commands = [run] if run not in ran else []
+            ran = {r for r in ran if r.split()[1] != run.split()[1]} | {run}  # another run of this model replaces it
+            for line in (*commands, draw.format(folder / picture)):
+                words = line.split()
+                if line is not run and "--dpi" not in words:
+                    words += ["--dpi", "110"]
+                if main([*words, "--quiet"] if words[0].isdigit() else words):
+                    failed.append(line)
+        os.chdir(before)
+    return failed
+
+
+if __name__ == "__main__":
+    target = Path(sys.argv[1]).resolve() if len(sys.argv) > 1 else HERE / "pictures"
+    target.mkdir(parents=True, exist_ok=True)
+    sys.exit("\n".join(make(target)) or 0)
