@@ -15,7 +15,8 @@ from spacar_cli.drawing.sections import breadth, hole, outline
 from spacar_cli.drawing.shapes import Colour, Faces, Line, Shape, disc_outline, solid
 
 Z = np.array([0.0, 0.0, 1.0])
-DRAWN_ONLY, THIN_BEAM, THICK_BEAM = 0.20, 0.28, 0.40  # radius of spatial beams without a cross-section, of the symbol size
+# radius of spatial beams without a cross-section, of the symbol size
+DRAWN_ONLY, THIN_BEAM, THICK_BEAM = 0.20, 0.28, 0.40
 
 
 def element_shapes(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
