@@ -29,9 +29,11 @@ typedef struct {
     int *pivot;
 } Model;
 
-/* LU with partial pivoting in place; rows are scaled implicitly by their largest entry. 0 or SINGULAR. */
+/* LU with partial pivoting in place; rows are scaled implicitly by their largest entry. 0 or SINGULAR. Most entries are zero:
+   the columns of a pivot row that are not are collected first. */
 static int factor(double *A, int n, int *pivot, double *weight)
 {
+    int column[n];
     for (int i = 0; i < n; i++) {
         double m = 0.0;
         for (int j = 0; j < n; j++) if (fabs(A[i * n + j]) > m) m = fabs(A[i * n + j]);
@@ -51,13 +53,14 @@ static int factor(double *A, int n, int *pivot, double *weight)
             for (int j = 0; j < n; j++) { double t = A[k * n + j]; A[k * n + j] = A[best * n + j]; A[best * n + j] = t; }
             weight[best] = weight[k];
         }
-        const double inverse = 1.0 / A[k * n + k];
+        const double *row = A + k * n, inverse = 1.0 / row[k];
+        int filled = 0;
+        for (int j = k + 1; j < n; j++) if (row[j] != 0.0) column[filled++] = j;
         for (int i = k + 1; i < n; i++) {
-            double l = A[i * n + k];
-            if (l == 0.0) continue;
-            l *= inverse;
-            A[i * n + k] = l;
-            for (int j = k + 1; j < n; j++) A[i * n + j] -= l * A[k * n + j];
+            double *below = A + i * n;
+            if (below[k] == 0.0) continue;
+            const double l = below[k] *= inverse;
+            for (int j = 0; j < filled; j++) below[column[j]] -= l * row[column[j]];
         }
     }
     return OK;
