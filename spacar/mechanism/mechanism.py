@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.deck import Deck
+from spacar.deck import ELEMENT_TYPES, Deck
 from spacar.elements.base import Family
 from spacar.mechanism.numbering import Numbering
 
@@ -176,7 +177,7 @@ class Mechanism:
     settings: Settings
     length: float  # largest distance between two nodes of the reference configuration [m]; 1 without positions
 
-    @property
+    @cached_property
     def scale(self) -> Array:
         """(nx,) typical size of every coordinate: `length` for positions, 1 for angles and Euler parameters."""
         n = self.numbering
@@ -184,4 +185,15 @@ class Mechanism:
         for node in n.nodes:
             if node.kind == "position":
                 scale[n.lnp[node.number - 1, : node.size] - 1] = self.length
+        return scale
+
+    @cached_property
+    def deformation_scale(self) -> Array:
+        """(ne,) typical size of every deformation: `length` for those in metres, 1 for rotations and normalizations."""
+        n = self.numbering
+        scale = np.ones(n.ne)
+        for element, keyword, _ in n.elements:
+            for mode, (_, unit) in enumerate(ELEMENT_TYPES[keyword].modes, 1):
+                if unit == "m":
+                    scale[n.e_index(element, mode)] = self.length
         return scale

@@ -16,6 +16,7 @@ from spacar.linear.matrices import equilibrium_stresses
 from spacar.mechanism.mechanism import Array, DriveState
 
 ROUNDING = 100.0 * np.finfo(float).eps
+RELATIVE = 1e-8  # of the loads: an absolute tolerance in newtons says nothing about a mechanism of micrometres
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,8 @@ class Equilibrium:
     xdd (nx,) accelerations of steady motion; convective (ne,) H(xd, xd); sigma (ne,) constitutive stresses, zero on
     fixed and input rows; full (ne,) all stresses with those of rows E from the equilibrium; residual (nddof,);
     size: magnitude of the forces in it, and of the stiffness of released deformations times the rounding of lengths.
+    work, work_size: the largest residual and the size of the forces, each times the size of its coordinate or deformation
+    (model length, 1 rad), so that forces and moments compare and units do not matter.
     """
 
     xdd: Array
@@ -33,14 +36,17 @@ class Equilibrium:
     full: Array
     residual: Array
     size: float
+    work: float
+    work_size: float
 
     @property
     def norm(self) -> float:
         return float(np.max(np.abs(self.residual), initial=0.0))
 
     def reached(self, tolerance: float) -> bool:
-        """max |R| <= tolerance, or below the rounding of the forces, which no iteration can undercut."""
-        return self.norm <= max(tolerance, ROUNDING * self.size)
+        """max |R| <= tolerance and small against the loads, or below their rounding, which no iteration can undercut."""
+        small = self.norm <= tolerance and self.work <= RELATIVE * self.work_size
+        return small or self.norm <= ROUNDING * self.size or self.work <= ROUNDING * self.work_size
 
 
 def equilibrium(dynamics: Dynamics, drive: DriveState) -> Equilibrium:
@@ -62,6 +68,10 @@ def equilibrium(dynamics: Dynamics, drive: DriveState) -> Equilibrium:
     balance += sweep.rate_transposed(full + d.coupling.stress(edd))
     xm, em = n.x_class["dynamic"], n.e_class["dynamic"]
     rows, _, S = d.law.stiffness
+    residual = np.concatenate((balance[xm], sigma[em] - full[em]))
+    scale, e_scale = d.mechanism.scale, d.mechanism.deformation_scale
+    work = np.abs(residual) * np.concatenate((scale[xm], e_scale[em]))
+    stored = np.abs(S) * e_scale[rows] ** 2
     released = np.max(np.abs(S[rows >= n.e_class["calculable"].start]), initial=0.0)
     largest = float(np.max(np.abs(full), initial=0.0)) * float(np.max(np.abs(sweep.v_entries), initial=0.0))
     return Equilibrium(
@@ -69,6 +79,12 @@ def equilibrium(dynamics: Dynamics, drive: DriveState) -> Equilibrium:
         convective=convective,
         sigma=sigma,
         full=full,
-        residual=np.concatenate((balance[xm], sigma[em] - full[em])),
+        residual=residual,
         size=max(largest, float(np.max(np.abs(applied), initial=0.0)), 0.1 * float(released) * d.mechanism.length),
+        work=float(np.max(work, initial=0.0)),
+        work_size=max(
+            float(np.max(np.abs(full) * e_scale, initial=0.0)),
+            float(np.max(np.abs(applied) * scale, initial=0.0)),
+            0.1 * float(np.max(stored[rows >= n.e_class["calculable"].start], initial=0.0)),
+        ),
     )
