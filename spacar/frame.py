@@ -27,6 +27,7 @@ class Frame:
     xcompl        (nx,) directional nodal compliances [m/N ...] (mode 8)
     matrices      m0 c0 d0 k0 n0 g0 b0 ak0 bk0, and eigval eigvre eigvim lmult bmode, by their file name
     state_space   A B C D G sig0 u0 y0 m0 c0b k0b of the ltv file, by their file name
+    log           transfer functions that only the log asks for: dx de d2x d2e d3x d3e bigd
     statistics    what the log prints of this step: right-hand sides, iterations, residuals
     """
 
@@ -51,4 +52,5 @@ class Frame:
     xcompl: Array | None = None
     matrices: dict[str, Array] = field(default_factory=dict)
     state_space: dict[str, Array] = field(default_factory=dict)
+    log: dict[str, Array] = field(default_factory=dict)
     statistics: dict[str, Any] = field(default_factory=dict)

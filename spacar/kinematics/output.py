@@ -7,16 +7,23 @@ from typing import TYPE_CHECKING
 from spacar.frame import Frame
 from spacar.kinematics.kinematics import Kinematics
 from spacar.kinematics.second_order import second_order_transfer
+from spacar.kinematics.third_order import third_order_transfer
 from spacar.kinematics.transfer import configuration_transfer, velocity_transfer
 
 if TYPE_CHECKING:
     from spacar.modes import Run
 
-FIRST, SECOND = 1, 2  # flags of the sbd level
+FIRST, SECOND = 1, 2  # flags of the sbd level, and of the log level, which has more:
+THIRD, GLOBAL_DEFORMATION = 4, 8
+LARGEST_THIRD = 10_000_000  # numbers of a third order tensor; larger ones are refused
 
 
 class TransferOutput:
-    """Adds dx, de (flag 1) and d2x, d2e (flag 2) to frames; modes 7 to 10 have flag 1 by default."""
+    """Adds dx, de (flag 1) and d2x, d2e (flag 2) to frames; modes 7 to 10 have flag 1 by default.
+
+    What only the log asks for goes to `frame.log`: dx de d2x d2e d3x d3e bigd. Tensors have a row for every coordinate or
+    deformation and a column for every combination of degrees of freedom, the first index running fastest.
+    """
 
     def __init__(self, run: Run) -> None:
         settings = run.mechanism.settings
@@ -24,18 +31,36 @@ class TransferOutput:
         if level is None:
             level = FIRST if run.mode.number in (7, 8, 9, 10) else 0
         self.level = FIRST | SECOND if level < 0 else level
+        self.log = 15 if settings.log_level < 0 else settings.log_level
+        n = run.mechanism.numbering
+        if self.log & THIRD and max(n.nx, n.ne) * n.nkdof**3 > LARGEST_THIRD:
+            self.log &= ~THIRD
+            run.report.add(
+                f"the third order transfer functions of {n.nkdof} degrees of freedom would have {n.nx * n.nkdof**3:,}"
+                " numbers: they are left out"
+            )
 
     def add(self, frame: Frame, k: Kinematics) -> Frame:
         """The same frame with the transfer functions of the present configuration."""
-        if not self.level:
+        if self.log & GLOBAL_DEFORMATION:
+            frame.log["bigd"] = k.sweep.gradient()
+        if not self.level and not self.log & (FIRST | SECOND | THIRD):
             return frame
         W = velocity_transfer(k)
         G = configuration_transfer(k, W)
+        if (self.level | self.log) & FIRST:
+            frame.log["dx"], frame.log["de"] = G, k.sweep_rates(G)
         if self.level & FIRST:
-            frame.dx, frame.de = G, k.sweep_rates(G)
+            frame.dx, frame.de = frame.log["dx"], frame.log["de"]
             frame.dxc, frame.dec = W, k.sweep_rates(W)
-        if self.level & SECOND:
+        if self.level & SECOND or self.log & (SECOND | THIRD):
             d2x, d2e = second_order_transfer(k, G)
-            frame.d2x = d2x.reshape(len(d2x), -1, order="F")
-            frame.d2e = d2e.reshape(len(d2e), -1, order="F")
+            flat = [A.reshape(len(A), -1, order="F") for A in (d2x, d2e)]
+            if self.level & SECOND:
+                frame.d2x, frame.d2e = flat
+            if self.log & SECOND:
+                frame.log["d2x"], frame.log["d2e"] = flat
+            if self.log & THIRD:
+                d3 = third_order_transfer(k, G, d2x)
+                frame.log["d3x"], frame.log["d3e"] = (A.reshape(len(A), -1, order="F") for A in d3)
         return frame

@@ -12,12 +12,12 @@ from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.limits import Limits
 from spacar.frame import Frame
 from spacar.kinematics.output import TransferOutput
-from spacar.linear.buckling import buckling_modes, directional_compliances
+from spacar.linear.buckling import NO_STRESS, buckling_modes, directional_compliances
 from spacar.linear.eigen import vibration_modes
 from spacar.linear.lowest import WANTED, lowest_buckling, lowest_vibration, sparse_compliances
 from spacar.linear.matrices import Linearization, linearize
 from spacar.linear.signals import linearization_signals
-from spacar.linear.state_space import Signal, chosen_rows, state_space
+from spacar.linear.state_space import Signal, chosen_rows, has_feedthrough, state_space
 from spacar.mechanism.mechanism import Array
 from spacar.modes import Run
 from spacar.stationary import StationarySolver, load_program
@@ -166,6 +166,8 @@ def _store_buckling(run: Run, solution: Solution) -> None:
     if solution.tangent is not None:
         frame.xcompl = sparse_compliances(solution.tangent)
         modes = lowest_buckling(solution.tangent)
+        if not len(modes.multipliers):
+            run.report.add(NO_STRESS)
     else:
         L = solution.L
         assert L is not None
@@ -195,7 +197,7 @@ def _store_state_space(
         frame.matrices["b0"] = (L.m0[np.ix_(q, q)] @ ss.B[len(s) :]).reshape(n.nddof, len(inputs))
     store = frame.state_space
     store["A"], store["B"], store["C"] = ss.A, ss.B, ss.C
-    if ss.feedthrough:
+    if has_feedthrough(inputs, outputs):
         store["D"] = ss.D
     if len(q):
         store["m0"], store["c0b"], store["k0b"] = L.m0[np.ix_(q, q)], L.damping[np.ix_(q, q)], L.stiffness[np.ix_(q, s)]

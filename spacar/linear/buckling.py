@@ -20,6 +20,7 @@ from spacar.mechanism.mechanism import Array, Index
 
 NOTHING = 1e-13  # mu below this fraction of the largest is an infinite multiplier
 RESIDUAL = 1e-8
+NO_STRESS = "no stress, no load multiplier: the geometric stiffness vanishes"
 SINGULAR = 1e-14
 
 
@@ -37,7 +38,7 @@ def buckling_modes(K0: Array, G0: Array, report: Report) -> BucklingModes:
     scale = _scale(K0)
     K, G = K0 * np.outer(scale, scale), G0 * np.outer(scale, scale)
     if not G.any():
-        report.add("no stress, no load multiplier: the geometric stiffness vanishes")
+        report.add(NO_STRESS)
         return BucklingModes(np.full(n, np.inf), np.eye(n))
     lower = None
     if is_symmetric(K) and is_symmetric(G):

@@ -39,13 +39,25 @@ class Signal:
 
 @dataclass(frozen=True)
 class StateSpace:
-    """dz/dt = A z + B u, y = C z + D u; `feedthrough` is False when D vanishes by construction."""
+    """dz/dt = A z + B u, y = C z + D u."""
 
     A: Array
     B: Array
     C: Array
     D: Array
-    feedthrough: bool
+
+
+def has_feedthrough(inputs: Sequence[Signal], outputs: Sequence[Signal]) -> bool:
+    """Can D differ from zero? Decided by the kinds alone, so that all steps of a run agree.
+
+    Second derivatives and reactions follow every input; coordinates and deformations follow prescribed values, their rates
+    prescribed values and rates.
+    """
+    prescribed = {"INX", "INE"}
+    sources = {"OUTX": prescribed, "OUTE": prescribed}
+    sources |= dict.fromkeys(("OUTXP", "OUTEP"), prescribed | {"INXP", "INEP"})
+    kinds = {signal.kind for signal in inputs}
+    return any(kinds & sources.get(signal.kind, kinds) for signal in outputs)
 
 
 def chosen_rows(L: Linearization, dynamics: Dynamics, everything: bool = False) -> tuple[Index, Index]:
@@ -102,8 +114,8 @@ def state_space(
     B = np.zeros((len(A), len(inputs)))
     B[:ns] = (L.bk0 @ P0s + L.ak0 @ P[1])[s]
     B[ns:] = solve_mass(L.m0[np.ix_(q, q)], B0) if len(q) else B0
-    C, D, feedthrough = _outputs(dynamics, L, outputs, A, B, P, P0s, Ef, Es, q, s)
-    return StateSpace(A, B, C, D, feedthrough)
+    C, D = _outputs(dynamics, L, outputs, A, B, P, P0s, Ef, Es, q, s)
+    return StateSpace(A, B, C, D)
 
 
 def _unit(size: int, signals: Sequence[Signal], kind: str) -> Array:
@@ -131,7 +143,7 @@ def _prescribed(dynamics: Dynamics, inputs: Sequence[Signal]) -> tuple[Array, Ar
 def _outputs(
     dynamics: Dynamics, L: Linearization, outputs: Sequence[Signal], A: Array, B: Array,
     P: tuple[Array, Array, Array], P0s: Array, Ef: Array, Es: Array, q: Index, s: Index,
-) -> tuple[Array, Array, bool]:  # fmt: skip
+) -> tuple[Array, Array]:  # fmt: skip
     """C and D: every output as a linear map of z (first columns) and u (last columns)."""
     n = dynamics.numbering
     nz, nu, ns = A.shape[0], B.shape[1], len(s)
@@ -156,8 +168,7 @@ def _outputs(
         reaction = _reactions(dynamics, L, ds, dqd, dqdd, maps, Ef, Es, nz)
         rows["OUTS"], rows["OUTF"] = reaction
     table = np.array([rows[signal.kind][signal.index] for signal in outputs]).reshape(len(outputs), nz + nu)
-    feedthrough = bool(kinds & {"OUTS", "OUTF", "OUTXDP", "OUTEDP"}) or bool(table[:, nz:].any())
-    return table[:, :nz], table[:, nz:], feedthrough
+    return table[:, :nz], table[:, nz:]
 
 
 def _reactions(

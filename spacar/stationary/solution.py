@@ -19,7 +19,7 @@ from spacar.stationary.newton import Converged, newton
 from spacar.stationary.tangent import SparseTangent
 
 SMALLEST_FRACTION = 1.0 / 64.0
-SPARSE_FROM = 150  # coordinates; below, the dense tangent is faster (benchmarks/statics.py)
+SPARSE_FROM = 30  # coordinates; below, the dense tangent is as fast (benchmarks/statics.py)
 REMEMBERED = 4  # solutions that the prediction uses: a cubic polynomial
 
 
@@ -74,6 +74,8 @@ class StationarySolver:
             try:
                 self._reach(level)
             except AnalysisError as error:
+                if error.code == "statics.no-solution":  # smaller steps do not create a stiffness
+                    raise
                 step *= 0.5
                 if step < SMALLEST_FRACTION:
                     raise self._given_up(error, origin, target, fraction) from None
@@ -125,8 +127,11 @@ class StationarySolver:
     def _given_up(self, error: AnalysisError, origin: LoadLevel, target: LoadLevel, fraction: float) -> AnalysisError:
         """The error of the smallest step, with how far the load step came."""
         reached = origin.towards(target, fraction)
-        text = (
-            f"{error}; the step was cut to {SMALLEST_FRACTION:.3g} of its size, the last solution is at"
+        text = str(error)
+        if error.code != "statics.no-convergence":
+            text = f"the stationary solution did not converge at {target}: {text}; try more load steps or a smaller load"
+        text += (
+            f"; the step was cut to {SMALLEST_FRACTION:.3g} of its size, the last solution is at"
             f" {reached.initial:.6g} x initial + {reached.additional:.6g} x additional loading"
         )
-        return AnalysisError(text, error.code, **error.data)
+        return AnalysisError(text, "statics.no-convergence", **error.data)

@@ -56,24 +56,27 @@ def _columns(
 
 
 def transfer_functions(run: Run, frame: Frame) -> list[str]:
-    """Transfer functions of order 1 and 2 as far as OUTLEVEL asks for them and the analysis has them."""
+    """Transfer functions as far as OUTLEVEL asks for them and the analysis has them."""
     n, level = run.mechanism.numbering, run.mechanism.settings.log_level
     level = 15 if level < 0 else level
     x_names = [n.x_name(i) for i in range(n.nx)]
     e_names = [n.e_name(i) for i in range(n.ne)]
     columns = [f"q{i + 1}" for i in range(n.nkdof)]
     pairs = [f"q{i + 1} q{j + 1}" for j in range(n.nkdof) for i in range(n.nkdof)]
-    wanted: tuple[tuple[int, str, Array | None, list[str], list[str]], ...] = (
-        (FIRST_ORDER, "first order transfer function of the coordinates, dx/dq", frame.dx, x_names, columns),
-        (FIRST_ORDER, "first order transfer function of the deformations, de/dq", frame.de, e_names, columns),
-        (SECOND_ORDER, "second order transfer function of the coordinates", frame.d2x, x_names, pairs),
-        (SECOND_ORDER, "second order transfer function of the deformations", frame.d2e, e_names, pairs),
-        (THIRD_ORDER, "third order transfer functions", None, [], []),
-        (GLOBAL_DEFORMATION, "derivatives of the deformation function, de/dx", frame.bigd, e_names, x_names),
+    triples = [f"{pair} q{k + 1}" for k in range(n.nkdof) for pair in pairs]
+    wanted = (
+        (FIRST_ORDER, "first order transfer function of the coordinates, dx/dq", "dx", x_names, columns),
+        (FIRST_ORDER, "first order transfer function of the deformations, de/dq", "de", e_names, columns),
+        (SECOND_ORDER, "second order transfer function of the coordinates", "d2x", x_names, pairs),
+        (SECOND_ORDER, "second order transfer function of the deformations", "d2e", e_names, pairs),
+        (THIRD_ORDER, "third order transfer function of the coordinates", "d3x", x_names, triples),
+        (THIRD_ORDER, "third order transfer function of the deformations", "d3e", e_names, triples),
+        (GLOBAL_DEFORMATION, "derivatives of the deformation function, de/dx", "bigd", e_names, x_names),
     )
     lines = []
-    for flag, title, values, names, heads in wanted:
+    for flag, title, key, names, heads in wanted:
         if level & flag:
+            values = frame.log.get(key, frame.bigd if key == "bigd" else None)
             missing = values is None or not values.size
             lines.append(f"At t = {real(frame.t)}: {title}" + (": not computed in this mode" if missing else ""))
             lines += [""] if values is None or missing else ["", *matrix(values, names, heads)]
