@@ -1,0 +1,122 @@
+"""Moments of a deformed beam, ∫ρ a_i b_j dx of vectors that are polynomials in the field coordinates.
+
+A component is kept as {monomial in φ, dφ: function of x}. The integral of a product then needs one short integral
+∫ρ a(x) b(x) dx for every pair of functions, each found once; nothing long is ever expanded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import sympy as sp
+
+from spacar.symbolic.collect import gather_scalars
+from spacar.symbolic.fields import Field
+from spacar.symbolic.parts import Beam
+from spacar.symbolic.shapes import X, integral
+
+Form = dict[sp.Expr, sp.Expr]
+Forms = tuple[Form, Form, Form]
+_UNIT: Form = {sp.S.One: sp.S.One}
+
+
+def vee(C: sp.Matrix) -> sp.Matrix:
+    """Σ p × q from Σ p qᵀ."""
+    return sp.Matrix([C[1, 2] - C[2, 1], C[2, 0] - C[0, 2], C[0, 1] - C[1, 0]])
+
+
+def swing(C: sp.Matrix) -> sp.Matrix:
+    """The matrix of w in Σ r × (w × q), from C = Σ q rᵀ."""
+    return sp.eye(3) * C.trace() - C
+
+
+class BeamMoments:
+    """Moments of one beam as Z variables, with r(x) = (x + e − w, u, w) and η_k = ∂r/∂φ_k.
+
+    m, S0 = ∫ρ r, A = ∫ρ r rᵀ, B = ∫ρ r_t rᵀ; per coordinate q: S[q] = ∫ρ η, H[q] = ∫ρ η rᵀ, D[q] = ∫ρ η r_tᵀ;
+    with foreshortening also F = ∫ρ r_tt, G = ∫ρ r_tt rᵀ and E[q] = ∫ρ η·r_tt of the part without accelerations.
+    """
+
+    def __init__(self, read: Callable[[sp.Expr], sp.Expr], beam: Beam) -> None:
+        self.read, self.beam = read, beam
+        self._pairs: dict[tuple[sp.Expr, sp.Expr], sp.Expr] = {}
+        self.modes = [
+            (f, q, s, psi) for f in beam.fields for q, s, psi in zip(f.coordinates, f.speeds, f.shapes, strict=True)
+        ]
+        moving = [mode for mode in self.modes if mode[0].kind != "twist"]
+        self.speed: dict[sp.Expr, sp.Expr] = {q: s for _, q, s, _ in moving}
+        self._symbols = [*self.speed, *self.speed.values()]
+        gradient = beam.shortening.gradient(X) if beam.shortening else {}
+        w = beam.shortening.value(X) if beam.shortening else sp.S.Zero
+        eta = {q: _along(f, psi) - _along(None, gradient.get(q, sp.S.Zero)) for f, q, _, psi in moving}
+        r = sum((q * _along(f, psi) for f, q, _, psi in moving), _along(None, X - w))
+        self.eta: dict[sp.Expr, Forms] = {q: self.forms(column) for q, column in eta.items()}
+        self.r = self.forms(r)
+        r_t = self.forms(sum((eta[q] * s for q, s in self.speed.items()), sp.zeros(3, 1)))
+        self.m = read(beam.mass * beam.length)
+        self.S = {q: self.column(forms) for q, forms in self.eta.items()}
+        self.H = {q: self.product(forms, self.r) for q, forms in self.eta.items()}
+        self.D = {q: self.product(forms, r_t) for q, forms in self.eta.items()}
+        # r = (x + w) b1 + Σ φ_k η_k, because w is quadratic: Σ φ_k ∂w/∂φ_k = 2 w
+        head = self.forms(_along(None, X + w))
+        zero = sp.zeros(3, 3)
+        self.S0 = self.reads(self.column(head) + sum((q * S for q, S in self.S.items()), sp.zeros(3, 1)))
+        self.A = self.reads(self.product(head, self.r) + sum((q * H for q, H in self.H.items()), zero))
+        self.B = self.reads(sum((self.speed[q] * H for q, H in self.H.items()), zero))
+        self.curved = beam.shortening is not None
+        if self.curved:
+            bias = sp.Add(*(g.diff(p) * self.speed[q] * self.speed[p] for q, g in gradient.items() for p in self.speed))
+            r_tt = self.forms(_along(None, -bias))
+            self.F, self.G = self.column(r_tt), self.product(r_tt, self.r)
+            self.E = {q: self.integral(forms[0], r_tt[0]) for q, forms in self.eta.items()}
+
+    def forms(self, column: sp.Matrix) -> Forms:
+        """The three components as {monomial: function of x}."""
+        first, second, third = (self._form(c) for c in column)
+        return first, second, third
+
+    def _form(self, expression: sp.Expr) -> Form:
+        if expression == 0:
+            return {}
+        if not self._symbols:
+            return {sp.S.One: expression}
+        return dict(_monomials(sp.Poly(expression, *self._symbols)))
+
+    def integral(self, a: Form, b: Form = _UNIT) -> sp.Expr:
+        """∫ρ a b dx as a memory read."""
+        parts: dict[sp.Expr, list[sp.Expr]] = {}
+        for m, f in a.items():
+            for n, g in b.items():
+                parts.setdefault(m * n, []).append(self._pair(f, g))
+        terms = [self.read(gather_scalars(sp.Add(*values))) * m for m, values in parts.items()]
+        return self.read(sp.factor_terms(sp.Add(*terms)))
+
+    def _pair(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
+        if (f, g) not in self._pairs:
+            self._pairs[f, g] = self._pairs[g, f] = integral(self.beam.mass * f * g, X, self.beam.length)
+        return self._pairs[f, g]
+
+    def column(self, a: Forms) -> sp.Matrix:
+        """∫ρ a dx."""
+        return sp.Matrix([self.integral(component) for component in a])
+
+    def product(self, a: Forms, b: Forms) -> sp.Matrix:
+        """∫ρ a bᵀ dx."""
+        return sp.Matrix(3, 3, lambda i, j: self.integral(a[i], b[j]))
+
+    def mass(self, q: sp.Expr, p: sp.Expr) -> sp.Expr:
+        """M_kl = ∫ρ η_k·η_l."""
+        return sp.Add(*(self.integral(a, b) for a, b in zip(self.eta[q], self.eta[p], strict=True)))
+
+    def reads(self, matrix: sp.Matrix) -> sp.Matrix:
+        return matrix.applyfunc(self.read)
+
+
+def _along(f: Field | None, value: sp.Expr) -> sp.Matrix:
+    """A column along the direction of a field, or along the beam."""
+    direction = 1 if f is None else f.direction
+    return sp.Matrix([value if i == direction else sp.S.Zero for i in (1, 2, 3)])
+
+
+def _monomials(poly: sp.Poly) -> list[tuple[sp.Expr, sp.Expr]]:
+    return [(sp.Mul(*(g**n for g, n in zip(poly.gens, powers, strict=True))), c) for powers, c in poly.terms()]
