@@ -21,19 +21,14 @@ DARKEST = 0.55
 def paint(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
     """Add the shapes to the axes; returns the artists, to be removed before the next frame."""
     artists: list[Any] = _planar(axes, camera, shapes) if camera.planar else _spatial(axes, camera, shapes)
+    marks: dict[tuple[object, ...], list[Mark]] = {}
     for mark in (s for s in shapes if isinstance(s, Mark)):
-        p = camera.project(mark.at)
-        artists += axes.plot(
-            *p,
-            "o",
-            ms=mark.size,
-            mfc=mark.face,
-            mec=mark.edge,
-            mew=0.8,
-            zorder=10 + mark.layer,
-            scalex=False,
-            scaley=False,
-        )
+        marks.setdefault((mark.size, mark.face, mark.edge, mark.layer), []).append(mark)
+    for alike in marks.values():
+        x, y = camera.project(np.stack([m.at for m in alike])).T
+        first = alike[0]
+        look: dict[str, Any] = {"ms": first.size, "mfc": first.face, "mec": first.edge, "mew": 0.8, "zorder": 10 + first.layer}
+        artists += axes.plot(x, y, "o", scalex=False, scaley=False, **look)
     labels = [s for s in shapes if isinstance(s, Label)]
     if labels:
         from spacar_cli.drawing.labels import place_labels

@@ -7,7 +7,7 @@ from collections import defaultdict
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar_cli.drawing.scene import BEAMS, HINGES, PLACES, TRUSSES, Element, Scene
+from spacar_cli.drawing.scene import BEAMS, HINGES, TRUSSES, Element, Scene
 
 Array = NDArray[np.float64]
 
@@ -117,14 +117,3 @@ def measures_only(scene: Scene, e: Element) -> bool:
     """A truss that is free to change its length and carries no force."""
     free = scene.e_class(e.number, 1) not in ("fixed", "input")
     return free and not scene.stiffness[e.number - 1, 0] and not scene.damping[e.number - 1, 0]
-
-
-def ends_at(scene: Scene, node: int) -> list[tuple[Element, str]]:
-    """Elements that end in a position node, with the end p or q."""
-    return [
-        (e, end)
-        for e in scene.elements
-        if e.keyword in PLACES
-        for end, place in (("p", e.p), ("q", e.q))
-        if place == node
-    ]

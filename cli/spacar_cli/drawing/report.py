@@ -19,6 +19,7 @@ from spacar_cli.drawing.history import axis_text, history_figure
 from spacar_cli.drawing.mechanism_picture import Extras, draw_steps
 from spacar_cli.drawing.moving import evenly
 from spacar_cli.drawing.report_style import STYLE
+from spacar_cli.drawing.scene import HINGES
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -59,10 +60,16 @@ def report_page(source: Source, expressions: Sequence[str] = (), log_lines: int 
 
 
 def key_curves(source: Source) -> list[Curve]:
-    """What a reader wants to see first: the degrees of freedom that the analysis found; what the prescribed ones
-    need as driving forces or stresses; then the coordinates that move most."""
+    """What a reader wants to see first: in inverse dynamics the stresses and motions of the hinges; else the degrees of
+    freedom that the analysis found, what the prescribed ones need as driving forces or stresses, and the coordinates
+    that move most."""
     scene = source.scene
     found = freedoms(scene)
+    if scene.mode in (2, 3):
+        joints = [e.number for e in scene.elements if e.keyword in HINGES and scene.e_class(e.number, 1) != "fixed"]
+        if joints:
+            texts = [f"{name}[{n},1]" for name in ("sig", "e") for n in joints[: MOST_CURVES // 2]]
+            return [evaluate(source, text) for text in texts]
     texts = [text for text, _, kind in found if kind != "input"]
     for text, _, kind in found:
         if kind == "input" and not (text[0] == "x" and _is_spatial_rotation(scene, text)):

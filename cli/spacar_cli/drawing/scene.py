@@ -114,6 +114,16 @@ class Scene:
         return tuple(found)
 
     @cached_property
+    def ends(self) -> dict[int, list[tuple[Element, str]]]:
+        """Position node -> the elements that end there, with the end, p or q."""
+        found: dict[int, list[tuple[Element, str]]] = {}
+        for e in self.elements:
+            for end, place in (("p", e.p), ("q", e.q)):
+                if place:
+                    found.setdefault(place, []).append((e, end))
+        return found
+
+    @cached_property
     def position_nodes(self) -> Index:
         """Numbers of the nodes with positions."""
         return np.flatnonzero((self.lnp[:, 1] > 0) & (self.lnp[:, 3] == 0)) + 1

@@ -8,7 +8,6 @@ import numpy as np
 
 from spacar_cli.drawing import look as paint
 from spacar_cli.drawing.look import Look, middle
-from spacar_cli.drawing.placement import ends_at
 from spacar_cli.drawing.scene import Array, Pose, Scene
 from spacar_cli.drawing.shapes import Faces, Label, Line, Mark, Shape, circle, normal_pair, solid
 
@@ -31,7 +30,7 @@ def _held(scene: Scene, node: int) -> tuple[str, Array | None]:
     """How the orientation at a position node is held (fixed, input, ""), and the element direction there at the start,
     pointing into the element."""
     best: tuple[str, Array | None] = ("", None)
-    for e, end in ends_at(scene, node):
+    for e, end in scene.ends.get(node, ()):
         turn = e.p_turn if end == "p" else e.q_turn
         if not turn or e.keyword in ("PLBELT", "PLWHEEL", "WHEEL", "TWHEEL"):
             continue
