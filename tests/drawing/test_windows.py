@@ -95,3 +95,24 @@ def test_plot_option_of_a_run(results, no_screen):
     assert call("1", results / "crank", "--plot", "--quiet", "--steps", 4).status == 0
     assert (results / "crank.sbd").is_file()
     assert "No such option" in call("-1", results / "crank", "--plot").err
+
+
+def test_play_goes_round(no_screen):
+    import numpy as np
+    from spacar_cli.drawing.camera import Camera
+    from spacar_cli.drawing.shapes import Mark
+
+    def pictures(k):
+        return [Mark(np.zeros(3))], f"picture {k}"
+
+    figure = window.slider_window(
+        pictures, 3, 2, (np.zeros(3), np.ones(3)), Camera.towards(-60, 30), "three", block=False
+    )
+    slider, button, timer = figure._spacar
+    assert slider.val == 3
+    button._observers.process("clicked", None)
+    assert button.label.get_text() == "pause"
+    timer.callbacks[0][0]()
+    assert slider.val == 1  # after the last picture comes the first
+    button._observers.process("clicked", None)
+    assert button.label.get_text() == "play"

@@ -85,11 +85,14 @@ def slider_window(
         figure.canvas.draw_idle()
 
     def tick() -> None:
-        if state["playing"]:
-            slider.set_val(int(slider.val) % count + 1)
+        slider.set_val(int(slider.val) % count + 1)
 
     def play(_: object) -> None:
         state["playing"] = not state["playing"]
+        if state["playing"]:
+            timer.start()
+        else:
+            timer.stop()
         button.label.set_text("pause" if state["playing"] else "play")
         figure.canvas.draw_idle()
 
@@ -119,7 +122,6 @@ def slider_window(
     figure.canvas.mpl_connect("button_release_event", release)
     timer = figure.canvas.new_timer(interval=int(1000 / fps))
     timer.add_callback(tick)
-    timer.start()
     figure.canvas.mpl_connect("close_event", lambda _: timer.stop())
     figure._spacar = (slider, button, timer)  # keep the widgets alive as long as the window
     refresh()
