@@ -35,5 +35,9 @@ COMMANDS = {
     "loadsbm": "export a .sbm result to .npz, .mat or .csv",
     "combsbd": "join .sbd results of the same mechanism",
     "getss": "state space matrices of one step of a .ltv result",
+    "sim": "controlled simulation from a model file",
+    "ltv": "response of a time-varying linear system (.ltv)",
+    "mrltv": "modal reduction of a .ltv system",
+    "spacntrl": "fold feedback into a .ltv system",
     "symbolic": "equations of motion of a model file by computer algebra",
 }

@@ -13,7 +13,8 @@ _HOME = {
     "Spasim": "plant", "Table": "tables", "TimeVarying": "time_varying", "TimesM0": "setpoints",
     "as_control": "control_systems", "closed_loop": "loop", "computed_torque": "feedback",
     "proportional_derivative": "blocks", "reduce_modes": "reduction", "simulate": "engine",
-    "simulate_ltv": "propagation", "tracking_gains": "feedback", "with_gain": "feedback",
+    "simulate_ltv": "propagation", "static_start": "feedback",
+    "tracking_gains": "feedback", "with_gain": "feedback",
 }  # fmt: skip
 __all__ = sorted(_HOME)
 

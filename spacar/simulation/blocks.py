@@ -164,7 +164,8 @@ class Sampled(Block):
 
     def __init__(
         self, name: str, f: Callable[..., Any], period: float, inputs: Sequence[str] | int,
-        outputs: Sequence[str] | int, *, x0: Any = None, y0: Sequence[float] | None = None, offset: float = 0.0, delay: bool = False,
+        outputs: Sequence[str] | int, *, x0: Any = None, y0: Sequence[float] | None = None,
+        offset: float = 0.0, delay: bool = False,
     ) -> None:  # fmt: skip
         super().__init__(name, inputs, outputs)
         if not period > 0.0:

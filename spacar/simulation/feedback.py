@@ -14,7 +14,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.errors import UsageError
+from spacar.errors import AnalysisError, UsageError
+from spacar.simulation.propagation import disturbance
 from spacar.simulation.tables import Table
 from spacar.simulation.time_varying import TimeVarying
 
@@ -53,6 +54,20 @@ def _gains(K: Array, steps: int, count: int, what: str) -> Array:
     if not np.isfinite(table).all():
         raise UsageError(f"{what} has entries that are not finite", "simulation.gain")
     return np.array(np.broadcast_to(table, (steps, count, count)))
+
+
+def static_start(data: TimeVarying) -> TimeVarying:
+    """The system with the initial state that is the answer to sigma0 at the first time, at rest.
+
+    Raises UsageError without sigma0, AnalysisError when A is singular (add a gain first).
+    """
+    A, B, _ = data.need("A", "B", "sigma0")
+    try:
+        z = np.linalg.solve(A[0], -B[0] @ disturbance(data)[0])
+    except np.linalg.LinAlgError:
+        text = "the stiffness at the first time is singular: there is no static answer; fold in a gain first (spacntrl)"
+        raise AnalysisError(text, "simulation.no-static-start") from None
+    return replace(data, x0=z)
 
 
 def tracking_gains(data: TimeVarying, omega: float, damping: float) -> tuple[Array, Array]:

@@ -6,8 +6,14 @@ answer without inertia, high ones are dropped. Modes are followed by the largest
 basis of the kept modes is turned inside its own space so that it changes as little as possible from time to
 time (orthogonal Procrustes problem), and is interpolated by cubic splines, which give its derivatives:
 
-    dq = Phi_l eta + Phi_h (Phi_h^T K Phi_h)^-1 Phi_h^T r,        r = generalized forces of the inputs
-    eta'' + Phi_l^T (C Phi_l + 2 M Phi_l') eta' + Phi_l^T (K Phi_l + C Phi_l' + M Phi_l'') eta = Phi_l^T r(25)
+    dq = Phi_l eta + dq_h,        eta'' + Phi_l^T (C1 eta' + K1 eta + K dq_h + C dq_h') = Phi_l^T r
+    dq_h = X (r - C1 eta' - K1 eta),    X = Phi_h (Phi_h^T K Phi_h)^-1 Phi_h^T                                  (25)
+    C1 = C Phi_l + 2 M Phi_l',    K1 = K Phi_l + C Phi_l' + M Phi_l''
+
+with r the generalized forces of the inputs. The terms of eta in dq_h vanish for a constant symmetric K without damping;
+they carry the coupling by feedback, Coriolis terms and the motion of the modes. In C dq_h', the rate at which the
+static answer changes drives the low modes through the damping (a derivative gain acts on the whole joint rate); of
+dq_h' the part (X r)' is kept. Its r' is no input, so the state is w = eta' + P r with P = Phi_l^T C X instead of eta'.
 """
 
 from __future__ import annotations
@@ -18,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.errors import AnalysisError, UsageError
+from spacar.simulation.propagation import disturbance
 from spacar.simulation.time_varying import TimeVarying
 
 Array = NDArray[np.float64]
@@ -48,7 +55,7 @@ def reduce_modes(data: TimeVarying, n_low: int, n_static: int | None = None) -> 
     Raises UsageError when the numbers do not fit or M0, C0B, K0B are not stored; AnalysisError when M0 is
     not positive definite or the stiffness of a quasi-static mode is not positive.
     """
-    M, C, K, B, Cy = data.need("m0", "c0b", "k0b", "B", "C")
+    M, C, K, _, Cy = data.need("m0", "c0b", "k0b", "B", "C")
     steps, n = M.shape[:2]
     n_static = n - n_low if n_static is None else n_static
     if not (1 <= n_low <= n and 0 <= n_static <= n - n_low):
@@ -59,24 +66,29 @@ def reduce_modes(data: TimeVarying, n_low: int, n_static: int | None = None) -> 
     basis = _aligned(modes[:, :, low], M)
     first, second = _derivatives(data.t, basis)
     T = np.swapaxes(basis, 1, 2)
-    Cr = T @ (C @ basis + 2.0 * M @ first)
-    Kr = T @ (K @ basis + C @ first + M @ second)
+    C1, K1 = C @ basis + 2.0 * M @ first, K @ basis + C @ first + M @ second
+    X = _static_flexibility(data.t, modes[:, :, static], K)
     E = data.distribution
-    S = _quasi_static(data.t, modes[:, :, static], K, E)
+    project = T - T @ K @ X
+    Cr, Kr = project @ C1, project @ K1
+    P = T @ C @ X
+    drift = _derivatives(data.t, P)[0] - T @ C @ _derivatives(data.t, X)[0]
     eye, zero = np.broadcast_to(np.eye(n_low), (steps, n_low, n_low)), np.zeros((steps, n_low, n_low))
     Cq, Cv = Cy[:, :, :n], Cy[:, :, n:]
-    D = Cq @ S if data.D is None else data.D + Cq @ S
+    Ce = Cv @ basis - Cq @ X @ C1
+    D = (Cq @ X - Ce @ P) @ E if data.D is None else data.D + (Cq @ X - Ce @ P) @ E
     x0 = np.zeros(2 * n) if data.x0 is None else np.ravel(data.x0)
     eta = T[0] @ M[0] @ x0[:n]
+    load = E[0] @ disturbance(data)[0]
     system = replace(
         data, name=f"{data.name} reduced to {n_low} modes",
         A=np.block([[zero, eye], [-Kr, -Cr]]),
-        B=np.concatenate((np.zeros((steps, n_low, B.shape[2])), T @ E), axis=1),
-        C=np.concatenate((Cq @ basis + Cv @ first, Cv @ basis), axis=2),
+        B=np.concatenate((-P @ E, (project + Cr @ P + drift) @ E), axis=1),
+        C=np.concatenate((Cq @ (basis - X @ K1) + Cv @ first, Ce), axis=2),
         D=D if np.any(D) else None,
         m0=np.array(eye), c0b=Cr, k0b=Kr, n_rigid=0,
         second=None if data.second is None else T[:, None] @ data.second @ basis[:, None],
-        x0=np.concatenate((eta, T[0] @ M[0] @ (x0[n:] - first[0] @ eta))),
+        x0=np.concatenate((eta, T[0] @ M[0] @ (x0[n:] - first[0] @ eta) + P[0] @ load)),
     )  # fmt: skip
     rates = np.sign(values) * np.sqrt(np.abs(values))
     report = _report(data.t, rates, overlap, low, static, high)
@@ -129,10 +141,10 @@ def _derivatives(t: Array, basis: Array) -> tuple[Array, Array]:
     return np.asarray(spline(t, 1)), np.asarray(spline(t, 2))
 
 
-def _quasi_static(t: Array, modes: Array, K: Array, E: Array) -> Array:
-    """Phi_h (Phi_h^T K Phi_h)^-1 Phi_h^T E, (k, n, m)."""
+def _static_flexibility(t: Array, modes: Array, K: Array) -> Array:
+    """Phi_h (Phi_h^T K Phi_h)^-1 Phi_h^T, (k, n, n)."""
     if not modes.shape[2]:
-        return np.zeros_like(E)
+        return np.zeros_like(K)
     T = np.swapaxes(modes, 1, 2)
     own = T @ (0.5 * (K + np.swapaxes(K, 1, 2))) @ modes
     stiff = np.diagonal(own, axis1=1, axis2=2)
@@ -145,7 +157,7 @@ def _quasi_static(t: Array, modes: Array, K: Array, E: Array) -> Array:
             " (spacntrl)"
         )
         raise AnalysisError(text, "simulation.modes")
-    return np.asarray(modes @ np.linalg.solve(T @ K @ modes, T @ E))
+    return np.asarray(modes @ np.linalg.solve(T @ K @ modes, T))
 
 
 def _report(

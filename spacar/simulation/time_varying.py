@@ -94,6 +94,12 @@ class TimeVarying:
 
     @property
     def distribution(self) -> Array:
-        """E (k, n/2, m): generalized forces of unit inputs, M0 times the lower half of B."""
+        """E (k, n/2, m): generalized forces of unit inputs, M0 times the lower half of B.
+
+        Raises UsageError for a reduced system, whose inputs also drive the upper half.
+        """
         m0, B = self.need("m0", "B")
+        if np.any(B[:, : m0.shape[1]]):
+            text = f"{self.name} is a reduced system: fold in gains and choose modes before the reduction"
+            raise UsageError(text, "simulation.reduced")
         return np.asarray(m0 @ B[:, m0.shape[1] :])

@@ -1,0 +1,50 @@
+"""`spacar sim FILE`: a controlled simulation from a model file."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import click
+
+from spacar_cli.environment import Environment
+from spacar_cli.status import tell
+
+
+@click.command("sim")
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--output", "-o", type=click.Path(path_type=Path), help="Write .npz, .mat or .csv; default FILE_sim.npz.")
+@click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
+@click.pass_obj
+def command(environment: Environment, file: Path, output: Path | None, quiet: bool) -> None:
+    """Simulate the blocks and wires of a model file (docs/simulation.md); writes the signals and FILE_sim.log."""
+    from spacar_formats.histories import export_signals
+    from spacar_formats.simfile import read_model
+
+    from spacar.simulation.engine import simulate
+
+    source = file if file.is_file() else file.with_name(f"{file.name}.sim")
+    model = read_model(source)
+    target = output or source.with_name(f"{source.stem}_sim.npz")
+    if not quiet:
+        for warning in model.warnings:
+            tell(environment, "warning", warning)
+    begun = time.perf_counter()
+    response = simulate(model.diagram, model.times, **model.options)
+    seconds = time.perf_counter() - begun
+    arrays = {"t": response.t}
+    for name, block in model.diagram.blocks.items():
+        if block.n_out:
+            arrays[name] = response[name]
+    export_signals(arrays, target)
+    lines = [f"simulation of {source.name}: {len(response.t)} times up to t = {response.t[-1]:.9g} s"]
+    for name, block in model.diagram.blocks.items():
+        kind = type(block).__name__
+        lines.append(f"block {name} ({kind}): {block.n_in} inputs, {block.n_out} outputs, {block.n_states} states")
+        lines += [f"  output {k + 1}: {text}" for k, text in enumerate(block.outputs_)]
+    lines += [f"warning: {text}" for text in model.warnings] + [f"note: {text}" for text in response.notes]
+    lines += [f"event at t = {t:.12g}: {text}" for t, text in response.events]
+    lines.append("work: " + ", ".join(f"{count} {what}" for what, count in response.statistics.items()))
+    target.with_suffix(".log").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    if not quiet:
+        environment.say(f"{source.name}: {len(response.t)} times in {seconds:.2f} s: {target}")

@@ -1,0 +1,75 @@
+"""`spacar spacntrl FILE`: feedback folded into a time-varying linear system."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from spacar.errors import UsageError
+from spacar_cli.environment import Environment
+from spacar_cli.status import tell
+
+
+@click.command("spacntrl")
+@click.argument("file")
+@click.option("--kp", help="Numbers (diagonal of K_P) such as 100,50, or FILE.py:NAME, a function of the step.")
+@click.option("--kd", help="The same for the derivative gain K_D.")
+@click.option("--omega", type=float, help="K_P = omega^2 M0 and, with --damping, K_D = 2 damping omega M0 [rad/s].")
+@click.option("--damping", type=float, default=0.0, help="Damping ratio that goes with --omega.")
+@click.option("--output", "-o", type=click.Path(path_type=Path), help="Name of the new file; default FILEkp.ltv.")
+@click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
+@click.pass_obj
+def command(
+    environment: Environment, file: str, kp: str | None, kd: str | None, omega: float | None, damping: float,
+    output: Path | None, quiet: bool,
+) -> None:  # fmt: skip
+    """Add feedback of the actuated coordinates to the system of an .ltv file: K_P enters K0B and A, K_D C0B and A.
+
+    A function is called with -1 first, then with every step 1, 2, ...; it returns a square matrix, one row per nominal
+    input.
+    """
+    from spacar_formats.locate import result_path
+    from spacar_formats.ltvfile import read_ltv, write_ltv
+
+    from spacar.simulation.feedback import tracking_gains, with_gain
+
+    if (kp is None) == (omega is None):
+        raise UsageError("give either --kp or --omega", "usage.gain")
+    data, warnings = read_ltv(file)
+    path = result_path(file, "ltv")
+    if omega is not None:
+        proportional, derivative = tracking_gains(data, omega, damping)
+    else:
+        proportional = _gain(str(kp), data.n_nominal, len(data.t))
+        derivative = None
+    if kd is not None:
+        derivative = _gain(kd, data.n_nominal, len(data.t))
+    target = output or path.with_name(f"{path.stem}kp.ltv")
+    write_ltv(with_gain(data, proportional, derivative), target, path)
+    if not quiet:
+        for warning in warnings:
+            tell(environment, "warning", warning)
+        environment.say(str(target))
+
+
+def _gain(text: str, count: int, steps: int) -> Any:
+    """(count, count) from numbers, (steps, count, count) from a function. Raises UsageError."""
+    import numpy as np
+    from spacar_formats.simfile import load_function
+
+    if ".py:" in text:
+        function = load_function(Path(text), lambda reason: UsageError(reason, "usage.gain"))
+        function(-1)
+        try:
+            return np.array([np.atleast_2d(np.asarray(function(k), float)) for k in range(1, steps + 1)])
+        except (TypeError, ValueError) as error:
+            raise UsageError(f"{text} does not return square matrices of numbers: {error}", "usage.gain") from None
+    try:
+        numbers = [float(word) for word in text.split(",")]
+    except ValueError:
+        raise UsageError(f"'{text}' is neither a list of numbers nor FILE.py:NAME", "usage.gain") from None
+    if len(numbers) not in (1, count):
+        raise UsageError(f"{len(numbers)} gains for {count} nominal inputs", "usage.gain")
+    return np.diag(numbers * (count if len(numbers) == 1 else 1))

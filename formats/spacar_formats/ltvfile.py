@@ -1,0 +1,100 @@
+"""`.ltv` files as `TimeVarying` records of the core, and back (reference/files.md section 6)."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from spacar.simulation.time_varying import TimeVarying
+from spacar_formats import safety
+from spacar_formats.locate import notes, open_result
+from spacar_formats.sbf import SbfFile, SbfWriter
+
+COPIED = ("VERSION", "SOURCE", "SHA256", "MODE")
+STEPS = {"A": "A", "B": "B", "C": "C", "D": "D", "M0": "m0", "C0B": "c0b", "K0B": "k0b"}
+VECTORS = {"U0": "u0", "Y0": "y0", "SIG0": "sigma0"}
+
+
+def read_ltv(name: str | os.PathLike[str]) -> tuple[TimeVarying, list[str]]:
+    """The contents of the file `name` (extension optional), and what a user should know about it (stale, incomplete).
+
+    Raises UsageError when there is no such file, SbfError when it is damaged.
+    """
+    with open_result(name, "ltv") as file:
+        warnings = notes(file)
+        count = file.steps
+        data = TimeVarying(
+            name=file.path.name,
+            t=np.ravel(file.get("T")).astype(float),
+            n_nominal=_number(file, "NNOM"),
+            n_rigid=_number(file, "NRBM"),
+            second_rows=np.ravel(file.header["NYSI"]).astype(np.int64) - 1
+            if file.has("NYSI")
+            else np.zeros(0, np.int64),
+            x0=np.ravel(file.header["X0"]).astype(float) if file.has("X0") else None,
+        )
+        found: dict[str, Any] = {name: _matrices(file, ident, count) for ident, name in STEPS.items()}
+        found |= {name: _vectors(file, ident, count) for ident, name in VECTORS.items()}
+        second = _matrices(file, "G", count)
+        if second is not None:
+            n = _number(file, "NX") // 2
+            second = second.reshape(count, second.shape[1], n, n).swapaxes(-1, -2)
+        return replace(data, second=second, **found), warnings
+
+
+def write_ltv(data: TimeVarying, target: Path, source: Path) -> None:
+    """Write a changed system; which program and input file it comes from is copied from the result `source`.
+
+    Raises UsageError when the file cannot be written.
+    """
+    A, B, C = data.need("A", "B", "C")
+    header: dict[str, Any] = {}
+    with open_result(source, "ltv") as file:
+        header |= {ident: _plain(file.header[ident]) for ident in COPIED if file.has(ident)}
+    header |= {
+        "NNOM": data.n_nominal, "NX": A.shape[1], "NU": B.shape[2], "NY": C.shape[1], "NRBM": data.n_rigid,
+        "NYS": len(data.second_rows), "DFT": int(data.D is not None),
+        "X0": np.zeros(A.shape[1]) if data.x0 is None else data.x0,
+    }  # fmt: skip
+    if len(data.second_rows):
+        header["NYSI"] = data.second_rows + 1
+    fields = {ident: getattr(data, name) for ident, name in {**STEPS, **VECTORS}.items()}
+    if data.second is not None:
+        steps, rows, n, _ = data.second.shape
+        fields["G"] = data.second.swapaxes(-1, -2).reshape(steps, rows, n * n)
+    fields = {ident: value for ident, value in fields.items() if value is not None and value[0].size}
+    shapes = {ident: value.shape[1:] if value.ndim == 3 else (value.shape[1], 1) for ident, value in fields.items()}
+    with safety.replacing(target) as side, SbfWriter(side, "ltv", header, {"T": (1, 1), **shapes}) as writer:
+        for k, t in enumerate(data.t):
+            writer.append({"T": t} | {ident: value[k] for ident, value in fields.items()})
+
+
+def _number(file: SbfFile, ident: str) -> int:
+    return int(np.ravel(file.header[ident])[0]) if file.has(ident) else 0
+
+
+def _plain(value: Any) -> Any:
+    """A header value in the form in which the writer takes it: one line of text as text, one number as a number."""
+    if isinstance(value, list):
+        return value[0] if len(value) == 1 else value
+    return value.ravel()[0] if value.size == 1 else value
+
+
+def _matrices(file: SbfFile, ident: str, count: int) -> np.ndarray | None:
+    """(steps, rows, cols), None when the file does not have the variable."""
+    if not file.has(ident):
+        return None
+    record = file.variable(ident)
+    flat = np.asarray(file.get(ident), float)
+    if count == 1:
+        return flat.reshape(1, record.rows, record.cols)
+    return flat.reshape(count, record.cols, record.rows).swapaxes(1, 2)
+
+
+def _vectors(file: SbfFile, ident: str, count: int) -> np.ndarray | None:
+    """(steps, length), None when the file does not have the variable."""
+    return np.asarray(file.get(ident), float).reshape(count, -1) if file.has(ident) else None
