@@ -1,5 +1,6 @@
 """Windows: never without being asked; slider, live picture and Abort, with matplotlib's backend that has no screen."""
 
+import numpy as np
 import pytest
 from spacar_cli.drawing import window
 
@@ -98,7 +99,6 @@ def test_plot_option_of_a_run(results, no_screen):
 
 
 def test_play_goes_round(no_screen):
-    import numpy as np
     from spacar_cli.drawing.camera import Camera
     from spacar_cli.drawing.shapes import Mark
 
@@ -116,3 +116,23 @@ def test_play_goes_round(no_screen):
     assert slider.val == 1  # after the last picture comes the first
     button._observers.process("clicked", None)
     assert button.label.get_text() == "play"
+
+
+def test_dragging_turns_a_spatial_picture(no_screen):
+    """100 pixels to the right turn the mechanism by 40 degrees about z: the camera goes the other way."""
+    from matplotlib.backend_bases import MouseEvent
+    from spacar_cli.drawing.camera import Camera
+    from spacar_cli.drawing.shapes import Mark
+
+    seen = []
+    start = Camera.towards(-60, 30)
+    figure = window.slider_window(
+        lambda k: ([Mark(np.array([1.0, 0, 0]))], ""), 3, 0, (-np.ones(3), np.ones(3)), start, "x", block=False
+    )
+    box = figure.axes[0].bbox
+    x, y = 0.5 * (box.x0 + box.x1), 0.5 * (box.y0 + box.y1)
+    for name, dx in (("button_press_event", 0), ("motion_notify_event", 100), ("button_release_event", 100)):
+        figure.canvas.callbacks.process(name, MouseEvent(name, figure.canvas, x + dx, y, 1))
+        seen.append([line.get_xydata()[0] for a in figure.axes for line in a.lines if line.get_zorder() == 16][-1])
+    np.testing.assert_allclose(seen[0], start.project(np.array([1.0, 0, 0])), atol=1e-12)
+    np.testing.assert_allclose(seen[1], Camera.towards(-100, 30).project(np.array([1.0, 0, 0])), atol=1e-12)

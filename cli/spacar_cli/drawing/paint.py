@@ -27,7 +27,13 @@ def paint(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
     for alike in marks.values():
         x, y = camera.project(np.stack([m.at for m in alike])).T
         first = alike[0]
-        look: dict[str, Any] = {"ms": first.size, "mfc": first.face, "mec": first.edge, "mew": 0.8, "zorder": 10 + first.layer}
+        look: dict[str, Any] = {
+            "ms": first.size,
+            "mfc": first.face,
+            "mec": first.edge,
+            "mew": 0.8,
+            "zorder": 10 + first.layer,
+        }
         artists += axes.plot(x, y, "o", scalex=False, scaley=False, **look)
     labels = [s for s in shapes if isinstance(s, Label)]
     if labels:
