@@ -1,0 +1,50 @@
+"""`spacar compliance FILE NODE [ORIENTATION]`: the compliance matrix of a node."""
+
+from __future__ import annotations
+
+import click
+
+from spacar_cli.environment import Environment
+
+
+@click.command("compliance")
+@click.argument("file")
+@click.argument("node", type=int)
+@click.argument("orientation", type=int, required=False)
+@click.option("--step", type=int, default=1, show_default=True, help="Stored step, from 1.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+@click.pass_obj
+def command(
+    environment: Environment, /, file: str, node: int, orientation: int | None, step: int, as_json: bool
+) -> None:
+    """Compliance of a position node and its orientation node in a result of mode 7, 8, 9 or 10.
+
+    The displacements and small rotations (6, planar 3) by unit forces and moments at the loaded state, along the global
+    axes and along the axes of the orientation node. Needs dx in the result (OUTLEVEL 0 1, the default of these modes).
+    """
+    from spacar_formats.compliance import node_compliance
+    from spacar_formats.log.layout import matrix
+
+    found, warnings = node_compliance(file, node, orientation, step)
+    for warning in warnings:
+        environment.tell(f"warning: {warning}")
+    rows, columns = found.labels
+    if as_json:
+        import json
+
+        report = {
+            "t": found.t,
+            "position": found.position,
+            "orientation": found.orientation,
+            "rows": rows,
+            "columns": columns,
+            "global": found.fixed.tolist(),
+            "body": found.body.tolist(),
+        }
+        environment.say(json.dumps(report))
+        return
+    where = f"position node {found.position}, orientation node {found.orientation}"
+    for title, value in (("global axes", found.fixed), ("axes of the body", found.body)):
+        environment.say(f"Compliance of {where}, {title}")
+        for line in matrix(value, rows, columns, width=6):
+            environment.say(line)

@@ -1,0 +1,127 @@
+"""`spacar eigen FILE`: frequency table, root locus, Campbell diagram."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from spacar.errors import UsageError
+from spacar_cli.drawing.options import OUTPUT
+from spacar_cli.environment import Environment
+
+if TYPE_CHECKING:
+    import numpy as np
+    from spacar_formats.vibration import Vibration
+
+HEADS = ("step", "mode", "real [1/s]", "imag [rad/s]", "modulus [rad/s]", "frequency [Hz]", "damping", "largest in")
+
+
+@click.command("eigen")
+@click.argument("file")
+@click.option("--step", type=int, help="Print only this stored step (from 1; -1 the last).")
+@click.option("--lowest", type=click.IntRange(min=1), metavar="N", help="Only the N eigenvalues of smallest modulus.")
+@click.option("--against", metavar="EXPR", help="What the Campbell diagram is drawn over, as in `spacar plot`.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+@click.option("--csv", "as_csv", is_flag=True, help="Print csv.")
+@OUTPUT
+@click.pass_obj
+def command(
+    environment: Environment,
+    /,
+    file: str,
+    step: int | None,
+    lowest: int | None,
+    against: str | None,
+    as_json: bool,
+    as_csv: bool,
+    output: tuple[Path, ...],
+) -> None:
+    """Frequencies of a result (NAME.sbm) of mode 7 or 10, or of the matrices of mode 3, 4 or 9.
+
+    Prints real and imaginary part, modulus, frequency, damping ratio and the degree of freedom with the largest
+    component. With --output a picture: the frequencies over the steps, or over the expression --against (the
+    speed of a rotor: Campbell diagram), and the root locus.
+    """
+    from spacar_formats.vibration import read_vibrations
+
+    found, names, warnings = read_vibrations(file)
+    for warning in warnings:
+        environment.tell(f"warning: {warning}")
+    if not found:
+        raise UsageError(f"{file} contains no steps: the run stopped before the first one", "eigen.empty")
+    chosen = range(1, len(found) + 1)
+    if step is not None:
+        number = len(found) + 1 + step if step < 0 else step
+        if number not in chosen:
+            raise UsageError(f"step {step} does not exist: {file} has steps 1 to {len(found)}", "files.step")
+        chosen = range(number, number + 1)
+    rows = [row for k in chosen for row in _rows(k, found[k - 1], names, lowest)]
+    if as_json:
+        import json
+
+        keys = ("step", "mode", "real", "imag", "modulus", "frequency", "damping", "dof")
+        environment.say(json.dumps([dict(zip(keys, row, strict=True)) for row in rows]))
+    elif as_csv:
+        import csv
+
+        writer = csv.writer(environment.stdout, lineterminator="\n")
+        writer.writerow(HEADS)
+        writer.writerows([*row[:2], *(repr(v) for v in row[2:7]), row[7]] for row in rows)
+    else:
+        from spacar_formats.log.layout import table
+
+        for line in table(HEADS, rows):
+            environment.say(line)
+    if output:
+        _pictures(environment, file, [found[k - 1] for k in chosen], list(chosen), against, output)
+
+
+def _rows(step: int, vibration: Vibration, names: list[str], lowest: int | None) -> list[tuple]:
+    """Rows of the table, by decreasing modulus as they are stored."""
+    values, damping, dominant = vibration.values, vibration.damping, vibration.dominant(names)
+    first = max(len(values) - lowest, 0) if lowest else 0
+    return [
+        (
+            step,
+            i + 1,
+            float(values[i].real),
+            float(values[i].imag),
+            float(abs(values[i])),
+            float(abs(values[i])) / 6.283185307179586,
+            float(damping[i]),
+            dominant[i] if dominant else "",
+        )
+        for i in range(first, len(values))
+    ]
+
+
+def _pictures(
+    environment: Environment,
+    file: str,
+    steps: list[Vibration],
+    numbers: list[int],
+    against: str | None,
+    output: tuple[Path, ...],
+) -> None:
+    import numpy as np
+
+    from spacar_cli.drawing.files import check_name, save
+    from spacar_cli.drawing.linear import root_figure
+
+    for path in output:
+        check_name(path, film=False)
+    across: np.ndarray = np.array([s.t for s in steps])
+    text = "load step" if np.array_equal(across, np.round(across)) else "time (s)"
+    if against is not None:
+        from spacar_cli.drawing.expressions import evaluate
+        from spacar_cli.drawing.history import axis_text
+        from spacar_cli.drawing.source import open_source
+
+        curve = evaluate(open_source(file), against)
+        across, text = np.ravel(curve.quantity.values)[np.array(numbers) - 1], axis_text(curve)
+    figure = root_figure(steps, across, text, Path(file).stem)
+    for path in output:
+        save(figure, path)
+        environment.say(str(path))

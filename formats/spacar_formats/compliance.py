@@ -1,0 +1,121 @@
+"""The compliance matrix of a node (reference/files.md section 5, "Forces on Euler parameters").
+
+    C = T DX K^-1 DX^T T^T,  K = K0 + N0 + G0 of the dynamic degrees of freedom, DX their columns of dx
+
+T turns coordinates into displacements and small rotations: spatial diag(I, 2 Lambda_bar) along the global axes and
+diag(R^T, 2 Lambda) along the axes of the body, Lambda_bar = [-l, l0 I + l~], Lambda = [-l, l0 I - l~]; planar the
+identity and diag(R^T, 1).
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from spacar.errors import AnalysisError, UsageError
+from spacar_formats.locate import notes, open_result
+from spacar_formats.sbf import SbfFile
+
+
+@dataclass(frozen=True)
+class NodeCompliance:
+    """fixed (6, 6), planar (3, 3): displacement and rotation along the global axes by force and moment; body: the same
+    along the axes of the orientation node."""
+
+    t: float
+    position: int
+    orientation: int
+    fixed: np.ndarray
+    body: np.ndarray
+
+    @property
+    def labels(self) -> tuple[list[str], list[str]]:
+        """Rows and columns."""
+        if len(self.fixed) == 3:
+            return ["ux", "uy", "phi"], ["Fx", "Fy", "M"]
+        return [f"{k}{a}" for k in ("u", "phi") for a in "xyz"], [f"{k}{a}" for k in "FM" for a in "xyz"]
+
+
+def node_compliance(
+    name: str | os.PathLike[str], node: int, orientation: int | None = None, step: int = 1
+) -> tuple[NodeCompliance, list[str]]:
+    """Compliance of position node `node` and its orientation node at a stored step (from 1), and warnings.
+
+    Without `orientation` it is the node that an element has together with `node`. Raises UsageError for a wrong node,
+    step or a result without dx (OUTLEVEL 0 1), AnalysisError when the stiffness is singular.
+    """
+    with open_result(name, "sbd") as sbd, open_result(Path(sbd.path).with_suffix(".sbm"), "sbm") as sbm:
+        lnp, ln = _array(sbd, "lnp").astype(int), _array(sbd, "ln").astype(int)
+        nxp, nep = (_array(sbd, k).ravel().astype(int) for k in ("nxp", "nep"))
+        partner = _orientation(lnp, ln, node) if orientation is None else orientation
+        for number, what in ((node, "position"), (partner, "orientation")):
+            if not 1 <= number <= len(lnp) or not lnp[number - 1, 0] or _kind(lnp, number) != what:
+                raise UsageError(f"node {number} is no {what} node of {sbd.path}", "compliance.node")
+        x_columns = nxp[2] + np.arange(nxp[3])
+        columns = np.r_[x_columns, nxp[2] + nxp[3] + nep[2] + np.arange(nep[3])]
+        DX, x = _array(sbd, "dx", step)[:, columns], _array(sbd, "x", step).ravel()
+        K = sum(_array(sbm, k, step) for k in ("k0", "n0", "g0"))
+        t = float(_array(sbd, "T", step)[0, 0])
+        warnings = [*notes(sbd), *notes(sbm)]
+    planar = lnp[partner - 1, 3] == 0
+    rows = np.r_[lnp[node - 1, : 2 if planar else 3], lnp[partner - 1, : 1 if planar else 4]] - 1
+    fixed, body = (_planar if planar else _spatial)(x[lnp[partner - 1, : 1 if planar else 4] - 1])
+    compliance = _solve(np.asarray(K), DX[rows])
+    return NodeCompliance(t, node, partner, fixed @ compliance @ fixed.T, body @ compliance @ body.T), warnings
+
+
+def _array(file: SbfFile, ident: str, step: int | None = None) -> np.ndarray:
+    return np.asarray(file.get(ident, step), float)
+
+
+def _kind(lnp: np.ndarray, node: int) -> str:
+    row = lnp[node - 1]
+    return "orientation" if row[3] or not row[1] else "position"
+
+
+def _orientation(lnp: np.ndarray, ln: np.ndarray, node: int) -> int:
+    """The orientation node at the same end of an element."""
+    found = set()
+    for row in ln:
+        for k in np.flatnonzero(row == node):
+            following = int(row[k + 1]) if k + 1 < len(row) else 0
+            if following and _kind(lnp, following) == "orientation":
+                found.add(following)
+    if len(found) == 1:
+        return found.pop()
+    reason = f"one of {', '.join(map(str, sorted(found)))}" if found else "no element has one at this node"
+    raise UsageError(f"node {node}: name its orientation node ({reason})", "compliance.node")
+
+
+def _spatial(lam: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """T along global and along body axes, (6, 7)."""
+    l0, l = lam[0], lam[1:]
+    tilde = np.array([[0, -l[2], l[1]], [l[2], 0, -l[0]], [-l[1], l[0], 0]])
+    bar = np.column_stack((-l, l0 * np.eye(3) + tilde))
+    plain = np.column_stack((-l, l0 * np.eye(3) - tilde))
+    fixed, body = np.zeros((6, 7)), np.zeros((6, 7))
+    fixed[:3, :3], fixed[3:, 3:] = np.eye(3), 2 * bar
+    body[:3, :3], body[3:, 3:] = (bar @ plain.T).T, 2 * plain
+    return fixed, body
+
+
+def _planar(phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    c, s = np.cos(phi[0]), np.sin(phi[0])
+    return np.eye(3), np.array([[c, s, 0], [-s, c, 0], [0, 0, 1.0]])
+
+
+def _solve(K: np.ndarray, D: np.ndarray) -> np.ndarray:
+    """D K^-1 D^T, K scaled to a unit diagonal."""
+    if not len(K):
+        return np.zeros((len(D), len(D)))
+    d = np.sqrt(np.abs(np.diag(K)))
+    scale = 1.0 / np.where(d > 0.0, d, d.max(initial=0.0) or 1.0)
+    scaled = K * np.outer(scale, scale)
+    if np.linalg.cond(scaled) > 1e14:
+        text = "the stiffness is singular (critical load or rigid motion): there is no compliance"
+        raise AnalysisError(text, "compliance.singular")
+    Ds = D * scale
+    return np.asarray(Ds @ np.linalg.solve(scaled, Ds.T))

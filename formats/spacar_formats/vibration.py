@@ -1,0 +1,107 @@
+"""Eigenvalues of every step of an `.sbm` result, with the names of the degrees of freedom (reference/files.md 2, 5).
+
+Modes 7 and 10 store eigenvalues and eigenvectors; for modes 3, 4 and 9 they are computed here from the stored matrices,
+
+    A = [Bk0 Ak0; -M0^-1 (K0 + N0 + G0)  -M0^-1 (C0 + D0)]    (without Ak0, Bk0: [0 I] in the first rows)
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from spacar.deck import ELEMENT_TYPES
+from spacar.errors import UsageError
+from spacar_formats.locate import notes, open_result
+from spacar_formats.sbf import SbfFile
+
+
+@dataclass(frozen=True)
+class Vibration:
+    """values (n,) eigenvalues [rad/s] by decreasing modulus, vectors (states, n) of norm 1, of the step at time t."""
+
+    t: float
+    values: np.ndarray
+    vectors: np.ndarray
+
+    @property
+    def damping(self) -> np.ndarray:
+        """-Re/|lambda|: 1 without oscillation, negative for a growing motion, 0 for eigenvalue zero."""
+        size = np.abs(self.values)
+        return np.where(size > 0.0, -self.values.real / np.where(size > 0.0, size, 1.0), 0.0) + 0.0  # no -0
+
+    def dominant(self, names: list[str]) -> list[str]:
+        """The degree of freedom with the largest component of every eigenvector."""
+        rows = np.argmax(np.abs(self.vectors[: len(names)]), axis=0) if len(names) else []
+        return [names[int(k)] for k in rows]
+
+
+def read_vibrations(name: str | os.PathLike[str]) -> tuple[list[Vibration], list[str], list[str]]:
+    """Eigenvalues of all steps, names of the configuration part of the state, warnings about the file.
+
+    Raises UsageError when the file is missing or holds neither eigenvalues nor matrices.
+    """
+    with open_result(name, "sbm") as file:
+        stored = file.has("eigval")
+        if not stored and not file.has("m0"):
+            raise UsageError(f"{file.path} holds no eigenvalues and no matrices: run mode 7 or 10", "eigen.missing")
+        steps = [(_stored if stored else _computed)(file, k) for k in range(1, file.steps + 1)]
+        return steps, names_beside(file.path), notes(file)
+
+
+def names_beside(path: Path) -> list[str]:
+    """Dynamic degrees of freedom, then kinematic coordinates, from the `.sbd` beside; empty when there is none."""
+    beside = path.with_suffix(".sbd")
+    if not beside.is_file():
+        return []
+    with SbfFile(beside, verify=False) as file:
+        nxp, nep = (np.ravel(file.get(k)).astype(int) for k in ("nxp", "nep"))
+        lnp, le, keywords = file.get("lnp"), file.get("le"), file.get("etype")
+        assert isinstance(lnp, np.ndarray)
+        assert isinstance(le, np.ndarray)
+        x_start, e_start = int(nxp[:3].sum()), int(nep[0] + nep[2])
+        x = [_coordinate(lnp, i) for i in range(x_start + 1, x_start + nxp[3] + nxp[4] + 1)]
+        e = [_deformation(le, list(keywords), i) for i in range(e_start + 1, e_start + nep[3] + nep[4] + 1)]
+    return x[: nxp[3]] + e[: nep[3]] + x[nxp[3] :] + e[nep[3] :]
+
+
+def _coordinate(lnp: np.ndarray, i: int) -> str:
+    node, k = (int(v) for v in np.argwhere(lnp == i)[0])
+    count = int(np.count_nonzero(lnp[node]))
+    name = "phi" if count == 1 else f"lambda{k}" if count == 4 else "xyz"[k]
+    return f"node {node + 1} {name}"
+
+
+def _deformation(le: np.ndarray, keywords: list[str], i: int) -> str:
+    element, k = (int(v) for v in np.argwhere(le == i)[0])
+    keyword = keywords[element]
+    what = f" {ELEMENT_TYPES[keyword].modes[k][0]}" if keyword in ELEMENT_TYPES else ""
+    return f"element {element + 1} ({keyword}) e{k + 1}{what}"
+
+
+def _matrix(file: SbfFile, ident: str, step: int) -> np.ndarray:
+    return np.asarray(file.get(ident, step), float)
+
+
+def _time(file: SbfFile, step: int) -> float:
+    return float(_matrix(file, "T", step)[0, 0])
+
+
+def _stored(file: SbfFile, step: int) -> Vibration:
+    values = _matrix(file, "eigval", step)
+    vectors = _matrix(file, "eigvre", step) + 1j * _matrix(file, "eigvim", step)
+    return Vibration(_time(file, step), values[:, 0] + 1j * values[:, 1], vectors)
+
+
+def _computed(file: SbfFile, step: int) -> Vibration:
+    M, C, D, K, N, G = (_matrix(file, k, step) for k in ("m0", "c0", "d0", "k0", "n0", "g0"))
+    n, nk = K.shape
+    A = np.zeros((nk + n, nk + n))
+    A[:nk, :nk], A[:nk, nk:] = _matrix(file, "bk0", step), _matrix(file, "ak0", step)
+    A[nk:] = -np.linalg.solve(M, np.hstack((K + N + G, C + D)))
+    values, vectors = np.linalg.eig(A)
+    order = np.lexsort((-values.imag, -np.abs(values.imag), -np.round(np.abs(values), 10)))
+    return Vibration(_time(file, step), values[order], vectors[:, order])
