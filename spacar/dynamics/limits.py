@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 WHEELS = ("WHEEL", "TWHEEL")
 NORMAL_MODE = 3  # sigma_3 is the normal force of the road, compression negative
-LIFTED = 1e-9  # of the largest compression seen
+LIFTED = 1e-9  # of the largest normal force seen
 
 
 class Limits:
@@ -27,7 +27,9 @@ class Limits:
 
     def __init__(self, dynamics: Dynamics, report: Report) -> None:
         n = dynamics.numbering
-        wheels = [number for number, keyword, _ in n.elements if keyword in WHEELS]
+        found = [(number, keyword) for number, keyword, _ in n.elements if keyword in WHEELS]
+        wheels, self.keywords = [number for number, _ in found], [keyword for _, keyword in found]
+        self.pressed = bool(dynamics.loads.gravity.any())
         self.wheels = np.array(wheels, np.int64)
         self.rows = np.array([n.e_index(w, NORMAL_MODE) for w in wheels], np.int64)
         self.compression = np.zeros(len(wheels))
@@ -54,11 +56,15 @@ class Limits:
 
     def _wheels(self, t: float, normal: Array) -> None:
         self.compression = np.maximum(self.compression, -normal)
-        lifted = np.flatnonzero((normal > LIFTED * self.compression) & (self.compression > 0.0))
-        if len(lifted):
-            k = int(lifted[0])
+        size = max(float(np.abs(normal).max()), float(self.compression.max()))
+        for k in np.flatnonzero(normal > LIFTED * size):
             text = (
-                f"element {self.wheels[k]} (wheel) at t = {t:.9g}: the wheel leaves the ground, its normal force"
+                f"element {self.wheels[k]} ({self.keywords[k]}) at t = {t:.9g}: the wheel leaves the ground, its normal force"
                 f" would be a pull of {normal[k]:.6g} N; reduce speed or steering, or release its normal mode"
             )
-            raise AnalysisError(text, "element.lift-off", element=int(self.wheels[k]))
+            if self.pressed or self.compression[k] > LIFTED * size:
+                raise AnalysisError(text, "element.lift-off", element=int(self.wheels[k]))
+            if self.wheels[k] not in self.warned:
+                # a model without gravity does not care what presses its wheels on the ground
+                self.warned.add(int(self.wheels[k]))
+                self.report.add(f"warning: {text} (the model has no gravity)")

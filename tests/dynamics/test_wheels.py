@@ -1,0 +1,193 @@
+"""Rolling wheels against Newton-Euler, and wheels that do what the theory does not cover."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import spacar
+from spacar import Deck
+from spacar.deck import read_deck
+from spacar.dynamics import Dynamics
+from spacar.errors import AnalysisError
+from spacar.mechanism import build
+
+DATA = Path(__file__).parents[2] / "data"
+G = 9.81
+UP = np.array([0.0, 0.0, 1.0])
+
+
+def rotation(axis: np.ndarray, angle: float) -> np.ndarray:
+    K = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+    return np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
+
+
+def free_wheel(radius: float, rho: float) -> tuple[list[tuple], list[tuple], float, np.ndarray]:
+    """One wheel alone: position of the centre and orientation by a chain of three hinges (yaw, lean, spin)."""
+    height = radius
+    if rho:
+        wheel = ("TWHEEL", 4, 5, 4, 6, radius, rho, 0.0, 1.0, 0.0)
+    else:
+        wheel = ("WHEEL", 4, 5, 4, 6, 0.0, 1.0, 0.0)
+    rows = [
+        ("HINGE", 1, 1, 2, 0.0, 0.0, 1.0), ("HINGE", 2, 2, 3, 1.0, 0.0, 0.0), ("HINGE", 3, 3, 4, 0.0, 1.0, 0.0), wheel,
+        ("X", 5, 0.0, 0.0, height), ("FIX", 1), ("DYNE", 1, 1), ("DYNE", 2, 1), ("DYNE", 3, 1), ("KINX", 5, 1, 2),
+    ]  # fmt: skip
+    m, axial, transverse = 3.0, 0.04, 0.025
+    dynamics = [("XM", 5, m), ("XM", 4, transverse, 0.0, 0.0, axial, 0.0, transverse), ("GRAVITY", 0.0, 0.0, -G)]
+    return rows, dynamics, m, np.diag([transverse, axial, transverse])
+
+
+def newton_euler(
+    radius: float, rho: float, m: float, J: np.ndarray, R: np.ndarray, omega: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Acceleration of the centre, angular acceleration and contact force of a rolling torus (rho = 0: a disk).
+
+    The contact point has the material velocity zero: v = -w x c with c(R) from centre to contact; its derivative with
+    c' by the motion of the lowest point; m a = F - m g z, J w' + w x J w = c x F.
+    """
+    a0 = R @ [0.0, 1.0, 0.0]
+    big = radius - rho
+
+    def contact(axis: np.ndarray) -> np.ndarray:
+        down = -(UP - (UP @ axis) * axis)
+        return big * down / np.linalg.norm(down) - rho * UP
+
+    c = contact(a0)
+    step = 1e-30
+    rate = np.imag(_contact_complex(a0 + 1j * step * np.cross(omega, a0), big, rho)) / step
+    Jw = R @ J @ R.T
+    # unknowns a, alpha, F: m a - F = -m g z; Jw alpha - c x F = -w x Jw w; a + alpha x c = -w x c'
+    A = np.zeros((9, 9))
+    skew_c = np.array([[0, -c[2], c[1]], [c[2], 0, -c[0]], [-c[1], c[0], 0]])
+    A[:3, :3], A[:3, 6:] = m * np.eye(3), -np.eye(3)
+    A[3:6, 3:6], A[3:6, 6:] = Jw, -skew_c
+    A[6:, :3], A[6:, 3:6] = np.eye(3), -skew_c
+    b = np.concatenate((-m * G * UP, -np.cross(omega, Jw @ omega), -np.cross(omega, rate)))
+    x = np.linalg.solve(A, b)
+    return x[:3], x[3:6], x[6:]
+
+
+def _contact_complex(axis: np.ndarray, big: float, rho: float) -> np.ndarray:
+    down = -(UP - (UP @ axis) * axis)
+    return big * down / np.sqrt(down @ down) - rho * UP
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.08])
+def test_a_rolling_wheel_against_newton_euler(rho: float) -> None:
+    """Random yaw, lean, spin and rates: velocity, acceleration, angular acceleration, contact force to 1e-10."""
+    radius = 0.35
+    rows, dynamics, m, J = free_wheel(radius, rho)
+    rng = np.random.default_rng(5)
+    for _ in range(10):
+        angles, rates = rng.uniform(-0.7, 0.7, 3) * [3.0, 1.0, 3.0], rng.normal(size=3) * [1.0, 1.0, 5.0]
+        starts = [("STARTDE", k + 1, 1, float(angles[k]), float(rates[k])) for k in range(3)]
+        r = spacar.run(1, Deck.build(rows, dynamics + starts))
+        yaw, lean = rotation(UP, angles[0]), rotation(np.array([1.0, 0.0, 0.0]), angles[1])
+        R = yaw @ lean @ rotation(np.array([0.0, 1.0, 0.0]), angles[2])
+        omega = rates[0] * UP + yaw @ (rates[1] * np.array([1.0, 0, 0]) + lean @ (rates[2] * np.array([0, 1.0, 0])))
+        acceleration, alpha, force = newton_euler(radius, rho, m, J, R, omega)
+        centre = r.lnp[4, :3] - 1
+        contact = np.array([r.node(6, k)[0] for k in (1, 2, 3)]) - r["x"][0][centre]
+        np.testing.assert_allclose(contact, np.real(_contact_complex(R[:, 1], radius - rho, rho)), atol=1e-12)
+        np.testing.assert_allclose(r["xd"][0][centre], -np.cross(omega, contact), atol=1e-11)
+        np.testing.assert_allclose(r["xdd"][0][centre], acceleration, atol=1e-10 * np.abs(acceleration).max())
+        lam_dd = r["xdd"][0][r.lnp[3] - 1]
+        lam = r["x"][0][r.lnp[3] - 1]
+        s, v = lam[0], lam[1:]
+        found = 2 * (s * lam_dd[1:] - lam_dd[0] * v - np.cross(lam_dd[1:], v))
+        np.testing.assert_allclose(found, alpha, atol=1e-10 * np.abs(alpha).max())
+        # e3 is the height of the contact point: its multiplier is minus the normal force; e4 carries nothing
+        assert r.element(4, 3, "sig")[0] == pytest.approx(-force[2], rel=1e-9)
+        assert r.element(4, 4, "sig")[0] == pytest.approx(0.0, abs=1e-10 * np.abs(force).max())
+
+
+def test_a_rolling_disk_keeps_its_energy_and_rolls_without_slip() -> None:
+    radius = 0.35
+    rows, dynamics, m, J = free_wheel(radius, 0.0)
+    dynamics += [("STARTDE", 1, 1, 0.0, 0.3), ("STARTDE", 2, 1, 0.2, 0.1), ("STARTDE", 3, 1, 0.0, 12.0),
+                 ("TIMESTEP", 2.0, 40), ("ERROR", 1e-10, 1e-10)]  # fmt: skip
+    r = spacar.run(1, Deck.build(rows, dynamics))
+    for slip in (5, 6):
+        np.testing.assert_allclose(r.element(4, slip, "ed"), 0.0, atol=1e-11)
+    v = np.array([r.node(5, k, "xd") for k in (1, 2, 3)]).T
+    lam, lam_d = r["x"][:, r.lnp[3] - 1], r["xd"][:, r.lnp[3] - 1]
+    s, u, sd, ud = lam[:, :1], lam[:, 1:], lam_d[:, :1], lam_d[:, 1:]
+    w = 2 * (s * ud - sd * u - np.cross(u, ud))
+    E = 0.5 * m * (v**2).sum(1) + 0.5 * (w @ J * w).sum(1) + m * G * r.node(5, 3)
+    np.testing.assert_allclose(E / E[0], 1.0, atol=1e-8)
+    assert np.ptp(r.element(2, 1)) > 0.05
+
+
+def test_the_spin_of_a_wheel_counts_its_turns() -> None:
+    radius = 0.35
+    rows, dynamics, _, _ = free_wheel(radius, 0.0)
+    dynamics += [("STARTDE", 3, 1, 0.0, 20.0), ("TIMESTEP", 10.0, 40)]
+    r = spacar.run(1, Deck.build(rows, dynamics))
+    np.testing.assert_allclose(r.element(3, 1), 20.0 * r.t, atol=1e-8)
+    np.testing.assert_allclose(r.node(5, 1), 20.0 * radius * r.t, atol=1e-8)
+
+
+# -- outside of the theory -----------------------------------------------------------------------------------------
+def failure(deck: Deck, **options: float) -> tuple[AnalysisError, int]:
+    frames: list[float] = []
+    run = spacar.frames(1, deck, **options)
+    with pytest.raises(AnalysisError) as caught:
+        frames.extend(f.t for f in run)
+    assert "\n" not in str(caught.value)
+    return caught.value, len(frames)
+
+
+def test_a_wheel_that_leaves_the_ground_in_a_turn() -> None:
+    """trike3v steered the other way with 0.5 rad at 3 m/s: the left rear wheel would have to pull."""
+    text = (DATA / "trike3v.dat").read_text()
+    assert "STARTDE 8 1 -0.5 0.0" in text
+    deck = spacar.parse_deck(text.replace("STARTDE 8 1 -0.5 0.0", "STARTDE 8 1 0.5 0.0"), "trike.dat", 1)
+    error, frames = failure(deck)
+    assert error.code == "element.lift-off"
+    for words in ("element 3 (WHEEL)", "t = ", "leaves the ground", "pull of", " N;", "reduce speed or steering"):
+        assert words in str(error)
+
+
+def test_a_wheel_that_leaves_the_ground_by_speed() -> None:
+    text = (DATA / "trike3v.dat").read_text()
+    deck = spacar.parse_deck(text.replace("STARTDE 2 1 0.0 10.0", "STARTDE 2 1 0.0 25.0"), "trike.dat", 1)
+    error, _ = failure(deck)
+    assert error.code == "element.lift-off"
+    for words in ("(WHEEL)", "t = ", "leaves the ground", "pull of", "reduce speed"):
+        assert words in str(error)
+
+
+def test_a_disk_that_falls_over() -> None:
+    """It stops where the disk lies flat, or the position cannot be found any more; never NaN."""
+    rows, dynamics, _, _ = free_wheel(0.35, 0.0)
+    dynamics += [("STARTDE", 2, 1, 0.1, 0.0), ("TIMESTEP", 3.0, 300)]
+    error, frames = failure(Deck.build(rows, dynamics))
+    assert frames > 10
+    assert "t = " in str(error)
+    assert "element 4 (WHEEL)" in str(error)
+
+
+def test_tricycles_straight_ahead() -> None:
+    """Normal forces published in theory-spatial.md section 14, sum = weight."""
+    text = (DATA / "trike3v.dat").read_text()
+    deck = spacar.parse_deck(text.replace("STARTDE 8 1 -0.5 0.0", "STARTDE 8 1 0.0 0.0"), "trike.dat", 1)
+    r = spacar.run(1, deck, n_steps=5)
+    forces = np.array([r.element(w, 3, "sig") for w in (3, 6, 11)])
+    np.testing.assert_allclose(forces, np.array([[-294.30], [-294.30], [-250.155]]) @ np.ones((1, 6)), atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["trike3v", "trike3i"])
+def test_vertical_balance_of_a_vehicle(name: str) -> None:
+    """Sum of the normal forces and the weight = rate of vertical momentum (the inclined fork lifts the frame)."""
+    m = build(read_deck(DATA / f"{name}.dat", 1))
+    d = Dynamics(m)
+    f = d.frame(0.0, d.start())
+    n = m.numbering
+    z = np.zeros(n.nx)
+    z[[n.x_index(node.number, 3) for node in n.nodes if node.kind == "position"]] = 1.0
+    total = z @ f.fxtot - sum(f.sig[n.e_index(w, 3)] for w in (3, 6, 11))
+    inertia = z @ d.sweep.mass_times(f.xdd)
+    assert total == pytest.approx(inertia, abs=1e-8)
