@@ -50,7 +50,7 @@ class Target:
         if not found:
             if not statements:
                 raise UsageError(f"{deck.source}: there is no statement {name} to change", "study.set")
-            meanings = [p.meaning for p in _parameters(deck, statements[-1])]
+            meanings = [p.meaning for p in parameters_of(deck, statements[-1])]
             listed = ", ".join(f"{i} {m}" for i, m in enumerate(meanings, 1))
             raise UsageError(f"{name} has no argument '{self.which}'; its arguments are {listed}", "study.set")
         if len(found) > 1 and not self.everywhere:
@@ -209,7 +209,7 @@ def _typed(value: float, kind: str, name: str) -> float | int:
     raise UsageError(f"{name} takes {'whole numbers' if kind == 'integer' else 'a name'}, not {value:.9g}", "study.set")
 
 
-def _parameters(deck: Deck, s: Statement) -> tuple[Parameter, ...]:
+def parameters_of(deck: Deck, s: Statement) -> tuple[Parameter, ...]:
     """What the arguments of a statement mean: the longest form that its node, element and model allow."""
     block = BY_NUMBER.get(s.block, deck.third)
     assert block is not None
@@ -233,11 +233,11 @@ def _parameters(deck: Deck, s: Statement) -> tuple[Parameter, ...]:
 
 
 def _parameter(deck: Deck, s: Statement, position: int) -> Parameter:
-    return _parameters(deck, s)[position - 1]
+    return parameters_of(deck, s)[position - 1]
 
 
 def _position(deck: Deck, s: Statement, target: Target) -> int | None:
-    parameters = _parameters(deck, s)
+    parameters = parameters_of(deck, s)
     if target.which.isdigit():
         return int(target.which) if 1 <= int(target.which) <= len(parameters) else None
     if not target.which:

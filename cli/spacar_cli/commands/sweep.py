@@ -118,10 +118,13 @@ def command(
         from spacar_cli.cluster import run_on_cluster
 
         engine = partial(run_on_cluster, scheduler=scheduler)
+    batches = _batches(study, cases, engine, jobs, batch) if scheduler is None else None
     begun = time.perf_counter()
     failed = new = 0
     reasons: list[str] = []
-    for row in counted(environment, sweep(study, cases, path, engine, retry_failed), len(cases), quiet, "cases"):
+    for row in counted(
+        environment, sweep(study, cases, path, engine, retry_failed, batches), len(cases), quiet, "cases"
+    ):
         new += 1
         if row["status"] != DONE:
             failed += 1
@@ -135,6 +138,17 @@ def command(
     elif not quiet:
         environment.say(f"{len(cases)} cases: {new} run in {seconds:.2f} s, {failed} of them failed; rows in {path}")
     return ExitStatus.FAILED if failed else ExitStatus.DONE
+
+
+def _batches(study: Any, cases: Any, engine: Any, jobs: int, wanted: bool | None) -> Any:
+    """What runs the cases in batches; None when they run one by one. Raises UsageError for a batch that cannot be."""
+    from spacar.studies.batches import in_batches, reason
+
+    if wanted is False or study.mode != 1:
+        return None
+    if wanted and (why := reason(study, cases[0])):
+        raise UsageError(f"--batch: {why}", "usage.sweep")
+    return lambda study, todo: in_batches(study, todo, engine, jobs, bool(wanted))
 
 
 def _cases(parameters: Any, assignments: tuple[str, ...], table_file: Path | None, together: bool) -> Any:

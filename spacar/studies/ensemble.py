@@ -1,0 +1,175 @@
+"""Many cases of one mechanism at once: forward dynamics of decks that differ in numbers only.
+
+The cases become one mechanism of N disjoint copies: case k has the nodes and elements of the first one, their numbers
+raised by k times the largest number. So every element family evaluates n N elements along its element axis, the
+matrices are block diagonal and factored in one call (band storage: the bandwidth is that of one case), and the overhead
+of NumPy calls, which is most of the time of a small mechanism, is paid once for all. Since coordinates are numbered by
+class, then node, case k holds the same places of every class as the single mechanism.
+
+All cases share the steps. The error norm of a step is never smaller than the largest norm of a case: the norm of
+method 0 is a sum over the state, that of the Runge-Kutta methods a mean, whose tolerance is therefore divided by
+sqrt(N). So every case is at least as accurate as alone; one demanding case makes all of its batch take small steps.
+
+Not for: modes other than 1, user functions, wheels and other slips, implicit methods (dense Jacobian), cases whose
+statements, settings or GRAVITY differ. An error in one case ends the batch; `spacar.studies.batches` then runs its
+cases one by one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from spacar.deck import ELEMENT_TYPES, Deck, Statement
+from spacar.dynamics.analysis import LOCAL, POSITION
+from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.limits import Limits
+from spacar.errors import Report, UsageError
+from spacar.frame import Frame
+from spacar.integrators import METHODS, integrate
+from spacar.kinematics.regularity import HalfTurns
+from spacar.mechanism import Mechanism, build
+from spacar.result import Result
+from spacar.studies.assignments import parameters_of
+
+X_FIELDS = ("x", "xd", "xdd", "fx", "fxgrav", "fxtot")
+E_FIELDS = ("e", "ed", "edd", "sig")
+METHOD_WITH_SUM = 0  # the norm of this method does not shrink with the number of cases
+
+
+def why_not(deck: Deck, **options: Any) -> str:
+    """Why the cases of a deck cannot be run together; empty when they can."""
+    if deck.of("USERSIG", "USERINP", block=2):
+        return "user functions are called for one mechanism"
+    if any(ELEMENT_TYPES[s.keyword].slips for s in deck.of(*ELEMENT_TYPES, block=1)):
+        return "wheels are not in batches"
+    mechanism = build(deck, 1, **options)
+    settings = mechanism.settings
+    if settings.duration is None or settings.n_steps < 1:
+        return "there is no TIMESTEP"
+    if not mechanism.numbering.nddof:
+        return "nothing is integrated"
+    if METHODS[settings.integrator].needs_jacobian:
+        return "implicit methods need a dense Jacobian"
+    return "the compiled right-hand side takes one mechanism" if settings.compiled else ""
+
+
+def alike(a: Deck, b: Deck) -> bool:
+    """Whether two decks are cases of one mechanism: the same statements, references and settings."""
+    one, two = _statements(a), _statements(b)
+    if len(one) != len(two):
+        return False
+    for s, o in zip(one, two, strict=True):
+        references = _references(a, s)
+        if s.keyword != o.keyword or (not references and s.values != o.values):
+            return False
+        if references != _references(b, o) or any(s.values[i] != o.values[i] for i in references):
+            return False
+    return True
+
+
+def ensemble(decks: Sequence[Deck], times: np.ndarray | None = None, **options: Any) -> list[Result]:
+    """Results of mode 1 of every deck at the same times (default TIMESTEP), as `spacar.run` gives them.
+
+    `options` as for `spacar.run`. Raises UsageError for decks that cannot be batched, AnalysisError when a case fails.
+    """
+    first = decks[0]
+    reason = why_not(first, **options)
+    if reason or not all(alike(first, deck) for deck in decks[1:]):
+        raise UsageError(
+            f"the cases cannot be run together: {reason or 'they differ in more than numbers'}", "study.batch"
+        )
+    single = build(first, 1, **options)
+    together = build(copies(decks), 1, **options)
+    settings = single.settings
+    if times is None:
+        assert settings.duration is not None
+        times = np.linspace(0.0, settings.duration, settings.n_steps + 1)
+    x_of, e_of = _places(single, together, len(decks), _stride(first))
+    found: list[list[Frame]] = [[] for _ in decks]
+    for frame in _frames(together, times, len(decks)):
+        x = [getattr(frame, name)[x_of] for name in X_FIELDS]
+        e = [getattr(frame, name)[e_of] for name in E_FIELDS]
+        for k, own in enumerate(found):
+            values = {name: v[k] for name, v in zip((*X_FIELDS, *E_FIELDS), (*x, *e), strict=True)}
+            own.append(Frame(t=frame.t, statistics=frame.statistics, **values))
+    return [Result(single, 1, tuple(frames), (), {}) for frames in found]
+
+
+def copies(decks: Sequence[Deck]) -> Deck:
+    """One deck with the mechanisms of all decks side by side. The decks are alike and have been checked."""
+    first = decks[0]
+    stride = _stride(first)
+    statements = []
+    references = [_references(first, s) for s in _statements(first)]
+    for k, deck in enumerate(decks):
+        for s, places in zip(_statements(deck), references, strict=True):
+            if not places:
+                statements += [s] * (k == 0)
+                continue
+            values = list(s.values)
+            for i in places:
+                values[i] = s.integer(i) + k * stride
+            statements.append(Statement(s.keyword, tuple(values), s.block, s.line, s.lines, s.columns))
+    return Deck(tuple(statements), first.source, first.path, first.text, first.data, mode=1)
+
+
+def _statements(deck: Deck) -> list[Statement]:
+    return [s for s in deck.statements if s.block < 3 and s.keyword != "OUTLEVEL"]
+
+
+def _references(deck: Deck, s: Statement) -> list[int]:
+    """Places of the values that are node or element numbers."""
+    if s.keyword in ELEMENT_TYPES:
+        return list(range(1 + len(ELEMENT_TYPES[s.keyword].nodes)))
+    parameters = parameters_of(deck, s)
+    return [i for i in range(len(s.values)) if parameters[i].of == "element" or parameters[i].of.endswith("node")]
+
+
+def _stride(deck: Deck) -> int:
+    return max(s.integer(i) for s in _statements(deck) for i in _references(deck, s))
+
+
+def _places(single: Mechanism, together: Mechanism, n: int, stride: int) -> tuple[np.ndarray, np.ndarray]:
+    """Where the coordinates and deformations of every case are, (n, nx) and (n, ne)."""
+    one, all_ = single.numbering, together.numbering
+    node, coordinate = np.array([one.x_owner(i) for i in range(one.nx)]).T
+    shift = stride * np.arange(n)[:, None]
+    x = all_.lnp[node + shift - 1, coordinate - 1] - 1
+    owners = np.array([one.e_owner(i) for i in range(one.ne)]).reshape(-1, 2)
+    number, mode = owners.T
+    e = all_.le[np.maximum(number, 1) + shift - 1, mode - 1] - 1
+    if len(one.normalization):
+        row = dict(all_.normalization.tolist())
+        for i in np.flatnonzero(number < 0):
+            e[:, i] = [row[int(m)] for m in -number[i] + shift[:, 0]]
+    return x, e
+
+
+def _frames(mechanism: Mechanism, times: np.ndarray, n: int) -> Any:
+    """Frames of the copies, with the common work in their statistics."""
+    settings = mechanism.settings
+    method = METHODS[settings.integrator]
+    dynamics, report = Dynamics(mechanism), Report()
+    y = dynamics.start()
+    half_turns = HalfTurns(dynamics.kinematics)
+    if half_turns.nodes:
+        dynamics.accepted = half_turns.check
+    local = LOCAL if method.variable_step else 1.0
+    if method.variable_step and method.code != METHOD_WITH_SUM:
+        local /= np.sqrt(n)
+    atol, rtol = local * settings.atol, local * settings.rtol
+    if method.variable_step:
+        dynamics.kinematics.converged = max(dynamics.kinematics.converged, POSITION * min(atol, rtol))
+    shown = Dynamics(mechanism)
+    shown.kinematics.start_from(dynamics.kinematics)
+    limits: Limits | None = None
+    steps = integrate(dynamics, y, times, settings.integrator, atol, rtol, settings.step, breaks=dynamics.drive.breaks)
+    for out in steps:
+        limits = limits or Limits(shown, report)
+        frame = shown.frame(float(out.t), out.y)
+        limits.check(shown, frame)
+        frame.statistics = {"steps": out.n_steps, "rhs": out.n_rhs, "rejected": out.n_rejected}
+        yield frame

@@ -1,0 +1,137 @@
+"""Batches: results against single runs, what is refused, and that a failing case does not harm the others."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import spacar
+from spacar.deck import parse_deck
+from spacar.errors import UsageError
+from spacar.studies.assignments import axis, change, setting
+from spacar.studies.batches import reason
+from spacar.studies.ensemble import E_FIELDS, X_FIELDS, alike, ensemble, why_not
+from spacar.studies.quantities import quantity
+from spacar.studies.sweep import Study
+
+ROBOT = {"duration": 0.3, "n_steps": 3}
+TOLERANCE = 1e-8
+
+
+@pytest.mark.parametrize("code", [0, 155, 853])
+def test_a_batch_is_its_single_runs(deck, code):
+    """All variables of all cases within ten tolerances of a single run; forces scale with the weights (1e3 N)."""
+    base = deck("robotsim", 1)
+    decks = [
+        change(base, [setting("XM.8"), setting("X.8[coordinate x1]")], [m, x])
+        for m, x in ((20, 0.5), (30, 0.6), (45, 0.4))
+    ]
+    options = {"integrator": code, "rtol": TOLERANCE, "atol": TOLERANCE, **ROBOT}
+    for one, result in zip(decks, ensemble(decks, **options), strict=True):
+        alone = spacar.run(1, one, **options)
+        assert np.array_equal(alone.t, result.t)
+        for name in (*X_FIELDS, *E_FIELDS):
+            a, b = alone[name], result[name]
+            assert np.abs(a - b).max() <= 10 * TOLERANCE * max(1.0, np.abs(a).max()), name
+        assert np.array_equal(result.node(8, 3), result["x"][:, result.mechanism.numbering.x_index(8, 3)])
+
+
+def test_flexible_and_prescribed_members(deck):
+    """crankfl: prescribed rotation, fixed, calculable and dynamic deformations; other stiffness and speed."""
+    base = deck("crankfl", 1)
+    settings = [setting("ESTIFF.*[EI]"), setting("INPUTX.2.1[start rate]")]
+    decks = [change(base, settings, values) for values in ((13.0, 150.0), (6.0, 100.0))]
+    options = {"integrator": 853, "rtol": 1e-6, "atol": 1e-9, "duration": 0.004, "n_steps": 2}
+    for one, result in zip(decks, ensemble(decks, **options), strict=True):
+        alone = spacar.run(1, one, **options)
+        for name in ("x", "e"):
+            assert np.abs(alone[name] - result[name]).max() < 1e-6
+
+
+def test_normalizations_of_every_case_are_found(deck):
+    """The last fixed deformations of a spatial model belong to nodes; they are zero to rounding in every case."""
+    base = deck("robotsim", 1)
+    result = ensemble([base, base, base], **ROBOT)
+    rows = [row for _, row in result[0].mechanism.numbering.normalization]
+    assert len(rows) == 6
+    for r in result:
+        assert np.abs(r["e"][:, rows]).max() < 1e-10
+        assert np.abs(r["x"] - result[0]["x"]).max() < 1e-12  # pivots of the band need not be the same
+
+
+def test_what_is_alike(deck):
+    base = deck("robotsim", 1)
+    assert alike(base, change(base, [setting("XM.8")], [1.0]))
+    heavy = parse_deck(base.text.replace("XM 5", "GRAVITY 0 0 -9.81\nXM 5"), mode=1)
+    light = change(heavy, [setting("GRAVITY[3]")], [-1.62])
+    assert not alike(base, heavy)
+    assert not alike(heavy, light)
+    with pytest.raises(UsageError, match="differ in more than numbers"):
+        ensemble([heavy, light], **ROBOT)
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "why"),
+    [
+        ("robotsim", {}, "no TIMESTEP"),
+        ("robotsim", {**ROBOT, "integrator": 430}, "implicit"),
+        ("crank", {}, "nothing is integrated"),
+        ("trike2", ROBOT, "wheels|user functions"),
+    ],
+)
+def test_what_has_no_batch(deck, name, options, why):
+    import re
+
+    assert re.search(why, why_not(deck(name, 1), **options))
+
+
+def sweep_words(*more):
+    return ("sweep", "robotsim", "--time", "0.1", "--steps", "2", "--rtol", "1e-7", "--atol", "1e-7",
+            "-r", "z: x[8,3]@end", *more)  # fmt: skip
+
+
+def column(path, name):
+    with Path(path).open(newline="") as file:
+        return {r["XM.8"]: r[name] for r in csv.DictReader(file)}
+
+
+def test_sweep_with_and_without_batches(call):
+    words = sweep_words("--set", "XM.8=20:40:6")
+    assert call(*words, "--batch", "-o", "a.csv").status == 0
+    assert call(*words, "--no-batch", "-o", "b.csv").status == 0
+    together, alone = column("a.csv", "z"), column("b.csv", "z")
+    assert together.keys() == alone.keys()
+    assert all(abs(float(together[m]) - float(alone[m])) < 1e-6 for m in alone)
+
+
+def test_sweep_measures_and_takes_the_faster(call):
+    """Twenty cases: some singly, the rest in the way that is faster; every case once."""
+    done = call(*sweep_words("--set", "XM.8=20:40:20", "-o", "c.csv"))
+    assert done.status == 0, done.err
+    assert len(column("c.csv", "z")) == 20
+
+
+def test_a_failing_case_fails_alone(call):
+    """A beam of length zero is a failed row, the others are right."""
+    words = sweep_words("--set", "X.8[coordinate x1]=0.5,0.268,0.55", "--set", "X.8[coordinate x3]=0,0.6467")
+    done = call(*words, "--batch", "-o", "d.csv")
+    assert done.status == 1
+    rows = list(csv.DictReader(Path("d.csv").read_text().splitlines()))
+    bad = [r for r in rows if r["status"] == "failed"]
+    assert len(rows) == 6
+    assert [(r["X.8[coordinate x1]"], r["X.8[coordinate x3]"]) for r in bad] == [("0.268", "0.6467")]
+    assert bad[0]["reason"]
+
+
+def test_batch_that_is_not_possible(call):
+    done = call("sweep", "crank", "--set", "XM.6=1,2", "-r", "x[6,1]@end", "--batch")
+    assert done.status == 2
+    assert "nothing is integrated" in done.err
+
+
+def test_reason_of_another_mode(deck):
+    study = Study(7, deck("plbeam5", 7), (axis("XF.11[Fy]=1").setting,), (quantity("x[11,2]@end"),))
+    assert "mode 1" in reason(study, (1.0,))
