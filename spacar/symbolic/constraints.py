@@ -14,6 +14,7 @@ import random
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
@@ -109,9 +110,9 @@ def choose_dependent(system: System, rows: sp.Matrix) -> list[int]:
     for k in reversed(range(rows.cols)):
         if len(chosen) == rows.rows:
             break
-        if k not in chosen and numbers.extract(range(rows.rows), [*chosen, k]).rank() == len(chosen) + 1:
+        if k not in chosen and _rank(numbers[:, [*chosen, k]]) == len(chosen) + 1:
             chosen.append(k)
-    rank = numbers.extract(range(rows.rows), chosen).rank() if chosen else 0
+    rank = _rank(numbers[:, chosen])
     if rank < rows.rows:
         texts = "; ".join(f"{c.expression} = 0" for c in system.constraints)
         raise UsageError(f"{rows.rows} constraints have rank {rank}: they depend on each other ({texts})", "constraint")
@@ -126,10 +127,15 @@ def _wanted(system: System, constraint: Constraint) -> int | None:
     return system.speeds.index(constraint.dependent)
 
 
-def _random_numbers(rows: sp.Matrix) -> sp.Matrix:
-    """The matrix at a random point, rounded to rational numbers of 15 digits, so that its rank is sharp enough."""
+def _random_numbers(rows: sp.Matrix) -> np.ndarray:
+    """The matrix at a random point, rows scaled to length one."""
     chance = random.Random(7)
     plain = rows.applyfunc(transform)
     atoms = sorted(plain.free_symbols - {TIME} | plain.atoms(AppliedUndef), key=str)
-    values = {a: sp.Float(chance.uniform(0.2, 2.0), 30) for a in atoms}
-    return plain.xreplace(values).applyfunc(lambda e: sp.Rational(str(sp.N(e, 15))))
+    numbers = np.array(plain.xreplace({a: sp.Float(chance.uniform(0.2, 2.0)) for a in atoms}).evalf(), dtype=float)
+    lengths = np.linalg.norm(numbers, axis=1, keepdims=True)
+    return numbers / np.where(lengths > 0, lengths, 1.0)
+
+
+def _rank(numbers: np.ndarray) -> int:
+    return int(np.linalg.matrix_rank(numbers, tol=1e-9)) if numbers.size else 0

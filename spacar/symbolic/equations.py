@@ -140,6 +140,9 @@ def derive(system: System, strategy: str, recurrence: bool = True) -> Equations:
     else:
         raise UsageError(f"unknown strategy {strategy!r}: choose one of {', '.join(STRATEGIES)}")
     table = derivation.table
+    for z in list(table.definitions):  # in three dimensions measure numbers contain dots; cosines are new definitions
+        if table.definitions[z].has(HeldScalar):
+            table.definitions[z] = transform(table.definitions[z], derivation.cosines)
     for z, definition in table.definitions.items():
         table.definitions[z] = definition.xreplace(derivation.values)
     reduced = eliminate_dependent_speeds(system, derivation)

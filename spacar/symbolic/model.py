@@ -138,9 +138,7 @@ class _Reader:
             self.fail(f"'{name}' is not a name (letters, digits and _)")
         # programs keep q1 and a parameter Q1 apart (the paper has both); within one kind such pairs are slips
         for known, where in self.claimed:
-            alike = known.lower() == name.lower() and where.startswith("[parameters]") == place.startswith(
-                "[parameters]"
-            )
+            alike = known.lower() == name.lower() and _kind_of(where) == _kind_of(place)
             if known == name or alike:
                 self.place = place
                 same = "the same name" if known == name else f"'{known}', which differs only in case,"
@@ -388,3 +386,9 @@ def _label(table: str, row: dict[str, Any], number: int) -> str:
     """[[beam]] link2, or [[torque]] 2 for a table without a name."""
     name = row.get("name") if table in REFERENCES or table == "body" else None
     return f"[[{table}]] {name if isinstance(name, str) else number}"
+
+
+def _kind_of(place: str) -> str:
+    """Names of one kind must differ in more than case: parameters, geometry, or states and inputs."""
+    table = place.strip("[").split("]")[0]
+    return table if table == "parameters" else "geometry" if table in (*REFERENCES, "body") else "scalar"

@@ -98,7 +98,9 @@ def test_equations_equal_lagrange_in_complex_numbers(programs, strategy, variant
     I, f = oracle(values, variant.get("boundary", True), variant.get("reaction") == "root", 50)
     size = max(abs(x) for x in I), max(abs(x) for x in f)
     with mp.workdps(50):
-        assert max(abs(mp.mpf(numbers["mass"][i, j]) - I[i, j]) for i in range(8) for j in range(8)) < size[0] * mp.mpf("1e-33")
+        assert max(abs(mp.mpf(numbers["mass"][i, j]) - I[i, j]) for i in range(8) for j in range(8)) < size[0] * mp.mpf(
+            "1e-33"
+        )
         assert max(abs(mp.mpf(numbers["rhs"][i]) - f[i]) for i in range(8)) < size[1] * mp.mpf("1e-33")
 
 

@@ -142,7 +142,9 @@ def test_rolling_disk_by_elimination_is_the_same(strategy):
     x = [S.coordinate("x"), S.coordinate("y")]
     s = [S.speed(f"s{i}") for i in (1, 2, 3)]
     v = [S.speed("vx"), S.speed("vy")]
-    for coordinate, rate in zip([q[1], q[0], q[2], *x], [s[0], s[2] / sp.cos(q[1]), s[1] - s[2] * sp.tan(q[1]), *v], strict=True):
+    for coordinate, rate in zip(
+        [q[1], q[0], q[2], *x], [s[0], s[2] / sp.cos(q[1]), s[1] - s[2] * sp.tan(q[1]), *v], strict=True
+    ):
         S.kinematic(coordinate, rate)
     Y = S.frame("Y", S.N, 3, q[0])
     A = S.frame("A", Y, 1, q[1])
@@ -205,7 +207,9 @@ def test_heavy_top_keeps_energy_and_both_momenta():
     momenta = {f"p{i}": sum(M[i, j] * eq.speeds[j] for j in range(3)) for i in (0, 2)}
     program = eq.program({"E": kinetic + potential, **momenta})
     values = {"m": 1.0, "L": 0.3, "I1": 0.02, "I3": 0.01, "g": 9.81}
-    run = program.simulate(values, {"q2": 0.6, "s1": 1.0, "s3": 60.0}, t_end=1.0, steps=50, rtol=1e-10, integrator="dop853")
+    run = program.simulate(
+        values, {"q2": 0.6, "s1": 1.0, "s3": 60.0}, t_end=1.0, steps=50, rtol=1e-10, integrator="dop853"
+    )
     for name in ("E", "p0", "p2"):
         assert abs(run[name] - run[name][0]).max() < 1e-8 * abs(run[name][0])
 

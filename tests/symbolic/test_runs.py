@@ -73,9 +73,7 @@ def compare(run, rows, q_error, u_error):
 def simulate(program, values, rows, rtol, **options):
     times = np.concatenate(([0.0], rows[:, 0]))
     atol = {name: rtol * scale for name, scale in SCALE.items()}
-    return program.simulate(
-        values, {"q1": -0.5, "q4": 0.5}, t_end=times[-1], at=times, rtol=rtol, atol=atol, **options
-    )
+    return program.simulate(values, {"q1": -0.5, "q4": 0.5}, t_end=times[-1], at=times, rtol=rtol, atol=atol, **options)
 
 
 @pytest.mark.parametrize("case", ["R0", "R1", "E1", "H0"])

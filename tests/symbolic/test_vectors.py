@@ -183,7 +183,9 @@ def test_derivatives_of_held_scalars_and_dyads_equal_components():
     v = B[2]
     rate = (dvdt(N, dyad) & v) + (dyad & dvdt(N, v))
     difference = rate - dvdt(N, dyad & v)
-    assert max(abs(transform(c).xreplace(values).evalf(25)) for c in DirectionCosines().components(difference, N)) < 1e-23
+    assert (
+        max(abs(transform(c).xreplace(values).evalf(25)) for c in DirectionCosines().components(difference, N)) < 1e-23
+    )
 
 
 def test_angular_velocities_add_along_a_path_and_change_sign():
