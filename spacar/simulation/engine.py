@@ -216,6 +216,13 @@ class _Simulation:
         merged[-1] = (last, merged[-1][1])
         return merged
 
+    def _window(self, cuts: list[tuple[float, list[Block]]], k: int) -> tuple[float, float]:
+        """Where the blocks are evaluated in piece k: a little inside its cuts, but not inside the ends of the time."""
+        low = cuts[k][0] + (self.shift if 0 < k < len(cuts) - 1 else 0.0)
+        if k + 1 >= len(cuts):
+            return low, low
+        return low, cuts[k + 1][0] - (self.shift if k + 2 < len(cuts) else 0.0)
+
     def run(self) -> Response:
         cuts = self.cuts()
         n = len(self.times)
@@ -233,7 +240,7 @@ class _Simulation:
             done += 1
 
         for k, (a, hit) in enumerate(cuts):
-            self.window = (a, a) if k == len(cuts) - 1 else (a + self.shift, cuts[k + 1][0] - self.shift)
+            self.window = self._window(cuts, k)
             self.sample(a, hit)
             if done < n and abs(self.times[done] - a) <= 4.0 * self.shift:
                 record(self.window[0], self.x)

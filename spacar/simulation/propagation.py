@@ -73,8 +73,8 @@ def simulate_ltv(
     z = np.zeros((steps, n))
     z[0] = 0.0 if start is None else np.ravel(start)
     stepwise = interpolation == "step"
-    maps = _stepwise(data.t, A, B, u) if stepwise else _linear(data.t, A, B, u, substeps)
     with np.errstate(over="ignore", invalid="ignore"):
+        maps = _stepwise(data.t, A, B, u) if stepwise else _linear(data.t, A, B, u, substeps)
         for k, (P, c) in enumerate(maps):
             z[k + 1] = P @ z[k] + c
     if not np.isfinite(z).all():

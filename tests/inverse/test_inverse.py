@@ -36,9 +36,7 @@ def test_torques_on_a_straight_line_equal_the_closed_form(front):
     # the stress of an actuated joint is minus the driving moment; the end point is not held any more
     assert result.element(1, 1, "sig") == pytest.approx(-expected[:, 0], abs=1e-9)
     assert result.node(7, 1, "fxtot") == pytest.approx(0.0, abs=1e-8)
-    y0 = np.column_stack(
-        (result.element(1, 1), result.element(2, 1), result.node(7, 1), result.node(7, 1, "xd"))
-    )
+    y0 = np.column_stack((result.element(1, 1), result.element(2, 1), result.node(7, 1), result.node(7, 1, "xd")))
     assert np.array_equal(result["y0"], y0)
     assert len(result.t) == 41
 
@@ -72,7 +70,14 @@ def test_spring_and_damper_of_an_actuated_joint_are_passive():
 
 def pendulum(third, extra=()):
     """Mass 2 kg at 0.6 m on a prescribed joint."""
-    kinematics = [("PLTOR", 1, 1, 2), ("PLBEAM", 2, 3, 2, 4, 5), ("X", 3, 0.0, 0.0), ("X", 4, 0.6, 0.0), ("FIX", 1), ("FIX", 3)]
+    kinematics = [
+        ("PLTOR", 1, 1, 2),
+        ("PLBEAM", 2, 3, 2, 4, 5),
+        ("X", 3, 0.0, 0.0),
+        ("X", 4, 0.6, 0.0),
+        ("FIX", 1),
+        ("FIX", 3),
+    ]
     dynamics = [("XM", 4, 2.0), ("GRAVITY", 0.0, -10.0), *extra]
     return Deck.build([*kinematics, ("INPUTE", 1, 1)], dynamics, third, mode=2, source="pendulum.dat")
 
@@ -106,11 +111,17 @@ def test_extra_mass_and_force():
 
 def test_extra_inertia_of_an_orientation_node():
     """Accelerating the elbow joint needs J times the acceleration more."""
-    third = [("TRAJECT", 1), ("TRE", 1, 0.4), ("TRTIME", 0.5, 2), ("NOMS", 1, 1, 1)]
     # TRM goes with the path of a node: prescribe the orientation of the arm instead of the joint
     kinematics = [("PLBEAM", 2, 3, 2, 4, 5), ("X", 3, 0.0, 0.0), ("X", 4, 0.6, 0.0), ("FIX", 3), ("INPUTX", 2, 1)]
     dynamics = [("XM", 4, 2.0)]
-    third = [("TRAJECT", 1), ("TROT", 2, 0.4), ("TRM", 2, 0.3), ("TRTIME", 0.5, 2), ("NOMF", 1, 2, 1), ("REFX", 1, 2, 1)]
+    third = [
+        ("TRAJECT", 1),
+        ("TROT", 2, 0.4),
+        ("TRM", 2, 0.3),
+        ("TRTIME", 0.5, 2),
+        ("NOMF", 1, 2, 1),
+        ("REFX", 1, 2, 1),
+    ]
     result = spacar.run(2, Deck.build(kinematics, dynamics, third, mode=2))
     acceleration = 2 * 0.4 / 0.5 / 0.25
     assert result["u0"][0, 0] == pytest.approx((2.0 * 0.6**2 + 0.3) * acceleration, rel=1e-12)
@@ -159,11 +170,15 @@ def test_user_trajectory(tmp_path):
 def test_circle_in_the_plane():
     """The distance to the centre stays; the velocity is that of the profile."""
     centre = arm.START + np.array([-0.1, 0.0])
-    third = [("TRAJECT", 1), ("TRCIRL", 7, *map(float, centre), *map(float, centre + [0.0, 0.2])), ("TRTIME", 1.0, 10)]
+    third = [
+        ("TRAJECT", 1),
+        ("TRCIRL", 7, *map(float, centre), *map(float, centre + np.array([0.0, 0.2]))),
+        ("TRTIME", 1.0, 10),
+    ]
     result = spacar.run(2, arm.deck(arm.END_POINT, third))
     tip = np.column_stack((result.node(7, 1), result.node(7, 2)))
     assert np.linalg.norm(tip - centre, axis=1) == pytest.approx(0.1, abs=1e-13)
-    assert tip[-1] == pytest.approx(centre + [0.0, 0.1], abs=1e-13)
+    assert tip[-1] == pytest.approx(centre + np.array([0.0, 0.1]), abs=1e-13)
     speed = np.hypot(result.node(7, 1, "xd"), result.node(7, 2, "xd"))
     profile = make_profile(0.1 * np.pi / 2, 1.0)
     assert speed == pytest.approx([profile.at(t)[1] for t in result.t], abs=1e-12)
@@ -173,7 +188,10 @@ def test_circle_in_the_plane():
 @pytest.mark.parametrize(
     ("change", "why"),
     [
-        (("TRVMAX", 7, 0.3, 5.0), r"TRVMAX 7: illegal velocity profile: path length .*time 1 s, rise time 0.3 s, speed 5"),
+        (
+            ("TRVMAX", 7, 0.3, 5.0),
+            r"TRVMAX 7: illegal velocity profile: path length .*time 1 s, rise time 0.3 s, speed 5",
+        ),
         (("TRVMAX", 7, 0.3, 0.2), "the speed must be above"),
         (("TRVMAX", 7, 1.2), "shorter than the total time"),
     ],

@@ -1,4 +1,8 @@
-"""Velocity profiles: the formulas of (21) against quadrature of the acceleration, and the rules for what is not given."""
+"""Velocity profiles: the formulas of (21) against quadrature of the acceleration, and the rules for what is not
+given.
+"""
+
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -32,9 +36,7 @@ def test_position_and_velocity_are_the_integrals_of_the_acceleration(front, give
 
     def integral(k, t):
         ends = [*[b for b in pieces if b < t], t]
-        return sum(
-            quad(lambda s: p.at(s)[k], a + 1e-12, b - 1e-12, epsabs=1e-13)[0] for a, b in zip(ends, ends[1:], strict=False)
-        )
+        return sum(quad(lambda s: p.at(s)[k], a + 1e-12, b - 1e-12, epsabs=1e-13)[0] for a, b in pairwise(ends))
 
     for t in (0.1, 0.3, 0.9, 1.5, 1.95, 2.0):
         value, rate, _ = p.at(t)

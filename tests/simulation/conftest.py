@@ -1,0 +1,31 @@
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent.parent / "inverse"))
+DATA = Path(__file__).parents[2] / "data"
+
+
+@pytest.fixture(scope="session")
+def robot():
+    """Nominal motion and linearization of the rigid manipulator."""
+    import spacar
+    from spacar.simulation import TimeVarying
+
+    inverse = spacar.run(2, DATA / "robotinv.dat")
+    along = spacar.run(3, DATA / "robotinvlin.dat", nominal=inverse)
+    return TimeVarying.of(inverse), TimeVarying.of(along)
+
+
+@pytest.fixture(scope="session")
+def flexible():
+    """Linearization of the manipulator with flexible links, with tracking gains folded in, from its static
+    deflection.
+    """
+    import spacar
+    from spacar.simulation import TimeVarying, static_start, tracking_gains, with_gain
+
+    inverse = spacar.run(2, DATA / "robotflexinv.dat")
+    along = TimeVarying.of(spacar.run(3, DATA / "robotflexinvlin.dat", nominal=inverse))
+    return static_start(with_gain(along, *tracking_gains(along, 28.0, 0.85)))

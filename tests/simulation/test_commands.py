@@ -1,0 +1,162 @@
+"""spacar 2, 3, sim, ltv, mrltv, spacntrl on real files, in process."""
+
+import io
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from spacar_cli.environment import Environment
+from spacar_cli.main import main
+from spacar_formats.ltvfile import read_ltv
+
+DATA = Path(__file__).parents[2] / "data"
+
+
+def run(folder, monkeypatch, *words):
+    """Exit status, standard output and standard error of one command line."""
+    monkeypatch.chdir(folder)
+    out, err = io.StringIO(), io.StringIO()
+    status = main([*map(str, words)], Environment(io.StringIO(), out, err, {}))
+    return status, out.getvalue(), err.getvalue()
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """The manipulator with the results of modes 2 and 3."""
+    place = tmp_path_factory.mktemp("robot")
+    for name in ("robotinv.dat", "robotinvlin.dat", "robotsim.dat", "robotsim.sim"):
+        shutil.copy(DATA / name, place)
+    with pytest.MonkeyPatch.context() as patch:
+        assert run(place, patch, 2, "robotinv")[0] == 0
+        assert run(place, patch, 3, "robotinvlin")[0] == 0
+    return place
+
+
+def test_closed_loop_from_the_model_file(folder, monkeypatch):
+    status, out, err = run(folder, monkeypatch, "sim", "robotsim")
+    assert (status, err) == (0, "")
+    assert "151 times" in out
+    found = np.load(folder / "robotsim_sim.npz")
+    reference = found["y0"][:, 9:12]
+    assert np.linalg.norm(found["robot"][:, 9:12] - reference, axis=1).max() < 1e-3
+    assert "block robot (Spasim): 3 inputs, 15 outputs, 6 states" in (folder / "robotsim_sim.log").read_text()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "why"),
+    [
+        ("block = pd", "block = pid", r"[pd]: block = pid; the blocks are spasim"),
+        ("omega = 28", "omga = 28", "[pd]: unknown key 'omga'; the keys are size, omega, damping"),
+        ("omega = 28\n", "", "[pd]: 'omega' is missing"),
+        ("omega = 28", "omega = fast", "omega = fast is no number"),
+        ("u0 -> robot\n", "u0 -> robbot\n", "[wires]: robbot: there is no block robbot"),
+        ("u0 -> robot\n", "u0 robot\n", "is no wire"),
+        ("pd -> m0", "pd:1 -> m0", "1 outputs cannot be connected to 3 inputs"),
+        ("robot:1-6 -> pd", "robot:7-9,1-3 -> pd", "algebraic loop"),
+        ("file = robotinv.ltv\nhold = yes\n\n[y0]", "file = nothing.ltv\n\n[y0]", "nothing.ltv not found"),
+        ("time = 1.5", "time = -1", "must be positive"),
+        ("[wires]", "[wire]", "section [wires] is missing"),
+        ("rtol = 1e-6", "method = Euler", "method 'Euler' does not exist"),
+        ("model = robotsim.dat", "model = robotsim2.dat", "robotsim2.dat"),
+    ],
+)
+def test_wrong_model_files(folder, monkeypatch, old, new, why):
+    text = (folder / "robotsim.sim").read_text()
+    assert old in text
+    (folder / "wrong.sim").write_text(text.replace(old, new))
+    status, _, err = run(folder, monkeypatch, "sim", "wrong")
+    assert status == 2
+    assert why in err
+
+
+def test_python_controller_in_a_model_file(folder, monkeypatch):
+    (folder / "hold.py").write_text(
+        "def moments(t, y):\n    return [0.0, 196.98, 82.276]\n\n\ndef bad(t, y):\n    return [1.0]\n"
+    )
+    text = """
+[simulation]
+time = 0.1
+step = 0.02
+[robot]
+block = spasim
+model = robotsim
+[law]
+block = python
+function = hold.py:moments
+inputs = 6
+outputs = 3
+[wires]
+robot:1-6 -> law
+law -> robot
+"""
+    (folder / "hold.sim").write_text(text)
+    assert run(folder, monkeypatch, "sim", "hold.sim", "-o", "out.csv")[0] == 0
+    table = np.genfromtxt(folder / "out.csv", delimiter=",", names=True)
+    assert table["robot_8"] == pytest.approx(0.0, abs=1e-8)
+    (folder / "bad.sim").write_text(text.replace(":moments", ":bad"))
+    status, _, err = run(folder, monkeypatch, "sim", "bad")
+    assert status == 1
+    assert "the output of law at t = 0 has the shape (1,); expected (3,)" in err
+
+
+def test_gain_reduction_and_response(folder, monkeypatch):
+    assert run(folder, monkeypatch, "spacntrl", "robotinvlin", "--omega", 28, "--damping", 0.85)[0] == 0
+    before, after = read_ltv(folder / "robotinvlin")[0], read_ltv(folder / "robotinvlinkp")[0]
+    assert after.k0b - before.k0b == pytest.approx(28.0**2 * before.m0, abs=1e-8)
+    assert np.array_equal(after.B, before.B)
+    status, out, _ = run(folder, monkeypatch, "mrltv", "robotinvlinkp", 2)
+    assert status == 0
+    assert "kept: modes 1 (" in out
+    assert "quasi-static: modes 3 (" in out
+    assert read_ltv(folder / "robotinvlinkpmr")[0].A.shape == (141, 4, 4)
+    assert run(folder, monkeypatch, "ltv", "robotinvlinkpmr", "-o", "r.npz")[0] == 0
+    assert np.load(folder / "r.npz")["z"].shape == (141, 4)
+
+
+def test_gain_from_numbers_and_from_a_function(folder, monkeypatch):
+    (folder / "gains.py").write_text("calls = []\ndef kp(step):\n    return [[step, 0, 0], [0, 2, 0], [0, 0, 3]]\n")
+    assert run(folder, monkeypatch, "spacntrl", "robotinvlin", "--kp", "gains.py:kp", "-o", "f.ltv")[0] == 0
+    assert run(folder, monkeypatch, "spacntrl", "robotinvlin", "--kp", "7,2,3", "-o", "n.ltv")[0] == 0
+    f, n, before = (read_ltv(folder / name)[0].k0b for name in ("f.ltv", "n.ltv", "robotinvlin.ltv"))
+    assert (f - before)[:, 0, 0] == pytest.approx(np.arange(1, 142), abs=1e-9)
+    assert f[6] == pytest.approx(n[6], abs=1e-9)
+    for words, why in (
+        (("--kp", "1,2"), "2 gains for 3 nominal inputs"),
+        (("--kp", "x"), "neither a list of numbers nor FILE.py:NAME"),
+        (("--kp", "gains.py:none"), "does not define a function none"),
+        ((), "give either --kp or --omega"),
+    ):
+        status, _, err = run(folder, monkeypatch, "spacntrl", "robotinvlin", *words)
+        assert status == 2
+        assert why in err
+
+
+# -- mode 3 finds mode 2 --------------------------------------------------------------------------------------------
+def test_missing_stale_and_named_setpoints(folder, monkeypatch, tmp_path):
+    for name in ("robotinvlin.dat", "robotinv.dat"):
+        shutil.copy(DATA / name, tmp_path)
+    status, _, err = run(tmp_path, monkeypatch, 3, "robotinvlin")
+    assert status == 2
+    assert "no mode 2 result to linearize along for robotinvlin.dat" in err
+    assert "robotinvli.sbd" in err
+    assert run(tmp_path, monkeypatch, 2, "robotinv")[0] == 0
+    text = (tmp_path / "robotinv.dat").read_text()
+    (tmp_path / "robotinv.dat").write_text(text.replace("XM 8 30.", "XM 8 31."))
+    status, _, err = run(tmp_path, monkeypatch, 3, "robotinvlin")
+    assert status == 2
+    assert "the mode 2 result is stale" in err
+    assert "--setpoints robotinv" in err
+    assert run(tmp_path, monkeypatch, 3, "robotinvlin", "--setpoints", "robotinv")[0] == 0
+    assert "has changed since" in (tmp_path / "robotinvlin.log").read_text()
+
+
+def test_other_mechanism_is_refused(folder, monkeypatch, tmp_path):
+    for name in ("robotinv.sbd", "robotinv.ltv", "robotinv.dat", "robotinvlin.dat"):
+        shutil.copy(folder / name, tmp_path)
+    text = (tmp_path / "robotinvlin.dat").read_text()
+    (tmp_path / "robotinvlin.dat").write_text(text.replace("HINGE 3 6 7", "HINGE 3 7 6"))
+    status, _, err = run(tmp_path, monkeypatch, 3, "robotinvlin")
+    assert status == 2
+    assert "mechanism" in err
+    assert "element 3 is HINGE with nodes 7 6 here, HINGE with nodes 6 7 there" in err

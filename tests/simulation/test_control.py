@@ -1,0 +1,57 @@
+"""python-control systems (optional extra): the same closed loop through `control.interconnect`."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from spacar.errors import UsageError
+from spacar.simulation import Sampled, Spasim, closed_loop
+
+DATA = Path(__file__).parents[2] / "data"
+
+
+def test_interconnect_gives_the_same_response():
+    control = pytest.importorskip("control")
+    from spacar.simulation import as_control
+
+    moments = np.array([0.0, 196.98, 82.276])
+
+    def law(t, y):
+        return moments - 500.0 * y[:3] - 50.0 * y[3:6] + np.array([40.0 * np.sin(5.0 * t), 0.0, 0.0])
+
+    times = np.linspace(0.0, 0.3, 16)
+    ours = closed_loop(Spasim(DATA / "robotsim.dat"), law, times, feedback="1-6", rtol=1e-8, atol=1e-10)
+    plant = as_control(Spasim(DATA / "robotsim.dat"))
+    pd = control.NonlinearIOSystem(None, lambda t, x, u, params: law(t, u), name="pd", inputs=6, outputs=3)
+    # accelerations (y7 to y9) are outputs of the whole and are not fed back: no algebraic loop
+    loop = control.interconnect(
+        [plant, pd],
+        connections=[
+            *[[f"pd.u[{k}]", f"plant.y{k + 1}"] for k in range(6)],
+            *[[f"plant.u{k + 1}", f"pd.y[{k}]"] for k in range(3)],
+        ],
+        outlist=[f"plant.y{k + 1}" for k in range(9)],
+    )
+    x0 = Spasim(DATA / "robotsim.dat").start()
+    theirs = control.input_output_response(loop, times, 0, x0, solve_ivp_kwargs={"rtol": 1e-8, "atol": 1e-10})
+    assert pytest.approx(ours["plant"][:, :6], abs=1e-6) == theirs.outputs[:6].T
+    assert pytest.approx(ours["plant:7-9"], abs=1e-3) == theirs.outputs[6:9].T
+
+
+def test_a_sampled_block_is_refused():
+    pytest.importorskip("control")
+    from spacar.simulation import as_control
+
+    with pytest.raises(UsageError, match="c is sampled"):
+        as_control(Sampled("c", lambda t, x, u: (x, u), 0.1, 1, 1))
+
+
+def test_without_python_control(monkeypatch):
+    import sys
+
+    from spacar.simulation import as_control
+
+    monkeypatch.setitem(sys.modules, "control", None)
+    with pytest.raises(UsageError, match=r"pip install 'spacar\[control\]'"):
+        as_control(Sampled("c", lambda t, x, u: (x, u), 0.1, 1, 1))

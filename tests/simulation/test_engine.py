@@ -1,0 +1,202 @@
+"""Blocks, diagrams and the engine against closed forms."""
+
+import numpy as np
+import pytest
+
+from spacar.errors import AnalysisError, UsageError
+from spacar.simulation import (
+    Continuous,
+    Diagram,
+    Event,
+    Function,
+    Gain,
+    Linear,
+    Sampled,
+    Saturation,
+    Table,
+    closed_loop,
+    simulate,
+)
+
+TIMES = np.linspace(0.0, 2.0, 21)
+
+
+def integrator(x0=0.0, name="i"):
+    return Linear(name, [[0.0]], [[1.0]], [[1.0]], x0=[x0])
+
+
+def test_linear_loop_equals_the_closed_form():
+    """x' = -3 x + 1 by feedback around an integrator."""
+    d = Diagram().add(integrator(2.0), Gain("k", -3.0), Function("one", lambda t: 1.0, 0, 1))
+    d.connect("i", "k").connect("k", "i").connect("one", "i")
+    r = simulate(d, TIMES, rtol=1e-10, atol=1e-12)
+    assert r["i"][:, 0] == pytest.approx(1 / 3 + (2 - 1 / 3) * np.exp(-3 * TIMES), abs=1e-9)
+    assert r["k"][:, 0] == pytest.approx(-3 * r["i"][:, 0])
+
+
+@pytest.mark.parametrize("method", ["RK45", "RK23", "DOP853", "Radau", "BDF"])
+def test_all_methods(method):
+    d = Diagram().add(integrator(1.0)).connect("i", "i", -1.0)
+    r = simulate(d, TIMES, method=method, rtol=1e-6, atol=1e-9)
+    assert r["i"][-1, 0] == pytest.approx(np.exp(-2.0), rel=1e-4)
+
+
+def test_sampled_feedback_equals_the_difference_equation():
+    """x_(k+1) = x_k - T g x_k exactly, for a held u = -g x; with delay, u lags one period."""
+    T, g = 0.1, 4.0
+    for delay in (False, True):
+        sampled = Sampled("c", lambda t, m, u: (m + 1, -g * u), T, 1, 1, x0=0, delay=delay)
+        d = Diagram().add(integrator(1.0), sampled).connect("i", "c").connect("c", "i")
+        r = simulate(d, TIMES, rtol=1e-10, atol=1e-12)
+        x, u, truth = 1.0, 0.0, []
+        for _ in TIMES:
+            truth.append(x)
+            now = u if delay else -g * x
+            u = -g * x
+            x += T * now
+        assert r["i"][:, 0] == pytest.approx(truth, abs=1e-12)
+        assert sampled.memory == len(TIMES)
+
+
+def test_a_second_simulation_starts_afresh():
+    sampled = Sampled("c", lambda t, m, u: (m + 1, [m]), 0.5, 1, 1, x0=0)
+    d = Diagram().add(integrator(), sampled).connect("i", "c").connect("c", "i")
+    first, second = simulate(d, TIMES), simulate(d, TIMES)
+    assert np.array_equal(first.y, second.y)
+
+
+def test_saturation_is_met_exactly():
+    """x' = clip(-5 x, -1, 1), x(0) = 1: constant speed until x = 0.2, then exponential."""
+    d = Diagram().add(integrator(1.0), Saturation("limit", -1.0, 1.0)).connect("i", "limit", -5.0).connect("limit", "i")
+    r = simulate(d, TIMES, rtol=1e-9, atol=1e-12)
+    truth = np.where(TIMES < 0.8, 1 - TIMES, 0.2 * np.exp(-5 * (TIMES - 0.8)))
+    assert r["i"][:, 0] == pytest.approx(truth, abs=1e-8)
+    # located on the interpolation of a step across the kink, whose local error is a few times rtol
+    assert r.events[0][0] == pytest.approx(0.8, abs=1e-8)
+    assert r.events[0][1] == "limit of limit"
+
+
+def test_events_are_located_and_can_end_the_simulation():
+    """A fall from 1 m with g = 9.81: the ground is met at sqrt(2/g)."""
+    fall = Continuous("fall", lambda t, x, u: [x[1], -9.81], lambda t, x, u: x[:1], [1.0, 0.0], 0, 1)
+    ground = Event("ground", lambda t, s: s["fall:1"][0], terminal=True, direction=-1)
+    half = Event("half", lambda t, s: s["fall"][0] - 0.5)
+    r = simulate(Diagram().add(fall), TIMES, events=[ground, half], rtol=1e-10, atol=1e-12)
+    assert [name for _, name in r.events] == ["half", "ground"]
+    # a parabola is exact for the method and its interpolation
+    assert r.events[0][0] == pytest.approx(np.sqrt(1 / 9.81), abs=1e-12)
+    assert r.t[-1] == pytest.approx(np.sqrt(2 / 9.81), abs=1e-12)
+    assert r["fall"][-1, 0] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_jump_of_an_input_is_not_smeared():
+    source = Function("step", lambda t: float(t >= 0.73), 0, 1, breaks=[0.73])
+    r = simulate(Diagram().add(source, integrator()).connect("step", "i"), TIMES)
+    # exact but for the four rounding units next to the jump
+    assert r["i"][:, 0] == pytest.approx(np.maximum(0.0, TIMES - 0.73), abs=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("kind", "expected"),
+    [("step", [0.0, 0.0, 1.0, 4.0]), ("linear", [0.0, 0.4, 1.0 + 0.6 * 3.0, 4.0]), ("spline", [0.0, 0.16, 2.56, 4.0])],
+)
+def test_tables(kind, expected):
+    """Values of t^2 stored at 0, 1, 2, 3: a not-a-knot spline reproduces it."""
+    t = np.arange(4.0)
+    table = Table(t, t**2, kind)
+    at = [0.0, 0.4, 1.6, 2.0]
+    if kind == "step":
+        expected = [0.0, 0.0, 4.0, 4.0]
+    assert [float(table(v)) for v in at] == pytest.approx(expected, abs=1e-12)
+
+
+def test_beyond_the_table():
+    table = Table([0.0, 1.0], [2.0, 3.0], name="u0 of x.ltv")
+    with pytest.raises(AnalysisError, match=r"u0 of x.ltv is stored from t = 0 to 1 s, but needed at t = 1.5"):
+        table(1.5)
+    assert Table([0.0, 1.0], [2.0, 3.0], hold=True)(1.5) == 3.0
+
+
+# -- refusals -------------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize(
+    ("returned", "why"),
+    [
+        ([1.0, 2.0], r"the output of c at t = 0 has the shape \(2,\); expected \(1,\)"),
+        (np.nan, "the output of c at t = 0: component 1 is nan"),
+        (None, "component 1 is nan|is no vector of numbers"),
+        ("text", "is no vector of numbers"),
+    ],
+)
+def test_controller_with_a_wrong_result(returned, why):
+    d = Diagram().add(integrator(), Function("c", lambda t, u: returned, 1, 1)).connect("i", "c").connect("c", "i")
+    with pytest.raises(AnalysisError, match=why):
+        simulate(d, TIMES)
+    s = (
+        Diagram()
+        .add(integrator(), Sampled("c", lambda t, x, u: (x, returned), 0.1, 1, 1))
+        .connect("i", "c")
+        .connect("c", "i")
+    )
+    with pytest.raises(AnalysisError, match=why):
+        simulate(s, TIMES)
+
+
+def test_controller_that_raises_or_returns_no_pair():
+    d = Diagram().add(integrator(), Function("c", lambda t, u: 1 / 0, 1, 1)).connect("i", "c").connect("c", "i")
+    with pytest.raises(AnalysisError, match="c failed at t = 0: ZeroDivisionError"):
+        simulate(d, TIMES)
+    s = Diagram().add(integrator(), Sampled("c", lambda t, x, u: 1.0, 0.1, 1, 1)).connect("i", "c").connect("c", "i")
+    with pytest.raises(AnalysisError, match=r"c must return its new state and its output, \(x, y\)"):
+        simulate(s, TIMES)
+
+
+def test_algebraic_loop_and_how_a_delay_breaks_it():
+    d = Diagram().add(Gain("a", 0.5), Gain("b", 0.5)).connect("a", "b").connect("b", "a")
+    with pytest.raises(UsageError, match="algebraic loop: a <- b <- a"):
+        simulate(d, TIMES)
+    late = Sampled("late", lambda t, x, u: (x, 0.5 * u + 1), 0.1, 1, 1, delay=True)
+    r = simulate(Diagram().add(Gain("a", 1.0), late).connect("a", "late").connect("late", "a"), TIMES)
+    assert r["a"][-1, 0] == pytest.approx(2.0 * (1 - 0.5**20), abs=1e-12)
+
+
+def test_wrong_wires_and_names():
+    d = Diagram().add(integrator(), Gain("k", np.eye(2)))
+    for source, target, why in (
+        ("i", "k", "1 outputs cannot be connected to 2 inputs"),
+        ("x", "k", "there is no block x; the blocks are i, k"),
+        ("i:2", "k:1", "block i has the outputs 1 to 1"),
+        ("i:a", "k:1", "'a' is no signal number"),
+    ):
+        with pytest.raises(UsageError, match=why):
+            d.connect(source, target)
+    with pytest.raises(UsageError, match="two blocks with the name i"):
+        d.add(integrator())
+    with pytest.raises(UsageError, match="cannot be the name of a block"):
+        d.add(integrator(name="my block"))
+
+
+def test_unstable_loop_is_a_failure_with_advice():
+    d = Diagram().add(Continuous("x", lambda t, x, u: x**2, lambda t, x, u: x, [1.0], 0, 1))
+    with pytest.raises(AnalysisError, match=r"step size became too small|is inf|overflow"):
+        simulate(d, TIMES)
+
+
+def test_unconnected_inputs_are_mentioned():
+    r = simulate(Diagram().add(integrator(1.0)), TIMES)
+    assert r.notes == ("input 1 (u1) of i is not connected: it is zero",)
+
+
+def test_wrong_size_of_a_direct_call():
+    import arm
+
+    from spacar.simulation import Spasim
+
+    plant = Spasim(arm.deck(arm.FREE_JOINTS, [("INPUTS", 1, 1, 1), ("OUTE", 1, 1, 1)], mode="simulation"))
+    with pytest.raises(ValueError, match=r"state has the shape \(3,\), expected \(4,\)"):
+        plant.derivative(0.0, np.zeros(3), np.zeros(1))
+    with pytest.raises(ValueError, match=r"input has the shape \(2,\), expected \(1,\)"):
+        plant.derivative(0.0, plant.start(), np.zeros(2))
+    with pytest.raises(UsageError, match="needs dynamic degrees of freedom"):
+        Spasim(arm.deck(arm.PRESCRIBED_JOINTS, mode="simulation"))
+    with pytest.raises(AnalysisError, match=r"output of control at t = 0 has the shape \(3,\)"):
+        closed_loop(plant, lambda t, y: np.zeros(3), TIMES)
