@@ -52,6 +52,8 @@ def not_evaluated(cause: AnalysisError, t: float, h: float, reductions: int = 0)
         advice = (
             "try a smaller step size (INTEGRAT position 2) or a code with variable steps (INTEGRAT 0 or 155)"
         )
+    if cause.code.startswith("user-function"):
+        advice = "correct the function"
     return AnalysisError(
         f"{cause}; the integration stopped at t = {t:.9g} s {what}: {advice}",
         cause.code,

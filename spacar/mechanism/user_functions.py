@@ -46,11 +46,16 @@ def load_function(deck: Deck, statement: Statement) -> Callable[..., Any]:
     try:
         spec.loader.exec_module(module)
     except Exception as error:  # a user's file may fail in any way
-        raise refuse(f"{path} cannot be loaded: {type(error).__name__}: {error}") from error
+        raise refuse(f"{path} cannot be loaded: {one_line(error)}") from error
     function = getattr(module, path.stem, None) or getattr(module, name, None)
     if not callable(function):
         raise refuse(f"{path} does not define a function {name}")
     return function
+
+
+def one_line(error: Exception) -> str:
+    """Type and text of an exception without line breaks."""
+    return " ".join(f"{type(error).__name__}: {error}".split())
 
 
 def call(function: Callable[..., Any], name: str, t: float, *arguments: Any) -> tuple[Any, Any]:
@@ -58,7 +63,7 @@ def call(function: Callable[..., Any], name: str, t: float, *arguments: Any) -> 
     try:
         _, first, second = function(t, *arguments)
     except Exception as error:  # a user's function may fail in any way
-        text = f"the user function {name} failed at t = {t:.9g}: {type(error).__name__}: {error}"
+        text = f"the user function {name} failed at t = {t:.9g}: {one_line(error)}"
         raise AnalysisError(text, "user-function.failed") from error
     return first, second
 

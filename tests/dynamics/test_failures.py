@@ -1,0 +1,116 @@
+"""States outside the theory of an element, missing mass, broken user functions: what the user gets to read."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import spacar
+from spacar import Deck
+from spacar.errors import AnalysisError
+
+
+def failure(deck: Deck, mode: int = 1) -> AnalysisError:
+    """The error of a run, in one line and without a warning of NumPy."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(AnalysisError) as caught:
+            spacar.run(mode, deck)
+    assert "\n" not in str(caught.value)
+    return caught.value
+
+
+PLANAR = [("PLBEAM", 1, 1, 2, 3, 4), ("X", 3, 1.0), ("FIX", 1), ("FIX", 2), ("DYNE", 1, 2, 3)]
+SPATIAL = [("BEAM", 1, 1, 2, 3, 4, 0.0, 1.0, 0.0), ("X", 3, 1.0), ("FIX", 1), ("FIX", 2), ("DYNE", 1, 2, 3, 4, 5, 6)]
+
+
+def test_a_planar_beam_bent_beyond_one_element() -> None:
+    """A tip moment twice the stiffness: the end turns beyond 85 degrees to the chord."""
+    dynamics = [("EM", 1, 1.0, 0.1), ("ESTIFF", 1, 0.0, 1.0), ("XF", 4, 2.0), ("TIMESTEP", 5.0, 200)]
+    error = failure(Deck.build(PLANAR, dynamics))
+    for words in ("element 1 (PLBEAM)", "t = ", "degrees", "use more elements"):
+        assert words in str(error)
+
+
+def test_a_warning_comes_first() -> None:
+    """Between 60 and 85 degrees the run goes on and the report says so once."""
+    dynamics = [("XM", 3, 1.0), ("XM", 4, 0.1), ("EM", 1, 0.1), ("ESTIFF", 1, 0.0, 1.0), ("STARTDE", 1, 2, 0.9, 0.0)]
+    r = spacar.run(1, Deck.build(PLANAR, dynamics))
+    assert (
+        len([line for line in r.report if "warning: element 1 (PLBEAM)" in line and "use more elements" in line]) == 1
+    )
+
+
+def test_a_spatial_beam_bent_or_twisted_beyond_one_element() -> None:
+    for moment in ((0.0, 0.0, 2.0), (0.0, 2.0, 0.0), (2.0, 0.0, 0.0)):
+        dynamics = [
+            ("EM", 1, 1.0, 0.1, 0.1, 0.1), ("ESTIFF", 1, 0.0, 1.0, 1.0, 1.0), ("XF", 4, *moment), ("TIMESTEP", 5.0, 200),
+        ]  # fmt: skip
+        error = failure(Deck.build(SPATIAL, dynamics))
+        for words in ("element 1 (BEAM)", "t = ", "degrees", "use more elements"):
+            assert words in str(error), moment
+
+
+def test_roll_up_with_too_few_elements_has_no_equilibrium() -> None:
+    """Full circle with 4 elements: 90 degrees each, no equilibrium exists; the message asks for more elements."""
+    rows: list[tuple] = [("FIX", 1), ("FIX", 2)]
+    dynamics: list[tuple] = [("XF", 10, 2 * np.pi), ("ITERSTEP", 20, 10)]
+    for k in range(1, 5):
+        p = 2 * k - 1
+        rows += [("PLBEAM", k, p, p + 1, p + 2, p + 3), ("X", p + 2, k / 4, 0.0), ("DYNE", k, 2, 3)]
+        dynamics.append(("ESTIFF", k, 0.0, 1.0))
+    error = failure(Deck.build(rows, dynamics), 8)
+    assert "element" in str(error)
+
+
+def test_singular_mass_names_the_motion() -> None:
+    rows = [("PLTRUSS", 1, 1, 2), ("PLTRUSS", 2, 2, 3), ("X", 2, 1.0), ("X", 3, 2.0), ("FIX", 1), ("FIX", 2, 2),
+            ("FIX", 3, 2), ("DYNE", 1), ("DYNE", 2)]  # fmt: skip
+    error = failure(Deck.build(rows, [("XM", 2, 1.0), ("TIMESTEP", 1.0, 10)]))
+    assert error.code == "dynamics.singular-mass"
+    assert "element 2 (PLTRUSS) e1 elongation" in str(error)
+    assert "element 1 (PLTRUSS)" not in str(error)
+    for words in ("XM", "EM", "RLSE"):
+        assert words in str(error)
+
+
+def test_dependent_masses_are_found_too() -> None:
+    """One mass for two degrees of freedom: both have inertia, their difference has none."""
+    rows = [("PLTRUSS", 1, 1, 2), ("PLTRUSS", 2, 2, 3), ("X", 2, 1.0), ("X", 3, 2.0), ("FIX", 1), ("FIX", 2, 2),
+            ("FIX", 3, 2), ("DYNE", 1), ("DYNE", 2)]  # fmt: skip
+    error = failure(Deck.build(rows, [("XM", 3, 1.0), ("TIMESTEP", 1.0, 10)]))
+    assert error.code == "dynamics.singular-mass"
+    assert "elongation" in str(error)
+
+
+def test_negative_mass_is_not_positive() -> None:
+    rows = [("PLTRUSS", 1, 1, 2), ("X", 2, 1.0), ("FIX", 1), ("FIX", 2, 2), ("DYNE", 1)]
+    error = failure(Deck.build(rows, [("XM", 2, -1.0), ("TIMESTEP", 1.0, 10)]))
+    assert error.code == "dynamics.singular-mass"
+
+
+@pytest.mark.parametrize("kind", ["exception", "nan"])
+def test_user_function_that_breaks_on_the_way(tmp_path: Path, kind: str) -> None:
+    body = "raise ValueError('bad\\nluck')" if kind == "exception" else "return t, None, [[2, 1, float('nan')]]"
+    (tmp_path / "load.py").write_text(
+        f"def load(t, ne, le, e, ep, nx, lnp, x, xp):\n    if t > 0.42:\n        {body}\n    return t, None, None\n"
+    )
+    path = tmp_path / "m.dat"
+    path.write_text(
+        "PLTRUSS 1 1 2\nX 2 1\nFIX 1\nFIX 2 2\nDYNE 1\nEND HALT\nXM 2 1\nUSERSIG load\nTIMESTEP 1 10\nEND END\n"
+    )
+    error = failure(spacar.read_deck(path, 1))
+    assert "load" in str(error)
+    assert "t = 0.4" in str(error)
+
+
+def test_a_spring_that_explodes() -> None:
+    """Negative stiffness and damping: exponential growth until a limit of the element, never inf or nan in a frame."""
+    rows = [("PLTRUSS", 1, 1, 2), ("X", 2, 1.0), ("FIX", 1), ("FIX", 2, 2), ("DYNE", 1)]
+    dynamics = [("XM", 2, 1.0), ("ESTIFF", 1, -1e4), ("STARTDE", 1, 1, -0.01, 0.0), ("TIMESTEP", 50.0, 50)]
+    error = failure(Deck.build(rows, dynamics))
+    assert "element 1 (PLTRUSS)" in str(error)
+    assert "collapsed" in str(error)
