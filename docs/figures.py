@@ -24,7 +24,9 @@ FIGURES: dict[str, tuple[str, ...]] = {
     "crank.gif": ("1 crank --time 0.04188790204786391 --steps 60", "draw crank --frames 60 --dpi 70 --trace 3 -o {}"),
     "crank-plot.png": ("1 crank", "plot crank x[6,1] xdd[6,1] sig[1,1] -o {}"),
     "crankfl-path.png": ("1 crankfl", "plot crankfl x[6,2] x[3,2] -x x[6,1] -o {}"),
+    "crankfl-deflection.png": ("1 crankfl", "plot crankfl (e[2,3]+e[3,2])/2 -o {}"),
     "lever.png": ("9 lever", "draw lever --numbers -o {}"),
+    "lever-bode.png": ("9 lever", "bode lever -o {}"),
     "finger.png": ("7 finger", "draw finger --numbers -o {}"),
     "finger-mode.png": ("7 finger", "visual finger -o {}"),
     "cantilever-moment.png": ("7 plbeam5", "visual plbeam5 --diagram Mz -o {}"),
@@ -73,7 +75,7 @@ def make(folder: Path) -> list[str]:
             ran = {r for r in ran if r.split()[1] != run.split()[1]} | {run}  # another run of this model replaces it
             for line in (*commands, draw.format(folder / picture)):
                 words = line.split()
-                if line is not run and "--dpi" not in words:
+                if words[0] in ("draw", "plot", "visual") and "--dpi" not in words:
                     words += ["--dpi", "110"]
                 if main([*words, "--quiet"] if words[0].isdigit() else words):
                     failed.append(line)

@@ -1,0 +1,75 @@
+"""The documents for people: every command and number is run, every link leads somewhere."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+
+from tests.docs.documents import blocks, broken_links, run_document, same_line
+
+HOUSE = Path(__file__).resolve().parents[2]
+DOCS = HOUSE / "docs"
+PAGES = [HOUSE / "README.md", HOUSE / "CONTRIBUTING.md", HOUSE / "CHANGELOG.md", *sorted(DOCS.glob("*.md"))]
+
+
+def test_tutorial(tmp_path):
+    count = run_document(DOCS / "tutorial.md", tmp_path)
+    assert count.files == ["mycrank.dat", "flexible.dat"]
+    assert count.commands >= 40
+    assert count.numbers >= 100
+
+
+def test_readme(tmp_path):
+    """In a folder that looks like a clone."""
+    shutil.copytree(HOUSE / "data", tmp_path / "data")
+    count = run_document(HOUSE / "README.md", tmp_path)
+    assert count.commands >= 10
+    assert count.numbers >= 5
+
+
+def test_readme_names_targets_that_exist():
+    targets = re.findall(r"^([\w-]+):", (HOUSE / "Makefile").read_text(encoding="utf-8"), flags=re.MULTILINE)
+    named = re.findall(r"\bmake ([\w-]+)", (HOUSE / "README.md").read_text(encoding="utf-8"))
+    assert {"crank", "test"} <= set(named) <= set(targets)
+
+
+def test_python_page(tmp_path):
+    shutil.copytree(HOUSE / "data", tmp_path / "data")
+    count = run_document(DOCS / "python.md", tmp_path)
+    assert count.commands >= 40
+    assert count.numbers >= 20
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_links(page):
+    assert not broken_links(page)
+
+
+def test_every_page_is_in_the_index():
+    text = (DOCS / "index.md").read_text(encoding="utf-8")
+    missing = [p.name for p in DOCS.glob("*.md") if p.name != "index.md" and f"]({p.name})" not in text]
+    assert not missing
+
+
+@pytest.mark.parametrize(
+    ("expected", "got", "same"),
+    [
+        ("x = 1.0 m", "x  =  1.000001 m", True),
+        ("x = 1.0 m", "x = 1.001 m", False),
+        ("node 3 x", "node 4 x", False),
+        ("-5062.5", "-5062.50000001", True),
+        ("a 1", "b 1", False),
+        ("e2 0", "e2 -1e-12", True),
+    ],
+)
+def test_the_comparison_of_printed_lines(expected, got, same):
+    assert same_line(expected, got) == same
+
+
+def test_every_block_of_the_pages_is_of_a_known_kind():
+    kinds = {"console", "python", "sh", "text", "make", "toml", ""}
+    for page in PAGES:
+        assert {b.language for b in blocks(page)} <= kinds, page
