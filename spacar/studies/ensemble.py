@@ -17,7 +17,7 @@ cases one by one.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -33,6 +33,7 @@ from spacar.kinematics.regularity import HalfTurns
 from spacar.mechanism import Mechanism, build
 from spacar.result import Result
 from spacar.studies.assignments import parameters_of
+from spacar.studies.reduced import ReducedCopies
 
 X_FIELDS = ("x", "xd", "xdd", "fx", "fxgrav", "fxtot")
 E_FIELDS = ("e", "ed", "edd", "sig")
@@ -89,7 +90,7 @@ def ensemble(decks: Sequence[Deck], times: np.ndarray | None = None, **options: 
         times = np.linspace(0.0, settings.duration, settings.n_steps + 1)
     x_of, e_of = _places(single, together, len(decks), _stride(first))
     found: list[list[Frame]] = [[] for _ in decks]
-    for frame in _frames(together, times, len(decks)):
+    for frame in _frames(together, times, x_of):
         x = [getattr(frame, name)[x_of] for name in X_FIELDS]
         e = [getattr(frame, name)[e_of] for name in E_FIELDS]
         for k, own in enumerate(found):
@@ -148,11 +149,12 @@ def _places(single: Mechanism, together: Mechanism, n: int, stride: int) -> tupl
     return x, e
 
 
-def _frames(mechanism: Mechanism, times: np.ndarray, n: int) -> Any:
+def _frames(mechanism: Mechanism, times: np.ndarray, x_of: np.ndarray) -> Iterator[Frame]:
     """Frames of the copies, with the common work in their statistics."""
     settings = mechanism.settings
     method = METHODS[settings.integrator]
-    dynamics, report = Dynamics(mechanism), Report()
+    n, report = len(x_of), Report()
+    dynamics = ReducedCopies(mechanism, x_of) if ReducedCopies.suits(mechanism, n) else Dynamics(mechanism)
     y = dynamics.start()
     half_turns = HalfTurns(dynamics.kinematics)
     if half_turns.nodes:
