@@ -96,8 +96,9 @@ def test_trajectories_follow_each_other_and_extra_loads_act_during_theirs():
 
 def test_extra_mass_and_force():
     def torque(statement):
-        third = [("TRAJECT", 1), ("TRANS", 7, *map(float, arm.START)), ("TRTIME", 0.1, 1),
-                 ("TRAJECT", 3), ("TRANS", 7, *map(float, arm.START)), statement, ("TRTIME", 0.1, 2), *arm.MOTORS]  # fmt: skip
+        stay = ("TRANS", 7, *map(float, arm.START))
+        third = [("TRAJECT", 1), stay, ("TRTIME", 0.1, 1)]
+        third += [("TRAJECT", 3), stay, statement, ("TRTIME", 0.1, 2), *arm.MOTORS]
         return spacar.run(2, arm.deck(arm.END_POINT, third))["u0"]
 
     rest = arm.torques(arm.Q0, np.zeros(2), np.zeros(2))
