@@ -26,7 +26,7 @@ def test_readme(tmp_path):
     """In a folder that looks like a clone."""
     shutil.copytree(HOUSE / "data", tmp_path / "data")
     count = run_document(HOUSE / "README.md", tmp_path)
-    assert count.commands >= 10
+    assert count.commands >= 8
     assert count.numbers >= 5
 
 
