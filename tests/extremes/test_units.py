@@ -60,7 +60,7 @@ XF 5 0.2 0.3
 XF 6 0.07
 STARTDX 2 1 0.02 0.3
 TIMESTEP 0.2 4
-INTEGRAT 140 0.001
+INTEGRAT 140 0.01
 END
 END
 """
@@ -100,7 +100,7 @@ GRAVITY 0.13 0.2 -0.98
 XF 6 0.2 0.3 0.1
 XF 7 0.05 -0.04 0.03
 TIMESTEP 0.1 2
-INTEGRAT 140 0.001
+INTEGRAT 140 0.01
 END
 END
 """
@@ -158,7 +158,7 @@ def test_motion(name, to):
     compare(deck(name, 1), 1, to)
 
 
-@pytest.mark.parametrize("to", SYSTEMS, ids=NAMES)
+@pytest.mark.parametrize("to", SYSTEMS[::2], ids=NAMES[::2])
 @pytest.mark.parametrize("name", ["crank", "slider", "cardan"])
 def test_prescribed_motion_and_reactions(name, to):
     compare(deck(name, 1), 1, to)
@@ -168,7 +168,7 @@ def test_prescribed_motion_and_reactions(name, to):
 @pytest.mark.parametrize("name", ["planar", "spatial", "plbeam5"])
 def test_equilibrium_and_frequencies(name, to):
     model = deck(name, 7)
-    settings = "ITERSTEP 20 10 1e-300\nEND\nEND"
+    settings = "\nITERSTEP 20 10 1e-300\nEND\nEND"
     text = model.text.split("ITERSTEP")[0].rstrip().removesuffix("END").rstrip().removesuffix("END")
     model = parse_deck(text + settings, mode=7)
     compare(model, 7, to)
@@ -178,7 +178,7 @@ def test_equilibrium_and_frequencies(name, to):
     assert np.abs(np.sort(new[:, 1]) - np.sort(old[:, 1])).max() <= 1e-7 * np.abs(old).max()
 
 
-@pytest.mark.parametrize("to", SYSTEMS, ids=NAMES)
+@pytest.mark.parametrize("to", SYSTEMS[1::2], ids=NAMES[1::2])
 @pytest.mark.parametrize("name", ["plbeam5buck", "column2", "lateral4"])
 def test_buckling_loads_have_no_dimension(name, to):
     model = deck(name, 8)

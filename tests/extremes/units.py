@@ -34,11 +34,11 @@ class System:
 
 
 def dimension(unit: str) -> tuple[int, int, int]:
-    """Powers of kg, m, s of a unit such as `N m^2 s` or `kg/m`."""
+    """Powers of kg, m, s of a unit such as `N m^2 s` or `kg/m`; other words count as numbers."""
     total = np.zeros(3, int)
     for sign, part in zip((1, -1), unit.split("/"), strict=False):
         for name, power in re.findall(r"([A-Za-z]+)(?:\^(\d))?", part):
-            total += sign * int(power or 1) * np.array(_BASE[name])
+            total += sign * int(power or 1) * np.array(_BASE.get(name, (0, 0, 0)))
     return tuple(int(k) for k in total)  # type: ignore[return-value]
 
 
