@@ -200,3 +200,37 @@ def test_wrong_size_of_a_direct_call():
         Spasim(arm.deck(arm.PRESCRIBED_JOINTS, mode="simulation"))
     with pytest.raises(AnalysisError, match=r"output of control at t = 0 has the shape \(3,\)"):
         closed_loop(plant, lambda t, y: np.zeros(3), TIMES)
+
+
+def test_force_inputs_equal_applied_forces():
+    """INPUTF u against XF of the same size in mode 1: accelerations of the joints."""
+    import arm
+
+    import spacar
+    from spacar.simulation import Spasim
+
+    ports = [("INPUTF", 1, 7, 1), ("INPUTF", 2, 7, 2), ("INPUTS", 3, 2, 1), ("OUTEDP", 1, 1, 1), ("OUTEDP", 2, 2, 1)]
+    plant = Spasim(arm.deck(arm.FREE_JOINTS, ports, mode="simulation"))
+    y = plant.outputs(0.0, plant.start(), np.array([3.0, -7.0, 2.5]))
+    # a driving moment u is the stress -u
+    loaded = arm.deck(arm.FREE_JOINTS, mode=1, dynamics=[*arm.DYNAMICS, ("XF", 7, 3.0, -7.0), ("ESIG", 2, -2.5)])
+    expected = spacar.run(1, loaded)
+    assert y == pytest.approx([expected.element(i, 1, "edd")[0] for i in (1, 2)], rel=1e-12)
+
+
+def test_nonholonomic_plant_equals_mode_1():
+    """The tricycle rolls in the simulation as in mode 1 (tolerances 1e-9)."""
+    from pathlib import Path
+
+    import spacar
+    from spacar.deck import parse_deck
+    from spacar.simulation import Spasim
+
+    path = Path(__file__).parents[2] / "data" / "trike2.dat"
+    text = path.read_text().replace("END\nEND", "END\nHALT\nINPUTS 1 6 1\nOUTX 1 1 1\nOUTXDP 2 1 1\nEND\nEND")
+    plant = Spasim(parse_deck(text, "trike2.dat", "simulation"))
+    times = np.linspace(0.0, 1.0, 11)
+    r = simulate(Diagram().add(plant), times, rtol=1e-9, atol=1e-10)
+    truth = spacar.run(1, path, atol=1e-10, rtol=1e-9)
+    assert r["plant:1"][:, 0] == pytest.approx(truth.node(1, 1)[::10], abs=1e-8)
+    assert r["plant:2"][:, 0] == pytest.approx(truth.node(1, 1, "xdd")[::10], abs=1e-7)
