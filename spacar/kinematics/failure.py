@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spacar.errors import AnalysisError
-from spacar.kinematics.diagnosis import Diagnosis, diagnose, scaled_difference_matrix
+from spacar.kinematics.diagnosis import ZERO, Diagnosis, diagnose, scaled_difference_matrix
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Array
 
 SHORTENING = ("PLTRUSS", "TRUSS", "PLBEAM", "BEAM", "PLTUBE", "TUBE")  # mode 1 is the change of their length
 SHORT = 1e-6
+ROUNDING = 1e-14  # residual as a fraction of the model size that cannot become smaller
 
 if TYPE_CHECKING:
     from spacar.kinematics.kinematics import Kinematics
@@ -84,6 +85,12 @@ def position_failure(
         smallest = float(s[-1])
         hardest = int(kinematics.c[int(np.argmax(np.abs(right[-1])))])
         where = f", motion that is hardest to determine: {numbering.x_name(hardest)}"
+    if values.max(initial=0.0) <= ROUNDING * kinematics.mechanism.length and smallest < ZERO * 1e3:
+        text = (
+            "singular position: the constraints are met to rounding, but the coordinates are not determined (smallest"
+            f" singular value {smallest:.3g}{where}); a dead point: choose other degrees of freedom"
+        )
+        return AnalysisError(text, "position.singular", iterations=iteration, history=history)
     text = (
         f"no convergence of the position after {iteration} iterations: residual {values.max(initial=0.0):.3g},"
         f" history {' '.join(f'{r:.2g}' for r in history[:6])}{' ...' if len(history) > 6 else ''},"

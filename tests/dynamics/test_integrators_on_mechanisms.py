@@ -1,0 +1,157 @@
+"""All integration codes on mechanisms: the same motion, the order of the method, exact Jacobians."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from reduced_form import random_state
+
+import spacar
+from spacar import Deck
+from spacar.deck import read_deck
+from spacar.dynamics import Dynamics
+from spacar.errors import AnalysisError
+from spacar.integrators import METHODS
+from spacar.mechanism import build
+
+DATA = Path(__file__).parents[2] / "data"
+FIXED = {130: 3, 140: 4, 220: 2, 310: 1, 320: 2, 330: 3, 410: 1, 420: 2, 430: 3}
+
+
+def end(name: str, duration: float, **options: float) -> np.ndarray:
+    """Positions at the end of a run with one output step."""
+    r = spacar.run(1, DATA / f"{name}.dat", duration=duration, n_steps=1, **options)
+    return r["x"][-1]
+
+
+@pytest.fixture(scope="module")
+def exact() -> dict[str, np.ndarray]:
+    return {
+        "crankfl": end("crankfl", 0.001, integrator=155, atol=1e-11, rtol=1e-11),
+        "fingersim": end("fingersim", 0.025, integrator=155, atol=1e-11, rtol=1e-11),
+    }
+
+
+def test_the_table_of_codes_is_complete() -> None:
+    assert set(FIXED) | {0, 135, 155, 225} <= set(METHODS)
+
+
+@pytest.mark.parametrize(("name", "duration"), [("crankfl", 0.001), ("fingersim", 0.025)])
+@pytest.mark.parametrize(("code", "tolerance"), [(0, 1e-8), (135, 1e-6), (155, 1e-8), (225, 1e-4)])
+def test_variable_steps_reach_the_tolerance(
+    name: str, duration: float, code: int, tolerance: float, exact: dict
+) -> None:
+    """Positions are of size 1 and rates of size 100: within a hundred times the tolerance."""
+    found = end(name, duration, integrator=code, atol=tolerance, rtol=tolerance)
+    np.testing.assert_allclose(found, exact[name], atol=100 * tolerance)
+
+
+@pytest.mark.parametrize("code", sorted(FIXED))
+@pytest.mark.parametrize(
+    ("name", "duration", "steps"),
+    [pytest.param("crankfl", 0.001, 40, marks=pytest.mark.slow), ("fingersim", 0.025, 16)],
+)
+def test_fixed_steps_have_the_order_of_the_table(
+    name: str, duration: float, steps: int, code: int, exact: dict
+) -> None:
+    """Two halvings; the second observed order within 0.35 of the theoretical one (asymptotic but not at its limit)."""
+    factor = 2 if FIXED[code] == 1 else 1
+    errors = [
+        np.abs(
+            end(name, duration, integrator=code, step=duration / (factor * steps * k), atol=1e-10) - exact[name]
+        ).max()
+        for k in (1, 2, 4)
+    ]
+    order = np.log2(errors[1] / errors[2])
+    if errors[2] > 1e-11:  # else rounding decides
+        assert order > FIXED[code] - 0.35
+    assert errors[2] < errors[0]
+
+
+@pytest.mark.parametrize(
+    "name", ["crankfl", "fingersim", "trike2", "trike3v", "trike3i", "screw", "robotsim", "massspring"]
+)
+def test_jacobian_against_differences(name: str) -> None:
+    """Fourth order differences of F with h = 1e-4: h^4 F^(5)/30 and 1e-11/h, below 2e-6 of the largest in each row."""
+    d = Dynamics(build(read_deck(DATA / f"{name}.dat", 1)))
+    y = random_state(d, 1e-3, 0.1)
+    J, _ = d.jacobian(0.01, y)
+    h = 1e-4
+    numeric = np.empty_like(J)
+    for k in range(len(y)):
+        e = np.zeros(len(y))
+        e[k] = h
+        near = d.rhs(0.01, y + e) - d.rhs(0.01, y - e)
+        far = d.rhs(0.01, y + 2 * e) - d.rhs(0.01, y - 2 * e)
+        numeric[:, k] = (8 * near - far) / (12 * h)
+    scale = np.abs(J).max(axis=1, keepdims=True) + 1.0
+    np.testing.assert_allclose(J / scale, numeric / scale, atol=2e-6)
+
+
+def test_explicit_time_derivative_of_the_motion() -> None:
+    """dF/dt of a prescribed crank with acceleration, against differences of F."""
+    rows = [
+        ("PLTOR", 1, 1, 2),
+        ("PLBEAM", 2, 3, 2, 4, 5),
+        ("X", 4, 0.7),
+        ("FIX", 1),
+        ("FIX", 3),
+        ("INPUTE", 1),
+        ("DYNE", 2, 2, 3),
+    ]
+    dynamics = [("EM", 2, 1.0), ("ESTIFF", 2, 0.0, 20.0), ("INPUTE", 1, 1, 0.0, 1.0, 2.0), ("TIMESTEP", 1.0, 10)]
+    d = Dynamics(build(Deck.build(rows, dynamics)))
+    y = random_state(d, 1e-2, 0.5)
+    _, F_t = d.jacobian(0.5, y)
+    h = 1e-4
+    four = (-d.rhs(0.5 + 2 * h, y) + 8 * d.rhs(0.5 + h, y) - 8 * d.rhs(0.5 - h, y) + d.rhs(0.5 - 2 * h, y)) / (12 * h)
+    # F is exact to about 1e-11 only, and the difference is taken over 1e-6 of the output interval of 0.1 s.
+    np.testing.assert_allclose(F_t, four, atol=1e-4 * np.abs(d.rhs(0.5, y)).max())
+
+
+@pytest.mark.slow
+def test_implicit_codes_take_large_steps_on_a_stiff_mechanism() -> None:
+    """crankfl with released elongation, EA 1000 times too stiff for explicit steps of this size.
+
+    The L-stable codes follow the slow motion of the inextensible rod, the explicit ones explode or stop.
+    """
+    text = (DATA / "crankfl.dat").read_text()
+    stiff = text.replace("DYNE 2 2 3", "DYNE 2").replace("DYNE 3 2 3", "DYNE 3")
+    for k in (2, 3):
+        stiff = stiff.replace(f"ESTIFF {k} 0.000000", f"ESTIFF {k} 6.0e6").replace(f"EDAMP {k}", f"% EDAMP {k}")
+        stiff = stiff.replace(f"STARTDE {k} 2", f"EDAMP {k} 100.0\nSTARTDE {k} 2")
+    deck = spacar.parse_deck(stiff, "stiff.dat", 1)
+    reference = spacar.run(1, DATA / "crankfl.dat", duration=0.01, n_steps=10, atol=1e-9, rtol=1e-9)
+    for code in (420, 430):
+        r = spacar.run(1, deck, duration=0.01, n_steps=10, integrator=code, step=2e-5)
+        # The axial elongation under inertia is about 1e-5 m; the motion of the slider is that of the rigid rod length.
+        np.testing.assert_allclose(r.node(8, 1), reference.node(8, 1), atol=5e-5)
+        assert np.abs(r.element(2, 1)).max() < 1e-4
+    with pytest.raises(AnalysisError) as caught:
+        spacar.run(1, deck, duration=0.01, n_steps=10, integrator=140, step=1e-4)
+    assert "t = " in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_dense_output_agrees_with_a_run_that_stops_there() -> None:
+    """Output points do not influence the steps: values inside a step to ten times the tolerance."""
+    many = spacar.run(1, DATA / "fingersim.dat", duration=0.1, n_steps=100, atol=1e-9, rtol=1e-9)
+    few = spacar.run(1, DATA / "fingersim.dat", duration=0.1, n_steps=4, atol=1e-9, rtol=1e-9)
+    np.testing.assert_allclose(many["x"][::25], few["x"], atol=1e-7)
+    steps = [sum(f.statistics["steps"] for f in r.frames[1:]) for r in (many, few)]
+    assert steps[0] <= 1.5 * steps[1] + 10
+
+
+def test_second_order_codes_refuse_kinematic_coordinates() -> None:
+    with pytest.raises(AnalysisError) as caught:
+        spacar.run(1, DATA / "trike2.dat", integrator=225)
+    assert "kinematic coordinates" in str(caught.value)
+
+
+@pytest.mark.parametrize("code", [0, 155, 140, pytest.param(135, marks=pytest.mark.slow), 330, 430])
+def test_kinematic_coordinates_with_all_kinds_of_codes(code: int) -> None:
+    a = spacar.run(1, DATA / "trike2.dat", n_steps=10, duration=0.2, atol=1e-9, rtol=1e-9)
+    b = spacar.run(1, DATA / "trike2.dat", n_steps=10, duration=0.2, integrator=code, step=4e-3, atol=1e-8, rtol=1e-8)
+    np.testing.assert_allclose(b["x"], a["x"], atol=1e-5)
