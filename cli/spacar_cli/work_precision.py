@@ -50,6 +50,8 @@ def _curves(entries: Sequence[Entry]) -> dict[str, list[Entry]]:
             continue
         if e.setup is None:
             name = "extrapolated" + (", linear strain" if "linear" in e.label[0] else "")
+        elif e.setup.method == "perturbation":
+            name = f"perturbation, {e.setup.model}"
         elif e.setup.integrator is None:
             name = "rigid beams" if e.setup.beams == "rigid" else f"{e.setup.strain} strain"
         else:

@@ -7,7 +7,8 @@ systems
     (W^T M W) qdd = W^T (f - h - V^T sigma - M xdd_c),      xdd = W qdd + xdd_c
 
 are solved as one stack. The result is that of the saddle-point form up to rounding; no multipliers come out, so stored
-steps use the general evaluator. Measured with 200 copies of the manipulator (3 of 51 unknowns): 1.5 times faster (benchmarks/ensemble.py).
+steps use the general evaluator. Measured with 200 copies of the manipulator (3 of 51 unknowns): 1.5 times faster
+(benchmarks/ensemble.py).
 """
 
 from __future__ import annotations

@@ -25,6 +25,7 @@ from spacar.integrators.methods import METHODS
 from spacar.result import Result
 from spacar.studies.extrapolation import extrapolate
 from spacar.studies.models import linear_strain, refine, rigid
+from spacar.studies.perturbation import perturbation, require_perturbation
 from spacar.studies.quantities import Quantity, quantity
 from spacar.studies.rows import Row, key
 from spacar.studies.sweep import explain
@@ -46,7 +47,7 @@ class Setup:
     """One way to compute. `elements` per beam of the file; beams flexible or rigid; strain full or linear (LDEFORM).
 
     `integrator`, `tolerance` (relative; the absolute one keeps its ratio of ERROR) of variable step codes, `substeps`
-    per output step of fixed step codes; None in the stationary modes.
+    per output step of fixed step codes; None in the stationary modes. `method` full, or perturbation (with `substeps`).
     """
 
     elements: int = 1
@@ -55,6 +56,7 @@ class Setup:
     integrator: int | None = None
     tolerance: float | None = None
     substeps: int | None = None
+    method: str = "full"
 
     @property
     def model(self) -> str:
@@ -67,6 +69,8 @@ class Setup:
     @property
     def integration(self) -> str:
         """Integration in words; empty in the stationary modes."""
+        if self.method == "perturbation":
+            return f"perturbation, {self.substeps} steps an output"
         if self.integrator is None:
             return ""
         how = f"tol {self.tolerance:.3g}" if self.substeps is None else f"{self.substeps} steps an output"
@@ -136,6 +140,7 @@ def default_variables(mode: int, deck: Deck) -> tuple[Quantity, ...]:
 def setups(
     trade: Trade, integrators: Sequence[int], tolerances: Sequence[float], substeps: Sequence[int],
     elements: Sequence[int] = (1,), rigid_too: bool = False, linear_too: bool = False,
+    perturbation_too: bool = False,
 ) -> list[Setup]:  # fmt: skip
     """Every model with every integration (stationary modes: every model). Raises UsageError for what is not there."""
     models = [Setup(n) for n in elements]
@@ -144,6 +149,8 @@ def setups(
     for model in models:
         variant(trade.deck, model)
     if trade.mode in STATIONARY:
+        if perturbation_too:
+            raise UsageError("the perturbation method is for mode 1", "study.perturbation")
         return models
     found = []
     for model in models:
@@ -155,6 +162,9 @@ def setups(
                 found += [replace(model, integrator=code, tolerance=tol) for tol in tolerances]
             else:
                 found += [replace(model, integrator=code, substeps=k) for k in substeps]
+        if perturbation_too and model.beams == "flexible":
+            require_perturbation(variant(trade.deck, model), **trade.options)
+            found += [replace(model, substeps=k, method="perturbation") for k in substeps]
     return found
 
 
@@ -216,6 +226,8 @@ def _run(trade: Trade, setup: Setup, deck: Deck) -> Result:
     from spacar.modes import frames
 
     options = dict(trade.options)
+    if setup.method == "perturbation":
+        return perturbation(deck, setup.substeps or 1, **options)
     if setup.integrator is not None:
         given = build(deck, trade.mode, **options).settings
         options["integrator"] = setup.integrator

@@ -56,6 +56,7 @@ HEADER = ("model", "integration", "error", "wall time [s]", "right-hand sides", 
 )
 @click.option("--rigid", is_flag=True, help="Also with rigid beams.")
 @click.option("--linear", is_flag=True, help="Also without the non-linear strain terms (LDEFORM).")
+@click.option("--perturbation", is_flag=True, help="Also by the perturbation method, with the grids of --substeps.")
 @click.option(
     "--variable",
     "variables",
@@ -99,6 +100,7 @@ def command(
     elements: str,
     rigid: bool,
     linear: bool,
+    perturbation: bool,
     variables: tuple[str, ...],
     target: float,
     repeats: int,
@@ -144,6 +146,7 @@ def command(
         meshes,
         rigid,
         linear,
+        perturbation,
     )
     _require_beams(deck, number)
     against = reference_setups(trade, meshes, min(target, *_numbers(tolerances)))
