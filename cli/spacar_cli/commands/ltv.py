@@ -12,7 +12,13 @@ from spacar_cli.status import tell
 
 @click.command("ltv")
 @click.argument("file")
-@click.option("--interpolation", type=click.Choice(["linear", "step"]), default="linear", show_default=True)
+@click.option(
+    "--interpolation",
+    type=click.Choice(["linear", "step"]),
+    default="linear",
+    show_default=True,
+    help="Of matrices and inputs between the stored times.",
+)
 @click.option("--substeps", type=click.IntRange(min=1), default=1, show_default=True, help="Steps per stored interval.")
 @click.option("--static-start", is_flag=True, help="Start from the static answer to sigma0 instead of X0.")
 @click.option("--modes", type=click.IntRange(min=1), help="Reduce to that many modes first (see mrltv).")
