@@ -30,7 +30,7 @@ def inverse(run: Run) -> Iterator[Frame]:
     while iterating.
     """
     mechanism = run.mechanism
-    _require_prescribed(mechanism, "mode 2")
+    _require_prescribed(mechanism)
     work = program(mechanism, run.report)
     ports = Ports.of(mechanism)
     output = TransferOutput(run)
@@ -61,7 +61,6 @@ def along(run: Run) -> Iterator[Frame]:
         raise UsageError("mode 3 needs the result of mode 2 (nominal=...)", "files.setpoints-not-found")
     given = run.nominal if isinstance(run.nominal, Nominal) else Nominal.of(run.nominal)
     check_same_mechanism(given, mechanism.numbering)
-    _require_prescribed(mechanism, "mode 3")
     for text in given.warnings:
         run.report.add(f"warning: {text}")
     run.report.add(f"nominal motion: {given.name}, {len(given.t)} steps")
@@ -83,14 +82,14 @@ def _names(ports: Ports) -> dict[str, list[str]]:
     return {"inputs": [s.name for s in ports.inputs], "outputs": [s.name for s in ports.outputs]}
 
 
-def _require_prescribed(mechanism: Mechanism, what: str) -> None:
+def _require_prescribed(mechanism: Mechanism) -> None:
     n = mechanism.numbering
     if n.nddof:
         names = ", ".join(n.q_names[i] for i in n.dynamic[:5])
+        verb = "is" if n.nddof == 1 else "are"
         text = (
-            f"{what} needs a prescribed motion for every degree of freedom, but {names}"
-            f" {'is' if n.nddof == 1 else 'are'} dynamic;"
-            " use INPUTX or INPUTE instead of DYNX or DYNE"
+            f"mode 2 needs a prescribed motion for every degree of freedom, but {names} {verb} dynamic; use INPUTX or"
+            " INPUTE instead of DYNX or DYNE"
         )
         raise UsageError(text, "inverse.dynamic")
 

@@ -11,7 +11,7 @@ from spacar.deck import ELEMENT_TYPES, Deck
 from spacar.errors import InputError, Message
 from spacar.mechanism import inertia, inputs
 from spacar.mechanism.batches import element_batches, node_batches
-from spacar.mechanism.mechanism import Array, Batch, Index, Mechanism
+from spacar.mechanism.mechanism import Array, Batch, Index, Mechanism, Start
 from spacar.mechanism.numbering import Numbering, number
 
 X_STATEMENTS = {"FIX": "fixed", "INPUTX": "input", "DYNX": "dynamic", "KINX": "kinematic"}
@@ -25,7 +25,10 @@ def build(deck: Deck, mode: int = 1, **options: Any) -> Mechanism:
     elements = element_list(deck)
     if not elements:
         raise InputError([Message("error", deck.source, None, "", "the model has no elements")])
-    numbering = number(elements, *classes(deck, elements))
+    x_class, e_class = classes(deck, elements)
+    if mode == 3:  # all degrees of freedom follow the nominal motion; the file may call them dynamic (files.md 3)
+        x_class, e_class = _prescribed(x_class), _prescribed(e_class)
+    numbering = number(elements, x_class, e_class)
     x0 = reference_configuration(deck, numbering)
     batches = element_batches(deck, numbering, x0)
     batches += node_batches(numbering, inertia.lumped(deck, numbering, batches))
@@ -39,7 +42,7 @@ def build(deck: Deck, mode: int = 1, **options: Any) -> Mechanism:
         additional=inputs.loads(deck, numbering, batches, "DEL") if mode not in (0, 1, 2, 3, 4) else None,
         additional_drive=inputs.additional_drive(deck, numbering),
         drive=inputs.drive(deck, numbering, x0),
-        start=inputs.start(deck, numbering, x0),
+        start=inputs.start(deck, numbering, x0) if mode != 3 else Start(*4 * (np.zeros(0),)),
         user_signal=inputs.user_signal(deck, numbering),
         deformation_inertia=inertia.deformation_inertia(deck, numbering),
         stiffness=_constitutive(batches, 0),
@@ -47,6 +50,10 @@ def build(deck: Deck, mode: int = 1, **options: Any) -> Mechanism:
         settings=inputs.settings(deck).with_options(**options),
         length=_size(numbering, x0),
     )
+
+
+def _prescribed(classes: dict[tuple[int, int], str]) -> dict[tuple[int, int], str]:
+    return {key: "input" if name == "dynamic" else name for key, name in classes.items()}
 
 
 def element_list(deck: Deck) -> list[tuple[int, str, tuple[int, ...]]]:

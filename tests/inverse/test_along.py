@@ -141,6 +141,10 @@ def test_other_masses_are_mentioned(nominal):
     assert any("nominal inputs differ" in line for line in result.report)
 
 
-def test_dynamic_degrees_of_freedom_are_refused(nominal):
-    with pytest.raises(UsageError, match="mode 3 needs a prescribed motion"):
-        linearize(nominal, driven=[("INPUTE", 1, 1), ("DYNE", 2, 1)])
+def test_dynamic_degrees_of_freedom_count_as_prescribed(nominal, linear):
+    """A file with DYNE instead of INPUTE gives the same matrices; start values do not matter."""
+    driven = [("INPUTE", 1, 1), ("DYNE", 2, 1)]
+    result = linearize(nominal, driven=driven, dynamics=[*arm.DYNAMICS, ("STARTDE", 2, 1, 0.3)])
+    assert result.header["NRBM"] == 2
+    assert np.array_equal(result["k0b"], linear["k0b"])
+    assert result.mechanism.numbering.nddof == 0
