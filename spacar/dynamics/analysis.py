@@ -8,7 +8,7 @@ So the variable step codes get LOCAL times ERROR. Measured on the examples (benc
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from spacar.errors import AnalysisError
 from spacar.frame import Frame
 from spacar.integrators import METHODS, integrate
 from spacar.kinematics.output import TransferOutput
-from spacar.kinematics.regularity import HalfTurns
+from spacar.kinematics.regularity import DeadPoints, HalfTurns
 from spacar.mechanism.mechanism import Array
 from spacar.modes import Run
 
@@ -44,9 +44,7 @@ def states(run: Run) -> Iterator[tuple[Dynamics, float, Array, dict[str, int]]]:
     dynamics = evaluator(run)
     y = dynamics.start()
     run.header["condition"] = dynamics.kinematics.condition()
-    half_turns = HalfTurns(dynamics.kinematics)
-    if half_turns.nodes:
-        dynamics.accepted = half_turns.check
+    dynamics.accepted = watch(dynamics)
     times = output_times(run)
     run.n_frames = len(times)
     if not run.mechanism.numbering.nkddof or len(times) == 1:
@@ -84,6 +82,21 @@ def evaluator(run: Run) -> Dynamics:
         run.report.add(f"not compiled: {reason}")
         return Dynamics(run.mechanism)
     return CompiledDynamics(run.mechanism)
+
+
+def watch(dynamics: Dynamics) -> Callable[[float, Array], None] | None:
+    """What is checked after every accepted step."""
+    half_turns, dead_points = HalfTurns(dynamics.kinematics), DeadPoints(dynamics.kinematics)
+    if not half_turns.nodes and not dead_points.watches:
+        return None
+
+    def check(t: float, y: Array) -> None:
+        if half_turns.nodes:
+            half_turns.check(t, y)
+        if dead_points.watches:
+            dead_points.check(t)
+
+    return check
 
 
 def output_times(run: Run) -> Array:

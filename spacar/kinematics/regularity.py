@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from spacar.kinematics.kinematics import Kinematics
 
 HALF_TURN = 0.02  # smallest |lambda0| of a node whose lambda1..3 are dynamic: 177.7 degrees
+COLLAPSE = float(np.log(1e-3))
 
 
 class Regularity:
@@ -50,9 +51,7 @@ class Regularity:
         k = self.kinematics
         if not len(k.U):
             return
-        entries = np.abs(k.sweep.entries[self.take] * self.weight)
-        norm = float(np.bincount(self.column, entries, len(k.U)).max())
-        rcond = reciprocal_condition(k.velocity_system, norm, self.rows, self.columns)
+        rcond = self.rcond()
         if rcond > ZERO:
             self._passage(t)
             return
@@ -63,6 +62,13 @@ class Regularity:
             "position.singular",
             rcond=rcond,
         )
+
+    def rcond(self) -> float:
+        """Reciprocal condition of the scaled V[E, U] that was factored last."""
+        k = self.kinematics
+        entries = np.abs(k.sweep.entries[self.take] * self.weight)
+        norm = float(np.bincount(self.column, entries, len(k.U)).max())
+        return reciprocal_condition(k.velocity_system, norm, self.rows, self.columns)
 
     def _passage(self, t: float) -> None:
         system = self.kinematics.velocity_system
@@ -82,6 +88,41 @@ class Regularity:
         motion = np.abs(np.linalg.svd(D)[2][-1]).round(9)
         order = np.argsort(-motion, kind="stable")[:3]
         return ", ".join(k.numbering.x_name(int(k.U[i])) for i in order if motion[i] > 0.1)
+
+
+class DeadPoints:
+    """Finds at the accepted steps an integration that turns back at a dead point instead of passing it.
+
+    A degree of freedom has an extreme value at its dead point while the dependent velocities go on. Passing it changes
+    the sign of the determinant of V[E, U]; when the condition collapses by a factor of 1000 and recovers with the old
+    sign, the motion has been reflected. Watches systems in dense storage.
+    """
+
+    def __init__(self, kinematics: Kinematics) -> None:
+        self.regularity = Regularity(kinematics, Report())
+        self.system = kinematics.velocity_system
+        self.watches = bool(len(kinematics.U)) and isinstance(self.system, DenseSystem)
+        self.largest = (-np.inf, 0.0)  # logarithm of |det|, reciprocal condition there
+        self.sign = 1.0
+        self.entered: tuple[float, float] | None = None  # time, sign before
+
+    def check(self, t: float) -> None:
+        """Raises AnalysisError 'position.singular'."""
+        sign, size = np.linalg.slogdet(self.system.A)  # type: ignore[attr-defined]
+        if size > self.largest[0] + 0.1:
+            self.largest = float(size), self.regularity.rcond()
+        collapsed = size < self.largest[0] + COLLAPSE and self.regularity.rcond() < np.exp(COLLAPSE) * self.largest[1]
+        if collapsed:
+            self.entered = self.entered or (t, self.sign)
+        else:
+            if self.entered and self.entered[1] == sign:
+                raise AnalysisError(
+                    f"singular position at t = {self.entered[0]:.9g}: at this dead point of the degrees of freedom the"
+                    " integration turned back instead of passing it; choose other degrees of freedom",
+                    "position.singular",
+                )
+            self.entered = None
+            self.sign = float(sign)
 
 
 class HalfTurns:

@@ -143,3 +143,23 @@ def test_nodes_that_meet() -> None:
     error, _ = failure(rows, dynamics)
     assert "element 1 (PLTRUSS)" in str(error)
     assert "t = 2" in str(error)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-5, 1e-7])
+def test_an_integration_that_is_reflected_at_a_dead_point_stops(tolerance: float) -> None:
+    """A diagonal as degree of freedom is longest where two bars are in line, t = 0.7815; beyond, it gets shorter again.
+
+    With wide tolerances the integration jumped over the point and came back on the old branch, with a wrong energy.
+    """
+    rows = [
+        ("PLTRUSS", 1, 1, 2), ("PLTRUSS", 2, 2, 3), ("PLTRUSS", 3, 3, 4), ("PLTRUSS", 4, 1, 3),
+        ("X", 2, 0.0, 1.0), ("X", 3, 1.0, 1.0), ("X", 4, 1.0, 0.0), ("FIX", 1), ("FIX", 4), ("DYNE", 4),
+    ]  # fmt: skip
+    dynamics = [
+        ("XM", 2, 1.0), ("XM", 3, 2.0), ("EM", 3, 0.5), ("ESTIFF", 4, 1.0), ("STARTDE", 4, 1, 0.1, 1.0),
+        ("GRAVITY", 0.3, -1.0), ("TIMESTEP", 1.0, 20), ("ERROR", tolerance, tolerance),
+    ]  # fmt: skip
+    error, _ = failure(rows, dynamics)
+    assert error.code == "position.singular"
+    assert "t = 0.78" in str(error)
+    assert "dead point" in str(error)
