@@ -71,6 +71,21 @@ def _finished(futures: Any) -> Any:
     return wait(futures, return_when=FIRST_COMPLETED).done
 
 
+def _end_with_parent() -> None:
+    """Runs first in every process: without it, processes of a killed parent would wait for work for ever."""
+    from multiprocessing import parent_process
+    from threading import Thread
+
+    parent = parent_process()
+    assert parent is not None
+
+    def watch() -> None:
+        parent.join()
+        os._exit(1)
+
+    Thread(target=watch, daemon=True).start()
+
+
 @contextmanager
 def _pool(jobs: int) -> Iterator[Any]:
     """Fresh processes with one thread each; interrupted, it does not wait for cases that have not begun."""
@@ -79,7 +94,7 @@ def _pool(jobs: int) -> Iterator[Any]:
 
     unset = [name for name in THREADS if name not in os.environ]
     os.environ.update(dict.fromkeys(unset, "1"))
-    pool = ProcessPoolExecutor(jobs, mp_context=get_context("spawn"))
+    pool = ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), initializer=_end_with_parent)
     try:
         yield pool
     except BaseException:

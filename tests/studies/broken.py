@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import signal
+import time
+from pathlib import Path
 
 
 def double_or_die(case: int) -> int:
@@ -11,3 +13,10 @@ def double_or_die(case: int) -> int:
     if case == 3:
         os.kill(os.getpid(), signal.SIGKILL)
     return 2 * case
+
+
+def note_and_wait(path: str) -> None:
+    """Write the number of this process, then take far too long."""
+    with Path(path).open("a") as file:
+        file.write(f"{os.getpid()}\n")
+    time.sleep(60)

@@ -145,6 +145,37 @@ def test_killed_and_started_again(call):
     assert len({r["case"] for r in found}) == len(found) == 24
 
 
+def test_processes_end_with_a_killed_parent(tmp_path):
+    """No orphans: the processes of a parent that was killed end by themselves."""
+    path = tmp_path / "alive"
+    code = "from broken import note_and_wait\nfrom spacar.studies.workers import run\n"
+    code += f"if __name__ == '__main__':\n    list(run(note_and_wait, [{str(path)!r}] * 4, jobs=2))\n"
+    script = tmp_path / "parent.py"
+    script.write_text(code)
+    process = subprocess.Popen([sys.executable, str(script)], env={**os.environ, "PYTHONPATH": str(HERE)})
+    wait_until(lambda: path.exists() and len(path.read_text().split()) >= 2)
+    process.kill()
+    process.wait()
+    children = [int(word) for word in path.read_text().split()]
+    wait_until(lambda: not any(running(child) for child in children))
+
+
+def wait_until(condition, seconds=20.0):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def running(pid):
+    """Whether a process exists and is no zombie."""
+    try:
+        os.kill(pid, 0)
+        return "Z" not in Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+    except (ProcessLookupError, FileNotFoundError):
+        return False
+
+
 def test_a_cluster_without_dask(call, monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     done = call(*CRANK, "--scheduler", "localhost:1")
