@@ -73,3 +73,17 @@ def test_every_block_of_the_pages_is_of_a_known_kind():
     kinds = {"console", "python", "sh", "text", "make", "toml", ""}
     for page in PAGES:
         assert {b.language for b in blocks(page)} <= kinds, page
+
+
+def test_modules_and_tests_that_are_named_exist():
+    """`spacar/...` in back quotes is a path, `folder/file.py::name` a test."""
+    bad = []
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        for path in re.findall(r"`((?:spacar|formats|cli|tests|benchmarks|data)/[\w./-]*)`", text):
+            bad += [f"{page.name}: {path}"] * (not (HOUSE / path).exists())
+        for file, name in re.findall(r"`(?:tests/)?([\w/]+\.py)::(\w+)`", text):
+            source = HOUSE / "tests" / file
+            known = source.exists() and f"def {name}(" in source.read_text(encoding="utf-8")
+            bad += [f"{page.name}: {file}::{name}"] * (not known)
+    assert not bad, "\n".join(bad)
