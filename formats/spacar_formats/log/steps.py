@@ -58,12 +58,15 @@ def _columns(
 def transfer_functions(run: Run, frame: Frame) -> list[str]:
     """Transfer functions as far as OUTLEVEL asks for them and the analysis has them."""
     n, level = run.mechanism.numbering, run.mechanism.settings.log_level
+    if not level:
+        return []
     level = 15 if level < 0 else level
     x_names = [n.x_name(i) for i in range(n.nx)]
     e_names = [n.e_name(i) for i in range(n.ne)]
     columns = [f"q{i + 1}" for i in range(n.nkdof)]
-    pairs = [f"q{i + 1} q{j + 1}" for j in range(n.nkdof) for i in range(n.nkdof)]
-    triples = [f"{pair} q{k + 1}" for k in range(n.nkdof) for pair in pairs]
+    higher = level & (SECOND_ORDER | THIRD_ORDER)  # names by the square and the cube of the number: only when asked
+    pairs = [f"q{i + 1} q{j + 1}" for j in range(n.nkdof) for i in range(n.nkdof)] if higher else []
+    triples = [f"{pair} q{k + 1}" for k in range(n.nkdof) for pair in pairs] if level & THIRD_ORDER else []
     wanted = (
         (FIRST_ORDER, "first order transfer function of the coordinates, dx/dq", "dx", x_names, columns),
         (FIRST_ORDER, "first order transfer function of the deformations, de/dq", "de", e_names, columns),
