@@ -34,7 +34,7 @@ OPTIONAL = {"symbolic", "compiled"}  # packages of the core that only an extra n
 # matrices.
 RANKS = {
     "errors": 0, "deck": 1, "elements": 1, "linear_systems": 1, "integrators": 1, "mechanism": 2,
-    "kinematics": 3, "dynamics": 4, "stationary": 4, "linear": 4, "inverse": 5, "simulation": 6,
+    "kinematics": 3, "dynamics": 4, "stationary": 4, "linear": 4, "inverse": 5, "simulation": 6, "studies": 7,
 }  # fmt: skip
 TOGETHER = {"dynamics", "stationary", "linear"}
 

@@ -200,10 +200,11 @@ def run_setup(job: Job) -> Row:
     row: Row = {"case": trade.key(setup), **asdict(setup), "status": "failed"}
     try:
         deck = variant(trade.deck, setup)
+        options = _options(trade, setup, deck)
         seconds = []
         for _ in range(trade.repeats):
             begun = time.perf_counter()
-            result = _run(trade, setup, deck)
+            result = _run(trade, setup, deck, options)
             seconds.append(time.perf_counter() - begun)
         row["values"] = [_series(v, result) for v in trade.variables]
         row["seconds"] = float(np.median(seconds))
@@ -221,21 +222,28 @@ def _series(variable: Quantity, result: Result) -> list[float]:
     return [float(v) for v in series]
 
 
-def _run(trade: Trade, setup: Setup, deck: Deck) -> Result:
-    from spacar.mechanism import build
+def _run(trade: Trade, setup: Setup, deck: Deck, options: dict[str, Any]) -> Result:
     from spacar.modes import frames
 
-    options = dict(trade.options)
     if setup.method == "perturbation":
         return perturbation(deck, setup.substeps or 1, **options)
+    return Result.collect(frames(trade.mode, deck, **options))
+
+
+def _options(trade: Trade, setup: Setup, deck: Deck) -> dict[str, Any]:
+    """Options of the run of a setup."""
+    from spacar.mechanism import build
+
+    options = dict(trade.options)
     if setup.integrator is not None:
         given = build(deck, trade.mode, **options).settings
         options["integrator"] = setup.integrator
         if setup.tolerance is not None:
-            options |= {"rtol": setup.tolerance, "atol": setup.tolerance * (given.atol / given.rtol)}
+            ratio = given.atol / given.rtol if given.rtol > 0.0 else 1.0
+            options |= {"rtol": setup.tolerance, "atol": setup.tolerance * ratio}
         elif given.duration is not None:
             options["step"] = given.duration / given.n_steps / (setup.substeps or 1)
-    return Result.collect(frames(trade.mode, deck, **options))
+    return options
 
 
 def reference(trade: Trade, rows: Sequence[Row], wanted: Sequence[Setup]) -> Reference:
