@@ -51,7 +51,7 @@ def simulate_model(
     _write_log(log, model, eq, values, start, summary, show)
     written = [log, sbd]
     if plot:
-        from spacar.symbolic.plot import save_plots
+        from spacar_cli.symbolic_plot import save_plots
 
         written += save_plots(run, model.path.with_suffix(""))
     return [*summary, "written: " + ", ".join(path.name for path in written)]

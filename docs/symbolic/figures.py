@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from spacar_cli.symbolic_plot import plot
+
 from spacar.symbolic.model import read_model
-from spacar.symbolic.plot import plot
 
 HERE = Path(__file__).parent
 MODEL = HERE.parents[1] / "data" / "symbolic" / "manipulator.toml"

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from spacar.errors import UsageError
 from spacar.symbolic.collect import definition_order
 from spacar.symbolic.units import TIME
 
@@ -169,6 +170,12 @@ def make_program(eq: Equations, outputs: dict[str, Any]) -> Program:
     )
     states = [rule[s] for s in [*eq.coordinates, *eq.speeds]]
     inputs = {sp.Symbol(s.name, real=True): e.xreplace(rule) if e is not None else None for s, e in feeds.items()}
+    if any(TIME in e.free_symbols for e in _timeless([*definitions.values(), *flat], rule)):
+        # prescribed motion: time enters I and f as an input, so that accel(p, y, u) stays complete
+        clock = sp.Symbol("time", real=True)
+        if clock in (*states, *inputs):
+            raise UsageError("the name 'time' is needed for prescribed motion: rename the coordinate, speed or input")
+        rule[TIME], inputs[clock] = clock, TIME
     definitions = {rule[z]: e.xreplace(rule) for z, e in definitions.items()}
     flat = [e.xreplace(rule) for e in flat]
     used = set().union(*(e.free_symbols for e in [*definitions.values(), *flat, *filter(None, inputs.values())]))
@@ -195,6 +202,11 @@ def make_program(eq: Equations, outputs: dict[str, Any]) -> Program:
         positive=_signs(eq, parameters),
         seconds=eq.seconds,
     )
+
+
+def _timeless(expressions: Iterable[sp.Expr], rule: dict[sp.Basic, sp.Symbol]) -> Iterable[sp.Expr]:
+    """The expressions with functions of time as symbols: what still contains t depends on it explicitly."""
+    return (e.xreplace(rule) for e in expressions)
 
 
 def _signs(eq: Equations, parameters: list[sp.Symbol]) -> tuple[tuple[str, sp.Symbol, bool], ...]:

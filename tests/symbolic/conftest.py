@@ -34,8 +34,8 @@ def build(reaction: str = "tip", boundary: bool = True, gravity: bool = True, nu
 
     S = System(gravity=("0", "-g", "0") if gravity else (0, 0, 0))
     L, rho, EI, gam = S.parameters("L rho EI gam")
-    q1, s1 = S.coordinate("q1", speed="s1")
-    q4, s4 = S.coordinate("q4", speed="s4")
+    q1, _s1 = S.coordinate("q1", speed="s1")
+    q4, _s4 = S.coordinate("q4", speed="s4")
     beam = {
         "length": L, "mass": rho, "EI": EI, "field": shapes.monomial(*range(2, 2 + number)) if number else (),
         "damping": 0 if free else gam, "damping_boundary": boundary, "foreshortening": foreshortening,

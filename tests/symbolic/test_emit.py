@@ -14,7 +14,7 @@ import sympy as sp
 from spacar.errors import AnalysisError, UsageError
 from spacar.symbolic import System
 from spacar.symbolic.compiled import CompiledFunction, compiler
-from spacar.symbolic.emit.scalars import C, FORTRAN, PYTHON, Writer
+from spacar.symbolic.emit.scalars import FORTRAN, PYTHON, C, Writer
 
 COMPILERS = {
     "c": ("gcc", ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror"], ".c"),

@@ -1,5 +1,7 @@
 """Model files: the paper's example gives the script's motion; every row of the error table; the command line."""
 
+# ruff: noqa: E501  (tables of input and message, one line each)
+
 from __future__ import annotations
 
 import io
@@ -10,10 +12,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from spacar.symbolic.model import read_model
 from spacar_cli.environment import Environment
 from spacar_cli.main import main
+
+from spacar.symbolic.model import read_model
 
 DATA = Path(__file__).parents[2] / "data" / "symbolic"
 BASE = (DATA / "manipulator.toml").read_text()

@@ -189,7 +189,7 @@ def test_derivatives_of_held_scalars_and_dyads_equal_components():
 
 
 def test_angular_velocities_add_along_a_path_and_change_sign():
-    frames, q = _four_frames()
+    frames, _q = _four_frames()
     N, A, B, C = frames
     assert omega(C, B) == omega(N, B) - omega(N, C)
     assert omega(B, N) == -omega(N, B)
@@ -213,7 +213,7 @@ def test_conversion_to_and_from_sympy():
 
 
 def test_partial_velocity_of_angular_velocity():
-    N, B1, B2, s1, *_ = _arm_kinematics()
+    N, _B1, B2, s1, *_ = _arm_kinematics()
     assert text(partial_velocity(omega(N, B2), s1)) == "b23"
 
 

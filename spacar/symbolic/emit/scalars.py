@@ -14,6 +14,7 @@ from typing import Any
 import sympy as sp
 
 from spacar.errors import UsageError
+from spacar.symbolic.units import TIME
 
 
 @dataclass(frozen=True)
@@ -31,8 +32,8 @@ _COMMON = ("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh",
 _SAME = {f: f for f in _COMMON} | {"sqrt": "sqrt"}
 
 _RESERVED = {
-    "python": """and as assert async await break class continue def del elif else except false finally for from global if
-        import in is lambda none nonlocal not or pass raise return true try while with yield math float abs sqrt
+    "python": """and as assert async await break class continue def del elif else except false finally for from global
+        if import in is lambda none nonlocal not or pass raise return true try while with yield math float abs sqrt
         t y u m f p np rhs jac accel outputs inputs feeds parameters low""",
     "c": """auto break case char const continue default do double else enum extern float for goto if inline int long
         register restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
@@ -56,7 +57,7 @@ class Writer:
 
     def __init__(self, language: Language, symbols: Iterable[sp.Symbol]) -> None:
         self.language = language
-        self.names: dict[sp.Symbol, str] = {}
+        self.names: dict[sp.Symbol, str] = {TIME: "t"}
         self.taken = set(language.reserved)
         for s in symbols:
             self.add(s)
