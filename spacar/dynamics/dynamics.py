@@ -60,13 +60,12 @@ class Dynamics:
     def start_values(self) -> Array:
         """The state of STARTDX, STARTDE and, for kinematic coordinates, of the reference configuration."""
         s = self.mechanism.start
-        x0 = self.mechanism.x0
-        y = np.concatenate(
-            (s.x_value, s.e_value, x0[self.xs["kinematic"]], np.zeros(int(self.numbering.nep[4])), s.x_rate, s.e_rate)
-        )
-        if self.numbering.nep[4]:
-            self.sweep.strain(x0)
-            y[self._slice("ek")] = self.sweep.e[self.es["kinematic"]]
+        e_kinematic = s.e_kinematic.copy()
+        unset = np.isnan(e_kinematic)
+        if unset.any():
+            self.sweep.strain(self.mechanism.x0)
+            e_kinematic[unset] = self.sweep.e[self.es["kinematic"]][unset]
+        y = np.concatenate((s.x_value, s.e_value, s.x_kinematic, e_kinematic, s.x_rate, s.e_rate))
         return y
 
     def start(self) -> Array:

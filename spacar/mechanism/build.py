@@ -42,7 +42,7 @@ def build(deck: Deck, mode: int = 1, **options: Any) -> Mechanism:
         additional=inputs.loads(deck, numbering, batches, "DEL") if mode not in (0, 1, 2, 3, 4) else None,
         additional_drive=inputs.additional_drive(deck, numbering),
         drive=inputs.drive(deck, numbering, x0),
-        start=inputs.start(deck, numbering, x0) if mode != 3 else Start(*4 * (np.zeros(0),)),
+        start=inputs.start(deck, numbering, x0) if mode != 3 else Start(*6 * (np.zeros(0),)),
         user_signal=inputs.user_signal(deck, numbering),
         deformation_inertia=inertia.deformation_inertia(deck, numbering),
         stiffness=_constitutive(batches, 0),

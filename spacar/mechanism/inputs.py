@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from spacar.deck import Deck
+from spacar.deck import Deck, Statement
 from spacar.mechanism.batches import TUBES
 from spacar.mechanism.mechanism import (
     Array,
@@ -69,19 +69,8 @@ def loads(deck: Deck, numbering: Numbering, batches: list[Batch], prefix: str = 
 
 def drive(deck: Deck, numbering: Numbering, x0: Array) -> Drive:
     """Prescribed motion: the polynomials of INPUTX and INPUTE, overridden by USERINP where it speaks."""
-    xr, er = numbering.x_class["input"], numbering.e_class["input"]
-    x = np.zeros((xr.stop - xr.start, 3))
-    x[:, 0] = x0[xr]
-    e = np.zeros((er.stop - er.start, 3))
-    for s in deck.of("INPUTX", block=2):
-        i = numbering.x_index(int(s.values[0]), int(s.values[1])) - xr.start
-        for k, value in enumerate(s.values[2:]):
-            x[i, k] = float(value)
-    for s in deck.of("INPUTE", block=2):
-        i = numbering.e_index(int(s.values[0]), int(s.values[1])) - er.start
-        for k, value in enumerate(s.values[2:]):
-            e[i, k] = float(value)
-    polynomial = Polynomial(x, e)
+    x, e = _tables(deck, numbering, x0, ("INPUTX", "INPUTE"), 3)
+    polynomial = Polynomial(x[numbering.x_class["input"]], e[numbering.e_class["input"]])
     user = deck.last("USERINP", block=2)
     if user is None:
         return polynomial
@@ -101,20 +90,37 @@ def user_signal(deck: Deck, numbering: Numbering) -> UserSignal | None:
 
 
 def start(deck: Deck, numbering: Numbering, x0: Array) -> Start:
-    """Start values and rates of the dynamic degrees of freedom (STARTDX, STARTDE)."""
-    xm, em = numbering.x_class["dynamic"], numbering.e_class["dynamic"]
-    x = np.zeros((xm.stop - xm.start, 2))
-    x[:, 0] = x0[xm]
-    e = np.zeros((em.stop - em.start, 2))
-    for s in deck.of("STARTDX", block=2):
-        i = numbering.x_index(int(s.values[0]), int(s.values[1])) - xm.start
-        for k, value in enumerate(s.values[2:]):
-            x[i, k] = float(value)
-    for s in deck.of("STARTDE", block=2):
-        i = numbering.e_index(int(s.values[0]), int(s.values[1])) - em.start
-        for k, value in enumerate(s.values[2:]):
-            e[i, k] = float(value)
-    return Start(x[:, 0], x[:, 1], e[:, 0], e[:, 1])
+    """Start values and rates of dynamic degrees of freedom, start values of kinematic ones (STARTDX, STARTDE)."""
+    x, e = _tables(deck, numbering, x0, ("STARTDX", "STARTDE"), 2)
+    xm, em = x[numbering.x_class["dynamic"]], e[numbering.e_class["dynamic"]]
+    kinematic = [s for s in deck.of("STARTDE", block=2) if _is_kinematic(numbering, s)]
+    rows = numbering.e_class["kinematic"]
+    ek = np.full(rows.stop - rows.start, np.nan)  # not given: the value in the reference configuration
+    for s in kinematic:
+        i = numbering.e_index(s.integer(0), s.integer(1))
+        ek[i - rows.start] = e[i, 0]
+    return Start(xm[:, 0], xm[:, 1], em[:, 0], em[:, 1], x[numbering.x_class["kinematic"], 0], ek)
+
+
+def _is_kinematic(numbering: Numbering, s: Statement) -> bool:
+    rows = numbering.e_class["kinematic"]
+    return rows.start <= numbering.e_index(s.integer(0), s.integer(1)) < rows.stop
+
+
+def _tables(
+    deck: Deck, numbering: Numbering, x0: Array, keywords: tuple[str, str], width: int
+) -> tuple[Array, Array]:
+    """What statements `node coordinate values` and `element mode values` give, (nx, width) and (ne, width).
+
+    Without a statement: the reference configuration, deformation zero, zero rates.
+    """
+    x, e = np.zeros((numbering.nx, width)), np.zeros((numbering.ne, width))
+    x[:, 0] = x0
+    for keyword, table, find in zip(keywords, (x, e), (numbering.x_index, numbering.e_index), strict=True):
+        for s in deck.of(keyword, block=2):
+            values = [float(v) for v in s.values[2:]]
+            table[find(s.integer(0), s.integer(1)), : len(values)] = values
+    return x, e
 
 
 def additional_drive(deck: Deck, numbering: Numbering) -> DriveState | None:

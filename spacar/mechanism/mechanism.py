@@ -146,15 +146,18 @@ class Settings:
 
 @dataclass(frozen=True)
 class Start:
-    """Start values and rates of the degrees of freedom that are dynamic or kinematic, by class and order of the file.
+    """Start values of the degrees of freedom that are not prescribed, in the order of the file.
 
-    x_value, x_rate for x dynamic; e_value, e_rate for e dynamic; kinematic coordinates start at the reference.
+    x_value, x_rate for x dynamic; e_value, e_rate for e dynamic; x_kinematic, e_kinematic values of kinematic
+    configuration coordinates (e_kinematic nan where the value of the reference configuration holds).
     """
 
     x_value: Array
     x_rate: Array
     e_value: Array
     e_rate: Array
+    x_kinematic: Array
+    e_kinematic: Array
 
 
 @dataclass(frozen=True)
