@@ -53,7 +53,9 @@ def parts(d: Dynamics, t: float) -> Parts:
 
 
 def reduced(d: Dynamics, t: float, drive: DriveState) -> Solution:
-    """Equation (8) at the placed state: q'' of the dynamic degrees of freedom from the reduced mass matrix, then kinetostatics (10), (11)."""
+    """Equation (8) at the placed state: q'' of the dynamic degrees of freedom from the reduced mass matrix,
+    then kinetostatics (10), (11).
+    """
     n = d.numbering
     V, M, load, H, sigma, Me = parts(d, t)
     E = np.arange(n.e_class["dynamic"].stop)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -16,10 +18,12 @@ def orders(errors: list[float]) -> np.ndarray:
 
 
 def chain(points: np.ndarray, modes: tuple[int, ...], **values: tuple[float, ...]) -> tuple[list[tuple], list[tuple]]:
-    """BEAMs through these points, clamped at the first; nodes 1, 2 (orientation), 3, 4, ...; values: EM=..., ESTIFF=..."""
+    """BEAMs through these points, clamped at the first; nodes 1, 2 (orientation), 3, 4, ...; values: EM=...,
+    ESTIFF=...
+    """
     rows: list[tuple] = [("FIX", 1), ("FIX", 2)]
     dynamics: list[tuple] = []
-    for k, (a, b) in enumerate(zip(points[:-1], points[1:], strict=True), 1):
+    for k, (a, b) in enumerate(pairwise(points), 1):
         p = 2 * k - 1
         rows += [("BEAM", k, p, p + 1, p + 2, p + 3, 0.0, 0.0, 1.0), ("DYNE", k, *modes)]
         rows += [("X", p, *map(float, a))] if k == 1 else []
@@ -138,7 +142,9 @@ def test_torsion_frequencies_converge_with_order_two_from_below() -> None:
 
 
 def test_axial_frequencies_converge_with_order_two_from_above() -> None:
-    """The cubic line is quadratic at best along the axis when the tangents keep their length; published 4.5e-2 ... 8.7e-4."""
+    """The cubic line is quadratic at best along the axis when the tangents keep their length; published 4.5e-2
+    ... 8.7e-4.
+    """
     errors = [frequencies(n, (1,), EM=(1.0,), ESTIFF=(1.0,))[0] / (np.pi / 2) - 1 for n in (1, 2, 4, 8)]
     assert errors == pytest.approx([4.5e-2, 1.3e-2, 3.5e-3, 8.7e-4], rel=0.04)
     assert orders(errors)[-1] == pytest.approx(2.0, abs=0.05)

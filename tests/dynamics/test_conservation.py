@@ -59,7 +59,7 @@ def conservative(rows: list[tuple], dynamics: list[tuple], tolerance: float) -> 
 
 PENDULUM = (
     [
-        ("PLBEAM", 1, 1, 2, 3, 4), ("PLBEAM", 2, 3, 4, 5, 6), ("X", 3, 0.5, 0.0), ("X", 5, 1.0, 0.0), ("FIX", 1), ("DYNX", 2),
+        ("PLBEAM", 1, 1, 2, 3, 4), ("PLBEAM", 2, 3, 4, 5, 6), ("X", 3, 0.5, 0.0), ("X", 5, 1.0, 0.0), ("FIX", 1), ("DYNX", 2),  # noqa: E501
         ("DYNE", 1, 2, 3), ("DYNE", 2),
     ],
     [
@@ -75,7 +75,7 @@ SPATIAL = (
     ],
     [
         ("EM", 2, 1.0, 0.02, 0.01, 0.01), ("EM", 4, 0.5), ("XM", 7, 0.4), ("XM", 6, 0.02, 0.0, 0.001, 0.03, 0.0, 0.02),
-        ("ESTIFF", 2, 0.0, 30.0, 60.0, 40.0), ("GRAVITY", 0.0, 0.0, -G), ("STARTDE", 1, 1, 0.0, 3.0), ("STARTDE", 3, 1, 0.0, -2.0),
+        ("ESTIFF", 2, 0.0, 30.0, 60.0, 40.0), ("GRAVITY", 0.0, 0.0, -G), ("STARTDE", 1, 1, 0.0, 3.0), ("STARTDE", 3, 1, 0.0, -2.0),  # noqa: E501
         ("TIMESTEP", 1.0, 25),
     ],
 )  # fmt: skip
@@ -136,7 +136,9 @@ def test_damping_takes_exactly_what_the_energy_loses() -> None:
     np.testing.assert_allclose(E[0] - E, lost, atol=5e-4 * lost[-1])  # trapezoidal rule on 1 kHz vibrations
 
 
-@pytest.mark.parametrize("name", ["crank", "crankfl", "fourbar", "trike3v", "screw", "fingersim", "robotsim", "lateral4"])
+@pytest.mark.parametrize(
+    "name", ["crank", "crankfl", "fourbar", "trike3v", "screw", "fingersim", "robotsim", "lateral4"]
+)
 def test_virtual_power_of_the_reactions_vanishes(name: str) -> None:
     """For every virtual velocity W dq that the constraints allow: dx.(f - M xdd - h) - de.sigma = 0 on dynamic q."""
     d = Dynamics(build(read_deck(DATA / f"{name}.dat", 1)))

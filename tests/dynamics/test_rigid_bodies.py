@@ -116,7 +116,7 @@ def test_fast_heavy_top() -> None:
     tensor = frame @ np.diag(J) @ frame.T
     about_point = tensor + m * arm**2 * (np.eye(3) - np.outer(axis, axis))
     omega = 40.0 * axis + 0.5 * side + 0.3 * third
-    R, w = reference(about_point, omega, lambda R: np.cross(m * arm * axis, R.T @ [0.0, 0.0, -G]))
+    R, _w = reference(about_point, omega, lambda R: np.cross(m * arm * axis, R.T @ [0.0, 0.0, -G]))
     rows = [("RBEAM", 4, 5, 4, 6, 1.0, 0.0, 0.0), ("X", 6, *map(float, arm * axis)), ("FIX", 5)]
     six = [tensor[i] for i in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))]
     dynamics = [("XM", 6, m), ("XM", 4, *map(float, six)), ("GRAVITY", 0.0, 0.0, -G)]
@@ -140,4 +140,4 @@ def test_fast_heavy_top() -> None:
     # The force of the support is m (a - g), its moment vanishes.
     force = (r["fxtot"])[:, r.lnp[4, :3] - 1]
     acceleration = r["xdd"][:, r.lnp[5, :3] - 1]
-    np.testing.assert_allclose(force, m * (acceleration + [0.0, 0.0, G]), atol=1e-9 * np.abs(force).max())
+    np.testing.assert_allclose(force, m * (acceleration + np.array([0.0, 0.0, G])), atol=1e-9 * np.abs(force).max())

@@ -17,7 +17,9 @@ DATA = Path(__file__).parents[2] / "data"
 
 
 def saddle_point(d: Dynamics, t: float, y: np.ndarray) -> tuple[Solution, DriveState]:
-    """What the program stores. Placed twice: then V belongs to the converged position and not to an iterate 1e-11 away."""
+    """What the program stores. Placed twice: then V belongs to the converged position and not to an iterate
+    1e-11 away.
+    """
     d.place(t, y)
     f = d.frame(t, y)
     return Solution(f.xdd, f.edd, f.sig, f.fxtot, 0.0), d.drive.at(t)
@@ -72,7 +74,7 @@ def test_deformation_inertia() -> None:
     """MEE on dynamic, prescribed, fixed and released deformations, diagonal and coupled."""
     rows, dynamics = chain(12, "mixed")
     mee = [("MEE", 1, 2, 0.02), ("MEE", 2, 3, 0.03), ("MEE", 4, 1, 0.05), ("MEE", 3, 2, 0.01),
-           ("MEE", 1, 2, 1, 3, 0.005), ("MEE", 2, 2, 2, 3, 0.004), ("MEE", 3, 2, 8, 3, 0.002), ("MEE", 5, 1, 4, 1, 0.001)]  # fmt: skip
+           ("MEE", 1, 2, 1, 3, 0.005), ("MEE", 2, 2, 2, 3, 0.004), ("MEE", 3, 2, 8, 3, 0.002), ("MEE", 5, 1, 4, 1, 0.001)]  # fmt: skip  # noqa: E501
     d = evaluator(rows, dynamics + mee)
     assert compare(d, random_state(d, 1e-3, 0.3), 1e-10) < 1e6
 
@@ -147,7 +149,7 @@ def test_the_constitutive_stress_of_a_dynamic_deformation_is_the_one_of_equilibr
     d = evaluator(*chain(20, "mixed"))
     y = random_state(d, 1e-3, 0.3)
     f = d.frame(0.3, y)
-    V, M, load, H, sigma, _ = parts(d, 0.3)
+    V, M, load, _H, sigma, _ = parts(d, 0.3)
     n = d.numbering
     E, U = d.kinematics.E, d.kinematics.U
     rest = f.sig.copy()

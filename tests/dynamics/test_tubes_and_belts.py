@@ -124,7 +124,7 @@ def test_belt_around_a_moving_centre() -> None:
     """
     for rp, rq in ((0.1, 0.1), (0.2, 0.1), (0.1, -0.2)):
         rows = [
-            ("PLBELT", 1, 1, 2, 3, 4, rp, rq), ("PLRBEAM", 2, 1, 5, 3), ("X", 3, 1.0), ("FIX", 1), ("FIX", 2), ("INPUTX", 5),
+            ("PLBELT", 1, 1, 2, 3, 4, rp, rq), ("PLRBEAM", 2, 1, 5, 3), ("X", 3, 1.0), ("FIX", 1), ("FIX", 2), ("INPUTX", 5),  # noqa: E501
         ]  # fmt: skip
         r = spacar.run(1, Deck.build(rows, [("INPUTX", 5, 1, 0.0, 2 * np.pi, 0.0), ("TIMESTEP", 7.0, 140)]))
         np.testing.assert_allclose(r.node(4, 1), (rq - rp) / rq * r.node(5, 1), atol=1e-10)

@@ -27,10 +27,8 @@ def rotation(axis: np.ndarray, angle: float) -> np.ndarray:
 def free_wheel(radius: float, rho: float) -> tuple[list[tuple], list[tuple], float, np.ndarray]:
     """One wheel alone: position of the centre and orientation by a chain of three hinges (yaw, lean, spin)."""
     height = radius
-    if rho:
-        wheel = ("TWHEEL", 4, 5, 4, 6, radius, rho, 0.0, 1.0, 0.0)
-    else:
-        wheel = ("WHEEL", 4, 5, 4, 6, 0.0, 1.0, 0.0)
+    tyre = ("TWHEEL", 4, 5, 4, 6, radius, rho, 0.0, 1.0, 0.0)
+    wheel = tyre if rho else ("WHEEL", 4, 5, 4, 6, 0.0, 1.0, 0.0)
     rows = [
         ("HINGE", 1, 1, 2, 0.0, 0.0, 1.0), ("HINGE", 2, 2, 3, 1.0, 0.0, 0.0), ("HINGE", 3, 3, 4, 0.0, 1.0, 0.0), wheel,
         ("X", 5, 0.0, 0.0, height), ("FIX", 1), ("DYNE", 1, 1), ("DYNE", 2, 1), ("DYNE", 3, 1), ("KINX", 5, 1, 2),
@@ -145,7 +143,7 @@ def test_a_wheel_that_leaves_the_ground_in_a_turn() -> None:
     text = (DATA / "trike3v.dat").read_text()
     assert "STARTDE 8 1 -0.5 0.0" in text
     deck = spacar.parse_deck(text.replace("STARTDE 8 1 -0.5 0.0", "STARTDE 8 1 0.5 0.0"), "trike.dat", 1)
-    error, frames = failure(deck)
+    error, _frames = failure(deck)
     assert error.code == "element.lift-off"
     for words in ("element 3 (WHEEL)", "t = ", "leaves the ground", "pull of", " N;", "reduce speed or steering"):
         assert words in str(error)

@@ -42,7 +42,9 @@ def crank_inertia(phi: np.ndarray) -> np.ndarray:
 
 
 def test_prescribed_crank_over_1000_revolutions() -> None:
-    """Position error at the end below 1e-9 of the crank length, and no growth: the position is solved, not integrated."""
+    """Position error at the end below 1e-9 of the crank length, and no growth: the position is solved, not
+    integrated.
+    """
     turns, per_turn = 1000, 12
     rate = 2 * np.pi
     deck = Deck.build(
@@ -100,7 +102,9 @@ def test_slider_example_passes_the_vertical() -> None:
 
 
 def test_cardan_joint_over_several_turns() -> None:
-    """data/cardansimp: tan e4 = -tan e1 / cos 45, velocities and accelerations, three turns and through all quadrants."""
+    """data/cardansimp: tan e4 = -tan e1 / cos 45, velocities and accelerations, three turns and through all
+    quadrants.
+    """
     r = spacar.run(1, DATA / "cardansimp.dat", duration=3.0, n_steps=300)
     e1, e4 = r.element(1, 1), r.element(4, 1)
     c = np.cos(np.pi / 4)

@@ -203,9 +203,9 @@ def test_wrong_results(
 
 
 def test_a_failure_in_the_middle_says_when_and_keeps_what_was_computed(tmp_path: Path) -> None:
-    body = "def myfun(t, ne, le, e, ep, nx, lnp, x, xp):\n    return t, None, [[2, 1, 1.0 if t < 0.55 else float('nan')]]\n"
+    body = "def myfun(t, ne, le, e, ep, nx, lnp, x, xp):\n    return t, None, [[2, 1, 1.0 if t < 0.55 else float('nan')]]\n"  # noqa: E501
     frames = []
-    with pytest.raises(AnalysisError, match=r"t = 0\.5[5-9].* row 1 of f") as caught:
+    with pytest.raises(AnalysisError, match=r"t = 0\.5[5-9].* row 1 of f") as caught:  # noqa: PT012
         for frame in spacar.frames(1, model(tmp_path, "USERSIG myfun", body)):
             frames.append(frame.t)
     assert frames == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4, 0.5])

@@ -116,12 +116,12 @@ def test_rigid_slider_crank() -> None:
 def test_flexible_slider_crank() -> None:
     """crankfl with the crank on a hinge: bending of both rod halves at 150 rad/s."""
     rows = [
-        ("PLTOR", 4, 11, 2), ("PLBEAM", 1, 1, 2, 3, 4), ("PLTOR", 5, 4, 5), ("PLBEAM", 2, 3, 5, 6, 7), ("PLBEAM", 3, 6, 7, 8, 9),
+        ("PLTOR", 4, 11, 2), ("PLBEAM", 1, 1, 2, 3, 4), ("PLTOR", 5, 4, 5), ("PLBEAM", 2, 3, 5, 6, 7), ("PLBEAM", 3, 6, 7, 8, 9),  # noqa: E501
         ("X", 3, 0.15, 0.0), ("X", 6, 0.3, 0.0), ("X", 8, 0.45, 0.0), ("FIX", 11), ("FIX", 1), ("FIX", 8, 2),
         ("INPUTE", 4), ("RLSE", 5), ("DYNE", 2, 2, 3), ("DYNE", 3, 2, 3),
     ]  # fmt: skip
     dynamics = [
-        ("XM", 8, 0.033375), ("EM", 2, 0.2225), ("EM", 3, 0.2225), ("ESTIFF", 2, 0.0, 13.359623), ("ESTIFF", 3, 0.0, 13.359623),
+        ("XM", 8, 0.033375), ("EM", 2, 0.2225), ("EM", 3, 0.2225), ("ESTIFF", 2, 0.0, 13.359623), ("ESTIFF", 3, 0.0, 13.359623),  # noqa: E501
         ("INPUTE", 4, 1, 0.0, 150.0, 0.0), ("TIMESTEP", 0.004, 8), ("ERROR", 1e-10, 1e-10),
     ]  # fmt: skip
     a, b = both(rows, dynamics)
@@ -148,7 +148,7 @@ def test_fourbar() -> None:
 def test_flexible_pendulum_with_elongation_and_rotary_inertia() -> None:
     """Two beams, all planar modes flexible, rotary inertia per length, damping, tip moment."""
     rows = [
-        ("PLTOR", 1, 1, 2), ("PLBEAM", 2, 3, 2, 4, 5), ("PLBEAM", 3, 4, 5, 6, 7), ("X", 4, 0.5, 0.0), ("X", 6, 1.0, 0.2),
+        ("PLTOR", 1, 1, 2), ("PLBEAM", 2, 3, 2, 4, 5), ("PLBEAM", 3, 4, 5, 6, 7), ("X", 4, 0.5, 0.0), ("X", 6, 1.0, 0.2),  # noqa: E501
         ("FIX", 1), ("FIX", 3), ("DYNE", 1), ("DYNE", 2), ("DYNE", 3),
     ]  # fmt: skip
     dynamics = [
