@@ -132,8 +132,17 @@ class Kinematics:
                 raise failure.explain() from None
         self.x, self._factored = x_old, False
         near[:] = near_old
-        self._solve(0.5 * (x_old + x_given), 0.5 * (e_old + e_given), None, None, None, depth + 1)
+        pieces = 2 if depth else max(2, int(np.ceil(self._distance(x_given - x_old, e_given - e_old) / LARGEST_JUMP)))
+        for k in range(1, pieces):
+            part = k / pieces
+            self._solve(x_old + part * (x_given - x_old), e_old + part * (e_given - e_old), None, None, None, depth + 1)
         return self._solve(x_given, e_given, v_given, e_rate, None, depth + 1)
+
+    def _distance(self, x: Array, e: Array) -> float:
+        """Largest scaled change of the given coordinates and deformations."""
+        n = self.numbering
+        given = np.concatenate([x[n.x_class[k]] / self.scale[n.x_class[k]] for k in ("input", "dynamic", "kinematic")])
+        return max(_largest(given), _largest(e[self.h] / self.mechanism.deformation_scale[self.h]))
 
     def _newton(self, x: Array, e_given: Array, v_given: Array | None, e_rate: Array | None) -> Array | None:
         """Newton's iteration from x (changed in place); one solve also gives the velocity where both matrices agree."""

@@ -149,14 +149,18 @@ END
     assert np.abs((L**2).sum(0) - 1.0).max() <= 1e-12
 
 
-def test_ten_thousand_revolutions_of_a_crank():
-    """The crank turns 10,000 times between few outputs; slider position in closed form. 1e-9: angle times eps is 1.4e-11."""
+@pytest.mark.parametrize("turns", [600, pytest.param(10_000, marks=pytest.mark.slow)])
+def test_ten_thousand_revolutions_of_a_crank(turns):
+    """The crank turns a hundred times and more between two outputs; slider position in closed form.
+
+    1e-9: rounding of the angle, 63,000 rad eps = 1.4e-11. Angles of the rod are followed, not found again.
+    """
     from pathlib import Path
 
     text = (Path(__file__).resolve().parents[2] / "data" / "crank.dat").read_text()
-    turns, omega = 10_000, 150.0
+    omega = 150.0
     duration = turns * 2.0 * np.pi / omega
-    text = text.replace("TIMESTEP 0.1 100", f"TIMESTEP {duration!r} 7")
+    text = text.replace("TIMESTEP 0.1 100", f"TIMESTEP {duration!r} 3")
     result = run(1, text)
     angle = omega * result.t
     slider = 0.15 * np.cos(angle) + np.sqrt(0.09 - (0.15 * np.sin(angle)) ** 2)
@@ -170,7 +174,7 @@ def test_ten_thousand_free_revolutions_are_counted(planar):
     rate, turns = 100.0, 10_000
     duration = 2.0 * np.pi * turns / rate
     joint, inertia = ("PLTOR 1 1 2", "XM 2 3.") if planar else ("HINGE 1 1 2 0. 0. 1.", "XM 2 1. 0. 0. 1. 0. 3.")
-    text = f"{joint}\nFIX 1\nDYNE 1 1\nEND\nHALT\n{inertia}\nSTARTDE 1 1 0. {rate}\nTIMESTEP {duration!r} 400\nEND\nEND\n"
+    text = f"{joint}\nFIX 1\nDYNE 1 1\nEND\nHALT\n{inertia}\nSTARTDE 1 1 0. {rate}\nTIMESTEP {duration!r} 200\nEND\nEND\n"
     frames = spacar.frames(1, parse_deck(text, mode=1), atol=1e-9, rtol=1e-9)
     row = frames.mechanism.numbering.e_index(1, 1)
     last = None
@@ -180,7 +184,7 @@ def test_ten_thousand_free_revolutions_are_counted(planar):
     assert last.ed[row] == pytest.approx(rate, rel=1e-12)
 
 
-def rod(EI: float, beams: int = 2) -> str:
+def rod(EI: float, beams: int = 1) -> str:
     """A beam that swings about a hinge, 1 m, 1 kg: rigid for EI to infinity."""
     n = beams
     lines = [f"PLBEAM {i + 1} {2 * i + 1} {2 * i + 2} {2 * i + 3} {2 * i + 4}" for i in range(n)]
@@ -198,14 +202,14 @@ def rigid_rod():
 
 
 @pytest.mark.parametrize(("code", "EI", "step", "tolerance"), [
-    # elastic deflection of the order m g l^3 / (50 EI): 2e-5 for the first
-    (853, 1e4, None, 4e-5), (0, 1e4, None, 4e-5),
+    # elastic deflection of the order m g l^3 / (50 EI): 2e-4 for the first
+    (853, 1e3, None, 4e-4), (0, 1e3, None, 4e-4),
     # implicit: order 3 with steps of 5 ms; the fast motion is damped away
     (430, 1e8, 0.005, 1e-6), (430, 1e12, 0.005, 1e-6), (330, 1e8, 0.005, 1e-5), (330, 1e12, 0.005, 1e-5),
 ])  # fmt: skip
 def test_stiff_beams_move_as_rigid_ones(code, EI, step, tolerance, rigid_rod):
-    result = run(1, rod(EI), integrator=code, step=step, atol=1e-7, rtol=1e-7)
-    tip = np.array([result.node(5, 1), result.node(5, 2)])
+    result = run(1, rod(EI), integrator=code, step=step, atol=1e-6, rtol=1e-6)
+    tip = np.array([result.node(3, 1), result.node(3, 2)])
     assert np.abs(tip - rigid_rod).max() <= tolerance
 
 
