@@ -5,6 +5,8 @@ From J s + c = 0 follow s_d = A s_i + b and ṡ_d = A ṡ_i + β, where β holds
 
     (I_ii + I_id A + Aᵀ I_di + Aᵀ I_dd A) ṡ_i = f_i + Aᵀ f_d − (I_id + Aᵀ I_dd) β
 
+The equations that are dropped give the constraint forces: J_dᵀ λ = (I ṡ − f)_d, with generalized forces Jᵀ λ.
+
 Source: `symbolic.md`, section 3.5.
 """
 
@@ -32,12 +34,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Reduced:
-    """Equations in the independent speeds, and {dependent speed function: its Z variable}."""
+    """Equations in the independent speeds, and {dependent speed function: its Z variable}.
+
+    `reactions` (C, d): constraint forces λ = C ṡ_i + d, one for each constraint; None without constraints.
+    """
 
     speeds: tuple[sp.Expr, ...]
     mass_matrix: sp.Matrix
     rhs: sp.Matrix
     dependent: dict[sp.Expr, sp.Symbol]
+    reactions: tuple[sp.Matrix, sp.Matrix] | None = None
 
     def put_in(self, expression: sp.Expr) -> sp.Expr:
         return expression.xreplace(self.dependent)
@@ -79,7 +85,9 @@ def eliminate_dependent_speeds(system: System, derivation: Derivation) -> Reduce
     left = (Iid + A.T * Idd).applyfunc(table.read)
     mass = Iii + left * A + A.T * Iid.T
     rhs = f.extract(i, [0]) + A.T * f.extract(d, [0]) - left * beta
-    return Reduced(tuple(speeds[k] for k in i), mass, rhs, dependent)
+    dropped = sp.Matrix.hstack(Iid.T + Idd * A, Idd * beta - f.extract(d, [0])).applyfunc(table.read)
+    forces = Jd.T.LUsolve(dropped)
+    return Reduced(tuple(speeds[k] for k in i), mass, rhs, dependent, (forces[:, :-1], forces[:, -1]))
 
 
 def check_constraints(system: System) -> None:

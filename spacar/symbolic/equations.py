@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import sympy as sp
 
 from spacar.errors import UsageError
@@ -58,6 +60,7 @@ class Equations:
     cosines: DirectionCosines
     dependent: dict[sp.Expr, sp.Symbol]
     seconds: float
+    reactions: tuple[sp.Matrix, sp.Matrix] | None = None
 
     @property
     def held(self) -> tuple[sp.Expr, ...]:
@@ -106,6 +109,28 @@ class Equations:
         from spacar.symbolic.linearize import linearize
 
         return linearize(self, values, point or {})
+
+    def constraint_forces(self, values: dict[str, float]) -> Callable[[float, Any], np.ndarray]:
+        """λ(t, y) of the constraints for parameter values; the generalized forces are Jᵀ λ.
+
+        A constraint written as a velocity component (v·b2 = 0) has the force along it (b2) as its λ. Raises UsageError
+        for a system without constraints.
+        """
+        if self.reactions is None:
+            raise UsageError("the system has no constraints, so there are no constraint forces")
+        C, d = self.reactions
+        names = {f"r{i}_{j}": C[i, j] for i in range(C.rows) for j in range(C.cols)}
+        names |= {f"d{i}": d[i] for i in range(C.rows)}
+        function = self.program(names).function(values, jacobian=False)
+        n = len(self.speeds)
+
+        def forces(t: float, y: Any) -> np.ndarray:
+            numbers = np.array(function.outputs(t, y))
+            rates = np.array(function(t, y))[-n:]
+            result: np.ndarray = numbers[: C.rows * n].reshape(C.rows, n) @ rates + numbers[C.rows * n :]
+            return result
+
+        return forces
 
     def check(self, digits: int = 30) -> Any:
         """Symmetry and energy balance at a random state; see `checks.py`."""
@@ -163,4 +188,5 @@ def derive(system: System, strategy: str, recurrence: bool = True) -> Equations:
         cosines=derivation.cosines,
         dependent=reduced.dependent,
         seconds=time.perf_counter() - start,
+        reactions=reduced.reactions,
     )

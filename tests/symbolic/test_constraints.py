@@ -102,6 +102,23 @@ def test_flexible_sleigh(strategy):
     assert np.ptp(run["E"]) < 1e-9
 
 
+@pytest.mark.parametrize("strategy", ["held", "recursive"])
+def test_force_of_the_knife_edge(strategy):
+    """The only force on the sleigh is that of the edge along b2: λ = m a_G·b2 = m (v w + a ẇ)."""
+    tied, _ = sleigh(False, "constraint")
+    eq = tied.derive(strategy)
+    program = eq.program()
+    theta, v, w = 0.7, 0.4, 1.3
+    state = {"theta": theta, "vx": v * math.cos(theta), "vy": v * math.sin(theta), "w": w}
+    y = [state.get(s.name, 0.0) for s in program.state]
+    rates = dict(zip([s.name for s in program.state], program.function(VALUES)(0.0, y), strict=True))
+    expected = VALUES["m"] * (v * w + VALUES["a"] * rates["w"])
+    assert eq.constraint_forces(VALUES)(0.0, y) == pytest.approx([expected], rel=1e-12)
+    free, _ = sleigh(False, "quasi")
+    with pytest.raises(UsageError, match="no constraints"):
+        free.derive(strategy).constraint_forces(VALUES)
+
+
 def test_wrong_constraints_say_what_and_why():
     S, _ = sleigh(False, "constraint")
     S.constraint("vx**2 - vy")

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import io
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -266,3 +267,28 @@ def test_without_sympy_only_this_command_stops(model):
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.returncode == 2
     assert done.stderr.strip() == 'error: spacar symbolic needs SymPy: pip install "spacar[symbolic]"'
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("strategy", ["held", "recursive"])
+def test_texts_do_not_depend_on_hash_order(tmp_path, strategy):
+    """Two processes with different seeds of the string hash write the same bytes."""
+    texts = []
+    for seed in ("1", "2"):
+        target = tmp_path / f"{seed}.c"
+        words = [
+            "symbolic",
+            "export",
+            DATA / "manipulator.toml",
+            "--language",
+            "c",
+            "--strategy",
+            strategy,
+            "-o",
+            target,
+        ]
+        command = [sys.executable, "-m", "spacar_cli.main", *map(str, words)]
+        done = subprocess.run(command, env=os.environ | {"PYTHONHASHSEED": seed}, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        texts.append(target.read_bytes())
+    assert texts[0] == texts[1]
