@@ -46,7 +46,7 @@ class Equilibrium:
     def reached(self, tolerance: float) -> bool:
         """max |R| <= tolerance and small against the loads, or below their rounding, which no iteration can undercut."""
         small = self.norm <= tolerance and self.work <= RELATIVE * self.work_size
-        return small or self.norm <= ROUNDING * self.size or self.work <= ROUNDING * self.work_size
+        return bool(small or self.norm <= ROUNDING * self.size or self.work <= ROUNDING * self.work_size)
 
 
 def equilibrium(dynamics: Dynamics, drive: DriveState) -> Equilibrium:

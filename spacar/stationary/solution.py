@@ -129,7 +129,7 @@ class StationarySolver:
         reached = origin.towards(target, fraction)
         text = str(error)
         if error.code != "statics.no-convergence":
-            text = f"the stationary solution did not converge at {target}: {text}; try more load steps or a smaller load"
+            text = f"the stationary solution did not converge at {target}: {text}; try more load steps or a smaller load (ITERSTEP)"
         text += (
             f"; the step was cut to {SMALLEST_FRACTION:.3g} of its size, the last solution is at"
             f" {reached.initial:.6g} x initial + {reached.additional:.6g} x additional loading"

@@ -1,0 +1,248 @@
+"""Stationary solutions: elastica, load steps of all types, cutting, failures, sparse against dense."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import spacar
+from spacar.deck import parse_deck
+from spacar.errors import AnalysisError, Report
+from spacar.mechanism import build
+from spacar.stationary import StationarySolver, load_program
+from spacar.stationary import solution as solution_module
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
+from statics import cantilever, elastica, solve  # noqa: E402
+
+
+def solver_of(text: str, mode: int = 7) -> tuple[StationarySolver, list[int]]:
+    """The solver after the whole program, and the number of residual evaluations of every level."""
+    m = build(parse_deck(text, mode=mode), mode)
+    solver, counts = StationarySolver(m, Report()), []
+    for level in load_program(m.settings):
+        solver.solve(level)
+        counts.append(len(solver.solution.history))
+    return solver, counts
+
+
+def test_strongly_bent_cantilever_converges_with_second_order():
+    """The tip of the elastica at a load of 10 EI/l^2; the element has order 2 for finite rotations of the chord."""
+    exact = np.array(elastica())[:2]
+    errors = [np.linalg.norm(solve(n)[2][:2] - exact) for n in (10, 20, 40)]
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert np.all(np.abs(orders - 2.0) < 0.1)
+    assert errors[-1] < 3e-4
+
+
+def test_sparse_and_dense_tangent_take_the_same_steps(monkeypatch):
+    """Both are Newton's method for the same equations: iterates agree to rounding (condition of 20 beams: 1e6)."""
+    text = cantilever(20)
+    sparse, counts = solver_of(text)
+    assert sparse.sparse
+    monkeypatch.setattr(solution_module, "SPARSE_FROM", 10_000)
+    dense, same = solver_of(text)
+    assert not dense.sparse
+    assert counts == same
+    assert np.allclose(sparse.y, dense.y, rtol=0, atol=1e-12)
+
+
+def test_prediction_saves_iterations(monkeypatch):
+    text = cantilever(10, 3.0, steps=10)
+    _, predicted = solver_of(text)
+    monkeypatch.setattr(solution_module, "REMEMBERED", 1)
+    _, plain = solver_of(text)
+    assert sum(predicted) < 0.8 * sum(plain)
+
+
+@pytest.mark.slow
+def test_statics_of_a_thousand_beams():
+    seconds, _, tip = solve(1000)
+    assert np.linalg.norm(tip[:2] - np.array(elastica())[:2]) < 1e-6
+    assert seconds < 60.0  # 0.6 s on an idle core: a quadratic method would need minutes
+
+
+def test_load_steps_are_cut_when_newton_fails():
+    """One step to 100 EI/l^2 cannot converge; cut, it arrives at the same state as many small steps."""
+    result = spacar.run(8, parse_deck(cantilever(10, 100.0, steps=1).replace("ITERSTEP 20", "ITERSTEP 10"), mode=8))
+    assert any("cut to 0.5" in line for line in result.report)
+    slow = spacar.run(8, parse_deck(cantilever(10, 100.0, steps=100), mode=8))
+    assert np.allclose(result["x"], slow["x"], rtol=0, atol=1e-9)
+
+
+def test_failure_says_where_and_what_to_do():
+    text = cantilever(10, 1e5, steps=2).replace("ITERSTEP 20", "ITERSTEP 2")
+    with pytest.raises(AnalysisError) as caught:
+        spacar.run(7, parse_deck(text, mode=7))
+    assert caught.value.code == "statics.no-convergence"
+    for part in ("load step 1 of 2", "residual", "ITERSTEP", "cut to", "last solution"):
+        assert part in str(caught.value)
+
+
+def test_failure_says_whether_the_stiffness_is_definite():
+    """Snap-through of a shallow truss: beyond the limit load no static solution is near."""
+    text = """
+PLTRUSS 1 1 2
+PLTRUSS 2 2 3
+X 1 -1. 0.
+X 2 0. 0.1
+X 3 1. 0.
+FIX 1
+FIX 3
+FIX 2 1
+DYNX 2 2
+RLSE 1
+RLSE 2
+END
+HALT
+ESTIFF 1 1000.
+ESTIFF 2 1000.
+XF 2 0. -0.6
+ITERSTEP 3 4
+END
+END
+"""
+    with pytest.raises(AnalysisError) as caught:
+        spacar.run(7, parse_deck(text, mode=7))
+    assert "tangent stiffness there" in str(caught.value)
+
+
+# One beam from (0,0) to (1,0), clamped, and a spring hinge: every kind of load acts on it.
+LOADED = """
+PLBEAM 1 1 2 3 4
+PLBEAM 2 3 4 5 6
+PLTOR 3 2 7
+PLTRUSS 4 5 8
+X 3 0.5 0.
+X 5 1. 0.
+X 8 1.5 0.4
+FIX 1
+FIX 7
+INPUTE 3 1
+INPUTX 8 1
+FIX 8 2
+DYNE 1 2 3
+DYNE 2 2 3
+RLSE 4
+END
+HALT
+EM 1 1.
+EM 2 1.
+XM 5 0.3
+ESTIFF 1 0. 1.
+ESTIFF 2 0. 1.
+ESTIFF 4 2.
+{loads}
+{settings}
+END
+END
+"""
+INITIAL = "XF 5 0.2 0.1\nGRAVITY 0. -0.4\nESIG 1 0. 0.1 0.05\nINPUTX 8 1 1.6\nINPUTE 3 1 0.1"
+DELTAS = "DELXF 5 0.3 -0.2\nDELGRAV 0.1 0.3\nDELESIG 1 0. -0.05 0.1\nDELINPX 8 1 0.2\nDELINPE 3 1 -0.3"
+SUM = "XF 5 0.5 -0.1\nGRAVITY 0.1 -0.1\nESIG 1 0. 0.05 0.15\nINPUTX 8 1 1.8\nINPUTE 3 1 -0.2"
+
+
+def loaded(loads: str, settings: str, mode: int = 7) -> spacar.Result:
+    return spacar.run(mode, parse_deck(LOADED.format(loads=loads, settings=settings), mode=mode))
+
+
+@pytest.mark.parametrize("kind", [2, 3])
+def test_initial_and_additional_loading(kind):
+    """All DEL... keywords: the end is the equilibrium under the sum; step 1 that of the initial loading alone."""
+    steps = loaded(f"{INITIAL}\n{DELTAS}", f"ITERSTEP 20 6 1e-12 1 {kind} 3")
+    assert len(steps.frames) == 7
+    assert np.allclose(steps.t, np.arange(7))
+    first, last = loaded(INITIAL, "ITERSTEP 20 3 1e-12"), loaded(SUM, "ITERSTEP 20 3 1e-12")
+    for name in ("x", "e", "sig", "fxtot"):
+        assert np.allclose(steps[name][0], first[name][0], rtol=0, atol=1e-10)
+        assert np.allclose(steps[name][-1], last[name][0], rtol=0, atol=1e-10)
+
+
+@pytest.mark.parametrize(("every", "stored"), [(1, 8), (2, 5), (3, 4), (100, 2)])
+def test_stored_steps(every, stored):
+    """The initial solution, every `every`-th step and the last."""
+    assert len(loaded(f"{INITIAL}\n{DELTAS}", f"ITERSTEP 20 7 1e-10 {every} 2").frames) == stored
+
+
+@pytest.mark.parametrize("kind", [0, 1])
+def test_types_without_additional_loading(kind):
+    result = loaded(f"{INITIAL}\n{DELTAS}", f"ITERSTEP 30 3 1e-12 1 {kind}")
+    assert len(result.frames) == 1
+    assert np.allclose(result["x"], loaded(INITIAL, "ITERSTEP 20 5 1e-12")["x"], rtol=0, atol=1e-10)
+
+
+def test_three_number_moment_increment():
+    """DELXF with three numbers on a spatial orientation node is a global moment, with or without XF on the node."""
+    text = """
+BEAM 1 1 2 3 4 0. 1. 0.
+X 3 1. 0. 0.
+FIX 1
+FIX 2
+DYNE 1 2 3 4 5 6
+END
+HALT
+ESTIFF 1 0. 2. 1. 1.
+EM 1 1. 0.1
+{}
+END
+END
+"""
+
+    def x(loads: str) -> np.ndarray:
+        return spacar.run(7, parse_deck(text.format(loads), mode=7))["x"][-1]
+
+    total = x("XF 4 0.3 0.2 -0.1\nITERSTEP 20 4 1e-12")
+    assert np.allclose(x("DELXF 4 0.3 0.2 -0.1\nITERSTEP 20 4 1e-12 1 2"), total, rtol=0, atol=1e-11)
+    parts = "XF 4 0.1 0.1 0.2\nDELXF 4 0.2 0.1 -0.3\nITERSTEP 20 4 1e-12 1 2"
+    assert np.allclose(x(parts), total, rtol=0, atol=1e-11)
+
+
+def test_flow_in_a_tube():
+    """DELOMF: the end is the state under the total mass flow, with a jet at the free end."""
+    text = """
+PLTUBE 1 1 2 3 4
+PLTUBE 2 3 4 5 6
+X 3 0.5 0.
+X 5 1. 0.
+FIX 1
+FIX 2
+DYNE 1 2 3
+DYNE 2 2 3
+END
+HALT
+EM 1 1. 0.5 {flow}
+EM 2 1. 0.5 {flow} 1. 2
+ESTIFF 1 0. 1.
+ESTIFF 2 0. 1.
+XF 5 0. 0.3
+{more}
+END
+END
+"""
+
+    def run(flow: str, more: str) -> np.ndarray:
+        return spacar.run(7, parse_deck(text.format(flow=flow, more=more), mode=7))["x"][-1]
+
+    total = run("0.9", "ITERSTEP 20 4 1e-12")
+    assert np.allclose(run("0.3", "DELOMF 1 0.6\nDELOMF 2 0.6\nITERSTEP 20 4 1e-12 1 2"), total, rtol=0, atol=1e-10)
+    assert not np.allclose(run("0.", "ITERSTEP 20 4 1e-12"), total, rtol=0, atol=1e-4)
+
+
+def test_singular_stiffness():
+    """A free-free beam without load rests; a load on its rigid motion has no stationary solution."""
+    free = cantilever(4, 0.0).replace("FIX 1\nFIX 2\n", "DYNX 1\nDYNX 2\n")
+    still = spacar.run(7, parse_deck(free.replace("ESTIFF 1", "EM 1 1.\nEM 2 1.\nEM 3 1.\nEM 4 1.\nESTIFF 1"), mode=7))
+    assert np.count_nonzero(np.hypot(*still["eigval"][0].T) < 1e-5) == 6  # three rigid motions, in pairs
+    with pytest.raises(AnalysisError, match="motion without stiffness, mainly node 1"):
+        spacar.run(7, parse_deck(free.replace("XF 9 0. 0.0", "XF 9 0. 1.0"), mode=7))
+
+
+def test_no_dynamic_degrees_of_freedom():
+    text = "PLTRUSS 1 1 2\nPLTRUSS 2 2 3\nX 1 0. 0.\nX 2 1. 1.\nX 3 2. 0.\nFIX 1\nFIX 3\nEND\nHALT\nXF 2 0. -1.\nEND\nEND\n"
+    result = spacar.run(10, parse_deck(text, mode=10))
+    assert np.allclose(result.frames[0].sig, -np.sqrt(0.5))
+    assert sum("no dynamic degrees of freedom" in line for line in result.report) == 2
+    assert np.array_equal(result["xcompl"][0], np.zeros(6))
