@@ -43,9 +43,12 @@ class Equilibrium:
     def norm(self) -> float:
         return float(np.max(np.abs(self.residual), initial=0.0))
 
-    def reached(self, tolerance: float) -> bool:
-        """max |R| <= tolerance and small against the loads, or below their rounding, which no iteration can undercut."""
-        small = self.norm <= tolerance and self.work <= RELATIVE * self.work_size
+    def reached(self, tolerance: float, seen: float) -> bool:
+        """max |R| <= tolerance and small against the loads, or below their rounding, which no iteration can undercut.
+
+        `seen` is the largest `work` of the iteration so far: where the solution is free of forces, nothing else has a size.
+        """
+        small = self.norm <= tolerance and self.work <= RELATIVE * max(self.work_size, seen)
         return bool(small or self.norm <= ROUNDING * self.size or self.work <= ROUNDING * self.work_size)
 
 

@@ -1,7 +1,8 @@
 """Newton's iteration for one load level.
 
-Unknown are the dynamic degrees of freedom q_d. Converged when max |R| <= tolerance (ITERSTEP position 3) or
-max |R| <= 100 eps max(|f|, |sigma|). The tangent is the exact K0 + N0 + G0 (types 1, 3: without N0); the sparse form (18)
+Unknown are the dynamic degrees of freedom q_d. Converged when max |R| <= tolerance (ITERSTEP position 3) and small
+against the loads, or max |R| <= 100 eps max(|f|, |sigma|) (`Equilibrium.reached`), or when max |R| <= tolerance does not
+fall any more. The tangent is the exact K0 + N0 + G0 (types 1, 3: without N0); the sparse form (18)
 for large systems at rest. At most ITERSTEP position 1 iterations.
 """
 
@@ -44,12 +45,15 @@ def newton(dynamics: Dynamics, y: Array, level: LoadLevel, sparse: Callable[[], 
     """
     settings, n = dynamics.mechanism.settings, dynamics.numbering
     history: list[float] = []
+    seen = 0.0
     y = y.copy()
     dynamics.kinematics.move(*dynamics.given(dynamics.drive.at(0.0), y))
     while True:
         state = equilibrium(dynamics, dynamics.place(0.0, y))
         history.append(state.norm)
-        if state.reached(settings.tolerance):
+        seen = max(seen, state.work)
+        at_rest = len(history) > 1 and state.norm <= settings.tolerance and state.norm >= 0.5 * history[-2]
+        if state.reached(settings.tolerance, seen) or at_rest:
             return Converged(y, state, tuple(history))
         if not np.isfinite(state.norm) or len(history) > settings.max_iterations:
             raise no_convergence(dynamics, state, level, history)
