@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from models import PLANAR, SPATIAL, TRIKE_SPRING, TUBE, example, mechanism
+from linear_models import PLANAR, SPATIAL, TRIKE_SPRING, TUBE, example, mechanism
 from nonlinear import Nonlinear, jacobian, random_state
 
 from spacar.linear import linearize

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from models import PLANAR, SPATIAL, mechanism
+from linear_models import PLANAR, SPATIAL, mechanism
 from nonlinear import Nonlinear, jacobian, random_state
 
 from spacar import run
