@@ -44,8 +44,14 @@ def random_state(seed=1):
     return rng.normal(size=16) * np.array([1, 1] + [1e-3] * 6 + [1] * 2 + [1e-2] * 6), rng.normal(size=2)
 
 
-@pytest.mark.parametrize("strategy", ["held", "recursive"])
-@pytest.mark.parametrize("language", ["c", "fortran"])
+@pytest.mark.parametrize(
+    ("language", "strategy"),
+    [
+        ("c", "held"),
+        ("fortran", "recursive"),
+        *(pytest.param(*c, marks=pytest.mark.slow) for c in (("c", "recursive"), ("fortran", "held"))),
+    ],
+)
 def test_compiled_programs_equal_python(programs, arm, tmp_path, strategy, language):
     """1e-13 of the largest entry: the three texts ask for the same operations."""
     program, values = programs(strategy), arm().values

@@ -38,7 +38,10 @@ def largest(matrix):
     return max(abs(x) for x in matrix)
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(
+    "case",
+    ["out of plane", "two directions", *(pytest.param(c, marks=pytest.mark.slow) for c in ("with torsion", "stretch"))],
+)
 def test_both_strategies_agree_and_keep_the_balance_of_energy(case):
     """30-digit arithmetic: 1e-25 is rounding. The energy check is independent of both derivations."""
     S, _ = spatial_beam(**CASES[case])
