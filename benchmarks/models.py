@@ -21,7 +21,8 @@ def free_slider_crank(duration: float, steps: int) -> str:
     """Rigid slider-crank, 0.15 m and 0.30 m, falling under gravity from a horizontal crank that turns with 10 rad/s."""
     return deck(
         ["PLBEAM 1 1 2 3 4", "PLBEAM 2 3 5 6 7", "X 3 0.15 0.", "X 6 0.45 0.", "FIX 1", "FIX 6 2", "DYNX 2 1"],
-        ["XM 6 0.033375", "EM 1 0.2225", "EM 2 0.2225", "GRAVITY 0. -9.81", "STARTDX 2 1 0. 10.", f"TIMESTEP {duration} {steps}"],
+        ["XM 6 0.033375", "EM 1 0.2225", "EM 2 0.2225", "GRAVITY 0. -9.81", "STARTDX 2 1 0. 10.",
+         f"TIMESTEP {duration} {steps}"],
     )  # fmt: skip
 
 

@@ -107,9 +107,8 @@ def main() -> None:
         for name in found:
             row = [ratio for case, _, _, ratio in promises if case == name]
             if row:
-                print(
-                    f"  {name:13s} {min(row):.1e} ... {max(row):.1e}  {sum(r <= 10.0 for r in row)} of {len(row)} within a factor of 10"
-                )
+                kept = sum(r <= 10.0 for r in row)
+                print(f"  {name:13s} {min(row):.1e} ... {max(row):.1e}  {kept} of {len(row)} within a factor of 10")
         for name, label, asked, ratio in promises:
             if ratio > 10.0:
                 print(f"  not kept: {name}, {label}: {ratio * asked:.1e}")

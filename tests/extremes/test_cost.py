@@ -16,7 +16,16 @@ from spacar.dynamics import Dynamics
 from spacar.mechanism import build
 
 DATA = Path(__file__).resolve().parents[2] / "data"
-METHODS = ("strain", "convective_strain", "mass", "inertia_force", "stiffness", "geometric_stiffness", "gradient_rate", "rate_gradient")
+METHODS = (
+    "strain",
+    "convective_strain",
+    "mass",
+    "inertia_force",
+    "stiffness",
+    "geometric_stiffness",
+    "gradient_rate",
+    "rate_gradient",
+)
 
 
 def counted(text: str, monkeypatch: pytest.MonkeyPatch) -> tuple[Dynamics, Counter[tuple[str, str]]]:
@@ -41,7 +50,9 @@ def counted(text: str, monkeypatch: pytest.MonkeyPatch) -> tuple[Dynamics, Count
 
 
 def pendulum(mass: str) -> str:
-    return f"PLBEAM 1 1 2 3 4\nX 3 1. 0.\nFIX 1\nDYNX 2 1\nEND\nHALT\n{mass}\nGRAVITY 0. -9.81\nTIMESTEP 1. 1\nEND\nEND\n"
+    return (
+        f"PLBEAM 1 1 2 3 4\nX 3 1. 0.\nFIX 1\nDYNX 2 1\nEND\nHALT\n{mass}\nGRAVITY 0. -9.81\nTIMESTEP 1. 1\nEND\nEND\n"
+    )
 
 
 def test_massless_links_do_no_mass_work(monkeypatch):
@@ -64,12 +75,17 @@ def test_no_stiffness_or_third_derivatives_in_a_right_hand_side(monkeypatch):
     for name in ("crank", "crankfl", "robotsim", "trike2"):
         _, calls = counted((DATA / f"{name}.dat").read_text(), monkeypatch)
         for (keyword, method), count in calls.items():
-            assert method not in ("stiffness", "geometric_stiffness", "gradient_rate", "rate_gradient") or not count, (name, keyword)
+            assert method not in ("stiffness", "geometric_stiffness", "gradient_rate", "rate_gradient") or not count, (
+                name,
+                keyword,
+            )
 
 
 def test_rigid_models_carry_no_stiffness():
     """The stress law of a model without active rows is empty: no stresses are computed."""
-    dynamics = Dynamics(build(parse_deck(pendulum("EM 1 1.").replace("GRAVITY", "ESTIFF 1 1e9 1e9\nGRAVITY"), mode=1), 1))
+    dynamics = Dynamics(
+        build(parse_deck(pendulum("EM 1 1.").replace("GRAVITY", "ESTIFF 1 1e9 1e9\nGRAVITY"), mode=1), 1)
+    )
     assert dynamics.law.passive
 
 
@@ -84,11 +100,26 @@ def test_constant_matrices_are_evaluated_once(monkeypatch):
 
 @pytest.mark.parametrize(("name", "forbidden"), [("crank", "spatial"), ("crankfl", "spatial"), ("slider", "spatial")])
 def test_planar_models_never_import_spatial_elements(name, forbidden, tmp_path):
-    spatial = ("beam", "beam_strain", "beam_inertia", "hinge", "rotation", "frames", "pinbody", "truss", "wheel", "screw", "tube", "node_inertia")
+    spatial = (
+        "beam",
+        "beam_strain",
+        "beam_inertia",
+        "hinge",
+        "rotation",
+        "frames",
+        "pinbody",
+        "truss",
+        "wheel",
+        "screw",
+        "tube",
+        "node_inertia",
+    )
     code = f"import sys, spacar; list(spacar.frames(1, {str(DATA / name)!r} + '.dat')); print(*sys.modules)"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
     assert not [m for m in loaded if m in {f"spacar.elements.{s}" for s in spatial}]
-    assert not [m for m in loaded if m.startswith(("spacar.linear.", "spacar.stationary", "spacar.inverse", "scipy.integrate"))]
+    assert not [
+        m for m in loaded if m.startswith(("spacar.linear.", "spacar.stationary", "spacar.inverse", "scipy.integrate"))
+    ]
 
 
 def test_outputs_that_nobody_asked_for_are_not_computed():

@@ -140,7 +140,9 @@ END
     L, Ld = result["x"][:, rows].T, result["xd"][:, rows].T
     l0, l = L[0], L[1:]
     omega = 2.0 * (l0 * Ld[1:] - Ld[0] * l + np.cross(l.T, Ld[1:].T).T)  # global components
-    axis = np.array([2.0 * (l[0] * l[2] + l0 * l[1]), 2.0 * (l[1] * l[2] - l0 * l[0]), 1.0 - 2.0 * (l[0] ** 2 + l[1] ** 2)])
+    axis = np.array(
+        [2.0 * (l[0] * l[2] + l0 * l[1]), 2.0 * (l[1] * l[2] - l0 * l[0]), 1.0 - 2.0 * (l[0] ** 2 + l[1] ** 2)]
+    )
     H = omega + (2.0 - 1.0) * axis * (axis * omega).sum(0)  # J = I + (J3 - 1) axis axis
     size = np.linalg.norm(H[:, 0])
     assert np.abs(H - H[:, :1]).max() <= 1e-8 * size
@@ -174,7 +176,9 @@ def test_ten_thousand_free_revolutions_are_counted(planar):
     rate, turns = 100.0, 10_000
     duration = 2.0 * np.pi * turns / rate
     joint, inertia = ("PLTOR 1 1 2", "XM 2 3.") if planar else ("HINGE 1 1 2 0. 0. 1.", "XM 2 1. 0. 0. 1. 0. 3.")
-    text = f"{joint}\nFIX 1\nDYNE 1 1\nEND\nHALT\n{inertia}\nSTARTDE 1 1 0. {rate}\nTIMESTEP {duration!r} 200\nEND\nEND\n"
+    text = (
+        f"{joint}\nFIX 1\nDYNE 1 1\nEND\nHALT\n{inertia}\nSTARTDE 1 1 0. {rate}\nTIMESTEP {duration!r} 200\nEND\nEND\n"
+    )
     frames = spacar.frames(1, parse_deck(text, mode=1), atol=1e-9, rtol=1e-9)
     row = frames.mechanism.numbering.e_index(1, 1)
     last = None
@@ -196,7 +200,9 @@ def rod(EI: float, beams: int = 1) -> str:
 
 @pytest.fixture(scope="module")
 def rigid_rod():
-    text = "PLRBEAM 1 1 2 3\nX 3 1. 0.\nFIX 1\nDYNX 2 1\nEND\nHALT\nEM 1 1.\nGRAVITY 0. -9.81\nTIMESTEP 0.5 5\nEND\nEND\n"
+    text = (
+        "PLRBEAM 1 1 2 3\nX 3 1. 0.\nFIX 1\nDYNX 2 1\nEND\nHALT\nEM 1 1.\nGRAVITY 0. -9.81\nTIMESTEP 0.5 5\nEND\nEND\n"
+    )
     result = run(1, text, integrator=853, atol=1e-11, rtol=1e-11)
     return np.array([result.node(3, 1), result.node(3, 2)])
 
@@ -216,7 +222,8 @@ def test_stiff_beams_move_as_rigid_ones(code, EI, step, tolerance, rigid_rod):
 @pytest.mark.parametrize("duration", [1e-12, 1e-6, 1e-3])
 def test_very_short_simulations(duration):
     """Free fall: x = g t^2/2 with the relative accuracy of ERROR even when the whole way is 5e-24 m."""
-    text = f"PLTRUSS 1 1 2\nX 2 1. 0.\nFIX 1\nDYNX 2 2\nEND\nHALT\nXM 2 2.\nGRAVITY 0. -9.81\nTIMESTEP {duration!r} 3\nEND\nEND\n"
+    text = "PLTRUSS 1 1 2\nX 2 1. 0.\nFIX 1\nDYNX 2 2\nEND\nHALT\nXM 2 2.\nGRAVITY 0. -9.81\n"
+    text += f"TIMESTEP {duration!r} 3\nEND\nEND\n"
     result = run(1, text, integrator=853)
     assert result.node(2, 2) == pytest.approx(-0.5 * 9.81 * result.t**2, rel=1e-6)
     assert result.node(2, 2, "xd") == pytest.approx(-9.81 * result.t, rel=1e-6)

@@ -1,4 +1,5 @@
-"""Singular positions, redundant constraints, far starts, critical loads, impossible numbers: the right answer, or a message
+"""Singular positions, redundant constraints, far starts, critical loads, impossible numbers: the right answer, or a
+message
 that says what and where."""
 
 from __future__ import annotations
@@ -37,7 +38,8 @@ END
 
 def test_outer_dead_centre_of_the_slider_is_passed():
     """slider.dat: a bar of 2 m passes the vertical, x = -sqrt(3) + t, y = sqrt(4 - x^2)."""
-    text = "PLTRUSS 1 1 2\nX 1 0. 0.\nX 2 1.7321 1.\nFIX 1 2\nFIX 2 1\nINPUTX 1 1\nEND\nHALT\nINPUTX 1 1 0. 1.\nTIMESTEP 3.4641 10\nEND\nEND\n"
+    text = "PLTRUSS 1 1 2\nX 1 0. 0.\nX 2 1.7321 1.\nFIX 1 2\nFIX 2 1\nINPUTX 1 1\nEND\nHALT\n"
+    text += "INPUTX 1 1 0. 1.\nTIMESTEP 3.4641 10\nEND\nEND\n"
     result = run(1, text)
     l2 = 1.7321**2 + 1.0
     assert result.node(2, 2) == pytest.approx(np.sqrt(l2 - (1.7321 - result.t) ** 2), abs=1e-12)
@@ -90,7 +92,8 @@ END
 
 @pytest.mark.parametrize("gap", [1.0, 1e-3, 1e-6])
 def test_nearly_redundant_supports(gap):
-    """A bar held by two parallel links that are `gap` apart: reactions F a/gap, exact to the condition of the position."""
+    """A bar held by two parallel links that are `gap` apart: reactions F a/gap, exact to the condition of the
+    position."""
     text = f"""
 PLRBEAM 1 1 2 3
 PLRBEAM 2 1 2 4
@@ -152,7 +155,9 @@ def test_start_values_far_from_the_reference(angle):
     """The crank starts up to five turns away from the drawing: the position is that of the closed form."""
     text = crank(0.30, 0.0, 0.1, 1).replace("INPUTX 2 1 0. 0.0", f"INPUTX 2 1 {angle}")
     result = run(1, text)
-    assert result.node(6, 1)[0] == pytest.approx(0.15 * np.cos(angle) + np.sqrt(0.09 - (0.15 * np.sin(angle)) ** 2), abs=1e-12)
+    assert result.node(6, 1)[0] == pytest.approx(
+        0.15 * np.cos(angle) + np.sqrt(0.09 - (0.15 * np.sin(angle)) ** 2), abs=1e-12
+    )
 
 
 def test_start_that_cannot_be_reached_is_refused():
@@ -194,7 +199,8 @@ def critical():
 
 @pytest.mark.parametrize("part", [0.0, 0.5, 0.9, 0.99, 0.9999, 0.999999])
 def test_frequency_of_a_loaded_column(part, critical):
-    """The square of the lowest frequency falls to zero at the critical load; between it is nearly linear (a few percent),
+    """The square of the lowest frequency falls to zero at the critical load; between it is nearly linear (a few
+    percent),
     and its slope at the end is that of the linear law of the buckling mode: within a factor 1.1."""
     free = np.abs(run(7, COLUMN.format(force=0.0))["eigval"][-1][:, 1]).min()
     found = run(7, COLUMN.format(force=-part * critical))["eigval"][-1]
@@ -218,19 +224,27 @@ def test_load_multipliers_of_an_overloaded_column(critical):
 
 @pytest.mark.parametrize("mass", [5e-324, 1e-310, 1e-300, 1e300])
 def test_masses_at_the_end_of_the_numbers(mass):
-    """Free fall does not depend on the mass. A denormal one has lost its digits, so it may be refused, never be wrong."""
-    text = f"PLTRUSS 1 1 2\nX 2 1. 0.\nFIX 1\nDYNX 2 2\nEND\nHALT\nXM 2 {mass!r}\nGRAVITY 0. -1.\nTIMESTEP 0.001 1\nEND\nEND\n"
+    """Free fall does not depend on the mass. A denormal one has lost its digits, so it may be refused, never be
+    wrong."""
+    text = f"PLTRUSS 1 1 2\nX 2 1. 0.\nFIX 1\nDYNX 2 2\nEND\nHALT\nXM 2 {mass!r}\nGRAVITY 0. -1.\n"
+    text += "TIMESTEP 0.001 1\nEND\nEND\n"
     try:
         result = run(1, text)
     except SpacarError as error:
-        assert "mass" in str(error) or "not finite" in str(error) or "equations of motion" in str(error)
-        return
-    assert result.node(2, 2)[-1] == pytest.approx(-0.5e-6, rel=1e-4)
+        refused = str(error)
+    else:
+        refused = ""
+    if refused:
+        assert any(word in refused for word in ("mass", "not finite", "equations of motion"))
+    else:
+        assert result.node(2, 2)[-1] == pytest.approx(-0.5e-6, rel=1e-4)
 
 
 @pytest.mark.parametrize("statement", ["XM 2 0.", "EM 1 0.", ""])
 def test_no_mass_is_refused_with_its_name(statement):
-    text = f"PLTRUSS 1 1 2\nX 2 1. 0.\nFIX 1\nDYNX 2 2\nEND\nHALT\n{statement}\nGRAVITY 0. -1.\nTIMESTEP 1. 1\nEND\nEND\n"
+    text = (
+        f"PLTRUSS 1 1 2\nX 2 1. 0.\nFIX 1\nDYNX 2 2\nEND\nHALT\n{statement}\nGRAVITY 0. -1.\nTIMESTEP 1. 1\nEND\nEND\n"
+    )
     with pytest.raises(SpacarError, match="mass"):
         run(1, text)
 
@@ -238,7 +252,8 @@ def test_no_mass_is_refused_with_its_name(statement):
 @pytest.mark.parametrize("stiffness", [0.0, 5e-324, 1e300])
 def test_stiffness_at_the_end_of_the_numbers(stiffness):
     """Static elongation F/k: nothing for 1e300; no stiffness to speak of is a message."""
-    text = f"PLTRUSS 1 1 2\nX 2 1. 0.\nFIX 1\nFIX 2 2\nDYNE 1\nEND\nHALT\nXM 2 1.\nESTIFF 1 {stiffness!r}\nXF 2 1. 0.\nEND\nEND\n"
+    text = f"PLTRUSS 1 1 2\nX 2 1. 0.\nFIX 1\nFIX 2 2\nDYNE 1\nEND\nHALT\nXM 2 1.\nESTIFF 1 {stiffness!r}\n"
+    text += "XF 2 1. 0.\nEND\nEND\n"
     if stiffness < 1.0:
         with pytest.raises(SpacarError):
             run(7, text)

@@ -1,6 +1,7 @@
 """A model in other units: every number of a deck multiplied by its dimension, read from the keyword table.
 
-A `System` gives the size of the new units: kg, m, s are how many new units one kilogram, metre, second is. A mechanism does
+A `System` gives the size of the new units: kg, m, s are how many new units one kilogram, metre, second is. A
+mechanism does
 not change by this, so every result must be the old one times its dimension.
 """
 
@@ -113,8 +114,7 @@ def convert(deck: Deck, to: System) -> Deck:
     statements = []
     for s in deck.statements:
         values = tuple(
-            v * to.factor(d) if isinstance(v, float) else v
-            for v, d in zip(s.values, dimensions.of(s), strict=True)
+            v * to.factor(d) if isinstance(v, float) else v for v, d in zip(s.values, dimensions.of(s), strict=True)
         )
         statements.append(replace(s, values=values))
     return parse_deck(replace(deck, statements=tuple(statements)).to_text(), mode=deck.mode)
@@ -130,5 +130,6 @@ def back(frame: Frame, mechanism: Mechanism, units: System) -> dict[str, np.ndar
         "sig": [per(ENERGY, d) for d in e], "fxtot": [per(ENERGY, d) for d in x],
     }  # fmt: skip
     return {
-        name: getattr(frame, name) / np.array([units.factor(d) for d in dimensions]) for name, dimensions in scale.items()
+        name: getattr(frame, name) / np.array([units.factor(d) for d in dimensions])
+        for name, dimensions in scale.items()
     }
