@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import ctypes
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 import numpy as np
 
-from spacar.compiled.library import DOUBLES, INTEGERS, CBatch, CModel, library
+from spacar.compiled.library import DOUBLES, INTEGERS, CBatch, CModel, CState, library
 from spacar.compiled.parameters import KINDS, SUPPORTED
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.saddle_point import SaddlePoint
 from spacar.frame import Frame
 from spacar.kinematics.kinematics import CONVERGED, LARGEST_JUMP
-from spacar.mechanism.mechanism import Array, Drive, Loads, Mechanism
+from spacar.mechanism.mechanism import Array, Drive, Loads, Mechanism, Polynomial
 
+Result = TypeVar("Result")
 LARGEST = 150  # unknowns of the dense solver in C; above, the banded and sparse paths win
 
 
@@ -43,18 +45,14 @@ class CompiledDynamics(Dynamics):
         self.library = library()
         self._alive: list[Any] = []  # arrays that C points into
         self.model = self._model()
+        self.state = self._state()
         n = self.numbering
-        self._x, self._xd, self._xdd = (np.zeros(n.nx) for _ in range(3))
-        self._given_e, self._given_ed, self._given_edd = (np.zeros(n.ne) for _ in range(3))
-        self._e, self._ed, self._edd, self._sigma, self._near = (np.zeros(n.ne) for _ in range(5))
-        self._pointers = [
-            ctypes.c_void_p(a.ctypes.data)
-            for a in (
-                self._x, self._xd, self._xdd, self._given_e, self._given_ed, self._given_edd, self._near,
-                self._e, self._ed, self._edd, self._sigma,
-            )
-        ]  # fmt: skip
-        self._address = ctypes.c_void_p(ctypes.addressof(self.model))
+        self._y, self._out = np.zeros(2 * n.nddof), np.zeros(2 * n.nddof)
+        self._addresses = (
+            ctypes.c_void_p(ctypes.addressof(self.model)),
+            ctypes.c_void_p(ctypes.addressof(self.state)),
+        )
+        self._y_address, self._out_address = (ctypes.c_void_p(a.ctypes.data) for a in (self._y, self._out))
 
     # -- setting up -----------------------------------------------------------------------------------------------
     def _doubles(self, array: Array) -> Any:
@@ -107,6 +105,32 @@ class CompiledDynamics(Dynamics):
             self._integers(np.zeros(N)),
         )  # fmt: skip
 
+    def _state(self) -> CState:
+        """The state in C; its arrays are attributes here, so that both sides see them."""
+        n = self.numbering
+        xs, es = n.x_class, n.e_class
+        drive = self.drive
+        self._polynomial = isinstance(drive, Polynomial)
+        start = drive.at(0.0)
+        self._x_motion = drive.x.copy() if isinstance(drive, Polynomial) else np.zeros((len(start.x), 3))
+        self._e_motion = drive.e.copy() if isinstance(drive, Polynomial) else np.zeros((len(start.e), 3))
+        self._x, self._xd, self._xdd = (np.zeros(n.nx) for _ in range(3))
+        self._given_e, self._e, self._ed, self._edd, self._sigma = (np.zeros(n.ne) for _ in range(5))
+        self._x[:] = self.mechanism.x0
+        counts = []
+        for table in (xs, es):
+            for name in ("input", "dynamic"):
+                counts += [table[name].start, table[name].stop - table[name].start]
+        return CState(
+            *counts, int(self._polynomial), 0, 0.0,
+            self._doubles(self.mechanism.x0), self._doubles(self._x_motion), self._doubles(self._e_motion),
+            self._doubles(self._x), self._doubles(self._xd), self._doubles(self._xdd),
+            self._doubles(self._given_e), self._doubles(np.zeros(n.ne)), self._doubles(np.zeros(n.ne)),
+            self._doubles(np.zeros(n.ne)), self._doubles(self._e), self._doubles(self._ed), self._doubles(self._edd),
+            self._doubles(self._sigma),
+            self._doubles(np.zeros(n.nx)), self._doubles(np.zeros(n.nx)), self._doubles(np.zeros(n.nx)),
+        )  # fmt: skip
+
     def _mass_scale(self) -> float:
         """Typical mass: the scale of the constraint rows, as in the general path."""
         self.sweep.strain(self.mechanism.x0)
@@ -114,66 +138,64 @@ class CompiledDynamics(Dynamics):
         return SaddlePoint(self.mechanism, self.sweep, "dense").mass_scale
 
     # -- evaluation -----------------------------------------------------------------------------------------------
-    def _evaluate(self, t: float, y: Array) -> bool:
-        """Evaluate in C; False when the general path has to look at this state."""
-        xs, es, k = self.xs, self.es, self.kinematics
-        drive = self.drive.at(t)
-        x_old = k.x
-        a, m = self.n_xm, self.n_positions
-        x, xd, xdd = self._x, self._xd, self._xdd
-        x[:] = self.mechanism.x0
-        guess = x_old
-        if self._last is not None and t != self._last[0]:
-            last, x_last, v_last, a_last = self._last
-            guess = x_last + (t - last) * (v_last + (0.5 * (t - last)) * a_last)
-        x[xs["calculable"]] = guess[xs["calculable"]]
-        x[xs["dynamic"]] = y[:a]
-        xd[xs["dynamic"]] = y[m : m + a]
-        xdd[:] = 0.0
-        given_e, given_ed = self._given_e, self._given_ed
-        given_e[es["dynamic"]], given_ed[es["dynamic"]] = y[a:m], y[m + a :]
-        if len(self.numbering.rheonomic):
-            x[xs["input"]], xd[xs["input"]], xdd[xs["input"]] = drive.x, drive.xd, drive.xdd
-            given_e[es["input"]], given_ed[es["input"]], self._given_edd[es["input"]] = drive.e, drive.ed, drive.edd
-        near = self._near
-        near[:] = self.sweep.near
-        near[: es["dynamic"].stop] = given_e[: es["dynamic"].stop]
-        iterations = self.library.spacar_evaluate(self._address, *self._pointers, k.converged)
-        if iterations < 0 or float(np.abs((x - x_old) / k.scale).max()) > LARGEST_JUMP:
-            self._last = None
-            return False
-        k.x = x.copy()
-        k.iterations = iterations
-        k.e_given = given_e.copy()
-        k.forget_factors()
-        self.sweep.near[:] = self._e
-        self._last = (t, k.x, xd.copy(), xdd.copy())
-        return True
+    def start(self) -> Array:
+        y = super().start()
+        self._take_over()
+        return y
+
+    def _take_over(self) -> None:
+        """The state in C becomes that of the general path."""
+        self._x[:] = self.kinematics.x
+        self._e[:] = self.sweep.near
+        self.state.known = 0
+
+    def _hand_over(self) -> None:
+        """The general path becomes the state in C."""
+        k = self.kinematics
+        k.start_at(self._x, self._e)
+        k.e_given = self._given_e.copy()
+
+    def _prescribe(self, t: float) -> None:
+        """Prescribed motion that is not a polynomial: its values at t."""
+        if not self._polynomial:
+            drive = self.drive.at(t)
+            self._x_motion[:] = np.column_stack((drive.x, drive.xd, drive.xdd))
+            self._e_motion[:] = np.column_stack((drive.e, drive.ed, drive.edd))
 
     def rhs(self, t: float, y: Array) -> Array:
-        if not self._evaluate(t, y):
-            return super().rhs(t, y)
+        self._prescribe(t)
+        self._y[:] = y
+        status = self.library.spacar_rhs(
+            *self._addresses, t, self._y_address, self._out_address, self.kinematics.converged, LARGEST_JUMP
+        )
+        if status < 0:
+            return self._in_general(lambda: super(CompiledDynamics, self).rhs(t, y))
         self.evaluations += 1
-        a, m = self.n_xm, self.n_positions
-        out = np.empty(2 * m)
-        out[:m] = y[m:]
-        out[m : m + a] = self._xdd[self.xs["dynamic"]]
-        out[m + a :] = self._edd[self.es["dynamic"]]
-        return out
+        if self.accepted is not None:
+            self._hand_over()
+        return self._out.copy()
+
+    def _in_general(self, evaluate: Callable[[], Result]) -> Result:
+        """Let the general path look at a state that C could not do; it explains failures."""
+        self._hand_over()
+        self._last = None
+        result = evaluate()
+        self._take_over()
+        return result
 
     def frame(self, t: float, y: Array) -> Frame:
-        k = self.kinematics
-        converged, k.converged = k.converged, CONVERGED
-        evaluated = self._evaluate(t, y)
-        k.converged = converged
-        if not evaluated:
-            return super().frame(t, y)
+        self._prescribe(t)
+        self._y[:] = y
+        status = self.library.spacar_evaluate(*self._addresses, t, self._y_address, CONVERGED, LARGEST_JUMP)
+        if status < 0:
+            return self._in_general(lambda: super(CompiledDynamics, self).frame(t, y))
         gravity, total = np.zeros(self.numbering.nx), np.zeros(self.numbering.nx)
         pointers = (ctypes.c_void_p(a.ctypes.data) for a in (self._xdd, self._sigma, gravity, total))
-        self.library.spacar_forces(self._address, *pointers)
-        k.refresh()  # the checks of stored steps use the families
+        self.library.spacar_forces(self._addresses[0], *pointers)
+        self._hand_over()
+        self.kinematics.refresh()  # the checks of stored steps use the families
         self.xd = self._xd.copy()
         return Frame(
-            t=t, x=k.x.copy(), xd=self.xd.copy(), xdd=self._xdd.copy(), e=self._e.copy(), ed=self._ed.copy(),
+            t=t, x=self._x.copy(), xd=self.xd.copy(), xdd=self._xdd.copy(), e=self._e.copy(), ed=self._ed.copy(),
             edd=self._edd.copy(), sig=self._sigma.copy(), fx=self.loads.force.copy(), fxgrav=gravity, fxtot=total,
         )  # fmt: skip

@@ -52,6 +52,22 @@ class CModel(ctypes.Structure):
     ]  # fmt: skip
 
 
+class CState(ctypes.Structure):
+    """`State` of solver.c."""
+
+    _fields_ = [
+        *((name, ctypes.c_int) for name in (
+            "x_input", "n_x_input", "x_dynamic", "n_x_dynamic", "e_input", "n_e_input", "e_dynamic", "n_e_dynamic",
+            "polynomial", "known",
+        )),
+        ("t", ctypes.c_double),
+        *((name, DOUBLES) for name in (
+            "x0", "x_motion", "e_motion", "x", "xd", "xdd", "given_e", "given_ed", "given_edd", "near", "e", "ed", "edd",
+            "sigma", "next_x", "next_xd", "next_xdd",
+        )),
+    ]  # fmt: skip
+
+
 @lru_cache(maxsize=1)
 def library() -> ctypes.CDLL:
     """The loaded library. Raises UsageError when no compiler is found or it fails."""
@@ -63,8 +79,10 @@ def library() -> ctypes.CDLL:
     if not target.exists():
         _compile(compiler, text, target)
     loaded = ctypes.CDLL(str(target))
-    loaded.spacar_evaluate.argtypes = [ctypes.c_void_p] * 12 + [ctypes.c_double]
-    loaded.spacar_evaluate.restype = ctypes.c_int
+    pointer, number = ctypes.c_void_p, ctypes.c_double
+    loaded.spacar_evaluate.argtypes = [pointer, pointer, number, pointer, number, number]
+    loaded.spacar_rhs.argtypes = [pointer, pointer, number, pointer, pointer, number, number]
+    loaded.spacar_evaluate.restype = loaded.spacar_rhs.restype = ctypes.c_int
     loaded.spacar_forces.argtypes = [ctypes.c_void_p] * 5
     loaded.spacar_forces.restype = None
     return loaded

@@ -5,7 +5,7 @@
 #include <string.h>
 
 enum { PLBEAM, PLTRUSS, PLTOR, PLPINBOD, BEAM, TRUSS, HINGE, PINBODY, NORMALIZATION, BODY };
-enum { OK = 0, NO_CONVERGENCE = -1, SINGULAR = -2, NOT_FINITE = -3 };
+enum { OK = 0, NO_CONVERGENCE = -1, SINGULAR = -2, NOT_FINITE = -3, JUMP = -4 };
 enum { MAX_ITERATIONS = 20, MAX_X = 14, MAX_E = 6 };
 
 typedef struct {
@@ -286,26 +286,83 @@ static int accelerate(const Model *m, const double *x, const double *xd, const d
     return OK;
 }
 
-/* Number of position iterations, or a negative reason. In: x (given values and guess), xd, xdd, e_given, e_rate, edd_given,
-   near. Out: x, xd, xdd, e, ed, edd, sigma. */
-int spacar_evaluate(const Model *m, double *x, double *xd, double *xdd, const double *e_given, const double *e_rate,
-                    const double *edd_given, const double *near, double *e, double *ed, double *edd, double *sigma,
-                    double converged)
+typedef struct {
+    int x_input, n_x_input, x_dynamic, n_x_dynamic, e_input, n_e_input, e_dynamic, n_e_dynamic, polynomial, known;
+    double t;                             /* of the last evaluated state, when `known` */
+    const double *x0;                     /* (nx) reference configuration: the values of fixed coordinates */
+    const double *x_motion, *e_motion;    /* (n, 3): start, rate, acceleration; or value, rate, acceleration at t */
+    double *x, *xd, *xdd;                 /* (nx) last evaluated state */
+    double *given_e, *given_ed, *given_edd, *near, *e, *ed, *edd, *sigma; /* (ne) */
+    double *next_x, *next_xd, *next_xdd;  /* (nx) work */
+} State;
+
+/* Value, rate and acceleration of a prescribed motion. */
+static void motion(const State *s, const double *row, double t, double *value, double *rate, double *acceleration)
 {
-    const int iterations = place(m, x, xd, e, near, e_given, e_rate, converged);
+    *value = s->polynomial ? row[0] + t * (row[1] + 0.5 * t * row[2]) : row[0];
+    *rate = s->polynomial ? row[1] + t * row[2] : row[1];
+    *acceleration = row[2];
+}
+
+/* Evaluate the state y = (x dynamic, e dynamic, their rates) at t. Number of position iterations, or a negative reason; then
+   the last evaluated state is still there. The guess of the position is the Taylor expansion of the last state. */
+int spacar_evaluate(const Model *m, State *s, double t, const double *y, double converged, double jump)
+{
+    const int nx = m->nx, first = m->n_fixed_x, n = m->n_equations, a = s->n_x_dynamic, q = a + s->n_e_dynamic;
+    double *x = s->next_x, *xd = s->next_xd, *xdd = s->next_xdd;
+    const double dt = s->known ? t - s->t : 0.0;
+    memcpy(x, s->x0, sizeof(double) * nx);
+    memset(xd, 0, sizeof(double) * nx);
+    memset(xdd, 0, sizeof(double) * nx);
+    for (int i = first; i < first + n; i++) x[i] = s->x[i] + dt * (s->xd[i] + 0.5 * dt * s->xdd[i]);
+    for (int i = 0; i < s->n_x_input; i++) {
+        const int k = s->x_input + i;
+        motion(s, s->x_motion + 3 * i, t, &x[k], &xd[k], &xdd[k]);
+    }
+    for (int i = 0; i < s->n_e_input; i++) {
+        const int k = s->e_input + i;
+        motion(s, s->e_motion + 3 * i, t, &s->given_e[k], &s->given_ed[k], &s->given_edd[k]);
+    }
+    for (int i = 0; i < a; i++) { x[s->x_dynamic + i] = y[i]; xd[s->x_dynamic + i] = y[q + i]; }
+    for (int i = a; i < q; i++) {
+        s->given_e[s->e_dynamic + i - a] = y[i];
+        s->given_ed[s->e_dynamic + i - a] = y[q + i];
+    }
+    memcpy(s->near, s->e, sizeof(double) * m->ne);
+    memcpy(s->near, s->given_e, sizeof(double) * n); /* the rows that are given come first */
+    const int iterations = place(m, x, xd, s->edd, s->near, s->given_e, s->given_ed, converged);
     if (iterations < 0) return iterations;
-    const int status = accelerate(m, x, xd, e, edd_given, xdd, sigma);
+    for (int i = 0; i < nx; i++) if (!(fabs(x[i] - s->x[i]) <= jump * m->scale[i])) return JUMP;
+    const int status = accelerate(m, x, xd, s->edd, s->given_edd, xdd, s->sigma);
     if (status < 0) return status;
+    memcpy(s->e, s->edd, sizeof(double) * m->ne);
+    memcpy(s->x, x, sizeof(double) * nx);
+    memcpy(s->xd, xd, sizeof(double) * nx);
+    memcpy(s->xdd, xdd, sizeof(double) * nx);
+    s->t = t;
+    s->known = 1;
     for (int r = 0; r < m->ne; r++) {
         double rate = 0.0, acceleration = m->h[r];
-        for (int j = 0; j < m->nx; j++) {
-            rate += m->V[r * m->nx + j] * xd[j];
-            acceleration += m->V[r * m->nx + j] * xdd[j];
+        for (int j = 0; j < nx; j++) {
+            rate += m->V[r * nx + j] * xd[j];
+            acceleration += m->V[r * nx + j] * xdd[j];
         }
-        ed[r] = rate;
-        edd[r] = acceleration;
+        s->ed[r] = rate;
+        s->edd[r] = acceleration;
     }
     return iterations;
+}
+
+/* Time derivative of y. */
+int spacar_rhs(const Model *m, State *s, double t, const double *y, double *out, double converged, double jump)
+{
+    const int status = spacar_evaluate(m, s, t, y, converged, jump);
+    if (status < 0) return status;
+    const int a = s->n_x_dynamic, q = a + s->n_e_dynamic;
+    memcpy(out, y + q, sizeof(double) * q);
+    memcpy(out + q, s->xdd + s->x_dynamic, sizeof(double) * a);
+    memcpy(out + q + a, s->edd + s->e_dynamic, sizeof(double) * s->n_e_dynamic);
+    return status;
 }
 
 /* Gravity M g and total external forces M xdd + h + V^T sigma at the last evaluated state. */
