@@ -34,6 +34,7 @@ MAX_ITERATIONS = 20
 MAX_HALVINGS = 5
 LARGEST_JUMP = 0.8  # rad or model lengths between two configurations
 MAX_DEPTH = 10
+MOST_PIECES = 50_000  # of a prescribed motion between two positions: some 6000 turns
 
 
 class Kinematics:
@@ -132,7 +133,8 @@ class Kinematics:
                 raise failure.explain() from None
         self.x, self._factored = x_old, False
         near[:] = near_old
-        pieces = 2 if depth else max(2, int(np.ceil(self._distance(x_given - x_old, e_given - e_old) / LARGEST_JUMP)))
+        jumps = 0.0 if depth else self._distance(x_given - x_old, e_given - e_old) / LARGEST_JUMP
+        pieces = int(np.ceil(jumps)) if 2.0 < jumps <= MOST_PIECES else 2
         for k in range(1, pieces):
             part = k / pieces
             self._solve(x_old + part * (x_given - x_old), e_old + part * (e_given - e_old), None, None, None, depth + 1)
