@@ -90,6 +90,20 @@ def find_mode(number: int) -> Mode:
     return MODES[abs(number)]
 
 
+def _check_options(options: dict[str, Any]) -> None:
+    """Raises UsageError for an option that does not exist, or for a tolerance, step or duration that is not positive."""
+    from dataclasses import fields
+
+    from spacar.mechanism import Settings
+
+    known = [f.name for f in fields(Settings)]
+    for name, value in options.items():
+        if name not in known:
+            raise UsageError(f"there is no option '{name}'; the options are {', '.join(known)}", "usage.option")
+        if name in ("atol", "rtol", "step", "duration", "n_steps") and value is not None and not value > 0:
+            raise UsageError(f"the option {name} = {value!r} must be positive", "usage.option")
+
+
 def frames(mode: int, source: str | Path | Deck, *, nominal: Any = None, **options: Any) -> Run:
     """Prepare an analysis: read, check and number the model; the frames come when the returned Run is iterated over.
 
@@ -100,6 +114,7 @@ def frames(mode: int, source: str | Path | Deck, *, nominal: Any = None, **optio
     from spacar.mechanism import build
 
     found = find_mode(mode)
+    _check_options(options)
     deck = source if isinstance(source, Deck) else read_deck(source, found.number)
     return Run(found, build(deck, found.number, **options), nominal=nominal)
 

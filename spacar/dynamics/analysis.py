@@ -79,7 +79,7 @@ def evaluator(run: Run) -> Dynamics:
 
     reason = why_not(run.mechanism)
     if reason:
-        run.report.add(f"not compiled: {reason}")
+        run.report.add(f"warning: not compiled: {reason}")
         return Dynamics(run.mechanism)
     return CompiledDynamics(run.mechanism)
 

@@ -114,10 +114,14 @@ def run_mode(
     except (Exception, KeyboardInterrupt) as error:  # before the first step
         log.finish(error)
         outcome.error = error
+    if run is not None and not quiet:
+        for line in run.report.lines:
+            if line.startswith("warning: "):
+                tell(environment, "warning", line.removeprefix("warning: "))
     status = _status(environment, outcome, results)
     if as_json:
         environment.say(_as_json(mode, source, outcome, status, log, results, run))
-    elif not quiet and run is not None and (verbose or environment.output_is_terminal):
+    elif not quiet and run is not None and (verbose or environment.output_is_terminal or _ill_defined(run)):
         if verbose or mode.number == 0:
             for line in run.report.lines:
                 environment.say(line)
@@ -126,6 +130,12 @@ def run_mode(
             steps = f"{outcome.steps} step{'s' * (outcome.steps != 1)}"
             environment.say(f"{source.name}: {mode.title}, {steps} in {outcome.seconds:.2f} s: {names}")
     return status
+
+
+def _ill_defined(run: Run) -> bool:
+    """Did mode 0 find over- or under-constraints? They are told even where no terminal is."""
+    diagnosis = run.header.get("diagnosis")
+    return diagnosis is not None and bool(diagnosis.over or diagnosis.under)
 
 
 def consume(run: Run, sinks: Sequence[Sink]) -> Outcome:
