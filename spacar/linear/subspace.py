@@ -9,20 +9,23 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacar.errors import AnalysisError
 from spacar.mechanism.mechanism import Array
 
+Complex = NDArray[np.complex128]
 Operator = Callable[[Array], Array]
 CONVERGED = 1e-10  # |op(v) - theta v| / |theta| of the wanted Ritz vectors v of norm 1
 SUFFICIENT = 1e-8  # accepted when it does not get better
+NOTHING = 1e-13  # theta below this fraction of the largest is zero
 MAX_ITERATIONS = 100
 PATIENCE = 8  # iterations without improvement
 SPARE = 28  # additional columns
 
 
-def dominant_subspace(operator: Operator, start: Array, wanted: int) -> Array:
-    """Orthonormal X (n, p) that contains the `wanted` eigenvectors of largest modulus; start (n, p).
+def dominant(operator: Operator, start: Array, wanted: int) -> tuple[Complex, Complex]:
+    """The `wanted` eigenvalues theta of largest modulus and their vectors (n, wanted) of norm 1; start (n, p).
 
     Raises AnalysisError 'eigen.no-convergence'.
     """
@@ -31,19 +34,25 @@ def dominant_subspace(operator: Operator, start: Array, wanted: int) -> Array:
     for _ in range(MAX_ITERATIONS):
         Y = operator(X)
         theta, c = np.linalg.eig(X.T @ Y)
-        chosen = np.argsort(-np.abs(theta), kind="stable")[:wanted]
+        chosen = np.lexsort((-theta.imag, -np.abs(theta)))[:wanted]
         theta, c = theta[chosen], c[:, chosen]
         error = np.linalg.norm(Y @ c - X @ (c * theta), axis=0)
-        residual = float(np.max(error / np.maximum(np.abs(theta), 1e-13 * np.abs(theta[0]))))
-        if residual <= CONVERGED:
-            return X
+        residual = float(np.max(error / np.maximum(np.abs(theta), NOTHING * np.abs(theta[0]))))
         since = 0 if residual < 0.5 * best else since + 1
         best = min(best, residual)
-        if since >= PATIENCE and best <= SUFFICIENT:
-            return X
+        if residual <= CONVERGED or (since >= PATIENCE and residual <= SUFFICIENT):
+            return theta, X @ c  # not Y c: another step would amplify what is left of larger theta
         X = np.linalg.qr(Y)[0]
     raise AnalysisError(
         f"the lowest {wanted} modes did not converge in {MAX_ITERATIONS} subspace iterations (residual {best:.3g});"
         " ask for all modes with OUTLEVEL 0 1",
         "eigen.no-convergence",
     )
+
+
+def real_vectors(theta: Complex, vectors: Complex) -> Array:
+    """Real vectors of an operator with real eigenvalues: the two of a repeated value may come as a complex pair."""
+    out = vectors.real.copy()
+    second = np.flatnonzero(theta.imag < 0.0)
+    out[:, second] = vectors[:, second].imag
+    return out / np.linalg.norm(out, axis=0)
