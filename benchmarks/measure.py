@@ -115,7 +115,7 @@ def numpy_import(repeats: int = 7) -> float:
 
 def lines(measured: Measured, machine: float) -> Iterator[str]:
     """The table of one case: best setting per level, targets scaled to this machine, what was missed."""
-    yield f"== {measured.case.name}: {measured.case.title}"
+    yield f"== {measured.case.name}: {measured.case.title} (machine factor {machine:.2f})"
     for level in measured.case.levels:
         best = measured.best(level)
         what = (
