@@ -1,0 +1,121 @@
+"""eigen, bode, compliance: numbers, names, pictures, errors."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import shutil
+
+import numpy as np
+import pytest
+
+from .conftest import DATA
+
+
+@pytest.fixture
+def results(call, tmp_path):
+    for name in ("lever", "massspring", "plbeam5", "lateral4"):
+        shutil.copy(DATA / f"{name}.dat", tmp_path)
+    for mode, name in ((9, "lever"), (7, "massspring"), (8, "plbeam5"), (10, "lateral4")):
+        assert call(mode, name).status == 0
+    return call
+
+
+def test_eigen_table(results):
+    done = results("eigen", "massspring")
+    assert done.status == 0
+    for printed in ("55.55106", "24.78062", "element 1 (PLBEAM) e1 elongation"):
+        assert printed in done.out
+
+
+def test_eigen_from_state_space_matrices(results):
+    """The lever: s^2 + 5 s + 1000 = 0."""
+    rows = json.loads(results("eigen", "lever", "--json").out)
+    assert [r["real"] for r in rows] == pytest.approx([-2.5, -2.5])
+    assert rows[0]["modulus"] == pytest.approx(np.sqrt(1000))
+    assert rows[0]["damping"] == pytest.approx(2.5 / np.sqrt(1000))
+    assert rows[0]["dof"] == "node 2 x"
+
+
+def test_eigen_csv_has_all_digits(results):
+    rows = list(csv.DictReader(io.StringIO(results("eigen", "massspring", "--csv", "--lowest", "2").out)))
+    assert len(rows) == 2
+    assert len(rows[0]["modulus [rad/s]"]) > 14
+
+
+def test_pictures(results, tmp_path):
+    assert results("eigen", "massspring", "-o", "a.png", "-o", "a.svg", "--against", "xd[2,1]").status == 0
+    assert results("bode", "lever").status == 0
+    for name in ("a.png", "a.svg", "lever_bode.png"):
+        assert (tmp_path / name).stat().st_size > 1000
+    assert "xd[2,1]" in (tmp_path / "a.svg").read_text()
+
+
+def test_bode_numbers(results):
+    """-6000 s (s + 5)/(s^2 + 5 s + 1000), the transfer function of the printed figure."""
+    done = results("bode", "lever", "--csv", "--low", "0.5", "--high", "50")
+    header, *rows = csv.reader(io.StringIO(done.out))
+    assert header[1] == "amplitude OUTF node 5 x / INX node 7 x"
+    f, amplitude, phase = np.array(rows, float).T
+    s = 2j * np.pi * f
+    truth = -6000 * s * (s + 5) / (s * s + 5 * s + 1000)
+    assert np.allclose(amplitude * np.exp(1j * np.radians(phase)), truth, rtol=1e-9)
+
+
+def test_compliance_of_a_planar_node(results):
+    """The printed directional compliances are its diagonal; the matrix is symmetric and turns with the axes."""
+    found = json.loads(results("compliance", "plbeam5", "11", "--json").out)
+    fixed, body = np.array(found["global"]), np.array(found["body"])
+    assert fixed[0, 0] == pytest.approx(0.4859, abs=5e-5)
+    assert fixed[1, 1] == pytest.approx(0.0633, abs=5e-5)
+    assert np.allclose(fixed, fixed.T, rtol=1e-10)
+    assert np.allclose(np.linalg.eigvalsh(fixed[:2, :2]), np.linalg.eigvalsh(body[:2, :2]), rtol=1e-10)
+
+
+def test_compliance_of_a_spatial_node(call, tmp_path):
+    """A bent and twisted beam: the rotation by a moment increment, from a second run, is the compliance column."""
+    text = """
+BEAM 1 1 2 3 4 0. 1. 0.
+X 3 1. 0. 0.
+FIX 1
+FIX 2
+DYNE 1 2 3 4 5 6
+END
+HALT
+EM 1 1. 0.1
+ESTIFF 1 0. 2. 1. 1.5
+XF 4 {} {} {}
+ITERSTEP 20 4 1e-13
+END
+END
+"""
+    moment, h = np.array([0.3, 0.2, -0.1]), 1e-5
+    (tmp_path / "a.dat").write_text(text.format(*moment))
+    assert call(7, "a").status == 0
+    found = json.loads(call("compliance", "a", "3", "--json").out)
+
+    def state(m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        (tmp_path / "b.dat").write_text(text.format(*(repr(float(v)) for v in m)))
+        assert call(7, "b").status == 0
+        data = json.loads(call("getfrsbf", "b.sbd", "x", "--json").out)["data"]
+        lnp = np.array(json.loads(call("getfrsbf", "b.sbd", "lnp", "--json").out)["data"]).reshape(-1, 4)
+        x = np.ravel(data)
+        return x[lnp[2, :3] - 1], x[lnp[3] - 1]
+
+    for k in range(3):
+        step = h * np.eye(3)[k]
+        (xa, la), (xb, lb) = state(moment - step), state(moment + step)
+        l0, l = (la[0] + lb[0]) / 2, (la[1:] + lb[1:]) / 2
+        d = (lb - la) / (2 * h)
+        turn = 2 * (-l * d[0] + l0 * d[1:] + np.cross(l, d[1:]))
+        # the load is a constant moment, as K0 + N0 + G0 has it; differences of step 1e-5 reach 1e-7
+        assert np.allclose(np.array(found["global"])[:, 3 + k], np.r_[(xb - xa) / (2 * h), turn], atol=1e-6)
+
+
+def test_wrong_wishes(results):
+    assert "no output 7; there are 1 (OUTF node 5 x)" in results("bode", "lever", "--to", "7").err
+    assert "step 4 does not exist" in results("eigen", "massspring", "--step", "4").err
+    assert "no position node" in results("compliance", "plbeam5", "2", "4").err
+    assert "no eigenvalues" in results("eigen", "nothing").err or "not found" in results("eigen", "nothing").err
+    assert results("bode", "lever", "--low", "5", "--high", "1").status == 2
