@@ -2,8 +2,8 @@
 
 Run: OMP_NUM_THREADS=1 python benchmarks/cantilever_eigen.py. l = EI = m = 1, rigid in elongation. A whole mode 7 run in
 memory, reading and numbering not included; up to 300 beams all modes (dense), beyond that the lowest 20 (sparse).
-Columns: elements, stored eigenvalues, seconds, microseconds per element, relative errors of the first and fifth frequency
-against cos b cosh b = -1, measured order of the first.
+Columns: elements, stored eigenvalues, seconds, microseconds per element, relative errors of the first and fifth
+frequency against cos b cosh b = -1, measured order of the first.
 """
 
 from __future__ import annotations

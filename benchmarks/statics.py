@@ -1,7 +1,8 @@
 """Strongly bent cantilever: cost of the stationary solution for n = 5 ... 1000 planar beams, and its error.
 
-Run: OMP_NUM_THREADS=1 python benchmarks/statics.py. l = EI = 1, transverse tip force 10 EI/l^2 (tip angle 82 degrees), four
-load steps, reading and numbering not included. The truth is the elastica, theta'' = -F cos theta by shooting. Columns:
+Run: OMP_NUM_THREADS=1 python benchmarks/statics.py. l = EI = 1, transverse tip force 10 EI/l^2 (tip angle 82
+degrees), four load steps, reading and numbering not included. The truth is the elastica, theta'' = -F cos theta by
+shooting. Columns:
 elements, milliseconds for the first solution (with all load steps), per element, evaluations of the residual, error of
 the tip relative to l and its measured order.
 """

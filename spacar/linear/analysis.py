@@ -84,7 +84,7 @@ class Solution:
 
 
 def stationary(run: Run, reducible: bool = True) -> Iterator[Solution]:
-    """The stored stationary solutions. `reducible`: large systems at rest get no dense matrices unless OUTLEVEL asks."""
+    """The stored stationary solutions. `reducible`: no dense matrices for large systems unless OUTLEVEL asks."""
     mechanism, settings = run.mechanism, run.mechanism.settings
     n = mechanism.numbering
     program = load_program(settings)
@@ -93,7 +93,8 @@ def stationary(run: Run, reducible: bool = True) -> Iterator[Solution]:
     reduced = reducible and solver.sparse and n.nddof > LARGE and settings.sbd_level is None
     if reduced:
         run.report.add(
-            f"{n.nddof} dynamic degrees of freedom (more than {LARGE}): only the {WANTED} lowest modes, no matrices and no"
+            f"{n.nddof} dynamic degrees of freedom (more than {LARGE}): only the {WANTED} lowest modes, no"
+            f" matrices and no"
             " transfer functions are computed; OUTLEVEL 0 1 asks for all of them"
         )
     output = TransferOutput(run)
@@ -109,7 +110,9 @@ def stationary(run: Run, reducible: bool = True) -> Iterator[Solution]:
             continue
         limits = limits or Limits(dynamics, run.report)
         convected = dynamics.forces.inertia(dynamics.sweep, dynamics.xd)
-        frame = dynamics.complete(float(stored), state.xdd, _stored_stress(dynamics, state), state.convective, convected)
+        frame = dynamics.complete(
+            float(stored), state.xdd, _stored_stress(dynamics, state), state.convective, convected
+        )
         limits.check(dynamics, frame)
         frame.statistics = {"iterations": iterations, "residual": state.norm}
         stored, iterations = stored + 1, 0

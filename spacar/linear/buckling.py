@@ -3,8 +3,8 @@
     det(K0 + lambda G0) = 0:   -G0 v = mu K0 v,  lambda = 1/mu      (K0 positive definite, G0 symmetric)
     otherwise the general problem  -G0 v = mu K0 v;  mu = 0 are infinite multipliers
 
-Multipliers are ordered by modulus, modes have norm 1; negative multipliers belong to the reversed load. The compliance of
-coordinate i is W_i K^-1 W_i^T with K = K0 + N0 + G0 of the dynamic degrees of freedom.
+Multipliers are ordered by modulus, modes have norm 1; negative multipliers belong to the reversed load. The
+compliance of coordinate i is W_i K^-1 W_i^T with K = K0 + N0 + G0 of the dynamic degrees of freedom.
 """
 
 from __future__ import annotations
@@ -79,7 +79,9 @@ def _general(K: Array, G: Array, report: Report) -> tuple[Array, Array]:
         mu = np.where(np.abs(beta) > 1e-15 * size, alpha / np.where(beta == 0, 1.0, beta), np.inf)
     complex_values = np.abs(mu.imag) > 1e-8 * np.abs(mu)
     if complex_values.any():
-        report.add(f"{int(complex_values.sum())} load multipliers are complex (follower loads): they are shown as infinite")
+        report.add(
+            f"{int(complex_values.sum())} load multipliers are complex (follower loads): they are shown as infinite"
+        )
     mu = np.where(complex_values, 0.0, mu.real)
     finite = np.isfinite(mu)
     if not finite.all():

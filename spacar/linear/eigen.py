@@ -60,8 +60,9 @@ def vibration_modes(L: Linearization, q: Index, s: Index) -> Modes:
 def damped_modes(K: Array, C: Array, M: Array) -> Modes:
     """Modes of M qdd + C qd + K q = 0, K symmetric, in the coordinates of the undamped modes.
 
-    With q = Phi p, Phi^T M Phi = 1, Phi^T K Phi = Omega^2 the state (w p, pd), w = |Omega| (1 where Omega = 0), has the graded
-    matrix [0 w; -Omega^2/w -Phi^T C Phi], from the highest to the lowest mode: low modes keep their relative accuracy.
+    With q = Phi p, Phi^T M Phi = 1, Phi^T K Phi = Omega^2 the state (w p, pd), w = |Omega| (1 where Omega = 0), has
+    the graded matrix [0 w; -Omega^2/w -Phi^T C Phi], from the highest to the lowest mode: low modes keep their
+    relative accuracy.
     """
     squares, Phi = polished(K, M, *symmetric_pencil(K, M))
     order = np.argsort(-np.abs(squares), kind="stable")
@@ -102,15 +103,19 @@ def undamped_modes(K: Array, M: Array) -> Modes:
 
 
 def symmetric_pencil(K: Array, M: Array) -> tuple[Array, Array]:
-    """omega^2 (n,) ascending and vectors (n, n) of K phi = omega^2 M phi, M positive definite, scaled to unit diagonal."""
+    """omega^2 (n,) ascending and vectors (n, n) of K phi = omega^2 M phi, M positive definite."""
     diagonal = np.diag(M)
     if np.any(diagonal <= 0.0):
-        raise AnalysisError("singular mass matrix: a degree of freedom carries no mass; add XM or EM", "dynamics.singular-mass")
+        raise AnalysisError(
+            "singular mass matrix: a degree of freedom carries no mass; add XM or EM", "dynamics.singular-mass"
+        )
     scale = 1.0 / np.sqrt(diagonal)
     try:
         lower = np.linalg.cholesky(M * np.outer(scale, scale))
     except np.linalg.LinAlgError:
-        raise AnalysisError("the mass matrix is not positive definite; a motion carries no mass", "dynamics.singular-mass") from None
+        raise AnalysisError(
+            "the mass matrix is not positive definite; a motion carries no mass", "dynamics.singular-mass"
+        ) from None
     half = np.linalg.solve(lower, K * np.outer(scale, scale))
     reduced = np.linalg.solve(lower, half.T)
     squares, vectors = np.linalg.eigh((reduced + reduced.T) / 2)
@@ -121,9 +126,10 @@ def symmetric_pencil(K: Array, M: Array) -> tuple[Array, Array]:
 def polished(K: Array, M: Array, squares: Array, shapes: Array) -> tuple[Array, Array]:
     """The same with accurate low modes: one step of inverse iteration and a Rayleigh-Ritz projection.
 
-    The reduction to a standard problem leaves an error of eps times the largest omega^2 in all of them. For the low ones
-    X, with F = M X and Y = Q^-1 F of the shifted matrix Q = K + s^2 M, the projected problem (Y^T M Y) c = theta (F^T Y) c
-    has theta = 1/(omega^2 + s^2) with small relative errors: K itself is not multiplied. Left alone where it does not apply.
+    The reduction to a standard problem leaves an error of eps times the largest omega^2 in all of them. For the low
+    ones X, with F = M X and Y = Q^-1 F of the shifted matrix Q = K + s^2 M, the projected problem (Y^T M Y) c = theta
+    (F^T Y) c has theta = 1/(omega^2 + s^2) with small relative errors: K itself is not multiplied. Left alone where
+    it does not apply.
     """
     largest = float(np.max(np.abs(squares), initial=0.0))
     low = np.flatnonzero(np.abs(squares) < POLISHED * largest)

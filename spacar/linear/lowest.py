@@ -1,13 +1,13 @@
 """Lowest modes of large systems at rest, without dense matrices (theory-system.md 6.2).
 
-Vibration: (lambda^2 M + lambda C + K_x) x + V^T sigma = 0, V x = 0 (rows fixed and input). With a real shift s > 0, that is
-the negative shift -s^2 for omega^2, Q = K_x + s C + s^2 M is regular although there may be rigid-body modes:
+Vibration: (lambda^2 M + lambda C + K_x) x + V^T sigma = 0, V x = 0 (rows fixed and input). With a real shift s > 0,
+that is the negative shift -s^2 for omega^2, Q = K_x + s C + s^2 M is regular although there may be rigid-body modes:
 
     C = 0, K symmetric:  op = Q^-1 M,  theta = 1/(omega^2 + s^2), Rayleigh quotients in the energy of Q
     otherwise:           op (x, v) = (x', x + s x'),  Q x' = -(M v + (C + s M) x),  theta = 1/(lambda - s)
 
-s^2 is a hundredth of the highest wanted omega^2, found by two steps of the iteration. Buckling: op = -K_S^-1 (Hs + load),
-theta = 1/lambda, K_S = V^T S V. All pairs are checked: |op(z) - theta z| <= 1e-8 |theta| |z|.
+s^2 is a hundredth of the highest wanted omega^2, found by two steps of the iteration. Buckling: op = -K_S^-1 (Hs +
+load), theta = 1/lambda, K_S = V^T S V. All pairs are checked: |op(z) - theta z| <= 1e-8 |theta| |z|.
 """
 
 from __future__ import annotations
@@ -53,7 +53,8 @@ def lowest_buckling(tangent: SparseTangent, wanted: int = WANTED) -> BucklingMod
         system = tangent.factor({})
     except SingularMatrixError as error:
         raise AnalysisError(
-            f"the stiffness matrix K0 is singular ({error}): no load multipliers; support or prescribe the motion without"
+            f"the stiffness matrix K0 is singular ({error}): no load multipliers; support or prescribe the motion"
+            f" without"
             " stiffness",
             "buckling.singular",
         ) from None
@@ -61,13 +62,13 @@ def lowest_buckling(tangent: SparseTangent, wanted: int = WANTED) -> BucklingMod
     def operator(x: Array) -> Array:
         return -tangent.displacement(system, tangent.times(LOADING, x))
 
-    theta, x = dominant(operator, operator(_random(tangent, wanted)), wanted)
+    values, vectors = dominant(operator, operator(_random(tangent, wanted)), wanted)
     if _symmetric(tangent):
-        x = real_vectors(theta, x)
+        x = real_vectors(values, vectors)
         theta = _rayleigh(x, tangent.times(LOADING, x), operator(x))
     else:
-        real = np.abs(theta.imag) <= 1e-8 * np.abs(theta)
-        theta, x = theta[real].real, x[:, real].real
+        real = np.abs(values.imag) <= 1e-8 * np.abs(values)
+        theta, x = values[real].real, vectors[:, real].real
     order = np.argsort(-np.abs(theta), kind="stable")
     theta, x = theta[order], x[:, order]
     _check(operator, theta, x, "load multiplier")
@@ -184,5 +185,7 @@ def _check(operator: Operator, theta: Array, z: Array, what: str) -> None:
     residual = np.linalg.norm(image - z * theta, axis=0) / np.where(size > 0.0, size, 1.0)
     if not np.all(residual <= RESIDUAL):
         worst = int(np.argmax(residual))
-        text = f"the {what} number {worst + 1} from below has the relative residual {residual[worst]:.3g} > {RESIDUAL:g}"
+        text = (
+            f"the {what} number {worst + 1} from below has the relative residual {residual[worst]:.3g} > {RESIDUAL:g}"
+        )
         raise AnalysisError(f"{text}; ask for all modes with OUTLEVEL 0 1", "eigen.residual")

@@ -8,9 +8,10 @@ With G the configuration transfer, Z = d(xd)/ds at fixed qd, Y = d(xdd)/ds at fi
     K0 = We^T S Ge                      G0 = W^T (Hs(sigma) - df/dx) G
     N0 = W^T (M Y + [d(M xdd)/dx + h_x] G + h_v Z) + We^T S_d Ze
 
-sigma holds all stresses; those of the rows fixed, input and dynamic come from the equilibrium of the calculable coordinates
-(10), which makes the sum the exact derivative of the residual also away from equilibrium. Configuration-dependent
-gravity belongs to G0 because it is proportional to the load; released dampers and tube flow to N0 and C0.
+sigma holds all stresses; those of the rows fixed, input and dynamic come from the equilibrium of the calculable
+coordinates (10), which makes the sum the exact derivative of the residual also away from equilibrium.
+Configuration-dependent gravity belongs to G0 because it is proportional to the load; released dampers and tube flow
+to N0 and C0.
 """
 
 from __future__ import annotations
@@ -36,7 +37,8 @@ from spacar.mechanism.mechanism import Array, UserForces
 
 @dataclass(frozen=True)
 class Linearization:
-    """Matrices over all degrees of freedom: rows q (ndof), columns q or s (nkdof); maps to coordinates and deformations.
+    """Matrices over all degrees of freedom: rows q (ndof), columns q or s (nkdof); maps to coordinates and
+    deformations.
 
     m0, c0, d0 (ndof, ndof); k0, n0, g0 (ndof, nkdof); ak0 (nkdof, ndof); bk0 (nkdof, nkdof)
     W, We   velocity transfer;  G, Ge   configuration transfer
@@ -134,9 +136,7 @@ def linearize(
     )  # fmt: skip
 
 
-def equilibrium_stresses(
-    dynamics: Dynamics, xdd: Array, edd: Array, sigma: Array, user: UserForces | None
-) -> Array:
+def equilibrium_stresses(dynamics: Dynamics, xdd: Array, edd: Array, sigma: Array, user: UserForces | None) -> Array:
     """sigma with the rows fixed, input, dynamic from the equilibrium of the calculable coordinates (10)."""
     sweep = dynamics.sweep
     sigma = sigma.copy()
@@ -164,7 +164,9 @@ def load_gradient(dynamics: Dynamics) -> Array:
     return out
 
 
-def _rates(dynamics: Dynamics, V: Array, W: Array, G: Array, xdd: Array) -> tuple[Array, Array, Array, Array, Array, Array]:
+def _rates(
+    dynamics: Dynamics, V: Array, W: Array, G: Array, xdd: Array
+) -> tuple[Array, Array, Array, Array, Array, Array]:
     k, sweep, xd = dynamics.kinematics, dynamics.sweep, dynamics.xd
     zero_x = np.zeros_like
     H1v, H2v = gradient_rate(sweep, xd), gradient_transport(sweep, xd)

@@ -50,8 +50,8 @@ class StateSpace:
 def has_feedthrough(inputs: Sequence[Signal], outputs: Sequence[Signal]) -> bool:
     """Can D differ from zero? Decided by the kinds alone, so that all steps of a run agree.
 
-    Second derivatives and reactions follow every input; coordinates and deformations follow prescribed values, their rates
-    prescribed values and rates.
+    Second derivatives and reactions follow every input; coordinates and deformations follow prescribed values, their
+    rates prescribed values and rates.
     """
     prescribed = {"INX", "INE"}
     sources = {"OUTX": prescribed, "OUTE": prescribed}
@@ -82,7 +82,9 @@ def solve_mass(M: Array, b: Array) -> Array:
     """M^-1 b for a symmetric positive definite M, scaled to a unit diagonal."""
     diagonal = np.diag(M)
     if np.any(diagonal <= 0.0):
-        raise AnalysisError("singular mass matrix: a degree of freedom carries no mass; add XM or EM", "dynamics.singular-mass")
+        raise AnalysisError(
+            "singular mass matrix: a degree of freedom carries no mass; add XM or EM", "dynamics.singular-mass"
+        )
     scale = 1.0 / np.sqrt(diagonal)
     try:
         solution = np.linalg.solve(M * np.outer(scale, scale), b * scale[:, None])

@@ -1,7 +1,8 @@
 """The dominant invariant subspace of a linear operator by orthogonal (block power) iteration.
 
-X <- qr(op(X)), Ritz values from X^T op(X). A block finds repeated eigenvalues, which a single Krylov vector may miss; the
-block has more columns than are wanted, so that the last wanted value theta_k converges with |theta_p / theta_k| per step.
+X <- qr(op(X)), Ritz values from X^T op(X). A block finds repeated eigenvalues, which a single Krylov vector may miss;
+the block has more columns than are wanted, so that the last wanted value theta_k converges with |theta_p / theta_k|
+per step.
 """
 
 from __future__ import annotations

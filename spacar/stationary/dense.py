@@ -1,4 +1,4 @@
-"""The Newton step with dense matrices: the exact tangent K0 + N0 + G0, and singular stiffness (theory-system.md 6.1)."""
+"""The Newton step with dense matrices: exact tangent K0 + N0 + G0, singular stiffness (theory-system.md 6.1)."""
 
 from __future__ import annotations
 
@@ -40,7 +40,8 @@ def solve_tangent(K: Array, residual: Array, names: list[str], size: float = 0.0
     if lost > IN_RANGE * float(np.linalg.norm(projected)) and lost > rounding:
         worst = names[int(np.argmax(np.abs(vt[-1])))]
         text = (
-            "no stationary solution: the stiffness matrix is singular and the load works on a motion without stiffness, mainly"
+            "no stationary solution: the stiffness matrix is singular and the load works on a motion without"
+            " stiffness, mainly"
             f" {worst}; support it (FIX), prescribe it (INPUTX, INPUTE) or give it a stiffness (ESTIFF)"
         )
         raise AnalysisError(text, "statics.no-solution")

@@ -26,7 +26,8 @@ class Equilibrium:
     xdd (nx,) accelerations of steady motion; convective (ne,) H(xd, xd); sigma (ne,) constitutive stresses, zero on
     fixed and input rows; full (ne,) all stresses with those of rows E from the equilibrium; residual (nddof,);
     size: magnitude of the forces in it, and of the stiffness of released deformations times the rounding of lengths.
-    work, work_size: the largest residual and the size of the forces, each times the size of its coordinate or deformation
+    work, work_size: the largest residual and the size of the forces, each times the size of its coordinate or
+    deformation
     (model length, 1 rad), so that forces and moments compare and units do not matter.
     """
 
@@ -46,7 +47,8 @@ class Equilibrium:
     def reached(self, tolerance: float, seen: float) -> bool:
         """max |R| <= tolerance and small against the loads, or below their rounding, which no iteration can undercut.
 
-        `seen` is the largest `work` of the iteration so far: where the solution is free of forces, nothing else has a size.
+        `seen` is the largest `work` of the iteration so far: where the solution is free of forces, nothing else has a
+        size.
         """
         small = self.norm <= tolerance and self.work <= RELATIVE * max(self.work_size, seen)
         return bool(small or self.norm <= ROUNDING * self.size or self.work <= ROUNDING * self.work_size)

@@ -1,7 +1,8 @@
 """Which loads act at which step (ITERSTEP, keywords.md d15).
 
-A load level is a pair (initial, additional) of fractions. Types 0 and 1 apply the initial loading (sections 5.2 to 5.4 of
-the input language) in equal increments and store the last solution; types 2 and 3 apply it first, store it, then add the
+A load level is a pair (initial, additional) of fractions. Types 0 and 1 apply the initial loading (sections 5.2 to
+5.4 of the input language) in equal increments and store the last solution; types 2 and 3 apply it first, store it,
+then add the
 additional loading (DEL...) in equal increments, of which every n-th and the last are stored.
 """
 
@@ -54,9 +55,7 @@ def load_program(settings: Settings) -> list[LoadLevel]:
     n0, n1 = max(settings.initial_steps, 1), max(settings.load_steps, 1)
     levels = [LoadLevel(k / n0, 0.0, k == n0, k, n0 + n1) for k in range(1, n0 + 1)]
     every = max(settings.store_every, 1)
-    return levels + [
-        LoadLevel(1.0, k / n1, k % every == 0 or k == n1, n0 + k, n0 + n1) for k in range(1, n1 + 1)
-    ]
+    return levels + [LoadLevel(1.0, k / n1, k % every == 0 or k == n1, n0 + k, n0 + n1) for k in range(1, n1 + 1)]
 
 
 def loads_at(mechanism: Mechanism, level: LoadLevel) -> Loads:

@@ -1,8 +1,8 @@
 """Newton's iteration for one load level.
 
 Unknown are the dynamic degrees of freedom q_d. Converged when max |R| <= tolerance (ITERSTEP position 3) and small
-against the loads, or max |R| <= 100 eps max(|f|, |sigma|) (`Equilibrium.reached`), or when max |R| <= tolerance does not
-fall any more. The tangent is the exact K0 + N0 + G0 (types 1, 3: without N0); the sparse form (18)
+against the loads, or max |R| <= 100 eps max(|f|, |sigma|) (`Equilibrium.reached`), or when max |R| <= tolerance does
+not fall any more. The tangent is the exact K0 + N0 + G0 (types 1, 3: without N0); the sparse form (18)
 for large systems at rest. At most ITERSTEP position 1 iterations.
 """
 
@@ -68,7 +68,8 @@ def _correction(d: Dynamics, state: Equilibrium, sparse: Callable[[], SparseTang
         except SingularMatrixError as error:
             if d.numbering.nddof > LARGE:
                 raise AnalysisError(
-                    f"the tangent stiffness is singular ({error}): a motion without stiffness, or exactly a critical load;"
+                    f"the tangent stiffness is singular ({error}): a motion without stiffness, or exactly a"
+                    f" critical load;"
                     " support or prescribe the motion, or change the load",
                     "statics.no-solution",
                 ) from None
@@ -83,8 +84,10 @@ def no_convergence(d: Dynamics, state: Equilibrium, level: LoadLevel, history: l
     k = int(np.argmax(np.abs(state.residual))) if np.isfinite(state.norm) else 0
     text = (
         f"the stationary solution did not converge at {level}: largest residual"
-        f" {' '.join(f'{r:.3g}' for r in history)} after {len(history) - 1} iterations (tolerance {settings.tolerance:.3g}),"
-        f" the last one at {n.q_names[n.dynamic[k]]}{_definiteness(d, state)}; try more load steps, more iterations or a"
+        f" {' '.join(f'{r:.3g}' for r in history)} after {len(history) - 1} iterations (tolerance"
+        f" {settings.tolerance:.3g}),"
+        f" the last one at {n.q_names[n.dynamic[k]]}{_definiteness(d, state)}; try more load steps, more"
+        f" iterations or a"
         " smaller load (ITERSTEP), or type 1 or 3 when N0 disturbs"
     )
     return AnalysisError(text, "statics.no-convergence", history=tuple(history), level=level)

@@ -1,8 +1,8 @@
 """Walking through load levels: prediction, Newton's iteration, automatic cutting of load steps (theory-system.md 6.3).
 
-Each level starts from the polynomial through up to four earlier solutions along the same loading (the values at a larger
-load), else from the last solution; when Newton's method does not converge from the prediction it starts again from the last
-solution. A step that fails is halved, down to 1/64 of its size.
+Each level starts from the polynomial through up to four earlier solutions along the same loading (the values at a
+larger load), else from the last solution; when Newton's method does not converge from the prediction it starts again
+from the last solution. A step that fails is halved, down to 1/64 of its size.
 """
 
 from __future__ import annotations
@@ -49,7 +49,9 @@ class StationarySolver:
         self.y = d.start_values()
         if n.holonomic:
             if self.y[d.n_positions :].any():
-                self.report.add("warning: start rates of dynamic degrees of freedom are ignored in a stationary solution")
+                self.report.add(
+                    "warning: start rates of dynamic degrees of freedom are ignored in a stationary solution"
+                )
             self.y[d.n_positions :] = 0.0
         # everything that the static tangent (18) contains, and nothing else
         static = n.holonomic and not motion.moving and self.mechanism.user_signal is None and not d.coupling.present
@@ -129,7 +131,8 @@ class StationarySolver:
         reached = origin.towards(target, fraction)
         text = str(error)
         if error.code != "statics.no-convergence":
-            text = f"the stationary solution did not converge at {target}: {text}; try more load steps or a smaller load (ITERSTEP)"
+            text = f"the stationary solution did not converge at {target}: {text}"
+            text += "; try more load steps or a smaller load (ITERSTEP)"
         text += (
             f"; the step was cut to {SMALLEST_FRACTION:.3g} of its size, the last solution is at"
             f" {reached.initial:.6g} x initial + {reached.additional:.6g} x additional loading"

@@ -3,13 +3,13 @@
     [ K_g  V^T ] [ dx_F  ]   [ (f - h - V_A^T sigma_A)_F ]
     [ V    -C  ] [ sigma ] = [ 0                          ],     K_g = Hs(sigma) + d(h - f)/dx
 
-F: coordinates that are not prescribed. C is the flexibility of the elements: zero for fixed and input deformations (then
-sigma is the multiplier of (18)), the inverse of the element stiffness S for the elastic ones; deformations without stiffness
-have sigma = 0. The elimination of sigma gives K_x = V_A^T S V_A + K_g of (18), whose rounding errors grow with the
-fourth power of the number of beams in a chain; here they grow with the second.
+F: coordinates that are not prescribed. C is the flexibility of the elements: zero for fixed and input deformations
+(then sigma is a multiplier as in (18)), the inverse of the element stiffness S for the elastic ones; deformations
+without stiffness have sigma = 0. The elimination of sigma gives K_x = V_A^T S V_A + K_g of (18), whose rounding
+errors grow with the fourth power of the number of beams in a chain; here they grow with the second.
 
-All blocks are element-local; the pattern, its ordering and S are made once per model, an iteration only fills values. The
-same parts, weighted, are the pencils of vibration (K_x + s^2 M + s C_d) and of buckling (K_x without K_g).
+All blocks are element-local; the pattern, its ordering and S are made once per model, an iteration only fills values.
+The same parts, weighted, are the pencils of vibration (K_x + s^2 M + s C_d) and of buckling (K_x without K_g).
 Only for systems at rest, holonomic, without user functions and MEE.
 """
 
@@ -29,7 +29,7 @@ SINGULAR = 1e14  # displacements under a load of the size of the stiffness above
 
 
 class Part:
-    """Entries (rows, columns) in coordinates of one term of the matrix, restricted to F, and how to get their values."""
+    """Entries (rows, columns) of one term of the matrix, restricted to F, and how to get their values."""
 
     def __init__(self, place: Index, rows: Index, columns: Index, values: Callable[[], Array]) -> None:
         a, b = place[rows], place[columns]
@@ -181,10 +181,7 @@ class SparseTangent:
         sweep, zero = self.dynamics.sweep, np.zeros(self.dynamics.numbering.nx)
         a = -self.dynamics.forces.field
         return _joined(
-            [
-                b.family.inertia_gradient(configuration_of(sweep, b), zero[b.x], a[b.x])[which].ravel()
-                for b in batches
-            ]
+            [b.family.inertia_gradient(configuration_of(sweep, b), zero[b.x], a[b.x])[which].ravel() for b in batches]
         )
 
     def _moments(self, n: int) -> Array:

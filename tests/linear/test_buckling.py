@@ -60,7 +60,9 @@ def test_load_beyond_the_critical_one_and_reversed():
 
 
 def test_exactly_critical_load():
-    """At the computed critical load of the model the tangent stiffness is singular: multiplier 1, infinite compliance."""
+    """At the computed critical load of the model the tangent stiffness is singular: multiplier 1, infinite
+    compliance.
+    """
     critical = float(column(4, "FIX 1\nFIX 2")["lmult"][0][0])
     result = column(4, "FIX 1\nFIX 2", f"XF {{t}} {-critical!r} 0.", mode=10)
     assert result["lmult"][0][0] == pytest.approx(1.0, abs=1e-12)
@@ -69,7 +71,9 @@ def test_exactly_critical_load():
 
 
 def test_lateral_buckling():
-    """Prandtl: P l^2 / sqrt(EI GIt) = 4.0126 (narrow beam); measured order 2, the coupling of bending and torsion is quadratic."""
+    """Prandtl: P l^2 / sqrt(EI GIt) = 4.0126 (narrow beam); measured order 2, the coupling of bending and torsion
+    is quadratic.
+    """
     errors = []
     for n in (4, 8, 16):
         lines = [f"BEAM {k} {2 * k - 1} {2 * k} {2 * k + 1} {2 * k + 2} 0. 1. 0." for k in range(1, n + 1)]

@@ -178,4 +178,3 @@ def test_lever():
     assert np.allclose(frame["B"], [[0], [-2000]], rtol=1e-12, atol=1e-9)
     assert np.allclose(frame["C"], [[-3000, 0]], rtol=1e-12, atol=1e-9)
     assert np.allclose(frame["D"], [[-6000]], rtol=1e-12)
-

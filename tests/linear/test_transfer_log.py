@@ -29,7 +29,9 @@ def test_third_order_transfer(text):
     model.place(base)
     k = model.d.kinematics
     G = configuration_transfer(k)
-    ours = np.concatenate([A.reshape(-1, G.shape[1]) for A in third_order_transfer(k, G, second_order_transfer(k, G)[0])])
+    ours = np.concatenate(
+        [A.reshape(-1, G.shape[1]) for A in third_order_transfer(k, G, second_order_transfer(k, G)[0])]
+    )
     # differences of order 8 of numbers of size 10 to 1000: 1e-8 relative is far above their rounding
     assert np.max(np.abs(ours - truth)) <= 1e-8 * np.max(np.abs(truth))
 
