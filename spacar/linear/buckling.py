@@ -123,10 +123,3 @@ def directional_compliances(L: Linearization, dynamic: Index, report: Report) ->
     compliance = np.einsum("ia,a,ia->i", Ws @ vt[regular].T, 1.0 / s[regular], Ws @ u[:, regular])
     moved = np.abs(Ws @ vt[~regular].T).max(axis=1) > 1e-8 * np.abs(Ws).max()
     return np.where(moved, np.inf, compliance)
-
-
-def nodal_compliance(L: Linearization, dynamic: Index, rows: Array) -> Array:
-    """Full compliance matrix rows K^-1 rows^T for selected displacement rows (m, nx), e.g. 6 of a node pair."""
-    K = L.stiffness[np.ix_(dynamic, dynamic)]
-    T = rows @ L.W[:, dynamic]
-    return np.asarray(T @ np.linalg.solve(K, T.T))

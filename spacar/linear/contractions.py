@@ -1,6 +1,6 @@
 """Contractions of the second and third derivatives and of the inertia terms, assembled over all families.
 
-Every function returns a dense array; the sparse forms for long chains are in `spacar.stationary.sparse_tangent`.
+Every function returns a dense array; the sparse forms for long chains are in `spacar.stationary.tangent`.
 Notation of theory-system.md section 0.
 """
 
