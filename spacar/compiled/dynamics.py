@@ -132,10 +132,12 @@ class CompiledDynamics(Dynamics):
         )  # fmt: skip
 
     def _mass_scale(self) -> float:
-        """Typical mass: the scale of the constraint rows, as in the general path."""
-        self.sweep.strain(self.mechanism.x0)
-        self.sweep.mass()
-        return SaddlePoint(self.mechanism, self.sweep, "dense").mass_scale
+        """Typical mass at the start, the factor of the constraint rows: geometric mean of the diagonal of M."""
+        sweep = self.sweep
+        sweep.strain(self.mechanism.x0)
+        sweep.mass()
+        mass = sweep.m_entries[(sweep.m_rows == sweep.m_columns) & (sweep.m_entries > 0.0)]
+        return float(np.exp(np.mean(np.log(mass)))) if len(mass) else 1.0
 
     # -- evaluation -----------------------------------------------------------------------------------------------
     def start(self) -> Array:
