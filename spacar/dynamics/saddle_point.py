@@ -58,12 +58,15 @@ class SaddlePoint:
     def _scale(self, mechanism: Mechanism) -> Array:
         """Factors of rows and columns, (n,): unit diagonal of M and constraint rows of norm 1 at the first configuration.
 
-        A coordinate without mass gets the factor of an average mass, so that positions and rotations compare.
+        The four Euler parameters of a node share one factor, because their mass moves from one to the other as the node
+        turns. A coordinate without mass gets the factor of an average mass, so that positions and rotations compare.
         """
         sweep, nf = self.sweep, len(self.F)
         diagonal = np.zeros(sweep.nx)
         on = sweep.m_rows == sweep.m_columns
         np.add.at(diagonal, sweep.m_rows[on], sweep.m_entries[on])
+        lambdas = mechanism.numbering.lnp[mechanism.numbering.normalization[:, 0] - 1] - 1
+        diagonal[lambdas] = diagonal[lambdas].mean(axis=1, keepdims=True)
         size = mechanism.scale
         heavy = diagonal > 0.0
         average = np.exp(np.mean(np.log(diagonal[heavy] * size[heavy] ** 2))) if heavy.any() else 1.0
