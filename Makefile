@@ -3,6 +3,9 @@ PYTHON ?= python3
 VENV   ?= .venv
 BIN    := $(VENV)/bin
 OUT    ?= out
+# Test processes side by side; whole files stay together, because some share what they set up.
+WORKERS ?= auto
+PARALLEL := -n $(WORKERS) --dist loadfile
 # One thread per process: the matrices are small, and test processes run side by side.
 export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
@@ -34,10 +37,10 @@ crank: $(VENV)/.installed
 	@echo "log: $(OUT)/crank.log  results: $(OUT)/crank.sbd  picture: $(OUT)/crank.png"
 
 test: lint
-	$(BIN)/python -m pytest -m "not slow" $(PYTEST)
+	$(BIN)/python -m pytest -m "not slow" $(PARALLEL) $(PYTEST)
 
 test-all: lint
-	$(BIN)/python -m pytest $(PYTEST)
+	$(BIN)/python -m pytest $(PARALLEL) $(PYTEST)
 
 lint: $(VENV)/.installed-dev
 	$(BIN)/ruff check .

@@ -91,7 +91,7 @@ def find_mode(number: int) -> Mode:
 
 
 def _check_options(options: dict[str, Any]) -> None:
-    """Raises UsageError for an option that does not exist, or for a tolerance, step or duration that is not positive."""
+    """Raises UsageError for an unknown option, or for a tolerance, step or duration that is not positive."""
     from dataclasses import fields
 
     from spacar.mechanism import Settings

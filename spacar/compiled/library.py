@@ -62,8 +62,8 @@ class CState(ctypes.Structure):
         )),
         ("t", ctypes.c_double),
         *((name, DOUBLES) for name in (
-            "x0", "x_motion", "e_motion", "x", "xd", "xdd", "given_e", "given_ed", "given_edd", "near", "e", "ed", "edd",
-            "sigma", "next_x", "next_xd", "next_xdd",
+            "x0", "x_motion", "e_motion", "x", "xd", "xdd", "given_e", "given_ed", "given_edd", "near", "e", "ed",
+            "edd", "sigma", "next_x", "next_xd", "next_xdd",
         )),
     ]  # fmt: skip
 

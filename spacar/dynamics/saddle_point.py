@@ -56,7 +56,7 @@ class SaddlePoint:
         self.rhs = np.zeros(nf + self.n_rows)
 
     def _scale(self, mechanism: Mechanism) -> Array:
-        """Factors of rows and columns, (n,): unit diagonal of M and constraint rows of norm 1 at the first configuration.
+        """Factors of rows and columns, (n,): unit diagonal of M, constraint rows of norm 1 at the first configuration.
 
         The four Euler parameters of a node share one factor, because their mass moves from one to the other as the node
         turns. A coordinate without mass gets the factor of an average mass, so that positions and rotations compare.

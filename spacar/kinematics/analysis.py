@@ -37,7 +37,7 @@ def check(run: Run) -> Iterator[Frame]:
 
 
 def _large_and_regular(mechanism: Mechanism) -> Diagnosis | None:
-    """The diagnosis without a singular value decomposition (cubic cost), if the estimated condition shows a regular one."""
+    """The diagnosis without singular value decomposition (cubic cost), if the estimated condition says regular."""
     n = mechanism.numbering
     rows = int(n.nep[[0, 2, 3]].sum())
     if rows != int(n.nxp[[1, 4]].sum()) or rows <= ESTIMATED_FROM or not n.holonomic:

@@ -17,7 +17,8 @@ def run(extra=""):
 
 def test_start_value_of_a_kinematic_coordinate():
     plain, moved = run(), run("STARTDX 1 1 2.3 0.0")
-    np.testing.assert_allclose(moved.node(1, 1) - plain.node(1, 1), 2.0, atol=1e-8)  # X 1 is 0.3; ten times the tolerance
+    # X 1 is 0.3; ten times the tolerance of the integration
+    np.testing.assert_allclose(moved.node(1, 1) - plain.node(1, 1), 2.0, atol=1e-8)
     np.testing.assert_allclose(moved.node(9, 2), plain.node(9, 2), atol=1e-8)
 
 
