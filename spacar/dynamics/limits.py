@@ -60,7 +60,8 @@ class Limits:
         for k in np.flatnonzero(normal > LIFTED * size):
             text = (
                 f"element {self.wheels[k]} ({self.keywords[k]}) at t = {t:.9g}: the wheel leaves the ground,"
-                f" its normal force would be a pull of {normal[k]:.6g} N; reduce speed or steering, or release its normal mode"
+                f" its normal force would be a pull of {normal[k]:.6g} N; reduce speed or steering,"
+                " or release its normal mode"
             )
             if self.pressed or self.compression[k] > LIFTED * size:
                 raise AnalysisError(text, "element.lift-off", element=int(self.wheels[k]))

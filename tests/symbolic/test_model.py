@@ -173,6 +173,16 @@ def test_wrong_models_in_a_real_process(model, name):
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.parametrize("name", SCRIPTS)
+def test_wrong_scripts_in_a_real_process(model, name):
+    text, message = SCRIPTS[name]
+    done = process("symbolic", "check", model(text=text, name="manip.py"))
+    assert done.returncode == 2
+    assert message in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert "Traceback" not in done.stderr
+
+
 # -- command line -----------------------------------------------------------------------------------------------
 
 
@@ -257,12 +267,14 @@ def test_help_and_core_do_not_import_sympy():
     assert done.returncode == 0, done.stderr
 
 
-def test_without_sympy_only_this_command_stops(model):
+def test_without_sympy_only_this_command_stops(model, tmp_path):
+    crank = str(DATA.parent / "crank.dat")
     code = (
         "import sys\nfrom importlib.abc import MetaPathFinder\n"
         "import importlib.util as u\nfind = u.find_spec\nu.find_spec = lambda name, *a: None if name == 'sympy' else find(name, *a)\n"
         "sys.modules['sympy'] = None\nfrom spacar_cli.main import main\n"
-        f"assert main(['keywords']) == 0\nsys.exit(main(['symbolic', 'check', {str(model())!r}]))"
+        f"assert main(['keywords']) == 0\nassert main(['check', {crank!r}]) == 0\n"
+        f"assert main(['1', {crank!r}, '--quiet', '--output-dir', {str(tmp_path)!r}]) == 0\nsys.exit(main(['symbolic', 'check', {str(model())!r}]))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.returncode == 2

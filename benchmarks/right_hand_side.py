@@ -1,0 +1,94 @@
+"""Cost of one right-hand side and where it goes: `python benchmarks/right_hand_side.py [MODEL ...]`.
+
+For each model (default: some examples of data/): microseconds per evaluation of the general and of the compiled path, then
+the parts of the general path: position and velocity, accelerations, element sweeps, linear solutions. Best of several
+repetitions, because other processes only ever add time.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+import spacar
+from spacar.compiled import CompiledDynamics, why_not
+from spacar.dynamics import Dynamics
+from spacar.errors import UsageError
+
+DATA = Path(__file__).parents[1] / "data"
+MODELS = ["crankfl", "fingersim", "trike2", "robotsim", "trike3v", "screw"]
+
+
+def microseconds(call: Callable[[], object], number: int = 100, repeats: int = 7) -> float:
+    """Best mean time of one call."""
+    best = np.inf
+    for _ in range(repeats):
+        begun = time.perf_counter()
+        for _ in range(number):
+            call()
+        best = min(best, (time.perf_counter() - begun) / number)
+    return best * 1e6
+
+
+def parts(path: Path) -> dict[str, float | str]:
+    """One row of the table."""
+    mechanism = spacar.frames(1, path).mechanism
+    d = Dynamics(mechanism)
+    y = d.start()
+    d.rhs(0.0, y)
+    moved = y.copy()
+    moved[: d.n_positions] += 1e-5
+    states = [y, moved]
+
+    def alternate(call: Callable[[np.ndarray], object]) -> Callable[[], object]:
+        return lambda: states.reverse() or call(states[0])
+
+    row: dict[str, float | str] = {
+        "model": path.stem,
+        "unknowns": f"{d.kinematics.velocity_system.n}/{d.saddle.system.n if d.saddle else 0}",
+        "general": microseconds(alternate(lambda s: d.rhs(0.0, s))),
+    }
+    row["compiled"] = "-"
+    if why_not(mechanism) is None:
+        try:
+            c = CompiledDynamics(mechanism)
+            c.start()
+            row["compiled"] = microseconds(alternate(lambda s: c.rhs(0.0, s)))
+        except UsageError:
+            row["compiled"] = "no compiler"
+    drive = d.place(0.0, y)
+    row |= {
+        "place": microseconds(alternate(lambda s: d.place(0.0, s))),
+        "accelerate": microseconds(lambda: d.accelerate(0.0, drive)),
+        "strain": microseconds(lambda: d.sweep.strain(d.kinematics.x)),
+        "H(v,v)": microseconds(lambda: d.sweep.convective(d.xd)),
+        "M": microseconds(d.sweep.mass),
+        "h": microseconds(lambda: d.sweep.inertia_force(d.xd, None)),
+    }
+    if d.saddle is not None:
+        saddle, force, strain = d.saddle, np.ones(d.numbering.nx), np.ones(d.numbering.ne)
+        row["saddle"] = microseconds(lambda: (saddle.factor(), saddle.solve(force, strain)))
+    return row
+
+
+def main() -> None:
+    paths = [Path(word) for word in sys.argv[1:]] or [DATA / f"{name}.dat" for name in MODELS]
+    rows = [parts(path) for path in paths]
+    heads = list(max(rows, key=len))
+    print("microseconds; unknowns of the position / of the saddle-point system")
+    print("".join(f"{head:>12}" for head in heads))
+    for row in rows:
+        cells = [row.get(head, "-") for head in heads]
+        print("".join(f"{cell:>12}" if isinstance(cell, str) else f"{cell:12.1f}" for cell in cells))
+
+
+if __name__ == "__main__":
+    main()
