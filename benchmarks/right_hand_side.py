@@ -1,8 +1,8 @@
 """Cost of one right-hand side and where it goes: `python benchmarks/right_hand_side.py [MODEL ...]`.
 
 For each model (default: some examples of data/): microseconds per evaluation of the general and of the compiled path,
-then the parts of the general path: position and velocity, accelerations, element sweeps, linear solutions. Best of several
-repetitions, because other processes only ever add time.
+then the parts of the general path: position and velocity, accelerations, element sweeps, linear solutions. Best of
+several repetitions, because other processes only ever add time.
 """
 
 from __future__ import annotations
