@@ -26,7 +26,7 @@ from spacar.mechanism import build
 from spacar.mechanism.mechanism import Mechanism
 
 REFERENCES = Path(__file__).with_name("references.json")
-CONVERGED = 1e-11  # tolerance of references
+CONVERGED = 1e-12  # tolerance of references
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)
 NAMES = {0: "Adams (0)", 155: "RK 5(4) (155)", 853: "RK 8(5,3) (853)", 430: "SDIRK 3 (430)", 330: "Rosenbrock 3 (330)"}
 
@@ -42,27 +42,31 @@ def positions(mechanism: Mechanism) -> Array:
     return np.concatenate([n.lnp[node.number - 1, : node.size] - 1 for node in n.nodes if node.kind == "position"])
 
 
-def motion(text: str, code: int, tolerance: float, step: float | None = None) -> Array:
+def motion(text: str, code: int, tolerance: float, step: float | None = None, compiled: bool = False) -> Array:
     """Positions of all nodes at all outputs of mode 1."""
-    run = spacar.frames(1, parsed(text, 1), integrator=code, atol=tolerance, rtol=tolerance, step=step)
+    run = spacar.frames(
+        1, parsed(text, 1), integrator=code, atol=tolerance, rtol=tolerance, step=step, compiled=compiled
+    )
     where = positions(run.mechanism)
     return np.array([frame.x[where] for frame in run])
 
 
-def tip(text: str, code: int, tolerance: float, step: float | None = None) -> Array:
+def tip(text: str, code: int, tolerance: float, step: float | None = None, compiled: bool = False) -> Array:
     """The same of the last node only."""
-    return motion(text, code, tolerance, step)[:, -2:]
+    return motion(text, code, tolerance, step, compiled)[:, -2:]
 
 
 def tolerances(
-    text: str, codes: tuple[int, ...], answer: Callable[..., Array] = motion, asked: tuple[float, ...] = TOLERANCES
+    text: str, codes: tuple[int, ...], asked: tuple[float, ...] = TOLERANCES, paths: tuple[bool, ...] = (False, True)
 ) -> Iterator[Setting]:
-    """Variable-step methods with one tolerance after the other."""
-    for code in codes:
-        for tolerance in asked:
-            yield Setting(
-                f"{NAMES[code]}, ERROR {tolerance:.0e}", tolerance, lambda c=code, e=tolerance: answer(text, c, e)
-            )
+    """Variable-step methods with one tolerance after the other, general and compiled."""
+    for compiled in paths:
+        for code in codes:
+            for tolerance in asked:
+                yield Setting(
+                    f"{NAMES[code]}, ERROR {tolerance:.0e}", tolerance,
+                    lambda c=code, e=tolerance, k=compiled: motion(text, c, e, compiled=k), compiled,
+                )  # fmt: skip
 
 
 def extrapolated(answers: list[Array], orders: tuple[int, ...] = (2, 4)) -> Array:
@@ -73,13 +77,17 @@ def extrapolated(answers: list[Array], orders: tuple[int, ...] = (2, 4)) -> Arra
 
 
 # -- rigid mechanisms -------------------------------------------------------------------------------------------------
-def simple(name: str, title: str, text: str, codes: tuple[int, ...], targets: tuple[Target, ...]) -> Case:
-    return Case(name, title, lambda: motion(text, 853, CONVERGED), lambda: tolerances(text, codes), targets)
+def simple(
+    name: str, title: str, text: str, codes: tuple[int, ...], targets: tuple[Target, ...],
+    reference: tuple[int, float] = (853, CONVERGED),
+) -> Case:  # fmt: skip
+    """`reference`: code and ERROR of the converged answer."""
+    return Case(name, title, lambda: motion(text, *reference, compiled=True), lambda: tolerances(text, codes), targets)
 
 
-def reactions() -> Array:
+def reactions(compiled: bool = False) -> Array:
     """Moment on the crank and force on the slider guide of crank.dat at 101 times."""
-    run = spacar.frames(1, parsed(models.example("crank"), 1))
+    run = spacar.frames(1, parsed(models.example("crank"), 1), compiled=compiled)
     n = run.mechanism.numbering
     rows = [n.x_index(2, 1), n.x_index(6, 2), n.x_index(1, 1), n.x_index(1, 2)]
     return np.array([frame.fxtot[rows] for frame in run])
@@ -110,13 +118,19 @@ def reactions_exact() -> Array:
 
 
 def reaction_settings() -> Iterator[Setting]:
-    yield Setting("kinematics and reactions at 101 times, no integration", None, reactions)
+    for compiled in (False, True):
+        yield Setting(
+            "kinematics and reactions at 101 times, no integration", None, lambda k=compiled: reactions(k), compiled
+        )
 
 
 # -- flexible mechanisms ----------------------------------------------------------------------------------------------
-def rod_middle(n: int, code: int, tolerance: float) -> Array:
+def rod_middle(n: int, code: int, tolerance: float, step: float | None = None, compiled: bool = True) -> Array:
     """Deflection of the middle of the rod of crankfl.dat from the line through its ends, over its length."""
-    run = spacar.frames(1, parsed(models.slider_crank(n), 1), integrator=code, atol=tolerance, rtol=tolerance)
+    run = spacar.frames(
+        1, parsed(models.slider_crank(n), 1), integrator=code, atol=tolerance, rtol=tolerance, step=step,
+        compiled=compiled,
+    )  # fmt: skip
     number = run.mechanism.numbering
     nodes = [3, 2 * (n // 2) + 4, 2 * n + 4]
     rows = [[number.x_index(k, 1), number.x_index(k, 2)] for k in nodes]
@@ -126,23 +140,23 @@ def rod_middle(n: int, code: int, tolerance: float) -> Array:
 
 
 def rod_settings() -> Iterator[Setting]:
-    for n, asked in ((2, (1e-4, 1e-6)), (4, (1e-4, 1e-6)), (8, (1e-5,))):
-        for tolerance in asked:
-            yield Setting(
-                f"n = {n}, {NAMES[853]}, ERROR {tolerance:.0e}",
-                None,
-                lambda n=n, e=tolerance: rod_middle(n, 853, e),
-            )
+    """The highest frequency limits the steps, so ERROR hardly matters; a mesh alone or two extrapolated (order 4)."""
+    for compiled in (False, True):
+        for meshes in ((2,), (4,), (2, 4)) if not compiled else ((2,), (4,), (8,), (2, 4), (4, 8), (2, 4, 8)):
+            for code in (853,) if not compiled else (0, 155, 853):
+                label = f"n = {', '.join(map(str, meshes))}{' extrapolated' if meshes[1:] else ''}, {NAMES[code]}"
+                yield Setting(
+                    f"{label}, ERROR 1e-04", None,
+                    lambda m=meshes, c=code, k=compiled: extrapolated(
+                        [rod_middle(n, c, 1e-4, compiled=k) for n in m], (4, 6)
+                    ),
+                    compiled,
+                )  # fmt: skip
 
 
-def rod_time_settings(n: int, asked: tuple[float, ...], duration: float = 0.1) -> Iterator[Setting]:
-    for code in (0, 853):
-        for tolerance in asked:
-            yield Setting(
-                f"{NAMES[code]}, ERROR {tolerance:.0e}",
-                tolerance,
-                lambda c=code, e=tolerance: motion(models.slider_crank(n, duration, int(1e3 * duration)), c, e),
-            )
+def rod_time_settings(text: str) -> Iterator[Setting]:
+    yield from tolerances(text, (0,), (1e-4, 1e-6), (False,))
+    yield from tolerances(text, (0, 155, 853), (1e-2, 1e-4, 1e-6), (True,))
 
 
 def released(n: int) -> str:
@@ -151,18 +165,34 @@ def released(n: int) -> str:
 
 
 def released_settings() -> Iterator[Setting]:
-    for n, code, step in (
-        (4, 330, 0.05), (4, 330, 0.02), (8, 330, 0.02), (8, 330, 0.01), (8, 430, 0.02), (16, 330, 0.01),
-        (16, 330, 0.005), (16, 430, 0.005), (32, 430, 0.005), (256, 330, 0.2),
-    ):  # fmt: skip
-        yield Setting(
-            f"n = {n}, {NAMES[code]}, step {step}", None, lambda n=n, c=code, h=step: tip(released(n), c, 1e-9, h)
-        )
-    for meshes, step in (((2, 4), 0.02), ((2, 4, 8), 0.01), ((4, 8), 0.005), ((4, 8, 16), 0.0025)):
-        yield Setting(
-            f"n = {', '.join(map(str, meshes))} extrapolated, {NAMES[330]}, step {step}", None,
-            lambda m=meshes, h=step: extrapolated([tip(released(n), 330, 1e-9, h) for n in m]),
-        )  # fmt: skip
+    """Implicit codes (the Jacobian is never compiled) and explicit ones, on both paths."""
+    for compiled in (False, True):
+        for n, code, step in (
+            (4, 330, 0.02), (8, 330, 0.02), (8, 430, 0.02), (16, 330, 0.01), (16, 430, 0.01), (32, 430, 0.01),
+            (256, 330, 0.2),
+        ):  # fmt: skip
+            if compiled and n > 32:
+                continue  # above the size that is compiled
+            yield Setting(
+                f"n = {n}, {NAMES[code]}, step {step}", None,
+                lambda n=n, c=code, h=step, k=compiled: tip(released(n), c, 1e-9, h, k), compiled,
+            )  # fmt: skip
+        for meshes, step in (((2, 4), 0.02), ((4, 8), 0.01), ((2, 4, 8), 0.01), ((4, 8, 16), 0.0025)):
+            yield Setting(
+                f"n = {', '.join(map(str, meshes))} extrapolated, {NAMES[330]}, step {step}", None,
+                lambda m=meshes, h=step, k=compiled: extrapolated([tip(released(n), 330, 1e-9, h, k) for n in m]),
+                compiled,
+            )  # fmt: skip
+    for compiled, code in ((False, 0), (True, 0), (True, 155), (True, 853)):
+        for meshes in ((4,), (8,), (2, 4), (4, 8), *(((16,), (8, 16)) if code == 0 and not compiled else ())):
+            label = f"n = {', '.join(map(str, meshes))}{' extrapolated' if meshes[1:] else ''}, {NAMES[code]}"
+            yield Setting(
+                f"{label}, ERROR 1e-04", None,
+                lambda m=meshes, c=code, k=compiled: extrapolated(
+                    [tip(released(n), c, 1e-4, compiled=k) for n in m]
+                ),
+                compiled,
+            )  # fmt: skip
 
 
 # -- statics and vibration --------------------------------------------------------------------------------------------
@@ -279,18 +309,17 @@ def kept(name: str) -> Callable[[], Array]:
 
 
 def released_reference() -> Array:
-    """n = 4 and 8 by an explicit method, n = 16 by an implicit one with halved steps (order 3); mesh error
-    extrapolated."""
-    coarse = [tip(released(4), 853, 1e-8), tip(released(8), 853, 1e-7)]
-    fine = [tip(released(16), 330, 1e-9, step) for step in (1.25e-3, 6.25e-4)]
-    return extrapolated([*coarse, fine[1] + (fine[1] - fine[0]) / 7.0])
+    """n = 8, 16, 32 by an explicit method; mesh error extrapolated."""
+    return extrapolated([tip(released(n), 0, 1e-4, compiled=n < 16) for n in (8, 16, 32)])
+
+
+def rod_reference() -> Array:
+    """n = 8, 16, 32 by an explicit method; mesh error extrapolated."""
+    return extrapolated([rod_middle(n, 0, 1e-4, compiled=n < 16) for n in (8, 16, 32)], (4, 6))
 
 
 # What `--references` computes: minutes.
-SLOW_REFERENCES: dict[str, Callable[[], Array]] = {
-    "released": released_reference,
-    "rod": lambda: extrapolated([rod_middle(n, 853, 1e-6) for n in (2, 4, 8)]),
-}
+SLOW_REFERENCES: dict[str, Callable[[], Array]] = {"released": released_reference, "rod": rod_reference}
 
 CASES: tuple[Case, ...] = (
     simple(
@@ -304,8 +333,9 @@ CASES: tuple[Case, ...] = (
         (Target(1e-4, 0.015), Target(1e-6, 0.129), Target(1e-8, 1.6)),
     ),
     simple(
-        "pendulum", "planar pendulum of 10 links, 10 s, 100 outputs", models.pendulum(10, 10.0, 100), (0, 853),
+        "pendulum", "planar pendulum of 10 links, 10 s, 100 outputs", models.pendulum(10, 10.0, 100), (0, 155, 853),
         (Target(1e-4, 0.043, 3.0), Target(1e-6, 0.086, 3.0), Target(1e-8, 0.123, 3.0), Target(1e-10, 0.215, 3.0)),
+        (155, 1e-10),
     ),
     simple(
         "manipulator", "spatial manipulator, 3 degrees of freedom, 1.4 s, 14 outputs", models.manipulator(), (0, 155,
@@ -318,13 +348,13 @@ CASES: tuple[Case, ...] = (
     ),
     Case(
         "crankfl-2", "crankfl.dat with 2 elements: error in time only", lambda: motion(models.slider_crank(2), 853,
-        CONVERGED),
-        lambda: rod_time_settings(2, (1e-4, 1e-6, 1e-8, 1e-10)),
+        1e-8, compiled=True),
+        lambda: rod_time_settings(models.slider_crank(2)), levels=(1e-4, 1e-6, 1e-8),
     ),
     Case(
         "crankfl-8", "crankfl.dat with 8 elements, 0.01 s: error in time only",
-        lambda: motion(models.slider_crank(8, 0.01, 10), 853, 1e-8), lambda: rod_time_settings(8, (1e-4, 1e-6),
-        0.01), levels=(1e-4, 1e-6),
+        lambda: motion(models.slider_crank(8, 0.01, 10), 853, 1e-8, compiled=True),
+        lambda: rod_time_settings(models.slider_crank(8, 0.01, 10)), levels=(1e-4, 1e-6, 1e-8),
     ),
     Case(
         "released", "released cantilever, 1.8 s, tip, converged over the mesh", kept("released"), released_settings,

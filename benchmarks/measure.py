@@ -20,16 +20,18 @@ from spacar.errors import SpacarError
 
 Array = NDArray[np.float64]
 NUMPY_IMPORT = 0.07  # [s] on the machine on which the targets were measured
-LONG = 1.0  # [s] a setting that takes longer is not repeated more than once
+LONG = 0.3  # [s] a setting that takes longer is run once
 
 
 @dataclass(frozen=True)
 class Setting:
-    """One way to solve a case: what it is called, the error asked for (None: a mesh decides), how to solve it."""
+    """One way to solve a case: its name, the error asked for (None: a mesh decides), how to solve it, and whether the
+    right-hand side is the compiled one."""
 
     label: str
     asked: float | None
     solve: Callable[[], Array]
+    compiled: bool = False
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,7 @@ class Point:
     asked: float | None
     error: float
     seconds: float
+    compiled: bool = False
 
 
 @dataclass
@@ -69,9 +72,14 @@ class Measured:
     points: list[Point] = field(default_factory=list)
     failed: list[str] = field(default_factory=list)
 
-    def best(self, error: float) -> Point | None:
-        """The fastest point with at most this error."""
-        good = [p for p in self.points if p.error <= error]
+    @property
+    def paths(self) -> tuple[bool, ...]:
+        """`compiled` of the columns: the general path, and the compiled one where it was measured."""
+        return tuple(sorted({False, *(p.compiled for p in self.points)}))
+
+    def best(self, error: float, compiled: bool = False) -> Point | None:
+        """The fastest point of the general or of the compiled path with at most this error."""
+        good = [p for p in self.points if p.error <= error and p.compiled == compiled]
         return min(good, key=lambda p: p.seconds) if good else None
 
 
@@ -98,9 +106,11 @@ def measure(case: Case, repeats: int) -> Measured:
         try:
             answer, seconds = timed(setting.solve, repeats)
         except SpacarError as error:
-            result.failed.append(f"{setting.label}: {error}")
+            result.failed.append(f"{setting.label}{mark(setting.compiled)}: {error}")
             continue
-        result.points.append(Point(setting.label, setting.asked, relative_error(answer, reference), seconds))
+        result.points.append(
+            Point(setting.label, setting.asked, relative_error(answer, reference), seconds, setting.compiled)
+        )
     return result
 
 
@@ -113,27 +123,31 @@ def numpy_import(repeats: int = 7) -> float:
     return median(float(r.stdout) for r in runs)
 
 
+def mark(compiled: bool) -> str:
+    return ", compiled" if compiled else ""
+
+
 def lines(measured: Measured, machine: float) -> Iterator[str]:
-    """The table of one case: best setting per level, targets scaled to this machine, what was missed."""
+    """The table of one case: best setting per level and path, targets scaled to this machine, what was missed."""
     yield f"== {measured.case.name}: {measured.case.title} (machine factor {machine:.2f})"
     for level in measured.case.levels:
-        best = measured.best(level)
-        what = (
-            f"{1e3 * best.seconds:10.2f} ms  {best.label}, error {best.error:.1e}" if best else "         - not reached"
-        )
-        yield f"  error {level:.0e} {what}"
+        for compiled in measured.paths:
+            best = measured.best(level, compiled)
+            what = f"{1e3 * best.seconds:10.2f} ms  {best.label}, error {best.error:.1e}" if best else f"{'-':>13}"
+            yield f"  error {level:.0e} {'compiled' if compiled else 'general ':8s} {what}"
     for target in measured.case.targets:
-        yield verdict(measured, target, machine)
+        for compiled in measured.paths:
+            yield verdict(measured, target, machine, compiled)
     for reason in measured.failed:
         yield f"  stopped: {reason}"
 
 
-def verdict(measured: Measured, target: Target, machine: float) -> str:
-    """One target: allowed time on this machine, ours, the ratio, met or MISSED."""
+def verdict(measured: Measured, target: Target, machine: float, compiled: bool = False) -> str:
+    """One target and path: allowed time on this machine, ours, the ratio, met or MISSED."""
     allowed = target.seconds * target.factor * machine
-    best = measured.best(target.error)
+    best = measured.best(target.error, compiled)
     times = f" ({target.factor:g} x {1e3 * target.seconds * machine:.2f})" if target.factor != 1.0 else ""
-    head = f"  target {target.error:.1g}: {1e3 * allowed:.2f} ms{times}"
+    head = f"  target {target.error:.1g}: {1e3 * allowed:.2f} ms{times}{mark(compiled)}"
     if best is None:
         return f"{head}, MISSED: error not reached"
     ratio = best.seconds / allowed
@@ -142,4 +156,4 @@ def verdict(measured: Measured, target: Target, machine: float) -> str:
 
 def promise(measured: Measured) -> list[tuple[str, float, float]]:
     """(label, asked, obtained / asked) of every setting that was asked for an error."""
-    return [(p.label, p.asked, p.error / p.asked) for p in measured.points if p.asked is not None]
+    return [(p.label + mark(p.compiled), p.asked, p.error / p.asked) for p in measured.points if p.asked is not None]

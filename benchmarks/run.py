@@ -79,7 +79,7 @@ def keep_references() -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--only", nargs="*", default=None, help="names of cases, chains, process")
     parser.add_argument("--json", type=Path, default=None)
     parser.add_argument("--references", action="store_true")

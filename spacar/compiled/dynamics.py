@@ -91,7 +91,7 @@ class CompiledDynamics(Dynamics):
         N = max(len(self.kinematics.E), saddle.system.n)
         S, D = self.law.stiffness, self.law.damping
         return CModel(
-            n.nx, n.ne, xs["calculable"].start, xs["calculable"].stop - xs["calculable"].start, es["input"].stop,
+            n.nx, n.ne, xs["calculable"].start, es["input"].stop,
             len(self.kinematics.E), len(batches), len(S[0]), len(D[0]), int(n.nddof == 0),
             table,
             self._doubles(constant), self._doubles(self.kinematics.scale), self._doubles(self.loads.force),

@@ -39,7 +39,7 @@ class CModel(ctypes.Structure):
 
     _fields_ = [
         *((name, ctypes.c_int) for name in (
-            "nx", "ne", "n_fixed_x", "n_calculable", "n_rows", "n_equations", "n_batches", "n_stiffness", "n_damping",
+            "nx", "ne", "n_fixed_x", "n_rows", "n_equations", "n_batches", "n_stiffness", "n_damping",
             "prescribed",
         )),
         ("batches", ctypes.POINTER(CBatch)),

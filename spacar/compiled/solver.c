@@ -15,7 +15,7 @@ typedef struct {
 } Batch;
 
 typedef struct {
-    int nx, ne, n_fixed_x, n_calculable, n_rows, n_equations, n_batches, n_stiffness, n_damping, prescribed;
+    int nx, ne, n_fixed_x, n_rows, n_equations, n_batches, n_stiffness, n_damping, prescribed;
     const Batch *batches;
     const double *constant_mass;          /* (nx, nx) */
     const double *scale, *force, *field;  /* (nx) sizes, constant forces without gravity, gravity field */

@@ -88,8 +88,8 @@ class AppliedForces:
         rows = self.loads.moment_rows
         if not rows.size:
             return np.zeros(len(self.constant))
-        M, lam = self.loads.moment.T, x[rows]
-        return np.bincount(rows.ravel(), moment_forces(lam, M).ravel(), len(self.constant))
+        dual = (moment_gradient(self.loads.moment) * x[rows]).sum(axis=1)
+        return np.bincount(rows.ravel(), dual.ravel(), len(self.constant))
 
     def inertia(self, sweep: Sweep, v: Array) -> Array:
         """h minus gravity of the configuration-dependent families, (nx,)."""
@@ -100,25 +100,11 @@ class AppliedForces:
         return sweep.mass_times(self.field) if self.heavy else np.zeros(len(self.constant))
 
 
-def moment_forces(lam: Array, M: Array) -> Array:
-    """2 Lambda_bar^T M, (4, n), of moments M (3, n) at orientations lam (4, n)."""
-    l0, l1, l2, l3 = lam
-    a, b, c = M
-    return 2.0 * np.array(
-        [
-            -(l1 * a + l2 * b + l3 * c),
-            l0 * a - (l2 * c - l3 * b),
-            l0 * b - (l3 * a - l1 * c),
-            l0 * c - (l1 * b - l2 * a),
-        ]
-    )
-
-
 def moment_gradient(moments: Array) -> Array:
-    """df_lambda/dlambda = 2 [0, -M^T; M, M~] of constant global moments (n, 3), (4, 4, n)."""
-    a, b, c = moments.T
-    o = np.zeros_like(a)
-    return 2.0 * np.array([[o, -a, -b, -c], [a, o, -c, b], [b, c, o, -a], [c, -b, a, o]])
+    """df_lambda/dlambda = 2 [0, -M^T; M, M~] of constant global moments (n, 3), (4, 4, n); f is linear in lambda."""
+    from spacar.elements.rotation import global_dual  # spatial only: planar models do not load it
+
+    return 2.0 * global_dual(moments.T)
 
 
 def gravity_field(mechanism: Mechanism, loads: Loads) -> Array:

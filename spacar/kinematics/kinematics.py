@@ -50,7 +50,6 @@ class Kinematics:
         xs, es = n.x_class, n.e_class
         self.E = np.arange(es["dynamic"].stop)
         self.U = np.r_[xs["calculable"].start : xs["calculable"].stop, xs["kinematic"].start : xs["kinematic"].stop]
-        self.given_x = np.setdiff1d(np.arange(n.nx), self.U)
         self.h = np.flatnonzero(~n.slips[: es["kinematic"].stop])
         self.c = np.arange(xs["calculable"].start, xs["calculable"].stop)
         if len(self.h) != len(self.c) or len(self.E) != len(self.U):
@@ -62,11 +61,11 @@ class Kinematics:
         else:
             self.position_system, self._position_take = self._system(self.h, self.c, kind)
         self.scale = mechanism.scale
+        self.h_scale = mechanism.deformation_scale[self.h]
         self.x = mechanism.x0.copy()
         self.e_given = np.zeros(n.ne)
         self.converged = CONVERGED
         self.iterations = 0  # Newton iterations of the last position
-        self.total_iterations = 0
         self._factored = False
 
     def _system(self, rows: Index, columns: Index, kind: str | None) -> tuple[System, Index]:
@@ -157,7 +156,7 @@ class Kinematics:
         for iteration in range(1, MAX_ITERATIONS + 1):
             sweep.strain(x)
             residual = sweep.e[h] - target
-            norm = _largest(residual)
+            norm = _largest(residual / self.h_scale)
             if not norm < np.inf or (history and norm > 2.0 * history[-1] and norm > 1e-6):
                 if halvings == MAX_HALVINGS:
                     raise Unplaced(partial(position_failure, self, x, residual, history, iteration))
@@ -182,7 +181,6 @@ class Kinematics:
             if _largest(correction / scale) <= self.converged:
                 self.x = x
                 self.iterations = iteration
-                self.total_iterations += iteration
                 if not self.velocity_map_is_position_map:
                     self.velocity_system.factor(sweep.entries[self._velocity_take])
                 self._factored = True
@@ -192,10 +190,6 @@ class Kinematics:
                 v[self.U] = solution[:, 1]
                 return v
         raise Unplaced(partial(position_failure, self, x, residual, history, MAX_ITERATIONS))
-
-    def forget_factors(self) -> None:
-        """x was changed from outside: no prediction with the old factorization."""
-        self._factored = False
 
     def refresh(self) -> None:
         """x was changed from outside: evaluate and factor there."""

@@ -37,7 +37,6 @@ MEANING = {
     "sig": "stress resultant",
     "t": "time",
 }
-ANGLES = (unit(rad=1), unit(deg=1), NONE)
 FUNCTIONS: dict[str, tuple[int, Callable[..., object]]] = {
     **{name: (1, getattr(np, name)) for name in ("abs", "sqrt", "sin", "cos", "tan", "exp", "log")},
     "deg": (1, np.degrees),

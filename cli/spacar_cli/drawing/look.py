@@ -41,10 +41,6 @@ class Look:
     def colour(self, element: int, default: Colour) -> Colour:
         return self.tints.get(element) or self.settings.colour(element) or default
 
-    def painted(self, element: int) -> bool:
-        """The colour of this element was chosen by the user or by the kind of picture."""
-        return element in self.tints or self.settings.colour(element) is not None
-
 
 def look_of(scene: Scene, xs: Array, settings: Settings) -> Look:
     """The look for drawing the configurations xs (steps, nx)."""
