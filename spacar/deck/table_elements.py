@@ -300,3 +300,21 @@ _ALL = (
 )
 
 ELEMENT_TYPES: dict[str, ElementType] = {t.keyword: t for t in _ALL}
+
+
+def _statement(t: ElementType) -> Keyword:
+    head = (
+        integer("element number"),
+        *(integer(n, f"{role} node") for n, role in zip(t.node_names, t.nodes, strict=True)),
+    )
+    space = "planar" if t.planar else "spatial"
+    counts = tuple(n for n in t.counts if n != 6) if t.geometry[-1:] == (_COUPLING,) else t.counts
+    variants = [form(head + t.geometry, *counts, space=space)]
+    if counts != t.counts:
+        variants.append(form((*head, _COUPLING), 6, space=space))
+    modes = "; ".join(f"{i} {name} [{unit}]" for i, (name, unit) in enumerate(t.modes, 1))
+    notes = (f"Deformation modes: {modes}.", *t.notes)
+    return Keyword(t.keyword, Block.KINEMATICS, f"{t.title} element", tuple(variants), notes=notes)
+
+
+KEYWORDS = tuple(_statement(t) for t in _ALL)
