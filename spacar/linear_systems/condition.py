@@ -1,4 +1,5 @@
-"""Reciprocal condition number of a factored system, from a few solves (Hager's estimator of the 1-norm of A^-1).
+"""Reciprocal condition number of a factored system: exact for dense storage, else from a few solves (Hager's
+estimator of the 1-norm of A^-1).
 
 W. W. Hager, "Condition estimates", SIAM J. Sci. Stat. Comput. 5 (1984) 311-316; Higham's safeguard: the solution for
 the alternating vector b_i = (-1)^i (1 + i/(n - 1)) bounds the norm from below where the iteration stops too early.
@@ -23,7 +24,14 @@ def reciprocal_condition(system: System, norm: float, row_scale: Array, column_s
         return 1.0
 
     def solve(b: Array) -> Array:
-        return np.asarray(system.solve(b / row_scale) / column_scale)
+        return np.asarray(system.solve((b.T / row_scale).T).T / column_scale).T
+
+    if system.kind == "dense":  # all unit vectors in one call: exact, and faster than five calls
+        try:
+            product = norm * float(np.abs(solve(np.eye(n))).sum(axis=0).max())
+        except SingularMatrixError:
+            return 0.0
+        return 1.0 / product if 0.0 < product < np.inf else 0.0
 
     x = np.full(n, 1.0 / n)
     estimate, last = 0.0, -1
