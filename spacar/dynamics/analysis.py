@@ -2,7 +2,7 @@
 
 ERROR is read as what the user wants of the result. An integrator controls the error of one step; over a run these
 add up, and an explicit method keeps a stiff, unexcited oscillation alive at some hundred times its local tolerance.
-So the variable step codes get LOCAL times ERROR. Measured on the examples (benchmarks/tolerance.py): it costs 0 to
+So the variable step codes get LOCAL times ERROR. Measured on the examples (docs/performance.md): it costs 0 to
 60 % more evaluations and brings the error of the result below ERROR.
 """
 
