@@ -88,6 +88,7 @@ class CompiledDynamics(Dynamics):
             if b.family.constant_mass:
                 np.add.at(constant, (b.x[:, None, :], b.x[None, :, :]), sweep.M[id(b)])
         saddle = SaddlePoint(self.mechanism, sweep, "dense")
+        self._V = np.zeros((n.ne, n.nx))
         N = max(len(self.kinematics.E), saddle.system.n)
         S, D = self.law.stiffness, self.law.damping
         return CModel(
@@ -99,7 +100,7 @@ class CompiledDynamics(Dynamics):
             self._integers(S[0]), self._integers(S[1]), self._integers(D[0]), self._integers(D[1]),
             self._doubles(S[2]), self._doubles(D[2]),
             self._integers(saddle.F), len(saddle.F), self._mass_scale(),
-            self._doubles(np.zeros((n.ne, n.nx))), self._doubles(np.zeros((n.nx, n.nx))),
+            self._doubles(self._V), self._doubles(np.zeros((n.nx, n.nx))),
             self._doubles(np.zeros((N, N))),
             self._doubles(np.zeros(n.ne)), self._doubles(np.zeros(n.nx)), self._doubles(np.zeros(3 * N + n.nx)),
             self._integers(np.zeros(N)),
@@ -173,9 +174,16 @@ class CompiledDynamics(Dynamics):
         if status < 0:
             return self._in_general(lambda: super(CompiledDynamics, self).rhs(t, y))
         self.evaluations += 1
-        if self.accepted is not None:
-            self._hand_over()
         return self._out.copy()
+
+    def jacobian(self, t: float, y: Array) -> tuple[Array, Array]:
+        self._hand_over()
+        return super().jacobian(t, y)
+
+    def settle(self) -> None:
+        self._hand_over()
+        self.sweep.v_entries[:] = self._V[self.sweep.v_rows, self.sweep.v_columns]
+        self.kinematics.refactor()
 
     def _in_general(self, evaluate: Callable[[], Result]) -> Result:
         """Let the general path look at a state that C could not do; it explains failures."""

@@ -91,6 +91,7 @@ def watch(dynamics: Dynamics) -> Callable[[float, Array], None] | None:
         return None
 
     def check(t: float, y: Array) -> None:
+        dynamics.settle()
         if half_turns.nodes:
             half_turns.check(t, y)
         if dead_points.watches:

@@ -194,6 +194,10 @@ class Kinematics:
     def refresh(self) -> None:
         """x was changed from outside: evaluate and factor there."""
         self.sweep.strain(self.x)
+        self.refactor()
+
+    def refactor(self) -> None:
+        """V was changed from outside: factor it."""
         self._factor_position()
         if not self.velocity_map_is_position_map:
             self.velocity_system.factor(self.sweep.entries[self._velocity_take])

@@ -75,3 +75,24 @@ def test_the_command_line_option(tmp_path):
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert "compiled" in (tmp_path / "crank.log").read_text().lower()
+
+
+def test_the_watch_of_accepted_steps_sees_the_state_that_c_evaluated():
+    """`settle` brings position and the factored matrix of the general path to the last compiled state."""
+    mechanism = spacar.frames(1, DATA / "robotsim.dat").mechanism
+    general, compiled = Dynamics(mechanism), CompiledDynamics(mechanism)
+    y = general.start() + 0.1
+    compiled.start()
+    general.rhs(0.0, y)
+    compiled.rhs(0.0, y)
+    compiled.settle()
+    np.testing.assert_allclose(compiled.kinematics.x, general.kinematics.x, atol=1e-10)  # ten times CONVERGED
+    expected = general.kinematics.velocity_system.A
+    np.testing.assert_allclose(compiled.kinematics.velocity_system.A, expected, atol=1e-9)
+
+
+def test_implicit_methods_use_the_exact_jacobian_of_the_same_state():
+    options = {"integrator": 430, "duration": 0.002, "n_steps": 2}
+    a = spacar.run(1, DATA / "crankfl.dat", **options)
+    b = spacar.run(1, DATA / "crankfl.dat", compiled=True, **options)
+    np.testing.assert_allclose(b["x"], a["x"], atol=1e-7)  # ERROR's default 1e-5 ends Newton's iteration of the stages
