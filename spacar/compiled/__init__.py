@@ -4,8 +4,10 @@ NumPy spends about a microsecond per call however small the arrays are; a slider
 evaluation. Here the same equations run in C: the element functions (`kernels.c`) are generated from the definitions of
 the deformations in `definitions`, which share nothing with the hand-written element families, and `solver.c` does
 Newton's iteration and the saddle-point form in dense storage. Results equal those of the general path to rounding
-(tests/compiled). Dead points are watched by the same rule, but with wide tolerances the two paths may choose other steps
-there, so a reflection that the general path reports can pass unseen. Never required: chosen with `spacar 1 FILE --compiled` or `spacar.run(..., compiled=True)`.
+(tests/compiled). Never required: chosen with `spacar 1 FILE --compiled` or `spacar.run(..., compiled=True)`.
+
+Dead points are watched by the same rule, but with wide tolerances the two paths may choose other steps there, so that a
+reflection which the general path reports can pass unseen.
 """
 
 from spacar.compiled.dynamics import CompiledDynamics, why_not

@@ -194,7 +194,7 @@ class Dynamics:
         return state_jacobian(self, t, y)
 
     def settle(self) -> None:
-        """Bring kinematics and sweep to the last evaluated state: nothing to do unless a subclass evaluates elsewhere."""
+        """Bring kinematics and sweep to the last evaluated state: nothing to do unless it was evaluated elsewhere."""
 
     def component_name(self, i: int) -> str:
         """Name of a component of the state, for messages."""
