@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from spacar.errors import SpacarError, UsageError
+from spacar.mechanism.user_functions import import_file
 from spacar.simulation.blocks import Block, Function, Gain, Sampled, Saturation, proportional_derivative
 from spacar.simulation.diagram import Diagram
 from spacar_formats.ltvfile import read_ltv
@@ -169,21 +170,11 @@ BLOCKS: dict[str, tuple[Callable[[_Section], Block], dict[str, Any]]] = {
 
 def load_function(path: Path, error: Callable[[str], UsageError]) -> Callable[..., Any]:
     """The function of `file.py:name`. Raises the given kind of error when file or function cannot be had."""
-    import importlib.util
-
     name, colon, function_name = path.name.partition(":")
     file = path.with_name(name)
     if not colon or not file.is_file():
         raise error(f"a function is given as FILE.py:NAME; {file} " + ("does not exist" if colon else "has no name"))
-    spec = importlib.util.spec_from_file_location(f"spacar_user_{file.stem}", file)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    try:
-        spec.loader.exec_module(module)
-    except Exception as cause:  # a user's file may fail in any way
-        raise error(f"{file} cannot be loaded: {type(cause).__name__}: {cause}") from cause
-    function = getattr(module, function_name, None)
+    function = getattr(import_file(file, error), function_name, None)
     if not callable(function):
         raise error(f"{file} does not define a function {function_name}")
     return function

@@ -7,7 +7,7 @@ assembled from this array with index maps that are made once. Nothing here alloc
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -47,18 +47,8 @@ class Sweep:
         nv, nm = len(self.v_rows), len(self.m_rows)
         self.entries = np.zeros(nv + nm)
         self.v_entries, self.m_entries = self.entries[:nv], self.entries[nv:]
-        self.V = dict(
-            zip(
-                map(id, self.strained),
-                _views(self.v_entries, self.strained, lambda b: (len(b.e), len(b.x))),
-                strict=True,
-            )
-        )
-        self.M = dict(
-            zip(
-                map(id, self.massive), _views(self.m_entries, self.massive, lambda b: (len(b.x), len(b.x))), strict=True
-            )
-        )
+        self.V = _views(self.v_entries, self.strained, lambda b: (len(b.e), len(b.x)))
+        self.M = _views(self.m_entries, self.massive, lambda b: (len(b.x), len(b.x)))
         self.x_index = _join([b.x.ravel() for b in self.batches])
         self.e_index = _join([b.e.ravel() for b in self.strained])
         self.f_index = _join([b.x.ravel() for b in self.moving])
@@ -66,18 +56,13 @@ class Sweep:
         self._e, self._near, self._h = (np.zeros(len(self.e_index)) for _ in range(3))
         self._f = np.zeros(len(self.f_index))
 
-        def per_batch(
-            buffer: Array, batches: list[Batch] | tuple[Batch, ...], rows: Callable[[Batch], int]
-        ) -> dict[int, Array]:
-            return dict(zip(map(id, batches), _views(buffer, batches, lambda b: (rows(b),)), strict=True))
-
         self.x_of, self.v_of, self.a_of = (
-            per_batch(u, self.batches, lambda b: len(b.x)) for u in (self._x, self._v, self._a)
+            _views(u, self.batches, lambda b: (len(b.x),)) for u in (self._x, self._v, self._a)
         )
         self.e_of, self.near_of, self.h_of = (
-            per_batch(u, self.strained, lambda b: len(b.e)) for u in (self._e, self._near, self._h)
+            _views(u, self.strained, lambda b: (len(b.e),)) for u in (self._e, self._near, self._h)
         )
-        self.f_of = per_batch(self._f, self.moving, lambda b: len(b.x))
+        self.f_of = _views(self._f, self.moving, lambda b: (len(b.x),))
         self.plan = [(b.family, id(b)) for b in self.strained]
         self.curved_plan = [(b.family, id(b)) for b in self.curved]
         self.moving_plan = [(b.family, id(b)) for b in self.moving]
@@ -156,13 +141,12 @@ def _join(parts: list[Index]) -> Index:
     return np.concatenate(parts) if parts else np.zeros(0, np.int64)
 
 
-def _views(
-    buffer: Array, batches: list[Batch] | tuple[Batch, ...], shape: Callable[[Batch], tuple[int, ...]]
-) -> list[Array]:
-    views, first = [], 0
+def _views(buffer: Array, batches: Sequence[Batch], shape: Callable[[Batch], tuple[int, ...]]) -> dict[int, Array]:
+    """Consecutive parts of a buffer as arrays (*shape, n), by the identity of the batch."""
+    views, first = {}, 0
     for b in batches:
         dimensions = (*shape(b), b.family.n)
         size = int(np.prod(dimensions))
-        views.append(buffer[first : first + size].reshape(dimensions))
+        views[id(b)] = buffer[first : first + size].reshape(dimensions)
         first += size
     return views

@@ -15,6 +15,7 @@ import importlib.util
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -39,6 +40,15 @@ def load_function(deck: Deck, statement: Statement) -> Callable[..., Any]:
     if not candidates:
         raise refuse(f"the function file {name}.py was not found in {folder}")
     path = candidates[0]
+    module = import_file(path, refuse)
+    function = getattr(module, path.stem, None) or getattr(module, name, None)
+    if not callable(function):
+        raise refuse(f"{path} does not define a function {name}")
+    return function
+
+
+def import_file(path: Path, refuse: Callable[[str], Exception]) -> ModuleType:
+    """The module in a user's Python file; raises what `refuse` makes of the reason why it cannot be loaded."""
     spec = importlib.util.spec_from_file_location(f"spacar_user_{path.stem}", path)
     assert spec is not None
     assert spec.loader is not None
@@ -47,10 +57,7 @@ def load_function(deck: Deck, statement: Statement) -> Callable[..., Any]:
         spec.loader.exec_module(module)
     except Exception as error:  # a user's file may fail in any way
         raise refuse(f"{path} cannot be loaded: {one_line(error)}") from error
-    function = getattr(module, path.stem, None) or getattr(module, name, None)
-    if not callable(function):
-        raise refuse(f"{path} does not define a function {name}")
-    return function
+    return module
 
 
 def one_line(error: Exception) -> str:

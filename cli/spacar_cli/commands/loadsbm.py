@@ -2,24 +2,6 @@
 
 from __future__ import annotations
 
-import click
+from spacar_cli.exporting import export_command
 
-
-@click.command("loadsbm")
-@click.argument("file")
-@click.argument("idents", metavar="[ID]...", nargs=-1)
-@click.option("--to", "formats", multiple=True, type=click.Choice(["mat", "npz", "csv"]), help="Default npz.")
-@click.option("--output", "-o", help="Name of the new file; its extension says the format.")
-def command(file: str, idents: tuple[str, ...], formats: tuple[str, ...], output: str | None) -> None:
-    """Export all variables of an .sbm file, or only those named, under their MATLAB names.
-
-    Writes FILE.sbm.npz (.mat, .csv) beside the result, or what --output says. A .csv has a row for each
-    step; the header variables go to a second table, .header.csv.
-    """
-    from spacar_formats.exports import export_file
-
-    written, notes = export_file(file, "sbm", idents, formats, output)
-    for note in notes:
-        click.echo(f"warning: {note}", err=True)
-    for path in written:
-        click.echo(path)
+command = export_command("sbm")
