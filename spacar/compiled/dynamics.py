@@ -11,7 +11,7 @@ import numpy as np
 from spacar.compiled.library import DOUBLES, INTEGERS, CBatch, CModel, CState, library
 from spacar.compiled.parameters import KINDS, SUPPORTED
 from spacar.dynamics.dynamics import Dynamics
-from spacar.dynamics.saddle_point import SaddlePoint
+from spacar.dynamics.saddle_point import free_coordinates
 from spacar.frame import Frame
 from spacar.kinematics.kinematics import CONVERGED, LARGEST_JUMP
 from spacar.mechanism.mechanism import Array, Drive, Loads, Mechanism, Polynomial
@@ -87,9 +87,9 @@ class CompiledDynamics(Dynamics):
         for b in sweep.massive:
             if b.family.constant_mass:
                 np.add.at(constant, (b.x[:, None, :], b.x[None, :, :]), sweep.M[id(b)])
-        saddle = SaddlePoint(self.mechanism, sweep, "dense")
+        F = free_coordinates(n)
         self._V = np.zeros((n.ne, n.nx))
-        N = max(len(self.kinematics.E), saddle.system.n)
+        N = max(len(self.kinematics.E), len(F) + es["input"].stop)
         S, D = self.law.stiffness, self.law.damping
         return CModel(
             n.nx, n.ne, xs["calculable"].start, es["input"].stop,
@@ -99,7 +99,7 @@ class CompiledDynamics(Dynamics):
             self._doubles(self.forces.field), self._doubles(self.law.preload),
             self._integers(S[0]), self._integers(S[1]), self._integers(D[0]), self._integers(D[1]),
             self._doubles(S[2]), self._doubles(D[2]),
-            self._integers(saddle.F), len(saddle.F), self._mass_scale(),
+            self._integers(F), len(F), self._mass_scale(),
             self._doubles(self._V), self._doubles(np.zeros((n.nx, n.nx))),
             self._doubles(np.zeros((N, N))),
             self._doubles(np.zeros(n.ne)), self._doubles(np.zeros(n.nx)), self._doubles(np.zeros(3 * N + n.nx)),

@@ -16,7 +16,14 @@ import numpy as np
 
 from spacar.kinematics.sweep import Sweep
 from spacar.linear_systems import assemble
-from spacar.mechanism.mechanism import Array, Mechanism
+from spacar.mechanism.mechanism import Array, Index, Mechanism
+from spacar.mechanism.numbering import Numbering
+
+
+def free_coordinates(numbering: Numbering) -> Index:
+    """Calculable, dynamic and kinematic coordinates, (nf,)."""
+    classes = (numbering.x_class[name] for name in ("calculable", "dynamic", "kinematic"))
+    return np.concatenate([np.arange(c.start, c.stop) for c in classes])
 
 
 class SaddlePoint:
@@ -24,13 +31,8 @@ class SaddlePoint:
 
     def __init__(self, mechanism: Mechanism, sweep: Sweep, kind: str | None = None) -> None:
         n = mechanism.numbering
-        xs, es = n.x_class, n.e_class
-        self.F = np.r_[
-            xs["calculable"].start : xs["calculable"].stop,
-            xs["dynamic"].start : xs["dynamic"].stop,
-            xs["kinematic"].start : xs["kinematic"].stop,
-        ]
-        self.n_rows = es["input"].stop
+        self.F = free_coordinates(n)
+        self.n_rows = n.e_class["input"].stop
         self.sweep = sweep
         nf = len(self.F)
         place = np.full(n.nx, -1)
