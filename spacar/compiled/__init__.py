@@ -10,6 +10,7 @@ Dead points are watched by the same rule, but with wide tolerances the two paths
 reflection which the general path reports can pass unseen.
 """
 
-from spacar.compiled.dynamics import CompiledDynamics, why_not
+from spacar.compiled.dynamics import CompiledDynamics
+from spacar.compiled.model import why_not
 
 __all__ = ["CompiledDynamics", "why_not"]

@@ -1,7 +1,7 @@
 """Compile the C text once per machine and load it.
 
-The library is kept in $XDG_CACHE_HOME/spacar (or ~/.cache/spacar) under the digest of its text and of the compiler
-call, so another version never picks up a wrong one. CC names the compiler; default cc.
+The library is kept in $XDG_CACHE_HOME/spacar (or ~/.cache/spacar) under the digest of its text, of the compiler call and
+of the processor, so another version or machine never picks up a wrong one. CC names the compiler; default cc.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import ctypes
 import hashlib
 import os
+import platform
 import shlex
 import shutil
 import subprocess
@@ -18,7 +19,8 @@ from pathlib import Path
 
 from spacar.errors import UsageError
 
-FLAGS = ("-O2", "-fPIC", "-shared", "-std=gnu99")
+FLAGS = ("-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math", "-fPIC", "-shared", "-std=gnu99")
+PARTS = ("lanes.c", "kernels.c", "sparse.c", "solver.c", "model.c")
 HERE = Path(__file__).parent
 
 DOUBLES = ctypes.POINTER(ctypes.c_double)
@@ -34,61 +36,63 @@ class CBatch(ctypes.Structure):
     ]  # fmt: skip
 
 
-class CModel(ctypes.Structure):
-    """`Model` of solver.c."""
+class CSpec(ctypes.Structure):
+    """`Spec` of solver.c."""
 
     _fields_ = [
         *((name, ctypes.c_int) for name in (
-            "nx", "ne", "n_fixed_x", "n_rows", "n_equations", "n_batches", "n_stiffness", "n_damping",
-            "prescribed",
+            "nx", "ne", "n_fixed_x", "n_rows", "n_equations", "n_batches", "n_stiffness", "n_damping", "prescribed",
+            "n_constant", "n_free", "x_input", "n_x_input", "x_dynamic", "n_x_dynamic", "e_input", "n_e_input",
+            "e_dynamic", "n_e_dynamic", "polynomial",
         )),
         ("batches", ctypes.POINTER(CBatch)),
-        *((name, DOUBLES) for name in ("constant_mass", "scale", "force", "field", "preload")),
+        ("constant_row", INTEGERS), ("constant_column", INTEGERS), ("constant_mass", DOUBLES),
+        *((name, DOUBLES) for name in ("scale", "force", "field", "preload")),
         *((name, INTEGERS) for name in ("s_rows", "s_columns", "d_rows", "d_columns")),
         *((name, DOUBLES) for name in ("s_values", "d_values")),
-        ("free", INTEGERS), ("n_free", ctypes.c_int), ("mass_scale", ctypes.c_double),
-        *((name, DOUBLES) for name in ("V", "M", "A", "h", "convected", "work")),
-        ("pivot", INTEGERS),
-    ]  # fmt: skip
-
-
-class CState(ctypes.Structure):
-    """`State` of solver.c."""
-
-    _fields_ = [
-        *((name, ctypes.c_int) for name in (
-            "x_input", "n_x_input", "x_dynamic", "n_x_dynamic", "e_input", "n_e_input", "e_dynamic", "n_e_dynamic",
-            "polynomial", "known",
-        )),
-        ("t", ctypes.c_double),
+        ("free", INTEGERS),
         *((name, DOUBLES) for name in (
-            "x0", "x_motion", "e_motion", "x", "xd", "xdd", "given_e", "given_ed", "given_edd", "near", "e", "ed",
-            "edd", "sigma", "next_x", "next_xd", "next_xdd",
+            "x0", "x_motion", "e_motion", "x", "xd", "xdd", "e", "ed", "edd", "sigma", "given_e",
         )),
     ]  # fmt: skip
 
 
-@lru_cache(maxsize=1)
-def library() -> ctypes.CDLL:
-    """The loaded library. Raises UsageError when no compiler is found or it fails."""
-    text = (HERE / "kernels.c").read_bytes() + (HERE / "solver.c").read_bytes()
+@lru_cache
+def library(lanes: int = 1) -> ctypes.CDLL:
+    """The loaded library for as many cases at a time. Raises UsageError when no compiler is found or it fails."""
+    text = b"".join((HERE / name).read_bytes() for name in PARTS)
     compiler = shlex.split(os.environ.get("CC", "cc"))
-    digest = hashlib.sha256(text + " ".join((*compiler, *FLAGS)).encode()).hexdigest()[:16]
+    flags = (*FLAGS, f"-DLANES={lanes}")
+    digest = hashlib.sha256(text + " ".join((*compiler, *flags, _processor())).encode()).hexdigest()[:16]
     base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     target = Path(base) / "spacar" / f"rhs-{digest}.so"
     if not target.exists():
-        _compile(compiler, text, target)
+        _compile(compiler, flags, text, target)
     loaded = ctypes.CDLL(str(target))
-    pointer, number = ctypes.c_void_p, ctypes.c_double
-    loaded.spacar_evaluate.argtypes = [pointer, pointer, number, pointer, number, number]
-    loaded.spacar_rhs.argtypes = [pointer, pointer, number, pointer, pointer, number, number]
-    loaded.spacar_evaluate.restype = loaded.spacar_rhs.restype = ctypes.c_int
-    loaded.spacar_forces.argtypes = [ctypes.c_void_p] * 5
-    loaded.spacar_forces.restype = None
+    pointer, number, integer = ctypes.c_void_p, ctypes.c_double, ctypes.c_int
+    loaded.spacar_begin.argtypes, loaded.spacar_begin.restype = [pointer], pointer
+    loaded.spacar_end.argtypes, loaded.spacar_end.restype = [pointer], None
+    loaded.spacar_forget.argtypes, loaded.spacar_forget.restype = [pointer], None
+    loaded.spacar_evaluate.argtypes = [pointer, number, pointer, number, number]
+    loaded.spacar_rhs.argtypes = [pointer, number, pointer, pointer, number, number]
+    loaded.spacar_stages.argtypes = [
+        pointer, integer, integer, pointer, pointer, number, number, number, pointer, pointer, number, number,
+    ]  # fmt: skip
+    loaded.spacar_complete.argtypes, loaded.spacar_complete.restype = [pointer] * 3, None
+    loaded.spacar_gradient.argtypes = [pointer] * 4
     return loaded
 
 
-def _compile(compiler: list[str], text: bytes, target: Path) -> None:
+def _processor() -> str:
+    """What -march=native depends on."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+        return next(line for line in lines if line.startswith(("flags", "Features")))
+    except (OSError, StopIteration):
+        return f"{platform.machine()} {platform.processor()} {platform.node()}"
+
+
+def _compile(compiler: list[str], flags: tuple[str, ...], text: bytes, target: Path) -> None:
     if shutil.which(compiler[0]) is None:
         raise UsageError(
             f"--compiled needs a C compiler, and '{compiler[0]}' was not found: install gcc or clang (or set CC),"
@@ -99,7 +103,7 @@ def _compile(compiler: list[str], text: bytes, target: Path) -> None:
     with tempfile.TemporaryDirectory(dir=target.parent) as folder:
         source, made = Path(folder) / "rhs.c", Path(folder) / "rhs.so"
         source.write_bytes(text)
-        done = subprocess.run([*compiler, *FLAGS, str(source), "-o", str(made), "-lm"], capture_output=True, text=True)
+        done = subprocess.run([*compiler, *flags, str(source), "-o", str(made), "-lm"], capture_output=True, text=True)
         if done.returncode:
             raise UsageError(f"the C compiler failed: {done.stderr.strip()[-400:]}", "compiled.compiler")
         made.replace(target)  # atomic: parallel runs may compile at the same time

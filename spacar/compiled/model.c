@@ -1,0 +1,208 @@
+/* The lists behind a model: which entries of V and M there are, and where they go in the two systems. */
+
+static int entries_begin(Entries *list, int capacity)
+{
+    list->n = 0;
+    list->row = cleared(capacity, sizeof(int));
+    list->column = cleared(capacity, sizeof(int));
+    list->source = cleared(capacity, sizeof(int));
+    return list->row && list->column && list->source ? OK : NO_MEMORY;
+}
+
+static void entries_end(Entries *list)
+{
+    free(list->row); free(list->column); free(list->source);
+}
+
+static void add(Entries *list, int row, int column, int source)
+{
+    list->row[list->n] = row;
+    list->column[list->n] = column;
+    list->source[list->n++] = source;
+}
+
+/* A value that no arithmetic gives: not-a-number with a payload. */
+static const uint64_t UNTOUCHED = 0x7ff8dead00000001u;
+
+static real untouched(void)
+{
+    double value;
+    memcpy(&value, &UNTOUCHED, sizeof value);
+    return EVERY(0.0) + value;
+}
+
+static int written(real value)
+{
+    const double first = LANE(value, 0);
+    return memcmp(&first, &UNTOUCHED, sizeof first) != 0;
+}
+
+/* What the functions of an element write is an entry; the rest of the element matrix is structurally zero. They are called
+   once with marked values in the matrices. */
+static int find_entries(Model *m, Entries *V)
+{
+    const Spec *s = &m->s;
+    real xe[MAX_X], ve[MAX_X], ee[MAX_E], he[MAX_X];
+    int element = 0, at = 0;
+    for (int b = 0; b < s->n_batches; b++) {
+        const Batch *k = &s->batches[b];
+        for (int i = 0; i < k->n; i++, element++) {
+            m->v_offset[element] = at;
+            at += k->nee * k->nxe;
+        }
+    }
+    m->n_v = at;
+    element = 0;
+    for (int b = 0; b < s->n_batches; b++) {
+        const Batch *k = &s->batches[b];
+        for (int i = 0; i < k->n; i++, element++) {
+            m->m_offset[element] = at;
+            if (k->inertia) at += k->nxe * k->nxe;
+        }
+    }
+    m->n_values = at + s->n_constant;
+    m->values = cleared(m->n_values, sizeof(real));
+    if (!m->values || entries_begin(V, m->n_v) || entries_begin(&m->mass, m->n_values - m->n_v)) return NO_MEMORY;
+    for (int k = 0; k < m->n_values; k++) m->values[k] = untouched();
+    element = 0;
+    for (int b = 0; b < s->n_batches; b++) {
+        const Batch *k = &s->batches[b];
+        for (int i = 0; i < k->n; i++, element++) {
+            const int *ix = k->x + i * k->nxe, *ie = k->e + i * k->nee;
+            real *v = m->values + m->v_offset[element], *M = m->values + m->m_offset[element];
+            for (int j = 0; j < k->nxe; j++) { xe[j] = s->x0[ix[j]]; ve[j] = EVERY(0.0); }
+            if (k->nee) element_strain(k->kind, xe, k->p + i * k->np, ee, v);
+            for (int r = 0; r < k->nee; r++)
+                for (int j = 0; j < k->nxe; j++)
+                    if (written(v[r * k->nxe + j]))
+                        add(V, ie[r], ix[j], m->v_offset[element] + r * k->nxe + j);
+            if (!k->inertia) continue;
+            element_inertia(k->kind, xe, ve, k->p + i * k->np, M, he);
+            for (int r = 0; r < k->nxe; r++)
+                for (int j = 0; j < k->nxe; j++)
+                    if (written(M[r * k->nxe + j]))
+                        add(&m->mass, ix[r], ix[j], m->m_offset[element] + r * k->nxe + j);
+        }
+    }
+    for (int k = 0; k < s->n_constant; k++) {
+        m->values[at + k] = s->constant_mass[k];
+        add(&m->mass, s->constant_row[k], s->constant_column[k], at + k);
+    }
+    return OK;
+}
+
+/* V by rows. */
+static int sort_rows(Model *m, const Entries *V)
+{
+    const int ne = m->s.ne;
+    m->v_start = cleared(ne + 2, sizeof(int));
+    m->v_column = cleared(V->n, sizeof(int));
+    m->v_place = cleared(V->n, sizeof(int));
+    if (!m->v_start || !m->v_column || !m->v_place) return NO_MEMORY;
+    for (int k = 0; k < V->n; k++) m->v_start[V->row[k] + 2]++;
+    for (int r = 0; r < ne; r++) m->v_start[r + 2] += m->v_start[r + 1];
+    for (int k = 0; k < V->n; k++) {
+        const int at = m->v_start[V->row[k] + 1]++;
+        m->v_column[at] = V->column[k];
+        m->v_place[at] = V->source[k];
+    }
+    return OK;
+}
+
+static void put(Sparse *system, int row, int column, int source)
+{
+    const int at = system->n_entries++;
+    system->row[at] = row;
+    system->column[at] = column;
+    system->source[at] = source;
+}
+
+/* V[E, U] of the positions, and the saddle-point matrix of the accelerations and multipliers. */
+static int assemble(Model *m)
+{
+    const Spec *s = &m->s;
+    const int n = s->n_equations, first = s->n_fixed_x, nf = s->n_free, nr = s->n_rows, entries = m->v_start[s->ne];
+    int *place = cleared(s->nx, sizeof(int)), status = place ? OK : NO_MEMORY;
+    if (!status) status = sparse_begin(&m->position, n, entries);
+    if (!status && !s->prescribed) status = sparse_begin(&m->motion, nf + nr, m->mass.n + 2 * entries);
+    if (!status) {
+        m->position.n_entries = m->motion.n_entries = 0;
+        for (int r = 0; r < n; r++)
+            for (int k = m->v_start[r]; k < m->v_start[r + 1]; k++) {
+                const int j = m->v_column[k] - first;
+                if (j >= 0 && j < n) put(&m->position, r, j, m->v_place[k]);
+            }
+    }
+    if (!status && !s->prescribed) {
+        for (int i = 0; i < s->nx; i++) place[i] = -1;
+        for (int i = 0; i < nf; i++) place[s->free[i]] = i;
+        for (int k = 0; k < m->mass.n; k++) {
+            const int i = place[m->mass.row[k]], j = place[m->mass.column[k]];
+            if (i >= 0 && j >= 0) put(&m->motion, i, j, m->mass.source[k]);
+        }
+        for (int r = 0; r < nr; r++)
+            for (int k = m->v_start[r]; k < m->v_start[r + 1]; k++) {
+                const int j = place[m->v_column[k]];
+                if (j < 0) continue;
+                put(&m->motion, nf + r, j, m->v_place[k]);
+                put(&m->motion, j, nf + r, m->v_place[k]);
+            }
+    }
+    free(place);
+    return status;
+}
+
+void spacar_end(Model *m)
+{
+    if (!m) return;
+    sparse_end(&m->position);
+    sparse_end(&m->motion);
+    entries_end(&m->mass);
+    free(m->v_start); free(m->v_column); free(m->v_place); free(m->v_offset); free(m->m_offset); free(m->values);
+    free(m->h); /* the start of all vectors */
+    free(m);
+}
+
+/* A model of a copy of `spec`, whose arrays must stay; NULL when there is no memory. */
+Model *spacar_begin(const Spec *spec)
+{
+    Model *m = cleared(1, sizeof(Model));
+    if (!m) return NULL;
+    m->s = *spec;
+    const int nx = spec->nx, ne = spec->ne;
+    int elements = 0;
+    for (int b = 0; b < spec->n_batches; b++) elements += spec->batches[b].n;
+    m->v_offset = cleared(elements, sizeof(int));
+    m->m_offset = cleared(elements, sizeof(int));
+    Entries V = {0};
+    int status = m->v_offset && m->m_offset ? find_entries(m, &V) : NO_MEMORY;
+    if (!status) status = sort_rows(m, &V);
+    entries_end(&V);
+    if (!status) status = assemble(m);
+    real *work = status ? NULL : cleared(6 * nx + 6 * ne + 2 * (nx + ne), sizeof(real));
+    if (!work) { spacar_end(m); return NULL; }
+    real **vectors[] = {&m->h, &m->near, &m->next_e, &m->given_ed, &m->given_edd};
+    for (int k = 0; k < 5; k++, work += ne) *vectors[k] = work;
+    real **coordinates[] = {&m->convected, &m->force, &m->next_x, &m->next_xd, &m->next_xdd};
+    for (int k = 0; k < 5; k++, work += nx) *coordinates[k] = work;
+    m->b = work;
+    m->stage = m->b + nx + ne;
+    return m;
+}
+
+/* Forget the last state, as the start of the guess of the next one. */
+void spacar_forget(Model *m)
+{
+    m->known = 0;
+}
+
+/* The entries of V: rows, columns and values, each with room for all of them (n); their number. Only this when row is NULL. */
+int spacar_gradient(const Model *m, int *row, int *column, real *value)
+{
+    for (int r = 0; row && r < m->s.ne; r++)
+        for (int k = m->v_start[r]; k < m->v_start[r + 1]; k++) row[k] = r;
+    const int n = m->v_start[m->s.ne];
+    if (column) memcpy(column, m->v_column, sizeof(int) * n);
+    for (int k = 0; value && k < n; k++) value[k] = m->values[m->v_place[k]];
+    return n;
+}
