@@ -71,10 +71,9 @@ class Dynamics:
     def start(self) -> Array:
         """Start state; brings the mechanism there from the reference configuration, in steps if it is far."""
         y = self.start_values()
-        drive = self.drive.at(0.0)
-        self.kinematics.move(*self.given(drive, y))
+        self.kinematics.begin()
+        self.place(0.0, y)
         if self.numbering.nddof:
-            self.place(0.0, y)
             self.sweep.mass()
             require_regular_mass(self)
         return y

@@ -32,9 +32,10 @@ def require_regular_mass(dynamics: Dynamics) -> None:
     massless = [names[k] for k in np.flatnonzero(diagonal <= 0.0)]
     if not massless:
         scale = np.sqrt(diagonal)
-        values, vectors = np.linalg.eigh(M / np.outer(scale, scale))
-        if values[0] > SMALLEST:
+        scaled = M / np.outer(scale, scale)
+        if np.linalg.eigvalsh(scaled)[0] > SMALLEST:
             return
+        vectors = np.linalg.eigh(scaled)[1]
         weight = np.abs(vectors[:, 0] / scale)
         massless = [names[k] for k in np.argsort(-weight)[:3] if weight[k] > 0.1 * weight.max()]
     text = (
@@ -49,9 +50,7 @@ def reduced_mass(dynamics: Dynamics) -> Array:
     """W^T (M + V^T M_e V) W of all degrees of freedom, (ndof, ndof), at the placed state."""
     sweep = dynamics.sweep
     W = velocity_transfer(dynamics.kinematics)
-    MW = np.zeros_like(W)
-    np.add.at(MW, sweep.m_rows, sweep.m_entries[:, None] * W[sweep.m_columns])
-    M = W.T @ MW
+    M = np.array([sweep.mass_times(column) for column in W.T]) @ W
     if dynamics.coupling.present:
         i, j, value = dynamics.coupling.table
         We = dynamics.kinematics.sweep_rates(W)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spacar.kinematics.diagnosis import deformation_scale, scaled_difference_matrix
+from spacar.kinematics.diagnosis import scaled_difference_matrix
 from spacar.mechanism.mechanism import Array
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def _estimate(k: Kinematics) -> float:
     from scipy.sparse.linalg import LinearOperator, onenormest
 
     sweep, n = k.sweep, len(k.E)
-    rows, columns = deformation_scale(k.mechanism), k.mechanism.scale
+    rows, columns = k.mechanism.deformation_scale, k.mechanism.scale
     chosen_row, chosen_column = np.zeros(sweep.ne, bool), np.zeros(sweep.nx, bool)
     chosen_row[k.E], chosen_column[k.U] = True, True
     part = chosen_row[sweep.v_rows] & chosen_column[sweep.v_columns]

@@ -16,7 +16,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spacar.deck import ELEMENT_TYPES
 from spacar.mechanism.mechanism import Array, Index, Mechanism
 
 ZERO = float(np.sqrt(np.finfo(float).eps))
@@ -67,20 +66,9 @@ class Diagnosis:
         return lines
 
 
-def deformation_scale(mechanism: Mechanism) -> Array:
-    """(ne,) `length` for deformations in metres, 1 for the others."""
-    numbering = mechanism.numbering
-    scale = np.ones(numbering.ne)
-    for element, keyword, _ in numbering.elements:
-        for mode, (_, unit) in enumerate(ELEMENT_TYPES[keyword].modes, 1):
-            if unit == "m":
-                scale[numbering.e_index(element, mode)] = mechanism.length
-    return scale
-
-
 def scaled_difference_matrix(mechanism: Mechanism, V: Array) -> Array:
     """V (ne, nx) with dimensionless rows and columns."""
-    return V * mechanism.scale / deformation_scale(mechanism)[:, None]
+    return V * mechanism.scale / mechanism.deformation_scale[:, None]
 
 
 def diagnose(mechanism: Mechanism, V: Array) -> Diagnosis:

@@ -20,6 +20,7 @@ most 10 times.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from functools import partial
 
 import numpy as np
@@ -49,15 +50,15 @@ class Kinematics:
         self.sweep = Sweep(mechanism)
         xs, es = n.x_class, n.e_class
         self.E = np.arange(es["dynamic"].stop)
-        self.U = np.r_[xs["calculable"].start : xs["calculable"].stop, xs["kinematic"].start : xs["kinematic"].stop]
+        self.U = np.concatenate([np.arange(xs[k].start, xs[k].stop) for k in ("calculable", "kinematic")])
         self.h = np.flatnonzero(~n.slips[: es["kinematic"].stop])
         self.c = np.arange(xs["calculable"].start, xs["calculable"].stop)
         if len(self.h) != len(self.c) or len(self.E) != len(self.U):
             raise count_failure(self)
-        self.velocity_system, self._velocity_take = self._system(self.E, self.U, kind)
+        self.velocity_system, self.velocity_take = self._system(self.E, self.U, kind)
         self.velocity_map_is_position_map = bool(n.holonomic)
         if self.velocity_map_is_position_map:
-            self.position_system, self._position_take = self.velocity_system, self._velocity_take
+            self.position_system, self._position_take = self.velocity_system, self.velocity_take
         else:
             self.position_system, self._position_take = self._system(self.h, self.c, kind)
         self.scale = mechanism.scale
@@ -85,11 +86,21 @@ class Kinematics:
         x_given (nx,) holds the given coordinates (entries of U are ignored), e_given (ne,) the given deformations.
         Raises AnalysisError 'position.no-convergence' or 'position.singular'.
         """
-        if not self._factored:
-            # DRPINBOD: the deformations of the reference configuration need not be those wanted
-            self.sweep.strain(self.x)
-            self.position(self.x, self.sweep.e.copy())
+        self.begin()
         self.position(x_given, e_given)
+
+    def begin(self) -> None:
+        """At the first call: the way to the first given values starts with the deformations of the present x.
+
+        DRPINBOD: the deformations of the reference configuration need not be those wanted.
+        """
+        if self._factored:
+            return
+        self.sweep.strain(self.x)
+        self.e_given = self.sweep.e.copy()
+        self.sweep.near[:] = self.e_given
+        with suppress(SingularMatrixError):  # then without a prediction: the iteration will say what is singular
+            self.refactor()
 
     def position(self, x_given: Array, e_given: Array) -> None:
         """Solve D_h(x) = e_h from the present configuration; leaves V and its factorization at the solution."""
@@ -118,7 +129,9 @@ class Kinematics:
         near[self.h] = e_given[self.h]
         if self._factored and guess is None:
             residual = self.sweep.rate(x - x_old)[self.h] - (e_given - e_old)[self.h]
-            x[c] -= self.position_system.solve(residual)
+            if residual.any():
+                with suppress(SingularMatrixError):
+                    x[c] -= self.position_system.solve(residual)
         self._factored = False
         try:
             velocity = self._newton(x, e_given, v_given, e_rate)
@@ -182,7 +195,7 @@ class Kinematics:
                 self.x = x
                 self.iterations = iteration
                 if not self.velocity_map_is_position_map:
-                    self.velocity_system.factor(sweep.entries[self._velocity_take])
+                    self.velocity_system.factor(sweep.entries[self.velocity_take])
                 self._factored = True
                 if not together:
                     return None
@@ -200,7 +213,7 @@ class Kinematics:
         """V was changed from outside: factor it."""
         self._factor_position()
         if not self.velocity_map_is_position_map:
-            self.velocity_system.factor(self.sweep.entries[self._velocity_take])
+            self.velocity_system.factor(self.sweep.entries[self.velocity_take])
         self._factored = True
 
     def start_from(self, other: Kinematics) -> None:

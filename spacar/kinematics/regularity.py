@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spacar.errors import AnalysisError, Report
-from spacar.kinematics.diagnosis import ZERO, deformation_scale, scaled_difference_matrix
+from spacar.kinematics.diagnosis import ZERO, scaled_difference_matrix
 from spacar.linear_systems.condition import reciprocal_condition
 from spacar.linear_systems.dense import DenseSystem
 from spacar.mechanism.mechanism import Array
@@ -36,15 +36,8 @@ class Regularity:
         self.kinematics = k = kinematics
         self.report = report
         self.last: tuple[float, float] | None = None  # time, sign of the determinant
-        n = k.numbering
-        self.rows = 1.0 / deformation_scale(k.mechanism)[k.E]
+        self.rows = 1.0 / k.mechanism.deformation_scale[k.E]
         self.columns = k.scale[k.U]
-        row_of, column_of = np.full(n.ne, -1), np.full(n.nx, -1)
-        row_of[k.E], column_of[k.U] = np.arange(len(k.E)), np.arange(len(k.U))
-        r, c = row_of[k.sweep.v_rows], column_of[k.sweep.v_columns]
-        self.take = np.flatnonzero((r >= 0) & (c >= 0))
-        self.column = c[self.take]
-        self.weight = self.rows[r[self.take]] * self.columns[self.column]
 
     def check(self, t: float) -> None:
         """Raises AnalysisError 'position.singular' that names the motion which is not determined."""
@@ -65,10 +58,20 @@ class Regularity:
 
     def rcond(self) -> float:
         """Reciprocal condition of the scaled V[E, U] that was factored last."""
-        k = self.kinematics
-        entries = np.abs(k.sweep.entries[self.take] * self.weight)
-        norm = float(np.bincount(self.column, entries, len(k.U)).max())
-        return reciprocal_condition(k.velocity_system, norm, self.rows, self.columns)
+        system = self.kinematics.velocity_system
+        norm = self._dense_norm(system.A) if isinstance(system, DenseSystem) else self._norm()
+        return reciprocal_condition(system, norm, self.rows, self.columns)
+
+    def _dense_norm(self, A: Array) -> float:
+        return float((self.rows @ np.abs(A) * self.columns).max())
+
+    def _norm(self) -> float:
+        """1-norm of the scaled matrix from its entries; bounded from above where two add up."""
+        k, sweep = self.kinematics, self.kinematics.sweep
+        take = k.velocity_take
+        columns = sweep.v_columns[take]
+        weight = k.scale[columns] / k.mechanism.deformation_scale[sweep.v_rows[take]]
+        return float(np.bincount(columns, np.abs(sweep.entries[take]) * weight).max())
 
     def _passage(self, t: float) -> None:
         system = self.kinematics.velocity_system

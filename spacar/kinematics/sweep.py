@@ -7,12 +7,11 @@ assembled from this array with index maps that are made once. Nothing here alloc
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-
 import numpy as np
 
 from spacar.elements.base import Configuration, Family
-from spacar.mechanism.mechanism import Array, Batch, Index, Mechanism
+from spacar.mechanism.layout import Layout, Place
+from spacar.mechanism.mechanism import Array, Mechanism
 
 
 class Sweep:
@@ -22,47 +21,30 @@ class Sweep:
         numbering = mechanism.numbering
         self.nx, self.ne = numbering.nx, numbering.ne
         self.batches = mechanism.batches
-        self.strained = [b for b in self.batches if b.family.n_deformations]
-        self.massive = [b for b in self.batches if b.family.has_mass]
-        self.moving = [b for b in self.massive if not b.family.constant_mass]
-        self.curved = [b for b in self.strained if not b.family.constant_gradient]
-        self._allocate()
+        self.layout = layout = mechanism.layout
+        self.strained, self.massive = layout.strained, layout.massive
+        self.moving, self.curved = layout.moving, layout.curved
+        self._allocate(layout)
         self.configuration: dict[int, Configuration] = {}
         self.e = np.zeros(self.ne)
         self.near = np.zeros(self.ne)
         self.count = 0  # evaluations of D, for the log and the benchmarks
 
-    def _allocate(self) -> None:
-        v_rows, v_columns, m_rows, m_columns = [], [], [], []
-        for b in self.strained:
-            nee, nxe = len(b.e), len(b.x)
-            v_rows.append(np.repeat(b.e[:, None, :], nxe, axis=1).ravel())
-            v_columns.append(np.repeat(b.x[None, :, :], nee, axis=0).ravel())
-        for b in self.massive:
-            nxe = len(b.x)
-            m_rows.append(np.repeat(b.x[:, None, :], nxe, axis=1).ravel())
-            m_columns.append(np.repeat(b.x[None, :, :], nxe, axis=0).ravel())
-        self.v_rows, self.v_columns = _join(v_rows), _join(v_columns)
-        self.m_rows, self.m_columns = _join(m_rows), _join(m_columns)
+    def _allocate(self, layout: Layout) -> None:
+        self.v_rows, self.v_columns = layout.v_rows, layout.v_columns
+        self.m_rows, self.m_columns = layout.m_rows, layout.m_columns
+        self.x_index, self.e_index, self.f_index = layout.x_index, layout.e_index, layout.f_index
         nv, nm = len(self.v_rows), len(self.m_rows)
         self.entries = np.zeros(nv + nm)
         self.v_entries, self.m_entries = self.entries[:nv], self.entries[nv:]
-        self.V = _views(self.v_entries, self.strained, lambda b: (len(b.e), len(b.x)))
-        self.M = _views(self.m_entries, self.massive, lambda b: (len(b.x), len(b.x)))
-        self.x_index = _join([b.x.ravel() for b in self.batches])
-        self.e_index = _join([b.e.ravel() for b in self.strained])
-        self.f_index = _join([b.x.ravel() for b in self.moving])
-        self._x, self._v, self._a = (np.zeros(len(self.x_index)) for _ in range(3))
-        self._e, self._near, self._h = (np.zeros(len(self.e_index)) for _ in range(3))
+        self.V, self.M = _views(self.v_entries, layout.V), _views(self.m_entries, layout.M)
+        self._x, self._v, self._a = np.zeros((3, len(self.x_index)))
+        self._e, self._near, self._h = np.zeros((3, len(self.e_index)))
         self._f = np.zeros(len(self.f_index))
 
-        self.x_of, self.v_of, self.a_of = (
-            _views(u, self.batches, lambda b: (len(b.x),)) for u in (self._x, self._v, self._a)
-        )
-        self.e_of, self.near_of, self.h_of = (
-            _views(u, self.strained, lambda b: (len(b.e),)) for u in (self._e, self._near, self._h)
-        )
-        self.f_of = _views(self._f, self.moving, lambda b: (len(b.x),))
+        self.x_of, self.v_of, self.a_of = (_views(u, layout.x) for u in (self._x, self._v, self._a))
+        self.e_of, self.near_of, self.h_of = (_views(u, layout.e) for u in (self._e, self._near, self._h))
+        self.f_of = _views(self._f, layout.f)
         self.plan = [(b.family, id(b)) for b in self.strained]
         self.curved_plan = [(b.family, id(b)) for b in self.curved]
         self.moving_plan = [(b.family, id(b)) for b in self.moving]
@@ -137,16 +119,6 @@ class Sweep:
         return np.bincount(self.f_index, self._f, self.nx)
 
 
-def _join(parts: list[Index]) -> Index:
-    return np.concatenate(parts) if parts else np.zeros(0, np.int64)
-
-
-def _views(buffer: Array, batches: Sequence[Batch], shape: Callable[[Batch], tuple[int, ...]]) -> dict[int, Array]:
-    """Consecutive parts of a buffer as arrays (*shape, n), by the identity of the batch."""
-    views, first = {}, 0
-    for b in batches:
-        dimensions = (*shape(b), b.family.n)
-        size = int(np.prod(dimensions))
-        views[id(b)] = buffer[first : first + size].reshape(dimensions)
-        first += size
-    return views
+def _views(buffer: Array, places: tuple[Place, ...]) -> dict[int, Array]:
+    """The parts of a buffer as arrays (*shape, n), by the identity of the batch."""
+    return {key: buffer[part].reshape(shape) for key, part, shape in places}

@@ -23,15 +23,16 @@ def reciprocal_condition(system: System, norm: float, row_scale: Array, column_s
     if n == 0:
         return 1.0
 
-    def solve(b: Array) -> Array:
-        return np.asarray(system.solve((b.T / row_scale).T).T / column_scale).T
-
     if system.kind == "dense":  # all unit vectors in one call: exact, and faster than five calls
         try:
-            product = norm * float(np.abs(solve(np.eye(n))).sum(axis=0).max())
+            inverse = np.abs(system.solve(np.eye(n)))
         except SingularMatrixError:
             return 0.0
+        product = norm * float(((1.0 / column_scale) @ inverse / row_scale).max())
         return 1.0 / product if 0.0 < product < np.inf else 0.0
+
+    def solve(b: Array) -> Array:
+        return np.asarray(system.solve((b.T / row_scale).T).T / column_scale).T
 
     x = np.full(n, 1.0 / n)
     estimate, last = 0.0, -1

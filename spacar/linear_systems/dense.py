@@ -15,7 +15,8 @@ class DenseSystem:
     def __init__(self, n: int, rows: Index, columns: Index) -> None:
         self.n = n
         self.flat = rows * n + columns
-        self.unique = len(np.unique(self.flat)) == len(self.flat)
+        # not np.unique, which would import numpy.ma
+        self.unique = not len(self.flat) or int(np.bincount(self.flat).max()) == 1
         self.A = np.zeros((n, n))
         self._ravel = self.A.reshape(-1)
 

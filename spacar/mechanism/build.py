@@ -33,6 +33,7 @@ def build(deck: Deck, mode: int = 1, **options: Any) -> Mechanism:
     batches = element_batches(deck, numbering, x0)
     batches += node_batches(numbering, inertia.lumped(deck, numbering, batches))
     loads = inputs.loads(deck, numbering, batches)
+    stiffness, damping = _constitutive(batches)
     return Mechanism(
         deck=deck,
         numbering=numbering,
@@ -45,8 +46,8 @@ def build(deck: Deck, mode: int = 1, **options: Any) -> Mechanism:
         start=inputs.start(deck, numbering, x0) if mode != 3 else Start(*6 * (np.zeros(0),)),
         user_signal=inputs.user_signal(deck, numbering),
         deformation_inertia=inertia.deformation_inertia(deck, numbering),
-        stiffness=_constitutive(batches, 0),
-        damping=_constitutive(batches, 1),
+        stiffness=stiffness,
+        damping=damping,
         settings=inputs.settings(deck).with_options(**options),
         length=_size(numbering, x0),
     )
@@ -113,16 +114,14 @@ def _size(numbering: Numbering, x0: Array) -> float:
     return extent if extent > 0.0 else 1.0
 
 
-def _constitutive(batches: list[Batch], which: int) -> tuple[Index, Index, Array]:
-    """Non-zero entries of S (0) or S_d (1) of all elements as rows, columns, values."""
-    rows, columns, values = [], [], []
+def _constitutive(batches: list[Batch]) -> list[tuple[Index, Index, Array]]:
+    """Non-zero entries of S and of S_d of all elements as rows, columns, values."""
+    found: tuple[list[Any], list[Any]] = ([], [])
     for batch in batches:
         if batch.family.n_deformations:
-            S = batch.family.stiffness()[which]
-            i, j, k = np.nonzero(S)
-            rows.append(batch.e[i, k])
-            columns.append(batch.e[j, k])
-            values.append(S[i, j, k])
-    if not rows:
-        return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0)
-    return np.concatenate(rows), np.concatenate(columns), np.concatenate(values)
+            for parts, S in zip(found, batch.family.stiffness(), strict=True):
+                i, j, k = np.nonzero(S)
+                if len(i):
+                    parts.append((batch.e[i, k], batch.e[j, k], S[i, j, k]))
+    none = np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0)
+    return [tuple(map(np.concatenate, zip(*parts, strict=True))) if parts else none for parts in found]  # type: ignore

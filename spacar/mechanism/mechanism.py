@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from spacar.deck import ELEMENT_TYPES, Deck
 from spacar.elements.base import Family
+from spacar.mechanism.layout import Layout
 from spacar.mechanism.numbering import Numbering
 
 Array = NDArray[Any]  # of float64; NumPy annotates some float results too widely
@@ -179,6 +180,10 @@ class Mechanism:
     damping: tuple[Index, Index, Array]
     settings: Settings
     length: float  # largest distance between two nodes of the reference configuration [m]; 1 without positions
+
+    @cached_property
+    def layout(self) -> Layout:
+        return Layout.of(self.batches)
 
     @cached_property
     def scale(self) -> Array:

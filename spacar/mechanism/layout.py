@@ -1,0 +1,83 @@
+"""Where the contributions of the batches are in the flat arrays of an evaluation: made once per mechanism.
+
+The entries of V (ne x nx) come first, batch by batch, (n_deformations, n_coordinates, n) each, then those of M
+(nx x nx), (n_coordinates, n_coordinates, n). A place is the part of a flat array that belongs to a
+batch, and its shape.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import prod
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from spacar.mechanism.mechanism import Batch
+
+Index = NDArray[np.int64]
+Place = tuple[int, slice, tuple[int, ...]]  # identity of the batch, part of the flat array, shape
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Layout:
+    """Batches by what they have, and the index arrays of all of them together."""
+
+    strained: tuple[Batch, ...]
+    massive: tuple[Batch, ...]
+    moving: tuple[Batch, ...]  # mass matrix depends on the configuration
+    curved: tuple[Batch, ...]  # V depends on the configuration
+    v_rows: Index
+    v_columns: Index
+    m_rows: Index
+    m_columns: Index
+    x_index: Index  # coordinates of all batches
+    e_index: Index  # deformations of all strained batches
+    f_index: Index  # coordinates of all moving batches
+    V: tuple[Place, ...]
+    M: tuple[Place, ...]
+    x: tuple[Place, ...]
+    e: tuple[Place, ...]
+    f: tuple[Place, ...]
+
+    @classmethod
+    def of(cls, batches: Sequence[Batch]) -> Layout:
+        strained = tuple(b for b in batches if b.family.n_deformations)
+        massive = tuple(b for b in batches if b.family.has_mass)
+        moving = tuple(b for b in massive if not b.family.constant_mass)
+        return cls(
+            strained=strained,
+            massive=massive,
+            moving=moving,
+            curved=tuple(b for b in strained if not b.family.constant_gradient),
+            v_rows=_join([np.repeat(b.e, len(b.x), axis=0) for b in strained]),
+            v_columns=_join([np.tile(b.x, (len(b.e), 1)) for b in strained]),
+            m_rows=_join([np.repeat(b.x, len(b.x), axis=0) for b in massive]),
+            m_columns=_join([np.tile(b.x, (len(b.x), 1)) for b in massive]),
+            x_index=_join([b.x for b in batches]),
+            e_index=_join([b.e for b in strained]),
+            f_index=_join([b.x for b in moving]),
+            V=_places(strained, [(len(b.e), len(b.x)) for b in strained]),
+            M=_places(massive, [(len(b.x), len(b.x)) for b in massive]),
+            x=_places(batches, [(len(b.x),) for b in batches]),
+            e=_places(strained, [(len(b.e),) for b in strained]),
+            f=_places(moving, [(len(b.x),) for b in moving]),
+        )
+
+
+def _join(parts: list[Index]) -> Index:
+    return np.concatenate([p.ravel() for p in parts]) if parts else np.zeros(0, np.int64)
+
+
+def _places(batches: Sequence[Batch], shapes: list[tuple[int, ...]]) -> tuple[Place, ...]:
+    """Consecutive parts (*shape, n)."""
+    places, first = [], 0
+    for b, shape in zip(batches, shapes, strict=True):
+        whole = (*shape, b.family.n)
+        size = prod(whole)
+        places.append((id(b), slice(first, first + size), whole))
+        first += size
+    return tuple(places)
