@@ -93,7 +93,7 @@ class CompiledDynamics(Dynamics):
         if not m.polynomial:
             self._prescribe(t)
         self._y[:] = y
-        status = m.library.spacar_evaluate(m.handle, t, self._y_address, CONVERGED, LARGEST_JUMP)
+        status = m.library.spacar_evaluate(m.handle, t, self._y_address, CONVERGED, LARGEST_JUMP, 1)
         if status < 0:
             return self._in_general(lambda: super(CompiledDynamics, self).frame(t, y))
         m.complete()

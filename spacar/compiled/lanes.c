@@ -11,23 +11,39 @@ typedef double real;
 #define LANE(a, w) (*((void)(w), &(a)))
 #else
 typedef double real __attribute__((vector_size(8 * LANES), aligned(8)));
+typedef int64_t bits __attribute__((vector_size(8 * LANES), aligned(8)));
 #define LANE(a, w) ((a)[w])
 #endif
 #define EVERY(c) ((c) + (real){0})
 #define EACH_LANE for (int w = 0; w < LANES; w++)
 
-static inline real lanes_sin(real a) { real r; EACH_LANE LANE(r, w) = sin(LANE(a, w)); return r; }
-static inline real lanes_cos(real a) { real r; EACH_LANE LANE(r, w) = cos(LANE(a, w)); return r; }
-static inline real lanes_sqrt(real a) { real r; EACH_LANE LANE(r, w) = sqrt(LANE(a, w)); return r; }
-static inline real lanes_round(real a) { real r; EACH_LANE LANE(r, w) = round(LANE(a, w)); return r; }
+#define LANE_BY_LANE(name, f) \
+    static inline real name(real a) \
+    { \
+        double v[LANES]; \
+        memcpy(v, &a, sizeof v); \
+        EACH_LANE v[w] = f(v[w]); \
+        memcpy(&a, v, sizeof v); \
+        return a; \
+    }
+LANE_BY_LANE(lanes_sin, sin)
+LANE_BY_LANE(lanes_cos, cos)
+LANE_BY_LANE(lanes_sqrt, sqrt)
+LANE_BY_LANE(lanes_rint, rint)
+
 static inline real lanes_atan2(real a, real b) { real r; EACH_LANE LANE(r, w) = atan2(LANE(a, w), LANE(b, w)); return r; }
 
-/* Larger of m and |a|, lane by lane; not-a-number in a is kept. */
+/* Larger of m and |a|, lane by lane; m where a is not a number. */
 static inline real lanes_larger(real m, real a)
 {
-    real r;
-    EACH_LANE { double s = fabs(LANE(a, w)); LANE(r, w) = s <= LANE(m, w) ? LANE(m, w) : s; }
-    return r;
+#if LANES == 1
+    const double size = fabs(a);
+    return size > m ? size : m;
+#else
+    const real size = (real)((bits)a & INT64_MAX);
+    const bits larger = size > m;
+    return (real)((larger & (bits)size) | (~larger & (bits)m));
+#endif
 }
 
 static inline double largest_lane(real a)
@@ -37,7 +53,11 @@ static inline double largest_lane(real a)
     return m;
 }
 
+/* Zeros, at the start of a line of the cache: a vector is one line. */
 static void *cleared(size_t count, size_t size)
 {
-    return calloc(count ? count : 1, size);
+    const size_t bytes = (count * size / 64 + 1) * 64;
+    void *memory = aligned_alloc(64, bytes);
+    if (memory) memset(memory, 0, bytes);
+    return memory;
 }

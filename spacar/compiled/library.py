@@ -19,7 +19,7 @@ from pathlib import Path
 
 from spacar.errors import UsageError
 
-FLAGS = ("-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math", "-fPIC", "-shared", "-std=gnu99")
+FLAGS = ("-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math", "-fPIC", "-shared", "-std=gnu11")
 PARTS = ("lanes.c", "kernels.c", "sparse.c", "solver.c", "model.c")
 HERE = Path(__file__).parent
 
@@ -73,7 +73,7 @@ def library(lanes: int = 1) -> ctypes.CDLL:
     loaded.spacar_begin.argtypes, loaded.spacar_begin.restype = [pointer], pointer
     loaded.spacar_end.argtypes, loaded.spacar_end.restype = [pointer], None
     loaded.spacar_forget.argtypes, loaded.spacar_forget.restype = [pointer], None
-    loaded.spacar_evaluate.argtypes = [pointer, number, pointer, number, number]
+    loaded.spacar_evaluate.argtypes = [pointer, number, pointer, number, number, integer]
     loaded.spacar_rhs.argtypes = [pointer, number, pointer, pointer, number, number]
     loaded.spacar_stages.argtypes = [
         pointer, integer, integer, pointer, pointer, number, number, number, pointer, pointer, number, number,

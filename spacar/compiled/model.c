@@ -122,15 +122,18 @@ static int assemble(Model *m)
 {
     const Spec *s = &m->s;
     const int n = s->n_equations, first = s->n_fixed_x, nf = s->n_free, nr = s->n_rows, entries = m->v_start[s->ne];
+    const int q = s->n_x_dynamic + s->n_e_dynamic;
     int *place = cleared(s->nx, sizeof(int)), status = place ? OK : NO_MEMORY;
-    if (!status) status = sparse_begin(&m->position, n, entries);
-    if (!status && !s->prescribed) status = sparse_begin(&m->motion, nf + nr, m->mass.n + 2 * entries);
+    if (!status) status = sparse_begin(&m->position, n, entries, q + 1);
+    if (!status) status = entries_begin(&m->dynamic, entries);
+    if (!status && !s->prescribed) status = sparse_begin(&m->motion, nf + nr, m->mass.n + 2 * entries, 1);
     if (!status) {
         m->position.n_entries = m->motion.n_entries = 0;
         for (int r = 0; r < n; r++)
             for (int k = m->v_start[r]; k < m->v_start[r + 1]; k++) {
-                const int j = m->v_column[k] - first;
+                const int j = m->v_column[k] - first, d = m->v_column[k] - s->x_dynamic;
                 if (j >= 0 && j < n) put(&m->position, r, j, m->v_place[k]);
+                if (d >= 0 && d < s->n_x_dynamic) add(&m->dynamic, r, d, m->v_place[k]);
             }
     }
     if (!status && !s->prescribed) {
@@ -149,6 +152,9 @@ static int assemble(Model *m)
             }
     }
     free(place);
+    /* Products for the transfer functions against those for the saddle-point form, about four per entry. */
+    const long products = (long)(q + 1) * (m->position.n_entries + m->mass.n) + (long)q * q * s->nx / 2;
+    m->reduced = products < 4L * m->motion.n_entries;
     return status;
 }
 
@@ -158,8 +164,10 @@ void spacar_end(Model *m)
     sparse_end(&m->position);
     sparse_end(&m->motion);
     entries_end(&m->mass);
+    entries_end(&m->dynamic);
     free(m->v_start); free(m->v_column); free(m->v_place); free(m->v_offset); free(m->m_offset); free(m->values);
     free(m->h); /* the start of all vectors */
+    free(m->transfer);
     free(m);
 }
 
@@ -187,6 +195,13 @@ Model *spacar_begin(const Spec *spec)
     for (int k = 0; k < 5; k++, work += nx) *coordinates[k] = work;
     m->b = work;
     m->stage = m->b + nx + ne;
+    if (m->reduced) {
+        const int q = spec->n_x_dynamic + spec->n_e_dynamic;
+        m->transfer = cleared(2 * nx * (q + 1) + q * q + q, sizeof(real));
+        if (!m->transfer) { spacar_end(m); return NULL; }
+        m->weighted = m->transfer + nx * (q + 1);
+        m->small = m->weighted + nx * (q + 1);
+    }
     return m;
 }
 

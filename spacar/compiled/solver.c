@@ -1,6 +1,8 @@
 /* One evaluation of the equations of motion of a holonomic mechanism (theory-system.md (1), (2), (9)).
 
-   All vectors are in the order of the result files. V and M are lists of the entries of the elements. */
+   All vectors are in the order of the result files. V and M are lists of the entries of the elements. The accelerations come
+   from the saddle-point form, or with few degrees of freedom from the reduced form, whose transfer functions need nothing but
+   solutions with the matrix of the position; stresses are computed where somebody looks at them. */
 enum { PLBEAM, PLTRUSS, PLTOR, PLPINBOD, BEAM, TRUSS, HINGE, PINBODY, NORMALIZATION, BODY };
 enum { MAX_ITERATIONS = 20, MAX_X = 14, MAX_E = 6 };
 
@@ -34,10 +36,11 @@ typedef struct {
     double t;                             /* when */
     int n_v, n_values, *v_start, *v_column; /* V by rows: the places in `values` are those of v_column */
     int *v_offset, *m_offset;             /* (number of elements) places of the element matrices */
-    Entries mass;
+    Entries mass, dynamic;                /* of M; of V, in the columns of dynamic coordinates, counted from the first one */
+    int reduced;                          /* accelerations from the reduced form */
     Sparse position, motion;
     real *values;                         /* V, then M of moving elements, then the constant M */
-    real *h, *convected, *b, *force, *next_x, *next_xd, *next_xdd, *near, *next_e, *given_ed, *given_edd, *stage;
+    real *h, *convected, *b, *force, *next_x, *next_xd, *next_xdd, *near, *next_e, *given_ed, *given_edd, *stage, *transfer, *weighted, *small;
     int *v_place;                         /* (n_v) order of V's rows: place in `values` */
 } Model;
 
@@ -92,7 +95,7 @@ static void strain(const Model *m, const real *x, const real *near, real *e)
             const int *ix = k->x + i * k->nxe, *ie = k->e + i * k->nee;
             for (int j = 0; j < k->nxe; j++) xe[j] = x[ix[j]];
             element_strain(k->kind, xe, k->p + i * k->np, ee, m->values + *offset);
-            if (k->kind == HINGE) ee[0] += 2 * M_PI * lanes_round((near[ie[0]] - ee[0]) / (2 * M_PI));
+            if (k->kind == HINGE) ee[0] += 2 * M_PI * lanes_rint((near[ie[0]] - ee[0]) / (2 * M_PI));
             for (int r = 0; r < k->nee; r++) e[ie[r]] = ee[r];
         }
     }
@@ -135,7 +138,8 @@ static inline void subtract_transposed(const Model *m, int r, real sigma, real *
     for (int k = m->v_start[r]; k < m->v_start[r + 1]; k++) out[m->v_column[k]] -= m->values[m->v_place[k]] * sigma;
 }
 
-/* Position and velocity. x comes with the given values and a guess of the calculable ones, xd and ed with the given rates. */
+/* Position and velocity. x comes with the given values and a guess of the calculable ones, xd and ed with the given rates.
+   The first correction uses the matrix of the last state, which is still factored. */
 static int place(Model *m, real *x, real *xd, real *e, const real *near, const real *e_given, const real *e_rate,
                  double converged)
 {
@@ -161,9 +165,10 @@ static int place(Model *m, real *x, real *xd, real *e, const real *near, const r
         before = norm;
         halvings = 0;
         for (int i = 0; i < n; i++) r[i] = e[i] - e_given[i];
-        const int status = factor(&m->position, m->values);
+        const int chord = iteration == 1 && m->known && norm > converged;
+        const int status = chord ? OK : factor(&m->position, m->values);
         if (status) return status;
-        solve(&m->position, r, r);
+        solve(&m->position, r, r, 1);
         real step = EVERY(0.0), sum = EVERY(0.0);
         for (int i = 0; i < n; i++) {
             x[first + i] -= r[i];
@@ -172,10 +177,10 @@ static int place(Model *m, real *x, real *xd, real *e, const real *near, const r
         }
         const double largest = largest_lane(step);
         if (!isfinite(largest) || !isfinite(largest_lane(sum))) return NOT_FINITE;
-        if (largest > converged) continue;
+        if (chord || largest > converged) continue;
         memset(xd + first, 0, sizeof(real) * n);
         for (int i = 0; i < n; i++) r[i] = e_rate[i] - rate(m, i, xd);
-        solve(&m->position, r, xd + first);
+        solve(&m->position, r, xd + first, 1);
         return iteration;
     }
     return NO_CONVERGENCE;
@@ -201,8 +206,79 @@ static void out_of_balance(const Model *m, const real *xdd, const real *sigma, i
     for (int r = first_row; r < s->ne; r++) subtract_transposed(m, r, sigma[r], out);
 }
 
-/* xdd comes with the given accelerations (zero elsewhere); sigma, xdd are completed. The position system must be factored. */
-static int accelerate(Model *m, const real *x, const real *xd, const real *e, const real *edd_given, real *xdd, real *sigma)
+/* Factor a positive definite matrix (n, n) and solve, in place; SINGULAR when a pivot is lost in rounding. */
+static int solve_positive(real *A, int n, real *b)
+{
+    for (int k = 0; k < n; k++) {
+        const real diagonal = A[k * n + k];
+        for (int j = 0; j < k; j++) A[k * n + k] -= A[k * n + j] * A[k * n + j];
+        EACH_LANE if (!(LANE(A[k * n + k], w) > 1e-14 * LANE(diagonal, w))) return SINGULAR;
+        A[k * n + k] = lanes_sqrt(A[k * n + k]);
+        for (int i = k + 1; i < n; i++) {
+            for (int j = 0; j < k; j++) A[i * n + k] -= A[i * n + j] * A[k * n + j];
+            A[i * n + k] /= A[k * n + k];
+        }
+        for (int j = 0; j < k; j++) b[k] -= A[k * n + j] * b[j];
+        b[k] /= A[k * n + k];
+    }
+    for (int k = n - 1; k >= 0; k--) {
+        for (int j = k + 1; j < n; j++) b[k] -= A[j * n + k] * b[j];
+        b[k] /= A[k * n + k];
+    }
+    return OK;
+}
+
+/* Reduced form: columns of `transfer` (nx, q + 1) are the transfer functions of the q degrees of freedom and the acceleration
+   without them, less gravity. xdd and, when wanted, sigma are completed from the given ones. */
+static int reduced_form(Model *m, const real *edd_given, real *xdd, real *sigma, int want_stress)
+{
+    const Spec *s = &m->s;
+    const int nx = s->nx, n = s->n_equations, first = s->n_fixed_x, a = s->n_x_dynamic, q = a + s->n_e_dynamic, width = q + 1;
+    real *X = m->transfer, *MX = m->weighted, *A = m->small, *b = A + q * q;
+    real *right = X + first * width;
+    memset(X, 0, sizeof(real) * nx * width);
+    for (int k = 0; k < m->dynamic.n; k++)
+        right[m->dynamic.row[k] * width + m->dynamic.column[k]] -= m->values[m->dynamic.source[k]];
+    for (int i = a; i < q; i++) right[(s->e_dynamic + i - a) * width + i] = EVERY(1.0);
+    for (int i = 0; i < n; i++) right[i * width + q] = edd_given[i] - m->h[i] - rate(m, i, xdd);
+    solve(&m->position, right, right, width);
+    for (int i = 0; i < a; i++) X[(s->x_dynamic + i) * width + i] = EVERY(1.0);
+    for (int i = 0; i < n; i++) xdd[first + i] = X[(first + i) * width + q];
+    for (int i = 0; i < nx; i++) X[i * width + q] = xdd[i] - s->field[i];
+    memset(MX, 0, sizeof(real) * nx * width);
+    for (int k = 0; k < m->mass.n; k++) {
+        const real value = m->values[m->mass.source[k]], *from = X + m->mass.column[k] * width;
+        real *to = MX + m->mass.row[k] * width;
+        for (int c = 0; c < width; c++) to[c] += value * from[c];
+    }
+    real *force = m->force;
+    for (int i = 0; i < nx; i++) force[i] = s->force[i] - m->convected[i] - MX[i * width + q];
+    for (int r = s->n_rows; r < s->ne; r++) subtract_transposed(m, r, sigma[r], force);
+    memset(A, 0, sizeof(real) * (q * q + q));
+    for (int i = first; i < nx; i++)
+        for (int c = 0; c < q; c++) {
+            const real x = X[i * width + c];
+            for (int d = 0; d <= c; d++) A[c * q + d] += x * MX[i * width + d];
+            b[c] += x * force[i];
+        }
+    if (solve_positive(A, q, b)) return SINGULAR;
+    for (int i = first; i < nx; i++)
+        for (int c = 0; c < q; c++) xdd[i] += X[i * width + c] * b[c];
+    real sum = EVERY(0.0);
+    for (int i = first; i < nx; i++) sum += xdd[i];
+    if (!isfinite(largest_lane(sum))) return NOT_FINITE;
+    if (!want_stress) return OK;
+    for (int i = first; i < first + n; i++)
+        for (int c = 0; c < q; c++) force[i] -= MX[i * width + c] * b[c];
+    solve_transposed(&m->position, force + first, m->b);
+    memcpy(sigma, m->b, sizeof(real) * s->n_rows);
+    return OK;
+}
+
+/* xdd comes with the given accelerations (zero elsewhere); it is completed, and so is sigma when wanted. The position system
+   must be factored. */
+static int accelerate(Model *m, const real *x, const real *xd, const real *e, const real *edd_given, real *xdd, real *sigma,
+                      int want_stress)
 {
     const Spec *s = &m->s;
     const int n = s->n_equations, nf = s->n_free, nr = s->n_rows;
@@ -211,18 +287,19 @@ static int accelerate(Model *m, const real *x, const real *xd, const real *e, co
     real *b = m->b, sum = EVERY(0.0);
     if (s->prescribed) { /* no dynamic degree of freedom: kinematics, then reactions from the transposed system */
         for (int i = 0; i < n; i++) b[i] = edd_given[i] - m->h[i] - rate(m, i, xdd);
-        solve(&m->position, b, xdd + s->n_fixed_x);
+        solve(&m->position, b, xdd + s->n_fixed_x, 1);
         out_of_balance(m, xdd, sigma, n, m->force);
         solve_transposed(&m->position, m->force + s->n_fixed_x, sigma);
         for (int i = 0; i < n; i++) sum += sigma[i] + xdd[s->n_fixed_x + i];
         return isfinite(largest_lane(sum)) ? OK : NOT_FINITE;
     }
+    if (m->reduced) return reduced_form(m, edd_given, xdd, sigma, want_stress);
     out_of_balance(m, xdd, sigma, nr, m->force);
     for (int i = 0; i < nf; i++) b[i] = m->force[s->free[i]];
     for (int r = 0; r < nr; r++) b[nf + r] = edd_given[r] - m->h[r] - rate(m, r, xdd);
     const int status = factor(&m->motion, m->values);
     if (status) return status;
-    solve(&m->motion, b, b);
+    solve(&m->motion, b, b, 1);
     for (int i = 0; i < nf; i++) { xdd[s->free[i]] = b[i]; sum += b[i]; }
     memcpy(sigma, b + nf, sizeof(real) * nr);
     return isfinite(largest_lane(sum)) ? OK : NOT_FINITE;
@@ -236,9 +313,9 @@ static void prescribed(const Spec *s, const real *row, double t, real *value, re
     *acceleration = row[2];
 }
 
-/* Evaluate the state y = (x dynamic, e dynamic, their rates) at t. Number of position iterations, or a negative reason; then
+/* Evaluate the state y = (x dynamic, e dynamic, their rates) at t, stresses too when wanted. Number of position iterations, or a negative reason; then
    the last evaluated state is still there. The guess of the position is the Taylor expansion of the last state. */
-int spacar_evaluate(Model *m, double t, const real *y, double converged, double jump)
+int spacar_evaluate(Model *m, double t, const real *y, double converged, double jump, int want_stress)
 {
     const Spec *s = &m->s;
     const int nx = s->nx, first = s->n_fixed_x, n = s->n_equations, a = s->n_x_dynamic, q = a + s->n_e_dynamic;
@@ -268,7 +345,7 @@ int spacar_evaluate(Model *m, double t, const real *y, double converged, double 
     real moved = EVERY(0.0);
     for (int i = 0; i < nx; i++) moved = lanes_larger(moved, (x[i] - s->x[i]) / s->scale[i]);
     if (!(largest_lane(moved) <= jump)) return JUMP;
-    const int status = accelerate(m, x, xd, m->next_e, m->given_edd, xdd, s->sigma);
+    const int status = accelerate(m, x, xd, m->next_e, m->given_edd, xdd, s->sigma, want_stress);
     if (status < 0) return status;
     memcpy(s->e, m->next_e, sizeof(real) * s->ne);
     memcpy(s->x, x, sizeof(real) * nx);
@@ -283,7 +360,7 @@ int spacar_evaluate(Model *m, double t, const real *y, double converged, double 
 int spacar_rhs(Model *m, double t, const real *y, real *out, double converged, double jump)
 {
     const Spec *s = &m->s;
-    const int status = spacar_evaluate(m, t, y, converged, jump);
+    const int status = spacar_evaluate(m, t, y, converged, jump, 0);
     if (status < 0) return status;
     const int a = s->n_x_dynamic, q = a + s->n_e_dynamic;
     memcpy(out, y + q, sizeof(real) * q);

@@ -56,7 +56,8 @@ static void free_lists(List *lists, int n)
     free(lists);
 }
 
-static int sparse_begin(Sparse *s, int n, int n_entries)
+/* `width`: the most right-hand sides at a time. */
+static int sparse_begin(Sparse *s, int n, int n_entries, int width)
 {
     s->n = n;
     s->n_entries = n_entries;
@@ -72,7 +73,7 @@ static int sparse_begin(Sparse *s, int n, int n_entries)
     s->lower_start = cleared(n + 1, sizeof(int));
     s->upper_start = cleared(n + 1, sizeof(int));
     s->inverse = cleared(n, sizeof(real));
-    s->work = cleared(2 * n, sizeof(real));
+    s->work = cleared(n * width, sizeof(real));
     return s->row && s->column && s->source && s->weight && s->row_order && s->column_order && s->entry_start
         && s->entry_column && s->entry_source && s->lower_start && s->upper_start && s->inverse && s->work ? OK : NO_MEMORY;
 }
@@ -269,22 +270,30 @@ static int factor(Sparse *s, const real *values)
     return largest_lane(factor_in_order(s, values)) <= GROWTH ? OK : SINGULAR;
 }
 
-/* x of A x = b; both (n), the same or not. */
-static void solve(const Sparse *s, const real *b, real *x)
+/* The matrix X of A X = B, both (n, width), the same or not. */
+static void solve(const Sparse *s, const real *b, real *x, int width)
 {
     const int n = s->n;
     real *y = s->work;
     for (int k = 0; k < n; k++) {
-        real sum = b[s->row_order[k]] * s->weight[s->row_order[k]];
-        for (int m = s->lower_start[k]; m < s->lower_start[k + 1]; m++) sum -= s->lower[m] * y[s->lower_column[m]];
-        y[k] = sum;
+        real *sum = y + k * width;
+        const double weight = s->weight[s->row_order[k]];
+        for (int c = 0; c < width; c++) sum[c] = b[s->row_order[k] * width + c] * weight;
+        for (int m = s->lower_start[k]; m < s->lower_start[k + 1]; m++) {
+            const real l = s->lower[m], *other = y + s->lower_column[m] * width;
+            for (int c = 0; c < width; c++) sum[c] -= l * other[c];
+        }
     }
     for (int k = n - 1; k >= 0; k--) {
-        real sum = y[k];
-        for (int m = s->upper_start[k]; m < s->upper_start[k + 1]; m++) sum -= s->upper[m] * y[s->upper_column[m]];
-        y[k] = sum * s->inverse[k];
+        real *sum = y + k * width;
+        for (int m = s->upper_start[k]; m < s->upper_start[k + 1]; m++) {
+            const real u = s->upper[m], *other = y + s->upper_column[m] * width;
+            for (int c = 0; c < width; c++) sum[c] -= u * other[c];
+        }
+        for (int c = 0; c < width; c++) sum[c] *= s->inverse[k];
     }
-    for (int k = 0; k < n; k++) x[s->column_order[k]] = y[k];
+    for (int k = 0; k < n; k++)
+        for (int c = 0; c < width; c++) x[s->column_order[k] * width + c] = y[k * width + c];
 }
 
 /* x of A^T x = b. */
