@@ -84,6 +84,20 @@ class CompiledDynamics(Dynamics):
         self.evaluations += 1
         return self._out.copy()
 
+    def stages(
+        self, done: int, c: Array, a: Array, t: float, h: float, window: tuple[float, float], y: Array, K: Array
+    ) -> int:
+        """Stages of an explicit Runge-Kutta step, see `spacar.integrators.problem.Problem`."""
+        m = self.model
+        if not m.polynomial:
+            return done
+        reached: int = m.library.spacar_stages(
+            m.handle, done, len(c), c.ctypes.data, a.ctypes.data, t, h, *window, y.ctypes.data, K.ctypes.data,
+            self.kinematics.converged, LARGEST_JUMP,
+        )  # fmt: skip
+        self.evaluations += reached - done
+        return reached
+
     def jacobian(self, t: float, y: Array) -> tuple[Array, Array]:
         self._hand_over()
         return super().jacobian(t, y)

@@ -76,7 +76,7 @@ def library(lanes: int = 1) -> ctypes.CDLL:
     loaded.spacar_evaluate.argtypes = [pointer, number, pointer, number, number, integer]
     loaded.spacar_rhs.argtypes = [pointer, number, pointer, pointer, number, number]
     loaded.spacar_stages.argtypes = [
-        pointer, integer, integer, pointer, pointer, number, number, number, pointer, pointer, number, number,
+        pointer, integer, integer, pointer, pointer, number, number, number, number, pointer, pointer, number, number,
     ]  # fmt: skip
     loaded.spacar_complete.argtypes, loaded.spacar_complete.restype = [pointer] * 3, None
     loaded.spacar_gradient.argtypes = [pointer] * 4

@@ -372,20 +372,21 @@ int spacar_rhs(Model *m, double t, const real *y, real *out, double converged, d
     return status;
 }
 
-/* Stages `from` ... n - 1 of an explicit Runge-Kutta step from (t, y): K_i = F(t + c_i h, y + h sum_j a_ij K_j), times not
-   beyond `last`. The number of the first stage that could not be evaluated, n when all could. */
-int spacar_stages(Model *m, int from, int n, const double *c, const double *a, double t, double h, double last,
-                  const real *y, real *K, double converged, double jump)
+/* Stages `from` ... n - 1 of an explicit Runge-Kutta step from (t, y): K_i = F(t + c_i h, y + h sum_j a_ij K_j), at times not
+   outside of [earliest, latest]. The number of the first stage that could not be evaluated, n when all could. */
+int spacar_stages(Model *m, int from, int n, const double *c, const double *a, double t, double h, double earliest,
+                  double latest, const real *y, real *K, double converged, double jump)
 {
     const int size = 2 * (m->s.n_x_dynamic + m->s.n_e_dynamic);
     for (int i = from; i < n; i++) {
-        for (int k = 0; k < size; k++) {
-            real sum = EVERY(0.0);
-            for (int j = 0; j < i; j++) if (a[i * n + j] != 0.0) sum += a[i * n + j] * K[j * size + k];
-            m->stage[k] = y[k] + h * sum;
-        }
-        const double at = t + c[i] * h;
-        if (spacar_rhs(m, at < last ? at : last, m->stage, K + i * size, converged, jump) < 0) return i;
+        real *stage = m->stage;
+        memset(stage, 0, sizeof(real) * size);
+        for (int j = 0; j < i; j++)
+            if (a[i * n + j] != 0.0)
+                for (int k = 0; k < size; k++) stage[k] += a[i * n + j] * K[j * size + k];
+        for (int k = 0; k < size; k++) stage[k] = y[k] + h * stage[k];
+        const double at = fmin(fmax(t + c[i] * h, earliest), latest);
+        if (spacar_rhs(m, at, stage, K + i * size, converged, jump) < 0) return i;
     }
     return n;
 }

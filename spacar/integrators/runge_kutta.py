@@ -50,14 +50,29 @@ class ExplicitRungeKutta:
 
     def _stages(self, t: float, h: float) -> None:
         stages, work, rhs, c = self.stages, self.work, self.evaluation.rhs, self.tableau.c
-        for i in range(1, len(c)):
+        i = 1
+        while i < len(c):
+            if self.evaluation.stages is not None:
+                i = self._together(i, t, h)
+                if i == len(c):
+                    break
             np.matmul(self.tableau.rows[i], stages[:i], work)
             np.multiply(work, h, work)
             np.add(work, self.y, work)
             stages[i] = rhs(t + c[i] * h, work)
+            i += 1
         np.matmul(self.tableau.b, stages[:-1], work)
         np.multiply(work, h, work)
         np.add(work, self.y, self.y_new)
+
+    def _together(self, done: int, t: float, h: float) -> int:
+        """Stages from `done` on by one call of the problem; the first that it could not do."""
+        evaluation, tableau = self.evaluation, self.tableau
+        assert evaluation.stages is not None
+        window = evaluation.first, evaluation.last
+        reached = evaluation.stages(done, tableau.c, tableau.a, t, h, window, self.y, self.stages)
+        evaluation.statistics.n_rhs += reached - done
+        return reached
 
     def fixed(self, t: float, h: float, y: np.ndarray) -> None:
         """One step from (t, y) into y_new."""
@@ -83,6 +98,11 @@ class ExplicitRungeKutta:
 
     def finish(self) -> None:
         """Nothing left to evaluate: the last stage is F at the step end."""
+
+    def factor(self, error: float) -> float:
+        """Next step over this one, from the error of this one."""
+        exponent, smallest, largest = self.controller
+        return min(largest, max(smallest, 0.9 * error ** (-1.0 / exponent))) if error > 0.0 else largest
 
     def interpolate(self, t: float) -> np.ndarray:
         """y(t) in the last step, shape (n,): quartic extension of 155, cubic Hermite otherwise."""
