@@ -187,9 +187,14 @@ class Dynamics:
         return out
 
     def jacobian(self, t: float, y: Array) -> tuple[Array, Array]:
-        """dF/dy from the exact linearization and dF/dt by a central difference (zero for constant drives)."""
+        """dF/dy from the exact linearization and dF/dt by a central difference (zero for constant drives).
+
+        A code that asks for it iterates with F, so from now on positions are as exact as they can be: what is left of
+        their residual makes accelerations of stiff modes that no iteration can remove.
+        """
         from spacar.linear.state_matrix import state_jacobian
 
+        self.kinematics.converged = CONVERGED
         return state_jacobian(self, t, y)
 
     def settle(self) -> None:

@@ -199,8 +199,7 @@ def _one_step(integrator: Any, estimate: bool) -> Callable[[float, np.ndarray, f
             t = t_end if final else t + h
             evaluation.step_accepted(t, integrator.y_new)
             yield Step(t, integrator.y_new, integrator.interpolate)
-            factor = 0.9 * error ** (-1.0 / exponent) if error > 0.0 else largest
-            h = max(h * min(growth, max(smallest, factor)), h_min)
+            h = max(h * min(growth, integrator.factor(error)), h_min)
 
     return run
 

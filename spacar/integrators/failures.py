@@ -78,6 +78,28 @@ def newton_failed(
     )
 
 
+def singular_iteration(t: float, h: float) -> AnalysisError:
+    """lambda/h is an eigenvalue of the Jacobian; another step size is tried."""
+    text = f"the iteration matrix of the implicit integrator is singular at t = {t:.9g} s with step size {h:.3g} s"
+    return AnalysisError(text, "integrator.singular", t=t, step=h)
+
+
+def slow_newton(
+    evaluation: Evaluation, t: float, h: float, change: float, contraction: float, component: int, limit: float
+) -> AnalysisError:
+    """The stages of a variable-step implicit code were not found; `change` is a multiple of the tolerance."""
+    return AnalysisError(
+        f"the implicit integrator's Newton iteration does not converge in the step of {h:.3g} s from t = {t:.9g} s: "
+        f"last change {change:.3g} times the tolerance in {evaluation.name(component)}, {contraction:.2g} times the one "
+        f"before; its estimated error must fall below {limit:g} times the tolerance",
+        "integrator.newton",
+        t=t,
+        step=h,
+        error=change,
+        component=component,
+    )
+
+
 def second_order_needed(code: int, n_positions: int, n_velocities: int) -> AnalysisError:
     """Codes 220 and 225 on a system with kinematic coordinates."""
     return AnalysisError(

@@ -11,6 +11,7 @@ from spacar.errors import UsageError
 
 from .adams import Adams
 from .implicit import Rosenbrock1, Rosenbrock2, Rosenbrock3, SinglyDiagonallyImplicit
+from .radau import Radau
 from .runge_kutta import DormandPrince853, ExplicitRungeKutta
 from .second_order import RungeKuttaNystrom
 from .tableaus import BOGACKI_SHAMPINE, DORMAND_PRINCE, KUTTA
@@ -53,6 +54,10 @@ _ROWS = (
            partial(SinglyDiagonallyImplicit, 420)),
     Method(430, "singly diagonally implicit Runge-Kutta, order 3", 3, False, True, "Alexander 1977",
            partial(SinglyDiagonallyImplicit, 430)),
+    Method(553, "Radau IIA, order 5, for stiff models", 5, True, True, "Hairer & Wanner 1996",
+           partial(Radau, 3), original=False),
+    Method(595, "Radau IIA, order 9, for stiff models and undamped vibration", 9, True, True, "Hairer & Wanner 1996",
+           partial(Radau, 5), original=False),
     Method(853, "explicit Runge-Kutta 8(5,3) for tight tolerances", 8, True, False,
            "Prince & Dormand 1981; Hairer, Norsett & Wanner 1993", DormandPrince853, original=False),
 )  # fmt: skip

@@ -1,0 +1,254 @@
+"""Codes 553 and 595: Radau IIA of 3 and 5 stages (orders 5 and 9) in variable steps, for stiff and undamped models.
+
+E. Hairer, G. Wanner, "Solving Ordinary Differential Equations II", 2nd ed., Springer 1996, section IV.8. The stages
+Z_i = Y_i - y solve a^-1 Z / h = F(Y) by a simplified Newton iteration: with the eigenvalues lambda of a^-1 the linear
+system of all stages falls apart into systems lambda/h I - J. As y = (q, u) with q' = v, v the last part of u,
+dF/dq and dF/du of the rows u are enough:
+
+    (lambda/h I - dF_u/du - h/lambda [0, dF_u/dq]) w = r,
+
+of half the size for a mechanism without kinematic coordinates. The positions of the stages are integrated exactly,
+Z_q = h (c v + a Z_v).
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from spacar.errors import AnalysisError
+from spacar.mechanism.mechanism import Array
+
+from .collocation import radau
+from .failures import singular_iteration, slow_newton
+from .problem import Evaluation, Tolerance
+from .runge_kutta import weights
+
+MAX_NEWTON = 10
+EPS = float(np.finfo(float).eps)
+# The iteration ends when its estimated error is below this part of the tolerance of the step.
+import os
+KAPPA = float(os.environ.get('KAPPA', 0.02))
+# A Jacobian is kept as long as each iteration divides the error at least by 1 / KEEP.
+KEEP = float(os.environ.get('KEEP', 0.2))
+# A step is not enlarged by less than this factor: the LU factors are kept instead.
+SAME = 1.2
+SAFETY = 0.9
+
+
+class Radau:
+    """`attempt` leaves y_new and the stages; the Jacobian and its factors are kept as long as they do."""
+
+    def __init__(self, stages: int, evaluation: Evaluation, n: int, tolerance: Tolerance) -> None:
+        self.evaluation, self.tolerance = evaluation, tolerance
+        self.method = radau(stages)
+        self.controller = (stages + 1.0, 0.2, 8.0)
+        # q, the positions whose rates are the last components of y, and u, the others.
+        rates = n - evaluation.problem.n_positions
+        self.nq = rates if 2 * rates <= n else 0
+        self.n = n
+        self.y, self.y_new, self.scaled, self.f = np.zeros((4, n))
+        self.Z, self.F = np.zeros((2, stages, n))
+        self.t = self.h = 0.0
+        self._forget()
+
+    def _forget(self) -> None:
+        self.by_q: Array | None = None  # dF_u/dq, (nu, nq)
+        self.by_u = np.zeros((0, 0))  # dF_u/du, (nu, nu)
+        self.fresh = False
+        self.factored_h = 0.0
+        self.contraction = 1.0
+        self.before: tuple[float, float] | None = None  # step size and error of the last accepted step
+        self.predicted = False  # Z holds the polynomial of an accepted step
+        self.refused = False
+
+    def start(self, t: float, y: Array) -> Array:
+        """Sets the state and returns F there."""
+        self._forget()
+        self.t = t
+        self.y_new[:] = y
+        self.f[:] = self.evaluation.rhs(t, self.y_new)
+        return self.f
+
+    def begin(self, t: float) -> None:
+        """Makes the end of the last step the start of the next one."""
+        if self.predicted:
+            self.f[:] = self.evaluation.rhs(t, self.y_new)
+        self.coefficients = self.lastZ = self.Z.copy() if self.predicted else None
+        self.last_h = self.h
+        self.t = t
+        self.y[:] = self.y_new
+        self.fresh = False
+        self.refused = False
+
+    # -- one step -------------------------------------------------------------------------------------------------
+    def attempt(self, h: float) -> float:
+        """A trial step; returns the error estimate as a multiple of the tolerance, `scaled` holds its components.
+
+        Raises AnalysisError `integrator.newton` when the iteration does not converge with a new Jacobian.
+        """
+        self.h = h
+        if self.by_q is None or (self.contraction > KEEP and not self.fresh):
+            self._linearize()
+        self._factor(h)
+        if not self._newton(h):
+            if self.fresh:
+                raise self._failure
+            self._linearize()
+            self._factor(h)
+            if not self._newton(h):
+                raise self._failure
+        self.y_new[:] = self.y + self.Z[-1]
+        error = self._error(h, self.f)
+        if error > 1.0 and (self.refused or not self.predicted):
+            # The estimate of a stiff component is F there, not damped enough by one solve (IV.8.20).
+            error = self._error(h, self.evaluation.rhs(self.t, self.y + self.estimate))
+        self.refused = error > 1.0
+        return error
+
+    def _linearize(self) -> None:
+        jacobian = self.evaluation.jacobian(self.t, self.y)[0]
+        nq = self.nq
+        self.by_q, self.by_u = jacobian[nq:, :nq].copy(), jacobian[nq:, nq:].copy()
+        self.fresh = True
+        self.factored_h = 0.0
+
+    def _factor(self, h: float) -> None:
+        """LU factors of the real and complex iteration matrices for the step h."""
+        if h == self.factored_h:
+            return
+        from scipy.linalg.lapack import dgetrf, zgetrf
+
+        self.factors = []
+        for eigenvalue in (self.method.real, *self.method.pairs):
+            matrix = -self.by_u if eigenvalue is self.method.real else -self.by_u.astype(complex)
+            if self.nq:
+                matrix[:, -self.nq :] -= (h / eigenvalue) * self.by_q
+            matrix.flat[:: len(matrix) + 1] += eigenvalue / h
+            lu, pivots, info = (dgetrf if eigenvalue is self.method.real else zgetrf)(matrix, overwrite_a=1)
+            if info > 0:
+                raise singular_iteration(self.t, h)
+            self.factors.append((lu, pivots))
+        self.factored_h = h
+        self.contraction = 1.0
+
+    def _guess(self, h: float) -> None:
+        """Stages from the polynomial of the last step, continued."""
+        if self.coefficients is None:
+            self.Z[:] = 0.0
+            return
+        s = self.method.c * (h / self.last_h)
+        np.matmul(self._weights(1.0 + s), self.lastZ, self.Z)
+
+    def _weights(self, s):
+        import os
+        d = int(os.environ.get("DEG", 9))
+        c = np.concatenate(([0.0], self.method.c))[-(d + 1):] if d < len(s) else np.concatenate(([0.0], self.method.c))
+        W = np.ones((len(s), len(c)))
+        for j, p in enumerate(c):
+            o = np.delete(c, j)
+            W[:, j] = np.prod((s[:, None] - o) / (p - o), axis=1)
+        W[:, -1] -= 1.0
+        if d >= len(s):
+            return W[:, 1:]
+        return np.hstack((np.zeros((len(s), len(s) - len(c))), W))
+
+    def _newton(self, h: float) -> bool:
+        from scipy.linalg.lapack import dgetrs, zgetrs
+
+        m, n, nq, Z, F = self.method, self.n, self.nq, self.Z, self.F
+        rhs, statistics = self.evaluation.rhs, self.evaluation.statistics
+        self._guess(h)
+        drift = (h * m.c)[:, None] * self.y[n - nq :]
+        ha, inverse = h * m.a, m.inverse / h
+        (lu, pivots), *complexes = self.factors
+        Z[:, :nq] = drift + ha @ Z[:, n - nq :]
+        weight = weights(self.tolerance, self.y, self.y + Z[-1])
+        times = [self.t + c * h for c in m.c]
+        factor = 1.0 / sqrt(Z.size)
+        change, theta = 0.0, 0.0
+        # What is known of the contraction is older by a step (IV.8.11); nothing is known of new factors.
+        self.contraction = estimate = min(max(self.contraction, EPS) ** 0.8, 0.99)
+        dZ = np.empty_like(Z)
+        increment = np.empty((len(times), n - nq))
+        stages = np.empty_like(Z)
+        for k in range(MAX_NEWTON):
+            statistics.newton_iterations += 1
+            np.add(Z, self.y, stages)
+            for i, t in enumerate(times):
+                F[i] = rhs(t, stages[i])
+            residual = m.to @ (F[:, nq:] - inverse @ Z[:, nq:])
+            increment[0] = dgetrs(lu, pivots, residual[0])[0]
+            for i, (clu, cpivots) in enumerate(complexes):
+                w = zgetrs(clu, cpivots, residual[2 * i + 1] + 1j * residual[2 * i + 2])[0]
+                increment[2 * i + 1], increment[2 * i + 2] = w.real, w.imag
+            np.matmul(m.back, increment, dZ[:, nq:])
+            if nq:
+                # the positions follow the velocities, whatever they were before
+                Z_v = Z[:, n - nq :] + dZ[:, n - nq :]
+                dZ[:, :nq] = drift + ha @ Z_v - Z[:, :nq]
+            scaled = (dZ / weight).ravel()
+            previous, change = change, factor * sqrt(scaled.dot(scaled))
+            np.add(Z, dZ, Z)
+            if k:
+                theta = change / previous
+                self.contraction = theta
+                if theta >= 0.99 or change * theta ** (MAX_NEWTON - 1 - k) > KAPPA * (1.0 - theta):
+                    break
+                if change * theta <= KAPPA * (1.0 - theta):
+                    return True
+            elif change * estimate <= KAPPA * (1.0 - estimate):
+                return True
+        worst = int(np.argmax(np.abs(scaled))) % n
+        self._failure = slow_newton(self.evaluation, self.t, h, change, theta, worst, KAPPA)
+        self.contraction = 1.0
+        return False
+
+    def _error(self, h: float, f: Array) -> float:
+        """Norm of (lambda_0/h - J)^-1 (f + error @ Z / h), by the factors of the real system."""
+        from scipy.linalg.lapack import dgetrs
+
+        m, nq = self.method, self.nq
+        g = f + (m.error / h) @ self.Z
+        lu, pivots = self.factors[0]
+        out = np.empty(self.n)
+        right = g[nq:]
+        if nq:
+            assert self.by_q is not None
+            right = right + (h / m.real) * (self.by_q @ g[:nq])
+        out[nq:] = dgetrs(lu, pivots, right)[0]
+        if nq:
+            out[:nq] = (h / m.real) * (g[:nq] + out[self.n - nq :])
+        self.estimate = out
+        np.divide(out, weights(self.tolerance, self.y, self.y_new), self.scaled)
+        return sqrt(self.scaled.dot(self.scaled) / self.n)
+
+    # -- between steps --------------------------------------------------------------------------------------------
+    def finish(self) -> None:
+        """The polynomial of this step is valid from now on."""
+        self.predicted = True
+
+    def factor(self, error: float) -> float:
+        """Next step over this one: from the error, and from its trend over two steps (IV.8.25); small gains are left."""
+        exponent, smallest, largest = self.controller
+        error = max(error, 1e-10)
+        factor = SAFETY * error ** (-1.0 / exponent)
+        if self.before is not None:
+            h, last = self.before
+            factor = min(factor, factor * (self.h / h) * (last / error) ** (1.0 / exponent))
+        self.before = self.h, max(error, 1e-2)
+        factor = min(largest, max(smallest, factor))
+        return 1.0 if 1.0 <= factor <= SAME and self.contraction <= KEEP else factor
+
+    def interpolate(self, t: float) -> Array:
+        """y(t) in the last step, shape (n,): collocation polynomial; positions integrate that of the velocities."""
+        s = (t - self.t) / self.h
+        nq = self.nq
+        powers = s ** np.arange(1, len(self.Z) + 1)
+        polynomial = powers @ self.method.basis
+        out = self.y + polynomial @ self.Z
+        if nq:
+            integral = (s * powers / np.arange(2, len(self.Z) + 2)) @ self.method.basis
+            out[:nq] = self.y[:nq] + self.h * (s * self.y[self.n - nq :] + integral @ self.Z[:, self.n - nq :])
+        return out
