@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Callable
 from typing import TypeVar
 
 import numpy as np
 
 from spacar.compiled.model import Model
+from spacar.compiled.numbers import of_one
 from spacar.dynamics.dynamics import Dynamics
 from spacar.frame import Frame
-from spacar.kinematics.kinematics import CONVERGED, LARGEST_JUMP
-from spacar.mechanism.mechanism import Array, Drive, Loads, Mechanism
+from spacar.kinematics.kinematics import CONVERGED
+from spacar.mechanism.mechanism import Array, Drive, Loads, Mechanism, Polynomial
 
 Result = TypeVar("Result")
 
@@ -22,9 +22,11 @@ class CompiledDynamics(Dynamics):
 
     def __init__(self, mechanism: Mechanism, *, loads: Loads | None = None, drive: Drive | None = None) -> None:
         super().__init__(mechanism, loads=loads, drive=drive)
-        self.model = m = Model([self])
-        self._y, self._out = np.zeros(m.n_state), np.zeros(m.n_state)
-        self._y_address, self._out_address = (ctypes.c_void_p(a.ctypes.data) for a in (self._y, self._out))
+        k = self.kinematics
+        self.model = Model(self.numbering, of_one(self), k.scale, len(k.E), isinstance(self.drive, Polynomial))
+        self.state = self.model.state()
+        self._y, self._out = np.zeros((2, 2 * self.numbering.nddof))
+        self._addresses = self._y.ctypes.data, self._out.ctypes.data
         self._v_entries: tuple[Array, Array] | None = None
 
     # -- the two paths --------------------------------------------------------------------------------------------
@@ -35,13 +37,13 @@ class CompiledDynamics(Dynamics):
 
     def _take_over(self) -> None:
         """The state in C becomes that of the general path."""
-        self.model.begin(self.kinematics.x[:, None], self.sweep.near[:, None])
+        self.state.begin(self.kinematics.x[:, None], self.sweep.near[:, None])
 
     def _hand_over(self) -> None:
         """The general path becomes the state in C."""
-        m, k = self.model, self.kinematics
-        k.start_at(m.x[:, 0], m.e[:, 0])
-        k.e_given = m.given_e[:, 0].copy()
+        s, k = self.state, self.kinematics
+        k.start_at(s.x[:, 0], s.e[:, 0])
+        k.e_given = s.given_e[:, 0].copy()
 
     def settle(self) -> None:
         self._hand_over()
@@ -72,14 +74,10 @@ class CompiledDynamics(Dynamics):
 
     # -- evaluation -----------------------------------------------------------------------------------------------
     def rhs(self, t: float, y: Array) -> Array:
-        m = self.model
-        if not m.polynomial:
+        if not self.model.polynomial:
             self._prescribe(t)
         self._y[:] = y
-        status = m.library.spacar_rhs(
-            m.handle, t, self._y_address, self._out_address, self.kinematics.converged, LARGEST_JUMP
-        )
-        if status < 0:
+        if self.model.rhs(self.state, t, *self._addresses, self.kinematics.converged) < 0:
             return self._in_general(lambda: super(CompiledDynamics, self).rhs(t, y))
         self.evaluations += 1
         return self._out.copy()
@@ -88,13 +86,11 @@ class CompiledDynamics(Dynamics):
         self, done: int, c: Array, a: Array, t: float, h: float, window: tuple[float, float], y: Array, K: Array
     ) -> int:
         """Stages of an explicit Runge-Kutta step, see `spacar.integrators.problem.Problem`."""
-        m = self.model
-        if not m.polynomial:
+        if not self.model.polynomial:
             return done
-        reached: int = m.library.spacar_stages(
-            m.handle, done, len(c), c.ctypes.data, a.ctypes.data, t, h, *window, y.ctypes.data, K.ctypes.data,
-            self.kinematics.converged, LARGEST_JUMP,
-        )  # fmt: skip
+        reached = self.model.stages(
+            self.state, done, c, a, t, h, window, y.ctypes.data, K.ctypes.data, len(y), self.kinematics.converged
+        )
         self.evaluations += reached - done
         return reached
 
@@ -103,18 +99,16 @@ class CompiledDynamics(Dynamics):
         return super().jacobian(t, y)
 
     def frame(self, t: float, y: Array) -> Frame:
-        m = self.model
+        m, s = self.model, self.state
         if not m.polynomial:
             self._prescribe(t)
         self._y[:] = y
-        status = m.library.spacar_evaluate(m.handle, t, self._y_address, CONVERGED, LARGEST_JUMP, 1)
-        if status < 0:
+        if m.evaluate(s, t, self._y, CONVERGED) < 0:
             return self._in_general(lambda: super(CompiledDynamics, self).frame(t, y))
-        m.complete()
         self._hand_over()
         self.kinematics.refresh()  # the checks of stored steps use the families
-        x, xd, xdd, gravity, total = (a[:, 0].copy() for a in (m.x, m.xd, m.xdd, m.gravity, m.total))
-        e, ed, edd, sigma = (a[:, 0].copy() for a in (m.e, m.ed, m.edd, m.sigma))
+        x, xd, xdd, gravity, total = (a[:, 0].copy() for a in (s.x, s.xd, s.xdd, m.gravity, m.total))
+        e, ed, edd, sigma = (a[:, 0].copy() for a in (s.e, s.ed, s.edd, s.sigma))
         self.xd = xd.copy()
         return Frame(
             t=t, x=x, xd=xd, xdd=xdd, e=e, ed=ed, edd=edd, sig=sigma, fx=self.loads.force.copy(), fxgrav=gravity,

@@ -25,10 +25,10 @@ from spacar.compiled.definitions import DEFINITIONS, Definition
 Program = list[tuple[sp.Symbol, sp.Expr]]
 
 
-class LanePrinter(C99CodePrinter):  # type: ignore[misc]
+class LanePrinter(C99CodePrinter):
     """C text that is valid for vectors too: no pow, own names of the functions."""
 
-    def _print_Pow(self, expr: sp.Pow) -> str:  # noqa: N802
+    def _print_Pow(self, expr: sp.Pow) -> str:
         base, exponent = expr.base, expr.exp
         if exponent.is_negative:
             return f"1.0/({self._print(base**-exponent)})"
@@ -38,7 +38,7 @@ class LanePrinter(C99CodePrinter):  # type: ignore[misc]
         factors = [text] * int(exponent) + [f"lanes_sqrt({self._print(base)})"] * (exponent.q == 2)
         return f"({'*'.join(factors)})" if len(factors) > 1 else factors[0]
 
-    def _print_Function(self, expr: sp.Function) -> str:  # noqa: N802
+    def _print_Function(self, expr: sp.Function) -> str:
         return f"lanes_{type(expr).__name__}({', '.join(map(self._print, expr.args))})"
 
     _print_sin = _print_cos = _print_atan2 = _print_Function

@@ -1,7 +1,7 @@
 """Compile the C text once per machine and load it.
 
-The library is kept in $XDG_CACHE_HOME/spacar (or ~/.cache/spacar) under the digest of its text, of the compiler call and
-of the processor, so another version or machine never picks up a wrong one. CC names the compiler; default cc.
+The library is kept in $XDG_CACHE_HOME/spacar (or ~/.cache/spacar) under the digest of its text, of the compiler call
+and of the processor, so another version or machine never picks up a wrong one. CC names the compiler; default cc.
 """
 
 from __future__ import annotations
@@ -51,9 +51,16 @@ class CSpec(ctypes.Structure):
         *((name, INTEGERS) for name in ("s_rows", "s_columns", "d_rows", "d_columns")),
         *((name, DOUBLES) for name in ("s_values", "d_values")),
         ("free", INTEGERS),
-        *((name, DOUBLES) for name in (
-            "x0", "x_motion", "e_motion", "x", "xd", "xdd", "e", "ed", "edd", "sigma", "given_e",
-        )),
+        *((name, DOUBLES) for name in ("x0", "x_motion", "e_motion")),
+    ]  # fmt: skip
+
+
+class CState(ctypes.Structure):
+    """`State` of solver.c."""
+
+    _fields_ = [
+        ("known", ctypes.c_int), ("t", ctypes.c_double),
+        *((name, DOUBLES) for name in ("x", "xd", "xdd", "e", "ed", "edd", "sigma", "given_e")),
     ]  # fmt: skip
 
 
@@ -72,14 +79,15 @@ def library(lanes: int = 1) -> ctypes.CDLL:
     pointer, number, integer = ctypes.c_void_p, ctypes.c_double, ctypes.c_int
     loaded.spacar_begin.argtypes, loaded.spacar_begin.restype = [pointer], pointer
     loaded.spacar_end.argtypes, loaded.spacar_end.restype = [pointer], None
-    loaded.spacar_forget.argtypes, loaded.spacar_forget.restype = [pointer], None
-    loaded.spacar_evaluate.argtypes = [pointer, number, pointer, number, number, integer]
-    loaded.spacar_rhs.argtypes = [pointer, number, pointer, pointer, number, number]
+    loaded.spacar_evaluate.argtypes = [pointer, pointer, number, pointer, number, number, integer]
+    loaded.spacar_rhs.argtypes = [pointer, pointer, number, pointer, pointer, number, number]
     loaded.spacar_stages.argtypes = [
-        pointer, integer, integer, pointer, pointer, number, number, number, number, pointer, pointer, number, number,
+        pointer, pointer, integer, integer, pointer, pointer, number, number, number, number, pointer, pointer, integer,
+        number, number,
     ]  # fmt: skip
-    loaded.spacar_complete.argtypes, loaded.spacar_complete.restype = [pointer] * 3, None
+    loaded.spacar_complete.argtypes, loaded.spacar_complete.restype = [pointer] * 4, None
     loaded.spacar_gradient.argtypes = [pointer] * 4
+    loaded.spacar_determinant.argtypes, loaded.spacar_determinant.restype = [pointer] * 3, None
     return loaded
 
 

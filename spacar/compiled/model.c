@@ -205,12 +205,6 @@ Model *spacar_begin(const Spec *spec)
     return m;
 }
 
-/* Forget the last state, as the start of the guess of the next one. */
-void spacar_forget(Model *m)
-{
-    m->known = 0;
-}
-
 /* The entries of V: rows, columns and values, each with room for all of them (n); their number. Only this when row is NULL. */
 int spacar_gradient(const Model *m, int *row, int *column, real *value)
 {
@@ -220,4 +214,10 @@ int spacar_gradient(const Model *m, int *row, int *column, real *value)
     if (column) memcpy(column, m->v_column, sizeof(int) * n);
     for (int k = 0; value && k < n; k++) value[k] = m->values[m->v_place[k]];
     return n;
+}
+
+/* Of the matrix of the position at the last evaluated state. */
+void spacar_determinant(const Model *m, double *sign, double *logarithm)
+{
+    determinant(&m->position, sign, logarithm);
 }

@@ -1,22 +1,20 @@
-"""A mechanism, or several that differ in numbers only, as the solver in C sees it.
-
-Arrays of numbers have one more axis at the end, of the length `lanes`: one column per case.
-"""
+"""Memory and calls of the solver in C: a model of the numbers of some cases, and the states that it evaluates."""
 
 from __future__ import annotations
 
 import ctypes
 import weakref
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from spacar.compiled.library import DOUBLES, INTEGERS, CBatch, CSpec, library
-from spacar.compiled.parameters import KINDS, SUPPORTED
-from spacar.dynamics.dynamics import Dynamics
+from spacar.compiled.library import DOUBLES, INTEGERS, CBatch, CSpec, CState, library
+from spacar.compiled.numbers import Numbers
+from spacar.compiled.parameters import SUPPORTED
 from spacar.dynamics.saddle_point import free_coordinates
-from spacar.mechanism.mechanism import Array, Drive, Mechanism, Polynomial
+from spacar.kinematics.kinematics import LARGEST_JUMP
+from spacar.mechanism.mechanism import Array, Mechanism
+from spacar.mechanism.numbering import Numbering
 
 
 def why_not(mechanism: Mechanism) -> str | None:
@@ -33,134 +31,128 @@ def why_not(mechanism: Mechanism) -> str | None:
     return None
 
 
+class State:
+    """The last evaluated state: x, xd, xdd (nx, cases), e, ed, edd, sigma, given_e (ne, cases), shared with C."""
+
+    def __init__(self, nx: int, ne: int, cases: int) -> None:
+        self.x, self.xd, self.xdd = np.zeros((3, nx, cases))
+        self.e, self.ed, self.edd, self.sigma, self.given_e = np.zeros((5, ne, cases))
+        arrays = (self.x, self.xd, self.xdd, self.e, self.ed, self.edd, self.sigma, self.given_e)
+        self.c = CState(0, 0.0, *(a.ctypes.data_as(DOUBLES) for a in arrays))
+        self.address = ctypes.c_void_p(ctypes.addressof(self.c))
+
+    def begin(self, x: Array, e: Array) -> None:
+        """Positions and deformations that the next guess starts from."""
+        self.x[:], self.e[:] = x, e
+        self.c.known = 0
+
+
 class Model:
-    """Memory and calls of one `Model` in C.
+    """One `Model` in C. `scale` (nx,): sizes of the coordinates; `n_equations`: given deformations."""
 
-    `evaluators` (one per lane) give the numbers; their structure is the same. The arrays x, xd, xdd (nx, lanes), e, ed,
-    edd, sigma, given_e (ne, lanes), x_motion and e_motion (n, 3, lanes) are shared with C.
-    """
-
-    def __init__(self, evaluators: Sequence[Dynamics]) -> None:
-        self.lanes = len(evaluators)
-        self.library = library(self.lanes)
+    def __init__(
+        self, numbering: Numbering, numbers: Numbers, scale: Array, n_equations: int, polynomial: bool
+    ) -> None:
+        self.numbering = numbering
+        self.numbers = numbers
+        self.polynomial = polynomial
+        self.cases = numbers.x0.shape[-1]
+        self.library = library(self.cases)
         self._alive: list[Any] = []  # arrays that C points into
-        first = evaluators[0]
-        self.numbering = n = first.numbering
-        self.polynomial = all(isinstance(d.drive, Polynomial) for d in evaluators)
-        self.x, self.xd, self.xdd, self.gravity, self.total = (np.zeros((n.nx, self.lanes)) for _ in range(5))
-        self.e, self.ed, self.edd, self.sigma, self.given_e = (np.zeros((n.ne, self.lanes)) for _ in range(5))
-        self.x_motion = self._together([_motion(d.drive, "x") for d in evaluators])
-        self.e_motion = self._together([_motion(d.drive, "e") for d in evaluators])
-        self.n_state = 2 * n.nddof
-        self.x[:] = self._together([d.mechanism.x0 for d in evaluators])
-        spec = self._spec(evaluators)
+        # contiguous copies are made first, as a motion that is no polynomial is written into them
+        self.x_motion, self.e_motion = np.ascontiguousarray(numbers.x_motion), np.ascontiguousarray(numbers.e_motion)
+        spec = self._spec(numbers, scale, n_equations)
         self.handle = ctypes.c_void_p(self.library.spacar_begin(ctypes.addressof(spec)))
         if not self.handle:
             raise MemoryError("no memory for the compiled model")
-        self._complete = (
-            self.handle, ctypes.c_void_p(self.gravity.ctypes.data), ctypes.c_void_p(self.total.ctypes.data)
-        )  # fmt: skip
         weakref.finalize(self, self.library.spacar_end, self.handle)
+        self.gravity, self.total = np.zeros((2, numbering.nx, self.cases))
 
-    def _together(self, arrays: list[Array]) -> Array:
-        """The same array of every case, with the cases on a last axis."""
-        return np.ascontiguousarray(np.stack(arrays, axis=-1), np.float64)
+    def state(self) -> State:
+        """A new state, at the reference configuration."""
+        state = State(self.numbering.nx, self.numbering.ne, self.cases)
+        state.x[:] = self.numbers.x0
+        return state
 
+    # -- setting up -----------------------------------------------------------------------------------------------
     def _doubles(self, array: Array) -> Any:
         kept = np.ascontiguousarray(array, np.float64)
         self._alive.append(kept)
         return kept.ctypes.data_as(DOUBLES)
 
-    def _integers(self, array: Array) -> Any:
+    def _integers(self, array: Any) -> Any:
         kept = np.ascontiguousarray(array, np.int32)
         self._alive.append(kept)
         return kept.ctypes.data_as(INTEGERS)
 
-    def _spec(self, evaluators: Sequence[Dynamics]) -> CSpec:
-        first, n = evaluators[0], self.numbering
+    def _spec(self, numbers: Numbers, scale: Array, n_equations: int) -> CSpec:
+        n, doubles, integers = self.numbering, self._doubles, self._integers
         xs, es = n.x_class, n.e_class
-        batches = [
-            self._batch([d.mechanism.batches[i] for d in evaluators])
-            for i, b in enumerate(first.mechanism.batches) if b.family.keyword in SUPPORTED
-        ]  # fmt: skip
-        table = (CBatch * len(batches))(*batches)
+        table = (CBatch * len(numbers.elements))(
+            *(
+                CBatch(
+                    b.kind, len(b.x), b.x.shape[1], b.e.shape[1], b.parameters.shape[1], int(b.moving),
+                    integers(b.x), integers(b.e), doubles(b.parameters),
+                )
+                for b in numbers.elements
+            )
+        )  # fmt: skip
         self._alive.append(table)
-        mass = [_constant_mass(d) for d in evaluators]
-        F = free_coordinates(n)
-        S, D = first.law.stiffness, first.law.damping
-
-        def numbers(values: list[Array]) -> Any:
-            return self._doubles(self._together(values))
-
-        equations = len(first.kinematics.E)
+        F, mass, S, D = free_coordinates(n), numbers.mass, numbers.stiffness, numbers.damping
         counts = [
-            n.nx, n.ne, xs["calculable"].start, es["input"].stop, equations, len(batches), len(S[0]), len(D[0]),
-            int(n.nddof == 0), len(mass[0][0]), len(F),
+            n.nx, n.ne, xs["calculable"].start, es["input"].stop, n_equations, len(table), len(S[0]), len(D[0]),
+            int(n.nddof == 0), len(mass[0]), len(F),
         ]  # fmt: skip
-        for table_of in (xs, es):
+        for classes in (xs, es):
             for name in ("input", "dynamic"):
-                counts += [table_of[name].start, table_of[name].stop - table_of[name].start]
+                counts += [classes[name].start, classes[name].stop - classes[name].start]
         return CSpec(
-            *counts, int(self.polynomial), table,
-            self._integers(mass[0][0]), self._integers(mass[0][1]), numbers([m[2] for m in mass]),
-            self._doubles(first.kinematics.scale), numbers([d.loads.force for d in evaluators]),
-            numbers([d.forces.field for d in evaluators]), numbers([d.law.preload for d in evaluators]),
-            self._integers(S[0]), self._integers(S[1]), self._integers(D[0]), self._integers(D[1]),
-            numbers([d.law.stiffness[2] for d in evaluators]), numbers([d.law.damping[2] for d in evaluators]),
-            self._integers(F), numbers([d.mechanism.x0 for d in evaluators]),
-            *map(self._doubles, (
-                self.x_motion, self.e_motion, self.x, self.xd, self.xdd, self.e, self.ed, self.edd, self.sigma,
-                self.given_e,
-            )),
+            *counts, int(self.polynomial), table, integers(mass[0]), integers(mass[1]), doubles(mass[2]),
+            doubles(scale), doubles(numbers.force), doubles(numbers.field), doubles(numbers.preload),
+            integers(S[0]), integers(S[1]), integers(D[0]), integers(D[1]), doubles(S[2]), doubles(D[2]),
+            integers(F), doubles(numbers.x0), doubles(self.x_motion), doubles(self.e_motion),
         )  # fmt: skip
 
-    def _batch(self, cases: list[Any]) -> CBatch:
-        b = cases[0]
-        kind, parameters = SUPPORTED[b.family.keyword]
-        p = self._together([parameters(case.family).T for case in cases])
-        moving = b.family.has_mass and not b.family.constant_mass
-        return CBatch(
-            KINDS.index(kind), b.family.n, len(b.x), len(b.e), p.shape[1], int(moving),
-            self._integers(b.x.T), self._integers(b.e.T), self._doubles(p),
+    # -- calls; y, out, K are C-contiguous with the cases last ----------------------------------------------------
+    def rhs(self, state: State, t: float, y: int, out: int, converged: float) -> int:
+        """Time derivative of the state at the address y into out; a negative number when that is not possible."""
+        return int(self.library.spacar_rhs(self.handle, state.address, t, y, out, converged, LARGEST_JUMP))
+
+    def evaluate(self, state: State, t: float, y: Array, converged: float) -> int:
+        """Everything that a frame has (gravity and total forces are in the model); negative when not possible."""
+        status: int = self.library.spacar_evaluate(
+            self.handle, state.address, t, y.ctypes.data, converged, LARGEST_JUMP, 1
+        )
+        if status >= 0:
+            forces = self.gravity.ctypes.data, self.total.ctypes.data
+            self.library.spacar_complete(self.handle, state.address, *forces)
+        return status
+
+    def stages(
+        self, state: State, done: int, c: Array, a: Array, t: float, h: float, window: tuple[float, float], y: int,
+        K: int, stride: int, converged: float,
+    ) -> int:  # fmt: skip
+        """Stages of an explicit Runge-Kutta step from `done` on, rows of K `stride` lanes apart; the first not done."""
+        return int(
+            self.library.spacar_stages(
+                self.handle, state.address, done, len(c), c.ctypes.data, a.ctypes.data, t, h, *window, y, K, stride,
+                converged, LARGEST_JUMP,
+            )
         )  # fmt: skip
-
-    def begin(self, x: Array, e: Array) -> None:
-        """Positions (nx, lanes) and deformations (ne, lanes) that the next guess starts from."""
-        self.x[:], self.e[:] = x, e
-        self.library.spacar_forget(self.handle)
-
-    def complete(self) -> None:
-        """Rates of deformations, gravity forces and total forces at the last evaluated state."""
-        self.library.spacar_complete(*self._complete)
 
     def places(self) -> tuple[Array, Array]:
         """Rows and columns of the entries of V."""
         count = self.library.spacar_gradient(self.handle, None, None, None)
-        rows, columns = np.zeros(count, np.int32), np.zeros(count, np.int32)
+        rows, columns = np.zeros((2, count), np.int32)
         self.library.spacar_gradient(self.handle, rows.ctypes.data, columns.ctypes.data, None)
         return rows, columns
 
     def gradient(self, out: Array) -> None:
-        """Values of the entries of V at the last evaluated state, (n, lanes)."""
+        """Values of the entries of V at the last evaluated state, (n, cases)."""
         self.library.spacar_gradient(self.handle, None, None, out.ctypes.data)
 
-
-def _motion(drive: Drive, what: str) -> Array:
-    """Start, rate and acceleration of polynomial motions; room for the present values of others, (n, 3)."""
-    if isinstance(drive, Polynomial):
-        return np.asarray(getattr(drive, what)).copy()
-    return np.zeros((len(getattr(drive.at(0.0), what)), 3))
-
-
-def _constant_mass(dynamics: Dynamics) -> tuple[Array, Array, Array]:
-    """Rows, columns and values of the mass matrices that do not depend on the position."""
-    rows, columns, values = [np.zeros(0, int)], [np.zeros(0, int)], [np.zeros(0)]
-    for b in dynamics.sweep.massive:
-        if b.family.constant_mass:
-            shape = (len(b.x), *b.x.shape)
-            M = np.broadcast_to(dynamics.sweep.M[id(b)], shape)
-            used = np.nonzero(M)
-            rows.append(np.broadcast_to(b.x[:, None, :], shape)[used])
-            columns.append(np.broadcast_to(b.x[None, :, :], shape)[used])
-            values.append(M[used])
-    return np.concatenate(rows), np.concatenate(columns), np.concatenate(values)
+    def determinant(self) -> tuple[Array, Array]:
+        """Signs and logarithms of det V[E, U] at the last evaluated state, (cases,) each."""
+        sign, logarithm = np.zeros((2, self.cases))
+        self.library.spacar_determinant(self.handle, sign.ctypes.data, logarithm.ctypes.data)
+        return sign, logarithm

@@ -14,7 +14,7 @@ typedef struct {
 
 typedef struct { int n, *row, *column, *source; } Entries; /* (n) each; `source` is a place in `values` */
 
-/* What Python gives; the arrays of the state are shared with it. */
+/* What Python gives. */
 typedef struct {
     int nx, ne, n_fixed_x, n_rows, n_equations, n_batches, n_stiffness, n_damping, prescribed, n_constant, n_free;
     int x_input, n_x_input, x_dynamic, n_x_dynamic, e_input, n_e_input, e_dynamic, n_e_dynamic, polynomial;
@@ -27,13 +27,18 @@ typedef struct {
     const int *free;                      /* (n_free) coordinates that are not fixed or prescribed */
     const real *x0;                       /* (nx) reference configuration: the values of fixed coordinates */
     const real *x_motion, *e_motion;      /* (n, 3): start, rate, acceleration; or value, rate, acceleration at t */
-    real *x, *xd, *xdd, *e, *ed, *edd, *sigma, *given_e; /* last evaluated state, (nx) or (ne) */
 } Spec;
+
+/* The last evaluated state, shared with Python; (nx) or (ne). A model may have several, each on its own path. */
+typedef struct {
+    int known;                            /* rates and accelerations too, at t */
+    double t;
+    real *x, *xd, *xdd, *e, *ed, *edd, *sigma, *given_e;
+} State;
 
 typedef struct {
     Spec s;
-    int known;                            /* a state was evaluated */
-    double t;                             /* when */
+    int factored;                         /* the matrix of the position is that of some state before */
     int n_v, n_values, *v_start, *v_column; /* V by rows: the places in `values` are those of v_column */
     int *v_offset, *m_offset;             /* (number of elements) places of the element matrices */
     Entries mass, dynamic;                /* of M; of V, in the columns of dynamic coordinates, counted from the first one */
@@ -165,8 +170,9 @@ static int place(Model *m, real *x, real *xd, real *e, const real *near, const r
         before = norm;
         halvings = 0;
         for (int i = 0; i < n; i++) r[i] = e[i] - e_given[i];
-        const int chord = iteration == 1 && m->known && norm > converged;
+        const int chord = iteration == 1 && m->factored && norm > converged;
         const int status = chord ? OK : factor(&m->position, m->values);
+        m->factored = !status;
         if (status) return status;
         solve(&m->position, r, r, 1);
         real step = EVERY(0.0), sum = EVERY(0.0);
@@ -315,67 +321,68 @@ static void prescribed(const Spec *s, const real *row, double t, real *value, re
 
 /* Evaluate the state y = (x dynamic, e dynamic, their rates) at t, stresses too when wanted. Number of position iterations, or a negative reason; then
    the last evaluated state is still there. The guess of the position is the Taylor expansion of the last state. */
-int spacar_evaluate(Model *m, double t, const real *y, double converged, double jump, int want_stress)
+int spacar_evaluate(Model *m, State *at, double t, const real *y, double converged, double jump, int want_stress)
 {
     const Spec *s = &m->s;
     const int nx = s->nx, first = s->n_fixed_x, n = s->n_equations, a = s->n_x_dynamic, q = a + s->n_e_dynamic;
     real *x = m->next_x, *xd = m->next_xd, *xdd = m->next_xdd;
-    const double dt = m->known ? t - m->t : 0.0;
+    const double dt = at->known ? t - at->t : 0.0;
     memcpy(x, s->x0, sizeof(real) * nx);
     memset(xd, 0, sizeof(real) * nx);
     memset(xdd, 0, sizeof(real) * nx);
-    for (int i = first; i < first + n; i++) x[i] = s->x[i] + dt * (s->xd[i] + 0.5 * dt * s->xdd[i]);
+    for (int i = first; i < first + n; i++) x[i] = at->x[i] + dt * (at->xd[i] + 0.5 * dt * at->xdd[i]);
     for (int i = 0; i < s->n_x_input; i++) {
         const int k = s->x_input + i;
         prescribed(s, s->x_motion + 3 * i, t, &x[k], &xd[k], &xdd[k]);
     }
     for (int i = 0; i < s->n_e_input; i++) {
         const int k = s->e_input + i;
-        prescribed(s, s->e_motion + 3 * i, t, &s->given_e[k], &m->given_ed[k], &m->given_edd[k]);
+        prescribed(s, s->e_motion + 3 * i, t, &at->given_e[k], &m->given_ed[k], &m->given_edd[k]);
     }
     for (int i = 0; i < a; i++) { x[s->x_dynamic + i] = y[i]; xd[s->x_dynamic + i] = y[q + i]; }
     for (int i = a; i < q; i++) {
-        s->given_e[s->e_dynamic + i - a] = y[i];
+        at->given_e[s->e_dynamic + i - a] = y[i];
         m->given_ed[s->e_dynamic + i - a] = y[q + i];
     }
-    memcpy(m->near, s->e, sizeof(real) * s->ne);
-    memcpy(m->near, s->given_e, sizeof(real) * n); /* the rows that are given come first */
-    const int iterations = place(m, x, xd, m->next_e, m->near, s->given_e, m->given_ed, converged);
+    memcpy(m->near, at->e, sizeof(real) * s->ne);
+    memcpy(m->near, at->given_e, sizeof(real) * n); /* the rows that are given come first */
+    const int iterations = place(m, x, xd, m->next_e, m->near, at->given_e, m->given_ed, converged);
     if (iterations < 0) return iterations;
     real moved = EVERY(0.0);
-    for (int i = 0; i < nx; i++) moved = lanes_larger(moved, (x[i] - s->x[i]) / s->scale[i]);
+    for (int i = 0; i < nx; i++) moved = lanes_larger(moved, (x[i] - at->x[i]) / s->scale[i]);
     if (!(largest_lane(moved) <= jump)) return JUMP;
-    const int status = accelerate(m, x, xd, m->next_e, m->given_edd, xdd, s->sigma, want_stress);
+    const int status = accelerate(m, x, xd, m->next_e, m->given_edd, xdd, at->sigma, want_stress);
     if (status < 0) return status;
-    memcpy(s->e, m->next_e, sizeof(real) * s->ne);
-    memcpy(s->x, x, sizeof(real) * nx);
-    memcpy(s->xd, xd, sizeof(real) * nx);
-    memcpy(s->xdd, xdd, sizeof(real) * nx);
-    m->t = t;
-    m->known = 1;
+    memcpy(at->e, m->next_e, sizeof(real) * s->ne);
+    memcpy(at->x, x, sizeof(real) * nx);
+    memcpy(at->xd, xd, sizeof(real) * nx);
+    memcpy(at->xdd, xdd, sizeof(real) * nx);
+    at->t = t;
+    at->known = 1;
     return iterations;
 }
 
 /* Time derivative of y. */
-int spacar_rhs(Model *m, double t, const real *y, real *out, double converged, double jump)
+int spacar_rhs(Model *m, State *at, double t, const real *y, real *out, double converged, double jump)
 {
     const Spec *s = &m->s;
-    const int status = spacar_evaluate(m, t, y, converged, jump, 0);
+    const int status = spacar_evaluate(m, at, t, y, converged, jump, 0);
     if (status < 0) return status;
     const int a = s->n_x_dynamic, q = a + s->n_e_dynamic;
     memcpy(out, y + q, sizeof(real) * q);
-    memcpy(out + q, s->xdd + s->x_dynamic, sizeof(real) * a);
+    memcpy(out + q, at->xdd + s->x_dynamic, sizeof(real) * a);
     for (int i = a; i < q; i++) {
         const int r = s->e_dynamic + i - a;
-        out[q + i] = rate(m, r, s->xdd) + m->h[r];
+        out[q + i] = rate(m, r, at->xdd) + m->h[r];
     }
     return status;
 }
 
 /* Stages `from` ... n - 1 of an explicit Runge-Kutta step from (t, y): K_i = F(t + c_i h, y + h sum_j a_ij K_j), at times not
-   outside of [earliest, latest]. The number of the first stage that could not be evaluated, n when all could. */
-int spacar_stages(Model *m, int from, int n, const double *c, const double *a, double t, double h, double earliest,
-                  double latest, const real *y, real *K, double converged, double jump)
+   outside of [earliest, latest]. Rows of K are `stride` apart. The number of the first stage that could not be
+   evaluated, n when all could. */
+int spacar_stages(Model *m, State *at, int from, int n, const double *c, const double *a, double t, double h, double earliest,
+                  double latest, const real *y, real *K, int stride, double converged, double jump)
 {
     const int size = 2 * (m->s.n_x_dynamic + m->s.n_e_dynamic);
     for (int i = from; i < n; i++) {
@@ -383,21 +390,21 @@ int spacar_stages(Model *m, int from, int n, const double *c, const double *a, d
         memset(stage, 0, sizeof(real) * size);
         for (int j = 0; j < i; j++)
             if (a[i * n + j] != 0.0)
-                for (int k = 0; k < size; k++) stage[k] += a[i * n + j] * K[j * size + k];
+                for (int k = 0; k < size; k++) stage[k] += a[i * n + j] * K[j * stride + k];
         for (int k = 0; k < size; k++) stage[k] = y[k] + h * stage[k];
-        const double at = fmin(fmax(t + c[i] * h, earliest), latest);
-        if (spacar_rhs(m, at, stage, K + i * size, converged, jump) < 0) return i;
+        const double time = fmin(fmax(t + c[i] * h, earliest), latest);
+        if (spacar_rhs(m, at, time, stage, K + i * stride, converged, jump) < 0) return i;
     }
     return n;
 }
 
 /* What frames have besides: rates of all deformations, gravity M g and total forces M xdd + h + V^T sigma. */
-void spacar_complete(Model *m, real *gravity, real *total)
+void spacar_complete(Model *m, State *at, real *gravity, real *total)
 {
     const Spec *s = &m->s;
     for (int r = 0; r < s->ne; r++) {
-        s->ed[r] = rate(m, r, s->xd);
-        s->edd[r] = rate(m, r, s->xdd) + m->h[r];
+        at->ed[r] = rate(m, r, at->xd);
+        at->edd[r] = rate(m, r, at->xdd) + m->h[r];
     }
     memset(gravity, 0, sizeof(real) * s->nx);
     memcpy(total, m->convected, sizeof(real) * s->nx);
@@ -405,7 +412,7 @@ void spacar_complete(Model *m, real *gravity, real *total)
         const real value = m->values[m->mass.source[k]];
         const int i = m->mass.row[k], j = m->mass.column[k];
         gravity[i] += value * s->field[j];
-        total[i] += value * s->xdd[j];
+        total[i] += value * at->xdd[j];
     }
-    for (int r = 0; r < s->ne; r++) subtract_transposed(m, r, -s->sigma[r], total);
+    for (int r = 0; r < s->ne; r++) subtract_transposed(m, r, -at->sigma[r], total);
 }

@@ -310,3 +310,30 @@ static void solve_transposed(const Sparse *s, const real *b, real *x)
         for (int m = s->lower_start[k]; m < s->lower_start[k + 1]; m++) y[s->lower_column[m]] -= s->lower[m] * y[k];
     for (int k = 0; k < n; k++) x[s->row_order[k]] = y[k] * s->weight[s->row_order[k]];
 }
+
+static int parity(const int *order, int n)
+{
+    int sign = 1;
+    char *seen = cleared(n, 1);
+    for (int i = 0; seen && i < n; i++) {
+        if (seen[i]) continue;
+        for (int j = order[i]; j != i; j = order[j]) { seen[j] = 1; sign = -sign; }
+    }
+    free(seen);
+    return sign;
+}
+
+/* Sign and logarithm of the determinant of the factored matrix, lane by lane (LANES each). */
+static void determinant(const Sparse *s, double *sign, double *logarithm)
+{
+    const int even = parity(s->row_order, s->n) * parity(s->column_order, s->n);
+    EACH_LANE {
+        sign[w] = even;
+        logarithm[w] = 0.0;
+        for (int k = 0; k < s->n; k++) {
+            const double inverse = LANE(s->inverse[k], w);
+            if (inverse < 0.0) sign[w] = -sign[w];
+            logarithm[w] -= log(fabs(inverse) * s->weight[s->row_order[k]]);
+        }
+    }
+}

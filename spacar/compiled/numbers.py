@@ -1,0 +1,148 @@
+"""The numbers of a mechanism, or of several that differ in numbers only, as the solver in C reads them.
+
+Every array has the cases on its last axis. Rows and columns of sparse entries are common to all cases.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from spacar.compiled.parameters import KINDS, SUPPORTED
+from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.forces import StressLaw, gravity_field
+from spacar.mechanism.mechanism import Array, Batch, Drive, Index, Mechanism, Polynomial
+
+Entries = tuple[Index, Index, Array]  # rows, columns, values (n, cases)
+
+
+@dataclass(frozen=True)
+class Elements:
+    """A batch: kind, whether M depends on x, coordinates (n, nxe), deformations (n, nee), parameters (n, np, cases)."""
+
+    kind: int
+    moving: bool
+    x: Index
+    e: Index
+    parameters: Array
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """Everything that may differ from case to case."""
+
+    elements: tuple[Elements, ...]
+    mass: Entries  # constant ones
+    stiffness: Entries
+    damping: Entries
+    force: Array  # (nx, cases) constant nodal forces, gravity field at the coordinates, reference configuration
+    field: Array
+    x0: Array
+    preload: Array  # (ne, cases)
+    x_motion: Array  # (n, 3, cases) start, rate, acceleration; or what the motion is at a time
+    e_motion: Array
+
+    def take(self, cases: slice | Index) -> Numbers:
+        """Those of some cases."""
+
+        def some(array: Array) -> Array:
+            return np.ascontiguousarray(array[..., cases])
+
+        def entries(of: Entries) -> Entries:
+            return of[0], of[1], some(of[2])
+
+        return Numbers(
+            tuple(replace(b, parameters=some(b.parameters)) for b in self.elements),
+            entries(self.mass), entries(self.stiffness), entries(self.damping),
+            some(self.force), some(self.field), some(self.x0), some(self.preload), some(self.x_motion),
+            some(self.e_motion),
+        )  # fmt: skip
+
+
+def of_one(dynamics: Dynamics) -> Numbers:
+    """The numbers of an evaluator with its loads and its drive."""
+    m, law, drive = dynamics.mechanism, dynamics.law, dynamics.drive
+
+    def one(array: Array) -> Array:
+        return np.array(array, np.float64)[..., None]
+
+    return Numbers(
+        tuple(_elements(b, one(SUPPORTED[b.family.keyword][1](b.family).T)) for b in supported(m)),
+        _only(constant_mass(m)), _only(law.stiffness), _only(law.damping),
+        one(dynamics.loads.force), one(dynamics.forces.field), one(m.x0), one(law.preload),
+        one(motion(drive, "x")), one(motion(drive, "e")),
+    )  # fmt: skip
+
+
+def of_copies(one: Mechanism, together: Mechanism, x_of: Index, e_of: Index) -> Numbers:
+    """The numbers of the cases of `one` that stand side by side in `together`.
+
+    `x_of` (cases, nx) and `e_of` (cases, ne) are the places of the coordinates and deformations of each case.
+    """
+    cases = len(x_of)
+    law = StressLaw.of(together, together.loads)
+    elements = []
+    for b, all_ in zip(supported(one), supported(together), strict=True):
+        parameters = SUPPORTED[b.family.keyword][1](all_.family)
+        elements.append(_elements(b, parameters.reshape(len(parameters), cases, -1).transpose(2, 0, 1)))
+    inputs, deformed = (c["input"] for c in (one.numbering.x_class, one.numbering.e_class))
+    x_rows = x_of[:, inputs] - together.numbering.x_class["input"].start
+    e_rows = e_of[:, deformed] - together.numbering.e_class["input"].start
+    field = np.repeat(gravity_field(one, one.loads)[:, None], cases, axis=1)
+    x_motion, e_motion = motion(together.drive, "x")[x_rows], motion(together.drive, "e")[e_rows]
+    return Numbers(
+        tuple(elements),
+        _sorted(constant_mass(together), x_of), _sorted(law.stiffness, e_of), _sorted(law.damping, e_of),
+        together.loads.force[x_of].T, field, together.x0[x_of].T, law.preload[e_of].T,
+        x_motion.transpose(1, 2, 0), e_motion.transpose(1, 2, 0),
+    )  # fmt: skip
+
+
+def supported(mechanism: Mechanism) -> list[Batch]:
+    """The batches with a compiled form; the others are lumped masses, which are constant entries of M."""
+    return [b for b in mechanism.batches if b.family.keyword in SUPPORTED]
+
+
+def _elements(batch: Batch, parameters: Array) -> Elements:
+    family = batch.family
+    kind = KINDS.index(SUPPORTED[family.keyword][0])
+    return Elements(kind, family.has_mass and not family.constant_mass, batch.x.T, batch.e.T, parameters)
+
+
+def _only(entries: Entries) -> Entries:
+    return entries[0], entries[1], entries[2][:, None]
+
+
+def motion(drive: Drive, what: str) -> Array:
+    """Start, rate and acceleration of polynomial motions; room for the present values of others, (n, 3)."""
+    if isinstance(drive, Polynomial):
+        return np.asarray(getattr(drive, what))
+    return np.zeros((len(getattr(drive.at(0.0), what)), 3))
+
+
+def constant_mass(mechanism: Mechanism) -> tuple[Index, Index, Array]:
+    """Rows, columns and values of the mass matrices that do not depend on the position."""
+    rows, columns, values = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)], [np.zeros(0)]
+    for b in mechanism.batches:
+        if b.family.has_mass and b.family.constant_mass:
+            shape = (len(b.x), *b.x.shape)
+            M = np.zeros(shape)
+            b.family.mass(None, M)
+            used = np.nonzero(M)
+            rows.append(np.broadcast_to(b.x[:, None, :], shape)[used])
+            columns.append(np.broadcast_to(b.x[None, :, :], shape)[used])
+            values.append(M[used])
+    return np.concatenate(rows), np.concatenate(columns), np.concatenate(values)
+
+
+def _sorted(entries: tuple[Index, Index, Array], places: Index) -> Entries:
+    """Entries of all copies by the rows and columns of one; what a case does not have is zero."""
+    rows, columns, values = entries
+    cases, n = places.shape
+    case_of, index_of = np.zeros((2, places.max(initial=0) + 1), np.int64)
+    case_of[places], index_of[places] = np.arange(cases)[:, None], np.arange(n)
+    keys, inverse = np.unique(index_of[rows] * n + index_of[columns], return_inverse=True)
+    out = np.zeros((len(keys), cases))
+    np.add.at(out, (inverse, case_of[rows]), values)
+    return keys // n, keys % n, out
