@@ -1,11 +1,11 @@
 """Coefficients of the Radau IIA methods of s stages: collocation at the right Radau points, order 2s - 1.
 
 E. Hairer, G. Wanner, "Solving Ordinary Differential Equations II", 2nd ed., Springer 1996, sections IV.5 and IV.8.
-c are the roots of P_s(2c - 1) - P_{s-1}(2c - 1), a_ij = int_0^{c_i} l_j with the Lagrange polynomials l_j of the points;
+c are the roots of P_s(2c - 1) - P_{s-1}(2c - 1), a_ij = int_0^{c_i} l_j with the Lagrange polynomials l_j of c;
 b is the last row of a. For odd s the inverse of a has one real eigenvalue and (s - 1)/2 complex pairs, which split the
 linear system of all stages into one real and (s - 1)/2 complex systems of the size of the state.
 
-Error estimate (IV.8.18): an embedded quadrature of order s at the points 0, c_1 ... c_s, with the weight 1/lambda_0 at 0.
+Error estimate (IV.8.18): embedded quadrature of order s at the points 0, c_1 ... c_s, with the weight 1/lambda_0 at 0.
 Between the points the state follows the polynomial through 0, c_1 ... c_s. Where positions are integrals of velocities,
 the integral of the polynomial of the velocities is one order better and meets the end of the step as well.
 """
@@ -16,8 +16,6 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-
-from spacar.mechanism.mechanism import Array
 
 
 @dataclass(frozen=True)
@@ -31,15 +29,15 @@ class Collocation:
     basis (s, s) row k: coefficients of s^{k+1} of the polynomial through 0, Z_1 ... Z_s
     """
 
-    c: Array
-    a: Array
-    inverse: Array
+    c: np.ndarray
+    a: np.ndarray
+    inverse: np.ndarray
     real: float
     pairs: tuple[complex, ...]
-    to: Array
-    back: Array
-    error: Array
-    basis: Array
+    to: np.ndarray
+    back: np.ndarray
+    error: np.ndarray
+    basis: np.ndarray
 
 
 @cache
@@ -74,7 +72,7 @@ def radau(s: int) -> Collocation:
     return Collocation(c, a, inverse, real, pairs, np.array(to), np.array(back).T, error, basis)
 
 
-def _integrals(c: Array, ends: Array) -> Array:
+def _integrals(c: np.ndarray, ends: np.ndarray) -> np.ndarray:
     """int_0^end of the Lagrange polynomials of the points c, by Gauss quadrature, which is exact for them."""
     from numpy.polynomial.legendre import leggauss
 

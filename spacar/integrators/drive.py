@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import astuple
+from functools import partial
 from itertools import pairwise
 from math import ceil
 from typing import Any, NoReturn
@@ -161,6 +162,8 @@ def _one_step(integrator: Any, estimate: bool) -> Callable[[float, np.ndarray, f
     of a run."""
     exponent, smallest, largest = integrator.controller
     evaluation: Evaluation = integrator.evaluation
+    # Next step over the last one; a code that looks at more than its last error has its own rule.
+    factor: Callable[[float], float] = getattr(integrator, "factor", partial(_factor, integrator.controller))
 
     def run(t: float, y: np.ndarray, t_end: float, h: float) -> Iterator[Step]:
         h_min = 4.0 * EPS * max(abs(t), abs(t_end), t_end - t)
@@ -199,9 +202,15 @@ def _one_step(integrator: Any, estimate: bool) -> Callable[[float, np.ndarray, f
             t = t_end if final else t + h
             evaluation.step_accepted(t, integrator.y_new)
             yield Step(t, integrator.y_new, integrator.interpolate)
-            h = max(h * min(growth, integrator.factor(error)), h_min)
+            h = max(h * min(growth, factor(error)), h_min)
 
     return run
+
+
+def _factor(controller: tuple[float, float, float], error: float) -> float:
+    """Next step over the last one, from the error of the last one."""
+    exponent, smallest, largest = controller
+    return min(largest, max(smallest, 0.9 * error ** (-1.0 / exponent))) if error > 0.0 else largest
 
 
 def _first_step(evaluation: Evaluation, integrator: Any, t: float, y: np.ndarray, f: np.ndarray) -> float:

@@ -12,8 +12,8 @@ MAX_REDUCTIONS = 10
 REDUCTION = 0.25
 
 STIFF_ADVICE = (
-    "A stiff model (high-frequency vibration) wants an implicit code, INTEGRAT 320, 330, 420 or 430, or its "
-    "stiff deformations made rigid; otherwise look for a singular position at this time or enlarge ERROR"
+    "A stiff model (high-frequency vibration) wants an implicit code, INTEGRAT 553 or 595 (variable steps), 330 or "
+    "430, or its stiff deformations made rigid; otherwise look for a singular position at this time or enlarge ERROR"
 )
 
 
@@ -52,6 +52,8 @@ def not_evaluated(cause: AnalysisError, t: float, h: float, reductions: int = 0)
         advice = (
             "try a smaller step size (INTEGRAT position 2) or a code with variable steps (INTEGRAT 0 or 155)"
         )
+    if reductions and cause.code == "integrator.newton":
+        advice = "enlarge ERROR, look for a singular position at this time, or use a code without iteration"
     if cause.code.startswith("user-function"):
         advice = "correct the function"
     return AnalysisError(
@@ -90,8 +92,8 @@ def slow_newton(
     """The stages of a variable-step implicit code were not found; `change` is a multiple of the tolerance."""
     return AnalysisError(
         f"the implicit integrator's Newton iteration does not converge in the step of {h:.3g} s from t = {t:.9g} s: "
-        f"last change {change:.3g} times the tolerance in {evaluation.name(component)}, {contraction:.2g} times the one "
-        f"before; its estimated error must fall below {limit:g} times the tolerance",
+        f"last change {change:.3g} times the tolerance in {evaluation.name(component)}, {contraction:.2g} times the "
+        f"change before; its estimated error must fall below {limit:g} times the tolerance",
         "integrator.newton",
         t=t,
         step=h,

@@ -18,7 +18,6 @@ from math import sqrt
 import numpy as np
 
 from spacar.errors import AnalysisError
-from spacar.mechanism.mechanism import Array
 
 from .collocation import radau
 from .failures import singular_iteration, slow_newton
@@ -28,10 +27,9 @@ from .runge_kutta import weights
 MAX_NEWTON = 10
 EPS = float(np.finfo(float).eps)
 # The iteration ends when its estimated error is below this part of the tolerance of the step.
-import os
-KAPPA = float(os.environ.get('KAPPA', 0.02))
+KAPPA = 0.01
 # A Jacobian is kept as long as each iteration divides the error at least by 1 / KEEP.
-KEEP = float(os.environ.get('KEEP', 0.2))
+KEEP = 0.2
 # A step is not enlarged by less than this factor: the LU factors are kept instead.
 SAME = 1.2
 SAFETY = 0.9
@@ -54,16 +52,18 @@ class Radau:
         self._forget()
 
     def _forget(self) -> None:
-        self.by_q: Array | None = None  # dF_u/dq, (nu, nq)
-        self.by_u = np.zeros((0, 0))  # dF_u/du, (nu, nu)
+        self.linear = False  # are the two known?
+        self.by_q, self.by_u = np.zeros((2, 0, 0))  # dF_u/dq (nu, nq), dF_u/du (nu, nu)
         self.fresh = False
+        self.factors: list[tuple[np.ndarray, np.ndarray]] = []
         self.factored_h = 0.0
         self.contraction = 1.0
+        self.slope = np.zeros(self.n)
         self.before: tuple[float, float] | None = None  # step size and error of the last accepted step
         self.predicted = False  # Z holds the polynomial of an accepted step
         self.refused = False
 
-    def start(self, t: float, y: Array) -> Array:
+    def start(self, t: float, y: np.ndarray) -> np.ndarray:
         """Sets the state and returns F there."""
         self._forget()
         self.t = t
@@ -74,9 +74,7 @@ class Radau:
     def begin(self, t: float) -> None:
         """Makes the end of the last step the start of the next one."""
         if self.predicted:
-            self.f[:] = self.evaluation.rhs(t, self.y_new)
-        self.coefficients = self.lastZ = self.Z.copy() if self.predicted else None
-        self.last_h = self.h
+            self.slope = (self.Z[-1] - self.Z[-2]) / (self.h * (1.0 - self.method.c[-2]))
         self.t = t
         self.y[:] = self.y_new
         self.fresh = False
@@ -89,16 +87,16 @@ class Radau:
         Raises AnalysisError `integrator.newton` when the iteration does not converge with a new Jacobian.
         """
         self.h = h
-        if self.by_q is None or (self.contraction > KEEP and not self.fresh):
+        if not self.linear or (self.contraction > KEEP and not self.fresh):
             self._linearize()
         self._factor(h)
-        if not self._newton(h):
-            if self.fresh:
-                raise self._failure
+        failure = self._newton(h)
+        if failure is not None and not self.fresh:
             self._linearize()
             self._factor(h)
-            if not self._newton(h):
-                raise self._failure
+            failure = self._newton(h)
+        if failure is not None:
+            raise failure
         self.y_new[:] = self.y + self.Z[-1]
         error = self._error(h, self.f)
         if error > 1.0 and (self.refused or not self.predicted):
@@ -111,7 +109,7 @@ class Radau:
         jacobian = self.evaluation.jacobian(self.t, self.y)[0]
         nq = self.nq
         self.by_q, self.by_u = jacobian[nq:, :nq].copy(), jacobian[nq:, nq:].copy()
-        self.fresh = True
+        self.linear = self.fresh = True
         self.factored_h = 0.0
 
     def _factor(self, h: float) -> None:
@@ -134,27 +132,15 @@ class Radau:
         self.contraction = 1.0
 
     def _guess(self, h: float) -> None:
-        """Stages from the polynomial of the last step, continued."""
-        if self.coefficients is None:
-            self.Z[:] = 0.0
-            return
-        s = self.method.c * (h / self.last_h)
-        np.matmul(self._weights(1.0 + s), self.lastZ, self.Z)
+        """Stages on the line through the last two stages of the step before.
 
-    def _weights(self, s):
-        import os
-        d = int(os.environ.get("DEG", 9))
-        c = np.concatenate(([0.0], self.method.c))[-(d + 1):] if d < len(s) else np.concatenate(([0.0], self.method.c))
-        W = np.ones((len(s), len(c)))
-        for j, p in enumerate(c):
-            o = np.delete(c, j)
-            W[:, j] = np.prod((s[:, None] - o) / (p - o), axis=1)
-        W[:, -1] -= 1.0
-        if d >= len(s):
-            return W[:, 1:]
-        return np.hstack((np.zeros((len(s), len(s) - len(c))), W))
+        The polynomial of all stages is the better guess of a smooth motion (a third less iterations), but it
+        magnifies what is left in unresolved vibrations some thousand times.
+        """
+        np.multiply.outer(h * self.method.c, self.slope, out=self.Z)
 
-    def _newton(self, h: float) -> bool:
+    def _newton(self, h: float) -> AnalysisError | None:
+        """Stages of the step h into Z; what to say when the iteration does not converge."""
         from scipy.linalg.lapack import dgetrs, zgetrs
 
         m, n, nq, Z, F = self.method, self.n, self.nq, self.Z, self.F
@@ -197,15 +183,15 @@ class Radau:
                 if theta >= 0.99 or change * theta ** (MAX_NEWTON - 1 - k) > KAPPA * (1.0 - theta):
                     break
                 if change * theta <= KAPPA * (1.0 - theta):
-                    return True
+                    return None
             elif change * estimate <= KAPPA * (1.0 - estimate):
-                return True
+                return None
         worst = int(np.argmax(np.abs(scaled))) % n
-        self._failure = slow_newton(self.evaluation, self.t, h, change, theta, worst, KAPPA)
+        failure = slow_newton(self.evaluation, self.t, h, change, theta, worst, KAPPA)
         self.contraction = 1.0
-        return False
+        return failure
 
-    def _error(self, h: float, f: Array) -> float:
+    def _error(self, h: float, f: np.ndarray) -> float:
         """Norm of (lambda_0/h - J)^-1 (f + error @ Z / h), by the factors of the real system."""
         from scipy.linalg.lapack import dgetrs
 
@@ -215,7 +201,6 @@ class Radau:
         out = np.empty(self.n)
         right = g[nq:]
         if nq:
-            assert self.by_q is not None
             right = right + (h / m.real) * (self.by_q @ g[:nq])
         out[nq:] = dgetrs(lu, pivots, right)[0]
         if nq:
@@ -226,11 +211,12 @@ class Radau:
 
     # -- between steps --------------------------------------------------------------------------------------------
     def finish(self) -> None:
-        """The polynomial of this step is valid from now on."""
+        """F at the step end, for the error estimate of the next step, whose stages this one predicts."""
+        self.f[:] = self.evaluation.rhs(self.t + self.h, self.y_new)
         self.predicted = True
 
     def factor(self, error: float) -> float:
-        """Next step over this one: from the error, and from its trend over two steps (IV.8.25); small gains are left."""
+        """Next step over this one, from the error and its trend over two steps (IV.8.25); small gains are left."""
         exponent, smallest, largest = self.controller
         error = max(error, 1e-10)
         factor = SAFETY * error ** (-1.0 / exponent)
@@ -241,7 +227,7 @@ class Radau:
         factor = min(largest, max(smallest, factor))
         return 1.0 if 1.0 <= factor <= SAME and self.contraction <= KEEP else factor
 
-    def interpolate(self, t: float) -> Array:
+    def interpolate(self, t: float) -> np.ndarray:
         """y(t) in the last step, shape (n,): collocation polynomial; positions integrate that of the velocities."""
         s = (t - self.t) / self.h
         nq = self.nq

@@ -94,15 +94,17 @@ class ExplicitRungeKutta:
         self.stages[-1] = self.evaluation.rhs(self.t + h, self.y_new)
         np.matmul(self.tableau.error, self.stages, self.scaled)  # type: ignore[arg-type]
         np.divide(self.scaled, weights(self.tolerance, self.y, self.y_new), self.scaled)
-        return h * sqrt(self.scaled.dot(self.scaled) / len(self.scaled))
+        return h * sqrt(np.max(self._mean_square(self.scaled)))
+
+    def _mean_square(self, v: np.ndarray) -> float | np.ndarray:
+        """Of all components; of a state of many cases that of each case."""
+        if self.evaluation.by_case is None:
+            return float(v.dot(v)) / len(v)
+        cases = v.reshape(self.evaluation.by_case)
+        return np.einsum("bcl,bcl->bl", cases, cases) / cases.shape[1]
 
     def finish(self) -> None:
         """Nothing left to evaluate: the last stage is F at the step end."""
-
-    def factor(self, error: float) -> float:
-        """Next step over this one, from the error of this one."""
-        exponent, smallest, largest = self.controller
-        return min(largest, max(smallest, 0.9 * error ** (-1.0 / exponent))) if error > 0.0 else largest
 
     def interpolate(self, t: float) -> np.ndarray:
         """y(t) in the last step, shape (n,): quartic extension of 155, cubic Hermite otherwise."""
@@ -121,6 +123,7 @@ class ExplicitRungeKutta:
 # Inside a step the continuous extension of 853 errs up to ten times as much as the step itself (measured on
 # the driven pendulum). So the steps are held to a quarter of the tolerance: 4^(1/8) = 1.19 times shorter.
 OUTPUT_SAFETY = 4.0
+TINY = float(np.finfo(float).tiny)
 
 
 class DormandPrince853(ExplicitRungeKutta):
@@ -138,10 +141,8 @@ class DormandPrince853(ExplicitRungeKutta):
         weight = weights(self.tolerance, self.y, self.y_new)
         low = (dop853.ERROR_3 @ self.stages[:-1]) / weight
         np.divide(dop853.ERROR_5 @ self.stages[:-1], weight, self.scaled)
-        e5, e3 = float(self.scaled.dot(self.scaled)), float(low.dot(low))
-        if e5 == 0.0:
-            return 0.0
-        return OUTPUT_SAFETY * h * e5 / sqrt((e5 + 0.01 * e3) * len(low))
+        e5, e3 = self._mean_square(self.scaled), self._mean_square(low)
+        return float(OUTPUT_SAFETY * h * np.max(e5 / np.sqrt(e5 + 0.01 * e3 + TINY)))
 
     def finish(self) -> None:
         """F at the step end, first stage of the next step."""
