@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,3 +55,23 @@ class Frame:
     state_space: dict[str, Array] = field(default_factory=dict)
     log: dict[str, Array] = field(default_factory=dict)
     statistics: dict[str, Any] = field(default_factory=dict)
+
+
+class StoredFrames(Sequence[Frame]):
+    """Frames of one run whose variables are kept as arrays, (steps, n) each by name; made when they are asked for."""
+
+    def __init__(self, t: Array, variables: dict[str, Array], statistics: list[dict[str, Any]]) -> None:
+        self.t, self.variables, self.statistics = t, variables, statistics
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    @overload
+    def __getitem__(self, i: int) -> Frame: ...
+    @overload
+    def __getitem__(self, i: slice) -> tuple[Frame, ...]: ...
+    def __getitem__(self, i: int | slice) -> Frame | tuple[Frame, ...]:
+        if isinstance(i, slice):
+            return tuple(self[k] for k in range(*i.indices(len(self))))
+        values = {name: array[i] for name, array in self.variables.items()}
+        return Frame(t=float(self.t[i]), statistics=self.statistics[i], **values)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.errors import UsageError
-from spacar.frame import Frame
+from spacar.frame import Frame, StoredFrames
 
 if TYPE_CHECKING:
     from spacar.mechanism import Mechanism
@@ -26,7 +27,7 @@ class Result:
 
     mechanism: Mechanism
     mode: int
-    frames: tuple[Frame, ...]
+    frames: Sequence[Frame]
     report: tuple[str, ...]
     header: dict[str, Any]
 
@@ -50,6 +51,8 @@ class Result:
 
     def __getitem__(self, name: str) -> Array:
         """A variable of all steps, step first. Raises UsageError for a name that this run did not compute."""
+        if isinstance(self.frames, StoredFrames) and name in self.frames.variables:
+            return self.frames.variables[name]
         values = [self._value(f, name) for f in self.frames]
         if not values or any(v is None for v in values):
             raise UsageError(f"the variable {name} was not computed in this run of mode {self.mode}", "result.missing")

@@ -85,7 +85,9 @@ def of_copies(one: Mechanism, together: Mechanism, x_of: Index, e_of: Index) -> 
     elements = []
     for b, all_ in zip(supported(one), supported(together), strict=True):
         parameters = SUPPORTED[b.family.keyword][1](all_.family)
-        elements.append(_elements(b, parameters.reshape(len(parameters), cases, -1).transpose(2, 0, 1)))
+        p = parameters.reshape(len(parameters), cases, b.family.n)  # elements are in the order of their numbers
+        assert np.array_equal(all_.x.reshape(len(b.x), cases, b.family.n), x_of[:, b.x].transpose(1, 0, 2))
+        elements.append(_elements(b, p.transpose(2, 0, 1)))
     inputs, deformed = (c["input"] for c in (one.numbering.x_class, one.numbering.e_class))
     x_rows = x_of[:, inputs] - together.numbering.x_class["input"].start
     e_rows = e_of[:, deformed] - together.numbering.e_class["input"].start

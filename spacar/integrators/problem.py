@@ -18,12 +18,13 @@ class Problem(Protocol):
 
     Positions include the kinematic coordinates of a non-holonomic system; the second-order codes 220 and 225
     need `len(y) == 2 * n_positions`. `rhs` may return the same array at every call: integrators copy what
-    they keep. It must neither change nor keep the `y` it is given. Three optional members are used when they
+    they keep. It must neither change nor keep the `y` it is given. Four optional members are used when they
     are present: `accepted(t, y) -> None`, called after each accepted step so that a problem can update its
     branch memory, `component_name(i) -> str`, the name of state component `i` in messages, and
     `stages(done, c, a, t, h, window, y, K) -> int`, which evaluates F(t + c_i h, y + h a_i K) into the rows i of
     K from `done` on, at times clipped to the window, and returns the first row that it could not do (that one
-    is then asked from `rhs`, which says why).
+    is then asked from `rhs`, which says why), and `by_case`, the shape (blocks, components, lanes) of a state of
+    many cases, each of which keeps the tolerance (Runge-Kutta codes).
     """
 
     n_positions: int
@@ -84,7 +85,7 @@ class Evaluation:
     `integrator.not-finite` when F has an infinite or undefined component.
     """
 
-    __slots__ = ("_rhs", "accepted", "first", "last", "problem", "stages", "statistics")
+    __slots__ = ("_rhs", "accepted", "by_case", "first", "last", "problem", "stages", "statistics")
 
     def __init__(self, problem: Problem, first: float, last: float) -> None:
         self.problem = problem
@@ -94,6 +95,7 @@ class Evaluation:
         self._rhs = problem.rhs
         self.accepted: Callable[[float, np.ndarray], None] | None = getattr(problem, "accepted", None)
         self.stages: Callable[..., int] | None = getattr(problem, "stages", None)
+        self.by_case: tuple[int, int, int] | None = getattr(problem, "by_case", None)
 
     def rhs(self, t: float, y: np.ndarray) -> np.ndarray:
         """F at the clipped time, shape (n,)."""

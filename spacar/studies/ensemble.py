@@ -10,6 +10,9 @@ All cases share the steps. The error norm of a step is never smaller than the la
 method 0 is a sum over the state, that of the Runge-Kutta methods a mean, whose tolerance is therefore divided by
 sqrt(N). So every case is at least as accurate as alone; one demanding case makes all of its batch take small steps.
 
+With `compiled`, the copies only give the numbers: C evaluates one mechanism for eight cases at a time, in the lanes of
+the processor's vectors (spacar.compiled.cases), and every case keeps the tolerance.
+
 Not for: modes other than 1, user functions, wheels and other slips, implicit methods (dense Jacobian), cases whose
 statements, settings or GRAVITY differ. An error in one case ends the batch; `spacar.studies.batches` then runs its
 cases one by one.
@@ -26,11 +29,13 @@ from spacar.deck import ELEMENT_TYPES, Deck, Statement
 from spacar.dynamics.analysis import LOCAL, POSITION
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.limits import Limits
-from spacar.errors import Report, UsageError
-from spacar.frame import Frame
+from spacar.elements.base import Family
+from spacar.errors import AnalysisError, Report, UsageError
+from spacar.frame import Frame, StoredFrames
 from spacar.integrators import METHODS, integrate
 from spacar.kinematics.regularity import HalfTurns
 from spacar.mechanism import Mechanism, build
+from spacar.mechanism.mechanism import Array, Polynomial
 from spacar.result import Result
 from spacar.studies.assignments import parameters_of
 from spacar.studies.reduced import ReducedCopies
@@ -38,6 +43,7 @@ from spacar.studies.reduced import ReducedCopies
 X_FIELDS = ("x", "xd", "xdd", "fx", "fxgrav", "fxtot")
 E_FIELDS = ("e", "ed", "edd", "sig")
 METHOD_WITH_SUM = 0  # the norm of this method does not shrink with the number of cases
+WITHOUT_LANES = (220, 225)  # want a state of positions first, then velocities
 
 
 def why_not(deck: Deck, **options: Any) -> str:
@@ -54,7 +60,15 @@ def why_not(deck: Deck, **options: Any) -> str:
         return "nothing is integrated"
     if METHODS[settings.integrator].needs_jacobian:
         return "implicit methods need a dense Jacobian"
-    return "the compiled right-hand side takes one mechanism" if settings.compiled else ""
+    if not settings.compiled:
+        return ""
+    from spacar.compiled import why_not as not_compiled
+
+    if settings.integrator in WITHOUT_LANES:
+        return f"method {settings.integrator} is not for compiled batches"
+    if not isinstance(mechanism.drive, Polynomial):
+        return "compiled batches take motions of constant acceleration only"
+    return not_compiled(mechanism) or ""
 
 
 def alike(a: Deck, b: Deck) -> bool:
@@ -89,6 +103,8 @@ def ensemble(decks: Sequence[Deck], times: np.ndarray | None = None, **options: 
         assert settings.duration is not None
         times = np.linspace(0.0, settings.duration, settings.n_steps + 1)
     x_of, e_of = _places(single, together, len(decks), _stride(first))
+    if settings.compiled:
+        return _in_lanes(single, together, times, x_of, e_of)
     found: list[list[Frame]] = [[] for _ in decks]
     for frame in _frames(together, times, x_of):
         x = [getattr(frame, name)[x_of] for name in X_FIELDS]
@@ -97,6 +113,55 @@ def ensemble(decks: Sequence[Deck], times: np.ndarray | None = None, **options: 
             values = {name: v[k] for name, v in zip((*X_FIELDS, *E_FIELDS), (*x, *e), strict=True)}
             own.append(Frame(t=frame.t, statistics=frame.statistics, **values))
     return [Result(single, 1, tuple(frames), (), {}) for frames in found]
+
+
+def _in_lanes(single: Mechanism, together: Mechanism, times: Array, x_of: Array, e_of: Array) -> list[Result]:
+    """Results of the compiled batch."""
+    from spacar.compiled.cases import CompiledCases
+    from spacar.compiled.numbers import of_copies
+
+    settings, method = single.settings, METHODS[single.settings.integrator]
+    problem = CompiledCases(single, of_copies(single, together, x_of, e_of), _start(together, x_of, e_of))
+    local = LOCAL if method.variable_step else 1.0
+    atol, rtol = local * settings.atol, local * settings.rtol
+    if method.variable_step:
+        problem.converged = max(problem.converged, POSITION * min(atol, rtol))
+    stored: list[dict[str, Array]] = []
+    work: list[dict[str, int]] = []
+    for out in integrate(problem, problem.y0, times, settings.integrator, atol, rtol, settings.step):
+        stored.append(problem.variables(float(out.t), out.y))
+        _require_range(together, stored[-1], x_of, e_of)
+        work.append({"steps": out.n_steps, "rhs": out.n_rhs, "rejected": out.n_rejected})
+    arrays = {name: np.stack([s[name] for s in stored]).transpose(2, 0, 1) for name in (*X_FIELDS, *E_FIELDS)}
+    results: list[Result] = []
+    for k in range(len(x_of)):
+        own = {name: array[k] for name, array in arrays.items()}
+        results.append(Result(single, 1, StoredFrames(times, own, work), (), {}))
+    return results
+
+
+def _start(together: Mechanism, x_of: Array, e_of: Array) -> Array:
+    """State of every case at the start, (cases, components): dynamic coordinates and deformations, their rates."""
+    n, s = together.numbering, together.start
+    x, e = np.full((2, n.nx), np.nan), np.full((2, n.ne), np.nan)
+    x[:, n.x_class["dynamic"]] = s.x_value, s.x_rate
+    e[:, n.e_class["dynamic"]] = s.e_value, s.e_rate
+    both = np.concatenate((x[:, x_of], e[:, e_of]), axis=-1)
+    dynamic = ~np.isnan(both[0, 0])
+    return np.concatenate(both[:, :, dynamic], axis=-1)
+
+
+def _require_range(together: Mechanism, variables: dict[str, Array], x_of: Array, e_of: Array) -> None:
+    """Raises AnalysisError where an element is outside the range of its theory: the single run says which."""
+    n = together.numbering
+    x, e, sigma = np.zeros(n.nx), np.zeros(n.ne), np.zeros(n.ne)
+    x[x_of], e[e_of], sigma[e_of] = variables["x"].T, variables["e"].T, variables["sig"].T
+    for b in together.batches:
+        if type(b.family).troubles is not Family.troubles:
+            e_own, V = np.zeros(b.e.shape), np.zeros((len(b.e), *b.x.shape))
+            configuration = b.family.strain(x[b.x], e[b.e], e_own, V)
+            if any(trouble.fatal for trouble in b.family.troubles(configuration, e[b.e], sigma[b.e])):
+                raise AnalysisError("an element of a case is outside the range of its theory", "study.batch")
 
 
 def copies(decks: Sequence[Deck]) -> Deck:

@@ -1,0 +1,118 @@
+"""Many cases of one mechanism in C, as the `Problem` of the integrators: LANES at a time in the lanes of a vector.
+
+The state is made of blocks of LANES cases; a block has all components, each with its lanes, (blocks, components,
+LANES). The last block is filled up with copies of the last case. All cases share the steps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from spacar.compiled.model import Model
+from spacar.compiled.numbers import Numbers
+from spacar.errors import AnalysisError
+from spacar.kinematics import Kinematics
+from spacar.kinematics.kinematics import CONVERGED
+from spacar.kinematics.regularity import HALF_TURN, HalfTurns
+from spacar.mechanism.mechanism import Array, Mechanism
+
+LANES = 8  # doubles of the widest vectors of today; narrower machines do one after the other
+COLLAPSE = np.log(1e-3)  # of the determinant of V[E, U]: a case comes near a dead point
+
+
+class CompiledCases:
+    """The cases whose numbers are given; `mechanism` is one of them, `start` (cases, components) their state."""
+
+    def __init__(self, mechanism: Mechanism, numbers: Numbers, start: Array) -> None:
+        self.numbering = n = mechanism.numbering
+        self.n_cases, self.size = start.shape
+        self.n_positions = self.size // 2
+        of = np.minimum(np.arange(-(-self.n_cases // LANES) * LANES), self.n_cases - 1).reshape(-1, LANES)
+        kinematics = Kinematics(mechanism)
+        equations = len(kinematics.E)
+        self.models = [Model(n, numbers.take(cases), kinematics.scale, equations, polynomial=True) for cases in of]
+        self.states = [model.state() for model in self.models]
+        self.shown = [model.state() for model in self.models]
+        self.y0 = np.ascontiguousarray(start[of].transpose(0, 2, 1)).ravel()
+        self.lambda0 = HalfTurns(kinematics).lambda0
+        self.converged = CONVERGED
+        self.accepted: Callable[[float, Array], None] = self._watch
+        self.by_case = (len(of), self.size, LANES)
+        self._accepted = [(state.x.copy(), state.e.copy()) for state in self.states]
+        self._sign, self._largest = np.zeros((2, len(of), LANES))
+        self._out = np.zeros_like(self.y0)
+
+    def _addresses(self, array: Array) -> list[int]:
+        block = 8 * self.size * LANES
+        return [array.ctypes.data + k * block for k in range(len(self.models))]
+
+    def rhs(self, t: float, y: Array) -> Array:
+        """Time derivative of the state. Raises AnalysisError when a case cannot be evaluated."""
+        blocks = zip(self.models, self.states, self._addresses(y), self._addresses(self._out), strict=True)
+        for k, (model, state, where, out) in enumerate(blocks):
+            if model.rhs(state, t, where, out, self.converged) < 0:
+                # a stage of a step that is too long may have led far away: once more from the last accepted state
+                state.begin(*self._accepted[k])
+                if model.rhs(state, t, where, out, self.converged) < 0:
+                    raise _failed(t)
+        return self._out
+
+    def stages(
+        self, done: int, c: Array, a: Array, t: float, h: float, window: tuple[float, float], y: Array, K: Array
+    ) -> int:
+        """Stages of an explicit Runge-Kutta step, see `spacar.integrators.problem.Problem`."""
+        stride = self.size * len(self.models)
+        reached = len(c)
+        blocks = zip(self.models, self.states, self._addresses(y), self._addresses(K), strict=True)
+        for model, state, where, rows in blocks:
+            reached = min(reached, model.stages(state, done, c, a, t, h, window, where, rows, stride, self.converged))
+            if reached < len(c):
+                break
+        return reached
+
+    def jacobian(self, t: float, y: Array) -> tuple[Array, Array]:
+        """Implicit methods are not for batches."""
+        raise NotImplementedError
+
+    def component_name(self, i: int) -> str:
+        """Name of a component of the state, for messages."""
+        block, place = divmod(i, self.size * LANES)
+        component, lane = divmod(place, LANES)
+        return f"component {component} of case {min(block * LANES + lane, self.n_cases - 1) + 1}"
+
+    def _watch(self, t: float, y: Array) -> None:
+        """Raises AnalysisError where a case comes near a dead point or half a turn: it has to be followed alone."""
+        for block, (model, state) in enumerate(zip(self.models, self.states, strict=True)):
+            if (np.abs(state.x[self.lambda0]) < HALF_TURN).any():
+                raise _failed(t)
+            sign, size = model.determinant()
+            known = self._sign[block]
+            if ((known != 0.0) & (sign != known)).any() or (size < self._largest[block] + COLLAPSE).any():
+                raise _failed(t)
+            x, e = self._accepted[block]
+            x[:], e[:] = state.x, state.e
+            known[:] = sign
+            np.maximum(self._largest[block], size, out=self._largest[block])
+
+    def variables(self, t: float, y: Array) -> dict[str, Array]:
+        """What frames have, (nx, cases) and (ne, cases), at a state. Raises AnalysisError."""
+        blocks = y.reshape(self.by_case)
+        for model, state, own in zip(self.models, self.shown, blocks, strict=True):
+            if model.evaluate(state, t, np.ascontiguousarray(own), CONVERGED) < 0:
+                raise _failed(t)
+
+        def joined(arrays: list[Array]) -> Array:
+            return np.concatenate(arrays, axis=-1)[:, : self.n_cases]
+
+        found = {name: joined([getattr(s, name) for s in self.shown]) for name in ("x", "xd", "xdd", "e", "ed", "edd")}
+        found["sig"] = joined([s.sigma for s in self.shown])
+        found["fx"] = joined([m.numbers.force for m in self.models])
+        found["fxgrav"] = joined([m.gravity for m in self.models])
+        found["fxtot"] = joined([m.total for m in self.models])
+        return found
+
+
+def _failed(t: float) -> AnalysisError:
+    return AnalysisError(f"a case of the batch could not be followed at t = {t:.9g}", "study.batch")
