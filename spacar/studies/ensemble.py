@@ -71,16 +71,19 @@ def why_not(deck: Deck, **options: Any) -> str:
     return not_compiled(mechanism) or ""
 
 
-def alike(a: Deck, b: Deck) -> bool:
-    """Whether two decks are cases of one mechanism: the same statements, references and settings."""
-    one, two = _statements(a), _statements(b)
-    if len(one) != len(two):
+def alike(a: Deck, *others: Deck) -> bool:
+    """Whether decks are cases of one mechanism: the same statements, references and settings."""
+    statements = [(s, _references(a, s)) for s in _statements(a)]
+    return all(_like(statements, _statements(other)) for other in others)
+
+
+def _like(statements: list[tuple[Statement, list[int]]], others: list[Statement]) -> bool:
+    if len(statements) != len(others):
         return False
-    for s, o in zip(one, two, strict=True):
-        references = _references(a, s)
-        if s.keyword != o.keyword or (not references and s.values != o.values):
+    for (s, references), o in zip(statements, others, strict=True):
+        if s.keyword != o.keyword or len(s.values) != len(o.values) or (not references and s.values != o.values):
             return False
-        if references != _references(b, o) or any(s.values[i] != o.values[i] for i in references):
+        if any(s.values[i] != o.values[i] for i in references):
             return False
     return True
 
@@ -92,7 +95,7 @@ def ensemble(decks: Sequence[Deck], times: np.ndarray | None = None, **options: 
     """
     first = decks[0]
     reason = why_not(first, **options)
-    if reason or not all(alike(first, deck) for deck in decks[1:]):
+    if reason or not alike(first, *decks[1:]):
         raise UsageError(
             f"the cases cannot be run together: {reason or 'they differ in more than numbers'}", "study.batch"
         )
