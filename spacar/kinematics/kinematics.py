@@ -15,7 +15,7 @@ residual grow is halved, at most 5 times.
 
 D(x) = e has several solutions (a rigid beam may point to either side), so a target is reached continuously: when an
 iteration fails, or ends farther than 0.8 model lengths or rad from where it began, the way to the target is halved, at
-most 10 times.
+most 10 times. Where the prediction already goes farther, the way is divided at once.
 """
 
 from __future__ import annotations
@@ -35,6 +35,7 @@ MAX_ITERATIONS = 20
 MAX_HALVINGS = 5
 LARGEST_JUMP = 0.8  # rad or model lengths between two configurations
 MAX_DEPTH = 10
+MOST_PREDICTED = 10.0 * LARGEST_JUMP  # a first-order prediction that goes farther says nothing
 MOST_PIECES = 50_000  # of a prescribed motion between two positions: some 6000 turns
 
 
@@ -132,6 +133,11 @@ class Kinematics:
             if residual.any():
                 with suppress(SingularMatrixError):
                     x[c] -= self.position_system.solve(residual)
+            ahead = _largest((x - x_old) / self.scale)
+            if depth == 0 and LARGEST_JUMP < ahead < MOST_PREDICTED:
+                near[:] = near_old
+                self._approach(x_given, e_given, int(np.ceil(ahead / LARGEST_JUMP)), 1)
+                return self._solve(x_given, e_given, v_given, e_rate, None, 1)
         self._factored = False
         try:
             velocity = self._newton(x, e_given, v_given, e_rate)
@@ -147,10 +153,15 @@ class Kinematics:
         near[:] = near_old
         jumps = 0.0 if depth else self._distance(x_given - x_old, e_given - e_old) / LARGEST_JUMP
         pieces = int(np.ceil(jumps)) if 2.0 < jumps <= MOST_PIECES else 2
+        self._approach(x_given, e_given, pieces, depth + 1)
+        return self._solve(x_given, e_given, v_given, e_rate, None, depth + 1)
+
+    def _approach(self, x_given: Array, e_given: Array, pieces: int, depth: int) -> None:
+        """All but the last of equal pieces of the way from the present configuration to the given values."""
+        x_old, e_old = self.x, self.e_given
         for k in range(1, pieces):
             part = k / pieces
-            self._solve(x_old + part * (x_given - x_old), e_old + part * (e_given - e_old), None, None, None, depth + 1)
-        return self._solve(x_given, e_given, v_given, e_rate, None, depth + 1)
+            self._solve(x_old + part * (x_given - x_old), e_old + part * (e_given - e_old), None, None, None, depth)
 
     def _distance(self, x: Array, e: Array) -> float:
         """Largest scaled change of the given coordinates and deformations."""

@@ -43,6 +43,11 @@ class Loads:
     preload: Array
     flow: dict[int, float] = field(default_factory=dict)
 
+    @property
+    def present(self) -> bool:
+        """Is any of them not zero?"""
+        return bool(self.flow) or any(a.any() for a in (self.force, self.moment, self.gravity, self.preload))
+
     def scaled(self, factor: float) -> Loads:
         return Loads(
             self.force * factor,

@@ -48,11 +48,11 @@ class Numbering:
     normalization: Index  # (n spatial orientation nodes, 2): node number, 0-based row of e
     slips: NDArray[np.bool_] = field(repr=False)  # (ne,) rows that exist as rates only
 
-    @property
+    @cached_property
     def nx(self) -> int:
         return int(self.nxp.sum())
 
-    @property
+    @cached_property
     def ne(self) -> int:
         return int(self.nep.sum())
 
@@ -117,7 +117,7 @@ class Numbering:
         keyword = self.keyword[element]
         return f"element {element} ({keyword}) e{mode} {ELEMENT_TYPES[keyword].modes[mode - 1][0]}"
 
-    @property
+    @cached_property
     def holonomic(self) -> bool:
         """True when no deformation exists as a rate only."""
         return not bool(self.slips.any())
@@ -137,31 +137,31 @@ class Numbering:
     def q_x(self) -> Index:
         """Coordinates that are degrees of freedom: input, then dynamic."""
         a, b = self.x_class["input"], self.x_class["dynamic"]
-        return np.r_[a.start : a.stop, b.start : b.stop].astype(np.int64)
+        return _ranges((a.start, a.stop), (b.start, b.stop))
 
     @cached_property
     def q_e(self) -> Index:
         """Deformations that are degrees of freedom: input, then dynamic."""
         a, b = self.e_class["input"], self.e_class["dynamic"]
-        return np.r_[a.start : a.stop, b.start : b.stop].astype(np.int64)
+        return _ranges((a.start, a.stop), (b.start, b.stop))
 
-    @property
+    @cached_property
     def ndof(self) -> int:
         return len(self.q_x) + len(self.q_e)
 
-    @property
+    @cached_property
     def nddof(self) -> int:
         return int(self.nxp[3] + self.nep[3])
 
-    @property
+    @cached_property
     def nk(self) -> int:
         return int(self.nxp[4] + self.nep[4])
 
-    @property
+    @cached_property
     def nkdof(self) -> int:
         return self.ndof + self.nk
 
-    @property
+    @cached_property
     def nkddof(self) -> int:
         return self.nddof + self.nk
 
@@ -169,13 +169,13 @@ class Numbering:
     def dynamic(self) -> Index:
         """Rows of q that are dynamic: x dynamic, then e dynamic (files.md section 3)."""
         r, m, s = int(self.nxp[2]), int(self.nxp[3]), int(self.nep[2])
-        return np.r_[r : r + m, r + m + s : self.ndof].astype(np.int64)
+        return _ranges((r, r + m), (r + m + s, self.ndof))
 
     @cached_property
     def rheonomic(self) -> Index:
         """Rows of q that are prescribed: x input, then e input."""
         r, m, s = int(self.nxp[2]), int(self.nxp[3]), int(self.nep[2])
-        return np.r_[0:r, r + m : r + m + s].astype(np.int64)
+        return _ranges((0, r), (r + m, r + m + s))
 
     def x_index(self, node: int, coordinate: int) -> int:
         """0-based index of a coordinate; KeyError if it does not exist."""
@@ -188,6 +188,11 @@ class Numbering:
         if 1 <= element <= len(self.le) and 1 <= mode <= 6 and self.le[element - 1, mode - 1]:
             return int(self.le[element - 1, mode - 1]) - 1
         raise KeyError((element, mode))
+
+
+def _ranges(*ranges: tuple[int, int]) -> Index:
+    """Consecutive numbers from each first to before each last one."""
+    return np.concatenate([np.arange(first, last) for first, last in ranges])
 
 
 def number(

@@ -8,6 +8,7 @@ constitutive and equilibrium stress at dynamic deformations.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -40,9 +41,9 @@ class Equilibrium:
     work: float
     work_size: float
 
-    @property
+    @cached_property
     def norm(self) -> float:
-        return float(np.max(np.abs(self.residual), initial=0.0))
+        return largest(self.residual)
 
     def reached(self, tolerance: float, seen: float) -> bool:
         """max |R| <= tolerance and small against the loads, or below their rounding, which no iteration can undercut.
@@ -75,21 +76,23 @@ def equilibrium(dynamics: Dynamics, drive: DriveState) -> Equilibrium:
     rows, _, S = d.law.stiffness
     residual = np.concatenate((balance[xm], sigma[em] - full[em]))
     scale, e_scale = d.mechanism.scale, d.mechanism.deformation_scale
-    work = np.abs(residual) * np.concatenate((scale[xm], e_scale[em]))
-    stored = np.abs(S) * e_scale[rows] ** 2
-    released = np.max(np.abs(S[rows >= n.e_class["calculable"].start]), initial=0.0)
-    largest = float(np.max(np.abs(full), initial=0.0)) * float(np.max(np.abs(sweep.v_entries), initial=0.0))
+    work = residual * np.concatenate((scale[xm], e_scale[em]))
+    of_released = rows >= n.e_class["calculable"].start
+    released, stored = S[of_released], S[of_released] * e_scale[rows[of_released]] ** 2
     return Equilibrium(
         xdd=xdd,
         convective=convective,
         sigma=sigma,
         full=full,
         residual=residual,
-        size=max(largest, float(np.max(np.abs(applied), initial=0.0)), 0.1 * float(released) * d.mechanism.length),
-        work=float(np.max(work, initial=0.0)),
-        work_size=max(
-            float(np.max(np.abs(full) * e_scale, initial=0.0)),
-            float(np.max(np.abs(applied) * scale, initial=0.0)),
-            0.1 * float(np.max(stored[rows >= n.e_class["calculable"].start], initial=0.0)),
+        size=max(
+            largest(full) * largest(sweep.v_entries), largest(applied), 0.1 * largest(released) * d.mechanism.length
         ),
+        work=largest(work),
+        work_size=max(largest(full * e_scale), largest(applied * scale), 0.1 * largest(stored)),
     )
+
+
+def largest(values: Array) -> float:
+    """max |values|, 0 when empty, nan if any is."""
+    return float(np.abs(values).max()) if len(values) else 0.0

@@ -106,6 +106,11 @@ class SteadyDrive:
         """Does anything prescribed move?"""
         return bool(self.state.xd.any() or self.state.ed.any())
 
+    def shift(self, mechanism: Mechanism) -> bool:
+        """Is anything prescribed away from the reference configuration?"""
+        x = mechanism.x0[mechanism.numbering.x_class["input"]]
+        return bool((self.state.x != x).any() or self.state.e.any())
+
     def at(self, t: float) -> DriveState:
         """The same at all times."""
         return self.state

@@ -2,7 +2,8 @@
 
 Unknown are the dynamic degrees of freedom q_d. Converged when max |R| <= tolerance (ITERSTEP position 3) and small
 against the loads, or max |R| <= 100 eps max(|f|, |sigma|) (`Equilibrium.reached`), or when max |R| <= tolerance does
-not fall any more. The tangent is the exact K0 + N0 + G0 (types 1, 3: without N0); the sparse form (18)
+not fall any more. A level that is no result is only a start value for the next one: it is left when the residual has
+fallen to a thousandth. The tangent is the exact K0 + N0 + G0 (types 1, 3: without N0); the sparse form (18)
 for large systems at rest. At most ITERSTEP position 1 iterations.
 """
 
@@ -22,6 +23,7 @@ from spacar.stationary.equilibrium import Equilibrium, equilibrium
 from spacar.stationary.loading import WITHOUT_N0, LoadLevel
 from spacar.stationary.tangent import SparseTangent
 
+PASSING = 1e-3  # of the forces and of the largest residual: enough to leave a level that is not stored
 LARGE = 600  # dynamic degrees of freedom; above, no dense tangent is formed
 
 
@@ -47,13 +49,14 @@ def newton(dynamics: Dynamics, y: Array, level: LoadLevel, sparse: Callable[[], 
     history: list[float] = []
     seen = 0.0
     y = y.copy()
-    dynamics.kinematics.move(*dynamics.given(dynamics.drive.at(0.0), y))
+    dynamics.kinematics.begin()
     while True:
         state = equilibrium(dynamics, dynamics.place(0.0, y))
         history.append(state.norm)
         seen = max(seen, state.work)
         at_rest = len(history) > 1 and state.norm <= settings.tolerance and state.norm >= 0.5 * history[-2]
-        if state.reached(settings.tolerance, seen) or at_rest:
+        passed = not level.store and state.work <= PASSING * min(seen, state.work_size)
+        if state.reached(settings.tolerance, seen) or at_rest or passed:
             return Converged(y, state, tuple(history))
         if not np.isfinite(state.norm) or len(history) > settings.max_iterations:
             raise no_convergence(dynamics, state, level, history)

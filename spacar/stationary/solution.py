@@ -7,7 +7,7 @@ from the last solution. A step that fails is halved, down to 1/64 of its size.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -56,6 +56,8 @@ class StationarySolver:
         # everything that the static tangent (18) contains, and nothing else
         static = n.holonomic and not motion.moving and self.mechanism.user_signal is None and not d.coupling.present
         self.sparse = static and n.nx > SPARSE_FROM
+        loads = loads_at(self.mechanism, LoadLevel(1.0, 0.0))
+        self._idle = static and not loads.present and not motion.shift(self.mechanism)
         self._known: list[tuple[float, Array]] = []
         x_reference = self.mechanism.x0[n.x_class["dynamic"]]
         if not (self.y[: d.n_xm] - x_reference).any() and not self.y[d.n_xm : n.nddof].any():
@@ -69,10 +71,13 @@ class StationarySolver:
 
     def solve(self, target: LoadLevel) -> None:
         """Go to a load level, in smaller steps where Newton's method needs it."""
+        if self._idle and self.level.path > 0.0 and target.additional == 0.0 and self._at_rest():
+            self.level, self.solution = target, replace(self.solution, history=self.solution.history[-1:])
+            return
         origin, fraction, step = self.level, 0.0, 1.0
         while fraction < 1.0:
             following = min(1.0, fraction + step)
-            level = origin.towards(target, following)
+            level = target if following == 1.0 else origin.towards(target, following)
             try:
                 self._reach(level)
             except AnalysisError as error:
@@ -87,6 +92,10 @@ class StationarySolver:
             if level.additional == 0.0 and level.initial >= 1.0:
                 self._known = self._known[-1:]  # from here on the path of the additional loading
         self.level = target
+
+    def _at_rest(self) -> bool:
+        """Is the last solution accurate? Then it is that of all levels of a loading that does nothing."""
+        return self.solution.state.reached(self.mechanism.settings.tolerance, 0.0)
 
     def _reach(self, level: LoadLevel) -> None:
         """Newton's iteration at a level from the prediction, then from the last solution."""

@@ -15,7 +15,7 @@ Only for systems at rest, holonomic, without user functions and MEE.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -39,7 +39,7 @@ class Part:
 
     def values(self) -> Array:
         """Values at the present configuration, in the order of rows and columns."""
-        return self._values()[self.keep]
+        return self._values()[self.keep] if len(self.keep) else np.zeros(0)
 
 
 class SparseTangent:
@@ -70,6 +70,7 @@ class SparseTangent:
         self._flexible = _square_e(self.elastic)
         self._rigid = np.setdiff1d(np.arange(n.ne), self._flexible[0])  # rows of other elements: only a diagonal
         self._systems: dict[tuple[str, ...], System] = {}
+        self._flexibilities: dict[tuple[float, float], tuple[Array, Array, float]] = {}
 
     @property
     def damped(self) -> bool:
@@ -82,6 +83,22 @@ class SparseTangent:
 
         Raises SingularMatrixError, also when displacements under a load of the size of the stiffness exceed 1e14.
         """
+        system = self._fill(weights, stiffness, damping)
+        self._check_growth(system.solve(self._probe()))
+        return system
+
+    def _probe(self) -> Array:
+        """A load of the size of the stiffness on all coordinates."""
+        probe = np.zeros(self.nf + self.ne)
+        probe[: self.nf] = self._size
+        return probe
+
+    def _check_growth(self, solution: Array) -> None:
+        growth = float(np.max(np.abs(solution[: self.nf]), initial=0.0))
+        if not growth < SINGULAR:
+            raise SingularMatrixError(f"the stiffness is singular to working precision (growth {growth:.2g})")
+
+    def _fill(self, weights: dict[str, float], stiffness: float = 1.0, damping: float = 0.0) -> System:
         sweep, names = self.dynamics.sweep, tuple(weights)
         if names not in self._systems:
             i, j = self.nf + sweep.v_rows[self._v], self.place[sweep.v_columns[self._v]]
@@ -91,19 +108,15 @@ class SparseTangent:
             columns = np.concatenate([self.parts[k].columns for k in names] + [j, i, b, c])
             self._systems[names] = assemble(self.nf + self.ne, rows, columns)
         system = self._systems[names]
-        flexibility, coupled, size = self._flexibility(stiffness, damping)
+        if (stiffness, damping) not in self._flexibilities:
+            self._flexibilities[stiffness, damping] = self._flexibility(stiffness, damping)
+        flexibility, coupled, size = self._flexibilities[stiffness, damping]
         diagonal = np.where(self._rigid >= self.n_rows, -1.0, 0.0)
-        coupled[: self.n_rows] = 1.0
         v = sweep.v_entries[self._v] * coupled[sweep.v_rows[self._v]]
         values = [w * self.parts[k].values() for k, w in weights.items()]
         # multiplied by a typical stiffness, the rows of all unknowns compare
         system.factor(np.concatenate([*values, size * v, size * v, -size * flexibility, size * diagonal]))
         self._size = size
-        probe = np.zeros(self.nf + self.ne)
-        probe[: self.nf] = size
-        growth = float(np.max(np.abs(system.solve(probe)[: self.nf]), initial=0.0))
-        if not growth < SINGULAR:
-            raise SingularMatrixError(f"the stiffness is singular to working precision (growth {growth:.2g})")
         return system
 
     def _flexibility(self, stiffness: float, damping: float) -> tuple[Array, Array, float]:
@@ -127,6 +140,7 @@ class SparseTangent:
             passive = (b.e < self.n_rows).astype(float)
             C[np.arange(n), np.arange(n)] -= passive
             values.append(C.ravel())
+        coupled[: self.n_rows] = 1.0
         return _joined(values), coupled, size
 
     def displacement(self, system: System, force: Array) -> Array:
@@ -145,7 +159,13 @@ class SparseTangent:
         active = sigma.copy()
         active[: self.n_rows] = 0.0
         force = d.forces(d.kinematics.x, None) - d.forces.inertia(sweep, np.zeros(n.nx)) - sweep.rate_transposed(active)
-        dx = self.displacement(self.factor(STATIC), force)
+        system = self._fill(STATIC)
+        b = np.stack((self._probe(), np.zeros(self.nf + self.ne)), axis=1)
+        b[: self.nf, 1] = force[self.F]
+        solution = system.solve(b)  # both at once: dense storage factors at every solution
+        self._check_growth(solution[:, 0])
+        dx = np.zeros(n.nx)
+        dx[self.F] = solution[: self.nf, 1]
         de = sweep.rate(dx)
         return np.concatenate((dx[n.x_class["dynamic"]], de[n.e_class["dynamic"]]))
 
@@ -209,7 +229,7 @@ def _moment_rows(d: Dynamics) -> Index:
     return np.concatenate([m.loads.moment_rows, *additional], axis=1)
 
 
-def _square(batches: list[Batch]) -> tuple[Index, Index]:
+def _square(batches: Sequence[Batch]) -> tuple[Index, Index]:
     """Rows and columns of square element blocks."""
     shapes = [(len(b.x), len(b.x), b.family.n) for b in batches]
     rows = [np.broadcast_to(b.x[:, None, :], s).ravel() for b, s in zip(batches, shapes, strict=True)]
