@@ -1,7 +1,7 @@
 """Append-only rows of a study: one line a finished case, whole or not there.
 
-Every row is written with a single call and brought to the disk before the next case counts as finished. A process
-that is killed leaves at most a piece of a last line; it is cut off when the file is opened again. JSON lines hold
+Every row is written with a single call, so it survives the process; it is on the disk at most SYNC seconds later, as
+waiting for the disk costs more than a small case. A process that is killed leaves at most a piece of a last line; it is cut off when the file is opened again. JSON lines hold
 anything; csv has its columns fixed by the first row. Rows are told apart by the text `case`.
 """
 
@@ -11,6 +11,7 @@ import csv
 import io
 import json
 import os
+import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from typing import Any
 from spacar.errors import UsageError
 
 Row = dict[str, Any]
+SYNC = 0.1  # seconds
 
 
 class Rows:
@@ -30,6 +32,7 @@ class Rows:
         self.path, self.columns = path, tuple(columns)
         self.csv = path.suffix.lower() == ".csv"
         self.done: dict[str, Row] = {}
+        self._synced = 0.0
 
     def __enter__(self) -> Rows:
         self._file = self.path.open("a+b")
@@ -51,10 +54,11 @@ class Rows:
         return self
 
     def __exit__(self, *_: object) -> None:
+        self._to_disk()
         self._file.close()
 
     def add(self, row: Row) -> None:
-        """Append a row and bring it to the disk."""
+        """Append a row; it survives the process at once, and the machine after SYNC seconds."""
         if self.csv:
             self._write(_csv_line([_cell(row.get(name)) for name in self.columns]))
         else:
@@ -64,7 +68,12 @@ class Rows:
     def _write(self, line: str) -> None:
         self._file.write(line.encode("utf-8"))
         self._file.flush()
+        if time.monotonic() - self._synced > SYNC:
+            self._to_disk()
+
+    def _to_disk(self) -> None:
         os.fsync(self._file.fileno())
+        self._synced = time.monotonic()
 
     def _read_csv(self, text: str) -> list[Row]:
         if not text:

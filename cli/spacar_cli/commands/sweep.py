@@ -64,6 +64,7 @@ from spacar_cli.studying import POSITIVE, common, counted
 @click.option("--atol", type=POSITIVE, help="Absolute error tolerance, instead of ERROR.")
 @click.option("--rtol", type=POSITIVE, help="Relative error tolerance, instead of ERROR.")
 @click.option("--integrator", type=int, help="Integration method, instead of INTEGRAT.")
+@click.option("--compiled", is_flag=True, help="Right-hand side in C, in a batch for eight cases at a time.")
 @common
 @click.pass_obj
 def command(
@@ -101,7 +102,7 @@ def command(
         raise UsageError("nothing to keep: give at least one --result, for instance 'x[6,1]@end'", "usage.sweep")
     number = find_mode(mode).number
     settings, cases = _cases(parameters, assignments, table_file, together)
-    given = {name: value for name, value in options.items() if value is not None}
+    given = {name: value for name, value in options.items() if value not in (None, False)}
     study = Study(number, read_deck(source, number), settings, tuple(map(quantity, results)), given)
     doubled = [c for c in study.columns if study.columns.count(c) > 1]
     if doubled:
