@@ -9,9 +9,10 @@ Newton's method starts from a guess (the motion extrapolated in time, if the cal
 configuration, moved by the first order prediction with the last factorization. It has converged when
 max |dx_i|/scale_i <= `converged` (1e-11; scale: size of the mechanism for positions, 1 for angles and Euler
 parameters); the correction that passes the test is still applied, and since convergence is quadratic the position is
-accurate to rounding, while V is that of a configuration that differs by the last correction. An integrator with a wide
-tolerance may widen `converged` for its intermediate states. At most 20 iterations; a correction that makes the
-residual grow is halved, at most 5 times.
+accurate to rounding, while V and so the velocity are those of a configuration that differs by the last correction. An
+integrator may widen `converged` for its intermediate states, or narrow it, so that this difference does not disturb its
+error estimates; a correction that follows one below 1e-11 is as small as rounding allows and passes always. At most 20
+iterations; a correction that makes the residual grow is halved, at most 5 times.
 
 D(x) = e has several solutions (a rigid beam may point to either side), so a target is reached continuously: when an
 iteration fails, or ends farther than 0.8 model lengths or rad from where it began, the way to the target is halved, at
@@ -176,6 +177,7 @@ class Kinematics:
         history: list[float] = []
         correction = np.zeros(len(c))
         halvings = 0
+        size = np.inf
         together = v_given is not None and self.velocity_map_is_position_map
         for iteration in range(1, MAX_ITERATIONS + 1):
             sweep.strain(x)
@@ -202,7 +204,8 @@ class Kinematics:
                 raise Unplaced(partial(singular_failure, self, x, error)) from None
             correction = solution[:, 0] if together else solution
             x[c] -= correction
-            if _largest(correction / scale) <= self.converged:
+            size, before = _largest(correction / scale), size
+            if size <= self.converged or before <= CONVERGED:
                 self.x = x
                 self.iterations = iteration
                 if not self.velocity_map_is_position_map:

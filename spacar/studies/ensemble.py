@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
-from spacar.dynamics.analysis import LOCAL, POSITION
+from spacar.dynamics.analysis import POSITION
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.limits import Limits
 from spacar.elements.base import Family
@@ -227,12 +227,10 @@ def _frames(mechanism: Mechanism, times: np.ndarray, x_of: np.ndarray) -> Iterat
     half_turns = HalfTurns(dynamics.kinematics)
     if half_turns.nodes:
         dynamics.accepted = half_turns.check
-    local = LOCAL if method.variable_step else 1.0
-    if method.variable_step and method.code != METHOD_WITH_SUM:
-        local /= np.sqrt(n)
-    atol, rtol = local * settings.atol, local * settings.rtol
+    shared = np.sqrt(n) if method.variable_step and method.code != METHOD_WITH_SUM else 1.0
+    atol, rtol = method.step_error(settings.atol) / shared, method.step_error(settings.rtol) / shared
     if method.variable_step:
-        dynamics.kinematics.converged = max(dynamics.kinematics.converged, POSITION * min(atol, rtol))
+        dynamics.kinematics.converged = POSITION * min(atol, rtol)
     shown = Dynamics(mechanism)
     shown.kinematics.start_from(dynamics.kinematics)
     limits: Limits | None = None
