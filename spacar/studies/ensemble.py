@@ -125,10 +125,9 @@ def _in_lanes(single: Mechanism, together: Mechanism, times: Array, x_of: Array,
 
     settings, method = single.settings, METHODS[single.settings.integrator]
     problem = CompiledCases(single, of_copies(single, together, x_of, e_of), _start(together, x_of, e_of))
-    local = LOCAL if method.variable_step else 1.0
-    atol, rtol = local * settings.atol, local * settings.rtol
+    atol, rtol = method.step_error(settings.atol), method.step_error(settings.rtol)
     if method.variable_step:
-        problem.converged = max(problem.converged, POSITION * min(atol, rtol))
+        problem.converged = POSITION * min(atol, rtol)
     stored: list[dict[str, Array]] = []
     work: list[dict[str, int]] = []
     for out in integrate(problem, problem.y0, times, settings.integrator, atol, rtol, settings.step):
