@@ -2,7 +2,8 @@
 
 Every row is written with a single call, so it survives the process; it is on the disk at most SYNC seconds later, as
 waiting for the disk costs more than a small case. A process that is killed leaves at most a piece of a last line; it
-is cut off when the file is opened again. JSON lines hold anything; csv has its columns fixed by the first row. Rows are told apart by the text `case`.
+is cut off when the file is opened again. JSON lines hold anything; csv has its columns fixed by the first row. Rows are
+told apart by the text `case`.
 """
 
 from __future__ import annotations
