@@ -41,7 +41,8 @@ class CompiledCases:
         self.accepted: Callable[[float, Array], None] = self._watch
         self.by_case = (len(of), self.size, LANES)
         self._accepted = [(state.x.copy(), state.e.copy()) for state in self.states]
-        self._sign, self._largest = np.zeros((2, len(of), LANES))
+        self._sign = np.zeros((len(of), LANES))
+        self._largest = np.full((len(of), LANES), -np.inf)
         self._out = np.zeros_like(self.y0)
 
     def _addresses(self, array: Array) -> list[int]:

@@ -96,3 +96,48 @@ def test_implicit_methods_use_the_exact_jacobian_of_the_same_state():
     a = spacar.run(1, DATA / "crankfl.dat", **options)
     b = spacar.run(1, DATA / "crankfl.dat", compiled=True, **options)
     np.testing.assert_allclose(b["x"], a["x"], atol=1e-7)  # ERROR's default 1e-5 ends Newton's iteration of the stages
+
+
+def planar_chain(n):
+    """n equal flexible beams along x, clamped; 3 n degrees of freedom, so the saddle-point form is used."""
+    lines = [f"PLBEAM {i + 1} {2 * i + 1} {2 * i + 2} {2 * i + 3} {2 * i + 4}" for i in range(n)]
+    lines += [f"X {2 * i + 1} {i / n!r} 0." for i in range(1, n + 1)]
+    lines += ["FIX 1", "FIX 2", *(f"DYNE {i + 1} 2 3" for i in range(n)), "END", "HALT"]
+    lines += [*(f"EM {i + 1} 1." for i in range(n)), *(f"ESTIFF {i + 1} 0. 1." for i in range(n))]
+    return "\n".join([*lines, "GRAVITY 0. -9.81", "TIMESTEP 0.01 1", "END", "END", ""])
+
+
+@pytest.mark.parametrize("n", [3, 150])
+def test_chains_of_any_length_have_a_compiled_form(n):
+    """The sparse factors know no limit of size. Bound as above."""
+    mechanism = spacar.frames(1, spacar.deck.parse_deck(planar_chain(n), mode=1)).mechanism
+    general, compiled = Dynamics(mechanism), CompiledDynamics(mechanism)
+    y = general.start()
+    compiled.start()
+    rng = np.random.default_rng(1)
+    state = y + 1e-3 / n * rng.standard_normal(len(y))
+    expected = general.rhs(0.0, state)
+    np.testing.assert_allclose(compiled.rhs(0.0, state), expected, atol=1e-8 * np.abs(expected).max())
+
+
+def test_the_order_of_the_pivots_follows_the_position():
+    """Two revolutions of crank.dat: entries that were pivots vanish on the way, and another order takes over.
+
+    Reactions are compared with those of the general path, which chooses its pivots anew at every step.
+    """
+    options = {"duration": 0.0837758040957278, "n_steps": 200}  # 4 pi at 150 rad/s
+    a = spacar.run(1, DATA / "crank.dat", **options)
+    b = spacar.run(1, DATA / "crank.dat", compiled=True, **options)
+    for name in ("x", "xdd", "sig", "fxtot"):
+        np.testing.assert_allclose(b[name], a[name], atol=1e-9 * np.abs(a[name]).max(), rtol=0)
+
+
+@pytest.mark.parametrize("code", [155, 853])
+def test_stages_together_are_stages_one_by_one(code, monkeypatch):
+    """The same evaluations in the same order; only the sums of the stages are rounded otherwise."""
+    options = {"integrator": code, "duration": 0.2, "n_steps": 4, "atol": 1e-6, "rtol": 1e-6, "compiled": True}
+    together = spacar.run(1, DATA / "robotsim.dat", **options)
+    monkeypatch.setattr(CompiledDynamics, "stages", lambda self, done, *more: done)
+    alone = spacar.run(1, DATA / "robotsim.dat", **options)
+    assert [f.statistics for f in together.frames] == [f.statistics for f in alone.frames]
+    np.testing.assert_allclose(together["x"], alone["x"], atol=1e-9)

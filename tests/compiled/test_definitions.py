@@ -105,4 +105,3 @@ def close(got, expressions, known):
 def test_the_committed_kernels_are_the_generated_ones():
     committed = (Path(generate.__file__).parent / "kernels.c").read_text()
     assert generate.kernels().strip() == committed.strip()
-
