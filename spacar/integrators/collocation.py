@@ -27,6 +27,7 @@ class Collocation:
     back (s, s)  the columns to go with them, so that back @ to = I
     error (s,)   e with error estimate (F(y) + sum e_i Z_i / h), to be filtered by (lambda_0 / h - J)^-1
     basis (s, s) row k: coefficients of s^{k+1} of the polynomial through 0, Z_1 ... Z_s
+    largest      of |(s - c_1) ... (s - c_s)| and of |s (s - c_1) ... (s - c_s)| in the step
     """
 
     c: np.ndarray
@@ -38,6 +39,7 @@ class Collocation:
     back: np.ndarray
     error: np.ndarray
     basis: np.ndarray
+    largest: tuple[float, float]
 
 
 @cache
@@ -68,8 +70,11 @@ def radau(s: int) -> Collocation:
     embedded = np.linalg.solve(c[None, :] ** powers[:, None], moments)
     error = real * (embedded - a[-1]) @ inverse
     basis = np.linalg.inv(c[:, None] ** (powers[None, :] + 1.0))
+    inside = np.linspace(0.0, 1.0, 201)
+    product = np.prod(inside[:, None] - c, axis=1)
+    largest = float(np.abs(product).max()), float(np.abs(inside * product).max())
     pairs = tuple(complex(values[i]) for i in upper)
-    return Collocation(c, a, inverse, real, pairs, np.array(to), np.array(back).T, error, basis)
+    return Collocation(c, a, inverse, real, pairs, np.array(to), np.array(back).T, error, basis, largest)
 
 
 def _integrals(c: np.ndarray, ends: np.ndarray) -> np.ndarray:

@@ -102,6 +102,7 @@ class Radau:
         if error > 1.0 and (self.refused or not self.predicted):
             # The estimate of a stiff component is F there, not damped enough by one solve (IV.8.20).
             error = self._error(h, self.evaluation.rhs(self.t, self.y + self.estimate))
+        error = max(error, self._between(h))
         self.refused = error > 1.0
         return error
 
@@ -208,6 +209,19 @@ class Radau:
         self.estimate = out
         np.divide(out, weights(self.tolerance, self.y, self.y_new), self.scaled)
         return sqrt(self.scaled.dot(self.scaled) / self.n)
+
+    def _between(self, h: float) -> float:
+        """Largest norm, inside the step, of the last term of the positions (of everything without them).
+
+        The estimate for the end of the step is blind to what is stiff: that ends right, but may pass anywhere between.
+        """
+        m, nq = self.method, self.nq
+        if nq:
+            last = (h * m.largest[1] / (len(m.c) + 1)) * (m.basis[-1] @ self.Z[:, self.n - nq :])
+        else:
+            last = m.largest[0] * (m.basis[-1] @ self.Z)
+        last /= weights(self.tolerance, self.y, self.y_new)[: len(last)]
+        return sqrt(last.dot(last) / len(last))
 
     # -- between steps --------------------------------------------------------------------------------------------
     def finish(self) -> None:

@@ -47,7 +47,7 @@ def test_statistics_count_every_evaluation(code):
     assert sum(o.n_rhs for o in outputs) == problem.n_rhs
     assert sum(o.n_jacobian for o in outputs) == problem.n_jacobian
     assert (problem.n_jacobian > 0) == METHODS[code].needs_jacobian
-    assert (sum(o.newton_iterations for o in outputs) > 0) == (code in (410, 420, 430))
+    assert (sum(o.newton_iterations for o in outputs) > 0) == (code in (410, 420, 430, 553, 595))
 
 
 @pytest.mark.parametrize(("code", "per_step"), [(130, 3), (140, 4), (220, 2), (310, 1), (320, 2), (330, 2)])
@@ -111,7 +111,7 @@ class Switched:
 
 
 @pytest.mark.parametrize("at_switch", ["before", "after"])
-@pytest.mark.parametrize("code", [0, 130, 135, 140, 155, 220, 225, 330, 430, 853])
+@pytest.mark.parametrize("code", [0, 130, 135, 140, 155, 220, 225, 330, 430, 553, 595, 853])
 def test_breaks_are_hit_exactly_and_separate_the_sides(code, at_switch):
     """Parabolas on either side are exact for all these methods, if no stage sees the wrong side."""
     accepted = []
@@ -162,6 +162,8 @@ DECAYING = {
         (155, (1e-4, 1e-6, 1e-8, 1e-10)),
         (853, (1e-4, 1e-6, 1e-8, 1e-10)),
         (225, (1e-4, 1e-6)),
+        (553, (1e-4, 1e-6, 1e-8)),
+        (595, (1e-4, 1e-6, 1e-8, 1e-10)),
     ],
 )
 def test_error_is_within_ten_times_the_tolerance(name, code, tolerances):
@@ -173,6 +175,8 @@ def test_error_is_within_ten_times_the_tolerance(name, code, tolerances):
     problem, y0 = DECAYING[name]
     if code == 225 and len(y0) == 1:
         pytest.skip("first-order problem")
+    if code in (553, 595) and len(y0) == 1:
+        pytest.skip("without positions the error inside the steps decides, far below the tolerance at their ends")
     times = np.linspace(0.0, 20.0, 101)
     reference = np.array([o.y for o in integrate(problem, y0, times, 853, atol=1e-13, rtol=1e-13)])
     amplitude = np.abs(reference).max(axis=0)
@@ -182,7 +186,7 @@ def test_error_is_within_ten_times_the_tolerance(name, code, tolerances):
         assert 0.05 < ratio < 10.0, (tolerance, ratio)
 
 
-@pytest.mark.parametrize("code", [0, 155, 853])
+@pytest.mark.parametrize("code", [0, 155, 595, 853])
 def test_oscillator_against_the_matrix_exponential(code):
     from scipy.linalg import expm
 
