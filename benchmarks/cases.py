@@ -28,7 +28,8 @@ from spacar.mechanism.mechanism import Mechanism
 REFERENCES = Path(__file__).with_name("references.json")
 CONVERGED = 1e-12  # tolerance of references
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)
-NAMES = {0: "Adams (0)", 155: "RK 5(4) (155)", 853: "RK 8(5,3) (853)", 430: "SDIRK 3 (430)", 330: "Rosenbrock 3 (330)"}
+NAMES = {0: "Adams (0)", 155: "RK 5(4) (155)", 853: "RK 8(5,3) (853)", 430: "SDIRK 3 (430)", 330: "Rosenbrock 3 (330)",
+         553: "Radau 5 (553)", 595: "Radau 9 (595)"}  # fmt: skip
 
 
 @cache
@@ -140,9 +141,19 @@ def rod_middle(n: int, code: int, tolerance: float, step: float | None = None, c
 
 
 def rod_settings() -> Iterator[Setting]:
-    """Adams on both paths, RK 8(5,3) compiled. The highest frequency limits the steps, so ERROR hardly matters."""
+    """Radau and Adams on both paths, RK 8(5,3) compiled. The highest frequency limits the steps of the explicit
+    codes, so ERROR hardly matters to them."""
+    for compiled in (False, True):
+        for n, code, error in (
+            (4, 553, 1e-2), (8, 553, 1e-3), (8, 595, 1e-2), (8, 595, 3e-3), (16, 595, 1e-3), (16, 595, 5e-4),
+            (32, 595, 1e-4), (32, 595, 5e-5), (32, 595, 3e-5),
+        ):  # fmt: skip
+            yield Setting(
+                f"n = {n}, {NAMES[code]}, ERROR {error:.0e}", None,
+                lambda n=n, c=code, e=error, k=compiled: rod_middle(n, c, e, compiled=k), compiled,
+            )  # fmt: skip
     for compiled, code in ((False, 0), (True, 0), (True, 853)):
-        for meshes in ((2,), (4,), (2, 4), (8,), *(((16,),) if code == 0 else ())):
+        for meshes in ((2,), (4,), (2, 4), (8,)):
             label = f"n = {', '.join(map(str, meshes))}{' extrapolated' if meshes[1:] else ''}, {NAMES[code]}"
             yield Setting(
                 f"{label}, ERROR 1e-04", None,
@@ -166,9 +177,20 @@ def released(n: int) -> str:
 def released_settings() -> Iterator[Setting]:
     """Implicit codes (the Jacobian is never compiled) and explicit ones, on both paths."""
     for compiled in (False, True):
+        for meshes, code, errors in (
+            ((8,), 553, (1e-2,)), ((16,), 553, (3e-3,)), ((4, 8), 553, (1e-2, 1e-2)), ((4, 8), 595, (1e-2, 5e-3)),
+            ((8, 16), 595, (1e-3, 1e-3)), ((8, 16, 32), 595, (4e-4, 2e-4, 1e-4)), ((16, 32), 595, (2e-4, 1e-4)),
+        ):  # fmt: skip
+            yield Setting(
+                f"n = {', '.join(map(str, meshes))}{' extrapolated' if meshes[1:] else ''}, {NAMES[code]}, "
+                f"ERROR {errors[-1]:.0e}", None,
+                lambda m=meshes, c=code, e=errors, k=compiled: extrapolated(
+                    [tip(released(n), c, error, compiled=k) for n, error in zip(m, e, strict=True)]
+                ),
+                compiled,
+            )  # fmt: skip
         for n, code, step in (
-            (4, 330, 0.02), (8, 330, 0.02), (8, 430, 0.02), (16, 330, 0.01), (16, 430, 0.01), (32, 430, 0.01),
-            (256, 330, 0.2),
+            (4, 330, 0.02), (8, 330, 0.02), (8, 430, 0.02), (16, 330, 0.01), (16, 430, 0.01),
         ):  # fmt: skip
             if compiled and n > 8:
                 continue  # the Jacobian costs most of the time, and C has no band storage
@@ -176,16 +198,14 @@ def released_settings() -> Iterator[Setting]:
                 f"n = {n}, {NAMES[code]}, step {step}", None,
                 lambda n=n, c=code, h=step, k=compiled: tip(released(n), c, 1e-9, h, k), compiled,
             )  # fmt: skip
-        for meshes, step in (((2, 4), 0.02), ((4, 8), 0.01), ((2, 4, 8), 0.01), ((4, 8, 16), 0.0025)):
-            if compiled and meshes[-1] > 8:
-                continue
+        for meshes, step in (((2, 4), 0.02), ((4, 8), 0.01), ((2, 4, 8), 0.01)):
             yield Setting(
                 f"n = {', '.join(map(str, meshes))} extrapolated, {NAMES[330]}, step {step}", None,
                 lambda m=meshes, h=step, k=compiled: extrapolated([tip(released(n), 330, 1e-9, h, k) for n in m]),
                 compiled,
             )  # fmt: skip
     for compiled, code in ((False, 0), (True, 0), (True, 155), (True, 853)):
-        for meshes in ((4,), (8,), (2, 4), (4, 8), *(((16,), (8, 16)) if code == 0 and not compiled else ())):
+        for meshes in ((4,), (8,), (2, 4), (4, 8)):
             label = f"n = {', '.join(map(str, meshes))}{' extrapolated' if meshes[1:] else ''}, {NAMES[code]}"
             yield Setting(
                 f"{label}, ERROR 1e-04", None,
@@ -310,13 +330,13 @@ def kept(name: str) -> Callable[[], Array]:
 
 
 def released_reference() -> Array:
-    """n = 8, 16, 32 by an explicit method; mesh error extrapolated."""
-    return extrapolated([tip(released(n), 0, 1e-4, compiled=n < 32) for n in (8, 16, 32)])
+    """n = 32, 64, 128, code 595; mesh error extrapolated; see docs/performance.md for its error."""
+    return extrapolated([tip(released(n), 595, 1e-6, compiled=True) for n in (32, 64, 128)])
 
 
 def rod_reference() -> Array:
-    """n = 16 and 32 by an explicit method, extrapolated with order 4; see docs/performance.md for its error."""
-    return extrapolated([rod_middle(n, 0, 1e-4, compiled=n < 32) for n in (16, 32)], (4,))
+    """n = 32 and 64, code 595, extrapolated with order 2; see docs/performance.md for its error."""
+    return extrapolated([rod_middle(n, 595, 1e-6) for n in (32, 64)], (2,))
 
 
 # What `--references` computes: minutes.
