@@ -293,7 +293,8 @@ KEYWORDS = (
             "fixed step, 135, 155 of "
             "order 3, 5 with variable step; 220, 225 for second order systems, fixed and variable; "
             "310, 320, 330 "
-            "Rosenbrock; 410 implicit Euler; 420, 430 diagonally implicit Runge-Kutta.",
+            "Rosenbrock; 410 implicit Euler; 420, 430 diagonally implicit Runge-Kutta. Ours: 553, 595 Radau IIA of "
+            "order 5, 9 with variable step, for stiff models; 853 explicit Runge-Kutta of order 8 with variable step.",
         ),
     ),
     Keyword(
@@ -303,7 +304,7 @@ KEYWORDS = (
         (form((real("absolute error", "", 1e-5), real("relative error", "", 1e-4)), 1, 2),),
         unique=0,
         notes=(
-            "Used by types 0, 135, 155, 225; for 410, 420, 430 the absolute error is the tolerance "
+            "Used by types 0, 135, 155, 225, 553, 595, 853; for 410, 420, 430 the absolute error is the tolerance "
             "of the Newton iteration.",
         ),
     ),
@@ -367,4 +368,5 @@ KEYWORDS = (
     ),
 )
 
-INTEGRATORS = (0, 130, 135, 140, 155, 220, 225, 310, 320, 330, 410, 420, 430)
+# The last three are ours.
+INTEGRATORS = (0, 130, 135, 140, 155, 220, 225, 310, 320, 330, 410, 420, 430, 553, 595, 853)
