@@ -334,7 +334,13 @@ int spacar_evaluate(Model *m, State *at, double t, const real *y, double converg
     memcpy(x, s->x0, sizeof(real) * nx);
     memset(xd, 0, sizeof(real) * nx);
     memset(xdd, 0, sizeof(real) * nx);
-    for (int i = first; i < first + n; i++) x[i] = at->x[i] + dt * (at->xd[i] + 0.5 * dt * at->xdd[i]);
+    real ahead = EVERY(0.0);
+    for (int i = first; i < first + n; i++) {
+        const real move = dt * (at->xd[i] + 0.5 * dt * at->xdd[i]);
+        ahead = lanes_larger(ahead, move / s->scale[i]);
+        x[i] = at->x[i] + move;
+    }
+    if (!(largest_lane(ahead) <= 0.5 * jump)) return JUMP; /* as FARTHEST_GUESS of the general path */
     for (int i = 0; i < s->n_x_input; i++) {
         const int k = s->x_input + i;
         prescribed(s, s->x_motion + 3 * i, t, &x[k], &xd[k], &xdd[k]);

@@ -11,7 +11,7 @@ import numpy as np
 
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.limits import Limits
-from spacar.errors import AnalysisError
+from spacar.errors import AnalysisError, Report
 from spacar.frame import Frame
 from spacar.integrators import METHODS, integrate
 from spacar.kinematics.output import TransferOutput
@@ -93,7 +93,12 @@ def watch(dynamics: Dynamics) -> Callable[[float, Array], None] | None:
         if half_turns.nodes:
             half_turns.check(t, y)
         if dead_points.watches:
-            dead_points.check(t)
+            try:
+                dead_points.check(t)
+            except AnalysisError:
+                # A beam that is bent too far for one element is the cause rather than the choice of coordinates.
+                Limits(dynamics, Report()).check(dynamics, dynamics.frame(t, y))
+                raise
 
     return check
 

@@ -35,6 +35,7 @@ CONVERGED = 1e-11  # largest scaled correction that ends Newton's iteration
 MAX_ITERATIONS = 20
 MAX_HALVINGS = 5
 LARGEST_JUMP = 0.8  # rad or model lengths between two configurations
+FARTHEST_GUESS = 0.5 * LARGEST_JUMP  # from farther Newton's method could end at another solution
 MAX_DEPTH = 10
 MOST_PREDICTED = 10.0 * LARGEST_JUMP  # a first-order prediction that goes farther says nothing
 MOST_PIECES = 50_000  # of a prescribed motion between two positions: some 6000 turns
@@ -127,6 +128,8 @@ class Kinematics:
     ) -> Array | None:
         x, c, near = x_given.copy(), self.c, self.sweep.near
         x_old, e_old, near_old = self.x, self.e_given, near.copy()
+        if guess is not None and _largest((guess[c] - x_old[c]) / self.scale[c]) > FARTHEST_GUESS:
+            guess = None
         x[c] = x_old[c] if guess is None else guess[c]
         near[self.h] = e_given[self.h]
         if self._factored and guess is None:
