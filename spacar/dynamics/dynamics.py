@@ -17,6 +17,7 @@ from spacar.dynamics.saddle_point import DeformationInertia, SaddlePoint
 from spacar.errors import AnalysisError
 from spacar.frame import Frame
 from spacar.kinematics import Kinematics
+from spacar.kinematics.extrapolation import State, extrapolated
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Array, Drive, DriveState, Loads, Mechanism, UserForces
@@ -48,7 +49,8 @@ class Dynamics:
         self.evaluations = 0
         self.accepted: Callable[[float, Array], None] | None = None  # called by the integrators after each step
         self._convected = np.zeros(n.nx)  # h minus gravity on moving families at the last accelerated state
-        self._last: tuple[float, Array, Array, Array] | None = None  # t, x, xd, xdd of the last accelerated state
+        self._last: State | None = None  # t, x, xd, xdd of the last accelerated state
+        self._before: State | None = None  # the same of the one before, where the motion is prescribed
 
     def reload(self, loads: Loads, drive: Drive) -> None:
         """Put other loads and another prescribed motion on the same mechanism."""
@@ -98,18 +100,18 @@ class Dynamics:
     def place(self, t: float, y: Array) -> DriveState:
         """Position and velocity of the state: leaves x in the kinematics and xd, ed here.
 
-        The guess of the position is the Taylor expansion of the last accelerated state, when the time has moved on.
+        The guess of the position is the expansion of the last accelerated states, when the time has moved on.
         """
-        xs, es = self.xs, self.es
+        n, xs, es = self.numbering, self.xs, self.es
         drive = self.drive.at(t)
         rates = y[self.n_positions :]
-        xd, ed = np.zeros(self.numbering.nx), np.zeros(self.numbering.ne)
+        xd, ed = np.zeros(n.nx), np.zeros(n.ne)
         xd[xs["input"]], xd[xs["dynamic"]] = drive.xd, rates[: self.n_xm]
         ed[es["input"]], ed[es["dynamic"]] = drive.ed, rates[self.n_xm :]
         guess = None
         if self._last is not None and t != self._last[0]:
-            last, x, v, a = self._last
-            guess = x + (t - last) * (v + (0.5 * (t - last)) * a)
+            guess = extrapolated(t, self._last, self._before, self.kinematics.scale)
+        self._before = None if n.nddof else self._last
         self._last = None
         self.xd = self.kinematics.place(*self.given(drive, y), xd, ed, guess)
         return drive
