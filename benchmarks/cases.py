@@ -20,6 +20,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipeinc, ellipk, ellipkinc
 
 import spacar
+from spacar.compiled import CompiledDynamics
 from spacar.deck import Deck, parse_deck
 from spacar.dynamics import Dynamics
 from spacar.mechanism import build
@@ -305,9 +306,9 @@ CHAINS = {
 class Evaluator:
     """Calls of F along a motion, as an integrator makes them: time and state move a little each time."""
 
-    def __init__(self, text: str, kind: str | None = None) -> None:
+    def __init__(self, text: str, kind: str | None = None, compiled: bool = False) -> None:
         mechanism = build(parsed(text, 1), 1)
-        self.dynamics = Dynamics(mechanism, kind=kind)
+        self.dynamics = CompiledDynamics(mechanism) if compiled else Dynamics(mechanism, kind=kind)
         self.y = self.dynamics.start()
         self.half = mechanism.numbering.nddof
         self.y[self.half :] = 1e-2 * np.random.default_rng(1).normal(size=len(self.y) - self.half)

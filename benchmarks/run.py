@@ -21,6 +21,7 @@ from time import perf_counter
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # the matrices are small; before NumPy is imported
 
 import cases
+import ensemble
 import measure
 import numpy as np
 
@@ -30,25 +31,27 @@ PROCESS_FACTOR = 4.0  # `spacar 1 crank` over importing NumPy
 
 
 def chains(machine: float, repeats: int) -> dict[str, dict[int, float]]:
-    """Seconds of one right-hand side per kind and size; prints the exponent of the cost from 200 to 2000 elements."""
+    """Seconds of one right-hand side per kind, path and size; prints the exponent of the cost from 200 to 2000."""
     print("== chains: one right-hand side [ms]")
-    print("  " + " " * 17 + "".join(f"{n:>9d}" for n in SIZES) + "  exponent from 200")
+    print("  " + " " * 27 + "".join(f"{n:>9d}" for n in SIZES) + "  exponent from 200")
     table: dict[str, dict[int, float]] = {}
     for kind, text in cases.CHAINS.items():
-        row = table[kind] = {}
-        for n in SIZES:
-            evaluate = cases.Evaluator(text(n))
-            times = []
-            for _ in range(repeats * (3 if n >= 1000 else 10)):
-                begin = perf_counter()
-                evaluate()
-                times.append(perf_counter() - begin)
-            row[n] = median(times)
-        big = [n for n in SIZES if n >= 200]
-        exponent = np.polyfit(np.log(big), np.log([row[n] for n in big]), 1)[0]
-        print(f"  {kind:17s}" + "".join(f"{1e3 * t:9.3f}" for t in row.values()) + f"  {exponent:.2f}")
+        for compiled in (False, True):
+            name = f"{kind}, compiled" if compiled else kind
+            row = table[name] = {}
+            for n in SIZES:
+                evaluate = cases.Evaluator(text(n), compiled=compiled)
+                times = []
+                for _ in range(repeats * (3 if n >= 1000 else 10)):
+                    begin = perf_counter()
+                    evaluate()
+                    times.append(perf_counter() - begin)
+                row[n] = median(times)
+            big = [n for n in SIZES if n >= 200]
+            exponent = np.polyfit(np.log(big), np.log([row[n] for n in big]), 1)[0]
+            print(f"  {name:27s}" + "".join(f"{1e3 * t:9.3f}" for t in row.values()) + f"  {exponent:.2f}", flush=True)
     for n, seconds in CHAIN_TARGETS.items():
-        ratios = ", ".join(f"{kind} {row[n] / (seconds * machine):.2f}" for kind, row in table.items())
+        ratios = ", ".join(f"{name} {row[n] / (seconds * machine):.2f}" for name, row in table.items())
         print(f"  target n = {n}: {1e3 * seconds * machine:.2f} ms, ratio {ratios}")
     return table
 
@@ -80,7 +83,7 @@ def keep_references() -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--repeats", type=int, default=3)
-    parser.add_argument("--only", nargs="*", default=None, help="names of cases, chains, process")
+    parser.add_argument("--only", nargs="*", default=None, help="names of cases, chains, process, sweep")
     parser.add_argument("--json", type=Path, default=None)
     parser.add_argument("--references", action="store_true")
     options = parser.parse_args()
@@ -104,6 +107,9 @@ def main() -> None:
             print("\n".join(measure.lines(result, machine)), flush=True)
     table = chains(machine, options.repeats) if wanted("chains") else {}
     whole = process(numpy, options.repeats) if wanted("process") else None
+    if wanted("sweep"):
+        print("== sweep of 200 manipulators [ms a variant]", flush=True)
+        ensemble.main(general=False)
     promises = [(name, *row) for name, result in found.items() for row in measure.promise(result)]
     if promises:
         print("== error obtained / error asked (ERROR)")
