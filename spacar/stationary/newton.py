@@ -16,6 +16,7 @@ import numpy as np
 
 from spacar.dynamics.dynamics import Dynamics
 from spacar.errors import AnalysisError
+from spacar.kinematics.kinematics import CONVERGED
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Array
 from spacar.stationary.dense import solve_tangent, tangent
@@ -24,6 +25,7 @@ from spacar.stationary.loading import WITHOUT_N0, LoadLevel
 from spacar.stationary.tangent import SparseTangent
 
 PASSING = 1e-3  # of the forces and of the largest residual: enough to leave a level that is not stored
+ON_THE_WAY = 1e-6  # `Kinematics.converged` at such a level
 LARGE = 600  # dynamic degrees of freedom; above, no dense tangent is formed
 
 
@@ -50,6 +52,7 @@ def newton(dynamics: Dynamics, y: Array, level: LoadLevel, sparse: Callable[[], 
     seen = 0.0
     y = y.copy()
     dynamics.kinematics.begin()
+    dynamics.kinematics.converged = CONVERGED if level.store else ON_THE_WAY
     while True:
         state = equilibrium(dynamics, dynamics.place(0.0, y))
         history.append(state.norm)

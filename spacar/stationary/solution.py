@@ -56,12 +56,12 @@ class StationarySolver:
         # everything that the static tangent (18) contains, and nothing else
         static = n.holonomic and not motion.moving and self.mechanism.user_signal is None and not d.coupling.present
         self.sparse = static and n.nx > SPARSE_FROM
-        loads = loads_at(self.mechanism, LoadLevel(1.0, 0.0))
-        self._idle = static and not loads.present and not motion.shift(self.mechanism)
         self._known: list[tuple[float, Array]] = []
         x_reference = self.mechanism.x0[n.x_class["dynamic"]]
         if not (self.y[: d.n_xm] - x_reference).any() and not self.y[d.n_xm : n.nddof].any():
             self._known = [(0.0, self.y.copy())]  # the reference configuration is the solution without load
+        loads = loads_at(self.mechanism, LoadLevel(1.0, 0.0))
+        self._idle = bool(static and self._known) and not loads.present and not motion.shift(self.mechanism)
 
     def sparse_tangent(self) -> SparseTangent:
         """The sparse tangent of the present evaluator."""

@@ -247,3 +247,28 @@ def test_no_dynamic_degrees_of_freedom():
     assert np.allclose(result.frames[0].sig, -np.sqrt(0.5))
     assert sum("no dynamic degrees of freedom" in line for line in result.report) == 2
     assert np.array_equal(result["xcompl"][0], np.zeros(6))
+
+
+def evaluations(text: str) -> tuple[int, StationarySolver]:
+    """Evaluations of all deformations on the way to the last level."""
+    solver, _ = solver_of(text)
+    return solver.dynamics.sweep.count, solver
+
+
+def test_levels_on_the_way_are_cheap():
+    """Four steps to 10 EI/l^2 with turns of more than 0.8 rad took 127 evaluations when the position was first tried
+    in one go, and when every level was solved to the tolerance; the result keeps the tolerance of ITERSTEP."""
+    count, solver = evaluations(cantilever(10, steps=4))
+    assert count <= 80
+    _, exact = evaluations(cantilever(10, steps=40))
+    assert np.allclose(solver.y, exact.y, rtol=0, atol=1e-10)
+
+
+def test_a_loading_that_does_nothing_is_solved_once():
+    """Without loads all levels have the solution of the first."""
+    counts = []
+    for steps in (1, 10):
+        count, solver = evaluations(cantilever(4, 0.0, steps))
+        assert not solver.y.any()
+        counts.append(count)
+    assert counts[1] <= counts[0] + 1
