@@ -111,6 +111,8 @@ def gravity_field(mechanism: Mechanism, loads: Loads) -> Array:
     """g at every position coordinate, zero elsewhere, (nx,) [m/s^2]."""
     numbering = mechanism.numbering
     field = np.zeros(numbering.nx)
+    if not loads.gravity.any():
+        return field
     for node in numbering.nodes:
         if node.kind == "position":
             field[numbering.lnp[node.number - 1, : node.size] - 1] = loads.gravity
