@@ -26,7 +26,11 @@ class Definition:
     strain: Callable[[list[sp.Symbol], dict[str, sp.Symbol]], list[sp.Expr]]
     line: Callable[[list[sp.Symbol], dict[str, sp.Symbol]], tuple[list[sp.Expr], sp.Matrix]] | None = None
     inertia: Callable[[list, list, dict], tuple[sp.Matrix, list]] | None = None  # M, h where no y exists
+    guard: Callable[[list, dict], list] | None = None  # all beyond GUARD: surely in the range of the theory
 
+
+# Guards are cosines of angles (45 degrees pass) or, for lengths, the part that is left plus LEFT.
+GUARD, LEFT = 0.71, 0.7
 
 CUBIC = sp.Matrix([[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]])
 
@@ -63,6 +67,19 @@ def plbeam_line(x: list, p: dict) -> tuple[list, sp.Matrix]:
     C[:8, :8] = p["unit"] * sp.kronecker_product(CUBIC, sp.eye(2))
     C[8, 8] = C[9, 9] = p["lumped"]
     return y, C
+
+
+def plbeam_guard(x: list, p: dict) -> list:
+    """Cosines between ends and chord; length."""
+    dx, dy = x[3] - x[0], x[4] - x[1]
+    l = sp.sqrt(dx**2 + dy**2)
+    ends = [(sp.cos(a + p["beta"]) * dx + sp.sin(a + p["beta"]) * dy) / l for a in (x[2], x[5])]
+    return [*ends, l / p["l0"] + LEFT]
+
+
+def truss_guard(x: list, p: dict) -> list:
+    """Length."""
+    return [truss_strain(x, p)[0] / p["l0"] + 1 + LEFT]
 
 
 def truss_strain(x: list, p: dict) -> list:
@@ -116,6 +133,16 @@ def beam_line(x: list, p: dict) -> tuple[list, sp.Matrix]:
     return [*x[:3], *tangents[0], *x[7:10], *tangents[1]], p["unit"] * sp.kronecker_product(CUBIC, sp.eye(3))
 
 
+def beam_guard(x: list, p: dict) -> list:
+    """Cosines between end tangents and chord, of the twist; length."""
+    xp, lp, xq, lq = x[:3], x[3:7], x[7:10], x[10:14]
+    d = [b - a for a, b in zip(xp, xq, strict=True)]
+    l = sp.sqrt(dot(d, d))
+    axes = [[rotated(lam, c) for c in frame(p)] for lam in (lp, lq)]
+    twist = (dot(axes[0][1], axes[1][1]) + dot(axes[0][2], axes[1][2])) / 2
+    return [dot(d, axes[0][0]) / l, dot(d, axes[1][0]) / l, twist, l / p["l0"] + LEFT]
+
+
 def hinge_strain(x: list, p: dict) -> list:
     lp, lq = x[:4], x[4:]
     ex, ey, ez = frame(p)
@@ -146,12 +173,12 @@ def body_map(lam: list) -> sp.Matrix:
 
 
 DEFINITIONS = (
-    Definition("plbeam", 6, ("l0", "beta", "A", "B", "unit", "lumped"), plbeam_strain, plbeam_line),
-    Definition("pltruss", 4, ("l0",), truss_strain),
+    Definition("plbeam", 6, ("l0", "beta", "A", "B", "unit", "lumped"), plbeam_strain, plbeam_line, guard=plbeam_guard),
+    Definition("pltruss", 4, ("l0",), truss_strain, guard=truss_guard),
     Definition("pltor", 2, (), pltor_strain),
     Definition("plpinbod", 5, ("a0", "b0", "d0", "a1", "b1", "d1"), plpinbod_strain),
-    Definition("beam", 14, ("l0", *FRAME, "f", "second", "unit"), beam_strain, beam_line),
-    Definition("truss", 6, ("l0",), truss_strain),
+    Definition("beam", 14, ("l0", *FRAME, "f", "second", "unit"), beam_strain, beam_line, guard=beam_guard),
+    Definition("truss", 6, ("l0",), truss_strain, guard=truss_guard),
     Definition("hinge", 8, FRAME, hinge_strain),
     Definition("pinbody", 10, (*FRAME, "r0", "r1", "r2"), pinbody_strain),
     Definition("normalization", 4, (), normalization_strain),

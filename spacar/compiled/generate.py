@@ -1,10 +1,11 @@
 """Write kernels.c: `python -m spacar.compiled.generate > spacar/compiled/kernels.c` (needs SymPy).
 
-Three functions per element type:
+Up to four functions per element type:
 
     NAME_strain(x, p, e, V)          e = D(x), V = dD/dx row by row (structural zeros are not written)
     NAME_convective(x, v, p, h)      H(v,v) = d^2 D(x + s v)/ds^2 at s = 0
     NAME_inertia(x, v, p, M, h)      M = Y^T C Y, h = Y^T C d^2 y(x + s v)/ds^2; types with mass only
+    NAME_guard(x, p, g)              what shows that the element is in the range of its theory; types with a limit only
 
 D is first turned into a straight-line program (common subexpressions). V comes from it in reverse, H(v,v) by carrying
 first and second derivatives along v forward, so the text stays small; nothing is expanded. What the statements then
@@ -72,6 +73,10 @@ def functions(definition: Definition) -> Iterator[str]:
         outputs = {f"h[{i}]": expression for i, expression in enumerate(second)}
         arguments = "const real *x, const real *v, const real *p, real *h"
         yield function(definition, "convective", arguments, program + rates, outputs)
+    if definition.guard:
+        program, guards = straight(definition.guard(x, p))
+        outputs = {f"g[{i}]": g for i, g in enumerate(guards)}
+        yield function(definition, "guard", "const real *x, const real *p, real *g", program, outputs)
     if definition.line or definition.inertia:
         program, M, h = inertia(definition, x, v, p)
         outputs = {f"M[{i * n + j}]": M[i, j] for i in range(n) for j in range(n) if M[i, j] != 0}

@@ -155,6 +155,29 @@ static void plbeam_convective(const real *x, const real *v, const real *p, real 
     h[1] = dd_r1;
     h[2] = dd_r2;
 }
+static void plbeam_guard(const real *x, const real *p, real *g)
+{
+    const real x0 = x[0];
+    const real x1 = x[1];
+    const real x2 = x[2];
+    const real x3 = x[3];
+    const real x4 = x[4];
+    const real x5 = x[5];
+    const real p0 = p[0];
+    const real p1 = p[1];
+    const real t0 = -x0 + x3;
+    const real t1 = -x1 + x4;
+    const real t2 = lanes_sqrt((t0*t0) + (t1*t1));
+    const real t3 = 1.0/(t2);
+    const real t4 = p1 + x2;
+    const real t5 = p1 + x5;
+    const real r0 = t3*(t0*lanes_cos(t4) + t1*lanes_sin(t4));
+    const real r1 = t3*(t0*lanes_cos(t5) + t1*lanes_sin(t5));
+    const real r2 = 0.69999999999999996 + t2/p0;
+    g[0] = r0;
+    g[1] = r1;
+    g[2] = r2;
+}
 static void plbeam_inertia(const real *x, const real *v, const real *p, real *M, real *h)
 {
     const real x2 = x[2];
@@ -314,6 +337,16 @@ static void pltruss_convective(const real *x, const real *v, const real *p, real
     const real c23 = c18 + c5*c9;
     const real dd_r0 = c0*c10 + c0*c12 + c10*c17 + c12*c17 + c13*c14 + c13*c15 + c14*c16 + c15*c16 + c20*(c19 + c3*c8) + c20*((c1*c1)*c8 + c19) + c21*(c19 + (c4*c4)*c8) + c21*(c19 + c6*c8) + c22*(v0*v0) + c22*(v2*v2) + c23*(v1*v1) + c23*(v3*v3);
     h[0] = dd_r0;
+}
+static void pltruss_guard(const real *x, const real *p, real *g)
+{
+    const real x0 = x[0];
+    const real x1 = x[1];
+    const real x2 = x[2];
+    const real x3 = x[3];
+    const real p0 = p[0];
+    const real r0 = 1.7 + (-p0 + lanes_sqrt(((-x0 + x2)*(-x0 + x2)) + ((-x1 + x3)*(-x1 + x3))))/p0;
+    g[0] = r0;
 }
 
 static void pltor_strain(const real *x, const real *p, real *e, real *V)
@@ -1116,6 +1149,65 @@ static void beam_convective(const real *x, const real *v, const real *p, real *h
     h[4] = dd_r4;
     h[5] = dd_r5;
 }
+static void beam_guard(const real *x, const real *p, real *g)
+{
+    const real x0 = x[0];
+    const real x1 = x[1];
+    const real x2 = x[2];
+    const real x3 = x[3];
+    const real x4 = x[4];
+    const real x5 = x[5];
+    const real x6 = x[6];
+    const real x7 = x[7];
+    const real x8 = x[8];
+    const real x9 = x[9];
+    const real x10 = x[10];
+    const real x11 = x[11];
+    const real x12 = x[12];
+    const real x13 = x[13];
+    const real p0 = p[0];
+    const real p1 = p[1];
+    const real p2 = p[2];
+    const real p3 = p[3];
+    const real p4 = p[4];
+    const real p5 = p[5];
+    const real p6 = p[6];
+    const real p7 = p[7];
+    const real p8 = p[8];
+    const real p9 = p[9];
+    const real t0 = -x0 + x7;
+    const real t1 = -x1 + x8;
+    const real t2 = -x2 + x9;
+    const real t3 = lanes_sqrt((t0*t0) + (t1*t1) + (t2*t2));
+    const real t4 = 1.0/(t3);
+    const real t5 = 2*x3;
+    const real t6 = 2*p1;
+    const real t7 = 2*p2;
+    const real t8 = 2*p3;
+    const real t9 = t6*x4 + t7*x5 + t8*x6;
+    const real t10 = (x3*x3) - (x4*x4) - (x5*x5) - (x6*x6);
+    const real t11 = 2*x10;
+    const real t12 = t6*x11 + t7*x12 + t8*x13;
+    const real t13 = (x10*x10) - (x11*x11) - (x12*x12) - (x13*x13);
+    const real t14 = 2*p4;
+    const real t15 = 2*p5;
+    const real t16 = 2*p6;
+    const real t17 = t14*x11 + t15*x12 + t16*x13;
+    const real t18 = t14*x4 + t15*x5 + t16*x6;
+    const real t19 = 2*p7;
+    const real t20 = 2*p8;
+    const real t21 = 2*p9;
+    const real t22 = t19*x11 + t20*x12 + t21*x13;
+    const real t23 = t19*x4 + t20*x5 + t21*x6;
+    const real r0 = t4*(t0*(p1*t10 + t5*(-p2*x6 + p3*x5) + t9*x4) + t1*(p2*t10 + t5*(p1*x6 - p3*x4) + t9*x5) + t2*(p3*t10 + t5*(-p1*x5 + p2*x4) + t9*x6));
+    const real r1 = t4*(t0*(p1*t13 + t11*(-p2*x13 + p3*x12) + t12*x11) + t1*(p2*t13 + t11*(p1*x13 - p3*x11) + t12*x12) + t2*(p3*t13 + t11*(-p1*x12 + p2*x11) + t12*x13));
+    const real r2 = (1.0/2.0)*(p4*t10 + t18*x4 + t5*(-p5*x6 + p6*x5))*(p4*t13 + t11*(-p5*x13 + p6*x12) + t17*x11) + (1.0/2.0)*(p5*t10 + t18*x5 + t5*(p4*x6 - p6*x4))*(p5*t13 + t11*(p4*x13 - p6*x11) + t17*x12) + (1.0/2.0)*(p6*t10 + t18*x6 + t5*(-p4*x5 + p5*x4))*(p6*t13 + t11*(-p4*x12 + p5*x11) + t17*x13) + (1.0/2.0)*(p7*t10 + t23*x4 + t5*(-p8*x6 + p9*x5))*(p7*t13 + t11*(-p8*x13 + p9*x12) + t22*x11) + (1.0/2.0)*(p8*t10 + t23*x5 + t5*(p7*x6 - p9*x4))*(p8*t13 + t11*(p7*x13 - p9*x11) + t22*x12) + (1.0/2.0)*(p9*t10 + t23*x6 + t5*(-p7*x5 + p8*x4))*(p9*t13 + t11*(-p7*x12 + p8*x11) + t22*x13);
+    const real r3 = 0.69999999999999996 + t3/p0;
+    g[0] = r0;
+    g[1] = r1;
+    g[2] = r2;
+    g[3] = r3;
+}
 static void beam_inertia(const real *x, const real *v, const real *p, real *M, real *h)
 {
     const real x3 = x[3];
@@ -1599,6 +1691,18 @@ static void truss_convective(const real *x, const real *v, const real *p, real *
     const real c46 = c17*c8 + c39;
     const real dd_r0 = c0*c13 + c0*c15 + c13*c36 + c15*c36 + c16*c18 + c16*c19 + c18*c37 + c19*c37 + c20*c22 + c20*c23 + c22*c30 + c23*c30 + c24*c25 + c24*c26 + c25*c34 + c26*c34 + c27*c28 + c27*c29 + c28*c38 + c29*c38 + c31*c32 + c31*c33 + c32*c35 + c33*c35 + c41*((c1*c1)*c11 + c40) + c41*(c11*c3 + c40) + c42*(c11*(c4*c4) + c40) + c42*(c11*c6 + c40) + c43*(c11*(c7*c7) + c40) + c43*(c11*c9 + c40) + c44*(v0*v0) + c44*(v3*v3) + c45*(v1*v1) + c45*(v4*v4) + c46*(v2*v2) + c46*(v5*v5);
     h[0] = dd_r0;
+}
+static void truss_guard(const real *x, const real *p, real *g)
+{
+    const real x0 = x[0];
+    const real x1 = x[1];
+    const real x2 = x[2];
+    const real x3 = x[3];
+    const real x4 = x[4];
+    const real x5 = x[5];
+    const real p0 = p[0];
+    const real r0 = 1.7 + (-p0 + lanes_sqrt(((-x0 + x3)*(-x0 + x3)) + ((-x1 + x4)*(-x1 + x4)) + ((-x2 + x5)*(-x2 + x5))))/p0;
+    g[0] = r0;
 }
 
 static void hinge_strain(const real *x, const real *p, real *e, real *V)

@@ -187,7 +187,7 @@ Model *spacar_begin(const Spec *spec)
     if (!status) status = sort_rows(m, &V);
     entries_end(&V);
     if (!status) status = assemble(m);
-    real *work = status ? NULL : cleared(6 * nx + 6 * ne + 2 * (nx + ne), sizeof(real));
+    real *work = status ? NULL : cleared(10 * (nx + ne), sizeof(real));
     if (!work) { spacar_end(m); return NULL; }
     real **vectors[] = {&m->h, &m->near, &m->next_e, &m->given_ed, &m->given_edd};
     for (int k = 0; k < 5; k++, work += ne) *vectors[k] = work;
@@ -195,6 +195,7 @@ Model *spacar_begin(const Spec *spec)
     for (int k = 0; k < 5; k++, work += nx) *coordinates[k] = work;
     m->b = work;
     m->stage = m->b + nx + ne;
+    m->piece = m->stage + 2 * (nx + ne);
     if (m->reduced) {
         const int q = spec->n_x_dynamic + spec->n_e_dynamic;
         m->transfer = cleared(2 * nx * (q + 1) + q * q + q, sizeof(real));
@@ -220,4 +221,24 @@ int spacar_gradient(const Model *m, int *row, int *column, real *value)
 void spacar_determinant(const Model *m, double *sign, double *logarithm)
 {
     determinant(&m->position, sign, logarithm);
+}
+
+/* 1-norm of the inverse of diag(row) A diag(column), A the matrix of the position at the last evaluated state: n solutions. */
+double spacar_inverse_norm(Model *m, const double *row, const double *column)
+{
+    const int n = m->position.n;
+    double largest = 0.0;
+    for (int j = 0; j < n; j++) {
+        memset(m->b, 0, sizeof(real) * n);
+        m->b[j] = EVERY(1.0 / row[j]);
+        solve(&m->position, m->b, m->b, 1);
+        real sum = EVERY(0.0);
+        for (int i = 0; i < n; i++) {
+            const real size = m->b[i] / column[i];
+            sum += lanes_larger(EVERY(0.0), size);
+        }
+        const double norm = largest_lane(sum);
+        if (!(norm <= largest)) largest = norm;
+    }
+    return largest;
 }

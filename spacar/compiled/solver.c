@@ -4,7 +4,8 @@
    from the saddle-point form, or with few degrees of freedom from the reduced form, whose transfer functions need nothing but
    solutions with the matrix of the position; stresses are computed where somebody looks at them. */
 enum { PLBEAM, PLTRUSS, PLTOR, PLPINBOD, BEAM, TRUSS, HINGE, PINBODY, NORMALIZATION, BODY };
-enum { MAX_ITERATIONS = 20, MAX_X = 14, MAX_E = 6 };
+enum { MAX_ITERATIONS = 20, MAX_X = 14, MAX_E = 6, MAX_GUARDS = 4 };
+static const double SMALLEST_PIECE = 1.0 / 64.0;
 
 typedef struct {
     int kind, n, nxe, nee, np, inertia; /* inertia: M and h depend on x */
@@ -45,7 +46,7 @@ typedef struct {
     int reduced;                          /* accelerations from the reduced form */
     Sparse position, motion;
     real *values;                         /* V, then M of moving elements, then the constant M */
-    real *h, *convected, *b, *force, *next_x, *next_xd, *next_xdd, *near, *next_e, *given_ed, *given_edd, *stage, *transfer, *weighted, *small;
+    real *h, *convected, *b, *force, *next_x, *next_xd, *next_xdd, *near, *next_e, *given_ed, *given_edd, *stage, *piece, *transfer, *weighted, *small;
     int *v_place;                         /* (n_v) order of V's rows: place in `values` */
 } Model;
 
@@ -86,6 +87,18 @@ static void element_inertia(int kind, const real *x, const real *v, const real *
     case BEAM: beam_inertia(x, v, p, M, h); break;
     case BODY: body_inertia(x, v, p, M, h); break;
     }
+}
+
+/* Guards of an element; their number. */
+static int element_guard(int kind, const real *x, const real *p, real *g)
+{
+    switch (kind) {
+    case PLBEAM: plbeam_guard(x, p, g); return 3;
+    case PLTRUSS: pltruss_guard(x, p, g); return 1;
+    case BEAM: beam_guard(x, p, g); return 4;
+    case TRUSS: truss_guard(x, p, g); return 1;
+    }
+    return 0;
 }
 
 /* e, and V into `values`. */
@@ -325,7 +338,7 @@ static void prescribed(const Spec *s, const real *row, double t, real *value, re
 
 /* Evaluate the state y = (x dynamic, e dynamic, their rates) at t, stresses too when wanted. Number of position iterations, or a negative reason; then
    the last evaluated state is still there. The guess of the position is the Taylor expansion of the last state. */
-int spacar_evaluate(Model *m, State *at, double t, const real *y, double converged, double jump, int want_stress)
+static int evaluate(Model *m, State *at, double t, const real *y, double converged, double jump, int want_stress)
 {
     const Spec *s = &m->s;
     const int nx = s->nx, first = s->n_fixed_x, n = s->n_equations, a = s->n_x_dynamic, q = a + s->n_e_dynamic;
@@ -370,6 +383,26 @@ int spacar_evaluate(Model *m, State *at, double t, const real *y, double converg
     at->t = t;
     at->known = 1;
     return iterations;
+}
+
+/* The same; a state that is a jump away is reached in pieces, so that the mechanism stays on its branch. */
+int spacar_evaluate(Model *m, State *at, double t, const real *y, double converged, double jump, int want_stress)
+{
+    const Spec *s = &m->s;
+    const int a = s->n_x_dynamic, q = a + s->n_e_dynamic;
+    int status = evaluate(m, at, t, y, converged, jump, want_stress);
+    for (double part = 0.5; status == JUMP && at->known && part >= SMALLEST_PIECE; part *= 0.5) {
+        int reached = OK;
+        while (reached >= 0 && status == JUMP) {
+            for (int i = 0; i < a; i++) m->piece[i] = at->x[s->x_dynamic + i];
+            for (int i = a; i < q; i++) m->piece[i] = at->e[s->e_dynamic + i - a];
+            for (int i = 0; i < q; i++) m->piece[i] += part * (y[i] - m->piece[i]);
+            memcpy(m->piece + q, y + q, sizeof(real) * q);
+            reached = evaluate(m, at, at->t + part * (t - at->t), m->piece, converged, jump, 0);
+            if (reached >= 0) status = evaluate(m, at, t, y, converged, jump, want_stress);
+        }
+    }
+    return status;
 }
 
 /* Time derivative of y. */
@@ -425,4 +458,21 @@ void spacar_complete(Model *m, State *at, real *gravity, real *total)
         total[i] += value * at->xdd[j];
     }
     for (int r = 0; r < s->ne; r++) subtract_transposed(m, r, -at->sigma[r], total);
+}
+
+/* Smallest guard of all elements and lanes at x; 1 when there are none. */
+double spacar_guard(const Model *m, const real *x)
+{
+    real xe[MAX_X], g[MAX_GUARDS];
+    double least = 1.0;
+    for (int b = 0; b < m->s.n_batches; b++) {
+        const Batch *k = &m->s.batches[b];
+        for (int i = 0; i < k->n; i++) {
+            for (int j = 0; j < k->nxe; j++) xe[j] = x[k->x[i * k->nxe + j]];
+            const int n = element_guard(k->kind, xe, k->p + i * k->np, g);
+            for (int r = 0; r < n; r++) EACH_LANE if (!(LANE(g[r], w) >= least)) least = LANE(g[r], w);
+            if (!n) break;
+        }
+    }
+    return least;
 }
