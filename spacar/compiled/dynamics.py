@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable
 from typing import TypeVar
 
@@ -11,10 +12,35 @@ from spacar.compiled.model import Model
 from spacar.compiled.numbers import of_one
 from spacar.dynamics.dynamics import Dynamics
 from spacar.frame import Frame
+from spacar.kinematics.diagnosis import ZERO
 from spacar.kinematics.kinematics import CONVERGED
+from spacar.kinematics.regularity import PositionMatrix
 from spacar.mechanism.mechanism import Array, Drive, Loads, Mechanism, Polynomial
 
 Result = TypeVar("Result")
+
+
+SMALL = 64  # equations up to which the exact condition in C is cheaper than an estimate in the general path
+
+
+class CompiledPositionMatrix(PositionMatrix):
+    """V[E, U] as it is factored in C."""
+
+    def __init__(self, dynamics: CompiledDynamics) -> None:
+        super().__init__(dynamics.kinematics)
+        self.dynamics = dynamics
+
+    def determinant(self) -> tuple[float, float]:
+        sign, size = self.dynamics.model.determinant()
+        return float(sign[0]), float(size[0])
+
+    def rcond(self) -> float:
+        if len(self.rows) <= SMALL:
+            rcond = self.dynamics.model.rcond(self.rows, self.columns)
+            if rcond > ZERO:
+                return rcond
+        self.dynamics.settle()
+        return super().rcond()
 
 
 class CompiledDynamics(Dynamics):
@@ -27,7 +53,6 @@ class CompiledDynamics(Dynamics):
         self.state = self.model.state()
         self._y, self._out = np.zeros((2, 2 * self.numbering.nddof))
         self._addresses = self._y.ctypes.data, self._out.ctypes.data
-        self._v_entries: tuple[Array, Array] | None = None
 
     # -- the two paths --------------------------------------------------------------------------------------------
     def start(self) -> Array:
@@ -47,16 +72,23 @@ class CompiledDynamics(Dynamics):
 
     def settle(self) -> None:
         self._hand_over()
-        if self._v_entries is None:
-            rows, columns = self.model.places()
-            place = {key: k for k, key in enumerate(zip(rows.tolist(), columns.tolist(), strict=True))}
-            own = zip(self.sweep.v_rows.tolist(), self.sweep.v_columns.tolist(), strict=True)
-            take = np.array([place.get(key, len(place)) for key in own], np.int64)  # the last value is a zero
-            self._v_entries = take, np.zeros((len(place) + 1, 1))
-        take, values = self._v_entries
-        self.model.gradient(values)
-        self.sweep.v_entries[:] = values[take, 0]
-        self.kinematics.refactor()
+        self.kinematics.refresh()
+
+    def position_matrix(self) -> PositionMatrix:
+        return CompiledPositionMatrix(self)
+
+    def in_range(self) -> bool:
+        known = self.model.in_range(self.state)
+        if not known:
+            self.settle()
+        return known
+
+    def companion(self) -> Dynamics:
+        """Another state of the same model; the general path is handed over to whoever needs it."""
+        other = copy.copy(self)
+        other.state = self.model.state()
+        other._take_over()
+        return other
 
     def _in_general(self, evaluate: Callable[[], Result]) -> Result:
         """Let the general path look at a state that C could not do; it explains failures."""
@@ -105,8 +137,6 @@ class CompiledDynamics(Dynamics):
         self._y[:] = y
         if m.evaluate(s, t, self._y, CONVERGED) < 0:
             return self._in_general(lambda: super(CompiledDynamics, self).frame(t, y))
-        self._hand_over()
-        self.kinematics.refresh()  # the checks of stored steps use the families
         x, xd, xdd, gravity, total = (a[:, 0].copy() for a in (s.x, s.xd, s.xdd, m.gravity, m.total))
         e, ed, edd, sigma = (a[:, 0].copy() for a in (s.e, s.ed, s.edd, s.sigma))
         self.xd = xd.copy()

@@ -223,22 +223,24 @@ void spacar_determinant(const Model *m, double *sign, double *logarithm)
     determinant(&m->position, sign, logarithm);
 }
 
-/* 1-norm of the inverse of diag(row) A diag(column), A the matrix of the position at the last evaluated state: n solutions. */
-double spacar_inverse_norm(Model *m, const double *row, const double *column)
+/* Reciprocal condition in the 1-norm of diag(row) A diag(column), A the matrix of the position at the last evaluated state:
+   n solutions. The smallest of the lanes. */
+double spacar_rcond(Model *m, const double *row, const double *column)
 {
-    const int n = m->position.n;
-    double largest = 0.0;
+    const Sparse *s = &m->position;
+    const int n = s->n;
+    real norm = EVERY(0.0), inverse = EVERY(0.0);
+    memset(m->b, 0, sizeof(real) * n);
+    for (int k = 0; k < s->n_entries; k++)
+        m->b[s->column[k]] += lanes_larger(EVERY(0.0), m->values[s->source[k]] * (row[s->row[k]] * column[s->column[k]]));
+    for (int j = 0; j < n; j++) norm = lanes_larger(norm, m->b[j]);
     for (int j = 0; j < n; j++) {
         memset(m->b, 0, sizeof(real) * n);
         m->b[j] = EVERY(1.0 / row[j]);
-        solve(&m->position, m->b, m->b, 1);
+        solve(s, m->b, m->b, 1);
         real sum = EVERY(0.0);
-        for (int i = 0; i < n; i++) {
-            const real size = m->b[i] / column[i];
-            sum += lanes_larger(EVERY(0.0), size);
-        }
-        const double norm = largest_lane(sum);
-        if (!(norm <= largest)) largest = norm;
+        for (int i = 0; i < n; i++) sum += lanes_larger(EVERY(0.0), m->b[i] / column[i]);
+        inverse = lanes_larger(inverse, sum);
     }
-    return largest;
+    return 1.0 / largest_lane(norm * inverse);
 }

@@ -16,6 +16,8 @@ from spacar.kinematics.kinematics import LARGEST_JUMP
 from spacar.mechanism.mechanism import Array, Mechanism
 from spacar.mechanism.numbering import Numbering
 
+GUARD = 0.71  # see definitions.py
+
 
 def why_not(mechanism: Mechanism) -> str | None:
     """Why this mechanism cannot be compiled, or None."""
@@ -156,3 +158,11 @@ class Model:
         sign, logarithm = np.zeros((2, self.cases))
         self.library.spacar_determinant(self.handle, sign.ctypes.data, logarithm.ctypes.data)
         return sign, logarithm
+
+    def rcond(self, rows: Array, columns: Array) -> float:
+        """Smallest reciprocal condition of the cases' rows * V[E, U] * columns at the last evaluated state, 1-norm."""
+        return float(self.library.spacar_rcond(self.handle, rows.ctypes.data, columns.ctypes.data))
+
+    def in_range(self, state: State) -> bool:
+        """Whether all elements are surely in the range of their theory at a state."""
+        return bool(self.library.spacar_guard(self.handle, state.x.ctypes.data) > GUARD)

@@ -34,6 +34,8 @@ def forward(run: Run) -> Iterator[Frame]:
         frame = at_time(dynamics, t, y)
         limits.check(dynamics, frame)
         frame.statistics = statistics
+        if output.wanted:
+            dynamics.settle()
         yield output.add(frame, dynamics.kinematics)
 
 
@@ -57,8 +59,7 @@ def states(run: Run) -> Iterator[tuple[Dynamics, float, Array, dict[str, int]]]:
         dynamics.kinematics.converged = POSITION * min(atol, rtol)
     # Outputs are interpolated inside steps that may have passed a dead point: they follow their own path from the last
     # one, not back from the end of the step.
-    shown = evaluator(run)
-    shown.kinematics.start_from(dynamics.kinematics)
+    shown = dynamics.companion()
     for out in integrate(
         dynamics, y, times, settings.integrator, atol, rtol, settings.step, breaks=dynamics.drive.breaks
     ):
@@ -84,13 +85,13 @@ def evaluator(run: Run) -> Dynamics:
 
 def watch(dynamics: Dynamics) -> Callable[[float, Array], None] | None:
     """What is checked after every accepted step."""
-    half_turns, dead_points = HalfTurns(dynamics.kinematics), DeadPoints(dynamics.kinematics)
+    half_turns, dead_points = HalfTurns(dynamics.kinematics), DeadPoints(dynamics.position_matrix())
     if not half_turns.nodes and not dead_points.watches:
         return None
 
     def check(t: float, y: Array) -> None:
-        dynamics.settle()
         if half_turns.nodes:
+            dynamics.settle()
             half_turns.check(t, y)
         if dead_points.watches:
             try:

@@ -19,6 +19,7 @@ from spacar.frame import Frame
 from spacar.kinematics import Kinematics
 from spacar.kinematics.extrapolation import State, extrapolated
 from spacar.kinematics.kinematics import CONVERGED
+from spacar.kinematics.regularity import PositionMatrix
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Array, Drive, DriveState, Loads, Mechanism, UserForces
 
@@ -202,8 +203,23 @@ class Dynamics:
         self.kinematics.converged = min(self.kinematics.converged, ITERATED)
         return state_jacobian(self, t, y)
 
+    # -- what checks ask after an evaluation ----------------------------------------------------------------------
     def settle(self) -> None:
         """Bring kinematics and sweep to the last evaluated state: nothing to do unless it was evaluated elsewhere."""
+
+    def position_matrix(self) -> PositionMatrix:
+        """V[E, U] at the last evaluated state."""
+        return PositionMatrix(self.kinematics)
+
+    def in_range(self) -> bool:
+        """Whether it is known already that all elements are in the range of their theory; they are asked otherwise."""
+        return False
+
+    def companion(self) -> Dynamics:
+        """An evaluator of the same mechanism, which follows its own path from the present configuration."""
+        other = Dynamics(self.mechanism, loads=self.loads, drive=self.drive, kind=self.kind)
+        other.kinematics.start_from(self.kinematics)
+        return other
 
     def component_name(self, i: int) -> str:
         """Name of a component of the state, for messages."""

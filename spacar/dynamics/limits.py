@@ -35,11 +35,17 @@ class Limits:
         self.compression = np.zeros(len(wheels))
         self.report = report
         self.warned: set[int] = set()
-        self.regularity = Regularity(dynamics.kinematics, report)
+        self.regularity = Regularity(dynamics.position_matrix(), report)
 
     def check(self, dynamics: Dynamics, frame: Frame) -> None:
         """Raises AnalysisError 'element.range' or 'element.lift-off' with element, time and advice."""
         self.regularity.check(frame.t)
+        if not dynamics.in_range():
+            self._elements(dynamics, frame)
+        if len(self.rows):
+            self._wheels(frame.t, frame.sig[self.rows])
+
+    def _elements(self, dynamics: Dynamics, frame: Frame) -> None:
         sweep = dynamics.sweep
         for batch in sweep.strained:
             e, sigma = frame.e[batch.e], frame.sig[batch.e]
@@ -51,8 +57,6 @@ class Limits:
                 if element not in self.warned:
                     self.warned.add(element)
                     self.report.add(f"warning: {text}")
-        if len(self.rows):
-            self._wheels(frame.t, frame.sig[self.rows])
 
     def _wheels(self, t: float, normal: Array) -> None:
         self.compression = np.maximum(self.compression, -normal)

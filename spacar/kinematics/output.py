@@ -41,6 +41,11 @@ class TransferOutput:
                 " numbers: they are left out"
             )
 
+    @property
+    def wanted(self) -> bool:
+        """Whether anything is added."""
+        return bool(self.level or self.log & (FIRST | SECOND | THIRD | GLOBAL_DEFORMATION))
+
     def add(self, frame: Frame, k: Kinematics) -> Frame:
         """The same frame with the transfer functions of the present configuration."""
         if self.log & GLOBAL_DEFORMATION:

@@ -29,35 +29,23 @@ HALF_TURN = 0.02  # smallest |lambda0| of a node whose lambda1..3 are dynamic: 1
 COLLAPSE = float(np.log(1e-3))
 
 
-class Regularity:
-    """Checks one evaluator at its present configuration."""
+class PositionMatrix:
+    """The matrix V[E, U] of an evaluator at its present configuration, as the checks look at it."""
 
-    def __init__(self, kinematics: Kinematics, report: Report) -> None:
+    def __init__(self, kinematics: Kinematics) -> None:
         self.kinematics = k = kinematics
-        self.report = report
-        self.last: tuple[float, float] | None = None  # time, sign of the determinant
         self.rows = 1.0 / k.mechanism.deformation_scale[k.E]
         self.columns = k.scale[k.U]
+        # of systems in dense storage, where the determinant costs nothing
+        self.has_determinant = bool(len(k.U)) and isinstance(k.velocity_system, DenseSystem)
 
-    def check(self, t: float) -> None:
-        """Raises AnalysisError 'position.singular' that names the motion which is not determined."""
-        k = self.kinematics
-        if not len(k.U):
-            return
-        rcond = self.rcond()
-        if rcond > ZERO:
-            self._passage(t)
-            return
-        raise AnalysisError(
-            f"singular position at t = {t:.9g}: the degrees of freedom do not determine the motion of {self._motion()}"
-            f" (reciprocal condition {rcond:.2g}); a dead point: choose other degrees of freedom, or output times that"
-            " do not fall on it",
-            "position.singular",
-            rcond=rcond,
-        )
+    def determinant(self) -> tuple[float, float]:
+        """Its sign, the logarithm of its size."""
+        sign, size = np.linalg.slogdet(self.kinematics.velocity_system.A)  # type: ignore[attr-defined]
+        return float(sign), float(size)
 
     def rcond(self) -> float:
-        """Reciprocal condition of the scaled V[E, U] that was factored last."""
+        """Reciprocal condition of the scaled matrix that was factored last."""
         system = self.kinematics.velocity_system
         norm = self._dense_norm(system.A) if isinstance(system, DenseSystem) else self._norm()
         return reciprocal_condition(system, norm, self.rows, self.columns)
@@ -73,24 +61,49 @@ class Regularity:
         weight = k.scale[columns] / k.mechanism.deformation_scale[sweep.v_rows[take]]
         return float(np.bincount(columns, np.abs(sweep.entries[take]) * weight).max())
 
-    def _passage(self, t: float) -> None:
-        system = self.kinematics.velocity_system
-        if not self.kinematics.numbering.nddof or not isinstance(system, DenseSystem):
+    def undetermined(self) -> str:
+        """Names of the coordinates that move most in the motion that is not determined."""
+        k = self.kinematics
+        D = scaled_difference_matrix(k.mechanism, k.sweep.gradient())[np.ix_(k.E, k.U)]
+        motion = np.abs(np.linalg.svd(D)[2][-1]).round(9)
+        order = np.argsort(-motion, kind="stable")[:3]
+        return ", ".join(k.numbering.x_name(int(k.U[i])) for i in order if motion[i] > 0.1)
+
+
+class Regularity:
+    """Checks one evaluator at its present configuration."""
+
+    def __init__(self, matrix: PositionMatrix, report: Report) -> None:
+        self.matrix = matrix
+        self.report = report
+        self.last: tuple[float, float] | None = None  # time, sign of the determinant
+
+    def check(self, t: float) -> None:
+        """Raises AnalysisError 'position.singular' that names the motion which is not determined."""
+        if not len(self.matrix.columns):
             return
-        sign = float(np.linalg.slogdet(system.A)[0])
+        rcond = self.matrix.rcond()
+        if rcond > ZERO:
+            self._passage(t)
+            return
+        raise AnalysisError(
+            f"singular position at t = {t:.9g}: the degrees of freedom do not determine the motion of"
+            f" {self.matrix.undetermined()} (reciprocal condition {rcond:.2g}); a dead point: choose other degrees of"
+            " freedom, or output times that do not fall on it",
+            "position.singular",
+            rcond=rcond,
+        )
+
+    def _passage(self, t: float) -> None:
+        if not self.matrix.kinematics.numbering.nddof or not self.matrix.has_determinant:
+            return
+        sign = self.matrix.determinant()[0]
         if self.last is not None and sign != self.last[1]:
             self.report.add(
                 f"warning: between t = {self.last[0]:.9g} and {t:.9g} the degrees of freedom passed a singular position"
                 " (dead point); the accuracy of the integration is lost there: choose other degrees of freedom"
             )
         self.last = t, sign
-
-    def _motion(self) -> str:
-        k = self.kinematics
-        D = scaled_difference_matrix(k.mechanism, k.sweep.gradient())[np.ix_(k.E, k.U)]
-        motion = np.abs(np.linalg.svd(D)[2][-1]).round(9)
-        order = np.argsort(-motion, kind="stable")[:3]
-        return ", ".join(k.numbering.x_name(int(k.U[i])) for i in order if motion[i] > 0.1)
 
 
 class DeadPoints:
@@ -101,20 +114,19 @@ class DeadPoints:
     sign, the motion has been reflected. Watches systems in dense storage.
     """
 
-    def __init__(self, kinematics: Kinematics) -> None:
-        self.regularity = Regularity(kinematics, Report())
-        self.system = kinematics.velocity_system
-        self.watches = bool(len(kinematics.U)) and isinstance(self.system, DenseSystem)
+    def __init__(self, matrix: PositionMatrix) -> None:
+        self.matrix = matrix
+        self.watches = matrix.has_determinant
         self.largest = (-np.inf, 0.0)  # logarithm of |det|, reciprocal condition there
         self.sign = 1.0
         self.entered: tuple[float, float] | None = None  # time, sign before
 
     def check(self, t: float) -> None:
         """Raises AnalysisError 'position.singular'."""
-        sign, size = np.linalg.slogdet(self.system.A)  # type: ignore[attr-defined]
+        sign, size = self.matrix.determinant()
         if size > self.largest[0] + 0.1:
-            self.largest = float(size), self.regularity.rcond()
-        collapsed = size < self.largest[0] + COLLAPSE and self.regularity.rcond() < np.exp(COLLAPSE) * self.largest[1]
+            self.largest = size, self.matrix.rcond()
+        collapsed = size < self.largest[0] + COLLAPSE and self.matrix.rcond() < np.exp(COLLAPSE) * self.largest[1]
         if collapsed:
             self.entered = self.entered or (t, self.sign)
         else:
@@ -125,7 +137,7 @@ class DeadPoints:
                     "position.singular",
                 )
             self.entered = None
-            self.sign = float(sign)
+            self.sign = sign
 
 
 class HalfTurns:
