@@ -46,8 +46,8 @@ class CompiledCases:
         self._out = np.zeros_like(self.y0)
 
     def _addresses(self, array: Array) -> list[int]:
-        block = 8 * self.size * LANES
-        return [array.ctypes.data + k * block for k in range(len(self.models))]
+        start, block = array.ctypes.data, 8 * self.size * LANES
+        return [start + k * block for k in range(len(self.models))]
 
     def rhs(self, t: float, y: Array) -> Array:
         """Time derivative of the state. Raises AnalysisError when a case cannot be evaluated."""
@@ -66,9 +66,11 @@ class CompiledCases:
         """Stages of an explicit Runge-Kutta step, see `spacar.integrators.problem.Problem`."""
         stride = self.size * len(self.models)
         reached = len(c)
+        at_c, at_a = c.ctypes.data, a.ctypes.data
         blocks = zip(self.models, self.states, self._addresses(y), self._addresses(K), strict=True)
-        for model, state, where, rows in blocks:
-            reached = min(reached, model.stages(state, done, c, a, t, h, window, where, rows, stride, self.converged))
+        for model, state, at_y, at_K in blocks:
+            one = model.stages(state, done, len(c), at_c, at_a, t, h, window, at_y, at_K, stride, self.converged)
+            reached = min(reached, one)
             if reached < len(c):
                 break
         return reached

@@ -53,6 +53,7 @@ class CompiledDynamics(Dynamics):
         self.state = self.model.state()
         self._y, self._out = np.zeros((2, 2 * self.numbering.nddof))
         self._addresses = self._y.ctypes.data, self._out.ctypes.data
+        self._step_of: tuple[Array | None, Array | None, tuple[int, ...]] = None, None, ()
 
     # -- the two paths --------------------------------------------------------------------------------------------
     def start(self) -> Array:
@@ -120,8 +121,11 @@ class CompiledDynamics(Dynamics):
         """Stages of an explicit Runge-Kutta step, see `spacar.integrators.problem.Problem`."""
         if not self.model.polynomial:
             return done
+        if self._step_of[0] is not K or self._step_of[1] is not y:  # an integrator keeps its arrays
+            self._step_of = K, y, (c.ctypes.data, a.ctypes.data, y.ctypes.data, K.ctypes.data)
+        at_c, at_a, at_y, at_K = self._step_of[2]
         reached = self.model.stages(
-            self.state, done, c, a, t, h, window, y.ctypes.data, K.ctypes.data, len(y), self.kinematics.converged
+            self.state, done, len(c), at_c, at_a, t, h, window, at_y, at_K, len(y), self.kinematics.converged
         )
         self.evaluations += reached - done
         return reached

@@ -46,6 +46,21 @@ static inline real lanes_larger(real m, real a)
 #endif
 }
 
+/* Rows of a few right-hand sides: their width is a multiple of ROW numbers, which are one vector of the processor. */
+#if LANES == 1
+enum { ROW = 4 };
+typedef double row_part __attribute__((vector_size(8 * ROW), aligned(8), may_alias));
+#else
+enum { ROW = 1 };
+typedef real row_part;
+#endif
+
+/* to += a from. */
+static inline void add_row(real *to, real a, const real *from, int width)
+{
+    for (int c = 0; c < width; c += ROW) *(row_part *)(to + c) += a * *(const row_part *)(from + c);
+}
+
 static inline double largest_lane(real a)
 {
     double m = LANE(a, 0);

@@ -123,8 +123,9 @@ static int assemble(Model *m)
     const Spec *s = &m->s;
     const int n = s->n_equations, first = s->n_fixed_x, nf = s->n_free, nr = s->n_rows, entries = m->v_start[s->ne];
     const int q = s->n_x_dynamic + s->n_e_dynamic;
+    m->width = (q + ROW) / ROW * ROW;
     int *place = cleared(s->nx, sizeof(int)), status = place ? OK : NO_MEMORY;
-    if (!status) status = sparse_begin(&m->position, n, entries, q + 1);
+    if (!status) status = sparse_begin(&m->position, n, entries, m->width);
     if (!status) status = entries_begin(&m->dynamic, entries);
     if (!status && !s->prescribed) status = sparse_begin(&m->motion, nf + nr, m->mass.n + 2 * entries, 1);
     if (!status) {
@@ -197,11 +198,10 @@ Model *spacar_begin(const Spec *spec)
     m->stage = m->b + nx + ne;
     m->piece = m->stage + 2 * (nx + ne);
     if (m->reduced) {
-        const int q = spec->n_x_dynamic + spec->n_e_dynamic;
-        m->transfer = cleared(2 * nx * (q + 1) + q * q + q, sizeof(real));
+        m->transfer = cleared((2 * nx + spec->n_x_dynamic + spec->n_e_dynamic + 1) * m->width, sizeof(real));
         if (!m->transfer) { spacar_end(m); return NULL; }
-        m->weighted = m->transfer + nx * (q + 1);
-        m->small = m->weighted + nx * (q + 1);
+        m->weighted = m->transfer + nx * m->width;
+        m->small = m->weighted + nx * m->width;
     }
     return m;
 }
@@ -237,7 +237,7 @@ double spacar_rcond(Model *m, const double *row, const double *column)
     for (int j = 0; j < n; j++) {
         memset(m->b, 0, sizeof(real) * n);
         m->b[j] = EVERY(1.0 / row[j]);
-        solve(s, m->b, m->b, 1);
+        solve(s, m->b, m->b);
         real sum = EVERY(0.0);
         for (int i = 0; i < n; i++) sum += lanes_larger(EVERY(0.0), m->b[i] / column[i]);
         inverse = lanes_larger(inverse, sum);

@@ -118,7 +118,8 @@ class Model:
     # -- calls; y, out, K are C-contiguous with the cases last ----------------------------------------------------
     def rhs(self, state: State, t: float, y: int, out: int, converged: float) -> int:
         """Time derivative of the state at the address y into out; a negative number when that is not possible."""
-        return int(self.library.spacar_rhs(self.handle, state.address, t, y, out, converged, LARGEST_JUMP))
+        status: int = self.library.spacar_rhs(self.handle, state.address, t, y, out, converged, LARGEST_JUMP)
+        return status
 
     def evaluate(self, state: State, t: float, y: Array, converged: float) -> int:
         """Everything that a frame has (gravity and total forces are in the model); negative when not possible."""
@@ -131,16 +132,17 @@ class Model:
         return status
 
     def stages(
-        self, state: State, done: int, c: Array, a: Array, t: float, h: float, window: tuple[float, float], y: int,
+        self, state: State, done: int, n: int, c: int, a: int, t: float, h: float, window: tuple[float, float], y: int,
         K: int, stride: int, converged: float,
     ) -> int:  # fmt: skip
-        """Stages of an explicit Runge-Kutta step from `done` on, rows of K `stride` lanes apart; the first not done."""
-        return int(
-            self.library.spacar_stages(
-                self.handle, state.address, done, len(c), c.ctypes.data, a.ctypes.data, t, h, *window, y, K, stride,
-                converged, LARGEST_JUMP,
-            )
-        )  # fmt: skip
+        """Stages of an explicit Runge-Kutta step from `done` to n, rows of K `stride` lanes apart; the first not done.
+
+        c, a, y and K are addresses.
+        """
+        reached: int = self.library.spacar_stages(
+            self.handle, state.address, done, n, c, a, t, h, *window, y, K, stride, converged, LARGEST_JUMP
+        )
+        return reached
 
     def places(self) -> tuple[Array, Array]:
         """Rows and columns of the entries of V."""

@@ -43,7 +43,7 @@ typedef struct {
     int n_v, n_values, *v_start, *v_column; /* V by rows: the places in `values` are those of v_column */
     int *v_offset, *m_offset;             /* (number of elements) places of the element matrices */
     Entries mass, dynamic;                /* of M; of V, in the columns of dynamic coordinates, counted from the first one */
-    int reduced;                          /* accelerations from the reduced form */
+    int reduced, width;                   /* accelerations from the reduced form; numbers in a row of `transfer` */
     Sparse position, motion;
     real *values;                         /* V, then M of moving elements, then the constant M */
     real *h, *convected, *b, *force, *next_x, *next_xd, *next_xdd, *near, *next_e, *given_ed, *given_edd, *stage, *piece, *transfer, *weighted, *small;
@@ -190,7 +190,7 @@ static int place(Model *m, real *x, real *xd, real *e, const real *near, const r
         const int status = chord ? OK : factor(&m->position, m->values);
         m->factored = !status;
         if (status) return status;
-        solve(&m->position, r, r, 1);
+        solve(&m->position, r, r);
         real step = EVERY(0.0), sum = EVERY(0.0);
         for (int i = 0; i < n; i++) {
             x[first + i] -= r[i];
@@ -203,7 +203,7 @@ static int place(Model *m, real *x, real *xd, real *e, const real *near, const r
         if (largest > converged && last > CONVERGED) { last = largest; continue; }
         memset(xd + first, 0, sizeof(real) * n);
         for (int i = 0; i < n; i++) r[i] = e_rate[i] - rate(m, i, xd);
-        solve(&m->position, r, xd + first, 1);
+        solve(&m->position, r, xd + first);
         return iteration;
     }
     return NO_CONVERGENCE;
@@ -229,62 +229,57 @@ static void out_of_balance(const Model *m, const real *xdd, const real *sigma, i
     for (int r = first_row; r < s->ne; r++) subtract_transposed(m, r, sigma[r], out);
 }
 
-/* Factor a positive definite matrix (n, n) and solve, in place; SINGULAR when a pivot is lost in rounding. */
-static int solve_positive(real *A, int n, real *b)
+/* Factor a positive definite matrix (n, n), rows `width` apart, and solve, in place; SINGULAR when a pivot is lost in rounding. */
+static int solve_positive(real *A, int width, int n, real *b)
 {
     for (int k = 0; k < n; k++) {
-        const real diagonal = A[k * n + k];
-        for (int j = 0; j < k; j++) A[k * n + k] -= A[k * n + j] * A[k * n + j];
-        EACH_LANE if (!(LANE(A[k * n + k], w) > 1e-14 * LANE(diagonal, w))) return SINGULAR;
-        A[k * n + k] = lanes_sqrt(A[k * n + k]);
+        const real diagonal = A[k * width + k];
+        for (int j = 0; j < k; j++) A[k * width + k] -= A[k * width + j] * A[k * width + j];
+        EACH_LANE if (!(LANE(A[k * width + k], w) > 1e-14 * LANE(diagonal, w))) return SINGULAR;
+        A[k * width + k] = lanes_sqrt(A[k * width + k]);
         for (int i = k + 1; i < n; i++) {
-            for (int j = 0; j < k; j++) A[i * n + k] -= A[i * n + j] * A[k * n + j];
-            A[i * n + k] /= A[k * n + k];
+            for (int j = 0; j < k; j++) A[i * width + k] -= A[i * width + j] * A[k * width + j];
+            A[i * width + k] /= A[k * width + k];
         }
-        for (int j = 0; j < k; j++) b[k] -= A[k * n + j] * b[j];
-        b[k] /= A[k * n + k];
+        for (int j = 0; j < k; j++) b[k] -= A[k * width + j] * b[j];
+        b[k] /= A[k * width + k];
     }
     for (int k = n - 1; k >= 0; k--) {
-        for (int j = k + 1; j < n; j++) b[k] -= A[j * n + k] * b[j];
-        b[k] /= A[k * n + k];
+        for (int j = k + 1; j < n; j++) b[k] -= A[j * width + k] * b[j];
+        b[k] /= A[k * width + k];
     }
     return OK;
 }
 
-/* Reduced form: columns of `transfer` (nx, q + 1) are the transfer functions of the q degrees of freedom and the acceleration
-   without them, less gravity. xdd and, when wanted, sigma are completed from the given ones. */
+/* Reduced form: columns of `transfer` (nx, width) are the transfer functions of the q degrees of freedom and the acceleration
+   without them, less gravity; zeros fill up the rows. xdd and, when wanted, sigma are completed from the given ones. */
 static int reduced_form(Model *m, const real *edd_given, real *xdd, real *sigma, int want_stress)
 {
     const Spec *s = &m->s;
-    const int nx = s->nx, n = s->n_equations, first = s->n_fixed_x, a = s->n_x_dynamic, q = a + s->n_e_dynamic, width = q + 1;
-    real *X = m->transfer, *MX = m->weighted, *A = m->small, *b = A + q * q;
+    const int nx = s->nx, n = s->n_equations, first = s->n_fixed_x, a = s->n_x_dynamic, q = a + s->n_e_dynamic, width = m->width;
+    real *X = m->transfer, *MX = m->weighted, *A = m->small, *b = A + q * width;
     real *right = X + first * width;
     memset(X, 0, sizeof(real) * nx * width);
     for (int k = 0; k < m->dynamic.n; k++)
         right[m->dynamic.row[k] * width + m->dynamic.column[k]] -= m->values[m->dynamic.source[k]];
     for (int i = a; i < q; i++) right[(s->e_dynamic + i - a) * width + i] = EVERY(1.0);
     for (int i = 0; i < n; i++) right[i * width + q] = edd_given[i] - m->h[i] - rate(m, i, xdd);
-    solve(&m->position, right, right, width);
+    solve_rows(&m->position, right, width);
     for (int i = 0; i < a; i++) X[(s->x_dynamic + i) * width + i] = EVERY(1.0);
     for (int i = 0; i < n; i++) xdd[first + i] = X[(first + i) * width + q];
     for (int i = 0; i < nx; i++) X[i * width + q] = xdd[i] - s->field[i];
     memset(MX, 0, sizeof(real) * nx * width);
-    for (int k = 0; k < m->mass.n; k++) {
-        const real value = m->values[m->mass.source[k]], *from = X + m->mass.column[k] * width;
-        real *to = MX + m->mass.row[k] * width;
-        for (int c = 0; c < width; c++) to[c] += value * from[c];
-    }
+    for (int k = 0; k < m->mass.n; k++)
+        add_row(MX + m->mass.row[k] * width, m->values[m->mass.source[k]], X + m->mass.column[k] * width, width);
     real *force = m->force;
     for (int i = 0; i < nx; i++) force[i] = s->force[i] - m->convected[i] - MX[i * width + q];
     for (int r = s->n_rows; r < s->ne; r++) subtract_transposed(m, r, sigma[r], force);
-    memset(A, 0, sizeof(real) * (q * q + q));
-    for (int i = first; i < nx; i++)
-        for (int c = 0; c < q; c++) {
-            const real x = X[i * width + c];
-            for (int d = 0; d <= c; d++) A[c * q + d] += x * MX[i * width + d];
-            b[c] += x * force[i];
-        }
-    if (solve_positive(A, q, b)) return SINGULAR;
+    memset(A, 0, sizeof(real) * (q + 1) * width);
+    for (int i = first; i < nx; i++) {
+        for (int c = 0; c < q; c++) add_row(A + c * width, X[i * width + c], MX + i * width, width);
+        add_row(b, force[i], X + i * width, width);
+    }
+    if (solve_positive(A, width, q, b)) return SINGULAR;
     for (int i = first; i < nx; i++)
         for (int c = 0; c < q; c++) xdd[i] += X[i * width + c] * b[c];
     real sum = EVERY(0.0);
@@ -310,7 +305,7 @@ static int accelerate(Model *m, const real *x, const real *xd, const real *e, co
     real *b = m->b, sum = EVERY(0.0);
     if (s->prescribed) { /* no dynamic degree of freedom: kinematics, then reactions from the transposed system */
         for (int i = 0; i < n; i++) b[i] = edd_given[i] - m->h[i] - rate(m, i, xdd);
-        solve(&m->position, b, xdd + s->n_fixed_x, 1);
+        solve(&m->position, b, xdd + s->n_fixed_x);
         out_of_balance(m, xdd, sigma, n, m->force);
         solve_transposed(&m->position, m->force + s->n_fixed_x, sigma);
         for (int i = 0; i < n; i++) sum += sigma[i] + xdd[s->n_fixed_x + i];
@@ -322,7 +317,7 @@ static int accelerate(Model *m, const real *x, const real *xd, const real *e, co
     for (int r = 0; r < nr; r++) b[nf + r] = edd_given[r] - m->h[r] - rate(m, r, xdd);
     const int status = factor(&m->motion, m->values);
     if (status) return status;
-    solve(&m->motion, b, b, 1);
+    solve(&m->motion, b, b);
     for (int i = 0; i < nf; i++) { xdd[s->free[i]] = b[i]; sum += b[i]; }
     memcpy(sigma, b + nf, sizeof(real) * nr);
     return isfinite(largest_lane(sum)) ? OK : NOT_FINITE;

@@ -270,30 +270,42 @@ static int factor(Sparse *s, const real *values)
     return largest_lane(factor_in_order(s, values)) <= GROWTH ? OK : SINGULAR;
 }
 
-/* The matrix X of A X = B, both (n, width), the same or not. */
-static void solve(const Sparse *s, const real *b, real *x, int width)
+/* x of A x = b; both (n), the same or not. */
+static void solve(const Sparse *s, const real *b, real *x)
 {
     const int n = s->n;
     real *y = s->work;
     for (int k = 0; k < n; k++) {
-        real *sum = y + k * width;
-        const double weight = s->weight[s->row_order[k]];
-        for (int c = 0; c < width; c++) sum[c] = b[s->row_order[k] * width + c] * weight;
-        for (int m = s->lower_start[k]; m < s->lower_start[k + 1]; m++) {
-            const real l = s->lower[m], *other = y + s->lower_column[m] * width;
-            for (int c = 0; c < width; c++) sum[c] -= l * other[c];
-        }
+        real sum = b[s->row_order[k]] * s->weight[s->row_order[k]];
+        for (int m = s->lower_start[k]; m < s->lower_start[k + 1]; m++) sum -= s->lower[m] * y[s->lower_column[m]];
+        y[k] = sum;
     }
     for (int k = n - 1; k >= 0; k--) {
-        real *sum = y + k * width;
-        for (int m = s->upper_start[k]; m < s->upper_start[k + 1]; m++) {
-            const real u = s->upper[m], *other = y + s->upper_column[m] * width;
-            for (int c = 0; c < width; c++) sum[c] -= u * other[c];
-        }
-        for (int c = 0; c < width; c++) sum[c] *= s->inverse[k];
+        real sum = y[k];
+        for (int m = s->upper_start[k]; m < s->upper_start[k + 1]; m++) sum -= s->upper[m] * y[s->upper_column[m]];
+        y[k] = sum * s->inverse[k];
     }
-    for (int k = 0; k < n; k++)
-        for (int c = 0; c < width; c++) x[s->column_order[k] * width + c] = y[k * width + c];
+    for (int k = 0; k < n; k++) x[s->column_order[k]] = y[k];
+}
+
+/* The matrix X of A X = B, both (n, width) and the same, `width` a multiple of ROW. */
+static void solve_rows(const Sparse *s, real *x, int width)
+{
+    const int n = s->n;
+    real *y = s->work;
+    memset(y, 0, sizeof(real) * n * width);
+    for (int k = 0; k < n; k++) {
+        add_row(y + k * width, EVERY(s->weight[s->row_order[k]]), x + s->row_order[k] * width, width);
+        for (int m = s->lower_start[k]; m < s->lower_start[k + 1]; m++)
+            add_row(y + k * width, -s->lower[m], y + s->lower_column[m] * width, width);
+    }
+    for (int k = n - 1; k >= 0; k--) {
+        real *to = x + s->column_order[k] * width;
+        for (int m = s->upper_start[k]; m < s->upper_start[k + 1]; m++)
+            add_row(y + k * width, -s->upper[m], x + s->column_order[s->upper_column[m]] * width, width);
+        memset(to, 0, sizeof(real) * width);
+        add_row(to, s->inverse[k], y + k * width, width);
+    }
 }
 
 /* x of A^T x = b. */

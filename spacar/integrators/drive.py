@@ -8,7 +8,6 @@ integer number of them fits between two outputs (or breaks), so fixed-step codes
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import astuple
 from functools import partial
 from itertools import pairwise
 from math import ceil
@@ -115,13 +114,13 @@ def _outputs(
     """Dense output at `times` from a stream of steps."""
     statistics = evaluation.statistics
     yield Output(float(times[0]), y0.copy(), 0, 0, 0, 0, 0)
-    before = astuple(statistics)
+    before = statistics.counts()
     i, n = 1, len(times)
     next_time, step_start, limit = float(times[1]), float(times[0]), max_steps
     for t, y, interpolate in steps:
         while next_time <= t:
             result = y.copy() if next_time == t else interpolate(next_time)
-            now = astuple(statistics)
+            now = statistics.counts()
             yield Output(next_time, result, *(a - b for a, b in zip(now, before, strict=True)))
             before = now
             limit = statistics.n_steps + max_steps

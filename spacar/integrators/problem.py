@@ -46,6 +46,10 @@ class IntegrationStatistics:
     n_rejected: int = 0
     newton_iterations: int = 0
 
+    def counts(self) -> tuple[int, int, int, int, int]:
+        """All of them, in this order."""
+        return self.n_steps, self.n_rhs, self.n_jacobian, self.n_rejected, self.newton_iterations
+
 
 @dataclass(frozen=True, slots=True)
 class Output:
