@@ -7,8 +7,10 @@ evaluation. Here the same equations run in C:
     kernels.c  the element functions, generated from the definitions of the deformations in `definitions`, which share
                nothing with the hand-written element families
     sparse.c   sparse LU in an order of the pivots that is chosen from numbers and kept as long as it is good
-    solver.c   Newton's iteration, accelerations from the saddle-point form or, with few degrees of freedom, from the
-               reduced form; stages of a Runge-Kutta step
+    elements.c what Python gives, the model, and its elements
+    motion.c   Newton's iteration, accelerations from the saddle-point form or, with few degrees of freedom, from the
+               reduced form
+    state.c    states of the integrators: right-hand side, stages of a Runge-Kutta step, frames
     model.c    which entries V and M have
 
 Results equal those of the general path to rounding (tests/compiled). Never required: chosen with `spacar 1 FILE

@@ -100,10 +100,14 @@ class CompiledCases:
             np.maximum(self._largest[block], size, out=self._largest[block])
 
     def variables(self, t: float, y: Array) -> dict[str, Array]:
-        """What frames have, (nx, cases) and (ne, cases), at a state. Raises AnalysisError."""
+        """What frames have, (nx, cases) and (ne, cases), at a state.
+
+        Raises AnalysisError where a case cannot be evaluated, or an element may be outside the range of its theory:
+        the single run says what it is.
+        """
         blocks = y.reshape(self.by_case)
         for model, state, own in zip(self.models, self.shown, blocks, strict=True):
-            if model.evaluate(state, t, np.ascontiguousarray(own), CONVERGED) < 0:
+            if model.evaluate(state, t, np.ascontiguousarray(own), CONVERGED) < 0 or not model.in_range(state):
                 raise _failed(t)
 
         def joined(arrays: list[Array]) -> Array:

@@ -20,7 +20,7 @@ from pathlib import Path
 from spacar.errors import UsageError
 
 FLAGS = ("-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math", "-fPIC", "-shared", "-std=gnu11")
-PARTS = ("lanes.c", "kernels.c", "sparse.c", "solver.c", "model.c")
+PARTS = ("lanes.c", "kernels.c", "sparse.c", "elements.c", "motion.c", "state.c", "model.c")
 HERE = Path(__file__).parent
 
 DOUBLES = ctypes.POINTER(ctypes.c_double)
@@ -28,7 +28,7 @@ INTEGERS = ctypes.POINTER(ctypes.c_int)
 
 
 class CBatch(ctypes.Structure):
-    """`Batch` of solver.c."""
+    """`Batch` of elements.c."""
 
     _fields_ = [
         *((name, ctypes.c_int) for name in ("kind", "n", "nxe", "nee", "np", "inertia")),
@@ -37,7 +37,7 @@ class CBatch(ctypes.Structure):
 
 
 class CSpec(ctypes.Structure):
-    """`Spec` of solver.c."""
+    """`Spec` of elements.c."""
 
     _fields_ = [
         *((name, ctypes.c_int) for name in (
@@ -56,7 +56,7 @@ class CSpec(ctypes.Structure):
 
 
 class CState(ctypes.Structure):
-    """`State` of solver.c."""
+    """`State` of elements.c."""
 
     _fields_ = [
         ("known", ctypes.c_int), ("t", ctypes.c_double),

@@ -8,7 +8,7 @@ import numpy as np
 
 from spacar.elements.base import Array, Family
 
-# place in the enum of solver.c
+# place in the enum of elements.c
 KINDS = ("plbeam", "pltruss", "pltor", "plpinbod", "beam", "truss", "hinge", "pinbody", "normalization", "body")
 
 

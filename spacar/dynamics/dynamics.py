@@ -23,8 +23,6 @@ from spacar.kinematics.regularity import PositionMatrix
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Array, Drive, DriveState, Loads, Mechanism, UserForces
 
-ITERATED = 1e-12  # position tolerance of codes that solve equations with F
-
 
 class Dynamics:
     """Evaluator of one mechanism under one set of loads. The `Problem` of the integrators.
@@ -192,15 +190,9 @@ class Dynamics:
         return out
 
     def jacobian(self, t: float, y: Array) -> tuple[Array, Array]:
-        """dF/dy from the exact linearization and dF/dt by a central difference (zero for constant drives).
-
-        A code that asks for it iterates with F, so from now on positions are as exact as they can be: what is left of
-        their residual makes accelerations of stiff modes that no iteration can remove (measured on 16 elements: 1
-        Jacobian instead of 16 with 1e-11, 1e-13 is not better).
-        """
+        """dF/dy from the exact linearization and dF/dt by a central difference (zero for constant drives)."""
         from spacar.linear.state_matrix import state_jacobian
 
-        self.kinematics.converged = min(self.kinematics.converged, ITERATED)
         return state_jacobian(self, t, y)
 
     # -- what checks ask after an evaluation ----------------------------------------------------------------------

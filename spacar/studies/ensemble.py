@@ -29,8 +29,7 @@ from spacar.deck import ELEMENT_TYPES, Deck, Statement
 from spacar.dynamics.analysis import POSITION
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.limits import Limits
-from spacar.elements.base import Family
-from spacar.errors import AnalysisError, Report, UsageError
+from spacar.errors import Report, UsageError
 from spacar.frame import Frame, StoredFrames
 from spacar.integrators import METHODS, integrate
 from spacar.kinematics.regularity import HalfTurns
@@ -132,7 +131,6 @@ def _in_lanes(single: Mechanism, together: Mechanism, times: Array, x_of: Array,
     work: list[dict[str, int]] = []
     for out in integrate(problem, problem.y0, times, settings.integrator, atol, rtol, settings.step):
         stored.append(problem.variables(float(out.t), out.y))
-        _require_range(together, stored[-1], x_of, e_of)
         work.append({"steps": out.n_steps, "rhs": out.n_rhs, "rejected": out.n_rejected})
     arrays = {name: np.stack([s[name] for s in stored]).transpose(2, 0, 1) for name in (*X_FIELDS, *E_FIELDS)}
     results: list[Result] = []
@@ -151,19 +149,6 @@ def _start(together: Mechanism, x_of: Array, e_of: Array) -> Array:
     both = np.concatenate((x[:, x_of], e[:, e_of]), axis=-1)
     dynamic = ~np.isnan(both[0, 0])
     return np.concatenate(both[:, :, dynamic], axis=-1)
-
-
-def _require_range(together: Mechanism, variables: dict[str, Array], x_of: Array, e_of: Array) -> None:
-    """Raises AnalysisError where an element is outside the range of its theory: the single run says which."""
-    n = together.numbering
-    x, e, sigma = np.zeros(n.nx), np.zeros(n.ne), np.zeros(n.ne)
-    x[x_of], e[e_of], sigma[e_of] = variables["x"].T, variables["e"].T, variables["sig"].T
-    for b in together.batches:
-        if type(b.family).troubles is not Family.troubles:
-            e_own, V = np.zeros(b.e.shape), np.zeros((len(b.e), *b.x.shape))
-            configuration = b.family.strain(x[b.x], e[b.e], e_own, V)
-            if any(trouble.fatal for trouble in b.family.troubles(configuration, e[b.e], sigma[b.e])):
-                raise AnalysisError("an element of a case is outside the range of its theory", "study.batch")
 
 
 def copies(decks: Sequence[Deck]) -> Deck:

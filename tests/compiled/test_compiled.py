@@ -77,18 +77,34 @@ def test_the_command_line_option(tmp_path):
     assert "compiled" in (tmp_path / "crank.log").read_text().lower()
 
 
-def test_the_watch_of_accepted_steps_sees_the_state_that_c_evaluated():
-    """`settle` brings position and the factored matrix of the general path to the last compiled state."""
+def test_checks_see_the_state_that_c_evaluated():
+    """Determinant and condition from the factors in C are those of the matrix of the general path at the same state."""
     mechanism = spacar.frames(1, DATA / "robotsim.dat").mechanism
     general, compiled = Dynamics(mechanism), CompiledDynamics(mechanism)
     y = general.start() + 0.1
     compiled.start()
     general.rhs(0.0, y)
     compiled.rhs(0.0, y)
+    expected, found = general.position_matrix(), compiled.position_matrix()
+    # the position is known to 1e-11 (CONVERGED), the matrix and what depends on it to a hundred times that
+    assert found.rcond() == pytest.approx(expected.rcond(), rel=1e-9)
+    assert found.determinant() == pytest.approx(expected.determinant(), rel=1e-9)
     compiled.settle()
     np.testing.assert_allclose(compiled.kinematics.x, general.kinematics.x, atol=1e-10)  # ten times CONVERGED
-    expected = general.kinematics.velocity_system.A
-    np.testing.assert_allclose(compiled.kinematics.velocity_system.A, expected, atol=1e-9)
+    matrices = (d.kinematics.velocity_system.A for d in (compiled, general))
+    np.testing.assert_allclose(*matrices, atol=1e-9)
+
+
+@pytest.mark.parametrize(("angle", "sure"), [(0.1, True), (0.7, True), (0.8, False), (1.4, False)])
+def test_guards_know_which_elements_are_surely_in_range(angle, sure):
+    """Bending of 45 degrees (0.785) is what they let pass; beyond, the elements are asked themselves."""
+    text = "PLBEAM 1 1 2 3 4\nX 3 1. 0.\nFIX 1\nFIX 2\nDYNE 1 2 3\nEND\nHALT\nEM 1 1.\nESTIFF 1 0. 1.\nEND\nEND\n"
+    compiled = CompiledDynamics(spacar.frames(1, spacar.deck.parse_deck(text, mode=1)).mechanism)
+    y = compiled.start()
+    y[:2] = 0.0, np.sin(angle)  # e3 is the sine of the end rotation, times the length
+    for part in np.linspace(0.0, 1.0, 11):
+        compiled.frame(part, part * y)
+    assert compiled.in_range() is sure
 
 
 def test_implicit_methods_use_the_exact_jacobian_of_the_same_state():

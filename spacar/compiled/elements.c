@@ -1,0 +1,171 @@
+/* What Python gives, a model, and its elements: strains, convective terms, inertia, guards.
+
+   All vectors are in the order of the result files. V and M are lists of the entries of the elements. */
+enum { PLBEAM, PLTRUSS, PLTOR, PLPINBOD, BEAM, TRUSS, HINGE, PINBODY, NORMALIZATION, BODY };
+enum { MAX_ITERATIONS = 20, MAX_X = 14, MAX_E = 6, MAX_GUARDS = 4 };
+
+typedef struct {
+    int kind, n, nxe, nee, np, inertia; /* inertia: M and h depend on x */
+    const int *x, *e;                   /* (n, nxe), (n, nee) */
+    const real *p;                      /* (n, np) */
+} Batch;
+
+typedef struct { int n, *row, *column, *source; } Entries; /* (n) each; `source` is a place in `values` */
+
+/* What Python gives. */
+typedef struct {
+    int nx, ne, n_fixed_x, n_rows, n_equations, n_batches, n_stiffness, n_damping, prescribed, n_constant, n_free;
+    int x_input, n_x_input, x_dynamic, n_x_dynamic, e_input, n_e_input, e_dynamic, n_e_dynamic, polynomial;
+    const Batch *batches;
+    const int *constant_row, *constant_column; const real *constant_mass; /* (n_constant) */
+    const double *scale;                  /* (nx) sizes */
+    const real *force, *field, *preload;  /* (nx) constant forces without gravity, (nx) gravity field, (ne) */
+    const int *s_rows, *s_columns, *d_rows, *d_columns;
+    const real *s_values, *d_values;
+    const int *free;                      /* (n_free) coordinates that are not fixed or prescribed */
+    const real *x0;                       /* (nx) reference configuration: the values of fixed coordinates */
+    const real *x_motion, *e_motion;      /* (n, 3): start, rate, acceleration; or value, rate, acceleration at t */
+} Spec;
+
+/* The last evaluated state, shared with Python; (nx) or (ne). A model may have several, each on its own path. */
+typedef struct {
+    int known;                            /* rates and accelerations too, at t */
+    double t;
+    real *x, *xd, *xdd, *e, *ed, *edd, *sigma, *given_e;
+} State;
+
+typedef struct {
+    Spec s;
+    int factored;                         /* the matrix of the position is that of some state before */
+    int n_v, n_values, *v_start, *v_column; /* V by rows: the places in `values` are those of v_column */
+    int *v_offset, *m_offset;             /* (number of elements) places of the element matrices */
+    Entries mass, dynamic;                /* of M; of V, in the columns of dynamic coordinates, counted from the first one */
+    int reduced, width;                   /* accelerations from the reduced form; numbers in a row of `transfer` */
+    Sparse position, motion;
+    real *values;                         /* V, then M of moving elements, then the constant M */
+    real *h, *convected, *b, *force, *next_x, *next_xd, *next_xdd, *near, *next_e, *given_ed, *given_edd, *stage, *piece, *transfer, *weighted, *small;
+    int *v_place;                         /* (n_v) order of V's rows: place in `values` */
+} Model;
+
+static void element_strain(int kind, const real *x, const real *p, real *e, real *V)
+{
+    switch (kind) {
+    case PLBEAM: plbeam_strain(x, p, e, V); break;
+    case PLTRUSS: pltruss_strain(x, p, e, V); break;
+    case PLTOR: pltor_strain(x, p, e, V); break;
+    case PLPINBOD: plpinbod_strain(x, p, e, V); break;
+    case BEAM: beam_strain(x, p, e, V); break;
+    case TRUSS: truss_strain(x, p, e, V); break;
+    case HINGE: hinge_strain(x, p, e, V); break;
+    case PINBODY: pinbody_strain(x, p, e, V); break;
+    case NORMALIZATION: normalization_strain(x, p, e, V); break;
+    }
+}
+
+static void element_convective(int kind, const real *x, const real *v, const real *p, real *h)
+{
+    switch (kind) {
+    case PLBEAM: plbeam_convective(x, v, p, h); break;
+    case PLTRUSS: pltruss_convective(x, v, p, h); break;
+    case PLTOR: pltor_convective(x, v, p, h); break;
+    case PLPINBOD: plpinbod_convective(x, v, p, h); break;
+    case BEAM: beam_convective(x, v, p, h); break;
+    case TRUSS: truss_convective(x, v, p, h); break;
+    case HINGE: hinge_convective(x, v, p, h); break;
+    case PINBODY: pinbody_convective(x, v, p, h); break;
+    case NORMALIZATION: normalization_convective(x, v, p, h); break;
+    }
+}
+
+static void element_inertia(int kind, const real *x, const real *v, const real *p, real *M, real *h)
+{
+    switch (kind) {
+    case PLBEAM: plbeam_inertia(x, v, p, M, h); break;
+    case BEAM: beam_inertia(x, v, p, M, h); break;
+    case BODY: body_inertia(x, v, p, M, h); break;
+    }
+}
+
+/* Guards of an element; their number. */
+static int element_guard(int kind, const real *x, const real *p, real *g)
+{
+    switch (kind) {
+    case PLBEAM: plbeam_guard(x, p, g); return 3;
+    case PLTRUSS: pltruss_guard(x, p, g); return 1;
+    case BEAM: beam_guard(x, p, g); return 4;
+    case TRUSS: truss_guard(x, p, g); return 1;
+    }
+    return 0;
+}
+
+/* e, and V into `values`. */
+static void strain(const Model *m, const real *x, const real *near, real *e)
+{
+    real xe[MAX_X], ee[MAX_E];
+    const int *offset = m->v_offset;
+    for (int b = 0; b < m->s.n_batches; b++) {
+        const Batch *k = &m->s.batches[b];
+        for (int i = 0; i < k->n; i++, offset++) {
+            if (!k->nee) continue;
+            const int *ix = k->x + i * k->nxe, *ie = k->e + i * k->nee;
+            for (int j = 0; j < k->nxe; j++) xe[j] = x[ix[j]];
+            element_strain(k->kind, xe, k->p + i * k->np, ee, m->values + *offset);
+            if (k->kind == HINGE) ee[0] += 2 * M_PI * lanes_rint((near[ie[0]] - ee[0]) / (2 * M_PI));
+            for (int r = 0; r < k->nee; r++) e[ie[r]] = ee[r];
+        }
+    }
+}
+
+/* H(v,v), and M into `values` with h of the moving elements. */
+static void inertia(const Model *m, const real *x, const real *v)
+{
+    real xe[MAX_X], ve[MAX_X], he[MAX_X];
+    const int *offset = m->m_offset;
+    memset(m->convected, 0, sizeof(real) * m->s.nx);
+    for (int b = 0; b < m->s.n_batches; b++) {
+        const Batch *k = &m->s.batches[b];
+        for (int i = 0; i < k->n; i++, offset++) {
+            const int *ix = k->x + i * k->nxe;
+            const real *p = k->p + i * k->np;
+            for (int j = 0; j < k->nxe; j++) { xe[j] = x[ix[j]]; ve[j] = v[ix[j]]; }
+            if (k->nee) {
+                real rates[MAX_E];
+                element_convective(k->kind, xe, ve, p, rates);
+                for (int r = 0; r < k->nee; r++) m->h[k->e[i * k->nee + r]] = rates[r];
+            }
+            if (!k->inertia) continue;
+            element_inertia(k->kind, xe, ve, p, m->values + *offset, he);
+            for (int r = 0; r < k->nxe; r++) m->convected[ix[r]] += he[r];
+        }
+    }
+}
+
+/* Row r of V times v. */
+static inline real rate(const Model *m, int r, const real *v)
+{
+    real sum = EVERY(0.0);
+    for (int k = m->v_start[r]; k < m->v_start[r + 1]; k++) sum += m->values[m->v_place[k]] * v[m->v_column[k]];
+    return sum;
+}
+
+static inline void subtract_transposed(const Model *m, int r, real sigma, real *out)
+{
+    for (int k = m->v_start[r]; k < m->v_start[r + 1]; k++) out[m->v_column[k]] -= m->values[m->v_place[k]] * sigma;
+}
+
+/* Smallest guard of all elements and lanes at x; 1 when there are none. */
+double spacar_guard(const Model *m, const real *x)
+{
+    real xe[MAX_X], g[MAX_GUARDS];
+    double least = 1.0;
+    for (int b = 0; b < m->s.n_batches; b++) {
+        const Batch *k = &m->s.batches[b];
+        for (int i = 0; i < k->n; i++) {
+            for (int j = 0; j < k->nxe; j++) xe[j] = x[k->x[i * k->nxe + j]];
+            const int n = element_guard(k->kind, xe, k->p + i * k->np, g);
+            for (int r = 0; r < n; r++) EACH_LANE if (!(LANE(g[r], w) >= least)) least = LANE(g[r], w);
+            if (!n) break;
+        }
+    }
+    return least;
+}

@@ -1,0 +1,170 @@
+/* Position, velocity and acceleration of a holonomic mechanism (theory-system.md (1), (2), (9)).
+
+   The accelerations come from the saddle-point form, or with few degrees of freedom from the reduced form, whose transfer
+   functions need nothing but solutions with the matrix of the position; stresses are computed where somebody looks. */
+/* Position and velocity. x comes with the given values and a guess of the calculable ones, xd and ed with the given rates.
+   The first correction uses the matrix of the last state, which is still factored. One that follows a correction below
+   CONVERGED is as small as rounding allows and passes always. */
+static const double CONVERGED = 1e-11;
+
+static int place(Model *m, real *x, real *xd, real *e, const real *near, const real *e_given, const real *e_rate,
+                 double converged)
+{
+    const int n = m->s.n_equations, first = m->s.n_fixed_x;
+    real *r = m->b;
+    double before = INFINITY, last = INFINITY;
+    int halvings = 0;
+    for (int iteration = 1; iteration <= MAX_ITERATIONS; iteration++) {
+        strain(m, x, near, e);
+        real residual = EVERY(0.0), total = EVERY(0.0);
+        for (int i = 0; i < n; i++) {
+            const real difference = e[i] - e_given[i];
+            residual = lanes_larger(residual, difference);
+            total += difference;
+        }
+        const double norm = largest_lane(residual);
+        if (!isfinite(norm) || !isfinite(largest_lane(total))) return NOT_FINITE;
+        if (norm > 2.0 * before && norm > 1e-6) {
+            if (++halvings > 5) return NO_CONVERGENCE;
+            for (int i = 0; i < n; i++) { r[i] *= 0.5; x[first + i] += r[i]; }
+            continue;
+        }
+        before = norm;
+        halvings = 0;
+        for (int i = 0; i < n; i++) r[i] = e[i] - e_given[i];
+        const int chord = iteration == 1 && m->factored && norm > converged;
+        const int status = chord ? OK : factor(&m->position, m->values);
+        m->factored = !status;
+        if (status) return status;
+        solve(&m->position, r, r);
+        real step = EVERY(0.0), sum = EVERY(0.0);
+        for (int i = 0; i < n; i++) {
+            x[first + i] -= r[i];
+            step = lanes_larger(step, r[i] / m->s.scale[first + i]);
+            sum += r[i];
+        }
+        const double largest = largest_lane(step);
+        if (!isfinite(largest) || !isfinite(largest_lane(sum))) return NOT_FINITE;
+        if (chord) continue;
+        if (largest > converged && last > CONVERGED) { last = largest; continue; }
+        memset(xd + first, 0, sizeof(real) * n);
+        for (int i = 0; i < n; i++) r[i] = e_rate[i] - rate(m, i, xd);
+        solve(&m->position, r, xd + first);
+        return iteration;
+    }
+    return NO_CONVERGENCE;
+}
+
+static void stresses(const Model *m, const real *e, const real *xd, real *sigma)
+{
+    const Spec *s = &m->s;
+    memcpy(sigma, s->preload, sizeof(real) * s->ne);
+    for (int i = 0; i < s->n_stiffness; i++) sigma[s->s_rows[i]] += s->s_values[i] * e[s->s_columns[i]];
+    for (int i = 0; i < s->n_damping; i++) sigma[s->d_rows[i]] += s->d_values[i] * rate(m, s->d_columns[i], xd);
+}
+
+/* f + M g - h - M xdd_given - V^T sigma of the rows from first_row, at every coordinate. */
+static void out_of_balance(const Model *m, const real *xdd, const real *sigma, int first_row, real *out)
+{
+    const Spec *s = &m->s;
+    for (int i = 0; i < s->nx; i++) out[i] = s->force[i] - m->convected[i];
+    for (int k = 0; k < m->mass.n; k++) {
+        const int j = m->mass.column[k];
+        out[m->mass.row[k]] += m->values[m->mass.source[k]] * (s->field[j] - xdd[j]);
+    }
+    for (int r = first_row; r < s->ne; r++) subtract_transposed(m, r, sigma[r], out);
+}
+
+/* Factor a positive definite matrix (n, n), rows `width` apart, and solve, in place; SINGULAR when a pivot is lost in rounding. */
+static int solve_positive(real *A, int width, int n, real *b)
+{
+    for (int k = 0; k < n; k++) {
+        const real diagonal = A[k * width + k];
+        for (int j = 0; j < k; j++) A[k * width + k] -= A[k * width + j] * A[k * width + j];
+        EACH_LANE if (!(LANE(A[k * width + k], w) > 1e-14 * LANE(diagonal, w))) return SINGULAR;
+        A[k * width + k] = lanes_sqrt(A[k * width + k]);
+        for (int i = k + 1; i < n; i++) {
+            for (int j = 0; j < k; j++) A[i * width + k] -= A[i * width + j] * A[k * width + j];
+            A[i * width + k] /= A[k * width + k];
+        }
+        for (int j = 0; j < k; j++) b[k] -= A[k * width + j] * b[j];
+        b[k] /= A[k * width + k];
+    }
+    for (int k = n - 1; k >= 0; k--) {
+        for (int j = k + 1; j < n; j++) b[k] -= A[j * width + k] * b[j];
+        b[k] /= A[k * width + k];
+    }
+    return OK;
+}
+
+/* Reduced form: columns of `transfer` (nx, width) are the transfer functions of the q degrees of freedom and the acceleration
+   without them, less gravity; zeros fill up the rows. xdd and, when wanted, sigma are completed from the given ones. */
+static int reduced_form(Model *m, const real *edd_given, real *xdd, real *sigma, int want_stress)
+{
+    const Spec *s = &m->s;
+    const int nx = s->nx, n = s->n_equations, first = s->n_fixed_x, a = s->n_x_dynamic, q = a + s->n_e_dynamic, width = m->width;
+    real *X = m->transfer, *MX = m->weighted, *A = m->small, *b = A + q * width;
+    real *right = X + first * width;
+    memset(X, 0, sizeof(real) * nx * width);
+    for (int k = 0; k < m->dynamic.n; k++)
+        right[m->dynamic.row[k] * width + m->dynamic.column[k]] -= m->values[m->dynamic.source[k]];
+    for (int i = a; i < q; i++) right[(s->e_dynamic + i - a) * width + i] = EVERY(1.0);
+    for (int i = 0; i < n; i++) right[i * width + q] = edd_given[i] - m->h[i] - rate(m, i, xdd);
+    solve_rows(&m->position, right, width);
+    for (int i = 0; i < a; i++) X[(s->x_dynamic + i) * width + i] = EVERY(1.0);
+    for (int i = 0; i < n; i++) xdd[first + i] = X[(first + i) * width + q];
+    for (int i = 0; i < nx; i++) X[i * width + q] = xdd[i] - s->field[i];
+    memset(MX, 0, sizeof(real) * nx * width);
+    for (int k = 0; k < m->mass.n; k++)
+        add_row(MX + m->mass.row[k] * width, m->values[m->mass.source[k]], X + m->mass.column[k] * width, width);
+    real *force = m->force;
+    for (int i = 0; i < nx; i++) force[i] = s->force[i] - m->convected[i] - MX[i * width + q];
+    for (int r = s->n_rows; r < s->ne; r++) subtract_transposed(m, r, sigma[r], force);
+    memset(A, 0, sizeof(real) * (q + 1) * width);
+    for (int i = first; i < nx; i++) {
+        for (int c = 0; c < q; c++) add_row(A + c * width, X[i * width + c], MX + i * width, width);
+        add_row(b, force[i], X + i * width, width);
+    }
+    if (solve_positive(A, width, q, b)) return SINGULAR;
+    for (int i = first; i < nx; i++)
+        for (int c = 0; c < q; c++) xdd[i] += X[i * width + c] * b[c];
+    real sum = EVERY(0.0);
+    for (int i = first; i < nx; i++) sum += xdd[i];
+    if (!isfinite(largest_lane(sum))) return NOT_FINITE;
+    if (!want_stress) return OK;
+    for (int i = first; i < first + n; i++)
+        for (int c = 0; c < q; c++) force[i] -= MX[i * width + c] * b[c];
+    solve_transposed(&m->position, force + first, m->b);
+    memcpy(sigma, m->b, sizeof(real) * s->n_rows);
+    return OK;
+}
+
+/* xdd comes with the given accelerations (zero elsewhere); it is completed, and so is sigma when wanted. The position system
+   must be factored. */
+static int accelerate(Model *m, const real *x, const real *xd, const real *e, const real *edd_given, real *xdd, real *sigma,
+                      int want_stress)
+{
+    const Spec *s = &m->s;
+    const int n = s->n_equations, nf = s->n_free, nr = s->n_rows;
+    inertia(m, x, xd);
+    stresses(m, e, xd, sigma);
+    real *b = m->b, sum = EVERY(0.0);
+    if (s->prescribed) { /* no dynamic degree of freedom: kinematics, then reactions from the transposed system */
+        for (int i = 0; i < n; i++) b[i] = edd_given[i] - m->h[i] - rate(m, i, xdd);
+        solve(&m->position, b, xdd + s->n_fixed_x);
+        out_of_balance(m, xdd, sigma, n, m->force);
+        solve_transposed(&m->position, m->force + s->n_fixed_x, sigma);
+        for (int i = 0; i < n; i++) sum += sigma[i] + xdd[s->n_fixed_x + i];
+        return isfinite(largest_lane(sum)) ? OK : NOT_FINITE;
+    }
+    if (m->reduced) return reduced_form(m, edd_given, xdd, sigma, want_stress);
+    out_of_balance(m, xdd, sigma, nr, m->force);
+    for (int i = 0; i < nf; i++) b[i] = m->force[s->free[i]];
+    for (int r = 0; r < nr; r++) b[nf + r] = edd_given[r] - m->h[r] - rate(m, r, xdd);
+    const int status = factor(&m->motion, m->values);
+    if (status) return status;
+    solve(&m->motion, b, b);
+    for (int i = 0; i < nf; i++) { xdd[s->free[i]] = b[i]; sum += b[i]; }
+    memcpy(sigma, b + nf, sizeof(real) * nr);
+    return isfinite(largest_lane(sum)) ? OK : NOT_FINITE;
+}
