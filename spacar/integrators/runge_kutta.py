@@ -48,13 +48,14 @@ class ExplicitRungeKutta:
         self.stages[-1] = self.evaluation.rhs(t, self.y_new)
         return self.stages[-1]
 
-    def _stages(self, t: float, h: float) -> None:
+    def _stages(self, t: float, h: float, end: bool = False) -> bool:
+        """All stages and y_new; whether F at the `end`, which is wanted next, is there too."""
         stages, work, rhs, c = self.stages, self.work, self.evaluation.rhs, self.tableau.c
         i = 1
         while i < len(c):
             if self.evaluation.stages is not None:
-                i = self._together(i, t, h)
-                if i == len(c):
+                i = self._together(i, t, h, end)
+                if i >= len(c):
                     break
             np.matmul(self.tableau.rows[i], stages[:i], work)
             np.multiply(work, h, work)
@@ -64,13 +65,15 @@ class ExplicitRungeKutta:
         np.matmul(self.tableau.b, stages[:-1], work)
         np.multiply(work, h, work)
         np.add(work, self.y, self.y_new)
+        return i > len(c)
 
-    def _together(self, done: int, t: float, h: float) -> int:
+    def _together(self, done: int, t: float, h: float, end: bool) -> int:
         """Stages from `done` on by one call of the problem; the first that it could not do."""
         evaluation, tableau = self.evaluation, self.tableau
         assert evaluation.stages is not None
         window = evaluation.first, evaluation.last
-        reached = evaluation.stages(done, tableau.c, tableau.a, t, h, window, self.y, self.stages)
+        c, a = (tableau.nodes, tableau.matrix) if end else (tableau.c, tableau.a)
+        reached = evaluation.stages(done, c, a, t, h, window, self.y, self.stages)
         evaluation.statistics.n_rhs += reached - done
         return reached
 
@@ -90,8 +93,8 @@ class ExplicitRungeKutta:
         """A trial step; returns the error estimate as a multiple of the tolerance, `scaled` holds its
         components."""
         self.h = h
-        self._stages(self.t, h)
-        self.stages[-1] = self.evaluation.rhs(self.t + h, self.y_new)
+        if not self._stages(self.t, h, end=True):
+            self.stages[-1] = self.evaluation.rhs(self.t + h, self.y_new)
         np.matmul(self.tableau.error, self.stages, self.scaled)  # type: ignore[arg-type]
         np.divide(self.scaled, weights(self.tolerance, self.y, self.y_new), self.scaled)
         return h * sqrt(np.max(self._mean_square(self.scaled)))

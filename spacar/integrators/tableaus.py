@@ -30,9 +30,19 @@ class Tableau:
     controller: tuple[float, float, float] = (3.0, 0.2, 5.0)
     dense: np.ndarray | None = None
     rows: tuple[np.ndarray, ...] = field(init=False, repr=False)
+    # c and A of all rows that are evaluated: with F at the step end as a last stage where the error needs it
+    nodes: np.ndarray = field(init=False, repr=False)
+    matrix: np.ndarray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "rows", tuple(self.a[i, :i].copy() for i in range(len(self.c))))
+        s, more = len(self.c), int(self.error is not None)
+        nodes, matrix = np.ones(s + more), np.zeros((s + more, s + more))
+        nodes[:s], matrix[:s, :s] = self.c, self.a
+        if more:
+            matrix[s, :s] = self.b
+        object.__setattr__(self, "rows", tuple(self.a[i, :i].copy() for i in range(s)))
+        object.__setattr__(self, "nodes", nodes)
+        object.__setattr__(self, "matrix", matrix)
 
 
 def _lower(*rows: list[float]) -> np.ndarray:
