@@ -53,7 +53,7 @@ class CompiledDynamics(Dynamics):
         self.state = self.model.state()
         self._y, self._out = np.zeros((2, 2 * self.numbering.nddof))
         self._addresses = self._y.ctypes.data, self._out.ctypes.data
-        self._step_of: tuple[Array | None, Array | None, tuple[int, ...]] = None, None, ()
+        self._step_of: tuple[Array, Array, Array, tuple[int, ...]] | None = None
 
     # -- the two paths --------------------------------------------------------------------------------------------
     def start(self) -> Array:
@@ -121,9 +121,10 @@ class CompiledDynamics(Dynamics):
         """Stages of an explicit Runge-Kutta step, see `spacar.integrators.problem.Problem`."""
         if not self.model.polynomial:
             return done
-        if self._step_of[0] is not K or self._step_of[1] is not y:  # an integrator keeps its arrays
-            self._step_of = K, y, (c.ctypes.data, a.ctypes.data, y.ctypes.data, K.ctypes.data)
-        at_c, at_a, at_y, at_K = self._step_of[2]
+        kept = self._step_of  # an integrator keeps its arrays
+        if kept is None or kept[0] is not c or kept[1] is not y or kept[2] is not K:
+            kept = self._step_of = c, y, K, (c.ctypes.data, a.ctypes.data, y.ctypes.data, K.ctypes.data)
+        at_c, at_a, at_y, at_K = kept[3]
         reached = self.model.stages(
             self.state, done, len(c), at_c, at_a, t, h, window, at_y, at_K, len(y), self.kinematics.converged
         )

@@ -69,6 +69,8 @@ class Model:
             raise MemoryError("no memory for the compiled model")
         weakref.finalize(self, self.library.spacar_end, self.handle)
         self.gravity, self.total = np.zeros((2, numbering.nx, self.cases))
+        self._determinant = np.zeros((2, self.cases))
+        self._determinant_at = self._determinant[0].ctypes.data, self._determinant[1].ctypes.data
 
     def state(self) -> State:
         """A new state, at the reference configuration."""
@@ -157,9 +159,8 @@ class Model:
 
     def determinant(self) -> tuple[Array, Array]:
         """Signs and logarithms of det V[E, U] at the last evaluated state, (cases,) each."""
-        sign, logarithm = np.zeros((2, self.cases))
-        self.library.spacar_determinant(self.handle, sign.ctypes.data, logarithm.ctypes.data)
-        return sign, logarithm
+        self.library.spacar_determinant(self.handle, *self._determinant_at)
+        return self._determinant[0], self._determinant[1]
 
     def rcond(self, rows: Array, columns: Array) -> float:
         """Smallest reciprocal condition of the cases' rows * V[E, U] * columns at the last evaluated state, 1-norm."""

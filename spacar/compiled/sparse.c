@@ -10,7 +10,7 @@ enum { OK = 0, NO_CONVERGENCE = -1, SINGULAR = -2, NOT_FINITE = -3, JUMP = -4, N
 static const double THRESHOLD = 0.1, GROWTH = 1e3;
 
 typedef struct {
-    int n, n_entries, planned;
+    int n, n_entries, planned, even; /* even: sign of the permutations */
     int *row, *column, *source;         /* (n_entries) */
     double *weight;                     /* (n) row factors */
     int *row_order, *column_order;      /* (n) row and column of pivot k */
@@ -141,6 +141,19 @@ static int choose(const List *rows, const List *columns, const char *used, int n
     }
 }
 
+/* +1 or -1: an even or odd permutation. */
+static int parity(const int *order, int n)
+{
+    int sign = 1;
+    char *seen = cleared(n, 1);
+    for (int i = 0; seen && i < n; i++) {
+        if (seen[i]) continue;
+        for (int j = order[i]; j != i; j = order[j]) { seen[j] = 1; sign = -sign; }
+    }
+    free(seen);
+    return sign;
+}
+
 /* Choose the order from the values of a lane. OK, SINGULAR or NO_MEMORY. */
 static int plan(Sparse *s, const real *values, int lane)
 {
@@ -222,6 +235,7 @@ static int plan(Sparse *s, const real *values, int lane)
             s->entry_source[at] = s->source[k];
         }
         s->planned = 1;
+        s->even = parity(s->row_order, n) * parity(s->column_order, n);
     }
     free_lists(rows, n); free_lists(columns, n); free_lists(lower, n); free_lists(upper, n);
     free(used); free(step);
@@ -323,24 +337,11 @@ static void solve_transposed(const Sparse *s, const real *b, real *x)
     for (int k = 0; k < n; k++) x[s->row_order[k]] = y[k] * s->weight[s->row_order[k]];
 }
 
-static int parity(const int *order, int n)
-{
-    int sign = 1;
-    char *seen = cleared(n, 1);
-    for (int i = 0; seen && i < n; i++) {
-        if (seen[i]) continue;
-        for (int j = order[i]; j != i; j = order[j]) { seen[j] = 1; sign = -sign; }
-    }
-    free(seen);
-    return sign;
-}
-
 /* Sign and logarithm of the determinant of the factored matrix, lane by lane (LANES each). */
 static void determinant(const Sparse *s, double *sign, double *logarithm)
 {
-    const int even = parity(s->row_order, s->n) * parity(s->column_order, s->n);
     EACH_LANE {
-        sign[w] = even;
+        sign[w] = s->even;
         logarithm[w] = 0.0;
         for (int k = 0; k < s->n; k++) {
             const double inverse = LANE(s->inverse[k], w);
