@@ -142,9 +142,10 @@ class CompiledDynamics(Dynamics):
         self._y[:] = y
         if m.evaluate(s, t, self._y, CONVERGED) < 0:
             return self._in_general(lambda: super(CompiledDynamics, self).frame(t, y))
-        x, xd, xdd, gravity, total = (a[:, 0].copy() for a in (s.x, s.xd, s.xdd, m.gravity, m.total))
-        e, ed, edd, sigma = (a[:, 0].copy() for a in (s.e, s.ed, s.edd, s.sigma))
-        self.xd = xd.copy()
+        x, xd, xdd = s.of_x[:, :, 0].copy()
+        e, ed, edd, sigma = s.of_e[:4, :, 0].copy()
+        gravity, total = m.forces[:, :, 0].copy()
+        self.xd = xd
         return Frame(
             t=t, x=x, xd=xd, xdd=xdd, e=e, ed=ed, edd=edd, sig=sigma, fx=self.loads.force.copy(), fxgrav=gravity,
             fxtot=total,

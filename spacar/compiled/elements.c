@@ -41,9 +41,10 @@ typedef struct {
     int *v_offset, *m_offset;             /* (number of elements) places of the element matrices */
     Entries mass, dynamic;                /* of M; of V, in the columns of dynamic coordinates, counted from the first one */
     int reduced, width;                   /* accelerations from the reduced form; numbers in a row of `transfer` */
+    const State *transfer_of;             /* the state that `transfer` and `degrees` (q, their rates, accelerations) belong to */
     Sparse position, motion;
     real *values;                         /* V, then M of moving elements, then the constant M */
-    real *h, *convected, *b, *force, *next_x, *next_xd, *next_xdd, *near, *next_e, *given_ed, *given_edd, *stage, *piece, *transfer, *weighted, *small;
+    real *h, *convected, *b, *force, *next_x, *next_xd, *next_xdd, *near, *next_e, *given_ed, *given_edd, *stage, *piece, *degrees, *transfer, *weighted, *small;
     int *v_place;                         /* (n_v) order of V's rows: place in `values` */
 } Model;
 

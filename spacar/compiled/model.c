@@ -198,10 +198,11 @@ Model *spacar_begin(const Spec *spec)
     m->stage = m->b + nx + ne;
     m->piece = m->stage + 2 * (nx + ne);
     if (m->reduced) {
-        m->transfer = cleared((2 * nx + spec->n_x_dynamic + spec->n_e_dynamic + 1) * m->width, sizeof(real));
+        m->transfer = cleared((2 * nx + spec->n_x_dynamic + spec->n_e_dynamic + 1 + 3) * m->width, sizeof(real));
         if (!m->transfer) { spacar_end(m); return NULL; }
         m->weighted = m->transfer + nx * m->width;
         m->small = m->weighted + nx * m->width;
+        m->degrees = m->small + (spec->n_x_dynamic + spec->n_e_dynamic + 1) * m->width;
     }
     return m;
 }

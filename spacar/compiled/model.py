@@ -37,9 +37,10 @@ class State:
     """The last evaluated state: x, xd, xdd (nx, cases), e, ed, edd, sigma, given_e (ne, cases), shared with C."""
 
     def __init__(self, nx: int, ne: int, cases: int) -> None:
-        self.x, self.xd, self.xdd = np.zeros((3, nx, cases))
-        self.e, self.ed, self.edd, self.sigma, self.given_e = np.zeros((5, ne, cases))
-        arrays = (self.x, self.xd, self.xdd, self.e, self.ed, self.edd, self.sigma, self.given_e)
+        self.of_x, self.of_e = np.zeros((3, nx, cases)), np.zeros((5, ne, cases))
+        self.x, self.xd, self.xdd = self.of_x
+        self.e, self.ed, self.edd, self.sigma, self.given_e = self.of_e
+        arrays = (*self.of_x, *self.of_e)
         self.c = CState(0, 0.0, *(a.ctypes.data_as(DOUBLES) for a in arrays))
         self.address = ctypes.c_void_p(ctypes.addressof(self.c))
 
@@ -68,7 +69,9 @@ class Model:
         if not self.handle:
             raise MemoryError("no memory for the compiled model")
         weakref.finalize(self, self.library.spacar_end, self.handle)
-        self.gravity, self.total = np.zeros((2, numbering.nx, self.cases))
+        self.forces = np.zeros((2, numbering.nx, self.cases))
+        self.gravity, self.total = self.forces
+        self._forces_at = self.gravity.ctypes.data, self.total.ctypes.data
         self._determinant = np.zeros((2, self.cases))
         self._determinant_at = self._determinant[0].ctypes.data, self._determinant[1].ctypes.data
 
@@ -129,8 +132,7 @@ class Model:
             self.handle, state.address, t, y.ctypes.data, converged, LARGEST_JUMP, 1
         )
         if status >= 0:
-            forces = self.gravity.ctypes.data, self.total.ctypes.data
-            self.library.spacar_complete(self.handle, state.address, *forces)
+            self.library.spacar_complete(self.handle, state.address, *self._forces_at)
         return status
 
     def stages(

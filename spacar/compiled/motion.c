@@ -32,7 +32,7 @@ static int place(Model *m, real *x, real *xd, real *e, const real *near, const r
         before = norm;
         halvings = 0;
         for (int i = 0; i < n; i++) r[i] = e[i] - e_given[i];
-        const int chord = iteration == 1 && m->factored && norm > converged;
+        const int chord = !m->reduced && iteration == 1 && m->factored && norm > converged;
         const int status = chord ? OK : factor(&m->position, m->values);
         m->factored = !status;
         if (status) return status;
@@ -128,6 +128,7 @@ static int reduced_form(Model *m, const real *edd_given, real *xdd, real *sigma,
     if (solve_positive(A, width, q, b)) return SINGULAR;
     for (int i = first; i < nx; i++)
         for (int c = 0; c < q; c++) xdd[i] += X[i * width + c] * b[c];
+    memcpy(m->degrees + 2 * q, b, sizeof(real) * q);
     real sum = EVERY(0.0);
     for (int i = first; i < nx; i++) sum += xdd[i];
     if (!isfinite(largest_lane(sum))) return NOT_FINITE;

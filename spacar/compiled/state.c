@@ -27,6 +27,12 @@ static int evaluate(Model *m, State *at, double t, const real *y, double converg
         x[i] = at->x[i] + move;
     }
     if (!(largest_lane(ahead) <= 0.5 * jump)) return JUMP; /* as FARTHEST_GUESS of the general path */
+    if (at->known && m->transfer_of == at) /* stages of a step leave the parabola: transfer functions follow the degrees of freedom */
+        for (int c = 0; c < q; c++) {
+            const real *d = m->degrees + c, off = y[c] - (d[0] + dt * (d[q] + 0.5 * dt * d[2 * q]));
+            for (int i = first; i < first + n; i++) x[i] += m->transfer[i * m->width + c] * off;
+        }
+    m->transfer_of = NULL;
     for (int i = 0; i < s->n_x_input; i++) {
         const int k = s->x_input + i;
         prescribed(s, s->x_motion + 3 * i, t, &x[k], &xd[k], &xdd[k]);
@@ -55,6 +61,10 @@ static int evaluate(Model *m, State *at, double t, const real *y, double converg
     memcpy(at->xdd, xdd, sizeof(real) * nx);
     at->t = t;
     at->known = 1;
+    if (m->reduced) {
+        memcpy(m->degrees, y, sizeof(real) * 2 * q);
+        m->transfer_of = at;
+    }
     return iterations;
 }
 
