@@ -39,7 +39,8 @@ typedef struct {
     int factored;                         /* the matrix of the position is that of some state before */
     int n_v, n_values, *v_start, *v_column; /* V by rows: the places in `values` are those of v_column */
     int *v_offset, *m_offset;             /* (number of elements) places of the element matrices */
-    Entries mass, dynamic;                /* of M; of V, in the columns of dynamic coordinates, counted from the first one */
+    Entries mass, given;                  /* of M; of M where the acceleration is given: gravity, prescribed motion */
+    Entries dynamic;                      /* of V, in the columns of dynamic coordinates, counted from the first one */
     int reduced, width;                   /* accelerations from the reduced form; numbers in a row of `transfer` */
     const State *transfer_of;             /* the state that `transfer` and `degrees` (q, their rates, accelerations) belong to */
     Sparse position, motion;

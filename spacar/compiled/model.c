@@ -128,7 +128,15 @@ static int assemble(Model *m)
     if (!status) status = sparse_begin(&m->position, n, entries, m->width);
     if (!status) status = entries_begin(&m->dynamic, entries);
     if (!status && !s->prescribed) status = sparse_begin(&m->motion, nf + nr, m->mass.n + 2 * entries, 1);
+    if (!status) status = entries_begin(&m->given, m->mass.n);
     if (!status) {
+        for (int k = 0; k < m->mass.n; k++) {
+            const int j = m->mass.column[k];
+            const real field = s->field[j];
+            int known = j >= s->x_input && j < s->x_input + s->n_x_input;
+            EACH_LANE if (LANE(field, w) != 0.0) known = 1;
+            if (known) add(&m->given, m->mass.row[k], j, m->mass.source[k]);
+        }
         m->position.n_entries = m->motion.n_entries = 0;
         for (int r = 0; r < n; r++)
             for (int k = m->v_start[r]; k < m->v_start[r + 1]; k++) {
@@ -165,6 +173,7 @@ void spacar_end(Model *m)
     sparse_end(&m->position);
     sparse_end(&m->motion);
     entries_end(&m->mass);
+    entries_end(&m->given);
     entries_end(&m->dynamic);
     free(m->v_start); free(m->v_column); free(m->v_place); free(m->v_offset); free(m->m_offset); free(m->values);
     free(m->h); /* the start of all vectors */

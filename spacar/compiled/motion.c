@@ -67,10 +67,11 @@ static void stresses(const Model *m, const real *e, const real *xd, real *sigma)
 static void out_of_balance(const Model *m, const real *xdd, const real *sigma, int first_row, real *out)
 {
     const Spec *s = &m->s;
+    const Entries *given = s->prescribed ? &m->mass : &m->given; /* without degrees of freedom all accelerations are known */
     for (int i = 0; i < s->nx; i++) out[i] = s->force[i] - m->convected[i];
-    for (int k = 0; k < m->mass.n; k++) {
-        const int j = m->mass.column[k];
-        out[m->mass.row[k]] += m->values[m->mass.source[k]] * (s->field[j] - xdd[j]);
+    for (int k = 0; k < given->n; k++) {
+        const int j = given->column[k];
+        out[given->row[k]] += m->values[given->source[k]] * (s->field[j] - xdd[j]);
     }
     for (int r = first_row; r < s->ne; r++) subtract_transposed(m, r, sigma[r], out);
 }
