@@ -23,7 +23,7 @@ from spacar.elements.beam_inertia import (
     line_mass,
     line_state,
 )
-from spacar.elements.frames import chord_frame, chords, rows, section_tensor, stack
+from spacar.elements.frames import chord_frames, chords, rows, section_tensor
 from spacar.elements.rotation import _CROSS, expand, rotate
 
 LARGE_ANGLE = np.pi / 4  # bending or twist of one element beyond this is computed with an error above 10 %
@@ -48,7 +48,7 @@ class SpatialBeam(Family):
     def __init__(self, group: ElementGroup) -> None:
         n = self._chords(group)
         direction, f1 = statement_values(group)
-        frame = stack([chord_frame(n[:, k], direction[k], k) for k in range(group.n)])
+        frame = chord_frames(n, direction)
         self._build(group, frame, frame, f1)
         mass = group.em[:, 0]
         self.line = line_constants(frame[:, 0], frame[:, 0], self.length, mass)

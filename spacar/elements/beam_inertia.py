@@ -47,7 +47,7 @@ class LineState(NamedTuple):
 
 def line_constants(axis_p: Array, axis_q: Array, l0: Array, mass: Array) -> LineConstants:
     """Constants of bars with the tangents axis_p, axis_q (3, n), length l0 (n,) [m], mass (n,) [kg/m]."""
-    K = l0 * np.stack([director_tensor(axis_p), director_tensor(axis_q)])
+    K = np.ascontiguousarray(l0 * director_tensor(np.stack((axis_p, axis_q), axis=1)).transpose(3, 0, 1, 2, 4))
     return LineConstants(K, HERMITE_MASS[..., None] * (mass * l0))
 
 

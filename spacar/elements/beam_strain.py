@@ -84,12 +84,9 @@ def beam_constants(
     frame_p: Array, frame_q: Array, l0: Array, f1: Array, nonlinear: NDArray[np.bool_]
 ) -> BeamConstants:
     """Constants of beams with frames (3, 3, n) at p and q, lengths l0 (n,) [m], coupling f1 (n,) [m^2]."""
-    yz = np.stack([np.stack([frame_p[:, 2], frame_q[:, 2]]), np.stack([frame_p[:, 1], frame_q[:, 1]])])
-    sign = np.array([[-1.0, 1.0], [1.0, -1.0]])
-    K = np.empty((2, 2, 3, 4, 4, len(l0)))
-    for c in range(2):
-        for s in range(2):
-            K[c, s] = sign[c, s] * l0 * director_tensor(yz[c, s])
+    c = np.stack((-frame_p[:, 2], frame_q[:, 2], frame_p[:, 1], -frame_q[:, 1]), axis=1)  # (3, 4, n)
+    K = l0 * director_tensor(c).transpose(3, 0, 1, 2, 4)
+    K = np.ascontiguousarray(K).reshape(2, 2, 3, 4, 4, len(l0))
     F = np.zeros((2, 2, 4, 4, len(l0)))
     F[0], F[1] = relative_parameters(frame_p, frame_q)[:2]
     F[1] *= 2.0 * l0

@@ -1,7 +1,7 @@
 """Local frames of spatial elements in the start configuration (theory-spatial.md section 2).
 
-A frame is an array (3, 3) whose columns are x', y', z'; frames of a group are stacked to (3, 3, n), element
-axis last.
+A frame is an array (3, 3) whose columns are x', y', z'; frames of a group are (3, 3, n), element axis last. The
+functions take one element, without that axis, or a group; `index` is the place of the (first) element in its group.
 """
 
 from __future__ import annotations
@@ -18,58 +18,73 @@ EQUAL = 1e-12  # components within this count as equal in `pick`
 
 
 def pick(ex: Array) -> Array:
-    """Standard basis vector at the largest angle with ex (3,); of equals the one with the highest index."""
+    """Standard basis vectors at the largest angle with ex (3, n); of equals those with the highest index."""
     size = np.abs(ex)
-    e = np.zeros(3)
-    e[np.flatnonzero(size <= size.min() + EQUAL)[-1]] = 1.0
-    return e
+    nearly = size <= size.min(0) + EQUAL
+    highest = 2 - np.argmax(nearly[::-1], axis=0)
+    return np.equal.outer(np.arange(3), highest).astype(float)
 
 
 def unit(v: Sequence[float] | Array, index: int, what: str) -> Array:
-    """v / |v| (3,). Raises GeometryError for a zero or non-finite vector; `what` names it in the message."""
+    """v / |v| (3, n). Raises GeometryError for a zero or non-finite vector; `what` names it in the message."""
     a = np.asarray(v, float)
-    size = float(np.max(np.abs(a)))
-    if not 0.0 < size < np.inf:
-        raise GeometryError(index, f"the {what} is the zero vector; give a vector with a direction")
+    size = np.abs(a).max(0)
+    good = (size > 0.0) & (size < np.inf)
+    if not good.all():
+        k = index + int(np.flatnonzero(~good)[0])
+        raise GeometryError(k, f"the {what} is the zero vector; give a vector with a direction")
     a = a / size
-    return a / np.sqrt(a @ a)
+    return np.asarray(a / np.sqrt((a * a).sum(0)))
 
 
 def supplemented(ex: Array, g: Array, index: int, what: str) -> Array:
-    """Frame (3, 3) with the given unit x' and y' in the plane of x' and g.
+    """Frames (3, 3, n) with the given unit x' and y' in the plane of x' and g, both (3, n).
 
     Raises GeometryError where g is parallel to x' within `PARALLEL`; `what` names g.
     """
     g = unit(g, index, what)
-    ey = g - (g @ ex) * ex
-    sine = float(np.sqrt(ey @ ey))
-    if sine < PARALLEL:
+    ey = g - (g * ex).sum(0) * ex
+    sine = np.sqrt((ey * ey).sum(0))
+    parallel = np.flatnonzero(sine < PARALLEL)
+    if len(parallel):
+        angle = np.degrees(sine.flat[parallel[0]])
         raise GeometryError(
-            index,
-            f"the {what} is parallel to the local x' axis (angle {np.degrees(sine):.3g} degrees); "
-            "choose another direction",
+            index + int(parallel[0]),
+            f"the {what} is parallel to the local x' axis (angle {angle:.3g} degrees); choose another direction",
         )
-    ey /= sine
-    return np.column_stack((ex, ey, cross(ex, ey)))
+    return completed(ex, ey / sine)
+
+
+def completed(ex: Array, ey: Array) -> Array:
+    """Frames (3, 3, n) of x' and y' (3, n)."""
+    return np.stack((ex, ey, cross(ex, ey)), axis=1)
 
 
 def cross(a: Array, b: Array) -> Array:
-    """a x b of two vectors (3,): np.cross takes ten times as long, and models are built often."""
+    """a x b of vectors (3, n): np.cross takes ten times as long, and models are built often."""
     (a0, a1, a2), (b0, b1, b2) = a, b
     return np.array([a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0])
 
 
-def chord_frame(ex: Array, direction: Sequence[float] | None, index: int) -> Array:
-    """Frame (3, 3) of a BEAM: x' given, y' from the direction vector of the statement or from `pick`."""
+def chord_frame(ex: Array, direction: Sequence[float] | Array | None, index: int) -> Array:
+    """Frames (3, 3, n) of BEAMs: x' given, y' from directions (3, n) or, where there are none, from `pick`."""
     g = pick(ex) if direction is None else np.asarray(direction, float)
     return supplemented(ex, g, index, "direction of the local y' axis")
 
 
-def axis_frame(axis: Sequence[float], index: int, what: str) -> Array:
-    """Frame (3, 3) of a HINGE or SCREW: x' along the axis, y' along x' x pick(x')."""
+def chord_frames(ex: Array, directions: Sequence[Sequence[float] | None]) -> Array:
+    """`chord_frame` for x' (3, n) of elements some of which have a direction."""
+    g = np.array([d or (0.0, 0.0, 0.0) for d in directions]).T
+    missing = [k for k, d in enumerate(directions) if not d]
+    if missing:
+        g[:, missing] = pick(ex[:, missing])
+    return chord_frame(ex, g, 0)
+
+
+def axis_frame(axis: Sequence[float] | Array, index: int, what: str) -> Array:
+    """Frames (3, 3, n) of HINGEs or SCREWs: x' along the axes (3, n), y' along x' x pick(x')."""
     ex = unit(axis, index, what)
-    ey = unit(cross(ex, pick(ex)), index, what)
-    return np.column_stack((ex, ey, cross(ex, ey)))
+    return completed(ex, unit(cross(ex, pick(ex)), index, what))
 
 
 def chords(d: Array, x: Array) -> tuple[Array, Array]:

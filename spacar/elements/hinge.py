@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from spacar.elements.base import Array, ElementGroup, Family, GeometryError
-from spacar.elements.frames import axis_frame, rows, stack
+from spacar.elements.frames import axis_frame, rows
 from spacar.elements.rotation import arc_tangent, expand, relative_parameters
 
 _einsum = np.einsum
@@ -155,12 +155,10 @@ class SpatialHinge(Family):
     def __init__(self, group: ElementGroup) -> None:
         self.keyword, self.numbers = group.keyword, group.numbers
         self.length = np.zeros(group.n)
-        frames = []
         for k, values in enumerate(group.geometry):
             if len(values) != 3:
                 raise GeometryError(k, f"the axis of rotation needs 3 components, {len(values)} are given")
-            frames.append(axis_frame(values, k, "axis of rotation"))
-        frame = stack(frames)
+        frame = axis_frame(np.array(group.geometry).T, 0, "axis of rotation")
         self.frame_p = self.frame_q = rows(frame)
         self.parameters = relative_parameters(frame, frame)
         self._coefficients = group.estiff[:, :3], group.edamp[:, :3]

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from spacar.elements.base import Array, ElementGroup, Family, GeometryError
-from spacar.elements.frames import chord_frame, chords, rows, section_tensor, stack, supplemented, unit
+from spacar.elements.frames import chord_frame, chord_frames, chords, rows, section_tensor, stack, supplemented, unit
 from spacar.elements.hinge import diagonal
 from spacar.elements.rotation import director_tensor, expand
 from spacar.elements.truss import rod_mass
@@ -205,5 +205,5 @@ def _given_frame(given: tuple[float, ...], k: int) -> Array:
 def _rod_inertia(group: ElementGroup, d: Array) -> Array:
     """Rotary inertia (n, 3, 3) of rods: section values refer to the line pq and the y' of the statement."""
     length, n = chords(d, group.x0[POSITIONS])
-    frame = stack([chord_frame(n[:, k], group.geometry[k] or None, k) for k in range(group.n)])
+    frame = chord_frames(n, group.geometry)
     return section_tensor(frame, group.em[:, 1:5], length)

@@ -17,7 +17,7 @@ import numpy as np
 from spacar.elements import hinge as turning
 from spacar.elements import pinbody as sliding
 from spacar.elements.base import Array, ElementGroup, Family, GeometryError
-from spacar.elements.frames import axis_frame, rows, stack
+from spacar.elements.frames import axis_frame, rows
 from spacar.elements.rotation import expand, relative_parameters
 
 
@@ -40,15 +40,13 @@ class Screw(Family):
         self.keyword, self.numbers = group.keyword, group.numbers
         self.length = np.zeros(group.n)
         self.pitch = np.zeros(group.n)
-        frames = []
         for k, values in enumerate(group.geometry):
             if len(values) not in (3, 4):
                 raise GeometryError(
                     k, f"needs 3 components of its axis and the pitch, {len(values)} are given"
                 )
-            frames.append(axis_frame(values[:3], k, "screw axis"))
             self.pitch[k] = values[3] if len(values) == 4 else 0.0
-        frame = stack(frames)
+        frame = axis_frame(np.array([values[:3] for values in group.geometry]).T, 0, "screw axis")
         self.frame_p = self.frame_q = rows(frame)
         self.r = np.einsum("ian,in->an", frame, group.x0[7:10] - group.x0[:3])
         self.data = np.column_stack((self.pitch, self.r.T))

@@ -23,33 +23,36 @@ def element_batches(deck: Deck, numbering: Numbering, x0: Array) -> list[Batch]:
     linear = {int(s.values[0]) for s in deck.of("LDEFORM", block=1)}
     directions = {int(s.values[0]): _reals(s.values[1:]) for s in deck.of("ORPINBOD", "ORTUBE", block=1)}
     projections = {int(s.values[0]): _reals(s.values[1:]) for s in deck.of("DRPINBOD", block=1)}
+    present = set(numbering.keyword.values())
     batches, messages = [], []
     for keyword, kind in ELEMENT_TYPES.items():
-        statements = sorted(deck.of(keyword, block=1), key=lambda s: s.values[0])
-        if not statements:
+        if keyword not in present:
             continue
-        numbers = np.array([s.values[0] for s in statements], np.int64)
+        statements = sorted(deck.of(keyword, block=1), key=lambda s: s.values[0])
+        names = [int(s.values[0]) for s in statements]
+        numbers = np.array(names, np.int64)
         first = 1 + len(kind.nodes)
         size = {"position": 2 if kind.planar else 3, "orientation": 1 if kind.planar else 4}
         nodes = np.array([s.values[1:first] for s in statements], np.int64)
-        x = np.concatenate([numbering.lnp[nodes[:, k] - 1, : size[role]].T - 1 for k, role in enumerate(kind.nodes)])
-        e = numbering.le[numbers - 1, : len(kind.modes)].T - 1
-        em = _rows(tables["EM"], numbers, PARAMETERS["EM"])
+        used = [4 * k + i for k, role in enumerate(kind.nodes) for i in range(size[role])]
+        x = np.ascontiguousarray(numbering.lnp[nodes - 1].reshape(len(nodes), -1)[:, used].T) - 1
+        e = np.ascontiguousarray(numbering.le[numbers - 1, : len(kind.modes)].T) - 1
+        em = _rows(tables["EM"], names, PARAMETERS["EM"])
         if keyword in TUBES:
-            for k, n in enumerate(numbers):
-                if len(tables["EM"].get(int(n), ())) <= SHAPE_FACTOR:
+            for k, n in enumerate(names):
+                if len(tables["EM"].get(n, ())) <= SHAPE_FACTOR:
                     em[k, SHAPE_FACTOR] = 1.0
         group = ElementGroup(
             keyword=keyword,
             numbers=numbers,
             x0=x0[x],
             geometry=tuple(_reals(s.values[first:]) for s in statements),
-            nonlinear=np.array([int(n) not in linear for n in numbers]),
-            directions=tuple(directions.get(int(n)) for n in numbers),
-            projections=tuple(projections.get(int(n)) for n in numbers),
+            nonlinear=np.array([n not in linear for n in names]),
+            directions=tuple(directions.get(n) for n in names),
+            projections=tuple(projections.get(n) for n in names),
             em=em,
-            estiff=_rows(tables["ESTIFF"], numbers, PARAMETERS["ESTIFF"]),
-            edamp=_rows(tables["EDAMP"], numbers, PARAMETERS["EDAMP"]),
+            estiff=_rows(tables["ESTIFF"], names, PARAMETERS["ESTIFF"]),
+            edamp=_rows(tables["EDAMP"], names, PARAMETERS["EDAMP"]),
         )
         try:
             family = family_of(keyword)(group)  # type: ignore[call-arg]
@@ -58,7 +61,7 @@ def element_batches(deck: Deck, numbering: Numbering, x0: Array) -> list[Batch]:
             text = f"element {bad.values[0]}: {error}"
             messages.append(Message("error", deck.source, bad.line, keyword, text, "input.geometry"))
             continue
-        batches.append(Batch(family, np.ascontiguousarray(x), np.ascontiguousarray(e)))
+        batches.append(Batch(family, x, e))
     if messages:
         raise InputError(messages)
     return batches
@@ -76,16 +79,17 @@ def node_batches(numbering: Numbering, families: Iterable[tuple[Family, Array]])
 
 
 def _reals(values: Iterable[int | float | str]) -> tuple[float, ...]:
-    return tuple(float(v) for v in values)
+    return tuple(map(float, values))
 
 
 def _table(deck: Deck, keyword: str, width: int) -> dict[int, tuple[float, ...]]:
     return {int(s.values[0]): _reals(s.values[1 : 1 + width]) for s in deck.of(keyword, block=2)}
 
 
-def _rows(table: dict[int, tuple[float, ...]], numbers: Array, width: int) -> Array:
-    rows = np.zeros((len(numbers), width))
-    for k, n in enumerate(numbers):
-        values = table.get(int(n), ())
-        rows[k, : len(values)] = values
+def _rows(table: dict[int, tuple[float, ...]], names: list[int], width: int) -> Array:
+    rows = np.zeros((len(names), width))
+    if table:
+        for k, n in enumerate(names):
+            values = table.get(n, ())
+            rows[k, : len(values)] = values
     return rows
