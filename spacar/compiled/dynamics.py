@@ -13,7 +13,7 @@ from spacar.compiled.numbers import of_one
 from spacar.dynamics.dynamics import Dynamics
 from spacar.frame import Frame
 from spacar.kinematics.diagnosis import ZERO
-from spacar.kinematics.kinematics import CONVERGED
+from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS
 from spacar.kinematics.regularity import PositionMatrix
 from spacar.mechanism.mechanism import Array, Drive, Loads, Mechanism, Polynomial
 
@@ -57,9 +57,23 @@ class CompiledDynamics(Dynamics):
 
     # -- the two paths --------------------------------------------------------------------------------------------
     def start(self) -> Array:
-        y = super().start()
+        """Start state. One that is near the reference configuration is placed in C; else the general path goes there.
+
+        Near is what a guess of Newton's method may be away. The mass is checked in the general path.
+        """
+        y, x0 = self.start_values(), self.mechanism.x0
+        self.state.begin(x0[:, None], np.zeros((self.numbering.ne, 1)))
+        if self._derivative(0.0, y, CONVERGED) < 0 or self._far(x0):
+            y = super().start()
+        else:
+            self.settle()
+            self.check_mass()
         self._take_over()
         return y
+
+    def _far(self, x: Array) -> bool:
+        moved = np.abs(self.state.x[:, 0] - x) / self.kinematics.scale
+        return bool(moved.max() > FARTHEST_GUESS)
 
     def _take_over(self) -> None:
         """The state in C becomes that of the general path."""
@@ -70,6 +84,7 @@ class CompiledDynamics(Dynamics):
         s, k = self.state, self.kinematics
         k.start_at(s.x[:, 0], s.e[:, 0])
         k.e_given = s.given_e[:, 0].copy()
+        self.xd = s.xd[:, 0].copy()
 
     def settle(self) -> None:
         self._hand_over()
@@ -106,11 +121,15 @@ class CompiledDynamics(Dynamics):
         m.e_motion[:, :, 0] = np.column_stack((drive.e, drive.ed, drive.edd))
 
     # -- evaluation -----------------------------------------------------------------------------------------------
-    def rhs(self, t: float, y: Array) -> Array:
+    def _derivative(self, t: float, y: Array, converged: float) -> int:
+        """Time derivative of y into `_out`; a negative number when C cannot."""
         if not self.model.polynomial:
             self._prescribe(t)
         self._y[:] = y
-        if self.model.rhs(self.state, t, *self._addresses, self.kinematics.converged) < 0:
+        return self.model.rhs(self.state, t, *self._addresses, converged)
+
+    def rhs(self, t: float, y: Array) -> Array:
+        if self._derivative(t, y, self.kinematics.converged) < 0:
             return self._in_general(lambda: super(CompiledDynamics, self).rhs(t, y))
         self.evaluations += 1
         return self._out.copy()

@@ -76,10 +76,14 @@ class Dynamics:
         y = self.start_values()
         self.kinematics.begin()
         self.place(0.0, y)
+        self.check_mass()
+        return y
+
+    def check_mass(self) -> None:
+        """Raises AnalysisError when a dynamic degree of freedom carries no mass in the placed configuration."""
         if self.numbering.nddof:
             self.sweep.mass()
             require_regular_mass(self)
-        return y
 
     def _slice(self, name: str) -> slice:
         edges = np.cumsum([0, self.n_xm, self.n_em, self.n_xk, int(self.numbering.nep[4])])

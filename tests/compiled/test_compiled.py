@@ -10,8 +10,10 @@ import pytest
 
 import spacar
 from spacar.compiled import CompiledDynamics, library, why_not
+from spacar.deck import parse_deck
 from spacar.dynamics import Dynamics
-from spacar.errors import UsageError
+from spacar.errors import AnalysisError, UsageError
+from spacar.mechanism import build
 
 DATA = Path(__file__).parents[2] / "data"
 MODELS = ["slider", "crank", "crank2", "crankfl", "fourbar", "cardansimp", "cardan", "robotsim", "plbeam5", "lateral4"]
@@ -44,6 +46,29 @@ def test_frames_equal_those_of_the_general_path(name):
         if len(y):
             expected = general.rhs(1e-3 * k, state)
             np.testing.assert_allclose(compiled.rhs(1e-3 * k, state), expected, atol=1e-8 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.5, 1.0, 3.0])
+def test_the_start_is_that_of_the_general_path(angle):
+    """Near starts are placed in C, far ones in the general path; two Newton iterations differ by rounding only."""
+    text = (DATA / "robotsim.dat").read_text().split("HALT")
+    rows = f"STARTDE 1 1 {angle} 1.\nSTARTDE 2 1 {angle} 0.\nEND\nEND"
+    mechanism = build(parse_deck(f"{text[0]}HALT{text[1].replace('END', rows)}", mode=1), 1)
+    general, compiled = Dynamics(mechanism), CompiledDynamics(mechanism)
+    np.testing.assert_array_equal(compiled.start(), general.start())
+    for x in (compiled.state.x[:, 0], compiled.kinematics.x):
+        np.testing.assert_allclose(x, general.kinematics.x, atol=1e-14)
+    np.testing.assert_allclose(compiled.state.e[:, 0], general.sweep.e, atol=1e-14)
+    np.testing.assert_allclose(compiled.xd, general.xd, atol=1e-13)
+    assert compiled.kinematics.condition() == pytest.approx(general.kinematics.condition(), rel=1e-12)
+
+
+def test_a_motion_without_mass_is_named_as_in_the_general_path():
+    """The factorization in C fails there, and the general path explains."""
+    text = (DATA / "robotsim.dat").read_text().replace("XM ", "% XM ").replace("EM ", "% EM ")
+    with pytest.raises(AnalysisError, match="no inertia on the motion of") as found:
+        list(spacar.frames(1, parse_deck(text, mode=1), compiled=True))
+    assert found.value.code == "dynamics.singular-mass"
 
 
 def test_a_simulation_is_the_same():
