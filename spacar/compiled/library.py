@@ -23,8 +23,7 @@ FLAGS = ("-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math", "-fPIC
 PARTS = ("lanes.c", "kernels.c", "sparse.c", "elements.c", "motion.c", "state.c", "model.c")
 HERE = Path(__file__).parent
 
-DOUBLES = ctypes.POINTER(ctypes.c_double)
-INTEGERS = ctypes.POINTER(ctypes.c_int)
+DOUBLES = INTEGERS = ctypes.c_void_p  # addresses: typed pointers cost more to make than small models to evaluate
 
 
 class CBatch(ctypes.Structure):
@@ -45,7 +44,7 @@ class CSpec(ctypes.Structure):
             "n_constant", "n_free", "x_input", "n_x_input", "x_dynamic", "n_x_dynamic", "e_input", "n_e_input",
             "e_dynamic", "n_e_dynamic", "polynomial",
         )),
-        ("batches", ctypes.POINTER(CBatch)),
+        ("batches", ctypes.c_void_p),
         ("constant_row", INTEGERS), ("constant_column", INTEGERS), ("constant_mass", DOUBLES),
         *((name, DOUBLES) for name in ("scale", "force", "field", "preload")),
         *((name, INTEGERS) for name in ("s_rows", "s_columns", "d_rows", "d_columns")),

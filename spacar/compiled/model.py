@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import ctypes
 import weakref
+from collections.abc import Sequence
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
 
-from spacar.compiled.library import DOUBLES, INTEGERS, CBatch, CSpec, CState, library
+from spacar.compiled.library import CBatch, CSpec, CState, library
 from spacar.compiled.numbers import Numbers
 from spacar.compiled.parameters import SUPPORTED
 from spacar.dynamics.saddle_point import free_coordinates
@@ -33,6 +35,12 @@ def why_not(mechanism: Mechanism) -> str | None:
     return None
 
 
+def _addresses(arrays: Array) -> list[int]:
+    """Where every row of a contiguous array begins."""
+    first, size = arrays.ctypes.data, arrays.nbytes // len(arrays)
+    return [first + k * size for k in range(len(arrays))]
+
+
 class State:
     """The last evaluated state: x, xd, xdd (nx, cases), e, ed, edd, sigma, given_e (ne, cases), shared with C."""
 
@@ -40,8 +48,7 @@ class State:
         self.of_x, self.of_e = np.zeros((3, nx, cases)), np.zeros((5, ne, cases))
         self.x, self.xd, self.xdd = self.of_x
         self.e, self.ed, self.edd, self.sigma, self.given_e = self.of_e
-        arrays = (*self.of_x, *self.of_e)
-        self.c = CState(0, 0.0, *(a.ctypes.data_as(DOUBLES) for a in arrays))
+        self.c = CState(0, 0.0, *_addresses(self.of_x), *_addresses(self.of_e))
         self.address = ctypes.c_void_p(ctypes.addressof(self.c))
 
     def begin(self, x: Array, e: Array) -> None:
@@ -82,30 +89,27 @@ class Model:
         return state
 
     # -- setting up -----------------------------------------------------------------------------------------------
-    def _doubles(self, array: Array) -> Any:
-        kept = np.ascontiguousarray(array, np.float64)
-        self._alive.append(kept)
-        return kept.ctypes.data_as(DOUBLES)
-
-    def _integers(self, array: Any) -> Any:
-        kept = np.ascontiguousarray(array, np.int32)
-        self._alive.append(kept)
-        return kept.ctypes.data_as(INTEGERS)
-
     def _spec(self, numbers: Numbers, scale: Array, n_equations: int) -> CSpec:
-        n, doubles, integers = self.numbering, self._doubles, self._integers
-        xs, es = n.x_class, n.e_class
-        table = (CBatch * len(numbers.elements))(
-            *(
-                CBatch(
-                    b.kind, len(b.x), b.x.shape[1], b.e.shape[1], b.parameters.shape[1], int(b.moving),
-                    integers(b.x), integers(b.e), doubles(b.parameters),
-                )
-                for b in numbers.elements
-            )
-        )  # fmt: skip
-        self._alive.append(table)
+        n, batches = self.numbering, numbers.elements
         F, mass, S, D = free_coordinates(n), numbers.mass, numbers.stiffness, numbers.damping
+        places = self._packed([*mass[:2], *S[:2], *D[:2], F, *(i for b in batches for i in (b.x, b.e))], np.int32)
+        constant_row, constant_column, s_rows, s_columns, d_rows, d_columns, free, *indices = places
+        values = self._packed(
+            [
+                mass[2], scale, numbers.force, numbers.field, numbers.preload, S[2], D[2], numbers.x0,
+                *(b.parameters for b in batches),
+            ],
+            np.float64,
+        )  # fmt: skip
+        constant_mass, scale_at, force, field, preload, s_values, d_values, x0, *parameters = values
+        table = (CBatch * len(batches))(
+            *(
+                CBatch(b.kind, len(b.x), b.x.shape[1], b.e.shape[1], b.parameters.shape[1], int(b.moving), x, e, p)
+                for b, x, e, p in zip(batches, indices[::2], indices[1::2], parameters, strict=True)
+            )
+        )
+        self._alive.append(table)
+        xs, es = n.x_class, n.e_class
         counts = [
             n.nx, n.ne, xs["calculable"].start, es["input"].stop, n_equations, len(table), len(S[0]), len(D[0]),
             int(n.nddof == 0), len(mass[0]), len(F),
@@ -114,11 +118,18 @@ class Model:
             for name in ("input", "dynamic"):
                 counts += [classes[name].start, classes[name].stop - classes[name].start]
         return CSpec(
-            *counts, int(self.polynomial), table, integers(mass[0]), integers(mass[1]), doubles(mass[2]),
-            doubles(scale), doubles(numbers.force), doubles(numbers.field), doubles(numbers.preload),
-            integers(S[0]), integers(S[1]), integers(D[0]), integers(D[1]), doubles(S[2]), doubles(D[2]),
-            integers(F), doubles(numbers.x0), doubles(self.x_motion), doubles(self.e_motion),
+            *counts, int(self.polynomial), ctypes.addressof(table), constant_row, constant_column, constant_mass,
+            scale_at, force, field, preload, s_rows, s_columns, d_rows, d_columns, s_values, d_values, free, x0,
+            self.x_motion.ctypes.data, self.e_motion.ctypes.data,
         )  # fmt: skip
+
+    def _packed(self, arrays: Sequence[Any], kind: type) -> list[int]:
+        """Addresses of the arrays in one array of this kind, which is kept for C."""
+        together: Array = np.concatenate([np.ravel(a) for a in arrays], dtype=kind, casting="same_kind")
+        self._alive.append(together)
+        sizes = accumulate((a.size for a in arrays[:-1]), initial=0)
+        first, width = together.ctypes.data, together.itemsize
+        return [first + width * size for size in sizes]
 
     # -- calls; y, out, K are C-contiguous with the cases last ----------------------------------------------------
     def rhs(self, state: State, t: float, y: int, out: int, converged: float) -> int:
