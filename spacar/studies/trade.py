@@ -168,13 +168,17 @@ def setups(
     return found
 
 
-def reference_setups(trade: Trade, elements: Sequence[int], smallest: float) -> list[Setup]:
+def reference_setups(
+    trade: Trade, elements: Sequence[int], smallest: float, methods: Sequence[int] = REFERENCE_METHODS
+) -> list[Setup]:
     """Setups of the reference: two methods at a tight tolerance, and three meshes when meshes are compared.
 
-    `smallest` error (or tolerance) of the study; the reference gets a hundredth of it.
+    `smallest` error (or tolerance) of the study; the reference gets a hundredth of it. Raises UsageError.
     """
+    if len(set(methods)) != 2 or not all(c in METHODS and METHODS[c].variable_step for c in methods):
+        raise UsageError("the reference takes two different methods with variable step", "usage.trade")
     tight = max(REFERENCE_MARGIN * smallest, REFERENCE_TOLERANCE)
-    codes = [None] if trade.mode in STATIONARY else list(REFERENCE_METHODS)
+    codes = [None] if trade.mode in STATIONARY else list(methods)
     finest = 4 * -(-2 * max(elements) // 4)
     meshes = [finest, finest // 2, finest // 4] if len(set(elements)) > 1 or trade.mode in STATIONARY else [elements[0]]
     found = []
@@ -267,7 +271,7 @@ def reference(trade: Trade, rows: Sequence[Row], wanted: Sequence[Setup]) -> Ref
             text = "only one of the two methods reached the reference; choose a shorter time"
             raise AnalysisError(text, "study.reference")
         error = distance(finest[0], finest[1], amplitude)
-        codes = " and ".join(str(c) for c in REFERENCE_METHODS)
+        codes = " and ".join(str(s.integrator) for s in wanted if s.elements == meshes[-1])
         words.append(f"methods {codes} at tolerance {tight:.3g} differ by {error:.2e}")
     if len(meshes) > 1:
         coarse, middle, fine = (np.asarray(first[n]) for n in meshes)

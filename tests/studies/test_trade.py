@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from spacar.deck import Deck
+from spacar.errors import UsageError
 from spacar.studies.extrapolation import extrapolate
 from spacar.studies.quantities import quantity
 from spacar.studies.trade import (
@@ -252,3 +253,23 @@ def test_failed_settings_are_told(call, pendulum):
     )
     assert done.status in (0, 1)
     assert "Traceback" not in done.err
+
+
+def test_the_methods_of_the_reference_can_be_chosen(deck):
+    trade = Trade(1, deck("crankfl", 1), ())
+    wanted = reference_setups(trade, (1,), 1e-4, (595, 553))
+    assert [s.integrator for s in wanted] == [595, 553]
+    for wrong in ((853, 853), (853, 430), (853, 1)):
+        with pytest.raises(UsageError, match="two different methods with variable step"):
+            reference_setups(trade, (1,), 1e-4, wrong)
+
+
+def test_compiled_runs_give_the_same_errors(call):
+    words = ("trade", "robotsim", "--time", "0.1", "--steps", "2", "-t", "1e-3,1e-5", "-i", "155", "--json")
+    errors = []
+    for more in ((), ("--compiled",)):
+        done = call(*words, *more)
+        assert done.status == 0, done.err
+        errors.append([row["error"] for row in json.loads(done.out)["settings"]])
+    # the paths guess positions differently and leave them at a part of the tolerance: the errors agree in size only
+    assert np.allclose(*errors, rtol=0.2)

@@ -79,6 +79,15 @@ HEADER = ("model", "integration", "error", "wall time [s]", "right-hand sides", 
     help="Runs of each setting; the median time counts.",
 )
 @click.option(
+    "--reference",
+    "judges",
+    default="853,0",
+    show_default=True,
+    metavar="CODES",
+    help="Two methods whose agreement makes the reference; 595,553 for stiff models.",
+)
+@click.option("--compiled", is_flag=True, help="Right-hand side in C (needs a C compiler), in mode 1.")
+@click.option(
     "--output",
     "-o",
     type=click.Path(path_type=Path, dir_okay=False),
@@ -104,6 +113,8 @@ def command(
     variables: tuple[str, ...],
     target: float,
     repeats: int,
+    judges: str,
+    compiled: bool,
     output: Path | None,
     plot: Path | None,
     jobs: int,
@@ -135,6 +146,8 @@ def command(
     source = input_file(file)
     options = {k: v for k, v in (("duration", duration), ("n_steps", n_steps)) if v is not None}
     number, deck = _deck(source, mode, options)
+    if compiled:
+        options["compiled"] = True
     chosen = tuple(map(quantity, variables)) or default_variables(number, deck)
     trade = Trade(number, deck, chosen, repeats, options)
     meshes = _whole(elements, "--elements")
@@ -149,7 +162,7 @@ def command(
         perturbation,
     )
     _require_beams(deck, number)
-    against = reference_setups(trade, meshes, min(target, *_numbers(tolerances)))
+    against = reference_setups(trade, meshes, min(target, *_numbers(tolerances)), _whole(judges, "--reference"))
     rows = _rows(environment, trade, list(dict.fromkeys([*against, *cases])), output, jobs, quiet)
     ref = reference(trade, rows, against)
     entries = assess(trade, rows, cases, ref)
