@@ -45,7 +45,8 @@ typedef struct {
     const State *transfer_of;             /* the state that `transfer` and `degrees` (q, their rates, accelerations) belong to */
     Sparse position, motion;
     real *values;                         /* V, then M of moving elements, then the constant M */
-    real *h, *convected, *b, *force, *next_x, *next_xd, *next_xdd, *near, *next_e, *given_ed, *given_edd, *stage, *piece, *degrees, *transfer, *weighted, *small;
+    real *h, *convected, *b, *force, *next_x, *next_xd, *next_xdd, *near, *next_e, *given_ed, *given_edd, *stage, *piece;
+    real *degrees, *transfer, *weighted, *small;
     int *v_place;                         /* (n_v) order of V's rows: place in `values` */
 } Model;
 

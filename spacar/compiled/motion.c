@@ -2,11 +2,13 @@
 
    The accelerations come from the saddle-point form, or with few degrees of freedom from the reduced form, whose transfer
    functions need nothing but solutions with the matrix of the position; stresses are computed where somebody looks. */
-/* Position and velocity. x comes with the given values and a guess of the calculable ones, xd and ed with the given rates.
-   The first correction uses the matrix of the last state, which is still factored. One that follows a correction below
-   CONVERGED is as small as rounding allows and passes always. */
+
 static const double CONVERGED = 1e-11;
 
+/* Position and velocity. x comes with the given values and a guess of the calculable ones, xd and ed with the given rates.
+   The first correction uses the matrix of the last state, which is still factored, unless transfer functions have made the
+   guess so good that this saves nothing. One that follows a correction below CONVERGED is as small as rounding allows and
+   passes always. */
 static int place(Model *m, real *x, real *xd, real *e, const real *near, const real *e_given, const real *e_rate,
                  double converged)
 {
@@ -76,7 +78,8 @@ static void out_of_balance(const Model *m, const real *xdd, const real *sigma, i
     for (int r = first_row; r < s->ne; r++) subtract_transposed(m, r, sigma[r], out);
 }
 
-/* Factor a positive definite matrix (n, n), rows `width` apart, and solve, in place; SINGULAR when a pivot is lost in rounding. */
+/* Factor a positive definite matrix (n, n), rows `width` apart, and solve, in place; SINGULAR when a pivot is lost in
+   rounding. */
 static int solve_positive(real *A, int width, int n, real *b)
 {
     for (int k = 0; k < n; k++) {

@@ -1,4 +1,5 @@
 /* Evaluation of a state of the integrators: right-hand side, stages of a step, what frames have besides. */
+
 static const double SMALLEST_PIECE = 1.0 / 64.0; /* of the way to a state that is a jump away */
 
 /* Value, rate and acceleration of a prescribed motion. */
@@ -10,7 +11,9 @@ static void prescribed(const Spec *s, const real *row, double t, real *value, re
 }
 
 /* Evaluate the state y = (x dynamic, e dynamic, their rates) at t, stresses too when wanted. Number of position iterations,
-   or a negative reason; then the last evaluated state is still there. The guess of the position is the Taylor expansion of the last state. */
+   or a negative reason; then the last evaluated state is still there. The guess of the position is the Taylor expansion of
+   the last state; where transfer functions are known they follow the degrees of freedom, as stages of a step leave the
+   parabola. */
 static int evaluate(Model *m, State *at, double t, const real *y, double converged, double jump, int want_stress)
 {
     const Spec *s = &m->s;
@@ -27,7 +30,7 @@ static int evaluate(Model *m, State *at, double t, const real *y, double converg
         x[i] = at->x[i] + move;
     }
     if (!(largest_lane(ahead) <= 0.5 * jump)) return JUMP; /* as FARTHEST_GUESS of the general path */
-    if (at->known && m->transfer_of == at) /* stages of a step leave the parabola: transfer functions follow the degrees of freedom */
+    if (at->known && m->transfer_of == at)
         for (int c = 0; c < q; c++) {
             const real *d = m->degrees + c, off = y[c] - (d[0] + dt * (d[q] + 0.5 * dt * d[2 * q]));
             for (int i = first; i < first + n; i++) x[i] += m->transfer[i * m->width + c] * off;
