@@ -53,6 +53,8 @@ class Deck:
     def of(self, *keywords: str, block: int | None = None) -> list[Statement]:
         """All statements with one of the keywords (and in the block), in file order."""
         found = [pair for keyword in keywords for pair in self._index.get(keyword, ())]
+        if not found:
+            return []
         if len(keywords) > 1:
             found.sort(key=lambda pair: pair[0])
         return [s for _, s in found if block is None or s.block == block]

@@ -109,11 +109,7 @@ def moment_gradient(moments: Array) -> Array:
 
 def gravity_field(mechanism: Mechanism, loads: Loads) -> Array:
     """g at every position coordinate, zero elsewhere, (nx,) [m/s^2]."""
-    numbering = mechanism.numbering
-    field = np.zeros(numbering.nx)
-    if not loads.gravity.any():
-        return field
-    for node in numbering.nodes:
-        if node.kind == "position":
-            field[numbering.lnp[node.number - 1, : node.size] - 1] = loads.gravity
+    field = np.zeros(mechanism.numbering.nx)
+    if loads.gravity.any():
+        field[mechanism.numbering.positions] = loads.gravity
     return field

@@ -26,15 +26,17 @@ def require_regular_mass(dynamics: Dynamics) -> None:
     n = dynamics.numbering
     if n.ndof > LARGEST_CHECKED:
         return
-    M = reduced_mass(dynamics)[np.ix_(n.dynamic, n.dynamic)]
-    diagonal = np.diag(M)
-    names = [n.q_names[k] for k in n.dynamic]
-    massless = [names[k] for k in np.flatnonzero(diagonal <= 0.0)]
-    if not massless:
+    M = reduced_mass(dynamics)[n.dynamic[:, None], n.dynamic]
+    diagonal = M.diagonal()
+    light = diagonal <= 0.0
+    if not light.any():
         scale = np.sqrt(diagonal)
-        scaled = M / np.outer(scale, scale)
+        scaled = M / (scale[:, None] * scale)
         if np.linalg.eigvalsh(scaled)[0] > SMALLEST:
             return
+    names = [n.q_names[k] for k in n.dynamic]
+    massless = [names[k] for k in np.flatnonzero(light)]
+    if not massless:
         vectors = np.linalg.eigh(scaled)[1]
         weight = np.abs(vectors[:, 0] / scale)
         massless = [names[k] for k in np.argsort(-weight)[:3] if weight[k] > 0.1 * weight.max()]

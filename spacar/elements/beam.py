@@ -193,6 +193,8 @@ def statement_values(group: ElementGroup) -> tuple[list[tuple[float, ...] | None
 def _beam_matrix(rigidity: Array, shear: Array, l0: Array) -> Array:
     """(6, 6, n) from EA, GIt, EIy, EIz (n, >=4) and the shear numbers Phi_z, Phi_y (n, 2)."""
     S = np.zeros((6, 6, len(l0)))
+    if not rigidity.any():  # rigid beams, or no damping
+        return S
     S[0, 0] = rigidity[:, 0] / l0
     S[1, 1] = rigidity[:, 1] / l0**3
     for j in range(2):

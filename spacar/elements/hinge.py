@@ -189,7 +189,7 @@ class SpatialHinge(Family):
 
 def diagonal(k: Array) -> Array:
     """Diagonal matrices (m, m, n) of coefficients (n, m)."""
-    S = np.zeros((k.shape[1], k.shape[1], k.shape[0]))
-    for i in range(k.shape[1]):
-        S[i, i] = k[:, i]
+    modes = np.arange(k.shape[1])
+    S = np.zeros((len(modes), len(modes), len(k)))
+    S[modes, modes] = k.T
     return S

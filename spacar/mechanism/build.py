@@ -93,24 +93,21 @@ def classes(
 def reference_configuration(deck: Deck, numbering: Numbering) -> Array:
     """Positions of X, zero angles, Euler parameters (1, 0, 0, 0)."""
     x0 = np.zeros(numbering.nx)
-    for node in numbering.nodes:
-        if node.kind == "orientation" and node.size == 4:
-            x0[numbering.x_index(node.number, 1)] = 1.0
-    size = {node.number: node.size for node in numbering.nodes}
+    x0[numbering.lnp[numbering.normalization[:, 0] - 1, 0] - 1] = 1.0
     for s in deck.of("X", block=1):
-        node_number = int(s.values[0])
-        if node_number in size:
-            for coordinate, value in enumerate(s.values[1 : 1 + size[node_number]], 1):
-                x0[numbering.x_index(node_number, coordinate)] = float(value)
+        node, *values = s.values
+        if node in numbering.kind:
+            places = numbering.lnp[int(node) - 1]
+            for place, value in zip(places[places > 0], values, strict=False):
+                x0[place - 1] = float(value)
     return x0
 
 
 def _size(numbering: Numbering, x0: Array) -> float:
     """Diagonal of the box around all position nodes; 1 when there are none."""
-    rows = [numbering.lnp[n.number - 1, : n.size] - 1 for n in numbering.nodes if n.kind == "position"]
-    if len(rows) < 2:
+    if len(numbering.positions) < 2:
         return 1.0
-    extent = float(np.linalg.norm(np.ptp(x0[np.array(rows)], axis=0)))
+    extent = float(np.linalg.norm(np.ptp(x0[numbering.positions], axis=0)))
     return extent if extent > 0.0 else 1.0
 
 

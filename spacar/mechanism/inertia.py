@@ -16,14 +16,14 @@ from spacar.mechanism.numbering import Numbering
 
 def lumped(deck: Deck, numbering: Numbering, batches: list[Batch]) -> list[tuple[Family, Index]]:
     """Families of node inertia with their indices into x."""
-    masses: dict[int, float] = {}
+    masses: dict[int, tuple[int, float]] = {}  # coordinate: node, mass
     tensors: dict[int, Array] = {}
     for s in deck.of("XM", block=2):
         node, values = int(s.values[0]), [float(v) for v in s.values[1:]]
         if numbering.kind[node] == "position" or numbering.planar:
             size = 1 if numbering.kind[node] == "orientation" else (2 if numbering.planar else 3)
             for coordinate in range(1, size + 1):
-                masses[numbering.x_index(node, coordinate)] = values[0]
+                masses[numbering.x_index(node, coordinate)] = node, values[0]
         else:
             tensors[node] = symmetric(np.array(values))
     for batch in batches:
@@ -34,9 +34,9 @@ def lumped(deck: Deck, numbering: Numbering, batches: list[Batch]) -> list[tuple
     rotors = [(int(s.values[0]), np.array([float(v) for v in s.values[1:]])) for s in deck.of("XGYRO", block=2)]
     result: list[tuple[Family, Index]] = []
     if masses:
-        x = np.array(sorted(masses), np.int64)
-        nodes = np.array([numbering.x_owner(int(i))[0] for i in x])
-        result.append((LumpedMass(nodes, np.array([masses[int(i)] for i in x])), x[None, :]))
+        places = sorted(masses)
+        owners, sizes = (np.array(column) for column in zip(*(masses[i] for i in places), strict=True))
+        result.append((LumpedMass(owners, sizes), np.array([places], np.int64)))
     if rotors:
         from spacar.elements.node_inertia import GyrostatNode, prescribed_rotor_tensor
 

@@ -193,11 +193,8 @@ class Mechanism:
     @cached_property
     def scale(self) -> Array:
         """(nx,) typical size of every coordinate: `length` for positions, 1 for angles and Euler parameters."""
-        n = self.numbering
-        scale = np.ones(n.nx)
-        for node in n.nodes:
-            if node.kind == "position":
-                scale[n.lnp[node.number - 1, : node.size] - 1] = self.length
+        scale = np.ones(self.numbering.nx)
+        scale[self.numbering.positions] = self.length
         return scale
 
     @cached_property
@@ -205,8 +202,8 @@ class Mechanism:
         """(ne,) typical size of every deformation: `length` for those in metres, 1 for rotations and normalizations."""
         n = self.numbering
         scale = np.ones(n.ne)
-        for element, keyword, _ in n.elements:
-            for mode, (_, unit) in enumerate(ELEMENT_TYPES[keyword].modes, 1):
-                if unit == "m":
-                    scale[n.e_index(element, mode)] = self.length
+        for keyword in set(n.keyword.values()):
+            lengths = [k for k, (_, unit) in enumerate(ELEMENT_TYPES[keyword].modes) if unit == "m"]
+            elements = [number - 1 for number, k, _ in n.elements if k == keyword]
+            scale[n.le[elements][:, lengths] - 1] = self.length
         return scale

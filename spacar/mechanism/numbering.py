@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import accumulate
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ Index = NDArray[np.int64]
 
 CLASSES = ("fixed", "calculable", "input", "dynamic", "kinematic")
 E_ORDER = ("fixed", "input", "dynamic", "kinematic", "calculable")
+ABSENT = -1  # class of a coordinate or deformation that does not exist
 
 
 @dataclass(frozen=True)
@@ -57,8 +59,8 @@ class Numbering:
         return int(self.nep.sum())
 
     def _slices(self, counts: Mapping[str, int], order: Sequence[str]) -> dict[str, slice]:
-        edges = np.concatenate(([0], np.cumsum([counts[c] for c in order])))
-        return {c: slice(int(a), int(b)) for c, a, b in zip(order, edges, edges[1:], strict=False)}
+        edges = list(accumulate((counts[c] for c in order), initial=0))
+        return {c: slice(a, b) for c, a, b in zip(order, edges, edges[1:], strict=False)}
 
     @cached_property
     def x_class(self) -> dict[str, slice]:
@@ -116,6 +118,12 @@ class Numbering:
             return f"normalization of node {-element}"
         keyword = self.keyword[element]
         return f"element {element} ({keyword}) e{mode} {ELEMENT_TYPES[keyword].modes[mode - 1][0]}"
+
+    @cached_property
+    def positions(self) -> Index:
+        """0-based coordinates of the position nodes, (n, 2 or 3)."""
+        rows = [node.number - 1 for node in self.nodes if node.kind == "position"]
+        return self.lnp[rows, : 2 if self.planar else 3] - 1
 
     @cached_property
     def holonomic(self) -> bool:
@@ -207,50 +215,64 @@ def number(
     elements = tuple(sorted(elements))
     planar = ELEMENT_TYPES[elements[0][1]].planar
     kinds: dict[int, str] = {}
-    for _, keyword, nodes in elements:
-        for node, role in zip(nodes, ELEMENT_TYPES[keyword].nodes, strict=True):
-            kinds[node] = role
-    size = {"position": 2 if planar else 3, "orientation": 1 if planar else 4}
-    nodes_ = tuple(Node(n, kinds[n], size[kinds[n]]) for n in sorted(kinds))
-
-    x_list: dict[str, list[tuple[int, int]]] = {c: [] for c in CLASSES}
-    for n in nodes_:
-        for coordinate in range(1, n.size + 1):
-            x_list[x_class.get((n.number, coordinate), "calculable")].append((n.number, coordinate))
-    e_list: dict[str, list[tuple[int, int]]] = {c: [] for c in CLASSES}
-    for element, keyword, _ in elements:
-        for mode in range(1, len(ELEMENT_TYPES[keyword].modes) + 1):
-            e_list[e_class.get((element, mode), "fixed")].append((element, mode))
-    lambdas = [] if planar else [m.number for m in nodes_ if m.kind == "orientation"]
-    first_normalization = len(e_list["fixed"])
-    e_list["fixed"] += [(-node, 0) for node in lambdas]
-
-    lnp = np.zeros((nodes_[-1].number, 4), np.int64)
-    for i, (owner, coordinate) in enumerate((key for c in CLASSES for key in x_list[c]), 1):
-        lnp[owner - 1, coordinate - 1] = i
-    highest = elements[-1][0]
-    le = np.zeros((highest, 6), np.int64)
-    slips = []
-    slips_of = {element: ELEMENT_TYPES[k].slips for element, k, _ in elements}
-    for i, (element, mode) in enumerate((key for c in E_ORDER for key in e_list[c]), 1):
-        if element > 0:
-            le[element - 1, mode - 1] = i
-        slips.append(element > 0 and mode - 1 in slips_of[element])
-    ln = np.zeros((highest, 4), np.int64)
-    it = np.zeros(highest, np.int64)
+    by_keyword: dict[str, list[tuple[int, tuple[int, ...]]]] = {}
     for element, keyword, nodes in elements:
-        ln[element - 1, : len(nodes)] = nodes
-        it[element - 1] = ELEMENT_TYPES[keyword].code
+        kinds.update(zip(nodes, ELEMENT_TYPES[keyword].nodes, strict=True))
+        by_keyword.setdefault(keyword, []).append((element, nodes))
+    size = {"position": 2 if planar else 3, "orientation": 1 if planar else 4}
+    nodes_ = tuple(Node(n, kind, size[kind]) for n, kind in sorted(kinds.items()))
+    highest = elements[-1][0]
+
+    x_default = np.full((nodes_[-1].number, 4), ABSENT)
+    for kind, n in size.items():
+        x_default[[node.number - 1 for node in nodes_ if node.kind == kind], :n] = CLASSES.index("calculable")
+    e_default = np.full((highest, 6), ABSENT)
+    ln, it = np.zeros((highest, 4), np.int64), np.zeros(highest, np.int64)
+    for keyword, found in by_keyword.items():
+        kind_, rows = ELEMENT_TYPES[keyword], [element - 1 for element, _ in found]
+        e_default[rows, : len(kind_.modes)] = E_ORDER.index("fixed")
+        ln[rows, : len(kind_.nodes)] = [nodes for _, nodes in found]
+        it[rows] = kind_.code
+    lnp, nxp = _in_order(x_default, x_class, CLASSES)
+    le, nep = _in_order(e_default, e_class, E_ORDER)
+    # normalizations come after the other fixed deformations
+    lambdas = [] if planar else [m.number for m in nodes_ if m.kind == "orientation"]
+    first = int(nep[0])
+    le[le > first] += len(lambdas)
+    nep[0] += len(lambdas)
+    slips = np.zeros(int(nep.sum()), bool)
+    for keyword, found in by_keyword.items():
+        for mode in ELEMENT_TYPES[keyword].slips:
+            slips[le[[element - 1 for element, _ in found], mode] - 1] = True
     return Numbering(
         planar=planar,
         nodes=nodes_,
         elements=elements,
-        nxp=np.array([len(x_list[c]) for c in CLASSES], np.int64),
-        nep=np.array([len(e_list[c]) for c in CLASSES], np.int64),
+        nxp=nxp,
+        nep=nep[[E_ORDER.index(c) for c in CLASSES]],
         lnp=lnp,
         le=le,
         ln=ln,
         it=it,
-        normalization=np.array([(n, first_normalization + k) for k, n in enumerate(lambdas)], np.int64).reshape(-1, 2),
-        slips=np.array(slips, bool),
+        normalization=np.array([(n, first + k) for k, n in enumerate(lambdas)], np.int64).reshape(-1, 2),
+        slips=slips,
     )
+
+
+def _in_order(
+    classes: Index, given: Mapping[tuple[int, int], str], order: Sequence[str]
+) -> tuple[Index, Index]:
+    """1-based numbers by class, then row, then column, and how many each class has.
+
+    `classes` (rows, columns) holds the place of the default class in `order`, or ABSENT; `given` maps (row, column)
+    from 1 to another class.
+    """
+    rank = {name: k for k, name in enumerate(order)}
+    for (row, column), name in given.items():
+        if classes[row - 1, column - 1] != ABSENT:
+            classes[row - 1, column - 1] = rank[name]
+    there = np.flatnonzero(classes != ABSENT)
+    of = classes.flat[there]
+    numbers = np.zeros(classes.size, np.int64)
+    numbers[there[np.argsort(of, kind="stable")]] = np.arange(1, len(there) + 1)
+    return numbers.reshape(classes.shape), np.bincount(of, minlength=len(order))
