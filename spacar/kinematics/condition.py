@@ -26,7 +26,7 @@ def condition_number(k: Kinematics) -> float:
         return 1.0
     if len(k.E) > ESTIMATED_FROM:
         return _estimate(k)
-    D = scaled_difference_matrix(k.mechanism, k.sweep.gradient())[np.ix_(k.E, k.U)]
+    D = scaled_difference_matrix(k.mechanism, k.sweep.gradient())[k.E[:, None], k.U]
     s = np.linalg.svd(D, compute_uv=False)
     return float(s[0] / s[-1]) if s[-1] > 0.0 else float("inf")
 

@@ -200,10 +200,10 @@ class Mechanism:
     @cached_property
     def deformation_scale(self) -> Array:
         """(ne,) typical size of every deformation: `length` for those in metres, 1 for rotations and normalizations."""
-        n = self.numbering
-        scale = np.ones(n.ne)
-        for keyword in set(n.keyword.values()):
-            lengths = [k for k, (_, unit) in enumerate(ELEMENT_TYPES[keyword].modes) if unit == "m"]
-            elements = [number - 1 for number, k, _ in n.elements if k == keyword]
-            scale[n.le[elements][:, lengths] - 1] = self.length
+        scale = np.ones(self.numbering.ne)
+        for batch in self.batches:
+            kind = ELEMENT_TYPES.get(batch.family.keyword)  # None of node inertia and normalizations
+            if kind is not None:
+                lengths = [k for k, (_, unit) in enumerate(kind.modes) if unit == "m"]
+                scale[batch.e[lengths]] = self.length
         return scale
