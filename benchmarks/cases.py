@@ -304,7 +304,10 @@ CHAINS = {
 
 
 class Evaluator:
-    """Calls of F along a motion, as an integrator makes them: time and state move a little each time."""
+    """Calls of F along a motion, as an integrator makes them: time and state move a little each time.
+
+    Steps shrink with the square of the number of elements, as the highest frequency makes those of explicit codes do.
+    """
 
     def __init__(self, text: str, kind: str | None = None, compiled: bool = False) -> None:
         mechanism = build(parsed(text, 1), 1)
@@ -312,7 +315,8 @@ class Evaluator:
         self.y = self.dynamics.start()
         self.half = mechanism.numbering.nddof
         self.y[self.half :] = 1e-2 * np.random.default_rng(1).normal(size=len(self.y) - self.half)
-        self.t, self.step = 0.0, 1e-6
+        elements = sum(b.family.n for b in mechanism.batches)
+        self.t, self.step = 0.0, 1e-6 * min(1.0, 100.0 / elements) ** 2
         self.dynamics.rhs(self.t, self.y)
 
     def __call__(self) -> Array:

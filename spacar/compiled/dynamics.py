@@ -11,7 +11,9 @@ import numpy as np
 from spacar.compiled.model import Model
 from spacar.compiled.numbers import of_one
 from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.mass_check import require_regular_mass
 from spacar.frame import Frame
+from spacar.kinematics.condition import of_gradient
 from spacar.kinematics.diagnosis import ZERO
 from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS
 from spacar.kinematics.regularity import PositionMatrix
@@ -59,17 +61,34 @@ class CompiledDynamics(Dynamics):
     def start(self) -> Array:
         """Start state. One that is near the reference configuration is placed in C; else the general path goes there.
 
-        Near is what a guess of Newton's method may be away. The mass is checked in the general path.
+        Near is what a guess of Newton's method may be away.
         """
         y, x0 = self.start_values(), self.mechanism.x0
         self.state.begin(x0[:, None], np.zeros((self.numbering.ne, 1)))
         if self._derivative(0.0, y, CONVERGED) < 0 or self._far(x0):
             y = super().start()
+            self._take_over()
         else:
-            self.settle()
-            self.check_mass()
-        self._take_over()
+            M = self.model.reduced_mass()
+            if M is None:
+                self.settle()
+                self.check_mass()
+            else:
+                self._hand_over()
+                require_regular_mass(self.numbering, M[:, :, 0])
         return y
+
+    def condition(self) -> float:
+        n = self.numbering
+        if len(self.kinematics.E) > SMALL or not self.state.c.known:
+            self.settle()
+            return super().condition()
+        rows, columns = self.model.places()
+        values = np.zeros((len(rows), 1))
+        self.model.gradient(values)
+        V = np.zeros((n.ne, n.nx))
+        V[rows, columns] = values[:, 0]
+        return of_gradient(self.kinematics, V)
 
     def _far(self, x: Array) -> bool:
         moved = np.abs(self.state.x[:, 0] - x) / self.kinematics.scale

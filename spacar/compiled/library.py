@@ -87,6 +87,7 @@ def library(lanes: int = 1) -> ctypes.CDLL:
     loaded.spacar_complete.argtypes, loaded.spacar_complete.restype = [pointer] * 4, None
     loaded.spacar_gradient.argtypes = [pointer] * 4
     loaded.spacar_determinant.argtypes, loaded.spacar_determinant.restype = [pointer] * 3, None
+    loaded.spacar_reduced_mass.argtypes = [pointer] * 2
     loaded.spacar_guard.argtypes, loaded.spacar_guard.restype = [pointer] * 2, number
     loaded.spacar_rcond.argtypes, loaded.spacar_rcond.restype = [pointer] * 3, number
     return loaded

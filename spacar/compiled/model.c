@@ -254,3 +254,17 @@ double spacar_rcond(Model *m, const double *row, const double *column)
     }
     return 1.0 / largest_lane(norm * inverse);
 }
+
+/* The reduced mass matrix (q, q) of the degrees of freedom at the last evaluated state, from its factors. 0 when the saddle-
+   point form was used instead, which has none. */
+int spacar_reduced_mass(const Model *m, real *out)
+{
+    const int q = m->s.n_x_dynamic + m->s.n_e_dynamic, width = m->width;
+    if (!m->reduced || !m->transfer_of) return 0;
+    for (int i = 0; i < q; i++)
+        for (int j = 0; j < q; j++) {
+            out[i * q + j] = EVERY(0.0);
+            for (int k = 0; k <= i && k <= j; k++) out[i * q + j] += m->small[i * width + k] * m->small[j * width + k];
+        }
+    return 1;
+}

@@ -182,3 +182,9 @@ class Model:
     def in_range(self, state: State) -> bool:
         """Whether all elements are surely in the range of their theory at a state."""
         return bool(self.library.spacar_guard(self.handle, state.x.ctypes.data) > GUARD)
+
+    def reduced_mass(self) -> Array | None:
+        """Of the degrees of freedom at the last evaluated state, (nddof, nddof, cases), where it was needed."""
+        n = self.numbering.nddof
+        out = np.zeros((n, n, self.cases))
+        return out if self.library.spacar_reduced_mass(self.handle, out.ctypes.data) else None

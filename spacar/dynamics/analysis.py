@@ -48,7 +48,7 @@ def states(run: Run) -> Iterator[tuple[Dynamics, float, Array, dict[str, int]]]:
     settings = run.mechanism.settings
     dynamics = evaluator(run)
     y = dynamics.start()
-    run.header["condition"] = dynamics.kinematics.condition()
+    run.header["condition"] = dynamics.condition()
     dynamics.accepted = watch(dynamics)
     times = output_times(run)
     run.n_frames = len(times)

@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 
 from spacar.dynamics.forces import AppliedForces, StressLaw
-from spacar.dynamics.mass_check import require_regular_mass
+from spacar.dynamics.mass_check import dynamic_mass, is_checked, require_regular_mass
 from spacar.dynamics.saddle_point import DeformationInertia, SaddlePoint
 from spacar.errors import AnalysisError
 from spacar.frame import Frame
@@ -81,9 +81,9 @@ class Dynamics:
 
     def check_mass(self) -> None:
         """Raises AnalysisError when a dynamic degree of freedom carries no mass in the placed configuration."""
-        if self.numbering.nddof:
+        if is_checked(self.numbering):
             self.sweep.mass()
-            require_regular_mass(self)
+            require_regular_mass(self.numbering, dynamic_mass(self))
 
     def _slice(self, name: str) -> slice:
         edges = np.cumsum([0, self.n_xm, self.n_em, self.n_xk, int(self.numbering.nep[4])])
@@ -202,6 +202,10 @@ class Dynamics:
     # -- what checks ask after an evaluation ----------------------------------------------------------------------
     def settle(self) -> None:
         """Bring kinematics and sweep to the last evaluated state: nothing to do unless it was evaluated elsewhere."""
+
+    def condition(self) -> float:
+        """Condition number of V[E, U] at the last evaluated state; infinite when singular."""
+        return self.kinematics.condition()
 
     def position_matrix(self) -> PositionMatrix:
         """V[E, U] at the last evaluated state."""

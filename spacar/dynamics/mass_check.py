@@ -13,6 +13,7 @@ import numpy as np
 from spacar.errors import AnalysisError
 from spacar.kinematics.transfer import velocity_transfer
 from spacar.mechanism.mechanism import Array
+from spacar.mechanism.numbering import Numbering
 
 if TYPE_CHECKING:
     from spacar.dynamics.dynamics import Dynamics
@@ -21,12 +22,11 @@ SMALLEST = 1e-13
 LARGEST_CHECKED = 400  # dense work of order nx nq^2; larger models are caught by the factorization itself
 
 
-def require_regular_mass(dynamics: Dynamics) -> None:
-    """Raises AnalysisError 'dynamics.singular-mass' naming the degrees of freedom without mass."""
-    n = dynamics.numbering
-    if n.ndof > LARGEST_CHECKED:
-        return
-    M = reduced_mass(dynamics)[n.dynamic[:, None], n.dynamic]
+def require_regular_mass(n: Numbering, M: Array) -> None:
+    """Raises AnalysisError 'dynamics.singular-mass' naming the degrees of freedom without mass.
+
+    M: reduced mass matrix of the dynamic degrees of freedom, (nddof, nddof).
+    """
     diagonal = M.diagonal()
     light = diagonal <= 0.0
     if not light.any():
@@ -46,6 +46,17 @@ def require_regular_mass(dynamics: Dynamics) -> None:
         + "; add mass (XM, EM) or prescribe (INPUTX, INPUTE) or release (RLSE) it"
     )
     raise AnalysisError(text, "dynamics.singular-mass")
+
+
+def is_checked(n: Numbering) -> bool:
+    """Whether the model is small enough for the check."""
+    return n.nddof > 0 and n.ndof <= LARGEST_CHECKED
+
+
+def dynamic_mass(dynamics: Dynamics) -> Array:
+    """Reduced mass matrix of the dynamic degrees of freedom, (nddof, nddof), at the placed state."""
+    n = dynamics.numbering
+    return reduced_mass(dynamics)[n.dynamic[:, None], n.dynamic]
 
 
 def reduced_mass(dynamics: Dynamics) -> Array:

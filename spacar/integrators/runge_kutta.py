@@ -31,6 +31,11 @@ def weights(tolerance: Tolerance, y: np.ndarray, y_new: np.ndarray) -> np.ndarra
     return tolerance.absolute + tolerance.relative * np.maximum(np.abs(y), np.abs(y_new))
 
 
+def _largest(value: float | np.ndarray) -> float:
+    """Of all cases; `np.max` of a number takes as long as a small evaluation of F."""
+    return value if isinstance(value, float) else float(value.max())
+
+
 class ExplicitRungeKutta:
     """Fixed and variable steps with a tableau. `attempt` leaves y_new; `finish` leaves F(t + h, y_new)."""
 
@@ -97,7 +102,7 @@ class ExplicitRungeKutta:
             self.stages[-1] = self.evaluation.rhs(self.t + h, self.y_new)
         np.matmul(self.tableau.error, self.stages, self.scaled)  # type: ignore[arg-type]
         np.divide(self.scaled, weights(self.tolerance, self.y, self.y_new), self.scaled)
-        return h * sqrt(np.max(self._mean_square(self.scaled)))
+        return h * sqrt(_largest(self._mean_square(self.scaled)))
 
     def _mean_square(self, v: np.ndarray) -> float | np.ndarray:
         """Of all components; of a state of many cases that of each case."""
@@ -145,7 +150,7 @@ class DormandPrince853(ExplicitRungeKutta):
         low = (dop853.ERROR_3 @ self.stages[:-1]) / weight
         np.divide(dop853.ERROR_5 @ self.stages[:-1], weight, self.scaled)
         e5, e3 = self._mean_square(self.scaled), self._mean_square(low)
-        return float(OUTPUT_SAFETY * h * np.max(e5 / np.sqrt(e5 + 0.01 * e3 + TINY)))
+        return OUTPUT_SAFETY * h * _largest(e5 / (e5 + 0.01 * e3 + TINY) ** 0.5)
 
     def finish(self) -> None:
         """F at the step end, first stage of the next step."""

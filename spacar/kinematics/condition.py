@@ -22,11 +22,16 @@ ESTIMATED_FROM = 400  # unknowns
 
 def condition_number(k: Kinematics) -> float:
     """At the placed configuration; infinite when singular, 1 without unknowns."""
-    if not len(k.E):
-        return 1.0
     if len(k.E) > ESTIMATED_FROM:
         return _estimate(k)
-    D = scaled_difference_matrix(k.mechanism, k.sweep.gradient())[k.E[:, None], k.U]
+    return of_gradient(k, k.sweep.gradient())
+
+
+def of_gradient(k: Kinematics, V: Array) -> float:
+    """The same from V, (ne, nx), for some hundred unknowns at most."""
+    if not len(k.E):
+        return 1.0
+    D = scaled_difference_matrix(k.mechanism, V)[k.E[:, None], k.U]
     s = np.linalg.svd(D, compute_uv=False)
     return float(s[0] / s[-1]) if s[-1] > 0.0 else float("inf")
 

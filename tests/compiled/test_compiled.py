@@ -60,7 +60,7 @@ def test_the_start_is_that_of_the_general_path(angle):
         np.testing.assert_allclose(x, general.kinematics.x, atol=1e-14)
     np.testing.assert_allclose(compiled.state.e[:, 0], general.sweep.e, atol=1e-14)
     np.testing.assert_allclose(compiled.xd, general.xd, atol=1e-13)
-    assert compiled.kinematics.condition() == pytest.approx(general.kinematics.condition(), rel=1e-12)
+    assert compiled.condition() == pytest.approx(general.condition(), rel=1e-12)
 
 
 def test_a_motion_without_mass_is_named_as_in_the_general_path():
