@@ -29,7 +29,13 @@ def folder(tmp_path):
 def start(folder, *words):
     streams = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     words = [str(SPACAR), *map(str, words)]
-    return subprocess.Popen(words, cwd=folder, env=ENVIRONMENT, text=True, **streams)
+    # tests that run in the background of a shell inherit that SIGINT is ignored
+    return subprocess.Popen(words, cwd=folder, env=ENVIRONMENT, text=True, preexec_fn=listen, **streams)
+
+
+def listen():
+    """As a terminal starts its programs."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def wait_for_steps(path, process, least=50):
