@@ -50,7 +50,8 @@ static int place(Model *m, real *x, real *xd, real *e, const real *near, const r
         if (chord) continue;
         if (largest > converged && last > CONVERGED) { last = largest; continue; }
         memset(xd + first, 0, sizeof(real) * n);
-        for (int i = 0; i < n; i++) r[i] = e_rate[i] - rate(m, i, xd);
+        memcpy(r, e_rate, sizeof(real) * n);
+        if (m->s.n_x_input || m->s.n_x_dynamic) for (int i = 0; i < n; i++) r[i] -= rate(m, i, xd);
         solve(&m->position, r, xd + first);
         return iteration;
     }
@@ -113,7 +114,8 @@ static int reduced_form(Model *m, const real *edd_given, real *xdd, real *sigma,
     for (int k = 0; k < m->dynamic.n; k++)
         right[m->dynamic.row[k] * width + m->dynamic.column[k]] -= m->values[m->dynamic.source[k]];
     for (int i = a; i < q; i++) right[(s->e_dynamic + i - a) * width + i] = EVERY(1.0);
-    for (int i = 0; i < n; i++) right[i * width + q] = edd_given[i] - m->h[i] - rate(m, i, xdd);
+    for (int i = 0; i < n; i++) right[i * width + q] = edd_given[i] - m->h[i];
+    if (s->n_x_input) for (int i = 0; i < n; i++) right[i * width + q] -= rate(m, i, xdd);
     solve_rows(&m->position, right, width);
     for (int i = 0; i < a; i++) X[(s->x_dynamic + i) * width + i] = EVERY(1.0);
     for (int i = 0; i < n; i++) xdd[first + i] = X[(first + i) * width + q];
@@ -165,7 +167,8 @@ static int accelerate(Model *m, const real *x, const real *xd, const real *e, co
     if (m->reduced) return reduced_form(m, edd_given, xdd, sigma, want_stress);
     out_of_balance(m, xdd, sigma, nr, m->force);
     for (int i = 0; i < nf; i++) b[i] = m->force[s->free[i]];
-    for (int r = 0; r < nr; r++) b[nf + r] = edd_given[r] - m->h[r] - rate(m, r, xdd);
+    for (int r = 0; r < nr; r++) b[nf + r] = edd_given[r] - m->h[r];
+    if (s->n_x_input) for (int r = 0; r < nr; r++) b[nf + r] -= rate(m, r, xdd);
     const int status = factor(&m->motion, m->values);
     if (status) return status;
     solve(&m->motion, b, b);
