@@ -16,6 +16,7 @@ def draw(
     """Write the diagram; settings without error or cost are left out."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+    from matplotlib.ticker import LogFormatterSciNotation, LogLocator
 
     figure = Figure(figsize=(10, 4.5), layout="constrained")
     FigureCanvasAgg(figure)
@@ -34,6 +35,8 @@ def draw(
         if reference_error > 0.0:
             axes.axhline(reference_error, color="0.5", linestyle=":", linewidth=0.8)
         axes.grid(alpha=0.3)
+        axes.xaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))  # labels of less than two decades do not touch
+        axes.xaxis.set_minor_formatter(LogFormatterSciNotation(minor_thresholds=(2.0, 2.0)))
     left.set_xlabel("wall time [s]")
     left.set_ylabel("error (dashed: target, dotted: of the reference)")
     right.set_xlabel("elements a beam" if stationary else "right-hand sides")

@@ -103,6 +103,10 @@ def command(
     number = find_mode(mode).number
     settings, cases = _cases(parameters, assignments, table_file, together)
     given = {name: value for name, value in options.items() if value not in (None, False)}
+    if "compiled" in given:
+        from spacar.compiled.library import library
+
+        library()  # without a compiler nothing is run
     study = Study(number, read_deck(source, number), settings, tuple(map(quantity, results)), given)
     doubled = [c for c in study.columns if study.columns.count(c) > 1]
     if doubled:

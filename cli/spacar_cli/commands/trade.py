@@ -147,6 +147,9 @@ def command(
     options = {k: v for k, v in (("duration", duration), ("n_steps", n_steps)) if v is not None}
     number, deck = _deck(source, mode, options)
     if compiled:
+        from spacar.compiled.library import library
+
+        library()  # without a compiler nothing is run
         options["compiled"] = True
     chosen = tuple(map(quantity, variables)) or default_variables(number, deck)
     trade = Trade(number, deck, chosen, repeats, options)
