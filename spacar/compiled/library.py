@@ -19,7 +19,8 @@ from pathlib import Path
 
 from spacar.errors import UsageError
 
-FLAGS = ("-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math", "-fPIC", "-shared", "-std=gnu11")
+NATIVE = "-march=native"  # some compilers do not know it: then without
+FLAGS = (NATIVE, "-O3", "-fno-math-errno", "-fno-trapping-math", "-fPIC", "-shared", "-std=gnu11")
 PARTS = ("lanes.c", "kernels.c", "sparse.c", "elements.c", "motion.c", "state.c", "model.c")
 HERE = Path(__file__).parent
 
@@ -113,7 +114,11 @@ def _compile(compiler: list[str], flags: tuple[str, ...], text: bytes, target: P
     with tempfile.TemporaryDirectory(dir=target.parent) as folder:
         source, made = Path(folder) / "rhs.c", Path(folder) / "rhs.so"
         source.write_bytes(text)
-        done = subprocess.run([*compiler, *flags, str(source), "-o", str(made), "-lm"], capture_output=True, text=True)
-        if done.returncode:
+        for tried in (flags, tuple(flag for flag in flags if flag != NATIVE)):
+            words = [*compiler, *tried, str(source), "-o", str(made), "-lm"]
+            done = subprocess.run(words, capture_output=True, text=True)
+            if not done.returncode:
+                break
+        else:
             raise UsageError(f"the C compiler failed: {done.stderr.strip()[-400:]}", "compiled.compiler")
         made.replace(target)  # atomic: parallel runs may compile at the same time

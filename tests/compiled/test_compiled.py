@@ -94,6 +94,23 @@ def test_a_missing_compiler_is_said_in_one_sentence(monkeypatch, tmp_path):
     library.library.cache_clear()
 
 
+def test_a_compiler_that_does_not_know_the_processor_is_asked_without(monkeypatch, tmp_path):
+    """As some do: it refuses -march=native."""
+    script = tmp_path / "picky"
+    script.write_text('#!/bin/sh\ncase "$*" in *-march=native*) echo unknown >&2; exit 1;; esac\nexec cc "$@"\n')
+    script.chmod(0o755)
+    monkeypatch.setenv("CC", str(script))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    library.library.cache_clear()
+    mechanism = spacar.frames(1, DATA / "crankfl.dat").mechanism
+    general, compiled = Dynamics(mechanism), CompiledDynamics(mechanism)
+    y = general.start()
+    compiled.start()
+    expected = general.rhs(0.0, y)
+    np.testing.assert_allclose(compiled.rhs(0.0, y), expected, atol=1e-8 * np.abs(expected).max())
+    library.library.cache_clear()
+
+
 def test_the_command_line_option(tmp_path):
     shutil.copy(DATA / "crank.dat", tmp_path)
     command = [str(Path(sys.executable).parent / "spacar"), "1", "crank", "--compiled"]
