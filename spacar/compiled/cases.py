@@ -15,11 +15,10 @@ from spacar.compiled.numbers import Numbers
 from spacar.errors import AnalysisError
 from spacar.kinematics import Kinematics
 from spacar.kinematics.kinematics import CONVERGED
-from spacar.kinematics.regularity import HALF_TURN, HalfTurns
+from spacar.kinematics.regularity import COLLAPSE, HALF_TURN, HalfTurns
 from spacar.mechanism.mechanism import Array, Mechanism
 
 LANES = 8  # doubles of the widest vectors of today; narrower machines do one after the other
-COLLAPSE = np.log(1e-3)  # of the determinant of V[E, U]: a case comes near a dead point
 
 
 class CompiledCases:

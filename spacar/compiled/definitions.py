@@ -15,6 +15,8 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from spacar.compiled.parameters import LEFT
+
 
 @dataclass(frozen=True)
 class Definition:
@@ -28,9 +30,6 @@ class Definition:
     inertia: Callable[[list, list, dict], tuple[sp.Matrix, list]] | None = None  # M, h where no y exists
     guard: Callable[[list, dict], list] | None = None  # all beyond GUARD: surely in the range of the theory
 
-
-# Guards are cosines of angles (45 degrees pass) or, for lengths, the part that is left plus LEFT.
-GUARD, LEFT = 0.71, 0.7
 
 CUBIC = sp.Matrix([[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]])
 

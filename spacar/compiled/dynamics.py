@@ -26,22 +26,25 @@ SMALL = 64  # equations up to which the exact condition in C is cheaper than an 
 
 
 class CompiledPositionMatrix(PositionMatrix):
-    """V[E, U] as it is factored in C."""
+    """V[E, U] as it is factored in C; that of the general path after a state that C could not do."""
 
     def __init__(self, dynamics: CompiledDynamics) -> None:
         super().__init__(dynamics.kinematics)
         self.dynamics = dynamics
 
     def determinant(self) -> tuple[float, float]:
+        if not self.dynamics.state.c.known:
+            return super().determinant()
         sign, size = self.dynamics.model.determinant()
         return float(sign[0]), float(size[0])
 
     def rcond(self) -> float:
-        if len(self.rows) <= SMALL:
-            rcond = self.dynamics.model.rcond(self.rows, self.columns)
-            if rcond > ZERO:
-                return rcond
-        self.dynamics.settle()
+        if self.dynamics.state.c.known:
+            if len(self.rows) <= SMALL:
+                rcond = self.dynamics.model.rcond(self.rows, self.columns)
+                if rcond > ZERO:
+                    return rcond
+            self.dynamics.settle()
         return super().rcond()
 
 

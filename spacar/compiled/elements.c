@@ -37,7 +37,7 @@ typedef struct {
 typedef struct {
     Spec s;
     int factored;                         /* the matrix of the position is that of some state before */
-    int n_v, n_values, *v_start, *v_column; /* V by rows: the places in `values` are those of v_column */
+    int *v_start, *v_column; /* V by rows: the places in `values` are those of v_column */
     int *v_offset, *m_offset;             /* (number of elements) places of the element matrices */
     Entries mass, given;                  /* of M; of M where the acceleration is given: gravity, prescribed motion */
     Entries dynamic;                      /* of V, in the columns of dynamic coordinates, counted from the first one */
@@ -50,56 +50,21 @@ typedef struct {
     int *v_place;                         /* (n_v) order of V's rows: place in `values` */
 } Model;
 
-static void element_strain(int kind, const real *x, const real *p, real *e, real *V)
-{
-    switch (kind) {
-    case PLBEAM: plbeam_strain(x, p, e, V); break;
-    case PLTRUSS: pltruss_strain(x, p, e, V); break;
-    case PLTOR: pltor_strain(x, p, e, V); break;
-    case PLPINBOD: plpinbod_strain(x, p, e, V); break;
-    case BEAM: beam_strain(x, p, e, V); break;
-    case TRUSS: truss_strain(x, p, e, V); break;
-    case HINGE: hinge_strain(x, p, e, V); break;
-    case PINBODY: pinbody_strain(x, p, e, V); break;
-    case NORMALIZATION: normalization_strain(x, p, e, V); break;
-    }
-}
-
-static void element_convective(int kind, const real *x, const real *v, const real *p, real *h)
-{
-    switch (kind) {
-    case PLBEAM: plbeam_convective(x, v, p, h); break;
-    case PLTRUSS: pltruss_convective(x, v, p, h); break;
-    case PLTOR: pltor_convective(x, v, p, h); break;
-    case PLPINBOD: plpinbod_convective(x, v, p, h); break;
-    case BEAM: beam_convective(x, v, p, h); break;
-    case TRUSS: truss_convective(x, v, p, h); break;
-    case HINGE: hinge_convective(x, v, p, h); break;
-    case PINBODY: pinbody_convective(x, v, p, h); break;
-    case NORMALIZATION: normalization_convective(x, v, p, h); break;
-    }
-}
-
-static void element_inertia(int kind, const real *x, const real *v, const real *p, real *M, real *h)
-{
-    switch (kind) {
-    case PLBEAM: plbeam_inertia(x, v, p, M, h); break;
-    case BEAM: beam_inertia(x, v, p, M, h); break;
-    case BODY: body_inertia(x, v, p, M, h); break;
-    }
-}
-
-/* Guards of an element; their number. */
-static int element_guard(int kind, const real *x, const real *p, real *g)
-{
-    switch (kind) {
-    case PLBEAM: plbeam_guard(x, p, g); return 3;
-    case PLTRUSS: pltruss_guard(x, p, g); return 1;
-    case BEAM: beam_guard(x, p, g); return 4;
-    case TRUSS: truss_guard(x, p, g); return 1;
-    }
-    return 0;
-}
+/* Functions of the kinds, in the order of the enumeration; a body has no deformations. */
+static void (*const STRAIN[])(const real *x, const real *p, real *e, real *V) = {
+    plbeam_strain, pltruss_strain, pltor_strain, plpinbod_strain, beam_strain, truss_strain, hinge_strain, pinbody_strain,
+    normalization_strain, NULL,
+};
+static void (*const CONVECTIVE[])(const real *x, const real *v, const real *p, real *h) = {
+    plbeam_convective, pltruss_convective, pltor_convective, plpinbod_convective, beam_convective, truss_convective,
+    hinge_convective, pinbody_convective, normalization_convective, NULL,
+};
+static void (*const INERTIA[])(const real *x, const real *v, const real *p, real *M, real *h) = {
+    [PLBEAM] = plbeam_inertia, [BEAM] = beam_inertia, [BODY] = body_inertia,
+};
+static const struct { void (*function)(const real *x, const real *p, real *g); int n; } GUARD[BODY + 1] = {
+    [PLBEAM] = {plbeam_guard, 3}, [PLTRUSS] = {pltruss_guard, 1}, [BEAM] = {beam_guard, 4}, [TRUSS] = {truss_guard, 1},
+};
 
 /* e, and V into `values`. */
 static void strain(const Model *m, const real *x, const real *near, real *e)
@@ -112,7 +77,7 @@ static void strain(const Model *m, const real *x, const real *near, real *e)
             if (!k->nee) continue;
             const int *ix = k->x + i * k->nxe, *ie = k->e + i * k->nee;
             for (int j = 0; j < k->nxe; j++) xe[j] = x[ix[j]];
-            element_strain(k->kind, xe, k->p + i * k->np, ee, m->values + *offset);
+            STRAIN[k->kind](xe, k->p + i * k->np, ee, m->values + *offset);
             if (k->kind == HINGE) ee[0] += 2 * M_PI * lanes_rint((near[ie[0]] - ee[0]) / (2 * M_PI));
             for (int r = 0; r < k->nee; r++) e[ie[r]] = ee[r];
         }
@@ -133,11 +98,11 @@ static void inertia(const Model *m, const real *x, const real *v)
             for (int j = 0; j < k->nxe; j++) { xe[j] = x[ix[j]]; ve[j] = v[ix[j]]; }
             if (k->nee) {
                 real rates[MAX_E];
-                element_convective(k->kind, xe, ve, p, rates);
+                CONVECTIVE[k->kind](xe, ve, p, rates);
                 for (int r = 0; r < k->nee; r++) m->h[k->e[i * k->nee + r]] = rates[r];
             }
             if (!k->inertia) continue;
-            element_inertia(k->kind, xe, ve, p, m->values + *offset, he);
+            INERTIA[k->kind](xe, ve, p, m->values + *offset, he);
             for (int r = 0; r < k->nxe; r++) m->convected[ix[r]] += he[r];
         }
     }
@@ -163,11 +128,11 @@ double spacar_guard(const Model *m, const real *x)
     double least = 1.0;
     for (int b = 0; b < m->s.n_batches; b++) {
         const Batch *k = &m->s.batches[b];
-        for (int i = 0; i < k->n; i++) {
+        const int n = GUARD[k->kind].n;
+        for (int i = 0; n && i < k->n; i++) {
             for (int j = 0; j < k->nxe; j++) xe[j] = x[k->x[i * k->nxe + j]];
-            const int n = element_guard(k->kind, xe, k->p + i * k->np, g);
+            GUARD[k->kind].function(xe, k->p + i * k->np, g);
             for (int r = 0; r < n; r++) EACH_LANE if (!(LANE(g[r], w) >= least)) least = LANE(g[r], w);
-            if (!n) break;
         }
     }
     return least;

@@ -51,7 +51,7 @@ static int find_entries(Model *m, Entries *V)
             at += k->nee * k->nxe;
         }
     }
-    m->n_v = at;
+    const int n_v = at;
     element = 0;
     for (int b = 0; b < s->n_batches; b++) {
         const Batch *k = &s->batches[b];
@@ -60,10 +60,10 @@ static int find_entries(Model *m, Entries *V)
             if (k->inertia) at += k->nxe * k->nxe;
         }
     }
-    m->n_values = at + s->n_constant;
-    m->values = cleared(m->n_values, sizeof(real));
-    if (!m->values || entries_begin(V, m->n_v) || entries_begin(&m->mass, m->n_values - m->n_v)) return NO_MEMORY;
-    for (int k = 0; k < m->n_values; k++) m->values[k] = untouched();
+    const int n_values = at + s->n_constant;
+    m->values = cleared(n_values, sizeof(real));
+    if (!m->values || entries_begin(V, n_v) || entries_begin(&m->mass, n_values - n_v)) return NO_MEMORY;
+    for (int k = 0; k < n_values; k++) m->values[k] = untouched();
     element = 0;
     for (int b = 0; b < s->n_batches; b++) {
         const Batch *k = &s->batches[b];
@@ -71,13 +71,13 @@ static int find_entries(Model *m, Entries *V)
             const int *ix = k->x + i * k->nxe, *ie = k->e + i * k->nee;
             real *v = m->values + m->v_offset[element], *M = m->values + m->m_offset[element];
             for (int j = 0; j < k->nxe; j++) { xe[j] = s->x0[ix[j]]; ve[j] = EVERY(0.0); }
-            if (k->nee) element_strain(k->kind, xe, k->p + i * k->np, ee, v);
+            if (k->nee) STRAIN[k->kind](xe, k->p + i * k->np, ee, v);
             for (int r = 0; r < k->nee; r++)
                 for (int j = 0; j < k->nxe; j++)
                     if (written(v[r * k->nxe + j]))
                         add(V, ie[r], ix[j], m->v_offset[element] + r * k->nxe + j);
             if (!k->inertia) continue;
-            element_inertia(k->kind, xe, ve, k->p + i * k->np, M, he);
+            INERTIA[k->kind](xe, ve, k->p + i * k->np, M, he);
             for (int r = 0; r < k->nxe; r++)
                 for (int j = 0; j < k->nxe; j++)
                     if (written(M[r * k->nxe + j]))

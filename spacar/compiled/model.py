@@ -12,13 +12,11 @@ import numpy as np
 
 from spacar.compiled.library import CBatch, CSpec, CState, library
 from spacar.compiled.numbers import Numbers
-from spacar.compiled.parameters import SUPPORTED
+from spacar.compiled.parameters import GUARD, SUPPORTED
 from spacar.dynamics.saddle_point import free_coordinates
 from spacar.kinematics.kinematics import LARGEST_JUMP
 from spacar.mechanism.mechanism import Array, Mechanism
 from spacar.mechanism.numbering import Numbering
-
-GUARD = 0.71  # see definitions.py
 
 
 def why_not(mechanism: Mechanism) -> str | None:

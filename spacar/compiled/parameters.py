@@ -8,6 +8,9 @@ import numpy as np
 
 from spacar.elements.base import Array, Family
 
+# What guards must be above: cosines of angles (45 degrees pass) or, for lengths, the part that is left plus LEFT.
+GUARD, LEFT = 0.71, 0.7
+
 # place in the enum of elements.c
 KINDS = ("plbeam", "pltruss", "pltor", "plpinbod", "beam", "truss", "hinge", "pinbody", "normalization", "body")
 

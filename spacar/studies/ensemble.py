@@ -34,7 +34,7 @@ from spacar.frame import Frame, StoredFrames
 from spacar.integrators import METHODS, integrate
 from spacar.kinematics.regularity import HalfTurns
 from spacar.mechanism import Mechanism, build
-from spacar.mechanism.mechanism import Array, Polynomial
+from spacar.mechanism.mechanism import Array
 from spacar.result import Result
 from spacar.studies.assignments import parameters_of
 from spacar.studies.reduced import ReducedCopies
@@ -65,8 +65,6 @@ def why_not(deck: Deck, **options: Any) -> str:
 
     if settings.integrator in WITHOUT_LANES:
         return f"method {settings.integrator} is not for compiled batches"
-    if not isinstance(mechanism.drive, Polynomial):
-        return "compiled batches take motions of constant acceleration only"
     return not_compiled(mechanism) or ""
 
 
@@ -215,8 +213,7 @@ def _frames(mechanism: Mechanism, times: np.ndarray, x_of: np.ndarray) -> Iterat
     atol, rtol = method.step_error(settings.atol) / shared, method.step_error(settings.rtol) / shared
     if method.variable_step:
         dynamics.kinematics.converged = POSITION * min(atol, rtol)
-    shown = Dynamics(mechanism)
-    shown.kinematics.start_from(dynamics.kinematics)
+    shown = dynamics.companion()
     limits: Limits | None = None
     steps = integrate(dynamics, y, times, settings.integrator, atol, rtol, settings.step, breaks=dynamics.drive.breaks)
     for out in steps:

@@ -94,6 +94,18 @@ def test_a_missing_compiler_is_said_in_one_sentence(monkeypatch, tmp_path):
     library.library.cache_clear()
 
 
+def test_a_compiler_that_fails_is_said_in_one_sentence(monkeypatch, tmp_path):
+    script = tmp_path / "broken"
+    script.write_text("#!/bin/sh\necho out of licences >&2; exit 1\n")
+    script.chmod(0o755)
+    monkeypatch.setenv("CC", str(script))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    library.library.cache_clear()
+    with pytest.raises(UsageError, match="the C compiler failed: out of licences"):
+        library.library()
+    library.library.cache_clear()
+
+
 def test_a_compiler_that_does_not_know_the_processor_is_asked_without(monkeypatch, tmp_path):
     """As some do: it refuses -march=native."""
     script = tmp_path / "picky"
@@ -135,6 +147,21 @@ def test_checks_see_the_state_that_c_evaluated():
     np.testing.assert_allclose(compiled.kinematics.x, general.kinematics.x, atol=1e-10)  # ten times CONVERGED
     matrices = (d.kinematics.velocity_system.A for d in (compiled, general))
     np.testing.assert_allclose(*matrices, atol=1e-9)
+
+
+def test_checks_see_the_state_that_c_could_not_do(monkeypatch):
+    """Then the general path has evaluated it, and its matrix counts: the factors in C are of another state."""
+    mechanism = spacar.frames(1, DATA / "robotsim.dat").mechanism
+    general, compiled = Dynamics(mechanism), CompiledDynamics(mechanism)
+    y = general.start()
+    compiled.start()
+    compiled.rhs(0.0, y)
+    general.rhs(0.1, y + 0.1)
+    monkeypatch.setattr(type(compiled.model), "rhs", lambda *arguments: -1)
+    compiled.rhs(0.1, y + 0.1)
+    expected, found = general.position_matrix(), compiled.position_matrix()
+    assert found.determinant() == pytest.approx(expected.determinant(), rel=1e-9)
+    assert found.rcond() == pytest.approx(expected.rcond(), rel=1e-9)
 
 
 @pytest.mark.parametrize(("angle", "sure"), [(0.1, True), (0.7, True), (0.8, False), (1.4, False)])
