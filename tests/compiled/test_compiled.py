@@ -149,6 +149,19 @@ def test_checks_see_the_state_that_c_evaluated():
     np.testing.assert_allclose(*matrices, atol=1e-9)
 
 
+def test_a_far_state_is_reached_in_pieces(monkeypatch):
+    """1.5 rad on are more than a jump (0.8): C goes there in pieces, and the general path is not asked."""
+    mechanism = spacar.frames(1, DATA / "robotsim.dat").mechanism
+    general, compiled = Dynamics(mechanism), CompiledDynamics(mechanism)
+    y = general.start()
+    compiled.start()
+    monkeypatch.setattr(compiled, "_in_general", None)
+    y[:3] += 1.5
+    expected = general.frame(0.1, y)
+    found = compiled.frame(0.1, y)
+    np.testing.assert_allclose(found.x, expected.x, atol=1e-10)  # ten times CONVERGED
+
+
 def test_checks_see_the_state_that_c_could_not_do(monkeypatch):
     """Then the general path has evaluated it, and its matrix counts: the factors in C are of another state."""
     mechanism = spacar.frames(1, DATA / "robotsim.dat").mechanism

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -264,6 +265,7 @@ def test_the_methods_of_the_reference_can_be_chosen(deck):
             reference_setups(trade, (1,), 1e-4, wrong)
 
 
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 def test_compiled_runs_give_the_same_errors(call):
     words = ("trade", "robotsim", "--time", "0.1", "--steps", "2", "-t", "1e-3,1e-5", "-i", "155", "--json")
     errors = []
@@ -273,3 +275,9 @@ def test_compiled_runs_give_the_same_errors(call):
         errors.append([row["error"] for row in json.loads(done.out)["settings"]])
     # the paths guess positions differently and leave them at a part of the tolerance: the errors agree in size only
     assert np.allclose(*errors, rtol=0.2)
+
+
+def test_a_wrong_reference_is_refused_before_anything_runs(call):
+    done = call("trade", "robotsim", "--time", "0.1", "--steps", "2", "--reference", "853,430")
+    assert done.status == 2
+    assert "two different methods with variable step" in done.err
