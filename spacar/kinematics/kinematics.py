@@ -128,7 +128,7 @@ class Kinematics:
     ) -> Array | None:
         x, c, near = x_given.copy(), self.c, self.sweep.near
         x_old, e_old, near_old = self.x, self.e_given, near.copy()
-        if guess is not None and _largest((guess[c] - x_old[c]) / self.scale[c]) > FARTHEST_GUESS:
+        if guess is not None and largest((guess[c] - x_old[c]) / self.scale[c]) > FARTHEST_GUESS:
             guess = None
         x[c] = x_old[c] if guess is None else guess[c]
         near[self.h] = e_given[self.h]
@@ -137,7 +137,7 @@ class Kinematics:
             if residual.any():
                 with suppress(SingularMatrixError):
                     x[c] -= self.position_system.solve(residual)
-            ahead = _largest((x - x_old) / self.scale)
+            ahead = largest((x - x_old) / self.scale)
             if depth == 0 and LARGEST_JUMP < ahead < MOST_PREDICTED:
                 near[:] = near_old
                 self._approach(x_given, e_given, int(np.ceil(ahead / LARGEST_JUMP)), 1)
@@ -145,7 +145,7 @@ class Kinematics:
         self._factored = False
         try:
             velocity = self._newton(x, e_given, v_given, e_rate)
-            jump = _largest((x - x_old) / self.scale)
+            jump = largest((x - x_old) / self.scale)
             if jump <= LARGEST_JUMP or depth == MAX_DEPTH:
                 self.e_given = e_given
                 near[:] = self.sweep.e
@@ -171,7 +171,7 @@ class Kinematics:
         """Largest scaled change of the given coordinates and deformations."""
         n = self.numbering
         given = np.concatenate([x[n.x_class[k]] / self.scale[n.x_class[k]] for k in ("input", "dynamic", "kinematic")])
-        return max(_largest(given), _largest(e[self.h] / self.mechanism.deformation_scale[self.h]))
+        return max(largest(given), largest(e[self.h] / self.mechanism.deformation_scale[self.h]))
 
     def _newton(self, x: Array, e_given: Array, v_given: Array | None, e_rate: Array | None) -> Array | None:
         """Newton's iteration from x (changed in place); one solve also gives the velocity where both matrices agree."""
@@ -185,7 +185,7 @@ class Kinematics:
         for iteration in range(1, MAX_ITERATIONS + 1):
             sweep.strain(x)
             residual = sweep.e[h] - target
-            norm = _largest(residual / self.h_scale)
+            norm = largest(residual / self.h_scale)
             if not norm < np.inf or (history and norm > 2.0 * history[-1] and norm > 1e-6):
                 if halvings == MAX_HALVINGS:
                     raise Unplaced(partial(position_failure, self, x, residual, history, iteration))
@@ -207,7 +207,7 @@ class Kinematics:
                 raise Unplaced(partial(singular_failure, self, x, error)) from None
             correction = solution[:, 0] if together else solution
             x[c] -= correction
-            size, before = _largest(correction / scale), size
+            size, before = largest(correction / scale), size
             if size <= self.converged or before <= CONVERGED:
                 self.x = x
                 self.iterations = iteration
@@ -282,6 +282,6 @@ class Kinematics:
         return condition_number(self)
 
 
-def _largest(values: Array) -> float:
+def largest(values: Array) -> float:
     """max |values|, nan if any is; 0 when empty."""
     return float(np.abs(values).max()) if len(values) else 0.0

@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from spacar.dynamics.dynamics import Dynamics
+from spacar.kinematics.kinematics import largest
 from spacar.linear.matrices import equilibrium_stresses
 from spacar.mechanism.mechanism import Array, DriveState
 
@@ -91,8 +92,3 @@ def equilibrium(dynamics: Dynamics, drive: DriveState) -> Equilibrium:
         work=largest(work),
         work_size=max(largest(full * e_scale), largest(applied * scale), 0.1 * largest(stored)),
     )
-
-
-def largest(values: Array) -> float:
-    """max |values|, 0 when empty, nan if any is."""
-    return float(np.abs(values).max()) if len(values) else 0.0
