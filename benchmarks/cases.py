@@ -1,6 +1,6 @@
 """The cases of the speed table: models, settings to choose from, references and targets.
 
-References are converged answers of another setting or closed forms; those that take minutes are kept in
+References are converged answers of another setting or closed forms; those that take long are kept in
 references.json (`run.py --references` computes them again). Targets: what the fastest compiled programs reached, see
 docs/performance.md.
 """
@@ -344,7 +344,7 @@ def rod_reference() -> Array:
     return extrapolated([rod_middle(n, 595, 1e-6) for n in (32, 64)], (2,))
 
 
-# What `--references` computes: minutes.
+# What `--references` computes: half a minute.
 SLOW_REFERENCES: dict[str, Callable[[], Array]] = {"released": released_reference, "rod": rod_reference}
 
 CASES: tuple[Case, ...] = (

@@ -81,7 +81,7 @@ def process(numpy: float, repeats: int) -> float:
 
 
 def keep_references() -> None:
-    """Compute the references that take minutes and write them to references.json."""
+    """Compute the references that take long and write them to references.json."""
     found = {name: solve().tolist() for name, solve in cases.SLOW_REFERENCES.items()}
     cases.REFERENCES.write_text(json.dumps(found, indent=1) + "\n")
 

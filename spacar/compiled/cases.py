@@ -25,7 +25,7 @@ class CompiledCases:
     """The cases whose numbers are given; `mechanism` is one of them, `start` (cases, components) their state."""
 
     def __init__(self, mechanism: Mechanism, numbers: Numbers, start: Array) -> None:
-        self.numbering = n = mechanism.numbering
+        n = mechanism.numbering
         self.n_cases, self.size = start.shape
         self.n_positions = self.size // 2
         of = np.minimum(np.arange(-(-self.n_cases // LANES) * LANES), self.n_cases - 1).reshape(-1, LANES)
