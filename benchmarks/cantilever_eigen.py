@@ -14,8 +14,9 @@ import numpy as np
 
 from spacar.deck import parse_deck
 from spacar.mechanism import build
-from spacar.modes import Run, find_mode
+from spacar.modes import find_mode
 from spacar.result import Result
+from spacar.stream import Run
 
 SIZES = (5, 10, 20, 40, 80, 160, 320, 1000)
 ROOTS = (1.8751040687119611, 4.6940911329741746, 7.8547574382376126, 10.995540734875467, 14.13716839104647)

@@ -1,83 +1,69 @@
-"""The table mode -> analysis, and the two calls that everybody uses: `frames` (a stream) and `run` (a result)."""
+"""The modes: one row each, with all that other rooms ask about them. Imports nothing, so that anybody may ask.
+
+An analysis is named, not imported: `Run` (spacar/stream.py) loads it when the first frame is asked for.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
-from importlib import import_module
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
 
-from spacar.errors import Report, UsageError
-from spacar.frame import Frame
-
-if TYPE_CHECKING:
-    from spacar.deck import Deck
-    from spacar.mechanism import Mechanism
-    from spacar.result import Result
+from spacar.errors import UsageError
 
 
 @dataclass(frozen=True)
 class Mode:
-    """One analysis: where its generator of frames is, and which result files it fills."""
+    """One analysis.
+
+    analysis         "module:function" of a generator (run: Run) -> Iterator[Frame]
+    files            the result files that it fills, of "sbd", "sbm", "ltv"
+    third            kind of its third block, "trajectory" or "linearization"; None: it uses none
+    forces           uses the second block: masses, stiffness, loads
+    timed            its steps are moments of a motion
+    integrated       the motion is integrated from a start state: TIMESTEP, ERROR, INTEGRAT
+    stationary       its steps are load steps of a static equilibrium or steady motion: ITERSTEP
+    gives_setpoints  its result is a motion to linearize along; takes_setpoints: it linearizes along such a result
+    linearized       gives the linearized equations, so their modes of vibration;  buckling: gives load multipliers
+    wheels           wheels (non-holonomic constraints) are supported
+    """
 
     number: int
     title: str
-    analysis: str  # "module:function" of a generator (run: Run) -> Iterator[Frame]
-    files: tuple[str, ...]  # of "sbd", "sbm", "ltv"
+    analysis: str
+    files: tuple[str, ...]
+    third: str | None = None
+    forces: bool = True
+    timed: bool = False
+    integrated: bool = False
+    stationary: bool = False
+    gives_setpoints: bool = False
+    takes_setpoints: bool = False
+    linearized: bool = False
+    buckling: bool = False
+    wheels: bool = False
 
 
 MODES = {
     mode.number: mode
     for mode in (
-        Mode(0, "kinematic check", "spacar.kinematics.analysis:check", ("sbd",)),
-        Mode(1, "forward dynamics", "spacar.dynamics.analysis:forward", ("sbd",)),
-        Mode(2, "inverse dynamics", "spacar.inverse.analysis:inverse", ("sbd", "ltv")),
-        Mode(3, "linearization along set-points", "spacar.inverse.analysis:along", ("sbd", "sbm", "ltv")),
-        Mode(4, "forward dynamics with linearization", "spacar.linear.analysis:forward", ("sbd", "sbm", "ltv")),
-        Mode(7, "stationary solution, eigenvalues", "spacar.linear.analysis:eigenvalues", ("sbd", "sbm")),
-        Mode(8, "stationary solution, buckling", "spacar.linear.analysis:buckling", ("sbd", "sbm")),
+        Mode(0, "kinematic check", "spacar.kinematics.analysis:check", ("sbd",), forces=False, wheels=True),
+        Mode(1, "forward dynamics", "spacar.forward.motion:forward", ("sbd",),
+             timed=True, integrated=True, wheels=True),
+        Mode(2, "inverse dynamics", "spacar.inverse.analysis:inverse", ("sbd", "ltv"),
+             third="trajectory", timed=True, gives_setpoints=True),
+        Mode(3, "linearization along set-points", "spacar.inverse.analysis:along", ("sbd", "sbm", "ltv"),
+             third="trajectory", timed=True, takes_setpoints=True, linearized=True),
+        Mode(4, "forward dynamics with linearization", "spacar.linear.analysis:forward", ("sbd", "sbm", "ltv"),
+             third="linearization", timed=True, integrated=True, linearized=True, wheels=True),
+        Mode(7, "stationary solution, eigenvalues", "spacar.linear.analysis:eigenvalues", ("sbd", "sbm"),
+             stationary=True, linearized=True, wheels=True),
+        Mode(8, "stationary solution, buckling", "spacar.linear.analysis:buckling", ("sbd", "sbm"),
+             stationary=True, buckling=True),
         Mode(9, "stationary solution, state space", "spacar.linear.analysis:state_space_matrices",
-             ("sbd", "sbm", "ltv")),
+             ("sbd", "sbm", "ltv"), third="linearization", stationary=True, linearized=True, wheels=True),
         Mode(10, "stationary solution, eigenvalues and buckling", "spacar.linear.analysis:vibration_and_buckling",
-             ("sbd", "sbm")),
+             ("sbd", "sbm"), stationary=True, linearized=True, buckling=True),
     )
 }  # fmt: skip
-
-
-@dataclass
-class Run:
-    """One analysis, ready to be iterated over. Everything but `report` and `header` is fixed from the start.
-
-    report    warnings and information for the log, complete when the iteration has ended
-    header    scalars and arrays that the analysis states before its first frame (NNOM, NU, NY, condition ...)
-    n_frames  number of frames to come, None if unknown
-    nominal   mode 3 only: the earlier mode 2 result
-    """
-
-    mode: Mode
-    mechanism: Mechanism
-    report: Report = field(default_factory=Report)
-    header: dict[str, Any] = field(default_factory=dict)
-    n_frames: int | None = None
-    nominal: Any = None
-
-    def __iter__(self) -> Iterator[Frame]:
-        module, _, name = self.mode.analysis.partition(":")
-        analysis: Callable[[Run], Iterator[Frame]] = getattr(import_module(module), name)
-        return _without_warnings(analysis(self))
-
-
-def _without_warnings(frames: Iterator[Frame]) -> Iterator[Frame]:
-    """The frames, without NumPy's warnings: what is infinite or undefined is found where it matters, and named."""
-    import numpy as np
-
-    while True:
-        with np.errstate(all="ignore"):
-            frame = next(frames, None)
-        if frame is None:
-            return
-        yield frame
 
 
 def find_mode(number: int) -> Mode:
@@ -88,40 +74,3 @@ def find_mode(number: int) -> Mode:
         hint = "; modes 5 and 6 were experimental in the original and are not provided" if old else ""
         raise UsageError(f"mode {number} does not exist; the modes are {known}{hint}", "usage.mode")
     return MODES[abs(number)]
-
-
-def _check_options(options: dict[str, Any]) -> None:
-    """Raises UsageError for an unknown option, or for a tolerance, step or duration that is not positive."""
-    from dataclasses import fields
-
-    from spacar.mechanism import Settings
-
-    known = [f.name for f in fields(Settings)]
-    for name, value in options.items():
-        if name not in known:
-            raise UsageError(f"there is no option '{name}'; the options are {', '.join(known)}", "usage.option")
-        if name in ("atol", "rtol", "step", "duration", "n_steps") and value is not None and not value > 0:
-            raise UsageError(f"the option {name} = {value!r} must be positive", "usage.option")
-
-
-def frames(mode: int, source: str | Path | Deck, *, nominal: Any = None, **options: Any) -> Run:
-    """Prepare an analysis: read, check and number the model; the frames come when the returned Run is iterated over.
-
-    `options` override the deck for this run: atol, rtol, integrator, step, duration, n_steps, compiled (see Settings).
-    Raises UsageError (unknown mode), InputError (bad input) now; AnalysisError while iterating.
-    """
-    from spacar.deck import Deck, read_deck
-    from spacar.mechanism import build
-
-    found = find_mode(mode)
-    _check_options(options)
-    deck = source if isinstance(source, Deck) else read_deck(source, found.number)
-    return Run(found, build(deck, found.number, **options), nominal=nominal)
-
-
-def run(mode: int, source: str | Path | Deck, *, nominal: Any = None, **options: Any) -> Result:
-    """Run an analysis to its end and keep all frames in memory. Arguments and errors as `frames`."""
-    from spacar.result import Result
-
-    prepared = frames(mode, source, nominal=nominal, **options)
-    return Result.collect(prepared)

@@ -14,7 +14,7 @@ from spacar.frame import Frame, StoredFrames
 
 if TYPE_CHECKING:
     from spacar.mechanism import Mechanism
-    from spacar.modes import Run
+    from spacar.stream import Run
 
 Array = NDArray[np.float64]
 X_VARIABLES = ("x", "xd", "xdd", "fx", "fxgrav", "fxtot", "xcompl")

@@ -14,9 +14,10 @@ from importlib import import_module
 import click
 
 import spacar
+from spacar.modes import MODES
 from spacar_cli.environment import Environment
 from spacar_cli.status import ExitStatus, tell, tell_error
-from spacar_cli.table import COMMANDS, MODES
+from spacar_cli.table import COMMANDS
 
 MODE = re.compile(r"[+-]?\d+")
 HELP = {"help_option_names": ["-h", "--help"]}
@@ -73,7 +74,7 @@ class Program(click.Group):
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Modes (a minus sign, as in -1, means without a plot)"):
-            formatter.write_dl([(str(number), title) for number, title in MODES.items()])
+            formatter.write_dl([(str(mode.number), mode.title) for mode in MODES.values()])
         with formatter.section("Commands"):
             formatter.write_dl(list(COMMANDS.items()))
 

@@ -6,7 +6,7 @@ import time
 from typing import Any
 
 from spacar.frame import Frame
-from spacar.modes import Run
+from spacar.stream import Run
 from spacar_cli.environment import Environment
 
 PATIENCE = 0.5  # seconds before a bar appears; a shorter run never imports rich
@@ -49,7 +49,7 @@ class Progress:
     @property
     def _timed(self) -> bool:
         """Simulated time tells how far the run is."""
-        return self._run.mode.number in (1, 4) and self._run.mechanism.settings.duration is not None
+        return self._run.mode.integrated and self._run.mechanism.settings.duration is not None
 
     def _open(self) -> None:
         from rich.console import Console

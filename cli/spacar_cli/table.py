@@ -1,22 +1,10 @@
-"""Names and one-line helps of all modes and commands: what `spacar --help` prints without importing anything.
+"""Names and one-line helps of all commands: what `spacar --help` prints without importing anything.
 
-The command NAME is `spacar_cli.commands.NAME:command`, imported when it is called. The titles of the modes
-repeat `spacar.modes.MODES`, which needs NumPy; a test keeps them equal.
+The command NAME is `spacar_cli.commands.NAME:command`, imported when it is called; the modes have their own table,
+`spacar.modes.MODES`.
 """
 
 from __future__ import annotations
-
-MODES = {
-    0: "kinematic check",
-    1: "forward dynamics",
-    2: "inverse dynamics",
-    3: "linearization along set-points",
-    4: "forward dynamics with linearization",
-    7: "stationary solution, eigenvalues",
-    8: "stationary solution, buckling",
-    9: "stationary solution, state space",
-    10: "stationary solution, eigenvalues and buckling",
-}
 
 COMMANDS = {
     "check": "read an input file and report, without running it",

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.errors import UsageError
-from spacar.inverse.nominal import INVERSE_DYNAMICS, Nominal, check_same_mechanism
+from spacar.inverse.nominal import Nominal, check_same_mechanism
+from spacar.modes import MODES
 from spacar_formats.locate import stale_note
 from spacar_formats.sbf import SbfError, SbfFile
 
@@ -65,7 +66,7 @@ def _read(path: Path) -> tuple[Nominal, str | None]:
     """The nominal motion of a result, and the sentence that says it is stale."""
     with SbfFile(path) as file:
         mode = int(np.ravel(file.header["MODE"])[0]) if "MODE" in file.header else None
-        if mode != INVERSE_DYNAMICS:
+        if mode not in MODES or not MODES[mode].gives_setpoints:
             raise UsageError(f"it is a result of mode {mode}", "files.not-mode-2")
         if not file.complete:
             raise UsageError("it is incomplete", "files.incomplete")

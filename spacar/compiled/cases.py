@@ -74,10 +74,6 @@ class CompiledCases:
                 break
         return reached
 
-    def jacobian(self, t: float, y: Array) -> tuple[Array, Array]:
-        """Implicit methods are not for batches."""
-        raise NotImplementedError
-
     def component_name(self, i: int) -> str:
         """Name of a component of the state, for messages."""
         block, place = divmod(i, self.size * LANES)

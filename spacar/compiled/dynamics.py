@@ -172,10 +172,6 @@ class CompiledDynamics(Dynamics):
         self.evaluations += reached - done
         return reached
 
-    def jacobian(self, t: float, y: Array) -> tuple[Array, Array]:
-        self._hand_over()
-        return super().jacobian(t, y)
-
     def frame(self, t: float, y: Array) -> Frame:
         m, s = self.model, self.state
         if not m.polynomial:

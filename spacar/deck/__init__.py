@@ -1,9 +1,8 @@
 """The input language: text to `Deck`. One table of keywords drives reading, checking, echo and
 documentation."""
 
-from spacar.deck.deck import Deck
+from spacar.deck.deck import Deck, parse_deck, read_deck
 from spacar.deck.echo import echo
-from spacar.deck.reader import parse_deck, read_deck
 from spacar.deck.statement import Statement
 from spacar.deck.table import ELEMENT_TYPES, KEYWORDS, Block, ElementType
 

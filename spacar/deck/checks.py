@@ -10,7 +10,7 @@ from spacar.deck.checks_ports import check_ports
 from spacar.deck.checks_references import check_classes, check_once
 from spacar.deck.checks_trajectory import check_trajectories
 from spacar.deck.findings import Findings
-from spacar.deck.modes import Mode
+from spacar.deck.modes import Purpose
 from spacar.deck.outline import Outline
 from spacar.deck.scene import Scene
 from spacar.deck.statement import Statement
@@ -20,7 +20,7 @@ from spacar.deck.table_types import Block
 def check(
     statements: tuple[Statement, ...],
     outline: Outline,
-    mode: Mode,
+    mode: Purpose,
     third: Block | None,
     findings: dict[int, Findings],
 ) -> None:

@@ -22,7 +22,7 @@ def check_dynamics(scene: Scene) -> None:
     _check_stiffness(scene)
     _check_moments(scene)
     _check_additional(scene)
-    if scene.mode in (1, 4):
+    if scene.analysis is not None and scene.analysis.integrated:
         _check_motion(scene)
 
 

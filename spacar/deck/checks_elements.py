@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from spacar.deck.modes import HOLONOMIC_ONLY
 from spacar.deck.scene import Scene
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
+from spacar.modes import MODES
 
 
 def check_elements(scene: Scene) -> None:
@@ -24,8 +24,9 @@ def check_elements(scene: Scene) -> None:
         if not kind.supported:
             text = f"a {kind.title} is not supported, also not by the original program"
             findings.error(s, None, text, "not-supported")
-        if kind.slips and scene.mode in HOLONOMIC_ONLY:
-            text = f"non-holonomic element in mode {scene.mode}: only modes 0, 1, 4, 7, 9 support it"
+        if kind.slips and scene.analysis is not None and not scene.analysis.wheels:
+            able = ", ".join(str(number) for number, mode in MODES.items() if mode.wheels)
+            text = f"non-holonomic element in mode {scene.mode}: only modes {able} support it"
             findings.error(s, None, text, "non-holonomic")
         other = first_of_kind.get(not kind.planar)
         if kind.planar not in first_of_kind:

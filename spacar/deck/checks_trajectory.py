@@ -28,8 +28,9 @@ def check_trajectories(scene: Scene) -> None:
     """Everything about TRAJECT and the statements that follow it."""
     trajectories = _collect(scene)
     whole = 3 not in scene.outline.broken_blocks
-    if scene.mode == 2 and not trajectories and whole:
-        text = "mode 2 needs a third block with at least one TRAJECT"
+    needed = scene.analysis is not None and scene.analysis.gives_setpoints
+    if needed and not trajectories and whole:
+        text = f"mode {scene.mode} needs a third block with at least one TRAJECT"
         scene.findings.add("error", None, "", text, "no-trajectory")
     for before, after in pairwise(trajectories):
         if after.start.integer(0) <= before.start.integer(0):
@@ -44,7 +45,7 @@ def check_trajectories(scene: Scene) -> None:
     if by_user and len(trajectories) > 1:
         text = f"USERTRAJ is for a single TRAJECT; there are {len(trajectories)}"
         scene.findings.error(by_user[0], None, text, "user-trajectory")
-    if scene.mode == 2 and trajectories and not by_user:
+    if needed and trajectories and not by_user:
         _check_rest(scene, trajectories)
 
 
@@ -87,7 +88,8 @@ def _check_one(scene: Scene, t: _Trajectory, whole: bool) -> None:
     for s in t.statements:
         number = s.values[0]
         if s.keyword in PATHS:
-            if scene.mode != 3:  # there the trajectories of the mode 2 file are read along with other classes
+            # Along set-points the trajectories of the mode 2 file are read along with other classes.
+            if scene.analysis is None or not scene.analysis.takes_setpoints:
                 _check_path(scene, s)
         elif not whole:
             pass

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
-from spacar.deck.modes import Mode
+from spacar.deck.lexer import visualization_of
+from spacar.deck.modes import Purpose
+from spacar.deck.reader import NOT_UTF8, Span, read_text
 from spacar.deck.statement import Statement, Value
 from spacar.deck.table_types import Block
 from spacar.errors import Message, UsageError
-
-Span = tuple[tuple[int, int], tuple[int, int]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +32,7 @@ class Deck:
     data: bytes = field(repr=False)
     visualization: tuple[str, ...] = ()
     messages: tuple[Message, ...] = ()
-    mode: Mode = None
+    mode: Purpose = None
     third: Block | None = None
     spans: dict[int, Span] = field(default_factory=dict, repr=False)
 
@@ -111,16 +111,13 @@ class Deck:
 
     def with_value(self, statement: Statement, position: int, value: Value) -> Deck:
         """A new deck in which argument `position` (from 1) of the statement has another value; see `set`."""
-        from spacar.deck.reader import parse
         from spacar.deck.writer import splice
 
         text = splice(self.text, statement, position, value)
         return parse(text, self.source, self.mode, path=self.path, visualization=self.visualization)
 
-    def for_mode(self, mode: Mode) -> Deck:
+    def for_mode(self, mode: Purpose) -> Deck:
         """The same text read for another mode."""
-        from spacar.deck.reader import parse
-
         return parse(
             self.text, self.source, mode, path=self.path, data=self.data, visualization=self.visualization
         )
@@ -132,12 +129,11 @@ class Deck:
         dynamics: Iterable[Sequence[Value]] = (),
         third: Iterable[Sequence[Value]] = (),
         *,
-        mode: Mode = None,
+        mode: Purpose = None,
         source: str = "<deck>",
         path: Path | None = None,
     ) -> Deck:
         """A deck from rows such as `("PLBEAM", 1, 1, 2, 3, 4)`, checked like a file; raises InputError."""
-        from spacar.deck.reader import parse
         from spacar.deck.writer import write_rows
 
         return parse(write_rows([kinematics, dynamics, third]), source, mode, path=path)
@@ -145,3 +141,60 @@ class Deck:
 
 def _line(statement: Statement, index: int | None) -> int:
     return statement.line if index is None or index >= len(statement.lines) else statement.lines[index]
+
+
+def read_deck(path: str | Path, mode: Purpose = None) -> Deck:
+    """Read and check an input file; `.dat` is appended when there is no such file.
+
+    Raises UsageError with the reason of the operating system, InputError with all errors of the file.
+    """
+    file = Path(path)
+    if not file.is_file() and file.suffix.lower() != ".dat":
+        file = file.with_name(file.name + ".dat")
+    data = _bytes(file)
+    text = data.decode("utf-8", "surrogateescape")
+    beside = file.with_suffix(".spv")
+    visualization = None
+    if beside.is_file():
+        visualization = visualization_of(_bytes(beside).decode("utf-8", "replace"))
+    return parse(text, file.name, mode, path=file, data=data, visualization=visualization)
+
+
+def parse_deck(text: str, source: str = "<deck>", mode: Purpose = None) -> Deck:
+    """Check an input text; `source` names it in messages. Raises InputError with all errors."""
+    return parse(text, source, mode)
+
+
+def parse(
+    text: str,
+    source: str,
+    mode: Purpose = None,
+    *,
+    path: Path | None = None,
+    data: bytes | None = None,
+    visualization: tuple[str, ...] | None = None,
+) -> Deck:
+    """The common path of all readers; `visualization` is used when the text has no such section."""
+    contents = read_text(text, source, mode)
+    if contents.visualization is not None:
+        visualization = contents.visualization
+    return Deck(
+        contents.statements,
+        source,
+        path,
+        NOT_UTF8.sub("\ufffd", text),
+        text.encode("utf-8", "surrogateescape") if data is None else data,
+        tuple([NOT_UTF8.sub("\ufffd", line) for line in visualization or ()]),
+        contents.messages,
+        mode,
+        contents.third,
+        contents.spans,
+    )
+
+
+def _bytes(file: Path) -> bytes:
+    try:
+        return file.read_bytes()
+    except (OSError, ValueError) as problem:
+        reason = getattr(problem, "strerror", None) or str(problem)
+        raise UsageError(f"cannot read {file}: {reason}", "files.not-readable") from None

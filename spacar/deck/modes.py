@@ -2,31 +2,31 @@
 
 from __future__ import annotations
 
+from spacar import modes
 from spacar.deck.table_types import Block
 
-Mode = int | str | None
+Purpose = int | str | None
 """A mode number, "simulation" for the controlled simulation, or None for checking a file without a mode."""
 
-_THIRD: dict[int | str, Block] = {
-    2: Block.TRAJECTORY,
-    3: Block.TRAJECTORY,
-    4: Block.LINEARIZATION,
-    9: Block.LINEARIZATION,
-    "simulation": Block.SIMULATION,
-}
-HOLONOMIC_ONLY = (2, 3, 8, 10)
-"""Modes that do not support wheels."""
+
+def facts(mode: Purpose) -> modes.Mode | None:
+    """The row of the table of modes; None for no mode and for the controlled simulation, which has no row."""
+    return modes.MODES.get(mode) if isinstance(mode, int) else None
 
 
-def third_block(mode: Mode) -> Block | None:
+def third_block(mode: Purpose) -> Block | None:
     """Kind of the third block in this mode, None when the mode does not use it or is not known."""
-    return None if mode is None else _THIRD.get(mode)
+    if mode == "simulation":
+        return Block.SIMULATION
+    row = facts(mode)
+    return None if row is None or row.third is None else Block[row.third.upper()]
 
 
-def uses(mode: Mode, block: int) -> bool:
+def uses(mode: Purpose, block: int) -> bool:
     """Whether a mode uses block 1, 2 or 3."""
     if mode is None or block == 1:
         return True
     if block == 2:
-        return mode != 0
-    return mode in _THIRD
+        row = facts(mode)
+        return row is None or row.forces
+    return third_block(mode) is not None

@@ -1,67 +1,41 @@
-"""Reading: bytes to text, text to words, words to statements, statements to a checked deck."""
+"""Reading: text to words, words to statements, statements to the checked contents of a deck."""
 
 from __future__ import annotations
 
 import re
-from pathlib import Path
+from dataclasses import dataclass
 
 from spacar.deck.arguments import read_statement
 from spacar.deck.checks import check
-from spacar.deck.deck import Deck
 from spacar.deck.findings import Findings
-from spacar.deck.lexer import LONGEST_LINE, Source, integer_of, scan, visualization_of
-from spacar.deck.modes import Mode, third_block, uses
+from spacar.deck.lexer import LONGEST_LINE, Source, integer_of, scan
+from spacar.deck.modes import Purpose, third_block, uses
 from spacar.deck.outline import Outline
 from spacar.deck.splitter import Raw, split, third_kind
 from spacar.deck.statement import Statement
 from spacar.deck.table import KEYWORDS, Block, blocks_of
 from spacar.deck.table_elements import ELEMENT_TYPES
-from spacar.errors import InputError, UsageError
+from spacar.errors import InputError, Message
 
-_NOT_UTF8 = re.compile("[\ud800-\udfff]")
+NOT_UTF8 = re.compile("[\ud800-\udfff]")
+Span = tuple[tuple[int, int], tuple[int, int]]
 _NAMES = {2: "dynamics block", 3: "third block"}
 
 
-def read_deck(path: str | Path, mode: Mode = None) -> Deck:
-    """Read and check an input file; `.dat` is appended when there is no such file.
+@dataclass(frozen=True)
+class Contents:
+    """What a text says. `visualization`: lines of that section, None without one; `third`: kind of the third block;
+    `spans`: where each block begins and ends (line, column)."""
 
-    Raises UsageError with the reason of the operating system, InputError with all errors of the file.
-    """
-    file = Path(path)
-    if not file.is_file() and file.suffix.lower() != ".dat":
-        file = file.with_name(file.name + ".dat")
-    data = _bytes(file)
-    text = data.decode("utf-8", "surrogateescape")
-    beside = file.with_suffix(".spv")
-    visualization = None
-    if beside.is_file():
-        visualization = visualization_of(_bytes(beside).decode("utf-8", "replace"))
-    return parse(text, file.name, mode, path=file, data=data, visualization=visualization)
+    statements: tuple[Statement, ...]
+    visualization: tuple[str, ...] | None
+    messages: tuple[Message, ...]
+    third: Block | None
+    spans: dict[int, Span]
 
 
-def parse_deck(text: str, source: str = "<deck>", mode: Mode = None) -> Deck:
-    """Check an input text; `source` names it in messages. Raises InputError with all errors."""
-    return parse(text, source, mode)
-
-
-def _bytes(file: Path) -> bytes:
-    try:
-        return file.read_bytes()
-    except (OSError, ValueError) as problem:
-        reason = getattr(problem, "strerror", None) or str(problem)
-        raise UsageError(f"cannot read {file}: {reason}", "files.not-readable") from None
-
-
-def parse(
-    text: str,
-    source: str,
-    mode: Mode = None,
-    *,
-    path: Path | None = None,
-    data: bytes | None = None,
-    visualization: tuple[str, ...] | None = None,
-) -> Deck:
-    """The common path of all readers; `visualization` is used when the text has no such section."""
+def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
+    """The statements of a text, checked; `source` names it in messages. Raises InputError with all errors."""
     findings = Findings(source)
     scanned = scan(text)
     _lexical(text, scanned, findings)
@@ -99,20 +73,7 @@ def parse(
     findings.messages.sort(key=lambda m: m.line or 0)
     if findings.errors:
         raise InputError(findings.messages)
-    if scanned.visualization is not None:
-        visualization = scanned.visualization
-    return Deck(
-        statements,
-        source,
-        path,
-        _NOT_UTF8.sub("\ufffd", text),
-        text.encode("utf-8", "surrogateescape") if data is None else data,
-        tuple([_NOT_UTF8.sub("\ufffd", line) for line in visualization or ()]),
-        tuple(findings.messages),
-        mode,
-        third,
-        parts.spans,
-    )
+    return Contents(statements, scanned.visualization, tuple(findings.messages), third, parts.spans)
 
 
 def _lexical(text: str, source: Source, findings: Findings) -> None:
@@ -128,10 +89,10 @@ def _lexical(text: str, source: Source, findings: Findings) -> None:
     if text.isascii():
         return
     for word in source.words:
-        bad = _NOT_UTF8.search(word.text)
+        bad = NOT_UTF8.search(word.text)
         if bad:
             byte = ord(bad.group()) & 0xFF
-            shown = _NOT_UTF8.sub("\ufffd", word.text)
+            shown = NOT_UTF8.sub("\ufffd", word.text)
             findings.add(
                 "error",
                 word.line,
@@ -168,7 +129,7 @@ def _wrong_kind(raw: Raw, kind: Block | None, findings: Findings) -> None:
     )
 
 
-def _report_skipped(block: int, raws: list[Raw], mode: Mode, found: Findings, findings: Findings) -> None:
+def _report_skipped(block: int, raws: list[Raw], mode: Purpose, found: Findings, findings: Findings) -> None:
     """One line about a block that the mode does not use, and one when it has errors that would matter
     elsewhere."""
     first = next((r for r in raws if r.block == block), None)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from spacar import modes
 from spacar.deck.findings import Findings
-from spacar.deck.modes import Mode
+from spacar.deck.modes import Purpose, facts
 from spacar.deck.outline import Outline
 from spacar.deck.statement import Statement
 from spacar.deck.table_types import Block
@@ -21,11 +22,16 @@ class Scene:
 
     statements: tuple[Statement, ...]
     outline: Outline
-    mode: Mode
+    mode: Purpose
     third: Block | None
     findings: Findings
     coordinates: Classes = field(default_factory=dict)
     deformations: Classes = field(default_factory=dict)
+
+    @property
+    def analysis(self) -> modes.Mode | None:
+        """The row of the mode that the file is checked for, if it is checked for one."""
+        return facts(self.mode)
 
     def of(self, *keywords: str, block: int | None = None) -> list[Statement]:
         """Statements with one of these keywords, in file order."""

@@ -17,6 +17,7 @@ from spacar.dynamics.saddle_point import DeformationInertia, SaddlePoint
 from spacar.errors import AnalysisError
 from spacar.frame import Frame
 from spacar.kinematics import Kinematics
+from spacar.kinematics.condition import condition_number
 from spacar.kinematics.extrapolation import State, extrapolated
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.kinematics.regularity import PositionMatrix
@@ -49,6 +50,7 @@ class Dynamics:
         self.xd, self.ed = np.zeros(n.nx), np.zeros(n.ne)
         self.evaluations = 0
         self.accepted: Callable[[float, Array], None] | None = None  # called by the integrators after each step
+        self.jacobian: Callable[[float, Array], tuple[Array, Array]] | None = None  # of the codes that need one
         self._convected = np.zeros(n.nx)  # h minus gravity on moving families at the last accelerated state
         self._last: State | None = None  # t, x, xd, xdd of the last accelerated state
         self._before: State | None = None  # the same of the one before, where the motion is prescribed
@@ -83,7 +85,7 @@ class Dynamics:
         """Raises AnalysisError when a dynamic degree of freedom carries no mass in the placed configuration."""
         if is_checked(self.numbering):
             self.sweep.mass()
-            require_regular_mass(self.numbering, dynamic_mass(self))
+            require_regular_mass(self.numbering, dynamic_mass(self.kinematics, self.coupling))
 
     def _slice(self, name: str) -> slice:
         edges = np.cumsum([0, self.n_xm, self.n_em, self.n_xk, int(self.numbering.nep[4])])
@@ -193,19 +195,13 @@ class Dynamics:
             out[m + self.n_xm :] = edd[es["dynamic"]]
         return out
 
-    def jacobian(self, t: float, y: Array) -> tuple[Array, Array]:
-        """dF/dy from the exact linearization and dF/dt by a central difference (zero for constant drives)."""
-        from spacar.linear.state_matrix import state_jacobian
-
-        return state_jacobian(self, t, y)
-
     # -- what checks ask after an evaluation ----------------------------------------------------------------------
     def settle(self) -> None:
         """Bring kinematics and sweep to the last evaluated state: nothing to do unless it was evaluated elsewhere."""
 
     def condition(self) -> float:
         """Condition number of V[E, U] at the last evaluated state; infinite when singular."""
-        return self.kinematics.condition()
+        return condition_number(self.kinematics)
 
     def position_matrix(self) -> PositionMatrix:
         """V[E, U] at the last evaluated state."""

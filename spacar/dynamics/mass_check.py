@@ -6,17 +6,14 @@ eigenvalue below 1e-13 means a motion without inertia to working precision.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from spacar.dynamics.saddle_point import DeformationInertia
 from spacar.errors import AnalysisError
+from spacar.kinematics.kinematics import Kinematics
 from spacar.kinematics.transfer import velocity_transfer
 from spacar.mechanism.mechanism import Array
 from spacar.mechanism.numbering import Numbering
-
-if TYPE_CHECKING:
-    from spacar.dynamics.dynamics import Dynamics
 
 SMALLEST = 1e-13
 LARGEST_CHECKED = 400  # dense work of order nx nq^2; larger models are caught by the factorization itself
@@ -53,19 +50,12 @@ def is_checked(n: Numbering) -> bool:
     return n.nddof > 0 and n.ndof <= LARGEST_CHECKED
 
 
-def dynamic_mass(dynamics: Dynamics) -> Array:
-    """Reduced mass matrix of the dynamic degrees of freedom, (nddof, nddof), at the placed state."""
-    n = dynamics.numbering
-    return reduced_mass(dynamics)[n.dynamic[:, None], n.dynamic]
-
-
-def reduced_mass(dynamics: Dynamics) -> Array:
-    """W^T (M + V^T M_e V) W of all degrees of freedom, (ndof, ndof), at the placed state."""
-    sweep = dynamics.sweep
-    W = velocity_transfer(dynamics.kinematics)
-    M = np.array([sweep.mass_times(column) for column in W.T]) @ W
-    if dynamics.coupling.present:
-        i, j, value = dynamics.coupling.table
-        We = dynamics.kinematics.sweep_rates(W)
+def dynamic_mass(k: Kinematics, coupling: DeformationInertia) -> Array:
+    """W^T (M + V^T M_e V) W of the dynamic degrees of freedom, (nddof, nddof), at the placed configuration."""
+    W = velocity_transfer(k)[:, k.numbering.dynamic]
+    M = np.array([k.sweep.mass_times(column) for column in W.T]) @ W
+    if coupling.present:
+        i, j, value = coupling.table
+        We = k.sweep_rates(W)
         M += We[i].T @ (value[:, None] * We[j])
     return M

@@ -60,6 +60,8 @@ def integrate(
     output_times = np.asarray(times, dtype=float)
     _check(state, output_times, atol, rtol, step)
     first, last = float(output_times[0]), float(output_times[-1])
+    if row.needs_jacobian and getattr(problem, "jacobian", None) is None:
+        raise UsageError(f"INTEGRAT: {row.name} needs the Jacobian of the problem", "integrator.jacobian")
     evaluation = Evaluation(problem, first, last)
     integrator = row.build(evaluation, len(state), Tolerance(float(atol), float(rtol)))
     segments = _segments(first, last, breaks)

@@ -12,14 +12,17 @@ import numpy as np
 
 from spacar.errors import AnalysisError
 
+Jacobian = Callable[[float, np.ndarray], tuple[np.ndarray, np.ndarray]]
+
 
 class Problem(Protocol):
     """First-order problem dy/dt = F(t, y) with y = (positions, velocities), shape (n,).
 
     Positions include the kinematic coordinates of a non-holonomic system; the second-order codes 220 and 225
     need `len(y) == 2 * n_positions`. `rhs` may return the same array at every call: integrators copy what
-    they keep. It must neither change nor keep the `y` it is given. Four optional members are used when they
-    are present: `accepted(t, y) -> None`, called after each accepted step so that a problem can update its
+    they keep. It must neither change nor keep the `y` it is given. Five optional members are used when they
+    are present: `jacobian(t, y)`, which the linearly implicit and implicit codes need, (dF/dy, dF/dt) with shapes
+    (n, n) and (n,), `accepted(t, y) -> None`, called after each accepted step so that a problem can update its
     branch memory, `component_name(i) -> str`, the name of state component `i` in messages, and
     `stages(done, c, a, t, h, window, y, K) -> int`, which evaluates F(t + c_i h, y + h a_i K) into the rows i of
     K from `done` on, at times clipped to the window, and returns the first row that it could not do (that one
@@ -31,9 +34,6 @@ class Problem(Protocol):
 
     def rhs(self, t: float, y: np.ndarray) -> np.ndarray:
         """F(t, y), shape (n,)."""
-
-    def jacobian(self, t: float, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(dF/dy, dF/dt), shapes (n, n) and (n,); called by the linearly implicit and implicit codes only."""
 
 
 @dataclass(slots=True)
@@ -89,7 +89,7 @@ class Evaluation:
     `integrator.not-finite` when F has an infinite or undefined component.
     """
 
-    __slots__ = ("_rhs", "accepted", "by_case", "first", "last", "problem", "stages", "statistics")
+    __slots__ = ("_jacobian", "_rhs", "accepted", "by_case", "first", "last", "problem", "stages", "statistics")
 
     def __init__(self, problem: Problem, first: float, last: float) -> None:
         self.problem = problem
@@ -97,6 +97,7 @@ class Evaluation:
         self.first = first
         self.last = last
         self._rhs = problem.rhs
+        self._jacobian: Jacobian | None = getattr(problem, "jacobian", None)
         self.accepted: Callable[[float, np.ndarray], None] | None = getattr(problem, "accepted", None)
         self.stages: Callable[..., int] | None = getattr(problem, "stages", None)
         self.by_case: tuple[int, int, int] | None = getattr(problem, "by_case", None)
@@ -119,7 +120,8 @@ class Evaluation:
     def jacobian(self, t: float, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(dF/dy, dF/dt) at the clipped time."""
         self.statistics.n_jacobian += 1
-        return self.problem.jacobian(min(max(t, self.first), self.last), y)
+        assert self._jacobian is not None  # `integrate` has asked
+        return self._jacobian(min(max(t, self.first), self.last), y)
 
     def step_accepted(self, t: float, y: np.ndarray) -> None:
         """Counts a step and tells the problem about it."""

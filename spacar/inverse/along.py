@@ -14,17 +14,17 @@ from typing import Any
 
 import numpy as np
 
-from spacar.dynamics.analysis import at_time
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.forces import StressLaw
 from spacar.errors import Report, UsageError
+from spacar.forward.motion import at_time
 from spacar.frame import Frame
 from spacar.inverse.nominal import Nominal, NominalDrive
 from spacar.inverse.ports import ACCELERATIONS, NominalInputs, Ports
 from spacar.inverse.trajectory import groups, loaded
-from spacar.linear.contractions import geometric_stiffness
-from spacar.linear.matrices import Linearization, linearize
 from spacar.linear.state_space import Signal, state_space
+from spacar.linearization.contractions import geometric_stiffness
+from spacar.linearization.matrices import Linearization, linearize
 from spacar.mechanism.mechanism import Array, Mechanism
 
 MATRICES = ("m0", "c0", "d0", "k0", "n0", "g0")

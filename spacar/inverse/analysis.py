@@ -9,18 +9,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from spacar.dynamics.analysis import at_time
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.limits import Limits
 from spacar.errors import UsageError
+from spacar.forward.motion import at_time
 from spacar.frame import Frame
 from spacar.inverse.along import Along
 from spacar.inverse.nominal import Nominal, check_same_mechanism
 from spacar.inverse.ports import NominalInputs, Ports
 from spacar.inverse.trajectory import Program, loaded, program
+from spacar.kinematics.condition import condition_number
 from spacar.kinematics.output import TransferOutput
 from spacar.mechanism.mechanism import Array, Mechanism
-from spacar.modes import Run
+from spacar.stream import Run
 
 NO_STATE: Array = np.zeros(0)
 
@@ -40,7 +41,7 @@ def inverse(run: Run) -> Iterator[Frame]:
     limits: Limits | None = None
     for dynamics, t in _placed(work, mechanism):
         if limits is None:
-            run.header["condition"] = dynamics.kinematics.condition()
+            run.header["condition"] = condition_number(dynamics.kinematics)
             limits = Limits(dynamics, run.report)
         frame = at_time(dynamics, t, NO_STATE)
         limits.check(dynamics, frame)
@@ -74,7 +75,7 @@ def along(run: Run) -> Iterator[Frame]:
         limits.check(work.dynamics, frame)
         yield output.add(frame, work.dynamics.kinematics)
         if k == 0:
-            run.header["condition"] = work.dynamics.kinematics.condition()
+            run.header["condition"] = condition_number(work.dynamics.kinematics)
     work.finish()
 
 

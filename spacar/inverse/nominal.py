@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 from spacar.errors import UsageError
 from spacar.mechanism.mechanism import DriveState
 from spacar.mechanism.numbering import Numbering
+from spacar.modes import MODES
 
 if TYPE_CHECKING:
     from spacar.result import Result
 
 Array = NDArray[np.float64]
-INVERSE_DYNAMICS = 2
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class Nominal:
     @classmethod
     def of(cls, result: Result) -> Nominal:
         """From a mode 2 run in memory. Raises UsageError when it is one of another mode."""
-        if result.mode != INVERSE_DYNAMICS:
+        if not MODES[result.mode].gives_setpoints:
             raise UsageError(f"mode 3 needs a result of mode 2, this one is of mode {result.mode}", "files.not-mode-2")
         n = result.mechanism.numbering
         keywords = tuple(n.keyword.get(i, "") for i in range(1, len(n.le) + 1))

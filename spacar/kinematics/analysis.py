@@ -13,7 +13,7 @@ from spacar.kinematics.kinematics import Kinematics
 from spacar.kinematics.sweep import Sweep
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
-from spacar.modes import Run
+from spacar.stream import Run
 
 
 def check(run: Run) -> Iterator[Frame]:

@@ -7,15 +7,11 @@ a factor n of s_1/s_n. Rows and columns are scaled to be dimensionless.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from spacar.kinematics.diagnosis import scaled_difference_matrix
+from spacar.kinematics.kinematics import Kinematics
 from spacar.mechanism.mechanism import Array
-
-if TYPE_CHECKING:
-    from spacar.kinematics.kinematics import Kinematics
 
 ESTIMATED_FROM = 400  # unknowns
 

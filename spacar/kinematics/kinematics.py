@@ -275,12 +275,6 @@ class Kinematics:
         residual = force + self.sweep.rate_transposed(sigma)
         sigma[self.E] = self.velocity_system.solve_transposed(-residual[self.U])
 
-    def condition(self) -> float:
-        """Condition number of the part of V that is inverted, scaled; infinite when singular."""
-        from spacar.kinematics.condition import condition_number
-
-        return condition_number(self)
-
 
 def largest(values: Array) -> float:
     """max |values|, nan if any is; 0 when empty."""

@@ -11,7 +11,7 @@ from spacar.kinematics.third_order import third_order_transfer
 from spacar.kinematics.transfer import configuration_transfer, velocity_transfer
 
 if TYPE_CHECKING:
-    from spacar.modes import Run
+    from spacar.stream import Run
 
 FIRST, SECOND = 1, 2  # flags of the sbd level, and of the log level, which has more:
 THIRD, GLOBAL_DEFORMATION = 4, 8
@@ -19,18 +19,17 @@ LARGEST_THIRD = 10_000_000  # numbers of a third order tensor; larger ones are r
 
 
 class TransferOutput:
-    """Adds dx, de (flag 1) and d2x, d2e (flag 2) to frames; modes 7 to 10 have flag 1 by default.
+    """Adds dx, de (flag 1) and d2x, d2e (flag 2) to frames; stationary modes have flag 1 by default.
 
-    What only the log asks for goes to `frame.log`: dx de d2x d2e d3x d3e bigd. Tensors have a row for every
-    coordinate or
-    deformation and a column for every combination of degrees of freedom, the first index running fastest.
+    What only the log asks for goes to `frame.log`: dx de d2x d2e d3x d3e bigd. Tensors have a row for every coordinate
+    or deformation and a column for every combination of degrees of freedom, the first index running fastest.
     """
 
     def __init__(self, run: Run) -> None:
         settings = run.mechanism.settings
         level = settings.sbd_level
         if level is None:
-            level = FIRST if run.mode.number in (7, 8, 9, 10) else 0
+            level = FIRST if run.mode.stationary else 0
         self.level = FIRST | SECOND if level < 0 else level
         self.log = 15 if settings.log_level < 0 else settings.log_level
         n = run.mechanism.numbering

@@ -1,5 +1,1 @@
-"""LINEAR: linearized equations of motion, eigenvalues, buckling, state space (theory-system.md sections 4 to 6)."""
-
-from spacar.linear.matrices import Linearization, linearize
-
-__all__ = ["Linearization", "linearize"]
+"""LINEAR: eigenvalues, buckling, state space of the linearized equations (theory-system.md sections 4 to 6)."""

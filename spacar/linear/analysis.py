@@ -7,23 +7,24 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spacar.dynamics.analysis import at_time, states
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.limits import Limits
+from spacar.forward.motion import at_time, states
 from spacar.frame import Frame
+from spacar.kinematics.condition import condition_number
 from spacar.kinematics.output import TransferOutput
 from spacar.linear.buckling import NO_STRESS, buckling_modes, directional_compliances
 from spacar.linear.eigen import vibration_modes
 from spacar.linear.lowest import WANTED, lowest_buckling, lowest_vibration, sparse_compliances
-from spacar.linear.matrices import Linearization, linearize
 from spacar.linear.signals import linearization_signals
 from spacar.linear.state_space import Signal, chosen_rows, has_feedthrough, state_space
+from spacar.linearization.matrices import Linearization, linearize
 from spacar.mechanism.mechanism import Array
-from spacar.modes import Run
 from spacar.stationary import StationarySolver, load_program
 from spacar.stationary.equilibrium import Equilibrium
 from spacar.stationary.newton import LARGE
 from spacar.stationary.tangent import SparseTangent
+from spacar.stream import Run
 
 
 def forward(run: Run) -> Iterator[Frame]:
@@ -105,7 +106,7 @@ def stationary(run: Run, reducible: bool = True) -> Iterator[Solution]:
         dynamics, state = solver.dynamics, solver.solution.state
         iterations += solver.solution.iterations
         if "condition" not in run.header:
-            run.header["condition"] = dynamics.kinematics.condition()
+            run.header["condition"] = condition_number(dynamics.kinematics)
         if not level.store:
             continue
         limits = limits or Limits(dynamics, run.report)

@@ -15,7 +15,7 @@ import numpy as np
 
 from spacar.errors import AnalysisError, Report
 from spacar.linear.eigen import is_symmetric
-from spacar.linear.matrices import Linearization
+from spacar.linearization.matrices import Linearization
 from spacar.mechanism.mechanism import Array, Index
 
 NOTHING = 1e-13  # mu below this fraction of the largest is an infinite multiplier

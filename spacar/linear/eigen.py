@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.errors import AnalysisError
-from spacar.linear.matrices import Linearization
-from spacar.linear.state_space import state_matrix
+from spacar.linearization.matrices import Linearization
+from spacar.linearization.state_matrix import state_matrix
 from spacar.mechanism.mechanism import Array, Index
 
 Complex = NDArray[np.complex128]

@@ -18,8 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacar.dynamics.dynamics import Dynamics
-from spacar.errors import AnalysisError
-from spacar.linear.matrices import Linearization
+from spacar.linearization.matrices import Linearization
+from spacar.linearization.state_matrix import chosen_rows, solve_mass, state_matrix
 from spacar.mechanism.mechanism import Array, Index
 
 DRIVING_SIGN = 1.0  # s_u of theory-system.md 5.1
@@ -58,39 +58,6 @@ def has_feedthrough(inputs: Sequence[Signal], outputs: Sequence[Signal]) -> bool
     sources |= dict.fromkeys(("OUTXP", "OUTEP"), prescribed | {"INXP", "INEP"})
     kinds = {signal.kind for signal in inputs}
     return any(kinds & sources.get(signal.kind, kinds) for signal in outputs)
-
-
-def chosen_rows(L: Linearization, dynamics: Dynamics, everything: bool = False) -> tuple[Index, Index]:
-    """Rows of q and of s that are states: the dynamic ones (and the kinematic ones), or all of them (mode 3)."""
-    n = dynamics.numbering
-    q = np.arange(n.ndof) if everything else n.dynamic
-    return q, np.r_[q, np.arange(n.ndof, n.nkdof)]
-
-
-def state_matrix(L: Linearization, q: Index, s: Index) -> Array:
-    """A of (15). Raises AnalysisError when the mass matrix of the rows q is singular."""
-    nq, ns = len(q), len(s)
-    M = L.m0[np.ix_(q, q)]
-    lower = -solve_mass(M, np.hstack((L.stiffness[np.ix_(q, s)], L.damping[np.ix_(q, q)])))
-    A = np.zeros((ns + nq, ns + nq))
-    A[:ns, :ns], A[:ns, ns:] = L.bk0[np.ix_(s, s)], L.ak0[np.ix_(s, q)]
-    A[ns:] = lower
-    return A
-
-
-def solve_mass(M: Array, b: Array) -> Array:
-    """M^-1 b for a symmetric positive definite M, scaled to a unit diagonal."""
-    diagonal = np.diag(M)
-    if np.any(diagonal <= 0.0):
-        raise AnalysisError(
-            "singular mass matrix: a degree of freedom carries no mass; add XM or EM", "dynamics.singular-mass"
-        )
-    scale = 1.0 / np.sqrt(diagonal)
-    try:
-        solution = np.linalg.solve(M * np.outer(scale, scale), b * scale[:, None])
-    except np.linalg.LinAlgError:
-        raise AnalysisError("singular mass matrix; add XM or EM", "dynamics.singular-mass") from None
-    return np.asarray(solution * scale[:, None])
 
 
 def state_space(

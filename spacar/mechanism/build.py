@@ -13,6 +13,7 @@ from spacar.mechanism import inertia, inputs
 from spacar.mechanism.batches import element_batches, node_batches
 from spacar.mechanism.mechanism import Array, Batch, Index, Mechanism, Start
 from spacar.mechanism.numbering import Numbering, number
+from spacar.modes import find_mode
 
 X_STATEMENTS = {"FIX": "fixed", "INPUTX": "input", "DYNX": "dynamic", "KINX": "kinematic"}
 E_STATEMENTS = {"RLSE": "calculable", "INPUTE": "input", "DYNE": "dynamic", "KINE": "kinematic"}
@@ -20,13 +21,15 @@ E_STATEMENTS = {"RLSE": "calculable", "INPUTE": "input", "DYNE": "dynamic", "KIN
 
 def build(deck: Deck, mode: int = 1, **options: Any) -> Mechanism:
     """Mechanism of a checked deck. `options` override Settings fields. Raises InputError for impossible geometry."""
-    if mode == 0:  # errors of the dynamics block are only warnings here: take nothing from it
+    analysis = find_mode(mode)
+    if not analysis.forces:  # errors of the dynamics block are only warnings here: take nothing from it
         deck = replace(deck, statements=tuple(s for s in deck.statements if s.block == 1))
     elements = element_list(deck)
     if not elements:
         raise InputError([Message("error", deck.source, None, "", "the model has no elements")])
     x_class, e_class = classes(deck, elements)
-    if mode == 3:  # all degrees of freedom follow the nominal motion; the file may call them dynamic (files.md 3)
+    if analysis.takes_setpoints:
+        # all degrees of freedom follow the nominal motion; the file may call them dynamic (files.md 3)
         x_class, e_class = _prescribed(x_class), _prescribed(e_class)
     numbering = number(elements, x_class, e_class)
     x0 = reference_configuration(deck, numbering)
@@ -40,10 +43,10 @@ def build(deck: Deck, mode: int = 1, **options: Any) -> Mechanism:
         x0=x0,
         batches=tuple(batches),
         loads=loads,
-        additional=inputs.loads(deck, numbering, batches, "DEL") if mode not in (0, 1, 2, 3, 4) else None,
+        additional=inputs.loads(deck, numbering, batches, "DEL") if analysis.stationary else None,
         additional_drive=inputs.additional_drive(deck, numbering),
         drive=inputs.drive(deck, numbering, x0),
-        start=inputs.start(deck, numbering, x0) if mode != 3 else Start(*6 * (np.zeros(0),)),
+        start=inputs.start(deck, numbering, x0) if not analysis.takes_setpoints else Start(*6 * (np.zeros(0),)),
         user_signal=inputs.user_signal(deck, numbering),
         deformation_inertia=inertia.deformation_inertia(deck, numbering),
         stiffness=stiffness,

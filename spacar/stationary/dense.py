@@ -6,7 +6,7 @@ import numpy as np
 
 from spacar.dynamics.dynamics import Dynamics
 from spacar.errors import AnalysisError
-from spacar.linear.matrices import linearize
+from spacar.linearization.matrices import linearize
 from spacar.mechanism.mechanism import Array
 from spacar.stationary.equilibrium import Equilibrium
 

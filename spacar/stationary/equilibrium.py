@@ -14,7 +14,7 @@ import numpy as np
 
 from spacar.dynamics.dynamics import Dynamics
 from spacar.kinematics.kinematics import largest
-from spacar.linear.matrices import equilibrium_stresses
+from spacar.linearization.matrices import equilibrium_stresses
 from spacar.mechanism.mechanism import Array, DriveState
 
 ROUNDING = 100.0 * np.finfo(float).eps

@@ -21,8 +21,8 @@ import numpy as np
 
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.forces import moment_gradient
-from spacar.linear.contractions import configuration_of, geometric_blocks
 from spacar.linear_systems import SingularMatrixError, System, assemble
+from spacar.linearization.contractions import configuration_of, geometric_blocks
 from spacar.mechanism.mechanism import Array, Batch, Index
 
 SINGULAR = 1e14  # displacements under a load of the size of the stiffness above which it counts as singular

@@ -78,7 +78,7 @@ class Axis:
 
 def change(deck: Deck, settings: Sequence[Setting], numbers: Sequence[float]) -> Deck:
     """The deck with a number at all places of each setting, read and checked once. Raises UsageError, InputError."""
-    from spacar.deck.reader import parse
+    from spacar.deck.deck import parse
     from spacar.deck.writer import splice
 
     edits: dict[tuple[int, int], tuple[Statement, int, float | int]] = {}

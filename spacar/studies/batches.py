@@ -66,7 +66,7 @@ def in_batches(
 
 def reason(study: Study, values: Values) -> str:
     """Why the cases of a study cannot run together; empty when they can."""
-    if study.mode != 1:
+    if study.mode != 1:  # what the ensemble integrates
         return "only mode 1 runs in batches"
     try:
         return why_not(change(study.deck, study.settings, values), **study.options)

@@ -26,10 +26,10 @@ from typing import Any
 import numpy as np
 
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
-from spacar.dynamics.analysis import POSITION
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.limits import Limits
 from spacar.errors import Report, UsageError
+from spacar.forward.motion import POSITION
 from spacar.frame import Frame, StoredFrames
 from spacar.integrators import METHODS, integrate
 from spacar.kinematics.regularity import HalfTurns

@@ -50,8 +50,8 @@ def perturbation(deck: Deck, substeps: int = 1, **options: Any) -> Result:
 
     Raises UsageError where the method does not apply, AnalysisError when the nominal motion cannot be computed.
     """
-    from spacar.linear.matrices import linearize
-    from spacar.linear.state_space import chosen_rows, state_matrix
+    from spacar.linearization.matrices import linearize
+    from spacar.linearization.state_matrix import chosen_rows, state_matrix
     from spacar.simulation.propagation import simulate_ltv
     from spacar.simulation.time_varying import TimeVarying
 

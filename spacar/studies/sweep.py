@@ -97,7 +97,7 @@ def finished(found: Row | None, retry: bool) -> bool:
 
 def run_case(case: Case) -> Row:
     """Run one case to a row; a failure is a row with its reason."""
-    from spacar.modes import frames
+    from spacar.calls import frames
 
     study = case.study
     begun = time.perf_counter()

@@ -22,6 +22,7 @@ import numpy as np
 from spacar.deck import Deck
 from spacar.errors import AnalysisError, UsageError
 from spacar.integrators.methods import METHODS
+from spacar.modes import find_mode
 from spacar.result import Result
 from spacar.studies.extrapolation import extrapolate
 from spacar.studies.models import linear_strain, refine, rigid
@@ -30,8 +31,6 @@ from spacar.studies.quantities import Quantity, quantity
 from spacar.studies.rows import Row, key
 from spacar.studies.sweep import explain
 
-STATIONARY = (7, 8, 9, 10)
-MODES = (1, *STATIONARY)
 MOST_VARIABLES = 60  # chosen without being asked
 REFERENCE_METHODS = (853, 0)
 REFERENCE_TOLERANCE = 1e-12  # smallest
@@ -86,6 +85,10 @@ class Trade:
     variables: tuple[Quantity, ...]
     repeats: int = 3
     options: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def stationary(self) -> bool:
+        return find_mode(self.mode).stationary
 
     def key(self, setup: Setup) -> str:
         """What tells the row of this setup from others."""
@@ -148,7 +151,7 @@ def setups(
     models += [Setup(beams="rigid")] if rigid_too else []
     for model in models:
         variant(trade.deck, model)
-    if trade.mode in STATIONARY:
+    if trade.stationary:
         if perturbation_too:
             raise UsageError("the perturbation method is for mode 1", "study.perturbation")
         return models
@@ -178,9 +181,9 @@ def reference_setups(
     if len(set(methods)) != 2 or not all(c in METHODS and METHODS[c].variable_step for c in methods):
         raise UsageError("the reference takes two different methods with variable step", "usage.trade")
     tight = max(REFERENCE_MARGIN * smallest, REFERENCE_TOLERANCE)
-    codes = [None] if trade.mode in STATIONARY else list(methods)
+    codes = [None] if trade.stationary else list(methods)
     finest = 4 * -(-2 * max(elements) // 4)
-    meshes = [finest, finest // 2, finest // 4] if len(set(elements)) > 1 or trade.mode in STATIONARY else [elements[0]]
+    meshes = [finest, finest // 2, finest // 4] if len(set(elements)) > 1 or trade.stationary else [elements[0]]
     found = []
     for mesh in meshes:
         for code in codes[: 2 if mesh == meshes[0] else 1]:
@@ -227,7 +230,7 @@ def _series(variable: Quantity, result: Result) -> list[float]:
 
 
 def _run(trade: Trade, setup: Setup, deck: Deck, options: dict[str, Any]) -> Result:
-    from spacar.modes import frames
+    from spacar.calls import frames
 
     if setup.method == "perturbation":
         return perturbation(deck, setup.substeps or 1, **options)
@@ -261,7 +264,7 @@ def reference(trade: Trade, rows: Sequence[Row], wanted: Sequence[Setup]) -> Ref
     if best is None or any(v is None for v in first.values()):
         reasons = [str(row["reason"]) for _, row in found if row is not None and row.get("reason")]
         raise AnalysisError(f"the reference could not be computed: {'; '.join(reasons)}", "study.reference")
-    stationary = trade.mode in STATIONARY
+    stationary = trade.stationary
     amplitude = amplitudes(best, stationary)
     error, words = 0.0, []
     finest = [v for s, v in good.items() if s.elements == meshes[-1]]
@@ -310,7 +313,7 @@ def assess(trade: Trade, rows: Sequence[Row], wanted: Sequence[Setup], ref: Refe
         values[setup] = found, row["seconds"]
         rhs = row["rhs"] or None
         entries.append(Entry(setup, label, distance(found, ref.values, ref.amplitude), row["seconds"], rhs))
-    if trade.mode in STATIONARY:
+    if trade.stationary:
         entries += _extrapolated(values, ref)
     return entries
 

@@ -41,7 +41,7 @@ def test_version_costs_at_most_one_and_a_half_imports_of_numpy():
 def test_help_imports_no_numpy(word, tmp_path):
     loaded = modules(word, folder=tmp_path)
     assert "click" in loaded
-    assert not loaded & {"numpy", "scipy", "rich", "matplotlib", "spacar.modes", "spacar.deck"}
+    assert not loaded & {"numpy", "scipy", "rich", "matplotlib", "spacar.frame", "spacar.deck"}
 
 
 def test_a_run_imports_nothing_heavy(tmp_path):

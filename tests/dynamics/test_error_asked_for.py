@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import spacar
-import spacar.dynamics.analysis as analysis
+import spacar.forward.motion as analysis
 from spacar.deck import parse_deck
 from spacar.frame import Frame
 from spacar.mechanism.mechanism import Array

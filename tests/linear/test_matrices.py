@@ -12,7 +12,7 @@ import pytest
 from linear_models import PLANAR, SPATIAL, TRIKE_SPRING, TUBE, example, mechanism
 from nonlinear import Nonlinear, jacobian, random_state
 
-from spacar.linear import linearize
+from spacar.linearization import linearize
 
 MODELS = {
     "planar": lambda folder: (mechanism(PLANAR), 0.05),

@@ -81,7 +81,7 @@ def command(
     if not outputs and not show:
         return
     figure = history_figure(
-        curves, across, source.scene.title if title is None else title, source.scene.mode in (7, 8, 9, 10)
+        curves, across, source.scene.title if title is None else title, source.scene.analysis.stationary
     )
     for path in outputs:
         save(figure, path, dpi)

@@ -2,46 +2,34 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import click
 from spacar_formats.log import LogSink
-from spacar_formats.sinks import ResultSink, Sink, result_sinks
+from spacar_formats.sinks import ResultSink, result_sinks
 
+from spacar.calls import frames
 from spacar.errors import SpacarError, UsageError
-from spacar.modes import Mode, Run, find_mode, frames
+from spacar.modes import Mode, find_mode
+from spacar.stream import Outcome, Run, Sink
 from spacar_cli.environment import Environment
 from spacar_cli.progress import Progress
 from spacar_cli.source import input_file, result_stem
 from spacar_cli.status import ExitStatus, tell, tell_error, tell_messages
 
 POSITIVE = click.FloatRange(min=0.0, min_open=True)
-INTEGRATED, LINEARIZED = (1, 4), (3,)
 
-# Options that replace a number of the input file: flag, field of Settings, type, help, modes that have it.
-OVERRIDES: tuple[tuple[str, str, Any, str, tuple[int, ...]], ...] = (
-    ("--atol", "atol", POSITIVE, "Absolute error tolerance, instead of ERROR.", INTEGRATED),
-    ("--rtol", "rtol", POSITIVE, "Relative error tolerance, instead of ERROR.", INTEGRATED),
-    ("--integrator", "integrator", int, "Integration method, instead of INTEGRAT.", INTEGRATED),
-    ("--steps", "n_steps", click.IntRange(min=1), "Number of output steps, instead of TIMESTEP.", INTEGRATED),
-    ("--compiled", "compiled", bool, "Right-hand side in C: faster, needs a C compiler.", INTEGRATED),
-    ("--time", "duration", POSITIVE, "Length of the time interval, instead of TIMESTEP [s].", INTEGRATED),
+# Options of integrated modes that replace a number of the input file: flag, field of Settings, type, help.
+OVERRIDES: tuple[tuple[str, str, Any, str], ...] = (
+    ("--atol", "atol", POSITIVE, "Absolute error tolerance, instead of ERROR."),
+    ("--rtol", "rtol", POSITIVE, "Relative error tolerance, instead of ERROR."),
+    ("--integrator", "integrator", int, "Integration method, instead of INTEGRAT."),
+    ("--steps", "n_steps", click.IntRange(min=1), "Number of output steps, instead of TIMESTEP."),
+    ("--compiled", "compiled", bool, "Right-hand side in C: faster, needs a C compiler."),
+    ("--time", "duration", POSITIVE, "Length of the time interval, instead of TIMESTEP [s]."),
 )
-
-
-@dataclass
-class Outcome:
-    """What a run did, for the summary and for --json."""
-
-    steps: int = 0
-    last: float | None = None
-    seconds: float = 0.0
-    error: BaseException | None = None
 
 
 def command_of_mode(word: str) -> click.Command:
@@ -55,11 +43,11 @@ def command_of_mode(word: str) -> click.Command:
             help="Folder for the log and the results.",
         )
     )
-    for flag, field, kind, text, modes in OVERRIDES:
-        if mode.number in modes:
+    if mode.integrated:
+        for flag, field, kind, text in OVERRIDES:
             switch = {"is_flag": True, "flag_value": True, "default": None} if kind is bool else {"type": kind}
             params.append(click.Option([flag, field], help=text, **switch))
-    if mode.number in LINEARIZED:
+    if mode.takes_setpoints:
         params.append(
             click.Option(["--setpoints"], help="Result of mode 2 to linearize along, instead of the search by name.")
         )
@@ -100,7 +88,7 @@ def run_mode(
     try:
         results = result_sinks(stem, mode.files)
         run = frames(mode.number, source, **overrides)
-        if mode.number in LINEARIZED:
+        if mode.takes_setpoints:
             _set_nominal(run, source, setpoints)
         _check_timestep(run)
         if not quiet:
@@ -110,7 +98,7 @@ def run_mode(
             from spacar_cli.drawing.window import LivePlot
 
             show.append(LivePlot())
-        outcome = consume(run, [*show, *results, log])
+        outcome = run.consume(*show, *results, log)
     except (Exception, KeyboardInterrupt) as error:  # before the first step
         log.finish(error)
         outcome.error = error
@@ -122,7 +110,7 @@ def run_mode(
     if as_json:
         environment.say(_as_json(mode, source, outcome, status, log, results, run))
     elif not quiet and run is not None and (verbose or environment.output_is_terminal or _ill_defined(run)):
-        if verbose or mode.number == 0:
+        if verbose or not mode.forces:
             for line in run.report.lines:
                 environment.say(line)
         if status == ExitStatus.DONE:
@@ -136,33 +124,6 @@ def _ill_defined(run: Run) -> bool:
     """Did mode 0 find over- or under-constraints? They are told even where no terminal is."""
     diagnosis = run.header.get("diagnosis")
     return diagnosis is not None and bool(diagnosis.over or diagnosis.under)
-
-
-def consume(run: Run, sinks: Sequence[Sink]) -> Outcome:
-    """Hand every frame to every sink; however the run ends, finish the sinks with what ended it.
-
-    They are finished in their order: the log is the last one, so that it also tells of a result that could not
-    be completed.
-    """
-    outcome = Outcome()
-    begun = time.perf_counter()
-    try:
-        for sink in sinks:
-            sink.start(run)
-        for frame in run:
-            for sink in sinks:
-                sink.frame(frame)
-            outcome.steps += 1
-            outcome.last = frame.t
-    except (Exception, KeyboardInterrupt) as error:
-        outcome.error = error
-    for sink in sinks:
-        try:
-            sink.finish(outcome.error)
-        except (SpacarError, OSError) as error:
-            outcome.error = outcome.error or error
-    outcome.seconds = time.perf_counter() - begun
-    return outcome
 
 
 def _flags(overrides: dict[str, Any], setpoints: str | None) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from typing import Any
 import click
 
 from spacar.errors import UsageError
+from spacar.modes import MODES, Mode, find_mode
 from spacar_cli.environment import Environment
 from spacar_cli.source import input_file
 from spacar_cli.status import ExitStatus, tell
@@ -130,7 +131,6 @@ def command(
     """
     from spacar.studies.quantities import quantity
     from spacar.studies.trade import (
-        STATIONARY,
         Trade,
         assess,
         default_variables,
@@ -177,7 +177,7 @@ def command(
     if plot is not None:
         from spacar_cli.work_precision import draw
 
-        draw(entries, ref.error, target, number in STATIONARY, f"{source.name}, mode {number}", plot)
+        draw(entries, ref.error, target, trade.stationary, f"{source.name}, mode {number}", plot)
     if as_json:
         environment.say(json.dumps(_document(entries, ref, target, best)))
     elif not quiet:
@@ -192,16 +192,22 @@ def command(
 
 def _deck(source: Path, mode: int | None, options: dict[str, Any]) -> tuple[int, Any]:
     from spacar.deck import read_deck
-    from spacar.studies.trade import MODES
 
     if mode is None:
         mode = 1 if read_deck(source).of("TIMESTEP", block=2) or "duration" in options else 7
-    if abs(mode) not in MODES:
-        raise UsageError(f"trade runs modes {', '.join(map(str, MODES))}, not {mode}", "usage.trade")
-    deck = read_deck(source, abs(mode))
-    if abs(mode) == 1 and not deck.of("TIMESTEP", block=2) and len(options) < 2:
+    analysis = find_mode(mode)
+    if not _compared(analysis):
+        able = ", ".join(str(m.number) for m in MODES.values() if _compared(m))
+        raise UsageError(f"trade runs modes {able}, not {mode}", "usage.trade")
+    deck = read_deck(source, analysis.number)
+    if analysis.integrated and not deck.of("TIMESTEP", block=2) and len(options) < 2:
         raise UsageError(f"{source.name} has no TIMESTEP; give --time and --steps", "usage.timestep")
-    return abs(mode), deck
+    return analysis.number, deck
+
+
+def _compared(mode: Mode) -> bool:
+    """Motions and stationary solutions; not linearizations along a motion."""
+    return mode.stationary or (mode.integrated and not mode.linearized)
 
 
 def _require_beams(deck: Any, mode: int) -> None:

@@ -27,7 +27,6 @@ from spacar_cli.drawing.source import Source, open_source
 from spacar_cli.drawing.supports import trace_lines
 from spacar_cli.environment import Environment
 
-STATIONARY = (7, 8, 9, 10)
 SAMPLES = 60  # configurations that decide the range of an animation
 
 
@@ -70,7 +69,7 @@ def chosen_steps(source: Source, steps: str | None, strobe: int | None, moving: 
     if steps is None:
         if moving:
             return list(range(1, source.steps + 1))
-        return [source.steps if source.scene.mode in STATIONARY else 1]
+        return [source.steps if source.scene.analysis.stationary else 1]
     if steps.strip().lower() == "all":
         return list(range(1, source.steps + 1))
     found = step_numbers(steps, source.steps)
@@ -91,7 +90,7 @@ def configurations(source: Source, numbers: Sequence[int]) -> Array:
 def step_text(source: Source, k: int) -> str:
     """What stands above the picture of a step."""
     t = source.time(k)
-    if source.scene.mode in STATIONARY:
+    if source.scene.analysis.stationary:
         return f"{source.scene.title}   load step {k}" if source.steps > 1 else source.scene.title
     return f"{source.scene.title}   t = {t:.6g} s" if source.steps > 1 else source.scene.title
 

@@ -73,7 +73,7 @@ def _value(source: Source, node: ast.expr, text: str) -> Quantity:
         return Quantity(float(node.value))
     if isinstance(node, ast.Name):
         if node.id == "t":
-            stationary = source.scene.mode in (7, 8, 9, 10)
+            stationary = source.scene.analysis.stationary
             return Quantity(np.ravel(source.get("t")), NONE if stationary else unit(s=1))
         if node.id == "pi":
             return Quantity(np.pi)

@@ -13,7 +13,6 @@ import numpy as np
 
 import spacar
 from spacar.errors import UsageError
-from spacar.modes import MODES
 from spacar_cli.drawing.expressions import Curve, evaluate
 from spacar_cli.drawing.history import axis_text, history_figure
 from spacar_cli.drawing.mechanism_picture import Extras, draw_steps
@@ -30,7 +29,6 @@ if TYPE_CHECKING:
 
 MOST_CURVES = 12
 MOST_MODES = 4
-STATIONARY = (7, 8, 9, 10)
 DPI = 120
 
 
@@ -39,9 +37,9 @@ def report_page(source: Source, expressions: Sequence[str] = (), log_lines: int 
     scene = source.scene
     extras = Extras(view=view, title="")
     parts = [_summary(source), _model(source, extras), _freedoms(source)]
-    if scene.mode == 0:
+    if not scene.analysis.forces:
         parts.append(_constraints(source, extras))
-    if scene.mode in STATIONARY:
+    if scene.analysis.stationary:
         parts.append(_modes(source, extras))
     curves = [evaluate(source, text) for text in expressions] or key_curves(source)
     parts.append(_results(source, curves))
@@ -65,7 +63,7 @@ def key_curves(source: Source) -> list[Curve]:
     that move most."""
     scene = source.scene
     found = freedoms(scene)
-    if scene.mode in (2, 3):
+    if scene.analysis.gives_setpoints or scene.analysis.takes_setpoints:
         joints = [e.number for e in scene.elements if e.keyword in HINGES and scene.e_class(e.number, 1) != "fixed"]
         if joints:
             texts = [f"{name}[{n},1]" for name in ("sig", "e") for n in joints[: MOST_CURVES // 2]]
@@ -124,7 +122,7 @@ def freedoms(scene: Scene) -> list[tuple[str, str, str]]:
 
 def _summary(source: Source) -> str:
     header, scene = source.header, source.scene
-    mode = MODES[scene.mode]
+    mode = scene.analysis
     words: dict[str, str] = {}
     for e in scene.elements:
         words[e.keyword] = str(int(words.get(e.keyword, "0")) + 1)
@@ -144,7 +142,7 @@ def _summary(source: Source) -> str:
 
 
 def _steps(source: Source) -> str:
-    if source.scene.mode in STATIONARY or source.steps == 1:
+    if source.scene.analysis.stationary or source.steps == 1:
         return str(source.steps)
     return f"{source.steps}, t = {source.time(1):.6g} to {source.time(source.steps):.6g} s"
 
@@ -158,14 +156,14 @@ def _model(source: Source, extras: Extras) -> str:
     from dataclasses import replace
 
     scene = source.scene
-    k = source.steps if scene.mode in STATIONARY else 1
+    k = source.steps if scene.analysis.stationary else 1
     numbered = draw_steps(
         scene, source.x(k)[None], source.settings, replace(extras, node_numbers=True, element_numbers=True)
     )
     out = "<h2>Model</h2>" + _figure(
         numbered, "Numbers of nodes (orientation nodes in brackets) and of elements (in boxes)."
     )
-    if source.steps > 2 and scene.mode not in STATIONARY:
+    if source.steps > 2 and not scene.analysis.stationary:
         chosen = evenly(1, source.steps, 9)
         xs = np.stack([source.x(k) for k in chosen])
         moving = draw_steps(scene, xs, source.settings, extras)
@@ -192,7 +190,7 @@ def _results(source: Source, curves: Sequence[Curve]) -> str:
         return ""
     rows: list[tuple[str, ...]] = []
     times = np.ravel(source.get("t"))
-    unit = "" if source.scene.mode in STATIONARY else " s"
+    unit = "" if source.scene.analysis.stationary else " s"
     for c in curves:
         v = np.asarray(c.quantity.values)
         if len(v) == 1:
@@ -216,7 +214,7 @@ def _plots(source: Source, curves: Sequence[Curve]) -> str:
     if not curves:
         return ""
     across = evaluate(source, "t")
-    figure = history_figure(curves, across, "", source.scene.mode in STATIONARY)
+    figure = history_figure(curves, across, "", source.scene.analysis.stationary)
     return "<h2>Plots</h2>" + _figure(figure, ", ".join(c.text for c in curves) + " over time.")
 
 
@@ -228,7 +226,8 @@ def _modes(source: Source, extras: Extras) -> str:
 
     out = ""
     rows: list[tuple[str, ...]]
-    kinds = {7: ("vibration",), 8: ("buckling",), 9: ("vibration",), 10: ("vibration", "buckling")}[source.scene.mode]
+    analysis = source.scene.analysis
+    kinds = [k for k, given in (("vibration", analysis.linearized), ("buckling", analysis.buckling)) if given]
     step = source.steps
     x = source.x(step)
     extent = look_of(source.scene, x[None], source.settings).size / SYMBOL

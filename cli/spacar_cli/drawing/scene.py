@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from spacar.modes import Mode, find_mode
+
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
@@ -72,6 +74,11 @@ class Scene:
     quadratic: Index
     nxp: Index
     nep: Index
+
+    @property
+    def analysis(self) -> Mode:
+        """The mode that computed the result. Raises UsageError for a number that no mode has."""
+        return find_mode(self.mode)
 
     @classmethod
     def of_header(cls, header: Mapping[str, Any], title: str = "") -> Scene:

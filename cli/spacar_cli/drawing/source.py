@@ -100,7 +100,8 @@ def source_of_result(result: Result, settings: Settings | None = None) -> Source
     """The same of a Result in memory (tests, scripts, live window)."""
     from spacar_formats.sinks.header import sbd_header
 
-    from spacar.modes import Run, find_mode
+    from spacar.modes import find_mode
+    from spacar.stream import Run
 
     header = sbd_header(Run(find_mode(result.mode), result.mechanism))
     frames: Sequence[Any] = result.frames

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from spacar.errors import UsageError
+from spacar.modes import find_mode
 from spacar_cli.drawing.files import FILM, check_name, film, save
 from spacar_cli.drawing.look import SYMBOL, look_of
 from spacar_cli.drawing.mechanism_picture import camera_of
@@ -26,8 +27,6 @@ from spacar_cli.drawing.redundancy import redundancy
 from spacar_cli.drawing.scene import Array
 from spacar_cli.drawing.source import Source, open_source
 from spacar_cli.environment import Environment
-
-VIBRATION, BUCKLING = (3, 4, 7, 9, 10), (8, 10)
 
 
 def visual(
@@ -74,23 +73,23 @@ def _step(source: Source, step: int | None) -> int:
 
 def _kind(source: Source, mode: int | None) -> str:
     """vibration, buckling or constraints. Raises UsageError when the result does not have what MODE asks for."""
-    ran = source.scene.mode
-    wanted = ran if mode is None else abs(mode)
-    if ran == 0 and wanted == 0:
+    ran = source.scene.analysis
+    wanted = ran if mode is None else find_mode(mode)
+    if not wanted.forces and not ran.forces:
         return "constraints"
-    if wanted in BUCKLING and ran in BUCKLING and (wanted == 8 or ran == 8):
+    if wanted.buckling and ran.buckling and not (wanted.linearized and ran.linearized):
         return "buckling"
-    if wanted in VIBRATION and ran in VIBRATION:
+    if wanted.linearized and ran.linearized:
         return "vibration"
     if mode is None or wanted == ran:
         raise UsageError(
-            f"{source.name} is a result of mode {ran}, which has no modes of vibration or buckling; use spacar draw, "
-            "or --stress or --diagram",
+            f"{source.name} is a result of mode {ran.number}, which has no modes of vibration or buckling; use "
+            "spacar draw, or --stress or --diagram",
             "draw.modes",
         )
     raise UsageError(
-        f"{source.name} is a result of mode {ran}; for pictures of mode {wanted} run: spacar {wanted} "
-        f"{source.scene.title}",
+        f"{source.name} is a result of mode {ran.number}; for pictures of mode {wanted.number} run: "
+        f"spacar {wanted.number} {source.scene.title}",
         "draw.modes",
     )
 

@@ -16,7 +16,7 @@ from spacar_cli.drawing.stage import furnish
 
 if TYPE_CHECKING:
     from spacar.frame import Frame
-    from spacar.modes import Run
+    from spacar.stream import Run
     from spacar_cli.drawing.scene import Array
 
 FOOT = 0.65  # inches below the axes for the slider and the buttons

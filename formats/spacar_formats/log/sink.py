@@ -16,15 +16,13 @@ from typing import Any, TextIO
 import spacar
 from spacar.errors import AnalysisError, InputError, SpacarError, UsageError
 from spacar.frame import Frame
-from spacar.modes import Mode, Run
+from spacar.modes import Mode
+from spacar.stream import Run
 from spacar_formats.log import linear, model, steps
 from spacar_formats.log.layout import heading, real, table
 from spacar_formats.safety import backup_path
 
 NOTICE = "Licensed under the Apache License, version 2.0; provided without warranty of any kind."
-TIMED = (1, 2, 3, 4)  # modes with one line per step
-ADJUSTABLE = (1, 4)
-WITH_THIRD_BLOCK = (2, 3, 4, 9)
 
 
 class LogSink:
@@ -58,13 +56,13 @@ class LogSink:
         run = self._run
         assert run is not None
         n = run.mechanism.numbering
-        timed = run.mode.number in TIMED
+        timed = run.mode.timed
         self._frames += 1
         self._last = frame
         if self._frames == 1:
             self._write([*_condition(run), *_dynamics(run), *_settings(run)])
-            self._write(heading("Initial state" if timed else "Solution" if run.mode.number else "Configuration"))
-            self._write(steps.state(n, frame, motion=run.mode.number != 0))
+            self._write(heading("Initial state" if timed else "Solution" if run.mode.forces else "Configuration"))
+            self._write(steps.state(n, frame, motion=run.mode.forces))
             if timed:
                 self._write([*linear.matrices(n, frame), *heading("Steps")])
         if timed:
@@ -89,14 +87,14 @@ class LogSink:
             if self._run is not None and not self._frames:
                 self._write([*_condition(self._run), *_dynamics(self._run)])
             if self._run is not None and self._run.report.lines:
-                title = "Warnings and information" if self._run.mode.number else "Diagnosis"
+                title = "Warnings and information" if self._run.mode.forces else "Diagnosis"
                 self._write([*heading(title), *self._run.report.lines])
             self._write([*heading("End"), *self._ending(error)])
 
     def _ending(self, error: BaseException | None) -> list[str]:
         seconds = time.perf_counter() - self._begun
         stored = f"{self._frames} step{'s' * (self._frames != 1)} stored"
-        if self._last is not None and self._run is not None and self._run.mode.number in TIMED:
+        if self._last is not None and self._run is not None and self._run.mode.timed:
             stored += f"; the last one at t = {real(self._last.t)} s"
         summary = f"{stored}; {seconds:.3f} s of wall time"
         if error is None:
@@ -150,22 +148,22 @@ def _dynamics(run: Run) -> list[str]:
 
     deck, n = run.mechanism.deck, run.mechanism.numbering
     lines = [*heading("Dynamics"), *echo(deck, 2), "", *model.counts(n)]
-    return lines if run.mode.number == 0 else [*lines, *model.dynamics(run.mechanism)]
+    return [*lines, *model.dynamics(run.mechanism)] if run.mode.forces else lines
 
 
 def _settings(run: Run) -> list[str]:
     """How the analysis is done: third block, integrator or load steps, the nominal motion of mode 3."""
     from spacar.deck import echo
 
-    mechanism, number = run.mechanism, run.mode.number
-    if number == 0:
+    mechanism, mode = run.mechanism, run.mode
+    if not mode.forces:
         return []
-    lines = heading(run.mode.title)
-    third = echo(mechanism.deck, 3) if number in WITH_THIRD_BLOCK else []
+    lines = heading(mode.title)
+    third = echo(mechanism.deck, 3) if mode.third else []
     lines += [*third, "", *steps.definitions(mechanism)] if third else []
-    if number in ADJUSTABLE:
+    if mode.integrated:
         lines += steps.integration(mechanism)
-    if number not in TIMED:
+    if mode.stationary:
         lines += steps.iteration(mechanism)
     if run.nominal is not None:
         lines += [f"Nominal motion: the mode 2 result {run.nominal.name}", ""]

@@ -6,7 +6,7 @@ from spacar.deck.table import KEYWORDS
 from spacar.frame import Array, Frame
 from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
-from spacar.modes import Run
+from spacar.stream import Run
 from spacar_formats.log.layout import cell, matrix, real, table
 from spacar_formats.log.model import class_letters, coordinates, statements
 

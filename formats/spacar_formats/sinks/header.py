@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 import spacar
 from spacar.deck import ELEMENT_TYPES
 from spacar.mechanism.mechanism import Mechanism
-from spacar.modes import Run
+from spacar.stream import Run
 from spacar_formats.signals import state_names
 
 Array = NDArray[np.float64]

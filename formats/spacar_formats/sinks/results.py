@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container, Mapping
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from spacar.frame import Frame
-from spacar.modes import Run
+from spacar.stream import Run
 from spacar_formats import safety
 from spacar_formats.sbf import SbfWriter
 from spacar_formats.sinks.header import ltv_header, sbd_header, sbm_header
@@ -21,14 +21,6 @@ from spacar_formats.sinks.header import ltv_header, sbd_header, sbm_header
 Header = Callable[[Run, Container[str]], Mapping[str, Any]]  # of a run and the names of its step variables
 STATE = ("x", "xd", "xdd", "fx", "fxgrav", "e", "ed", "edd", "sig")
 OPTIONAL = ("dx", "de", "dxc", "dec", "d2x", "d2e", "bigd", "xcompl")
-
-
-class Sink(Protocol):
-    """A consumer of frames: the log, a result file, a progress bar, a live plot."""
-
-    def start(self, run: Run) -> None: ...
-    def frame(self, frame: Frame) -> None: ...
-    def finish(self, error: BaseException | None) -> None: ...
 
 
 class ResultSink:

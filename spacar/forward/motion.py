@@ -6,6 +6,7 @@ ERROR is read as what the user wants of the result; `Method.step_error` says how
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 
 import numpy as np
 
@@ -16,8 +17,9 @@ from spacar.frame import Frame
 from spacar.integrators import METHODS, integrate
 from spacar.kinematics.output import TransferOutput
 from spacar.kinematics.regularity import DeadPoints, HalfTurns
+from spacar.linearization.jacobian import state_jacobian
 from spacar.mechanism.mechanism import Array
-from spacar.modes import Run
+from spacar.stream import Run
 
 # Position tolerance of intermediate states / tolerance of a step. The velocity has an error of this order, which the
 # error estimate of the integrator must not see: with 853 and ERROR 1e-10 a position tolerance of 1e-11 made a
@@ -60,6 +62,7 @@ def states(run: Run) -> Iterator[tuple[Dynamics, float, Array, dict[str, int]]]:
     method = METHODS[settings.integrator]
     atol, rtol = method.step_error(settings.atol), method.step_error(settings.rtol)
     if method.needs_jacobian:
+        dynamics.jacobian = partial(state_jacobian, dynamics)
         dynamics.kinematics.converged = ITERATED
     elif method.variable_step:
         dynamics.kinematics.converged = POSITION * min(atol, rtol)

@@ -7,16 +7,12 @@ relative, far below what a Rosenbrock step needs), and zero for a mechanism with
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from spacar.linear.matrices import linearize
-from spacar.linear.state_space import chosen_rows, state_matrix
+from spacar.dynamics.dynamics import Dynamics
+from spacar.linearization.matrices import linearize
+from spacar.linearization.state_matrix import chosen_rows, state_matrix
 from spacar.mechanism.mechanism import Array, Polynomial
-
-if TYPE_CHECKING:
-    from spacar.dynamics.dynamics import Dynamics
 
 
 def state_jacobian(dynamics: Dynamics, t: float, y: Array) -> tuple[Array, Array]:
@@ -28,6 +24,7 @@ def state_jacobian(dynamics: Dynamics, t: float, y: Array) -> tuple[Array, Array
         h = np.cbrt(np.finfo(float).eps) * interval
         before = max(t - h, 0.0)
         F_t = (dynamics.rhs(t + h, y) - dynamics.rhs(before, y)) / (t + h - before)
+    dynamics.settle()  # `rhs` may have been evaluated elsewhere
     drive = dynamics.place(t, y)
     xdd, sigma, _ = dynamics.accelerate(t, drive)
     L = linearize(dynamics, xdd, sigma, t=t)

@@ -23,7 +23,7 @@ import numpy as np
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.forces import StressLaw, moment_gradient
 from spacar.kinematics.transfer import configuration_transfer, velocity_transfer
-from spacar.linear.contractions import (
+from spacar.linearization.contractions import (
     geometric_stiffness,
     gradient_rate,
     gradient_transport,

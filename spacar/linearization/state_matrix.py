@@ -1,0 +1,48 @@
+"""State matrix A of the linearized equations (theory-system.md (15)), and the solution with the mass matrix in it.
+
+State z = (ds, dqd) with s = (q, k) and qd restricted to the chosen rows (dynamic ones; all in mode 3).
+
+    A = [Bk0, Ak0; -M^-1 K, -M^-1 C]                                                                           (15)
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spacar.dynamics.dynamics import Dynamics
+from spacar.errors import AnalysisError
+from spacar.linearization.matrices import Linearization
+from spacar.mechanism.mechanism import Array, Index
+
+
+def chosen_rows(L: Linearization, dynamics: Dynamics, everything: bool = False) -> tuple[Index, Index]:
+    """Rows of q and of s that are states: the dynamic ones (and the kinematic ones), or all of them (mode 3)."""
+    n = dynamics.numbering
+    q = np.arange(n.ndof) if everything else n.dynamic
+    return q, np.r_[q, np.arange(n.ndof, n.nkdof)]
+
+
+def state_matrix(L: Linearization, q: Index, s: Index) -> Array:
+    """A of (15). Raises AnalysisError when the mass matrix of the rows q is singular."""
+    nq, ns = len(q), len(s)
+    M = L.m0[np.ix_(q, q)]
+    lower = -solve_mass(M, np.hstack((L.stiffness[np.ix_(q, s)], L.damping[np.ix_(q, q)])))
+    A = np.zeros((ns + nq, ns + nq))
+    A[:ns, :ns], A[:ns, ns:] = L.bk0[np.ix_(s, s)], L.ak0[np.ix_(s, q)]
+    A[ns:] = lower
+    return A
+
+
+def solve_mass(M: Array, b: Array) -> Array:
+    """M^-1 b for a symmetric positive definite M, scaled to a unit diagonal."""
+    diagonal = np.diag(M)
+    if np.any(diagonal <= 0.0):
+        raise AnalysisError(
+            "singular mass matrix: a degree of freedom carries no mass; add XM or EM", "dynamics.singular-mass"
+        )
+    scale = 1.0 / np.sqrt(diagonal)
+    try:
+        solution = np.linalg.solve(M * np.outer(scale, scale), b * scale[:, None])
+    except np.linalg.LinAlgError:
+        raise AnalysisError("singular mass matrix; add XM or EM", "dynamics.singular-mass") from None
+    return np.asarray(solution * scale[:, None])

@@ -1,0 +1,98 @@
+"""A run: a mechanism with the analysis of a mode, iterated over as a stream of frames, and its consumers."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Protocol
+
+from spacar.errors import Report, SpacarError
+from spacar.frame import Frame
+from spacar.modes import Mode
+
+if TYPE_CHECKING:
+    from spacar.mechanism import Mechanism
+
+
+class Sink(Protocol):
+    """A consumer of frames: the log, a result file, a progress bar, a live plot.
+
+    It is started with the run, gets every frame, and is finished with the error that ended the run, or None.
+    """
+
+    def start(self, run: Run) -> None: ...
+    def frame(self, frame: Frame) -> None: ...
+    def finish(self, error: BaseException | None) -> None: ...
+
+
+@dataclass
+class Outcome:
+    """How a consumed run ended: frames, the time of the last one [s, or load step], wall time [s], what ended it."""
+
+    steps: int = 0
+    last: float | None = None
+    seconds: float = 0.0
+    error: BaseException | None = None
+
+
+@dataclass
+class Run:
+    """One analysis, ready to be iterated over. Everything but `report` and `header` is fixed from the start.
+
+    report    warnings and information for the log, complete when the iteration has ended
+    header    scalars and arrays that the analysis states before its first frame (NNOM, NU, NY, condition ...)
+    n_frames  number of frames to come, None if unknown
+    nominal   mode 3 only: the earlier mode 2 result
+    """
+
+    mode: Mode
+    mechanism: Mechanism
+    report: Report = field(default_factory=Report)
+    header: dict[str, Any] = field(default_factory=dict)
+    n_frames: int | None = None
+    nominal: Any = None
+
+    def __iter__(self) -> Iterator[Frame]:
+        module, _, name = self.mode.analysis.partition(":")
+        analysis: Callable[[Run], Iterator[Frame]] = getattr(import_module(module), name)
+        return _without_warnings(analysis(self))
+
+    def consume(self, *sinks: Sink) -> Outcome:
+        """Hand every frame to every sink; however the run ends, finish the sinks with what ended it.
+
+        They are finished in their order: the log is the last one, so that it also tells of a result that could
+        not be completed. Raises nothing: `error` of the outcome says what happened, also an interruption.
+        """
+        outcome = Outcome()
+        begun = time.perf_counter()
+        try:
+            for sink in sinks:
+                sink.start(self)
+            for frame in self:
+                for sink in sinks:
+                    sink.frame(frame)
+                outcome.steps += 1
+                outcome.last = frame.t
+        except (Exception, KeyboardInterrupt) as error:
+            outcome.error = error
+        for sink in sinks:
+            try:
+                sink.finish(outcome.error)
+            except (SpacarError, OSError) as error:
+                outcome.error = outcome.error or error
+        outcome.seconds = time.perf_counter() - begun
+        return outcome
+
+
+def _without_warnings(frames: Iterator[Frame]) -> Iterator[Frame]:
+    """The frames, without NumPy's warnings: what is infinite or undefined is found where it matters, and named."""
+    import numpy as np
+
+    while True:
+        with np.errstate(all="ignore"):
+            frame = next(frames, None)
+        if frame is None:
+            return
+        yield frame
