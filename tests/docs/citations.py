@@ -1,4 +1,4 @@
-"""Finds what comments, docstrings and pages cite: "files.md section 3", "theory-system.md 2.3 (9)", "the paper"."""
+"""Finds what comments, docstrings and pages cite: "files.md section 3", "theory-system.md 2.3 (9)"."""
 
 from __future__ import annotations
 
