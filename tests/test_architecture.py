@@ -1,4 +1,4 @@
-"""The arrows of the house (design.md 1): spacar_cli -> spacar_formats -> spacar, and the stations inside."""
+"""The arrows of the house (docs/developer.md): spacar_cli -> spacar_formats -> spacar, and the stations inside."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Exit statuses and how an error becomes lines on standard error (keywords.md section 10, messages.md)."""
+"""Exit statuses and how an error becomes lines on standard error (input-language.md section 10, messages.md)."""
 
 from __future__ import annotations
 

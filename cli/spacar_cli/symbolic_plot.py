@@ -1,4 +1,4 @@
-"""Plots of a run: one figure a quantity against time, as in the paper (its figures 2 to 5)."""
+"""Plots of a run: one figure a quantity against time, as in the paper (bibliography.md; its figures 2 to 5)."""
 
 from __future__ import annotations
 

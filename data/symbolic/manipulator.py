@@ -1,5 +1,7 @@
 """Two-link flexible planar manipulator: the example of the paper as a script for `spacar symbolic`.
 
+The paper: A. A. Barhorst, "Symbolic equation processing utilizing vector/dyad notation" (docs/reference/bibliography.md).
+
 The same model as manipulator.toml. Run, for instance:  spacar symbolic simulate manipulator.py --plot
 """
 

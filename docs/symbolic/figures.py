@@ -1,5 +1,5 @@
 """The four figures of the tutorial: joint angles and tip deflections of the two-link manipulator (figures 2 to 5 of
-the paper), and the comparison of the two strategies' operation counts on the terminal.
+the paper, docs/reference/bibliography.md), and the comparison of the two strategies' operation counts on the terminal.
 
     python docs/symbolic/figures.py          writes q1.png, q4.png, tip1.png, tip2.png beside this file
 """

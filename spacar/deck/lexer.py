@@ -1,6 +1,6 @@
 """Text to words: lines, comments, columns, the visualization section, the number grammar.
 
-Lexical rules: reference/keywords.md section 1.
+Lexical rules: reference/input-language.md section 1.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Which blocks a mode uses, and of which kind its third block is (reference/keywords.md section 2)."""
+"""Which blocks a mode uses, and of which kind its third block is (reference/input-language.md section 2)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Keywords of the dynamics block (reference/keywords.md section 5)."""
+"""Keywords of the dynamics block (reference/input-language.md section 5)."""
 
 from __future__ import annotations
 

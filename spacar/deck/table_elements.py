@@ -1,7 +1,7 @@
 """The element types: nodes, deformation modes, geometry. Their keywords in the kinematics block follow from
 them.
 
-Facts: reference/keywords.md sections 3 and 4.1, codes: reference/files.md section 3, wheels and screw:
+Facts: reference/input-language.md sections 3 and 4.1, codes: reference/files.md section 3, wheels and screw:
 reference/theory-spatial.md sections 7 and 8.
 """
 

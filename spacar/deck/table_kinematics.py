@@ -1,4 +1,4 @@
-"""Keywords of the kinematics block other than the elements (reference/keywords.md section 4.2)."""
+"""Keywords of the kinematics block other than the elements (reference/input-language.md section 4.2)."""
 
 from __future__ import annotations
 

@@ -83,7 +83,7 @@ _ROWS = (
 )  # fmt: skip
 
 METHODS: dict[int, Method] = {row.code: row for row in _ROWS}
-# The original manual calls code 225 also 255.
+# The manual (bibliography.md) calls code 225 also 255.
 ALIASES = {255: 225}
 
 

@@ -1,4 +1,4 @@
-"""Nominal inputs and reference outputs: NOMS, NOMF, REFE..., REFX... (keywords.md section 7,
+"""Nominal inputs and reference outputs: NOMS, NOMF, REFE..., REFX... (input-language.md section 7,
 theory-system.md 7.3).
 
 The driving forces that the degrees of freedom need, with all passive stresses (the springs and dampers of

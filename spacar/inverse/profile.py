@@ -1,13 +1,10 @@
-"""Velocity profile along one path: rise, constant velocity, decline (theory-system.md 7.1, keywords.md note
-t4).
+"""Velocity profile along one path: rise, constant velocity, decline (theory-system.md 7.1, input-language.md t4).
 
-Fronts with the normalized displacement s, velocity w and acceleration a of tau = 0 ... 1, s(1) = 1/2, w(1) =
-1:
+Fronts with the normalized displacement s, velocity w and acceleration a of tau = 0 ... 1, s(1) = 1/2, w(1) = 1:
 
     0 constant       s = tau^2/2                              w = tau                          a = 1
-    1 sine           s = tau/2 - sin(pi tau)/(2 pi)           w = (1 - cos pi tau)/2           a = pi/2 sin
-    pi tau 2 squared sine   s = tau^2/2 + (cos 2 pi tau - 1)/(4 pi^2)  w = tau - sin(2 pi tau)/(2 pi)   a = 2
-    sin^2 pi tau
+    1 sine           s = tau/2 - sin(pi tau)/(2 pi)           w = (1 - cos pi tau)/2           a = pi/2 sin pi tau
+    2 squared sine   s = tau^2/2 + (cos 2 pi tau - 1)/(4 pi^2)  w = tau - sin(2 pi tau)/(2 pi)   a = 2 sin^2 pi tau
 
 All of them give L = v (T - rise/2 - decline/2) (21).
 """

@@ -1,4 +1,4 @@
-"""The trajectories of a deck as one prescribed motion (theory-system.md 7.2, keywords.md section 6).
+"""The trajectories of a deck as one prescribed motion (theory-system.md 7.2, input-language.md section 6).
 
 Trajectories follow each other: each starts where the previous one ended, time accumulates, and coordinates
 without a path rest. The set-point where two of them meet is the end of the earlier one: its accelerations

@@ -1,4 +1,4 @@
-"""Transfer functions in the output, as OUTLEVEL asks (keywords.md note k8)."""
+"""Transfer functions in the output, as OUTLEVEL asks (input-language.md note k8)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Inputs and outputs of the linearization from the deck (keywords.md section 8)."""
+"""Inputs and outputs of the linearization from the deck (input-language.md section 8)."""
 
 from __future__ import annotations
 

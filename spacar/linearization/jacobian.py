@@ -1,8 +1,8 @@
 """Jacobian of the equations of motion for the implicit integrators: the exact state matrix, and dF/dt.
 
-dF/dy = A of (15) at the current accelerations. F depends on time through prescribed motion and user functions only;
-dF/dt is then a central difference of F with a step of cbrt(eps) times the output interval (error about 1e-10
-relative, far below what a Rosenbrock step needs), and zero for a mechanism without them.
+dF/dy = A at the current accelerations (theory-system.md (15)). F depends on time through prescribed motion and user
+functions only; dF/dt is then a central difference of F with a step of cbrt(eps) times the output interval (error about
+1e-10 relative, far below what a Rosenbrock step needs), and zero for a mechanism without them.
 """
 
 from __future__ import annotations

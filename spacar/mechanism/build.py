@@ -71,7 +71,7 @@ def element_list(deck: Deck) -> list[tuple[int, str, tuple[int, ...]]]:
 def classes(
     deck: Deck, elements: list[tuple[int, str, tuple[int, ...]]]
 ) -> tuple[dict[tuple[int, int], str], dict[tuple[int, int], str]]:
-    """Classes of coordinates and deformations that statements give (keywords.md 4.2, notes k5 and k6)."""
+    """Classes of coordinates and deformations that statements give (input-language.md 4.2, notes k5 and k6)."""
     kinds = {n: role for _, k, nodes in elements for n, role in zip(nodes, ELEMENT_TYPES[k].nodes, strict=True)}
     keyword = {n: k for n, k, _ in elements}
     planar = ELEMENT_TYPES[elements[0][1]].planar

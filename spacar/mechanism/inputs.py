@@ -25,7 +25,8 @@ from spacar.mechanism.numbering import Numbering
 def loads(deck: Deck, numbering: Numbering, batches: list[Batch], prefix: str = "") -> Loads:
     """Initial loads (prefix empty) or their increments (prefix DEL): XF, GRAVITY, ESIG, mass flow.
 
-    Three numbers on a spatial orientation node are a global moment, four the forces dual to lambda (keywords.md 5.2).
+    Three numbers on a spatial orientation node are a global moment, four the forces dual to lambda
+    (input-language.md 5.2).
     """
     force = np.zeros(numbering.nx)
     moments, rows = [], []
@@ -140,7 +141,7 @@ def additional_drive(deck: Deck, numbering: Numbering) -> DriveState | None:
 
 
 def settings(deck: Deck) -> Settings:
-    """TIMESTEP, INTEGRAT, ERROR, ITERSTEP, OUTLEVEL with their defaults (keywords.md 4.2, 5.4, 5.5)."""
+    """TIMESTEP, INTEGRAT, ERROR, ITERSTEP, OUTLEVEL with their defaults (input-language.md 4.2, 5.4, 5.5)."""
     names = {
         "TIMESTEP": ("duration", "n_steps"),
         "INTEGRAT": ("integrator", "step"),

@@ -1,4 +1,4 @@
-"""Spasim: the non-linear mechanism as a block with inputs u and outputs y (keywords.md section 9).
+"""Spasim: the non-linear mechanism as a block with inputs u and outputs y (input-language.md section 9).
 
 States are the degrees of freedom and their rates. Inputs are driving stresses (INPUTS, positive when they do
 positive work on the rate of their deformation) and forces (INPUTF). Outputs that are accelerations depend

@@ -3,8 +3,8 @@
 Unknown are the dynamic degrees of freedom q_d. Converged when max |R| <= tolerance (ITERSTEP position 3) and small
 against the loads, or max |R| <= 100 eps max(|f|, |sigma|) (`Equilibrium.reached`), or when max |R| <= tolerance does
 not fall any more. A level that is no result is only a start value for the next one: it is left when the residual has
-fallen to a thousandth. The tangent is the exact K0 + N0 + G0 (types 1, 3: without N0); the sparse form (18)
-for large systems at rest. At most ITERSTEP position 1 iterations.
+fallen to a thousandth. The tangent is the exact K0 + N0 + G0 (types 1, 3: without N0); the sparse form
+(theory-system.md (18)) for large systems at rest. At most ITERSTEP position 1 iterations.
 """
 
 from __future__ import annotations

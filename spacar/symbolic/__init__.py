@@ -1,4 +1,7 @@
-"""Equations of motion in vector and dyad notation (optional extra: `pip install 'spacar[symbolic]'`)."""
+"""Equations of motion in vector and dyad notation (optional extra: `pip install 'spacar[symbolic]'`).
+
+"The paper" in this room is that of A. A. Barhorst, bibliography.md; formulas and tables without a page are its.
+"""
 
 from spacar.symbolic import shapes
 from spacar.symbolic.collect import ZTable

@@ -1,4 +1,4 @@
-"""Every situation of reference/keywords.md section 10 through the real command line: status, one line each,
+"""Every situation of reference/input-language.md section 10 through the real command line: status, one line each,
 no traceback.
 
 The decks are those of tests/deck/rows.py. All rows share one process for speed; the first row of each

@@ -120,7 +120,7 @@ def test_outlevel_prints_transfer_functions(log_of):
 
 
 def test_eigenvalues_with_frequencies_and_names(log_of):
-    """The rotating mass-spring system: 24.7806 and 55.5511 rad/s as printed by the manual (six digits)."""
+    """The rotating mass-spring system: 24.7806 and 55.5511 rad/s, six digits of the manual (bibliography.md)."""
     log = log_of(7, "massspring")
     section = log[log.index("Eigenvalues of the state matrix") :]
     values = [line.split() for line in section.splitlines()[3:7]]

@@ -127,7 +127,7 @@ def write(run, stem, error=None, **more):
 
 
 def test_empty_matrices_are_not_produced(tmp_path):
-    """Without inputs or outputs there is no B, C, D (keywords.md section 2)."""
+    """Without inputs or outputs there is no B, C, D (input-language.md section 2)."""
     run = spacar.frames(9, DATA / "lever.dat")
     space = {"A": np.eye(2), "B": np.zeros((2, 0)), "C": np.zeros((0, 2)), "D": np.zeros((0, 0))}
     write(run, tmp_path / "lever", state_space=space)

@@ -1,4 +1,4 @@
-"""One deck for every situation of reference/keywords.md section 10: (name, text, mode, severity, fragments).
+"""One deck for every situation of reference/input-language.md section 10: (name, text, mode, severity, fragments).
 
 The list is used twice: through `parse_deck` (test_rows.py) and through the command line (acceptance tests).
 The fragments must all occur in one message line of that severity; `<deck>` stands for the file name there.

@@ -1,4 +1,4 @@
-"""Lexical rules of reference/keywords.md section 1."""
+"""Lexical rules of reference/input-language.md section 1."""
 
 from __future__ import annotations
 

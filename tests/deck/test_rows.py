@@ -1,4 +1,4 @@
-"""Every situation of reference/keywords.md section 10 is reported, with its line, and nothing else goes
+"""Every situation of reference/input-language.md section 10 is reported, with its line, and nothing else goes
 wrong."""
 
 from __future__ import annotations

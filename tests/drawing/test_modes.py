@@ -67,7 +67,7 @@ def test_motion_is_the_transfer_function_times_the_vector():
 
 
 def test_unstable_mode_comes_first():
-    """finger.dat asks for VIBRATIONMODE 1, which the manual shows as the unstable one (2 pi 6.3191 1/s)."""
+    """finger.dat asks for VIBRATIONMODE 1, in the manual (bibliography.md) the unstable one: 2 pi 6.3191 1/s."""
     _, modes = modes_of("finger", 7, "vibration")
     assert [m.number for m in modes] == [1, 2]
     assert np.isclose(modes[0].value.real, 2 * np.pi * 6.3191, rtol=1e-5)

@@ -1,4 +1,4 @@
-"""The VISUALIZATION section: both spellings and generations of keywords.md section 2."""
+"""The VISUALIZATION section: both spellings and generations of input-language.md section 2."""
 
 from spacar_cli.drawing.settings import Section, parse_settings, read_settings
 

@@ -110,7 +110,7 @@ def test_forty_digits() -> None:
 
 
 def exact(d: Dynamics, t: float, drive: object) -> tuple[np.ndarray, np.ndarray]:
-    """Accelerations and multipliers of the same element evaluations with 40 digits, equation (9)."""
+    """Accelerations and multipliers of the same element evaluations with 40 digits, theory-system.md (9)."""
     n = d.numbering
     V, M, load, H, sigma, _ = parts(d, t)
     fixed = np.r_[np.arange(n.nx)[n.x_class["fixed"]], np.arange(n.nx)[n.x_class["input"]]]
@@ -145,7 +145,7 @@ def exact(d: Dynamics, t: float, drive: object) -> tuple[np.ndarray, np.ndarray]
 
 
 def test_the_constitutive_stress_of_a_dynamic_deformation_is_the_one_of_equilibrium() -> None:
-    """Kinetostatics (10) at the solution: multipliers on the dynamic rows equal S e + S_d de/dt."""
+    """Kinetostatics (theory-system.md (10)) at the solution: multipliers on the dynamic rows equal S e + S_d de/dt."""
     d = evaluator(*chain(20, "mixed"))
     y = random_state(d, 1e-3, 0.3)
     f = d.frame(0.3, y)

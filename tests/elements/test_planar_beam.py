@@ -1,4 +1,4 @@
-"""PLBEAM against its definition by integrals, complex steps, and printed digits of the manual."""
+"""PLBEAM against its definition by integrals, complex steps, and printed digits of the manual (bibliography.md)."""
 
 from __future__ import annotations
 

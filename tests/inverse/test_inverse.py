@@ -43,7 +43,7 @@ def test_torques_on_a_straight_line_equal_the_closed_form(front):
 
 @pytest.mark.parametrize("front", [0, 1, 2])
 def test_prescribed_joints_need_the_same_torques(front):
-    """The multiplier of a prescribed joint (TRE) and (23) for a prescribed end point give the same numbers."""
+    """The multiplier of a prescribed joint (TRE), and theory-system.md (23) for a prescribed end point, agree."""
     by_joints = [
         ("TRAJECT", 1), ("TRE", 1, 0.5), ("TRE", 2, -0.8), ("TREPMAX", 2, 0.3, 1.0), ("TRFRONT", 1, front),
         ("TRTIME", 1.0, 10), *arm.MOTORS,

@@ -1,4 +1,4 @@
-"""Velocity profiles: the formulas of (21) against quadrature of the acceleration, and the rules for what is not
+"""Velocity profiles: theory-system.md (21) against quadrature of the acceleration, and the rules for what is not
 given.
 """
 

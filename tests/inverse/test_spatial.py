@@ -1,4 +1,4 @@
-"""Spatial paths and extra loads in modes 2 and 3, on the manipulator of the manual."""
+"""Spatial paths and extra loads in modes 2 and 3, on the manipulator of the manual (bibliography.md)."""
 
 from pathlib import Path
 

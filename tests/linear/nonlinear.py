@@ -1,7 +1,8 @@
 """The non-linear model as a function of everything that the linearization varies, and its differences.
 
-The truth for (13) is the reduced residual, for (15) the saddle-point accelerations: neither uses the linearized
-equations. Differences are central, of order 8, with a step of 4e-3: truncation and rounding are both near 1e-11.
+The truth for theory-system.md (13) is the reduced residual, for (15) the saddle-point accelerations: neither uses the
+linearized equations. Differences are central, of order 8, with a step of 4e-3: truncation and rounding are both near
+1e-11.
 """
 
 from __future__ import annotations

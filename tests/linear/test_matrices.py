@@ -1,4 +1,4 @@
-"""The coefficient matrices (13) against differences of the non-linear residual at moving, loaded, flexible states.
+"""Matrices of theory-system.md (13) against differences of the non-linear residual at moving, loaded, flexible states.
 
 1e-7 relative is the accuracy that the project demands; differences of order 8 reach about 1e-10.
 """

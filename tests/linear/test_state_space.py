@@ -1,4 +1,4 @@
-"""A, B, C, D of every input and output kind against differences of the non-linear accelerations and reactions (15).
+"""A, B, C, D (theory-system.md (15)) of every input and output kind against differences of the non-linear model.
 
 The truth is the saddle-point form of the equations of motion, evaluated with varied state and inputs.
 """

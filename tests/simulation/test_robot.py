@@ -1,4 +1,4 @@
-"""The manipulator example of the manual, section 3.11, as a controlled simulation."""
+"""The manipulator example of the manual (bibliography.md), its section 3.11, as a controlled simulation."""
 
 from pathlib import Path
 

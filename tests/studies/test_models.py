@@ -62,7 +62,10 @@ def test_lateral_buckling_converges(deck):
 
 
 def test_mass_and_rigid_motion_are_kept(deck):
-    """The slider-crank with a rigid rod is case 1 of the manual, whatever the mesh: reactions to rounding."""
+    """The slider-crank with a rigid rod is case 1 of the manual (bibliography.md), whatever the mesh.
+
+    Reactions agree to rounding.
+    """
     flexible, stiff = deck("crankfl", 1), deck("crank", 1)
     truth = spacar.run(1, stiff, duration=0.01, n_steps=5)
     for n in (1, 3):

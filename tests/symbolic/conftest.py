@@ -1,4 +1,4 @@
-"""The two-link manipulator of the paper with its variants, and numbers for it."""
+"""The two-link manipulator of the paper (bibliography.md) with its variants, and numbers for it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The two-link manipulator: accelerations (8), equations against a derivation without vectors, strategies, counts."""
+"""The two-link manipulator: accelerations (the paper's (8)), equations derived without vectors, strategies, counts."""
 
 from __future__ import annotations
 

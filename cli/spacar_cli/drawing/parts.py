@@ -48,7 +48,7 @@ def beam_line(scene: Scene, pose: Pose, e: Element, n: int) -> tuple[Array, Arra
 
 
 def shear_parameters(scene: Scene, e: Element) -> Array:
-    """Phi of bending along y' and z' (keywords.md 5.3): 12 EI/(GAk l0^2), ESTIFF position 4 or 7 and 6."""
+    """Phi of bending along y' and z' (input-language.md 5.3): 12 EI/(GAk l0^2), ESTIFF position 4 or 7 and 6."""
     row, l0 = scene.stiffness[e.number - 1], float(scene.length[e.number - 1])
     if not l0:
         return np.zeros(2)

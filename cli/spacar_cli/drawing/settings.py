@@ -1,4 +1,4 @@
-"""The VISUALIZATION section of an input file (or NAME.spv): both spellings and generations (keywords.md section 2).
+"""The VISUALIZATION section of an input file (or NAME.spv): both spellings and generations (input-language.md 2).
 
 Line oriented. Unknown lines are ignored, because later versions have more settings than are known to us. Readings that
 the reference leaves open, decided here: TRANSPARENCY is the opacity of solids (1 opaque), CIRC takes the diameter,
