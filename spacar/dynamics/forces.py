@@ -65,11 +65,10 @@ class AppliedForces:
         self.loads = loads
         self.field = gravity_field(mechanism, loads)
         self.heavy = bool(self.field.any())
-        constant = {id(b) for b in sweep.massive if b.family.constant_mass}
         self.constant_gravity = np.zeros(mechanism.numbering.nx)
         for b in sweep.massive:
-            if id(b) in constant:
-                M, g = sweep.M[id(b)], self.field[b.x]
+            if b.family.constant_mass:
+                M, g = sweep.M[b.index], self.field[b.x]
                 np.add.at(self.constant_gravity, b.x, (M * g[None]).sum(axis=1))
         self.constant = loads.force + self.constant_gravity
         self.user = mechanism.user_signal

@@ -49,7 +49,7 @@ class Limits:
         sweep = dynamics.sweep
         for batch in sweep.strained:
             e, sigma = frame.e[batch.e], frame.sig[batch.e]
-            for trouble in batch.family.troubles(sweep.configuration[id(batch)], e, sigma):
+            for trouble in batch.family.troubles(sweep.configuration[batch.index], e, sigma):
                 element = int(batch.family.numbers[trouble.index])
                 text = f"element {element} ({batch.family.keyword}) at t = {frame.t:.9g}: {trouble.text}"
                 if trouble.fatal:

@@ -32,7 +32,7 @@ def gradient_tensor(k: Kinematics) -> Array:
             sigma = np.zeros((nee, n))
             sigma[row] = 1.0
             block = np.zeros((nxe, nxe, n))
-            batch.family.geometric_stiffness(sweep.configuration[id(batch)], sigma, block)
+            batch.family.geometric_stiffness(sweep.configuration[batch.index], sigma, block)
             for element in range(n):
                 x = batch.x[:, element]
                 H[np.ix_([batch.e[row, element]], x, x)] += block[None, :, :, element]

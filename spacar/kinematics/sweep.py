@@ -45,9 +45,9 @@ class Sweep:
         self.x_of, self.v_of, self.a_of = (_views(u, layout.x) for u in (self._x, self._v, self._a))
         self.e_of, self.near_of, self.h_of = (_views(u, layout.e) for u in (self._e, self._near, self._h))
         self.f_of = _views(self._f, layout.f)
-        self.plan = [(b.family, id(b)) for b in self.strained]
-        self.curved_plan = [(b.family, id(b)) for b in self.curved]
-        self.moving_plan = [(b.family, id(b)) for b in self.moving]
+        self.plan = [(b.family, b.index) for b in self.strained]
+        self.curved_plan = [(b.family, b.index) for b in self.curved]
+        self.moving_plan = [(b.family, b.index) for b in self.moving]
 
     # -- kinematics ---------------------------------------------------------------------------------------------
     def strain(self, x: Array) -> None:
@@ -89,7 +89,7 @@ class Sweep:
         """Evaluate the mass matrices that never change; once per run."""
         for b in self.massive:
             if b.family.constant_mass:
-                b.family.mass(None, self.M[id(b)])
+                b.family.mass(None, self.M[b.index])
 
     def mass(self) -> None:
         """M of the configuration-dependent families into `entries`."""
@@ -120,5 +120,5 @@ class Sweep:
 
 
 def _views(buffer: Array, places: tuple[Place, ...]) -> dict[int, Array]:
-    """The parts of a buffer as arrays (*shape, n), by the identity of the batch."""
+    """The parts of a buffer as arrays (*shape, n), by the index of the batch."""
     return {key: buffer[part].reshape(shape) for key, part, shape in places}

@@ -40,6 +40,6 @@ def _rate_gradient(k: Kinematics, v: Array) -> Array:
     out = np.zeros((k.numbering.ne, k.numbering.nx))
     for b in k.sweep.curved:
         block = np.zeros((len(b.e), len(b.x), b.family.n))
-        b.family.rate_gradient(k.sweep.configuration[id(b)], v[b.x], block)
+        b.family.rate_gradient(k.sweep.configuration[b.index], v[b.x], block)
         out[b.e[:, None, :], b.x[None, :, :]] = block
     return out

@@ -27,17 +27,17 @@ def _by_rows(sweep: Sweep, fill: Callable[[Batch, Array], None]) -> Array:
 
 def gradient_rate(sweep: Sweep, v: Array) -> Array:
     """H1(v), (ne, nx)."""
-    return _by_rows(sweep, lambda b, out: b.family.gradient_rate(sweep.configuration[id(b)], v[b.x], out))
+    return _by_rows(sweep, lambda b, out: b.family.gradient_rate(sweep.configuration[b.index], v[b.x], out))
 
 
 def gradient_transport(sweep: Sweep, v: Array) -> Array:
     """H2(v), (ne, nx)."""
-    return _by_rows(sweep, lambda b, out: b.family.gradient_transport(sweep.configuration[id(b)], v[b.x], out))
+    return _by_rows(sweep, lambda b, out: b.family.gradient_transport(sweep.configuration[b.index], v[b.x], out))
 
 
 def rate_gradient(sweep: Sweep, v: Array) -> Array:
     """T(v), (ne, nx)."""
-    return _by_rows(sweep, lambda b, out: b.family.rate_gradient(sweep.configuration[id(b)], v[b.x], out))
+    return _by_rows(sweep, lambda b, out: b.family.rate_gradient(sweep.configuration[b.index], v[b.x], out))
 
 
 def geometric_blocks(sweep: Sweep, sigma: Array) -> list[tuple[Batch, Array]]:
@@ -45,7 +45,7 @@ def geometric_blocks(sweep: Sweep, sigma: Array) -> list[tuple[Batch, Array]]:
     blocks = []
     for b in sweep.curved:
         block = np.zeros((len(b.x), len(b.x), b.family.n))
-        b.family.geometric_stiffness(sweep.configuration[id(b)], sigma[b.e], block)
+        b.family.geometric_stiffness(sweep.configuration[b.index], sigma[b.e], block)
         blocks.append((b, block))
     return blocks
 
@@ -83,4 +83,4 @@ def inertia_blocks(sweep: Sweep, v: Array, a: Array) -> tuple[list[tuple[Batch, 
 def configuration_of(sweep: Sweep, b: Batch) -> object:
     """Configuration of a batch at the sweep's x, also for families without deformations."""
     family: Family = b.family
-    return sweep.configured(family, id(b))
+    return sweep.configured(family, b.index)

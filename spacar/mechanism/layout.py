@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from spacar.mechanism.mechanism import Batch
 
 Index = NDArray[np.int64]
-Place = tuple[int, slice, tuple[int, ...]]  # identity of the batch, part of the flat array, shape
+Place = tuple[int, slice, tuple[int, ...]]  # index of the batch, part of the flat array, shape
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -78,6 +78,6 @@ def _places(batches: Sequence[Batch], shapes: list[tuple[int, ...]]) -> tuple[Pl
     for b, shape in zip(batches, shapes, strict=True):
         whole = (*shape, b.family.n)
         size = prod(whole)
-        places.append((id(b), slice(first, first + size), whole))
+        places.append((b.index, slice(first, first + size), whole))
         first += size
     return tuple(places)

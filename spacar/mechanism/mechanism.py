@@ -21,11 +21,12 @@ Index = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Batch:
-    """A family with its place in the global vectors."""
+    """A family with its place in the global vectors, and its place among the batches of its mechanism."""
 
     family: Family
     x: Index  # (n_coordinates, n) indices into x
     e: Index  # (n_deformations, n) indices into e
+    index: int = 0  # set by the Mechanism; arrays of an evaluation are kept under it
 
 
 @dataclass(frozen=True)
@@ -185,6 +186,10 @@ class Mechanism:
     damping: tuple[Index, Index, Array]
     settings: Settings
     length: float  # largest distance between two nodes of the reference configuration [m]; 1 without positions
+
+    def __post_init__(self) -> None:
+        numbered = tuple(b if b.index == k else replace(b, index=k) for k, b in enumerate(self.batches))
+        object.__setattr__(self, "batches", numbered)
 
     @cached_property
     def layout(self) -> Layout:

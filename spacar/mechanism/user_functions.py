@@ -22,11 +22,28 @@ import numpy as np
 
 from spacar.deck import Deck, Statement
 from spacar.errors import AnalysisError, InputError, Message
-from spacar.mechanism.mechanism import Array, DriveState, Polynomial, Settings, UserForces, UserSignal
+from spacar.mechanism.mechanism import Array, DriveState, Polynomial, Settings, UserForces
 from spacar.mechanism.numbering import Numbering
 
 
-def load_function(deck: Deck, statement: Statement) -> Callable[..., Any]:
+@dataclass(frozen=True, eq=False)
+class Loaded:
+    """A function made from a user's file. No module is known under its name, so it travels (pickle, copy) as the way
+    in which it was made, and is loaded again where it arrives.
+    """
+
+    function: Callable[..., Any]
+    load: Callable[..., Loaded]
+    arguments: tuple[Any, ...]
+
+    def __call__(self, *arguments: Any) -> Any:
+        return self.function(*arguments)
+
+    def __reduce__(self) -> tuple[Callable[..., Loaded], tuple[Any, ...]]:
+        return self.load, self.arguments
+
+
+def load_function(deck: Deck, statement: Statement) -> Loaded:
     """The function `name` of `name.py` in the directory of the input file."""
     name = str(statement.values[0])
 
@@ -44,7 +61,7 @@ def load_function(deck: Deck, statement: Statement) -> Callable[..., Any]:
     function = getattr(module, path.stem, None) or getattr(module, name, None)
     if not callable(function):
         raise refuse(f"{path} does not define a function {name}")
-    return function
+    return Loaded(function, load_function, (deck, statement))
 
 
 def import_file(path: Path, refuse: Callable[[str], Exception]) -> ModuleType:
@@ -104,7 +121,7 @@ def whole(row: Array) -> tuple[int, int]:
     return int(a), int(b)
 
 
-def load_user_signal(deck: Deck, statement: Statement, numbering: Numbering) -> UserSignal:
+def load_user_signal(deck: Deck, statement: Statement, numbering: Numbering) -> Loaded:
     """USERSIG as a function (t, e, ed, x, xd) -> UserForces."""
     function, name = load_function(deck, statement), str(statement.values[0])
     le, lnp = numbering.le - 1, numbering.lnp - 1
@@ -133,7 +150,7 @@ def load_user_signal(deck: Deck, statement: Statement, numbering: Numbering) -> 
             result.force_d[i] += row[4]
         return result
 
-    return signal
+    return Loaded(signal, load_user_signal, (deck, statement, numbering))
 
 
 @dataclass(frozen=True)

@@ -55,7 +55,7 @@ class SparseTangent:
         self.place[self.F] = np.arange(self.nf)
         self.sigma = np.zeros(n.ne)
         self.elastic = [b for b in sweep.strained if any(S.any() for S in b.family.stiffness())]
-        self.active = {id(b): (b.e >= dynamics.law.first).astype(float) for b in self.elastic}
+        self.active = {b.index: (b.e >= dynamics.law.first).astype(float) for b in self.elastic}
         loaded = [b for b in sweep.moving if dynamics.forces.heavy or hasattr(b.family, "with_flow")]
         moment_rows = _moment_rows(dynamics)
         self.parts = {
@@ -75,7 +75,7 @@ class SparseTangent:
     @property
     def damped(self) -> bool:
         """Does any active deformation or the flow in a tube give forces proportional to rates?"""
-        viscous = any((b.family.stiffness()[1] * self.active[id(b)]).any() for b in self.elastic)
+        viscous = any((b.family.stiffness()[1] * self.active[b.index]).any() for b in self.elastic)
         return viscous or bool(self.parts["flow"].values().any())
 
     def factor(self, weights: dict[str, float], stiffness: float = 1.0, damping: float = 0.0) -> System:
@@ -126,7 +126,7 @@ class SparseTangent:
             S, Sd = b.family.stiffness()
             S = stiffness * S + damping * Sd
             n = len(b.e)
-            elastic = (S[np.arange(n), np.arange(n)] > 0.0) * self.active[id(b)]
+            elastic = (S[np.arange(n), np.arange(n)] > 0.0) * self.active[b.index]
             S = S * elastic[:, None] * elastic[None, :]
             coupled[b.e] = elastic
             blocks.append((b, S, elastic))
@@ -187,7 +187,7 @@ class SparseTangent:
         for k in range(x.shape[1]):
             e, sigma = sweep.rate(x[:, k]), np.zeros(self.ne)
             for b in self.elastic:
-                active = self.active[id(b)]
+                active = self.active[b.index]
                 sigma[b.e] = active * np.einsum("abn,bn->an", b.family.stiffness()[1], active * e[b.e])
             out[self.F, k] = sweep.rate_transposed(sigma)[self.F]
         return out
