@@ -152,10 +152,10 @@ def _store_vibration(run: Run, solution: Solution) -> None:
         run.report.add("no dynamic degrees of freedom: there are no eigenvalues")
         return
     if solution.tangent is not None:
-        modes = lowest_vibration(solution.tangent)
+        modes = lowest_vibration(solution.tangent, run.report)
     else:
         assert solution.L is not None
-        modes = vibration_modes(solution.L, *chosen_rows(solution.L, solution.dynamics))
+        modes = vibration_modes(solution.L, *chosen_rows(solution.L, solution.dynamics), run.report)
     store = solution.frame.matrices
     store["eigval"] = np.column_stack((modes.values.real, modes.values.imag))
     store["eigvre"], store["eigvim"] = modes.vectors.real, modes.vectors.imag
@@ -169,7 +169,7 @@ def _store_buckling(run: Run, solution: Solution) -> None:
         return
     if solution.tangent is not None:
         frame.xcompl = sparse_compliances(solution.tangent)
-        modes = lowest_buckling(solution.tangent)
+        modes = lowest_buckling(solution.tangent, run.report)
         if not len(modes.multipliers):
             run.report.add(NO_STRESS)
     else:

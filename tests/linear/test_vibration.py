@@ -11,6 +11,7 @@ from scipy.linalg import eigh
 
 import spacar
 from spacar.deck import parse_deck
+from spacar.errors import Report
 from spacar.linear import analysis
 from spacar.linear.eigen import damped_modes, undamped_modes
 
@@ -169,7 +170,7 @@ def test_repeated_frequencies_keep_independent_vectors():
 
 
 def test_unstable_equilibrium_has_real_pairs():
-    modes = undamped_modes(np.diag([4.0, -9.0]), np.eye(2))
+    modes = undamped_modes(np.diag([4.0, -9.0]), np.eye(2), Report())
     assert np.allclose(np.sort_complex(modes.values), np.sort_complex([2j, -2j, 3, -3]))
 
 
@@ -178,7 +179,7 @@ def test_gyroscopic_and_damped_systems_in_modal_coordinates():
     rng = np.random.default_rng(0)
     A, B, C = rng.normal(size=(3, 6, 6))
     M, K = A @ A.T + 6 * np.eye(6), B @ B.T
-    modes = damped_modes(K, C, M)
+    modes = damped_modes(K, C, M, Report())
     state = np.block([[np.zeros((6, 6)), np.eye(6)], [-np.linalg.solve(M, K), -np.linalg.solve(M, C)]])
     assert np.allclose(np.sort_complex(modes.values), np.sort_complex(np.linalg.eigvals(state)), rtol=1e-9)
     assert np.max(np.abs(state @ modes.vectors - modes.vectors * modes.values)) < 1e-11

@@ -1,0 +1,76 @@
+"""How good an eigenpair is: its normwise backward error, and the warning when rounding does not explain it.
+
+A pair (lambda, z) of A z = lambda B z is exact for matrices A + dA, B + dB with (Higham and Higham 1998)
+
+    |dA|/|A|, |dB|/|B| <= eta = |A z - lambda B z| / ((|A| + |lambda| |B|) |z|)
+
+The unknowns of a mechanism have units (m, rad), and eta depends on them; it is taken after a diagonal scaling, D A D
+and D^-1 z, which makes it independent of units. Algorithms that work with orthogonal transformations give n eps. The
+reduction with the Cholesky factor of B may lose up to the condition of B (Davies, Higham, Tisseur 2001), which is that
+of a mesh: LOST allows three digits, measured are one to two. A pair above that is not wrong, but has fewer digits than
+its matrices: it is kept, with a warning.
+
+How far an eigenvalue moves by eta is a question of conditioning, not of the solver: low eigenvalues of a stiff system
+move by eta |A| |B^-1|, whatever they are worth.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacar.errors import Report
+from spacar.mechanism.mechanism import Array
+
+Complex = NDArray[np.complex128]
+LOST = 1e3  # digits that a reduction may lose, as a factor of n eps
+EPS = float(np.finfo(float).eps)
+
+
+def rounding(n: int) -> float:
+    """Backward error of n unknowns that needs no word."""
+    return LOST * EPS * max(n, 1)
+
+
+def of_pencil(A: Array, B: Array, values: Array, vectors: Array, d: Array) -> Array:
+    """eta of pairs A z = lambda B z (real), A and B scaled with d from both sides."""
+    residual = (A @ vectors - (B @ vectors) * values) * d[:, None]
+    size = _norm(A * np.outer(d, d)) + np.abs(values) * _norm(B * np.outer(d, d))
+    return _relative(residual, size, vectors / d[:, None])
+
+
+def of_matrix(A: Array, values: Complex, vectors: Complex) -> Array:
+    """eta of pairs A z = lambda z, the smaller one of A as it is and A balanced: algorithms do one or the other."""
+    from scipy.linalg import matrix_balance
+
+    residual = A @ vectors - vectors * values
+    plain = _relative(residual, _norm(A) + np.abs(values), vectors)
+    if not len(A) or not np.all(np.isfinite(A)):
+        return plain
+    balanced, (d, _) = matrix_balance(A, permute=False, separate=True)
+    scaled = _relative(residual / d[:, None], _norm(balanced) + np.abs(values), vectors / d[:, None])
+    return np.minimum(plain, scaled)
+
+
+def warn(report: Report, eta: Array, values: Array, what: str) -> None:
+    """A warning about the worst of the pairs when rounding does not explain its error."""
+    limit = rounding(len(eta))
+    doubtful = ~(eta <= limit)
+    if doubtful.any():
+        worst = int(np.argmax(np.where(np.isnan(eta), np.inf, eta)))
+        report.add(
+            f"warning: {int(doubtful.sum())} of {len(eta)} {what} have fewer digits than usual; the worst one,"
+            f" {values[worst]:.6g}, is that of matrices which differ by {eta[worst]:.2g} of their size"
+            f" (rounding: {limit:.1g}); the system is badly conditioned"
+        )
+
+
+def _relative(residual: Array | Complex, size: Array, vectors: Array | Complex) -> Array:
+    bound = size * np.linalg.norm(vectors, axis=0)
+    error = np.linalg.norm(residual, axis=0)
+    return np.asarray(error / np.where(bound > 0.0, bound, 1.0))
+
+
+def _norm(A: Array) -> float:
+    """Frobenius norm: at most sqrt(n) above the spectral one, and cheap."""
+    return float(np.linalg.norm(A))

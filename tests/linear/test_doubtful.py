@@ -1,0 +1,77 @@
+"""A result that is not exact to rounding is kept, with a warning; order and warnings of load multipliers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from spacar.errors import Report
+from spacar.linear import backward_error, eigen
+from spacar.linear.buckling import buckling_modes, order_of
+from spacar.linear.lowest import _check
+
+
+def test_a_doubtful_pair_is_kept_with_a_warning(monkeypatch):
+    """A solver that is wrong in the seventh digit: its values are the result, and the worst one is named."""
+    right = eigen.polished
+    monkeypatch.setattr(eigen, "polished", lambda *a: (right(*a)[0] * [1.0, 1.0 + 1e-7], right(*a)[1]))
+    report = Report()
+    modes = eigen.undamped_modes(np.diag([4.0, 9.0]), np.eye(2), report)
+    assert abs(modes.values[0]) == pytest.approx(3.0 * (1 + 5e-8), rel=1e-12)
+    assert report.lines[0].startswith("warning: 1 of 2 omega^2 have fewer digits than usual; the worst one, 9,")
+
+
+def test_right_pairs_need_no_word():
+    report = Report()
+    eigen.undamped_modes(np.diag([4.0, 9.0]), np.array([[2.0, 0.1], [0.1, 3.0]]), report)
+    buckling_modes(np.diag([1.0, 2.0]), np.array([[0.1, 0.2], [0.2, -0.3]]), report)
+    assert report.lines == []
+
+
+def test_backward_error_does_not_depend_on_units():
+    """Coordinates in metres or in millimetres: the same error of the same wrong pairs."""
+    rng = np.random.default_rng(3)
+    A, B = rng.normal(size=(2, 5, 5))
+    K, M = A @ A.T, B @ B.T + 5 * np.eye(5)
+    w, v = rng.normal(size=5) ** 2, rng.normal(size=(5, 5))
+    unit = 10.0 ** rng.integers(-6, 7, 5)
+    D = np.outer(unit, unit)
+    plain = backward_error.of_pencil(K, M, w, v, 1 / np.sqrt(np.diag(M)))
+    other = backward_error.of_pencil(K * D, M * D, w, v / unit[:, None], 1 / np.sqrt(np.diag(M * D)))
+    assert np.allclose(plain, other, rtol=1e-12)
+
+
+def test_the_backward_error_is_that_of_the_nearest_matrices():
+    """A perturbation of relative size 1e-6 of one matrix gives pairs with backward errors of at most that size."""
+    rng = np.random.default_rng(4)
+    A = rng.normal(size=(6, 6))
+    E = rng.normal(size=(6, 6))
+    E *= 1e-6 * np.linalg.norm(A) / np.linalg.norm(E, 2)
+    eta = backward_error.of_matrix(A, *np.linalg.eig(A + E))
+    assert np.all((eta > 1e-10) & (eta <= 1.0001e-6))
+
+
+def test_modes_of_large_systems_that_have_not_converged_are_told():
+    report = Report()
+    operator = np.diag([1.0, 0.5]).__matmul__
+    _check(operator, np.array([1.0, 0.5]), np.array([[1.0, 1e-6], [0.0, 1.0]]), "eigenvalues", report)
+    assert report.lines[0].startswith("warning: 1 of the 2 eigenvalues are not exact")
+    assert "number 2" in report.lines[0]
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-13, -1e-13, 3e-9])
+def test_of_a_pair_the_positive_multiplier_comes_first(noise):
+    """Whatever the rounding of the moduli; infinite ones last, single negative ones at their place."""
+    values = np.array([-3.0, np.inf, -1.0 + noise, 5.0, 1.0, -5.0 * (1 - noise), -5.0, -np.inf])
+    assert values[order_of(values)].round(6).tolist() == [1.0, -1.0, -3.0, 5.0, -5.0, -5.0, np.inf, -np.inf]
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_antisymmetric_geometric_stiffness_gives_ordered_pairs(sign):
+    """K = 1, G couples two halves: multipliers +- 1/g exactly in pairs, for the load and for the reversed load."""
+    rng = np.random.default_rng(5)
+    g = np.diag([2.0, 1.0, 0.5])
+    Q = np.linalg.qr(rng.normal(size=(6, 6)))[0]
+    G = Q.T @ np.block([[np.zeros((3, 3)), g], [g, np.zeros((3, 3))]]) @ Q
+    modes = buckling_modes(np.eye(6), sign * (G + G.T) / 2, Report())
+    assert np.allclose(modes.multipliers, [0.5, -0.5, 1.0, -1.0, 2.0, -2.0], rtol=1e-12)
