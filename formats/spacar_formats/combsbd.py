@@ -1,5 +1,5 @@
 """combsbd: put the steps of several `.sbd` files one after the other into one (reference/files.md sections 7
-and 9).
+and 9). The original overwrites the output without warning; a result is not lost that way here.
 """
 
 from __future__ import annotations
@@ -37,7 +37,11 @@ def combsbd(
     if len(names) < 2:
         raise UsageError("combsbd needs two or more files", "files.combine")
     if target.exists() and not force:
-        raise UsageError(f"{target} exists; use --force to replace it", "files.exists")
+        raise UsageError(
+            f"{target} exists and may hold the only copy of a result; the original overwrites it without a word, "
+            "here --force (force=True) replaces it",
+            "files.exists",
+        )
     with ExitStack() as stack:
         files = [stack.enter_context(open_result(name, "sbd")) for name in names]
         for other in files[1:]:

@@ -15,6 +15,7 @@ from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.deck.table_types import Keyword, Parameter, Variant
 
 _UNUSED_NODES_ALLOWED = ("X", "FIX")
+_COEFFICIENTS = ("ESTIFF", "EDAMP", "EM", "ESIG", "DELESIG")  # generators write as many as the largest type has
 
 
 def read_statement(raw: Raw, keyword: Keyword, outline: Outline, findings: Findings) -> Statement | None:
@@ -74,8 +75,8 @@ def _refuse(raw: Raw, keyword: Keyword, space: str, role: str, kind: str, findin
 
 
 def _choose(raw: Raw, variants: list[Variant], space: str, findings: Findings) -> tuple[Variant, list[Word]]:
-    """The variant that takes this number of words; a surplus zero third component of a planar model is
-    dropped."""
+    """The variant that takes this number of words; a surplus zero third component of a planar model and surplus
+    zero coefficients of an element are dropped."""
     count = len(raw.words)
     for variant in variants:
         if count in variant.counts:
@@ -87,6 +88,11 @@ def _choose(raw: Raw, variants: list[Variant], space: str, findings: Findings) -
             text = f"third component '{surplus.text}' of a planar model is ignored"
             findings.add("warning", surplus.line, _subject(raw), text, "third-component")
             return first, raw.words[:-1]
+    most = first.counts[-1]
+    if raw.keyword in _COEFFICIENTS and count > most and all(number_of(w.text) == 0.0 for w in raw.words[most:]):
+        text = f"{count - most} surplus zero{'s' * (count - most > 1)} behind the {most} arguments ignored"
+        findings.add("information", raw.words[most].line, _subject(raw), text, "surplus-zeros")
+        return first, raw.words[:most]
     return first, raw.words
 
 
@@ -159,8 +165,15 @@ def _count(
     owner = ELEMENT_TYPES[kind].title if kind else _owner("", role)
     whom = f" for {_an(owner)}" if owner and raw.keyword not in ELEMENT_TYPES else ""
     takes = f"{raw.keyword} takes {alternatives(counts)} argument{'s' if counts != {1} else ''}{whom}"
+    extra = _surplus_node(raw, words, counts)
+    if extra is not None:
+        element = _an(ELEMENT_TYPES[raw.keyword].title)
+        text = f"surplus node '{extra.text}': {element} joins {_nodes(raw.keyword)}; {takes}"
+        findings.add("error", extra.line, _subject(raw), text, "surplus-argument")
+        return False
     if given > max(counts):
-        surplus = words[max(counts)]
+        rest = words[max(counts) :]
+        surplus = next((w for w in rest if raw.keyword in _COEFFICIENTS and number_of(w.text) != 0.0), rest[0])
         findings.add(
             "error",
             surplus.line,
@@ -184,6 +197,23 @@ def _count(
         "missing-argument",
     )
     return False
+
+
+def _surplus_node(raw: Raw, words: list[Word], counts: set[int]) -> Word | None:
+    """The word behind the nodes of an element that looks like one node more; without it the number would be right."""
+    kind = ELEMENT_TYPES.get(raw.keyword)
+    if kind is None:
+        return None
+    place = 1 + len(kind.nodes)
+    if max(counts) == place or len(words) - 1 not in counts or not words[place].text.isdecimal():
+        return None
+    return words[place] if int(words[place].text) > 0 else None
+
+
+def _nodes(keyword: str) -> str:
+    """The nodes of an element type in words."""
+    names = ELEMENT_TYPES[keyword].node_names
+    return f"{', '.join(names[:-1])} and {names[-1]} only"
 
 
 def _references(statement: Statement, variant: Variant, outline: Outline, findings: Findings) -> bool:

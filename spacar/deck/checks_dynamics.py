@@ -20,6 +20,7 @@ def check_dynamics(scene: Scene) -> None:
             _check_signs(scene, s)
             _check_settings(scene, s)
     _check_stiffness(scene)
+    _check_preload(scene)
     _check_moments(scene)
     _check_additional(scene)
     if scene.analysis is not None and scene.analysis.integrated:
@@ -112,6 +113,30 @@ def _check_stiffness(scene: Scene) -> None:
         names = ", ".join(f"{m} ({kind.modes[m - 1][0]})" for m in modes)
         text = f"no stiffness for mode {names} of the {kind.keyword}: it moves freely"
         scene.findings.information(by, None, text, "no-stiffness")
+
+
+def _check_preload(scene: Scene) -> None:
+    """The stress of a fixed deformation is whatever keeps it fixed: a preload on it changes nothing. The same holds
+    for a prescribed one, except in mode 3, where prescribed deformations are the degrees of freedom."""
+    lost = ("fixed",) if scene.mode in (None, 3, "simulation") else ("fixed", "prescribed")
+    for s in scene.of("ESIG", "DELESIG", block=2):
+        element = s.integer(0)
+        if scene.doubtful("element", element):
+            continue
+        found = [
+            (place, scene.class_of("element", element, place)[0])
+            for place in range(1, len(s.values))
+            if s.real(place) != 0.0
+        ]
+        for name in lost:
+            modes = [place for place, given in found if given == name]
+            if modes:
+                which = f"mode {modes[0]} is" if len(modes) == 1 else f"modes {', '.join(map(str, modes))} are"
+                text = (
+                    f"no effect: {which} {name}, so that the stress follows from equilibrium alone; "
+                    "a preload needs a deformation with DYNE or RLSE"
+                )
+                scene.findings.warning(s, modes[0], text, "preload-lost")
 
 
 def _check_moments(scene: Scene) -> None:

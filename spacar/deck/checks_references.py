@@ -9,6 +9,8 @@ from spacar.deck.statement import Statement
 from spacar.deck.table import KEYWORDS
 from spacar.deck.table_types import Block, Keyword
 
+_STARTS = ("STARTDX", "STARTDE")  # generators write zero start values for everything
+
 
 def keyword_of(s: Statement, third: Block | None) -> Keyword:
     """The row of the table for a statement of a deck whose third block is of the given kind."""
@@ -61,6 +63,10 @@ def check_classes(scene: Scene, block: int) -> None:
             where = f" ({by.keyword} at line {by.line})" if by is not None else ""
             allowed = " or ".join(keyword.classes)
             text = f"{thing} is {found}{where}; {s.keyword} is for a {allowed} one"
+            if s.keyword in _STARTS and len(s.values) > subject + 2 and not any(s.reals(subject + 2, 2)):
+                text += "; value and rate are zero, the statement has no effect"
+                scene.findings.warning(s, subject, text, "wrong-class")
+                continue
             scene.findings.error(s, subject, text, "wrong-class")
         elif keyword.holonomic and index - 1 in scene.outline.types[number].slips:
             text = (

@@ -52,6 +52,9 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
             else:
                 read[id(raw)] = statement
                 outline.add(statement)
+    for raw in parts.strangers:
+        if raw.block == 1 and _may_be_element(raw):
+            _remember_broken(raw, outline)
     for raw in parts.statements:
         if raw.keyword not in ELEMENT_TYPES:
             kind = {1: Block.KINEMATICS, 2: Block.DYNAMICS}.get(raw.block, third)
@@ -110,6 +113,12 @@ def _remember_broken(raw: Raw, outline: Outline) -> None:
     if number != 0:
         stub = Statement(raw.keyword, (number,), raw.block, raw.word.line, (raw.words[0].line,))
         outline.elements.setdefault(number, stub)
+
+
+def _may_be_element(raw: Raw) -> bool:
+    """An unknown keyword with a number and two nodes: probably an element, whose absence has consequences that are
+    not reported."""
+    return len(raw.words) >= 3 and all((integer_of(w.text) or 0) > 0 for w in raw.words[:3])
 
 
 def _number(raw: Raw) -> int:

@@ -29,9 +29,10 @@ class Raw:
 @dataclass(slots=True, eq=False)
 class Split:
     """All raw statements and, for each block that was opened, where its text begins and ends (line,
-    column)."""
+    column); `strangers` are refused words with what follows them."""
 
     statements: list[Raw] = field(default_factory=list)
+    strangers: list[Raw] = field(default_factory=list)
     spans: dict[int, tuple[tuple[int, int], tuple[int, int]]] = field(default_factory=dict)
 
 
@@ -103,7 +104,10 @@ class _Splitter:
     def _argument(self, word: Word) -> None:
         if self.current is not None:
             self._append(word)
-        elif not self.skipping:
+        elif self.skipping:
+            if self.result.strangers:
+                self.result.strangers[-1].words.append(word)
+        else:
             self.error(word, f"'{word.text}' stands before any keyword of the {self._open()}", "structure")
             self.skipping = True
 
@@ -125,6 +129,7 @@ class _Splitter:
         many = (
             len(self.findings.messages) > _SUGGESTIONS
         )  # a file that is no input at all must not take minutes
+        self.result.strangers.append(Raw(name, word, self.block))
         self.error(word, unknown(word, self.block, suggest=not many), "unknown-keyword")
 
     def _other_block(self, name: str, word: Word, i: int) -> None:

@@ -143,7 +143,12 @@ _FROM_X = (
     real("start value (when left out: the value given with X, for lambda0 1)"),
     *_MOTION[1:],
 )
-_START_E = "A start value is the deformation with respect to the configuration given with X."
+_START_E = (
+    "A start value is the deformation with respect to the configuration given with X; with DRPINBOD it is counted "
+    "from the projections given there."
+)
+_SURPLUS = "Surplus zeros are ignored; a surplus value that is not zero is an error."
+_START_ZERO = "A zero start value and rate of what is neither dynamic nor kinematic has no effect and gives a warning."
 
 KEYWORDS = (
     Keyword(
@@ -209,7 +214,18 @@ KEYWORDS = (
         "user function with forces and stresses",
         (form((Parameter("name of the function", "name"),)),),
         unique=0,
-        notes=("time, sig, f = name(t, ne, le, e, ep, nx, lnp, x, xp), in name.py beside the input file.",),
+        notes=(
+            "time, sig, f = name(t, ne, le, e, ep, nx, lnp, x, xp), in name.py beside the input file.",
+            "Each row of sig is element number, mode number, stress [, k, d], each row of f node number, coordinate "
+            "number, force [, k, d], in the numbers of the input file (from 1); sig and f may be empty. k and d are "
+            "optional: dsigma/de and dsigma/d(ep), or -df/dx and -df/d(xp), for the linearized equations.",
+            "e, ep (length ne) and x, xp (length nx) are all deformations and coordinates with their rates. "
+            "le[i - 1, m - 1] is the place of mode m of element i in e and ep, lnp[n - 1, c - 1] that of coordinate c "
+            "of node n in x and xp: places from 0 (the tables in result files count from 1), -1 for what does not "
+            "exist. A negative place in e, ep, x or xp is an error, it does not read the last value.",
+            "A stress on a fixed or prescribed mode has no effect, because its stress follows from equilibrium: "
+            "the run gives a warning.",
+        ),
     ),
     Keyword(
         "GRAVITY",
@@ -225,10 +241,28 @@ KEYWORDS = (
         "stiffness of an element",
         _coefficients("S", False),
         unique=1,
-        notes=("Unspecified values are zero; a zero shear parameter means no shear flexibility.",),
+        notes=("Unspecified values are zero; a zero shear parameter means no shear flexibility.", _SURPLUS),
     ),
-    Keyword("EDAMP", _D, "damping of an element (Kelvin-Voigt)", _coefficients("Sd", True), unique=1),
-    Keyword("ESIG", _D, "preload of an element", _preload("preload stress"), unique=1),
+    Keyword(
+        "EDAMP",
+        _D,
+        "damping of an element (Kelvin-Voigt)",
+        _coefficients("Sd", True),
+        unique=1,
+        notes=(_SURPLUS,),
+    ),
+    Keyword(
+        "ESIG",
+        _D,
+        "preload of an element",
+        _preload("preload stress"),
+        unique=1,
+        notes=(
+            _SURPLUS,
+            "A preload on a fixed mode, or on a prescribed one except in mode 3, has no effect, because its stress "
+            "follows from equilibrium: a warning.",
+        ),
+    ),
     Keyword(
         "TIMESTEP",
         _D,
@@ -260,6 +294,7 @@ KEYWORDS = (
         (form(_FROM_X[:4], *span(2, 4)),),
         unique=2,
         classes=("dynamic", "kinematic"),
+        notes=(_START_ZERO,),
     ),
     Keyword(
         "STARTDE",
@@ -268,7 +303,7 @@ KEYWORDS = (
         (form((ELEMENT, MODE, *_MOTION[:2])),),
         unique=2,
         classes=("dynamic", "kinematic"),
-        notes=(_START_E,),
+        notes=(_START_E, _START_ZERO),
     ),
     Keyword(
         "USERINP",

@@ -124,6 +124,11 @@ KEYWORDS = (
             ),
         ),
         unique=1,
+        notes=(
+            "Deformations are counted from these projections: STARTDE or INPUTE with 0.1 on mode 1 means the first "
+            "projection plus 0.1, whatever X says. A free deformation without STARTDE, and a fixed one, starts at "
+            "zero, so that the mechanism moves from X to these projections before the analysis begins.",
+        ),
     ),
     Keyword(
         "ORTUBE",

@@ -2,7 +2,8 @@
 
 Coordinates x_p (3), lambda_p (4), x_q (3). e_i = (R(lam_p) c_i).(x_q - x_p) - r_i [m], c_i the measuring
 directions, r_i their projections at the start or the DRPINBOD values. Inertia of an RBEAM: straight uniform
-rod on x_p, x_q, the rotary inertia of its section on lambda_p.
+rod on x_p, x_q, the rotary inertia of its section on lambda_p. Without direction the c_i of a PINBODY are the
+global axes, those of an RBEAM the default axes of a BEAM: x' from p to q (keywords.md 4.1).
 """
 
 from __future__ import annotations
@@ -175,14 +176,14 @@ def _frame(group: ElementGroup, k: int, d: Array) -> Array:
     given, direction = group.directions[k], group.geometry[k]
     if given is not None:
         return _given_frame(given, k)
-    if not direction:
+    if not direction and group.keyword == "PINBODY":
         return np.eye(3)
-    if len(direction) != 3:
+    if direction and len(direction) != 3:
         raise GeometryError(
             k, f"the direction of the local y' axis needs 3 components, {len(direction)} are given"
         )
     ex = unit(d, k, "line from p to q, which is the local x' axis,")
-    return chord_frame(ex, direction, k)
+    return chord_frame(ex[:, None], np.asarray(direction, float)[:, None] if direction else None, k)[:, :, 0]
 
 
 def _given_frame(given: tuple[float, ...], k: int) -> Array:

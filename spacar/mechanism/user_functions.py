@@ -1,19 +1,20 @@
 """Python functions beside the input file: USERSIG (forces and stresses) and USERINP, USERTRAJ (prescribed motion).
 
-Signatures (input-language.md notes d5 and d12; index arrays 0-based with -1 for "does not exist"):
+Signatures (input-language.md notes d5 and d12; index arrays 0-based, -1 for "does not exist", which `places` refuses):
 
     time, sig, f = name(t, ne, le, e, ep, nx, lnp, x, xp)     rows: number, mode or coordinate, value[, k, d]
     t, e, x = name(t, step)                                   rows: number, mode or coordinate, value, rate, acc.
 
 The returned rows use the numbers of the input file. A missing or wrong function raises InputError before the run; an
-exception, a wrong shape or a non-finite value during the run raises AnalysisError with time and row.
+exception, a wrong shape or a non-finite value during the run raises AnalysisError with time and row. A stress on a
+fixed or prescribed deformation cannot act, because equilibrium alone determines it there: a warning of the run.
 """
 
 from __future__ import annotations
 
 import importlib.util
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -22,8 +23,10 @@ import numpy as np
 
 from spacar.deck import Deck, Statement
 from spacar.errors import AnalysisError, InputError, Message
-from spacar.mechanism.mechanism import Array, DriveState, Polynomial, Settings, UserForces
+from spacar.mechanism.mechanism import Array, DriveState, Index, Polynomial, Settings, UserForces, UserSignal
 from spacar.mechanism.numbering import Numbering
+from spacar.mechanism.places import placed
+from spacar.modes import find_mode
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,36 +124,63 @@ def whole(row: Array) -> tuple[int, int]:
     return int(a), int(b)
 
 
-def load_user_signal(deck: Deck, statement: Statement, numbering: Numbering) -> Loaded:
+def load_user_signal(deck: Deck, statement: Statement, numbering: Numbering) -> UserSignal:
     """USERSIG as a function (t, e, ed, x, xd) -> UserForces."""
     function, name = load_function(deck, statement), str(statement.values[0])
-    le, lnp = numbering.le - 1, numbering.lnp - 1
+    along = isinstance(deck.mode, int) and find_mode(deck.mode).takes_setpoints
+    return UserLaw(function, name, numbering, numbering.le - 1, numbering.lnp - 1, along)
 
-    def place(find: Callable[[int, int], int], row: Array, what: str, k: int, t: float) -> int:
-        try:
-            return find(*whole(row))
-        except KeyError:
-            text = f"{name} at t = {t:.9g}: row {k + 1} of {what} names {row[0]:g} {row[1]:g}, which does not exist"
-            raise AnalysisError(text, "user-function.index") from None
 
-    def signal(t: float, e: Array, ed: Array, x: Array, xd: Array) -> UserForces:
-        sig, f = call(function, name, t, numbering.ne, le, e, ed, numbering.nx, lnp, x, xd)
-        result = UserForces(
-            *(np.zeros(n) for n in (numbering.ne, numbering.nx) + 2 * (numbering.ne,) + 2 * (numbering.nx,))
-        )
-        for k, row in enumerate(checked_rows(name, "sig", sig, (3, 5), t)):
-            i = place(numbering.e_index, row, "sig", k, t)
+@dataclass(frozen=True)
+class UserLaw:
+    """USERSIG as a function (t, e, ed, x, xd) -> UserForces; `lost` collects what could not act, each once."""
+
+    function: Callable[..., Any]
+    name: str
+    numbering: Numbering
+    le: Index
+    lnp: Index
+    prescribed_act: bool  # along set-points the prescribed deformations are the degrees of freedom
+    lost: dict[int, str] = field(default_factory=dict)
+
+    def __call__(self, t: float, e: Array, ed: Array, x: Array, xd: Array) -> UserForces:
+        n = self.numbering
+        e, ed = placed(e, "e"), placed(ed, "ep")
+        x, xd = placed(x, "x"), placed(xd, "xp")
+        sig, f = call(self.function, self.name, t, n.ne, self.le, e, ed, n.nx, self.lnp, x, xd)
+        result = UserForces(*(np.zeros(size) for size in (n.ne, n.nx) + 2 * (n.ne,) + 2 * (n.nx,)))
+        for k, row in enumerate(checked_rows(self.name, "sig", sig, (3, 5), t)):
+            i = self._place(n.e_index, row, "sig", k, t)
             result.sigma[i] += row[2]
             result.sigma_k[i] += row[3]
             result.sigma_d[i] += row[4]
-        for k, row in enumerate(checked_rows(name, "f", f, (3, 5), t)):
-            i = place(numbering.x_index, row, "f", k, t)
+            self._note_lost(i, row, t)
+        for k, row in enumerate(checked_rows(self.name, "f", f, (3, 5), t)):
+            i = self._place(n.x_index, row, "f", k, t)
             result.force[i] += row[2]
             result.force_k[i] += row[3]
             result.force_d[i] += row[4]
         return result
 
-    return Loaded(signal, load_user_signal, (deck, statement, numbering))
+    def _place(self, find: Callable[[int, int], int], row: Array, what: str, k: int, t: float) -> int:
+        try:
+            return find(*whole(row))
+        except KeyError:
+            text = (
+                f"{self.name} at t = {t:.9g}: row {k + 1} of {what} names {row[0]:g} {row[1]:g}, which does not exist"
+            )
+            raise AnalysisError(text, "user-function.index") from None
+
+    def _note_lost(self, i: int, row: Array, t: float) -> None:
+        classes = self.numbering.e_class
+        last = classes["fixed" if self.prescribed_act else "input"].stop
+        if i >= last or i in self.lost or not row[2:].any():
+            return
+        kind = "fixed" if i < classes["fixed"].stop else "prescribed"
+        self.lost[i] = (
+            f"warning: {self.name} at t = {t:.9g}: the stress of {self.numbering.e_name(i)} has no effect: the "
+            f"deformation is {kind}, so that its stress follows from equilibrium alone; a stress law needs DYNE or RLSE"
+        )
 
 
 @dataclass(frozen=True)

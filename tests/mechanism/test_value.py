@@ -14,8 +14,10 @@ import numpy as np
 import pytest
 
 import spacar
+from spacar.calls import frames
 from spacar.mechanism import Mechanism
-from spacar.modes import Run, find_mode, frames
+from spacar.modes import find_mode
+from spacar.stream import Run
 
 DATA = Path(__file__).parents[2] / "data"
 CASES = (

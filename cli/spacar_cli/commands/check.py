@@ -21,24 +21,30 @@ def command(environment: Environment, file: Path, mode: int | None, as_json: boo
     from spacar.errors import InputError
     from spacar.mechanism import build
     from spacar.modes import find_mode
+    from spacar_cli.drawing.settings_check import check_settings
     from spacar_cli.source import input_file
 
     number = None if mode is None else find_mode(mode).number
     source = input_file(file)
     messages: list = []
     status = ExitStatus.DONE
+    deck = None
     try:
         deck = read_deck(source, number)
         messages = list(deck.messages)
         build(deck, 1 if number is None else number)  # the start geometry of every element
     except InputError as error:
-        messages = error.messages
+        messages = list(error.messages)
         status = ExitStatus.WRONG
         if not as_json:
             tell_error(environment, error)
     else:
         if not as_json:
             tell_messages(environment, messages, ("warning", "information"))
+    drawing = check_settings(source, deck)
+    messages += drawing
+    if not as_json:
+        tell_messages(environment, drawing, ("warning",))
     severities = [m.severity for m in messages]
     if as_json:
         import dataclasses

@@ -1,0 +1,53 @@
+"""Vectors that user functions index with `le` and `lnp`: the -1 of what does not exist is an error there.
+
+NumPy would read the last entry for -1, a wrong number without a word. The check costs a comparison for every indexing
+and holds for the vector itself only: results of arithmetic and slices are ordinary arrays. Slices may be negative.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from spacar.mechanism.mechanism import Array
+
+
+class PlacedVector(np.ndarray):
+    """A vector whose entries are read by places from 0 on. Raises IndexError for a negative place."""
+
+    name = ""
+
+    def __array_finalize__(self, obj: Any) -> None:
+        self.name = getattr(obj, "name", "")
+
+    def __getitem__(self, key: Any) -> Any:
+        if _negative(key):
+            raise IndexError(
+                f"a place in {self.name} is negative: le and lnp hold -1 for a mode or coordinate that does not exist"
+            )
+        return np.asarray(self)[key]
+
+    def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
+        plain = [np.asarray(i) if isinstance(i, PlacedVector) else i for i in inputs]
+        if "out" in options:
+            options["out"] = tuple(np.asarray(o) if isinstance(o, PlacedVector) else o for o in options["out"])
+        return getattr(ufunc, method)(*plain, **options)
+
+
+def placed(values: Array, name: str) -> PlacedVector:
+    """A guarded view of a vector; `name` is that in messages."""
+    view = values.view(PlacedVector)
+    view.name = name
+    return view
+
+
+def _negative(key: Any) -> bool:
+    if isinstance(key, (int, np.integer)):
+        return bool(key < 0)
+    if isinstance(key, tuple):
+        return any(_negative(k) for k in key)
+    if isinstance(key, (list, np.ndarray)):
+        index = np.asarray(key)
+        return index.dtype.kind == "i" and bool((index < 0).any())
+    return False

@@ -1,0 +1,56 @@
+"""One mistake gives one message: what follows from an element that could not be read is not reported."""
+
+from __future__ import annotations
+
+import pytest
+
+from spacar.deck import parse_deck
+from spacar.errors import InputError
+
+MODEL = """SPRING 1 1 2 3 4
+PLBEAM 2 3 4 5 6
+X 1 0. 0.
+X 3 1. 0.
+X 5 2. 0.
+FIX 1
+FIX 2
+DYNE 1 1
+DYNE 2 2 3
+END HALT
+XM 1 1.
+XM 3 1.
+ESTIFF 1 1. 2. 3.
+EM 1 3.
+XF 1 1. 2.
+STARTDE 1 1 0.1
+INPUTE 1 2 0.
+END END
+"""
+
+
+def messages(text: str) -> list[str]:
+    with pytest.raises(InputError) as caught:
+        parse_deck(text)
+    return [str(m) for m in caught.value.messages if m.severity != "information"]
+
+
+def test_an_unknown_element_type_is_the_only_error() -> None:
+    found = messages(MODEL)
+    assert len(found) == 1, found
+    assert "unknown keyword 'SPRING'" in found[0]
+
+
+def test_the_only_element_is_unknown() -> None:
+    text = "PLTRUS 1 1 2\nX 2 1. 0.\nFIX 1\nFIX 2 2\nDYNE 1\nEND HALT\nXM 2 1.\nXF 2 1. 0.\nESTIFF 1 4.\nEND END\n"
+    found = messages(text)
+    assert len(found) == 1, found
+    assert "nearest: PLTRUSS" in found[0]
+
+
+def test_an_element_of_the_same_number_is_still_read() -> None:
+    """A misspelled statement with three numbers does not take the place of a real element."""
+    text = "PLTRUSS 1 1 2\nX 2 1. 0.\nFIXX 1 1 2\nRLSE 1 2\nEND END\n"
+    found = messages(text)
+    assert len(found) == 2
+    assert "unknown keyword 'FIXX'" in found[0]
+    assert "mode 2 does not exist" in found[1]
