@@ -32,7 +32,7 @@ class CompiledFunction:
 
         numbers = check_values(program, values)
         check_feeds(program, feeds)
-        self.program, self.library = program, _build(program.text("c", jacobian=True))
+        self.program, self.library = program, _build(program.code("c", jacobian=True))
         n, size = program.n, len(program.state)
         lengths = {
             "p": len(program.parameters), "c": len(program.jacobian.once), "y": size, "u": len(program.inputs),

@@ -17,6 +17,7 @@ import sympy as sp
 
 from spacar.errors import InputError, Message, UsageError
 from spacar.symbolic.expressions import read_expression
+from spacar.symbolic.names import control_character, is_name, is_output
 from spacar.symbolic.parts import Point, Section
 from spacar.symbolic.script import Model, read_script
 from spacar.symbolic.shapes import X
@@ -87,6 +88,10 @@ class _Reader:
             tables: dict[str, Any] = toml.loads(self.path.read_text(encoding="utf-8"))
         except ValueError as error:
             self.fail(f"cannot read the file: {error}", "syntax")
+        except RecursionError:
+            self.fail("cannot read the file: its lists or tables are nested too deep", "syntax")
+        if (text := control_character(tables)) is not None:
+            self.fail(f"{text!r} holds a control character", "syntax")
         return tables
 
     def _single(self, tables: dict[str, Any], name: str) -> dict[str, Any]:
@@ -134,7 +139,7 @@ class _Reader:
             self.fail(str(error), error.code)
 
     def _claim(self, name: str, place: str) -> None:
-        if not name.isidentifier():
+        if not is_name(name):
             self.fail(f"'{name}' is not a name (letters, digits and _)")
         # programs keep q1 and a parameter Q1 apart (the paper has both); within one kind such pairs are slips
         for known, where in self.claimed:
@@ -278,6 +283,8 @@ class _Reader:
         self.place = f"{place} angle"
         angle = self.expression(row["angle"])
         self.place = place
+        if not is_name(row.get("symbol", "b")):
+            self.fail(f"key 'symbol' must be a name (letters, digits and _), not {row['symbol']!r}")
         self.frames[row["name"]] = self.system.frame(row["name"], parent, row["axis"], angle, row.get("symbol"))
 
     def _point(self, row: dict[str, Any]) -> None:
@@ -378,6 +385,8 @@ class _Reader:
         result = {}
         for name, value in table.items():
             self.place = f"[outputs] {name}"
+            if not is_output(name):
+                self.fail(f"{name!r} is not a name for an output (letters, digits, blanks and _.+-()[])", "name")
             result[name] = self.expression(value, names)
         return result
 

@@ -124,10 +124,16 @@ class Program:
         return simulate(self, values, start, **options)
 
     def text(self, language: str, jacobian: bool = False) -> str:
-        """Source text in python, c, fortran or latex."""
+        """Source text in python, c, fortran or latex, with a header: what an exported file holds."""
         from spacar.symbolic.emit import emit
 
         return emit(self, language, jacobian)
+
+    def code(self, language: str, jacobian: bool = False) -> str:
+        """The same without header, to be executed or compiled here: only names and numbers come from the model."""
+        from spacar.symbolic.emit import emit
+
+        return emit(self, language, jacobian, headed=False)
 
     def write(self, path: Any, language: str, jacobian: bool = False) -> None:
         """Write the source text to a file."""

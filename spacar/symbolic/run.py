@@ -90,7 +90,7 @@ def make_function(
     numbers = check_values(program, values)
     check_feeds(program, feeds)
     space: dict[str, Any] = {}
-    exec(compile(program.text("python", jacobian), f"<{program.title or 'equations'}>", "exec"), space)
+    exec(compile(program.code("python", jacobian), "<equations of motion>", "exec"), space)
     rhs, jac = space["make_rhs"](numbers, feeds)
     rhs.jac = jac
     return rhs

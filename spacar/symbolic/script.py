@@ -1,6 +1,7 @@
 """A model as a small Python script: it defines `system` and may define values, start, settings and outputs.
 
-A script is a program of the user and runs as such; only TOML files are safe to read from strangers.
+A script is a program of the user and runs as such. A TOML file runs nothing: only names and numbers that `names.py`
+checked enter text that is executed or compiled.
 """
 
 from __future__ import annotations

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from importlib import import_module
 from typing import TYPE_CHECKING
 
 from spacar.errors import UsageError
+from spacar.symbolic.emit.header import header
+from spacar.symbolic.names import check_names
 
 if TYPE_CHECKING:
     from spacar.symbolic.program import Program
@@ -14,11 +17,16 @@ LANGUAGES = {"python": ".py", "c": ".c", "fortran": ".f90", "latex": ".tex"}
 """Languages and the endings of their files."""
 
 
-def emit(program: Program, language: str, jacobian: bool = False) -> str:
-    """Self-contained source text. UsageError for an unknown language, or a Jacobian where none is written."""
+def emit(program: Program, language: str, jacobian: bool = False, headed: bool = True) -> str:
+    """Self-contained source text; `headed` with what the file says about itself, for files that are exported.
+
+    Text that this process executes or compiles has no header: it holds names and numbers only. UsageError for an
+    unknown language, a Jacobian where none is written, or a name that a program cannot have.
+    """
     if language not in LANGUAGES:
         raise UsageError(f"unknown language {language!r}: choose one of {', '.join(LANGUAGES)}")
     if jacobian and language not in ("python", "c"):
         raise UsageError(f"a Jacobian is written in python and c, not in {language}")
-    text: str = import_module(f"spacar.symbolic.emit.{language}").source(program, jacobian)
-    return text
+    check_names(program)
+    source: Callable[..., str] = import_module(f"spacar.symbolic.emit.{language}").source
+    return source(program, jacobian, header(program) if headed else [])

@@ -6,7 +6,6 @@ speed j (counted from 1) is not positive.
 
 from __future__ import annotations
 
-from spacar.symbolic.emit.header import header
 from spacar.symbolic.emit.routines import Routine, compiled_routines
 from spacar.symbolic.emit.scalars import C, Writer
 from spacar.symbolic.program import Program
@@ -84,15 +83,15 @@ int jac(double t, const double *c, const double *p, const double *y, double *u, 
 """
 
 
-def source(program: Program, jacobian: bool = False) -> str:
+def source(program: Program, jacobian: bool, head: list[str]) -> str:
     """The C file as text."""
     once, routines = compiled_routines(program, jacobian)
     sizes = {
         "np": len(program.parameters), "nc": len(once), "nq": len(program.coordinates), "n": program.n,
         "ny": len(program.state), "nu": len(program.inputs), "nout": len(program.outputs),
     }  # fmt: skip
-    comment = "\n".join(f" * {line}".rstrip() for line in header(program))
-    parts = [f"/*\n{comment}\n */", _PREAMBLE.format(**sizes)]
+    comment = ["/*", *(f" * {line}".rstrip() for line in head), " */"] if head else []
+    parts = [*comment, _PREAMBLE.format(**sizes)]
     parts += [_function(program, r) for r in routines]
     return "\n".join([*parts, _SOLVE, *([_JAC] if jacobian else [])])
 

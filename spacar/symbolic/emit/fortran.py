@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import textwrap
 
-from spacar.symbolic.emit.header import header
 from spacar.symbolic.emit.routines import Routine, compiled_routines
 from spacar.symbolic.emit.scalars import FORTRAN, Writer
 from spacar.symbolic.program import Program
@@ -17,7 +16,7 @@ from spacar.symbolic.program import Program
 _WIDTH = 120
 
 
-def source(program: Program, jacobian: bool = False) -> str:
+def source(program: Program, jacobian: bool, head: list[str]) -> str:
     """The Fortran module as text."""
     once, routines = compiled_routines(program)
     n = program.n
@@ -25,7 +24,7 @@ def source(program: Program, jacobian: bool = False) -> str:
         "p": len(program.parameters), "c": len(once), "y": len(program.state), "u": len(program.inputs), "M": n * n,
         "f": n, "ydot": len(program.coordinates), "out": len(program.outputs),
     }  # fmt: skip
-    lines = [f"! {line}".rstrip() for line in header(program)]
+    lines = [f"! {line}".rstrip() for line in head]
     lines += [
         "module equations_of_motion",
         "  use, intrinsic :: iso_c_binding, only: dp => c_double",

@@ -1,8 +1,10 @@
-"""What every generated file says about itself: names in order, units, version, fingerprint."""
+"""What every exported file says about itself: names in order, units, version, fingerprint; escaped, as the title is
+any text of the model. Text that is executed or compiled in this process has no header."""
 
 from __future__ import annotations
 
 from spacar import __version__
+from spacar.symbolic.names import escaped
 from spacar.symbolic.program import Program
 
 
@@ -21,7 +23,7 @@ def header(program: Program) -> list[str]:
         ("inputs u", tuple(program.inputs)),
     ):
         lines += _wrapped(f"{name}:", [s.name for s in symbols])
-    return lines + _wrapped("outputs:", list(program.outputs))
+    return [escaped(line) for line in lines + _wrapped("outputs:", list(program.outputs))]
 
 
 def _wrapped(start: str, words: list[str]) -> list[str]:

@@ -9,22 +9,18 @@ from __future__ import annotations
 
 import sympy as sp
 
-from spacar.symbolic.emit.header import header
 from spacar.symbolic.emit.scalars import PYTHON, Writer
 from spacar.symbolic.program import Assignments, Program
 
 UNROLLED = 12  # beyond this size NumPy solves faster than unrolled code
 
 
-def source(program: Program, jacobian: bool = False) -> str:
+def source(program: Program, jacobian: bool, head: list[str]) -> str:
     """The module as text."""
     w = Writer(PYTHON, [*program.parameters, *program.state, *program.inputs])
     once = program.jacobian.once if jacobian else program.once
-    lines = [
-        '"""',
-        *header(program),
-        '"""',
-        "",
+    lines = ['"""', *head, '"""', ""] if head else []
+    lines += [
         "from math import acos, asin, atan, atan2, cos, cosh, exp, log, sin, sinh, sqrt, tan, tanh",
         "",
     ]

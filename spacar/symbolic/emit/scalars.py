@@ -65,7 +65,7 @@ class Writer:
     def add(self, symbol: sp.Symbol) -> str:
         """The name of a symbol: no keyword, unique without regard to case, at most 63 characters."""
         if symbol not in self.names:
-            base = re.sub(r"\W", "_", symbol.name)[:55]
+            base = re.sub(r"[^0-9A-Za-z_]", "_", symbol.name)[:55]
             if not base[:1].isalpha():
                 base = f"v{base}"
             name, number = base, 1
