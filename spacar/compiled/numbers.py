@@ -12,7 +12,8 @@ import numpy as np
 from spacar.compiled.parameters import KINDS, SUPPORTED
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.forces import StressLaw, gravity_field
-from spacar.mechanism.mechanism import Array, Batch, Drive, Index, Mechanism, Polynomial
+from spacar.mechanism.layout import Batch
+from spacar.mechanism.mechanism import Array, Drive, Index, Mechanism, Polynomial
 
 Entries = tuple[Index, Index, Array]  # rows, columns, values (n, cases)
 

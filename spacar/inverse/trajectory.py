@@ -21,7 +21,8 @@ from spacar.errors import InputError, Report
 from spacar.inverse.paths import BadPath, Path, arc, change, straight, turn
 from spacar.inverse.profile import IllegalProfile, Profile, make_profile
 from spacar.mechanism.inertia import symmetric
-from spacar.mechanism.mechanism import Array, Batch, Drive, DriveState, Index, Mechanism
+from spacar.mechanism.layout import Batch
+from spacar.mechanism.mechanism import Array, Drive, DriveState, Index, Mechanism
 from spacar.mechanism.numbering import Numbering
 
 NAMES = {k.name for k in TRAJECTORIES}

@@ -12,7 +12,8 @@ import numpy as np
 
 from spacar.elements.base import Family
 from spacar.kinematics.sweep import Sweep
-from spacar.mechanism.mechanism import Array, Batch
+from spacar.mechanism.layout import Batch
+from spacar.mechanism.mechanism import Array
 
 
 def _by_rows(sweep: Sweep, fill: Callable[[Batch, Array], None]) -> Array:

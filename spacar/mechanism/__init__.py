@@ -1,7 +1,8 @@
 """Deck to Mechanism: numbering, classification, element batches, loads, drives."""
 
 from spacar.mechanism.build import build
-from spacar.mechanism.mechanism import Batch, DriveState, Loads, Mechanism, Polynomial, Settings, Start
+from spacar.mechanism.layout import Batch
+from spacar.mechanism.mechanism import DriveState, Loads, Mechanism, Polynomial, Settings, Start
 from spacar.mechanism.numbering import Numbering, number
 
 __all__ = [

@@ -11,7 +11,8 @@ from spacar.deck import ELEMENT_TYPES, Deck
 from spacar.errors import InputError, Message
 from spacar.mechanism import inertia, inputs
 from spacar.mechanism.batches import element_batches, node_batches
-from spacar.mechanism.mechanism import Array, Batch, Index, Mechanism, Start
+from spacar.mechanism.layout import Batch
+from spacar.mechanism.mechanism import Array, Index, Mechanism, Start
 from spacar.mechanism.numbering import Numbering, number
 from spacar.modes import find_mode
 

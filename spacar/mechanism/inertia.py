@@ -10,7 +10,8 @@ import numpy as np
 from spacar.deck import Deck
 from spacar.elements import Family
 from spacar.elements.lumped import LumpedMass
-from spacar.mechanism.mechanism import Array, Batch, Index
+from spacar.mechanism.layout import Batch
+from spacar.mechanism.mechanism import Array, Index
 from spacar.mechanism.numbering import Numbering
 
 

@@ -10,16 +10,24 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import prod
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from spacar.mechanism.mechanism import Batch
+from spacar.elements.base import Family
 
 Index = NDArray[np.int64]
 Place = tuple[int, slice, tuple[int, ...]]  # index of the batch, part of the flat array, shape
+
+
+@dataclass(frozen=True)
+class Batch:
+    """A family with its place in the global vectors, and its place among the batches of its mechanism."""
+
+    family: Family
+    x: Index  # (n_coordinates, n) indices into x
+    e: Index  # (n_deformations, n) indices into e
+    index: int = 0  # set by the Mechanism; arrays of an evaluation are kept under it
 
 
 @dataclass(frozen=True, eq=False, repr=False)

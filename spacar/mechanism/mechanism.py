@@ -11,22 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.deck import ELEMENT_TYPES, Deck
-from spacar.elements.base import Family
-from spacar.mechanism.layout import Layout
+from spacar.mechanism.layout import Batch, Layout
 from spacar.mechanism.numbering import Numbering
 
 Array = NDArray[Any]  # of float64; NumPy annotates some float results too widely
 Index = NDArray[np.int64]
-
-
-@dataclass(frozen=True)
-class Batch:
-    """A family with its place in the global vectors, and its place among the batches of its mechanism."""
-
-    family: Family
-    x: Index  # (n_coordinates, n) indices into x
-    e: Index  # (n_deformations, n) indices into e
-    index: int = 0  # set by the Mechanism; arrays of an evaluation are kept under it
 
 
 @dataclass(frozen=True)
