@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 X_VARIABLES = ("x", "xd", "xdd", "fx", "fxgrav", "fxtot", "xcompl")
 E_VARIABLES = ("e", "ed", "edd", "sig")
+DRAWING = "spacar_drawing"  # named, not imported: pictures lie above results
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,14 @@ class Result:
         """Iterate over a run to its end."""
         frames = tuple(run)
         return cls(run.mechanism, run.mode.number, frames, tuple(run.report.lines), dict(run.header))
+
+    def draw(self, path: str | Path | None = None, **options: Any) -> Any:
+        """A matplotlib figure of one or more steps, also written to `path`; options as `spacar_drawing.draw`."""
+        return import_module(DRAWING).draw(self, path, **options)
+
+    def animate(self, path: str | Path, **options: Any) -> Path:
+        """Write an animation (gif, mp4); options as `spacar_drawing.animate`. Returns its path."""
+        return Path(import_module(DRAWING).animate(self, path, **options))
 
     @property
     def lnp(self) -> NDArray[np.int64]:

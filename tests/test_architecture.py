@@ -1,4 +1,5 @@
-"""The arrows of the house (docs/developer.md): spacar_cli -> spacar_formats -> spacar, and the stations inside."""
+"""The arrows of the house (docs/developer.md): spacar_cli -> spacar_drawing -> spacar_formats ->
+spacar, and the stations inside."""
 
 from __future__ import annotations
 
@@ -12,6 +13,7 @@ HOUSE = Path(__file__).resolve().parents[1]
 ROOMS = {
     "spacar": HOUSE / "spacar",
     "spacar_formats": HOUSE / "formats" / "spacar_formats",
+    "spacar_drawing": HOUSE / "cli" / "spacar_drawing",
     "spacar_cli": HOUSE / "cli" / "spacar_cli",
 }
 # What a room may import besides itself and the standard library.
@@ -19,7 +21,8 @@ ALLOWED = {
     "spacar": {"numpy", "scipy"},
     "spacar_formats": {"numpy", "scipy", "spacar"},
     # PIL comes with matplotlib
-    "spacar_cli": {"numpy", "scipy", "spacar", "spacar_formats", "click", "rich", "matplotlib", "PIL"},
+    "spacar_drawing": {"numpy", "scipy", "spacar", "spacar_formats", "matplotlib", "PIL"},
+    "spacar_cli": {"numpy", "scipy", "spacar", "spacar_formats", "spacar_drawing", "click", "rich", "matplotlib"},
 }
 EXTRAS = {  # optional packages, each for one room
     "spacar/symbolic": {"sympy", "tomli", "mpmath"},

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from spacar_cli.drawing.mechanism_picture import Extras, draw_steps
-from spacar_cli.drawing.moving import evenly
-from spacar_cli.drawing.source import Source, source_of_result
+from spacar_drawing.mechanism_picture import Extras, draw_steps
+from spacar_drawing.moving import evenly
+from spacar_drawing.source import Source, source_of_result
 
 import spacar
 

@@ -23,7 +23,7 @@ def test_every_option_is_documented(name):
 
 
 def test_every_setting_is_documented():
-    source = (DOCS.parent / "cli" / "spacar_cli" / "drawing" / "settings.py").read_text("utf-8")
+    source = (DOCS.parent / "cli" / "spacar_drawing" / "settings.py").read_text("utf-8")
     for word in set(re.findall(r'"([A-Z]{5,})"', source)) - {"FACECOLOUR", "COLOUR", "TRUSSPROPS"}:
         assert word in TEXT, word
 

@@ -5,9 +5,9 @@ import io
 
 import numpy as np
 import pytest
-from spacar_cli.drawing.expressions import evaluate
-from spacar_cli.drawing.history import axis_text, csv_text, history_figure, panels
-from spacar_cli.drawing.quantities import unit, unit_text
+from spacar_drawing.expressions import evaluate
+from spacar_drawing.history import axis_text, csv_text, history_figure, panels
+from spacar_drawing.quantities import unit, unit_text
 
 from spacar.errors import UsageError
 

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from spacar_cli.drawing.camera import Camera, view_angles
-from spacar_cli.drawing.elastic_line import chord_axes, elastic_line, section_axes
-from spacar_cli.drawing.look import look_of
-from spacar_cli.drawing.machine_parts import span
-from spacar_cli.drawing.parts import beam_line
-from spacar_cli.drawing.placement import pin_joints, places_of_hinges
-from spacar_cli.drawing.scene import Pose, positions, rotations
+from spacar_drawing.camera import Camera, view_angles
+from spacar_drawing.elastic_line import chord_axes, elastic_line, section_axes
+from spacar_drawing.look import look_of
+from spacar_drawing.machine_parts import span
+from spacar_drawing.parts import beam_line
+from spacar_drawing.placement import pin_joints, places_of_hinges
+from spacar_drawing.scene import Pose, positions, rotations
 
 from spacar.errors import UsageError
 
@@ -169,7 +169,7 @@ def test_camera_keeps_lengths_and_angles():
 
 @pytest.mark.parametrize("name", ["crank", "trike3v"])
 def test_axes_have_equal_scales(name):
-    from spacar_cli.drawing.mechanism_picture import Extras, draw_steps
+    from spacar_drawing.mechanism_picture import Extras, draw_steps
 
     source = result_source(name, 0)
     axes = draw_steps(source.scene, source.x(), source.settings, Extras()).axes[0]

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from spacar_cli.drawing.mode_picture import period, swing
-from spacar_cli.drawing.mode_shapes import (
+from spacar_drawing.mode_picture import period, swing
+from spacar_drawing.mode_shapes import (
     ModeShape,
     buckling_modes,
     displaced,
@@ -11,8 +11,8 @@ from spacar_cli.drawing.mode_shapes import (
     suitable_factor,
     vibration_modes,
 )
-from spacar_cli.drawing.redundancy import redundancy
-from spacar_cli.drawing.source import source_of_result
+from spacar_drawing.redundancy import redundancy
+from spacar_drawing.source import source_of_result
 
 import spacar
 

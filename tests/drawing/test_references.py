@@ -34,7 +34,7 @@ def test_picture_is_the_reviewed_one(name):
 def test_the_tolerance_notices_a_change():
     from dataclasses import replace
 
-    from spacar_cli.drawing.mechanism_picture import Extras, draw_steps
+    from spacar_drawing.mechanism_picture import Extras, draw_steps
 
     from .models import result_source
 

@@ -1,6 +1,6 @@
 """The VISUALIZATION section: both spellings and generations of input-language.md section 2."""
 
-from spacar_cli.drawing.settings import Section, parse_settings, read_settings
+from spacar_drawing.settings import Section, parse_settings, read_settings
 
 from .models import DATA
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from spacar_cli.drawing.sections import moments, rectangle_torsion, rectangle_twist_stress
-from spacar_cli.drawing.settings import Section
-from spacar_cli.drawing.stresses import GRID, Resultants, along, resultants, stress_field
+from spacar_drawing.sections import moments, rectangle_torsion, rectangle_twist_stress
+from spacar_drawing.settings import Section
+from spacar_drawing.stresses import GRID, Resultants, along, resultants, stress_field
 
 from .models import result_source
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from spacar_cli.drawing import window
+from spacar_drawing import window
 
 import spacar
 
@@ -35,25 +35,13 @@ def test_show_without_display_is_refused(results, monkeypatch):
 
 
 def test_slider_shows_the_step(no_screen):
-    from spacar_cli.drawing.drawing_job import pictures_of
-    from spacar_cli.drawing.look import look_of
-    from spacar_cli.drawing.mechanism_picture import Extras, camera_of, series_bounds
+    from spacar_drawing.mechanism_picture import Extras
+    from spacar_drawing.steps import series
 
     from .models import result_source
 
-    source = result_source("crank", 1, 0.035, 14)
-    look = look_of(source.scene, source.x(), source.settings)
-    bounds = series_bounds(source.scene, source.x(), look, Extras())
-
-    class Choices:
-        title = None
-
-        @staticmethod
-        def extras():
-            return Extras()
-
-    pictures = pictures_of(source, range(1, 16), look, Choices, [])
-    figure = window.slider_window(pictures, 15, 0, bounds, camera_of(source.scene, "iso"), "crank", block=False)
+    shown = series(result_source("crank", 1, 0.035, 14), Extras(), range(1, 16), [], False)
+    figure = window.slider_window(shown.whole, 15, 0, shown.bounds, shown.camera, "crank", block=False)
     axes = figure.axes[0]
     assert axes.get_title(loc="left") == "crank   t = 0 s"
     slider = figure._spacar[0]
@@ -99,8 +87,8 @@ def test_plot_option_of_a_run(results, no_screen):
 
 
 def test_play_goes_round(no_screen):
-    from spacar_cli.drawing.camera import Camera
-    from spacar_cli.drawing.shapes import Mark
+    from spacar_drawing.camera import Camera
+    from spacar_drawing.shapes import Mark
 
     def pictures(k):
         return [Mark(np.zeros(3))], f"picture {k}"
@@ -121,8 +109,8 @@ def test_play_goes_round(no_screen):
 def test_dragging_turns_a_spatial_picture(no_screen):
     """100 pixels to the right turn the mechanism by 40 degrees about z: the camera goes the other way."""
     from matplotlib.backend_bases import MouseEvent
-    from spacar_cli.drawing.camera import Camera
-    from spacar_cli.drawing.shapes import Mark
+    from spacar_drawing.camera import Camera
+    from spacar_drawing.shapes import Mark
 
     seen = []
     start = Camera.towards(-60, 30)

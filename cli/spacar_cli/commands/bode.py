@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from spacar.errors import UsageError
-from spacar_cli.drawing.options import OUTPUT
+from spacar_cli.drawing_options import OUTPUT
 from spacar_cli.environment import Environment
 
 
@@ -71,8 +71,8 @@ def command(
             ])  # fmt: skip
         if not output:
             return
-    from spacar_cli.drawing.files import check_name, save
-    from spacar_cli.drawing.linear import bode_figure
+    from spacar_drawing.files import check_name, save
+    from spacar_drawing.linear import bode_figure
 
     targets = output or (path.with_name(f"{path.name.split('.ltv')[0]}_bode.png"),)
     for target in targets:

@@ -17,11 +17,12 @@ from spacar_cli.status import ExitStatus, tell_error, tell_messages
 @click.pass_obj
 def command(environment: Environment, file: Path, mode: int | None, as_json: bool) -> ExitStatus:
     """Read FILE (or FILE.dat) and report errors, warnings and information."""
+    from spacar_drawing.settings_check import check_settings
+
     from spacar.deck import read_deck
     from spacar.errors import InputError
     from spacar.mechanism import build
     from spacar.modes import find_mode
-    from spacar_cli.drawing.settings_check import check_settings
     from spacar_cli.source import input_file
 
     number = None if mode is None else find_mode(mode).number

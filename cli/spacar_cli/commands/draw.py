@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from spacar.errors import UsageError
-from spacar_cli.drawing.options import Choices, common
+from spacar_cli.drawing_options import Choices, common
 from spacar_cli.environment import Environment
 
 
@@ -57,7 +57,7 @@ def command(
     Settings of the VISUALIZATION section of the input file, or of NAME.spv, are honoured; options override them.
     Without --output the picture is NAME.png beside the result.
     """
-    from spacar_cli.drawing.drawing_job import draw
+    from spacar_cli.drawing_job import draw
 
     choices = Choices(**common_options)
     if steps and strobe:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from spacar.errors import UsageError
-from spacar_cli.drawing.options import OUTPUT
+from spacar_cli.drawing_options import OUTPUT
 from spacar_cli.environment import Environment
 
 if TYPE_CHECKING:
@@ -106,18 +106,17 @@ def _pictures(
     output: tuple[Path, ...],
 ) -> None:
     import numpy as np
-
-    from spacar_cli.drawing.files import check_name, save
-    from spacar_cli.drawing.linear import root_figure
+    from spacar_drawing.files import check_name, save
+    from spacar_drawing.linear import root_figure
 
     for path in output:
         check_name(path, film=False)
     across: np.ndarray = np.array([s.t for s in steps])
     text = "load step" if np.array_equal(across, np.round(across)) else "time (s)"
     if against is not None:
-        from spacar_cli.drawing.expressions import evaluate
-        from spacar_cli.drawing.history import axis_text
-        from spacar_cli.drawing.source import open_source
+        from spacar_drawing.expressions import evaluate
+        from spacar_drawing.history import axis_text
+        from spacar_drawing.source import open_source
 
         curve = evaluate(open_source(file), against)
         across, text = np.ravel(curve.quantity.values)[np.array(numbers) - 1], axis_text(curve)

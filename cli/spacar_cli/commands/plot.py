@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from spacar.errors import UsageError
-from spacar_cli.drawing.options import OUTPUT
+from spacar_cli.drawing_options import OUTPUT
 from spacar_cli.environment import Environment
 
 
@@ -55,10 +55,10 @@ def command(
 
     Without --output the picture is NAME_plot.png beside the result.
     """
-    from spacar_cli.drawing.expressions import evaluate
-    from spacar_cli.drawing.files import check_name, save
-    from spacar_cli.drawing.history import csv_text, history_figure
-    from spacar_cli.drawing.source import open_source
+    from spacar_drawing.expressions import evaluate
+    from spacar_drawing.files import check_name, save
+    from spacar_drawing.history import csv_text, history_figure
+    from spacar_drawing.source import open_source
 
     source = open_source(file, stale_ok)
     curves = [evaluate(source, text) for text in expressions]
@@ -87,6 +87,6 @@ def command(
         save(figure, path, dpi)
         environment.say(str(path))
     if show:
-        from spacar_cli.drawing.window import still_window
+        from spacar_drawing.window import still_window
 
         still_window(figure)

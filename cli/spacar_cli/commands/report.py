@@ -52,8 +52,8 @@ def command(
 
     The page holds everything it shows: it can be sent by mail and opened without a network.
     """
-    from spacar_cli.drawing.report import report_page
-    from spacar_cli.drawing.source import open_source
+    from spacar_drawing.report import report_page
+    from spacar_drawing.source import open_source
 
     source = open_source(file, stale_ok)
     path = output or Path(source.name).parent / f"{source.scene.title}.html"

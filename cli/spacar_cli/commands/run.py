@@ -95,7 +95,7 @@ def run_mode(
             tell_messages(environment, run.mechanism.deck.messages, ("warning", "information")[: 1 + verbose])
         show: list[Sink] = [] if quiet else [Progress(environment)]
         if plot:
-            from spacar_cli.drawing.window import LivePlot
+            from spacar_drawing.window import LivePlot
 
             show.append(LivePlot())
         outcome = run.consume(*show, *results, log)

@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from spacar_cli.drawing.options import Choices, common
+from spacar_cli.drawing_options import Choices, common
 from spacar_cli.environment import Environment
 
 QUANTITIES = ("N", "Qy", "Qz", "T", "My", "Mz", "mises", "normal", "shear")
@@ -68,7 +68,7 @@ def command(
     MODE chooses the kind of picture where a result has several: 7 vibration, 8 buckling after a run of mode 10.
     Without --output the picture is NAME_WHAT.png beside the result; gif and mp4 show a period of the mode.
     """
-    from spacar_cli.drawing.visual_job import visual
+    from spacar_cli.visual_job import visual
 
     choices = Choices(**common_options)
     for line in visual(environment, file, mode, choices, mode_numbers, factor, step, rest, stress, diagram, as_list):

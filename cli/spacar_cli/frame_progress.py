@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from spacar_cli.drawing.files import Tick
+from spacar_drawing.files import Tick
 
 SHORT = 20  # fewer frames need no bar
 

@@ -7,7 +7,7 @@ from collections import defaultdict
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar_cli.drawing.scene import BEAMS, HINGES, TRUSSES, Element, Scene
+from spacar_drawing.scene import BEAMS, HINGES, TRUSSES, Element, Scene
 
 Array = NDArray[np.float64]
 

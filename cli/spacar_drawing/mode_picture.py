@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spacar_cli.drawing.look import DRIVE, GHOST, Look, look_of
-from spacar_cli.drawing.mechanism_picture import (
+from spacar_drawing.look import DRIVE, GHOST, Look, look_of
+from spacar_drawing.mechanism_picture import (
     Extras,
     camera_of,
     ghost_shapes,
@@ -17,14 +17,14 @@ from spacar_cli.drawing.mechanism_picture import (
     outline_shapes,
     series_bounds,
 )
-from spacar_cli.drawing.mode_shapes import ModeShape, displaced
-from spacar_cli.drawing.moving import Pictures
-from spacar_cli.drawing.paint import paint
-from spacar_cli.drawing.redundancy import Redundancy
-from spacar_cli.drawing.scene import Array, Pose, Scene
-from spacar_cli.drawing.settings import Settings
-from spacar_cli.drawing.shapes import Colour, Line, Shape
-from spacar_cli.drawing.stage import new_figure
+from spacar_drawing.mode_shapes import ModeShape, displaced
+from spacar_drawing.moving import Pictures
+from spacar_drawing.paint import paint
+from spacar_drawing.redundancy import Redundancy
+from spacar_drawing.scene import Array, Pose, Scene
+from spacar_drawing.settings import Settings
+from spacar_drawing.shapes import Colour, Line, Shape
+from spacar_drawing.stage import new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -119,7 +119,7 @@ def constraint_still(
 
 def _step_for(scene: Scene, motion: Array, extent: float) -> float:
     mode = ModeShape(0, "buckling", 1.0 + 0j, np.zeros(0, complex), motion.astype(complex))
-    from spacar_cli.drawing.mode_shapes import suitable_factor
+    from spacar_drawing.mode_shapes import suitable_factor
 
     return suitable_factor(scene, mode, extent)
 

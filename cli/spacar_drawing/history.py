@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spacar_cli.drawing.expressions import MEANING, Curve
-from spacar_cli.drawing.quantities import unit_text
-from spacar_cli.drawing.stage import INK, RULE
+from spacar_drawing.expressions import MEANING, Curve
+from spacar_drawing.quantities import unit_text
+from spacar_drawing.stage import INK, RULE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

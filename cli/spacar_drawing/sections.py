@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar_cli.drawing.settings import Section
-from spacar_cli.drawing.shapes import disc_outline
+from spacar_drawing.settings import Section
+from spacar_drawing.shapes import disc_outline
 
 Array = NDArray[np.float64]
 

@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from spacar_cli.drawing.camera import Camera
-from spacar_cli.drawing.paint import paint
-from spacar_cli.drawing.shapes import Shape
-from spacar_cli.drawing.stage import new_figure
+from spacar_drawing.camera import Camera
+from spacar_drawing.paint import paint
+from spacar_drawing.shapes import Shape
+from spacar_drawing.stage import new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from spacar_cli.drawing.scene import Array
+    from spacar_drawing.scene import Array
 
 Pictures = Callable[[int], tuple[Sequence[Shape], str]]  # frame number from 0 -> shapes and the line above the picture
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from spacar_cli.drawing.camera import Array, Camera
-from spacar_cli.drawing.shapes import Faces, Label, Line, Shape
+from spacar_drawing.camera import Array, Camera
+from spacar_drawing.shapes import Faces, Label, Line, Shape
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

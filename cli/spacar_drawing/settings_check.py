@@ -14,7 +14,7 @@ from typing import NamedTuple
 from spacar.deck import Deck
 from spacar.deck.lexer import integer_of, number_of, scan, split_lines
 from spacar.errors import Message
-from spacar_cli.drawing.settings import DIMENSIONS, _words
+from spacar_drawing.settings import DIMENSIONS, _words
 
 
 class Rule(NamedTuple):

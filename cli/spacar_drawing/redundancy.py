@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacar.deck import ELEMENT_TYPES
-from spacar_cli.drawing.scene import Array, Scene
+from spacar_drawing.scene import Array, Scene
 
 ZERO = float(np.sqrt(np.finfo(float).eps))
 

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import click
+from spacar_drawing.mechanism_picture import Extras
+from spacar_drawing.settings import ALL, DIMENSIONS, Section, Settings
 
 from spacar.errors import UsageError
-from spacar_cli.drawing.mechanism_picture import Extras
-from spacar_cli.drawing.settings import ALL, DIMENSIONS, Section, Settings
 
 OUTPUT = click.option(
     "--output",
@@ -132,7 +132,7 @@ class Choices:
 
 def sections_of(texts: Sequence[str]) -> dict[int, Section]:
     """The cross-sections of `--section` values. Raises UsageError."""
-    from spacar_cli.drawing.settings import statement_section
+    from spacar_drawing.settings import statement_section
 
     found: dict[int, Section] = {}
     for text in texts:

@@ -12,12 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.errors import AnalysisError, UsageError
-from spacar_cli.drawing.moving import Moving, Pictures
+from spacar_drawing.moving import Moving, Pictures
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 STILL, FILM = (".png", ".svg", ".pdf"), (".gif", ".mp4")
+FILM_DPI = 110.0  # most dots per inch of an animation
 Tick = Callable[[int], None]
 
 

@@ -6,13 +6,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from spacar_cli.drawing import look as paint
-from spacar_cli.drawing import machine_parts as machine
-from spacar_cli.drawing.elastic_line import chord_axes, elastic_line, section_axes
-from spacar_cli.drawing.look import Look
-from spacar_cli.drawing.scene import BEAMS, RIGID, Array, Element, Pose, Scene
-from spacar_cli.drawing.sections import breadth, hole, outline
-from spacar_cli.drawing.shapes import Colour, Faces, Line, Shape, disc_outline, solid
+from spacar_drawing import look as paint
+from spacar_drawing import machine_parts as machine
+from spacar_drawing.elastic_line import chord_axes, elastic_line, section_axes
+from spacar_drawing.look import Look
+from spacar_drawing.scene import BEAMS, RIGID, Array, Element, Pose, Scene
+from spacar_drawing.sections import breadth, hole, outline
+from spacar_drawing.shapes import Colour, Faces, Line, Shape, disc_outline, solid
 
 Z = np.array([0.0, 0.0, 1.0])
 # radius of spatial beams without a cross-section, of the symbol size

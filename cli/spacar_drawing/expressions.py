@@ -15,10 +15,10 @@ import numpy as np
 
 from spacar.deck import ELEMENT_TYPES
 from spacar.errors import UsageError
-from spacar_cli.drawing.quantities import NONE, Quantity, Unit, combine, unit
+from spacar_drawing.quantities import NONE, Quantity, Unit, combine, unit
 
 if TYPE_CHECKING:
-    from spacar_cli.drawing.source import Source
+    from spacar_drawing.source import Source
 
 NODE_VARIABLES = {"x": 0, "xd": 1, "xdd": 2, "fx": -1, "fxgrav": -1, "fxtot": -1, "fxt": -1, "xcompl": -2}
 ELEMENT_VARIABLES = {"e": 0, "ed": 1, "edd": 2, "sig": -1}

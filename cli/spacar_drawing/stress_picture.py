@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spacar.errors import UsageError
-from spacar_cli.drawing.look import look_of
-from spacar_cli.drawing.mechanism_picture import Extras, camera_of, mechanism_shapes, series_bounds
-from spacar_cli.drawing.paint import paint
-from spacar_cli.drawing.parts import beam_line, body
-from spacar_cli.drawing.scene import TRUSSES, Array, Element, Pose, Scene
-from spacar_cli.drawing.settings import Settings
-from spacar_cli.drawing.shapes import Faces, Label, Line, Shape, merge_bounds
-from spacar_cli.drawing.stage import INK, new_figure
-from spacar_cli.drawing.stresses import QUANTITIES, STRESSES, along, resultants
+from spacar_drawing.look import look_of
+from spacar_drawing.mechanism_picture import Extras, camera_of, mechanism_shapes, series_bounds
+from spacar_drawing.paint import paint
+from spacar_drawing.parts import beam_line, body
+from spacar_drawing.scene import TRUSSES, Array, Element, Pose, Scene
+from spacar_drawing.settings import Settings
+from spacar_drawing.shapes import Faces, Label, Line, Shape, merge_bounds
+from spacar_drawing.stage import INK, new_figure
+from spacar_drawing.stresses import QUANTITIES, STRESSES, along, resultants
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spacar_cli.drawing.history import COLOURS
-from spacar_cli.drawing.stage import INK, RULE
+from spacar_drawing.history import COLOURS
+from spacar_drawing.stage import INK, RULE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -19,10 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.errors import UsageError
-from spacar_cli.drawing.scene import Array, Scene
+from spacar_drawing.scene import Array, Scene
 
 if TYPE_CHECKING:
-    from spacar_cli.drawing.source import Source
+    from spacar_drawing.source import Source
 
 SAME = 1e-6  # eigenvalues that differ less, relative to the largest, belong to one pair
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from spacar_cli.drawing.camera import Array, Camera
-from spacar_cli.drawing.shapes import Faces, Label, Line, Mark, Shape
+from spacar_drawing.camera import Array, Camera
+from spacar_drawing.shapes import Faces, Label, Line, Mark, Shape
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,7 +37,7 @@ def paint(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
         artists += axes.plot(x, y, "o", scalex=False, scaley=False, **look)
     labels = [s for s in shapes if isinstance(s, Label)]
     if labels:
-        from spacar_cli.drawing.labels import place_labels
+        from spacar_drawing.labels import place_labels
 
         artists += place_labels(axes, camera, labels, shapes)
     return artists

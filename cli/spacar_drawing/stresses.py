@@ -18,9 +18,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spacar_cli.drawing.scene import BEAMS, TRUSSES, Array, Element, Scene
-from spacar_cli.drawing.sections import moments, rectangle_twist_stress
-from spacar_cli.drawing.settings import Section
+from spacar_drawing.scene import BEAMS, TRUSSES, Array, Element, Scene
+from spacar_drawing.sections import moments, rectangle_twist_stress
+from spacar_drawing.settings import Section
 
 GRID = 15  # points across a section in each direction
 RESULTANTS = {

@@ -13,19 +13,19 @@ import numpy as np
 
 import spacar
 from spacar.errors import UsageError
-from spacar_cli.drawing.expressions import Curve, evaluate
-from spacar_cli.drawing.history import axis_text, history_figure
-from spacar_cli.drawing.mechanism_picture import Extras, draw_steps
-from spacar_cli.drawing.moving import evenly
-from spacar_cli.drawing.report_style import STYLE
-from spacar_cli.drawing.scene import HINGES
+from spacar_drawing.expressions import Curve, evaluate
+from spacar_drawing.history import axis_text, history_figure
+from spacar_drawing.mechanism_picture import Extras, draw_steps
+from spacar_drawing.moving import evenly
+from spacar_drawing.report_style import STYLE
+from spacar_drawing.scene import HINGES
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from spacar_cli.drawing.mode_shapes import ModeShape
-    from spacar_cli.drawing.scene import Scene
-    from spacar_cli.drawing.source import Source
+    from spacar_drawing.mode_shapes import ModeShape
+    from spacar_drawing.scene import Scene
+    from spacar_drawing.source import Source
 
 MOST_CURVES = 12
 MOST_MODES = 4
@@ -220,9 +220,9 @@ def _plots(source: Source, curves: Sequence[Curve]) -> str:
 
 def _modes(source: Source, extras: Extras) -> str:
     """Tables and pictures of vibration and buckling modes; a sentence where the result has none."""
-    from spacar_cli.drawing.look import SYMBOL, look_of
-    from spacar_cli.drawing.mode_picture import mode_still
-    from spacar_cli.drawing.mode_shapes import buckling_modes, open_matrices, suitable_factor, vibration_modes
+    from spacar_drawing.look import SYMBOL, look_of
+    from spacar_drawing.mode_picture import mode_still
+    from spacar_drawing.mode_shapes import buckling_modes, open_matrices, suitable_factor, vibration_modes
 
     out = ""
     rows: list[tuple[str, ...]]
@@ -260,9 +260,9 @@ def _vibration_row(mode: ModeShape) -> tuple[str, ...]:
 
 
 def _constraints(source: Source, extras: Extras) -> str:
-    from spacar_cli.drawing.look import SYMBOL, look_of
-    from spacar_cli.drawing.mode_picture import constraint_still
-    from spacar_cli.drawing.redundancy import redundancy
+    from spacar_drawing.look import SYMBOL, look_of
+    from spacar_drawing.mode_picture import constraint_still
+    from spacar_drawing.redundancy import redundancy
 
     x = source.x(1)
     extent = look_of(source.scene, x[None], source.settings).size / SYMBOL

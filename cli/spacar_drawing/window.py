@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spacar.errors import UsageError
-from spacar_cli.drawing.camera import Camera
-from spacar_cli.drawing.moving import Moving, Pictures
-from spacar_cli.drawing.stage import furnish
+from spacar_drawing.camera import Camera
+from spacar_drawing.moving import Moving, Pictures
+from spacar_drawing.stage import furnish
 
 if TYPE_CHECKING:
     from spacar.frame import Frame
     from spacar.stream import Run
-    from spacar_cli.drawing.scene import Array
+    from spacar_drawing.scene import Array
 
 FOOT = 0.65  # inches below the axes for the slider and the buttons
 LIVE_INTERVAL = 0.1  # s between two pictures of a run
@@ -148,9 +148,9 @@ class LivePlot:
         from matplotlib.widgets import Button
         from spacar_formats.sinks.header import sbd_header
 
-        from spacar_cli.drawing.mechanism_picture import camera_of
-        from spacar_cli.drawing.scene import Scene
-        from spacar_cli.drawing.settings import parse_settings
+        from spacar_drawing.mechanism_picture import camera_of
+        from spacar_drawing.scene import Scene
+        from spacar_drawing.settings import parse_settings
 
         deck = run.mechanism.deck
         self._scene = Scene.of_header(sbd_header(run), deck.source)
@@ -185,9 +185,9 @@ class LivePlot:
             raise KeyboardInterrupt
 
     def _draw(self, frame: Frame) -> None:
-        from spacar_cli.drawing.look import look_of
-        from spacar_cli.drawing.mechanism_picture import Extras, mechanism_shapes
-        from spacar_cli.drawing.shapes import merge_bounds
+        from spacar_drawing.look import look_of
+        from spacar_drawing.mechanism_picture import Extras, mechanism_shapes
+        from spacar_drawing.shapes import merge_bounds
 
         if self._moving is None:
             self._look = look_of(self._scene, frame.x[None], self._settings)

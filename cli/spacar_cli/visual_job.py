@@ -6,27 +6,27 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-
-from spacar.errors import UsageError
-from spacar.modes import find_mode
-from spacar_cli.drawing.files import FILM, check_name, film, save
-from spacar_cli.drawing.look import SYMBOL, look_of
-from spacar_cli.drawing.mechanism_picture import camera_of
-from spacar_cli.drawing.mode_picture import PHASES, constraint_still, mode_pictures, mode_still
-from spacar_cli.drawing.mode_shapes import (
+from spacar_drawing.files import FILM, FILM_DPI, check_name, film, save
+from spacar_drawing.look import SYMBOL, look_of
+from spacar_drawing.mechanism_picture import camera_of
+from spacar_drawing.mode_picture import PHASES, constraint_still, mode_pictures, mode_still
+from spacar_drawing.mode_shapes import (
     ModeShape,
     buckling_modes,
     open_matrices,
     suitable_factor,
     vibration_modes,
 )
-from spacar_cli.drawing.moving import Moving
-from spacar_cli.drawing.options import Choices, check_elements
-from spacar_cli.drawing.progress import frame_progress
-from spacar_cli.drawing.redundancy import redundancy
-from spacar_cli.drawing.scene import Array
-from spacar_cli.drawing.source import Source, open_source
+from spacar_drawing.moving import Moving
+from spacar_drawing.redundancy import redundancy
+from spacar_drawing.scene import Array
+from spacar_drawing.source import Source, open_source
+
+from spacar.errors import UsageError
+from spacar.modes import find_mode
+from spacar_cli.drawing_options import Choices, check_elements
 from spacar_cli.environment import Environment
+from spacar_cli.frame_progress import frame_progress
 
 
 def visual(
@@ -153,9 +153,10 @@ def _mode(
         camera = camera_of(source.scene, choices.view)
         for path in (p for p in outputs if p.suffix.lower() in FILM):
             with frame_progress(environment.error_is_terminal, PHASES, path.name) as tick:
-                film(Moving.create(bounds, camera), pictures, PHASES, path, choices.fps, min(choices.dpi, 110.0), tick)
+                moving = Moving.create(bounds, camera)
+                film(moving, pictures, PHASES, path, choices.fps, min(choices.dpi, FILM_DPI), tick)
         if choices.show:
-            from spacar_cli.drawing.window import slider_window
+            from spacar_drawing.window import slider_window
 
             slider_window(pictures, PHASES, 0, bounds, camera, mode.label, choices.fps)
     return outputs
@@ -172,8 +173,8 @@ def _constraints(source: Source, choices: Choices, step: int) -> list[str]:
 
 
 def _stresses(source: Source, choices: Choices, step: int, stress: str | None, diagram: str | None) -> list[str]:
-    from spacar_cli.drawing.drawing_job import step_text
-    from spacar_cli.drawing.stress_picture import diagram_still, stress_still
+    from spacar_drawing.steps import step_text
+    from spacar_drawing.stress_picture import diagram_still, stress_still
 
     if stress and diagram:
         raise UsageError("--stress and --diagram exclude each other")
@@ -199,7 +200,7 @@ def _finish(figure: object, outputs: list[Path], choices: Choices) -> list[str]:
     for path in outputs:
         save(figure, path, choices.dpi)
     if choices.show:
-        from spacar_cli.drawing.window import still_window
+        from spacar_drawing.window import still_window
 
         still_window(figure)
     return [str(p) for p in outputs]

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spacar_cli.drawing.camera import Array, Camera
+from spacar_drawing.camera import Array, Camera
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

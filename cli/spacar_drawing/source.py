@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spacar.errors import UsageError
-from spacar_cli.drawing.scene import Array, Scene
-from spacar_cli.drawing.settings import Settings, read_settings
+from spacar_drawing.scene import Array, Scene
+from spacar_drawing.settings import Settings, read_settings
 
 if TYPE_CHECKING:
     from spacar.result import Result
@@ -107,7 +107,7 @@ def source_of_result(result: Result, settings: Settings | None = None) -> Source
     frames: Sequence[Any] = result.frames
     names = {"t": "t", "fxt": "fxtot"}
     if settings is None:
-        from spacar_cli.drawing.settings import parse_settings
+        from spacar_drawing.settings import parse_settings
 
         settings = parse_settings(result.mechanism.deck.visualization)
 

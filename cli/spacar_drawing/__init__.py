@@ -1,0 +1,16 @@
+"""Pictures of mechanisms: pure functions from result arrays to drawable geometry, then matplotlib.
+
+source -> Scene and coordinates -> shapes (lines, faces, marks) -> paint on a matplotlib figure. The public functions
+are `draw`, `animate` and `report`; `Result.draw` and `Result.animate` call them. No window opens unless a function of
+`window` is called, and matplotlib is imported only where it draws.
+
+>>> import spacar
+>>> from spacar_drawing import draw
+>>> figure = draw(spacar.run(1, "data/crank.dat"), strobe=5, traces=[3])
+>>> figure.get_size_inches().min() > 1.0
+True
+"""
+
+from spacar_drawing.calls import animate, draw, report
+
+__all__ = ["animate", "draw", "report"]
