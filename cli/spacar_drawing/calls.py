@@ -70,6 +70,6 @@ def report(
 
     Raises UsageError for an expression that cannot be evaluated.
     """
-    from spacar_drawing.report import report_page
+    from spacar_drawing.report_page import report_page
 
     return report_page(source_of(result), expressions, log_lines, view)

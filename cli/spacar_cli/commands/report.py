@@ -52,7 +52,7 @@ def command(
 
     The page holds everything it shows: it can be sent by mail and opened without a network.
     """
-    from spacar_drawing.report import report_page
+    from spacar_drawing.report_page import report_page
     from spacar_drawing.source import open_source
 
     source = open_source(file, stale_ok)
