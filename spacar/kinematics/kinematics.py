@@ -48,7 +48,7 @@ CONVERGED = 1e-11  # largest scaled correction that ends Newton's iteration: the
 ROUNDING = 64.0 * float(np.finfo(float).eps)  # of the scaled residual, per unit of the numbers that enter it
 MAX_ITERATIONS = 20
 MAX_HALVINGS = 5
-GROWTH = 1e-6  # a residual that grows but stays below needs no halving; says nothing about what is accepted
+GROWN = 1e-6  # a residual that grows but stays below needs no halving; says nothing about what is accepted
 LARGEST_JUMP = 0.8  # rad or model lengths between two configurations
 FARTHEST_GUESS = 0.5 * LARGEST_JUMP  # from farther Newton's method could end at another solution
 MAX_DEPTH = 10
@@ -203,7 +203,7 @@ class Kinematics:
             residual = sweep.e[h] - target
             norm = largest(residual / self.h_scale)
             grown = bool(history) and norm > 2.0 * history[-1]
-            if not norm < np.inf or (grown and norm > max(GROWTH, self.rounding(x, target))):
+            if not norm < np.inf or (grown and norm > max(GROWN, self.rounding(x, target))):
                 if halvings == MAX_HALVINGS:
                     raise Unplaced(partial(position_failure, self, x, residual, history, iteration))
                 halvings += 1
