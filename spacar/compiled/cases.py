@@ -30,8 +30,8 @@ class CompiledCases:
         self.n_positions = self.size // 2
         of = np.minimum(np.arange(-(-self.n_cases // LANES) * LANES), self.n_cases - 1).reshape(-1, LANES)
         kinematics = Kinematics(mechanism)
-        equations = len(kinematics.E)
-        self.models = [Model(n, numbers.take(cases), kinematics.scale, equations, polynomial=True) for cases in of]
+        scales, equations = (kinematics.scale, mechanism.deformation_scale), len(kinematics.E)
+        self.models = [Model(n, numbers.take(cases), scales, equations, polynomial=True) for cases in of]
         self.states = [model.state() for model in self.models]
         self.shown = [model.state() for model in self.models]
         self.y0 = np.ascontiguousarray(start[of].transpose(0, 2, 1)).ravel()

@@ -54,7 +54,8 @@ class CompiledDynamics(Dynamics):
     def __init__(self, mechanism: Mechanism, *, loads: Loads | None = None, drive: Drive | None = None) -> None:
         super().__init__(mechanism, loads=loads, drive=drive)
         k = self.kinematics
-        self.model = Model(self.numbering, of_one(self), k.scale, len(k.E), isinstance(self.drive, Polynomial))
+        scales, polynomial = (k.scale, mechanism.deformation_scale), isinstance(self.drive, Polynomial)
+        self.model = Model(self.numbering, of_one(self), scales, len(k.E), polynomial)
         self.state = self.model.state()
         self._y, self._out = np.zeros((2, 2 * self.numbering.nddof))
         self._addresses = self._y.ctypes.data, self._out.ctypes.data

@@ -18,7 +18,7 @@ typedef struct {
     int x_input, n_x_input, x_dynamic, n_x_dynamic, e_input, n_e_input, e_dynamic, n_e_dynamic, polynomial;
     const Batch *batches;
     const int *constant_row, *constant_column; const real *constant_mass; /* (n_constant) */
-    const double *scale;                  /* (nx) sizes */
+    const double *scale, *e_scale;        /* (nx), (ne) sizes */
     const real *force, *field, *preload;  /* (nx) constant forces without gravity, (nx) gravity field, (ne) */
     const int *s_rows, *s_columns, *d_rows, *d_columns;
     const real *s_values, *d_values;

@@ -1,6 +1,7 @@
 /* The number type: one double, or LANES doubles, one of each of as many cases of a mechanism that differ in numbers only.
 
    A vector of the compiler does arithmetic on all lanes at once; what it has no operator for is done lane by lane. */
+#include <float.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>

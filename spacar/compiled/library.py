@@ -47,7 +47,7 @@ class CSpec(ctypes.Structure):
         )),
         ("batches", ctypes.c_void_p),
         ("constant_row", INTEGERS), ("constant_column", INTEGERS), ("constant_mass", DOUBLES),
-        *((name, DOUBLES) for name in ("scale", "force", "field", "preload")),
+        *((name, DOUBLES) for name in ("scale", "e_scale", "force", "field", "preload")),
         *((name, INTEGERS) for name in ("s_rows", "s_columns", "d_rows", "d_columns")),
         *((name, DOUBLES) for name in ("s_values", "d_values")),
         ("free", INTEGERS),

@@ -56,10 +56,10 @@ class State:
 
 
 class Model:
-    """One `Model` in C. `scale` (nx,): sizes of the coordinates; `n_equations`: given deformations."""
+    """One `Model` in C. `scales` (nx,), (ne,): sizes of what is in x and e; `n_equations`: given deformations."""
 
     def __init__(
-        self, numbering: Numbering, numbers: Numbers, scale: Array, n_equations: int, polynomial: bool
+        self, numbering: Numbering, numbers: Numbers, scales: tuple[Array, Array], n_equations: int, polynomial: bool
     ) -> None:
         self.numbering = numbering
         self.numbers = numbers
@@ -69,7 +69,7 @@ class Model:
         self._alive: list[Any] = []  # arrays that C points into
         # contiguous copies are made first, as a motion that is no polynomial is written into them
         self.x_motion, self.e_motion = np.ascontiguousarray(numbers.x_motion), np.ascontiguousarray(numbers.e_motion)
-        spec = self._spec(numbers, scale, n_equations)
+        spec = self._spec(numbers, scales, n_equations)
         self.handle = ctypes.c_void_p(self.library.spacar_begin(ctypes.addressof(spec)))
         if not self.handle:
             raise MemoryError("no memory for the compiled model")
@@ -87,19 +87,19 @@ class Model:
         return state
 
     # -- setting up -----------------------------------------------------------------------------------------------
-    def _spec(self, numbers: Numbers, scale: Array, n_equations: int) -> CSpec:
+    def _spec(self, numbers: Numbers, scales: tuple[Array, Array], n_equations: int) -> CSpec:
         n, batches = self.numbering, numbers.elements
         F, mass, S, D = free_coordinates(n), numbers.mass, numbers.stiffness, numbers.damping
         places = self._packed([*mass[:2], *S[:2], *D[:2], F, *(i for b in batches for i in (b.x, b.e))], np.int32)
         constant_row, constant_column, s_rows, s_columns, d_rows, d_columns, free, *indices = places
         values = self._packed(
             [
-                mass[2], scale, numbers.force, numbers.field, numbers.preload, S[2], D[2], numbers.x0,
+                mass[2], *scales, numbers.force, numbers.field, numbers.preload, S[2], D[2], numbers.x0,
                 *(b.parameters for b in batches),
             ],
             np.float64,
         )  # fmt: skip
-        constant_mass, scale_at, force, field, preload, s_values, d_values, x0, *parameters = values
+        constant_mass, scale_at, e_scale_at, force, field, preload, s_values, d_values, x0, *parameters = values
         table = (CBatch * len(batches))(
             *(
                 CBatch(b.kind, len(b.x), b.x.shape[1], b.e.shape[1], b.parameters.shape[1], int(b.moving), x, e, p)
@@ -117,8 +117,8 @@ class Model:
                 counts += [classes[name].start, classes[name].stop - classes[name].start]
         return CSpec(
             *counts, int(self.polynomial), ctypes.addressof(table), constant_row, constant_column, constant_mass,
-            scale_at, force, field, preload, s_rows, s_columns, d_rows, d_columns, s_values, d_values, free, x0,
-            self.x_motion.ctypes.data, self.e_motion.ctypes.data,
+            scale_at, e_scale_at, force, field, preload, s_rows, s_columns, d_rows, d_columns, s_values, d_values,
+            free, x0, self.x_motion.ctypes.data, self.e_motion.ctypes.data,
         )  # fmt: skip
 
     def _packed(self, arrays: Sequence[Any], kind: type) -> list[int]:

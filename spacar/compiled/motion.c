@@ -3,30 +3,41 @@
    The accelerations come from the saddle-point form, or with few degrees of freedom from the reduced form, whose transfer
    functions need nothing but solutions with the matrix of the position; stresses are computed where somebody looks. */
 
-static const double CONVERGED = 1e-11;
+static const double CONVERGED = 1e-11, ROUNDING = 64 * DBL_EPSILON, GROWN = 1e-6;
+
+/* How well the scaled residual is known at x, lane by lane: `Kinematics.rounding` of the general path. */
+static real rounding(const Model *m, const real *x, const real *e_given)
+{
+    real size = EVERY(1.0);
+    for (int i = 0; i < m->s.nx; i++) size = lanes_larger(size, x[i] / m->s.scale[i]);
+    for (int i = 0; i < m->s.n_equations; i++) size = lanes_larger(size, e_given[i] / m->s.e_scale[i]);
+    return ROUNDING * size;
+}
 
 /* Position and velocity. x comes with the given values and a guess of the calculable ones, xd and ed with the given rates.
    The first correction uses the matrix of the last state, which is still factored, unless transfer functions have made the
-   guess so good that this saves nothing. One that follows a correction below CONVERGED is as small as rounding allows and
-   passes always. */
+   guess so good that this saves nothing. The limits are those of spacar/kinematics/kinematics.py: a correction that follows
+   one below CONVERGED or rounding is as small as rounding allows and passes always. A residual that stays at rounding with
+   larger corrections is left to the general path, which looks at the condition. */
 static int place(Model *m, real *x, real *xd, real *e, const real *near, const real *e_given, const real *e_rate,
                  double converged)
 {
     const int n = m->s.n_equations, first = m->s.n_fixed_x;
     real *r = m->b;
     double before = INFINITY, last = INFINITY;
+    real before_step = EVERY(INFINITY);
     int halvings = 0;
     for (int iteration = 1; iteration <= MAX_ITERATIONS; iteration++) {
         strain(m, x, near, e);
         real residual = EVERY(0.0), total = EVERY(0.0);
         for (int i = 0; i < n; i++) {
             const real difference = e[i] - e_given[i];
-            residual = lanes_larger(residual, difference);
+            residual = lanes_larger(residual, difference / m->s.e_scale[i]);
             total += difference;
         }
         const double norm = largest_lane(residual);
         if (!isfinite(norm) || !isfinite(largest_lane(total))) return NOT_FINITE;
-        if (norm > 2.0 * before && norm > 1e-6) {
+        if (norm > 2.0 * before && norm > GROWN && largest_lane(residual - rounding(m, x, e_given)) > 0.0) {
             if (++halvings > 5) return NO_CONVERGENCE;
             for (int i = 0; i < n; i++) { r[i] *= 0.5; x[first + i] += r[i]; }
             continue;
@@ -48,7 +59,11 @@ static int place(Model *m, real *x, real *xd, real *e, const real *near, const r
         const double largest = largest_lane(step);
         if (!isfinite(largest) || !isfinite(largest_lane(sum))) return NOT_FINITE;
         if (chord) continue;
-        if (largest > converged && last > CONVERGED) { last = largest; continue; }
+        if (largest > converged && last > CONVERGED && !(largest_lane(before_step - rounding(m, x, e_given)) <= 0.0)) {
+            last = largest;
+            before_step = step;
+            continue;
+        }
         memset(xd + first, 0, sizeof(real) * n);
         memcpy(r, e_rate, sizeof(real) * n);
         if (m->s.n_x_input || m->s.n_x_dynamic) for (int i = 0; i < n; i++) r[i] -= rate(m, i, xd);

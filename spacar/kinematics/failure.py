@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spacar.errors import AnalysisError
-from spacar.kinematics.diagnosis import ZERO, Diagnosis, diagnose, scaled_difference_matrix
+from spacar.kinematics.diagnosis import Diagnosis, diagnose, scaled_difference_matrix
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Array
 
 SHORTENING = ("PLTRUSS", "TRUSS", "PLBEAM", "BEAM", "PLTUBE", "TUBE")  # mode 1 is the change of their length
 SHORT = 1e-6
-ROUNDING = 1e-14  # residual as a fraction of the model size that cannot become smaller
 
 if TYPE_CHECKING:
     from spacar.kinematics.kinematics import Kinematics
@@ -67,12 +66,16 @@ def singular_failure(kinematics: Kinematics, x: Array, error: SingularMatrixErro
 def position_failure(
     kinematics: Kinematics, x: Array, residual: Array, history: list[float], iteration: int
 ) -> AnalysisError:
-    """Newton's iteration did not converge."""
+    """Newton's iteration did not converge. residual (h,) belongs to x, or to the last trial after `history`.
+
+    What is printed is scaled like the history: by the size of the mechanism where the deformation is a length.
+    """
     numbering = kinematics.numbering
     collapsed = collapse(kinematics)
     if collapsed:
         return AnalysisError(collapsed, "element.range", iterations=iteration, history=history)
-    values = np.where(np.isfinite(residual), np.abs(residual), np.inf)
+    values = np.where(np.isfinite(residual), np.abs(residual), np.inf) / kinematics.h_scale
+    norm = float(values.max(initial=0.0))
     worst = int(kinematics.h[int(np.argmax(values))]) if len(values) else 0
     where = ""
     smallest = float("nan")
@@ -85,19 +88,25 @@ def position_failure(
         smallest = float(s[-1])
         hardest = int(kinematics.c[int(np.argmax(np.abs(right[-1])))])
         where = f", motion that is hardest to determine: {numbering.x_name(hardest)}"
-    if values.max(initial=0.0) <= ROUNDING * kinematics.mechanism.length and smallest < ZERO * 1e3:
+    if norm <= kinematics.rounding(x, kinematics.sweep.near[kinematics.h]):
         text = (
             "singular position: the constraints are met to rounding, but the coordinates are not determined (smallest"
             f" singular value {smallest:.3g}{where}); a dead point: choose other degrees of freedom"
         )
         return AnalysisError(text, "position.singular", iterations=iteration, history=history)
     text = (
-        f"no convergence of the position after {iteration} iterations: residual {values.max(initial=0.0):.3g},"
-        f" history {' '.join(f'{r:.2g}' for r in history[:6])}{' ...' if len(history) > 6 else ''},"
+        f"no convergence of the position after {iteration} iterations: scaled residual {norm:.2g}"
+        f" (history {_shown(history if history and history[-1] == norm else [*history, norm])}),"
         f" worst deformation {numbering.e_name(worst)}, smallest singular value {smallest:.3g}{where};"
         " try a smaller step, other degrees of freedom, or start values that can be reached"
     )
     return AnalysisError(text, "position.no-convergence", iterations=iteration, history=history)
+
+
+def _shown(history: list[float]) -> str:
+    """The residuals of the iteration up to the last one; of a long history the beginning and the end."""
+    words = [f"{r:.2g}" for r in history]
+    return " ".join(words if len(words) <= 6 else [*words[:3], "...", *words[-3:]])
 
 
 def collapse(kinematics: Kinematics) -> str:

@@ -11,8 +11,20 @@ max |dx_i|/scale_i <= `converged` (1e-11; scale: size of the mechanism for posit
 parameters); the correction that passes the test is still applied, and since convergence is quadratic the position is
 accurate to rounding, while V and so the velocity are those of a configuration that differs by the last correction. An
 integrator may widen `converged` for its intermediate states, or narrow it, so that this difference does not disturb its
-error estimates; a correction that follows one below 1e-11 is as small as rounding allows and passes always. At most 20
-iterations; a correction that makes the residual grow is halved, at most 5 times.
+error estimates. At most 20 iterations; a correction that makes the residual grow is halved, at most 5 times.
+
+Rounding sets how small corrections and residuals can become. The numbers that enter a deformation are coordinates and
+deformations; with s = max(1, |x_i|/scale_i, |e_i|/scale_i) the scaled residual is known to
+
+    delta = 64 eps s
+
+(64: a few dozen operations make a deformation of a spatial beam). A correction that follows one below 1e-11 or delta is
+as small as rounding allows and passes always. With an ill-conditioned matrix D' a residual of delta makes corrections
+up to |D'^-1| delta, which may stay above both: two residuals below delta one after the other are therefore accepted as
+well, if the position is determined. It is not near a double root (a dead point), where the residual is eps while the
+position is wrong by sqrt(eps): Kantorovich's condition |D''| |D'^-1|^2 delta < 1 says that the root is single, and with
+|D''| about 1 in scaled quantities this is 1/|D'^-1| > sqrt(delta). The reciprocal condition of the scaled matrix stands
+for the left side.
 
 D(x) = e has several solutions (a rigid beam may point to either side), so a target is reached continuously: when an
 iteration fails, or ends farther than 0.8 model lengths or rad from where it began, the way to the target is halved, at
@@ -29,11 +41,14 @@ import numpy as np
 from spacar.kinematics.failure import Unplaced, count_failure, position_failure, singular_failure
 from spacar.kinematics.sweep import Sweep
 from spacar.linear_systems import SingularMatrixError, System, assemble
+from spacar.linear_systems.condition import reciprocal_condition
 from spacar.mechanism.mechanism import Array, Index, Mechanism
 
-CONVERGED = 1e-11  # largest scaled correction that ends Newton's iteration
+CONVERGED = 1e-11  # largest scaled correction that ends Newton's iteration: the relative error of velocities
+ROUNDING = 64.0 * float(np.finfo(float).eps)  # of the scaled residual, per unit of the numbers that enter it
 MAX_ITERATIONS = 20
 MAX_HALVINGS = 5
+GROWN = 1e-6  # a residual that grows but stays below needs no halving; says nothing about what is accepted
 LARGEST_JUMP = 0.8  # rad or model lengths between two configurations
 FARTHEST_GUESS = 0.5 * LARGEST_JUMP  # from farther Newton's method could end at another solution
 MAX_DEPTH = 10
@@ -181,12 +196,14 @@ class Kinematics:
         correction = np.zeros(len(c))
         halvings = 0
         size = np.inf
+        rounding = 0.0  # evaluated only when the usual test is not passed
         together = v_given is not None and self.velocity_map_is_position_map
         for iteration in range(1, MAX_ITERATIONS + 1):
             sweep.strain(x)
             residual = sweep.e[h] - target
             norm = largest(residual / self.h_scale)
-            if not norm < np.inf or (history and norm > 2.0 * history[-1] and norm > 1e-6):
+            grown = bool(history) and norm > 2.0 * history[-1]
+            if not norm < np.inf or (grown and norm > max(GROWN, self.rounding(x, target))):
                 if halvings == MAX_HALVINGS:
                     raise Unplaced(partial(position_failure, self, x, residual, history, iteration))
                 halvings += 1
@@ -208,7 +225,14 @@ class Kinematics:
             correction = solution[:, 0] if together else solution
             x[c] -= correction
             size, before = largest(correction / scale), size
-            if size <= self.converged or before <= CONVERGED:
+            if size > self.converged and before > CONVERGED:
+                rounding = self.rounding(x, target)
+            if (
+                size <= self.converged
+                or before <= CONVERGED
+                or before <= rounding
+                or (max(history[-2:]) <= rounding and len(history) > 1 and self._determined(rounding))
+            ):
                 self.x = x
                 self.iterations = iteration
                 if not self.velocity_map_is_position_map:
@@ -220,6 +244,19 @@ class Kinematics:
                 v[self.U] = solution[:, 1]
                 return v
         raise Unplaced(partial(position_failure, self, x, residual, history, MAX_ITERATIONS))
+
+    def rounding(self, x: Array, target: Array) -> float:
+        """How well the scaled residual of the position is known at x (nx,) for these given deformations (h,)."""
+        return ROUNDING * max(1.0, largest(x / self.scale), largest(target / self.h_scale))
+
+    def _determined(self, rounding: float) -> bool:
+        """Is the root that was found to rounding a single one? See the head of the module."""
+        c, take = self.c, self._position_take
+        rows, columns = self.sweep.v_rows[take], self.sweep.v_columns[take]
+        weight = np.abs(self.sweep.entries[take]) * self.scale[columns] / self.mechanism.deformation_scale[rows]
+        norm = largest(np.bincount(columns, weight))
+        rcond = reciprocal_condition(self.position_system, norm, 1.0 / self.h_scale, self.scale[c])
+        return rcond > np.sqrt(rounding)
 
     def refresh(self) -> None:
         """x was changed from outside: evaluate and factor there."""
