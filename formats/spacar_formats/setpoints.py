@@ -70,6 +70,7 @@ def _read(path: Path) -> tuple[Nominal, str | None]:
             raise UsageError(f"it is a result of mode {mode}", "files.not-mode-2")
         if not file.complete:
             raise UsageError("it is incomplete", "files.incomplete")
+        fixed, _, prescribed = np.ravel(file.header["NEP"])[:3].astype(int)
         nominal = Nominal(
             name=path.name,
             t=np.ravel(file.get("T")).astype(float),
@@ -84,7 +85,8 @@ def _read(path: Path) -> tuple[Nominal, str | None]:
             le=_table(file, "le"),
             ln=_table(file, "ln"),
             keywords=tuple(str(k) for k in file.header["ETYPE"]),
-            n_fixed=int(np.ravel(file.header["NEP"])[0]),
+            n_fixed=int(fixed),
+            n_given=int(fixed + prescribed),
         )
         return replace(nominal, u0=_inputs(path.with_suffix(".ltv"), len(nominal.t))), stale_note(file)
 

@@ -4,7 +4,8 @@
 
 All rows of q are kept; springs and dampers of prescribed deformations enter K0 and D0 as if these were free,
 while the geometric stiffness uses the stresses of the nominal (rigidified) motion. sigma0 are the stresses
-of the deformations that were fixed in mode 2 and are prescribed (zero) here.
+of the rigidified deformations: prescribed here, fixed or prescribed and at rest in mode 2, and no actuators
+(`spacar.inverse.ports`). It does not matter which of both the mode 2 file says.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from spacar.errors import Report, UsageError
 from spacar.forward.motion import at_time
 from spacar.frame import Frame
 from spacar.inverse.nominal import Nominal, NominalDrive
-from spacar.inverse.ports import ACCELERATIONS, NominalInputs, Ports
+from spacar.inverse.ports import ACCELERATIONS, NominalInputs, Ports, rigidified
 from spacar.inverse.trajectory import groups, loaded
 from spacar.linear.state_space import Signal, state_space
 from spacar.linearization.contractions import geometric_stiffness
@@ -40,11 +41,10 @@ class Along:
         n = mechanism.numbering
         self.nominal, self.report = nominal, report
         self.ports = Ports.of(mechanism)
-        self.drive = NominalDrive(nominal, n)
+        self.drive = NominalDrive(nominal, mechanism)
         self.x_columns = nominal.x_columns(n)
         self.e_columns = nominal.e_columns(n)
-        rows = np.arange(n.e_class["input"].start, n.e_class["input"].stop)
-        self.rigid = rows[self.e_columns[rows] < nominal.n_fixed]
+        self.rigid = rigidified(mechanism, self.ports, nominal.rests)
         self.inputs = NominalInputs(self.ports, mechanism, report, self.rigid)
         self.signals = [
             *(Signal("INPUTS" if s.kind == "NOMS" else "INPUTF", s.index, s.name) for s in self.ports.inputs),
@@ -59,7 +59,7 @@ class Along:
             )
         if not len(self.rigid):
             report.add(
-                "no deformation that was fixed in mode 2 is prescribed here: the linearization is that of"
+                "no deformation that is fixed or at rest in mode 2 is prescribed here: the linearization is that of"
                 " the rigid mechanism"
             )
         self.mechanism = mechanism

@@ -16,7 +16,7 @@ from spacar.forward.motion import at_time
 from spacar.frame import Frame
 from spacar.inverse.along import Along
 from spacar.inverse.nominal import Nominal, check_same_mechanism
-from spacar.inverse.ports import NominalInputs, Ports
+from spacar.inverse.ports import NominalInputs, Ports, rigidified
 from spacar.inverse.trajectory import Program, loaded, program
 from spacar.kinematics.condition import condition_number
 from spacar.kinematics.output import TransferOutput
@@ -37,7 +37,7 @@ def inverse(run: Run) -> Iterator[Frame]:
     output = TransferOutput(run)
     run.n_frames = len(work.times)
     run.header.update(NNOM=len(ports.inputs), NU=len(ports.inputs), NY=len(ports.outputs), **_names(ports))
-    nominal = NominalInputs(ports, mechanism, run.report)
+    nominal = NominalInputs(ports, mechanism, run.report, rigidified(mechanism, ports, work.rests))
     limits: Limits | None = None
     for dynamics, t in _placed(work, mechanism):
         if limits is None:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.errors import UsageError
-from spacar.mechanism.mechanism import DriveState
+from spacar.mechanism.mechanism import DriveState, Mechanism
 from spacar.mechanism.numbering import Numbering
 from spacar.modes import MODES
 
@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from spacar.result import Result
 
 Array = NDArray[np.float64]
+# A prescribed deformation that changes less, of its size, rests: the position keeps a prescribed value to 1e-11
+# and, far from the origin, the rounding of the coordinates; a motion that small would be lost in it.
+REST = float(np.sqrt(np.finfo(float).eps))
 
 
 @dataclass(frozen=True)
@@ -31,6 +34,7 @@ class Nominal:
     t         (steps,) [s];  x, xd, xdd (steps, nx);  e, ed, edd, sig (steps, ne)
     keywords  element type of every element number, "" where there is none
     n_fixed   number of fixed deformations: the first ones of e
+    n_given   the same with the prescribed ones, which follow them
     u0        (steps, inputs) nominal inputs, None when they are not known
     warnings  what the log of mode 3 must say about the source
     """
@@ -49,6 +53,7 @@ class Nominal:
     ln: NDArray[np.int64]
     keywords: tuple[str, ...]
     n_fixed: int
+    n_given: int
     u0: Array | None = None
     warnings: tuple[str, ...] = ()
 
@@ -63,7 +68,8 @@ class Nominal:
         return cls(
             name=result.mechanism.deck.source, t=result.t, x=result["x"], xd=result["xd"], xdd=result["xdd"],
             e=result["e"], ed=result["ed"], edd=result["edd"], sig=result["sig"],
-            lnp=n.lnp, le=n.le, ln=n.ln, keywords=keywords, n_fixed=int(n.nep[0]), u0=u0,
+            lnp=n.lnp, le=n.le, ln=n.ln, keywords=keywords,
+            n_fixed=n.e_class["fixed"].stop, n_given=n.e_class["input"].stop, u0=u0,
         )  # fmt: skip
 
     def __str__(self) -> str:
@@ -87,6 +93,13 @@ class Nominal:
         owners = [n.e_owner(i) for i in range(n.ne)]
         found = [self.le[element - 1, mode - 1] - 1 if element > 0 else -1 for element, mode in owners]
         return np.array(found, np.int64)
+
+    def rests(self, mechanism: Mechanism) -> NDArray[np.bool_]:
+        """(ne,) which deformations of a mechanism with the same elements are fixed here, or prescribed and rest."""
+        columns = self.e_columns(mechanism.numbering)
+        travel = np.abs(self.e[:, columns] - self.e[0, columns]).max(axis=0)
+        still = (columns < self.n_given) & (travel <= REST * mechanism.deformation_scale)
+        return (columns >= 0) & ((columns < self.n_fixed) | still)
 
 
 def check_same_mechanism(nominal: Nominal, n: Numbering) -> None:
@@ -115,18 +128,23 @@ def _described(element: tuple[str, tuple[int, ...]] | None) -> str:
 
 
 class NominalDrive:
-    """Prescribed motion at the steps of a nominal motion (and nowhere else), in the classes of a
-    mechanism.
+    """Prescribed motion at the steps of a nominal motion (and nowhere else), in the classes of a mechanism.
+
+    What rests there keeps exactly its value: the stored deformations have the error of the position, which a stiff
+    element would turn into a moment.
     """
 
     breaks: tuple[float, ...] = ()
 
-    def __init__(self, nominal: Nominal, n: Numbering) -> None:
-        self.t = nominal.t
+    def __init__(self, nominal: Nominal, mechanism: Mechanism) -> None:
+        self.t, n = nominal.t, mechanism.numbering
         xi = nominal.x_columns(n)[n.x_class["input"]]
         ei = nominal.e_columns(n)[n.e_class["input"]]
         self.x = np.stack((nominal.x[:, xi], nominal.xd[:, xi], nominal.xdd[:, xi]), axis=1)
         self.e = np.stack((nominal.e[:, ei], nominal.ed[:, ei], nominal.edd[:, ei]), axis=1)
+        still = nominal.rests(mechanism)[n.e_class["input"]]
+        self.e[:, 1:, still] = 0.0
+        self.e[:, 0, still] = np.where(ei < nominal.n_fixed, 0.0, nominal.e[0, ei])[still]
 
     def at(self, t: float) -> DriveState:
         k = int(np.argmin(np.abs(self.t - t)))

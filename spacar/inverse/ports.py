@@ -6,15 +6,21 @@ the actuated joints themselves included), are
 
     Q = W^T (M xdd + h - f) + We^T sigma_passive                                                          (22)
 
-and the nominal inputs follow from  [s_u We[NOMS]^T, W[NOMF]^T] u0 = Q (23).  In mode 3 the multipliers
-sigma0 of rigidified deformations are further unknowns: We[rigid]^T sigma0 is subtracted on the left.
+and the nominal inputs follow from  [s_u We[NOMS]^T, W[NOMF]^T] u0 = Q (23).
+
+A deformation that is prescribed, rests and is no actuator is *rigidified*: INPUTE in mode 2 or 3 for what is flexible
+in truth. It is a degree of freedom here, but takes no part in u0: (23) holds for the others, as in the rigid
+mechanism where it is fixed. Its own equation gives sigma0, the stress resultant that holds it, less its constitutive
+stress (a preload ESIG, or S e when it rests away from zero): what excites it once it is free (24).
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.forces import StressLaw
@@ -58,29 +64,44 @@ class Ports:
         return np.array([k for k, s in enumerate(self.outputs) if s.kind in SECOND_ORDER], np.int64)
 
 
+def rigidified(mechanism: Mechanism, ports: Ports, rests: Callable[[Mechanism], NDArray[np.bool_]]) -> Index:
+    """Rows of e that are prescribed, without a path (TRE) in this file, not an actuator, and at rest.
+
+    `rests` says of all deformations (ne,) whether they rest; it is asked only when there is one to be decided on.
+    """
+    n = mechanism.numbering
+    rows = np.arange(n.e_class["input"].start, n.e_class["input"].stop)
+    driven = [s.index for s in ports.inputs if s.kind == "NOMS"]
+    driven += [n.e_index(s.integer(0), 1) for s in mechanism.deck.of("TRE", block=3)]
+    rows = rows[~np.isin(rows, driven)]
+    return rows[rests(mechanism)[rows]] if len(rows) else rows
+
+
 class NominalInputs:
-    """Solves (23) at every step: `u0` and, for `rigid` rows of e, the stresses sigma0.
+    """Solves (23) at every step: `u0` and, for the rigidified rows `rigid` of e, sigma0.
 
     Raises AnalysisError 'inverse.inputs' when two inputs do the same or one does nothing. Fewer inputs than
-    degrees of freedom: least squares; more: minimum norm; both with a warning in the report.
+    degrees of freedom that are not rigidified: least squares; more: minimum norm; both with a warning in the report.
     """
 
-    def __init__(self, ports: Ports, mechanism: Mechanism, report: Report, rigid: Index | None = None) -> None:
+    def __init__(self, ports: Ports, mechanism: Mechanism, report: Report, rigid: Index) -> None:
         n = mechanism.numbering
         self.ports, self.report = ports, report
         self.residual = (0.0, 0.0)  # largest one, and when
-        self.rigid = np.zeros(0, np.int64) if rigid is None else rigid
+        self.rigid = rigid
         self.S = np.array([s.index for s in ports.inputs if s.kind == "NOMS"], np.int64)
         self.F = np.array([s.index for s in ports.inputs if s.kind == "NOMF"], np.int64)
         self.place = np.argsort([k for k, s in enumerate(ports.inputs) if s.kind == "NOMS"]
                                 + [k for k, s in enumerate(ports.inputs) if s.kind == "NOMF"])  # fmt: skip
         self.law = StressLaw.of(mechanism, mechanism.loads, first=n.e_class["input"].start)
+        self.prescribed = int(n.nep[2])
         self.elastic = np.zeros(n.ne, bool)
         self.elastic[n.e_class["input"].stop :] = True
         self.elastic[self.S] = True
-        self.elastic[self.rigid] = False
-        if len(ports.inputs) > n.ndof - len(self.rigid):
-            free = n.ndof - len(self.rigid)
+        self.elastic[self.rigid] = True
+        held = int(n.nxp[2] + n.nxp[3]) + self.rigid - n.e_class["input"].start  # among all degrees of freedom
+        self.held, self.free = held, np.setdiff1d(np.arange(n.ndof), held)
+        if len(ports.inputs) > (free := len(self.free)):
             report.add(
                 f"warning: {len(ports.inputs)} nominal inputs for {free} degrees of freedom: the smallest"
                 " inputs (minimum norm)"
@@ -89,13 +110,14 @@ class NominalInputs:
 
     def __call__(self, dynamics: Dynamics, frame: Frame) -> tuple[Array, Array]:
         """u0 (number of inputs,) and sigma0 (len(rigid),) at the placed state of `frame`."""
-        count = len(self.ports.inputs)
-        if not count:
-            return np.zeros(0), frame.sig[self.rigid].copy()
+        if not (self.ports.inputs or len(self.rigid)):
+            return np.zeros(0), np.zeros(0)
         sweep = dynamics.sweep
         W = velocity_transfer(dynamics.kinematics)
         V = sweep.gradient()
-        stress = np.where(self.elastic, self.law(frame.e, frame.ed), 0.0)
+        given, e = slice(self.law.first, self.law.first + self.prescribed), frame.e.copy()
+        e[given] = dynamics.kinematics.e_given[given]  # exact; e of the frame has the error of the position
+        stress = np.where(self.elastic, self.law(e, frame.ed), 0.0)
         user = None
         if dynamics.forces.user is not None:
             user = dynamics.forces.user(frame.t, frame.e, frame.ed, frame.x, frame.xd)
@@ -105,10 +127,9 @@ class NominalInputs:
         force += V.T @ stress
         Q = W.T @ force
         We = V @ W
-        columns = np.vstack((DRIVING_SIGN * We[self.S], W[self.F]))[self.place]
-        table = np.vstack((columns, -We[self.rigid])).T
-        solution = self._solve(table, Q, frame.t)
-        return solution[:count], solution[count:]
+        table = np.vstack((DRIVING_SIGN * We[self.S], W[self.F]))[self.place].T
+        u0 = self._solve(table[self.free], Q[self.free], frame.t) if self.ports.inputs else np.zeros(0)
+        return u0, table[self.held] @ u0 - Q[self.held]
 
     def apply(self, dynamics: Dynamics, frame: Frame, u0: Array) -> None:
         """Let the actuators carry the motion: stresses and total forces of the frame with u0 in place of the

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacar.deck import Deck, Statement
 from spacar.deck.table_io import PATHS, TRAJECTORIES
@@ -85,6 +86,14 @@ class Program:
     legs: tuple[Leg, ...]
     times: Array
     leg_of: Index = field(repr=False)
+
+    def rests(self, mechanism: Mechanism) -> NDArray[np.bool_]:
+        """(ne,) which prescribed deformations have the same value at all output times."""
+        place = mechanism.numbering.e_class["input"]
+        rests = np.zeros(mechanism.numbering.ne, bool)
+        values = np.array([self.drive.at(float(t)).e for t in self.times])
+        rests[place] = np.ptp(values, axis=0) == 0.0
+        return rests
 
 
 def program(mechanism: Mechanism, report: Report) -> Program:
