@@ -10,9 +10,10 @@ import numpy as np
 from spacar.dynamics.analysis import at_time, states
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.limits import Limits
+from spacar.errors import AnalysisError
 from spacar.frame import Frame
 from spacar.kinematics.output import TransferOutput
-from spacar.linear.buckling import NO_STRESS, buckling_modes, directional_compliances
+from spacar.linear.buckling import NO_STRESS, BucklingModes, buckling_modes, directional_compliances
 from spacar.linear.eigen import vibration_modes
 from spacar.linear.lowest import WANTED, lowest_buckling, lowest_vibration, sparse_compliances
 from spacar.linear.matrices import Linearization, linearize
@@ -60,7 +61,7 @@ def vibration_and_buckling(run: Run) -> Iterator[Frame]:
     """Mode 10: modes 7 and 8 at every stored load step."""
     for solution in stationary(run):
         _store_vibration(run, solution)
-        _store_buckling(run, solution)
+        _store_buckling(run, solution, required=False)
         yield solution.frame
 
 
@@ -160,23 +161,36 @@ def _store_vibration(run: Run, solution: Solution) -> None:
     store["eigvre"], store["eigvim"] = modes.vectors.real, modes.vectors.imag
 
 
-def _store_buckling(run: Run, solution: Solution) -> None:
+def _store_buckling(run: Run, solution: Solution, required: bool = True) -> None:
+    """Compliances, load multipliers, modes. Not `required`: where there are no multipliers they are nan, and why is
+    said.
+    """
     frame, dynamic = solution.frame, run.mechanism.numbering.dynamic
     if not len(dynamic):
         frame.xcompl = np.zeros(run.mechanism.numbering.nx)
         run.report.add("no dynamic degrees of freedom: there are no load multipliers")
         return
-    if solution.tangent is not None:
-        frame.xcompl = sparse_compliances(solution.tangent)
-        modes = lowest_buckling(solution.tangent, run.report)
-        if not len(modes.multipliers):
-            run.report.add(NO_STRESS)
+    tangent, L = solution.tangent, solution.L
+    if tangent is not None:
+        frame.xcompl = sparse_compliances(tangent)
     else:
-        L = solution.L
         assert L is not None
         frame.xcompl = directional_compliances(L, dynamic, run.report)
-        block = np.ix_(dynamic, dynamic)
-        modes = buckling_modes(L.k0[block], L.g0[block], run.report)
+    try:
+        if tangent is not None:
+            modes = lowest_buckling(tangent, run.report)
+            if not len(modes.multipliers):
+                run.report.add(NO_STRESS)
+        else:
+            assert L is not None
+            block = np.ix_(dynamic, dynamic)
+            modes = buckling_modes(L.k0[block], L.g0[block], run.report)
+    except AnalysisError as error:
+        if required:
+            raise
+        run.report.add(f"warning: no load multipliers, they are stored as nan: {error}")
+        n = len(dynamic) if tangent is None else min(WANTED, len(dynamic))
+        modes = BucklingModes(np.full(n, np.nan), np.full((len(dynamic), n), np.nan))
     frame.matrices["lmult"], frame.matrices["bmode"] = modes.multipliers, modes.modes
 
 
