@@ -15,6 +15,7 @@ from spacar.frame import Frame
 from spacar.kinematics.output import TransferOutput
 from spacar.linear.buckling import NO_STRESS, BucklingModes, buckling_modes, directional_compliances
 from spacar.linear.eigen import vibration_modes
+from spacar.linear.idle_inputs import IdleInputs
 from spacar.linear.lowest import WANTED, lowest_buckling, lowest_vibration, sparse_compliances
 from spacar.linear.matrices import Linearization, linearize
 from spacar.linear.signals import linearization_signals
@@ -31,6 +32,7 @@ def forward(run: Run) -> Iterator[Frame]:
     """Mode 4: forward dynamics, linearized at every output step."""
     output = TransferOutput(run)
     inputs, outputs = _announce(run)
+    idle = IdleInputs(inputs)
     limits: Limits | None = None
     for dynamics, t, y, statistics in states(run):
         limits = limits or Limits(dynamics, run.report)
@@ -40,7 +42,9 @@ def forward(run: Run) -> Iterator[Frame]:
         L = linearize(dynamics, frame.xdd, frame.sig, t=t)
         _store_matrices(frame, L, dynamics)
         _store_state_space(frame, L, dynamics, inputs, outputs)
+        idle.see(dynamics, L)
         yield output.add(frame, dynamics.kinematics)
+    run.report.lines.extend(idle.lines())
 
 
 def eigenvalues(run: Run) -> Iterator[Frame]:
@@ -68,10 +72,13 @@ def vibration_and_buckling(run: Run) -> Iterator[Frame]:
 def state_space_matrices(run: Run) -> Iterator[Frame]:
     """Mode 9: stationary solution, state space matrices."""
     inputs, outputs = _announce(run)
+    idle = IdleInputs(inputs)
     for solution in stationary(run, reducible=False):
         assert solution.L is not None
         _store_state_space(solution.frame, solution.L, solution.dynamics, inputs, outputs)
+        idle.see(solution.dynamics, solution.L)
         yield solution.frame
+    run.report.lines.extend(idle.lines())
 
 
 @dataclass(frozen=True)
