@@ -2,7 +2,7 @@
 
 Modes 7 and 10 store eigenvalues and eigenvectors; for modes 3, 4 and 9 they are computed here from the stored matrices,
 
-    A = [Bk0 Ak0; -M0^-1 (K0 + N0 + G0)  -M0^-1 (C0 + D0)]    (without Ak0, Bk0: [0 I] in the first rows)
+    A = [Bk0 Ak0; -M0^-1 (K0 + N0 + G0)  -M0^-1 (C0 + D0)]    (mode 3 stores no Ak0, Bk0: [0 I] in the first rows)
 """
 
 from __future__ import annotations
@@ -14,7 +14,8 @@ from pathlib import Path
 import numpy as np
 
 from spacar.deck import ELEMENT_TYPES
-from spacar.errors import UsageError
+from spacar.errors import Report, UsageError
+from spacar.linear.eigen import modes_of_matrices
 from spacar_formats.locate import notes, open_result
 from spacar_formats.sbf import SbfFile
 
@@ -42,14 +43,18 @@ class Vibration:
 def read_vibrations(name: str | os.PathLike[str]) -> tuple[list[Vibration], list[str], list[str]]:
     """Eigenvalues of all steps, names of the configuration part of the state, warnings about the file.
 
-    Raises UsageError when the file is missing or holds neither eigenvalues nor matrices.
+    Raises UsageError when the file is missing or holds neither eigenvalues nor matrices, AnalysisError for a singular
+    mass matrix.
     """
     with open_result(name, "sbm") as file:
         stored = file.has("eigval")
         if not stored and not file.has("m0"):
             raise UsageError(f"{file.path} holds no eigenvalues and no matrices: run mode 7 or 10", "eigen.missing")
-        steps = [(_stored if stored else _computed)(file, k) for k in range(1, file.steps + 1)]
-        return steps, names_beside(file.path), notes(file)
+        report = Report()
+        numbers = range(1, file.steps + 1)
+        steps = [_stored(file, k) if stored else _computed(file, k, report) for k in numbers]
+        told = [line.removeprefix("warning: ") for line in report.lines]
+        return steps, names_beside(file.path), [*notes(file), *told]
 
 
 def names_beside(path: Path) -> list[str]:
@@ -62,9 +67,13 @@ def names_beside(path: Path) -> list[str]:
         lnp, le, keywords = file.get("lnp"), file.get("le"), file.get("etype")
         assert isinstance(lnp, np.ndarray)
         assert isinstance(le, np.ndarray)
-        x_start, e_start = int(nxp[:3].sum()), int(nep[0] + nep[2])
-        x = [_coordinate(lnp, i) for i in range(x_start + 1, x_start + nxp[3] + nxp[4] + 1)]
-        e = [_deformation(le, list(keywords), i) for i in range(e_start + 1, e_start + nep[3] + nep[4] + 1)]
+        x_start, e_start = int(nxp[:2].sum()), int(nep[0])
+        x = [_coordinate(lnp, i) for i in range(x_start + 1, x_start + nxp[2:].sum() + 1)]
+        e = [_deformation(le, list(keywords), i) for i in range(e_start + 1, e_start + nep[2:].sum() + 1)]
+        mode = int(np.ravel(file.header["MODE"])[0])
+    if mode == 3:  # all degrees of freedom are prescribed and states
+        return x + e
+    x, e = x[nxp[2] :], e[nep[2] :]
     return x[: nxp[3]] + e[: nep[3]] + x[nxp[3] :] + e[nep[3] :]
 
 
@@ -96,12 +105,10 @@ def _stored(file: SbfFile, step: int) -> Vibration:
     return Vibration(_time(file, step), values[:, 0] + 1j * values[:, 1], vectors)
 
 
-def _computed(file: SbfFile, step: int) -> Vibration:
+def _computed(file: SbfFile, step: int, report: Report) -> Vibration:
     M, C, D, K, N, G = (_matrix(file, k, step) for k in ("m0", "c0", "d0", "k0", "n0", "g0"))
-    n, nk = K.shape
-    A = np.zeros((nk + n, nk + n))
-    A[:nk, :nk], A[:nk, nk:] = _matrix(file, "bk0", step), _matrix(file, "ak0", step)
-    A[nk:] = -np.linalg.solve(M, np.hstack((K + N + G, C + D)))
-    values, vectors = np.linalg.eig(A)
-    order = np.lexsort((-values.imag, -np.abs(values.imag), -np.round(np.abs(values), 10)))
-    return Vibration(_time(file, step), values[order], vectors[:, order])
+    n, ns = K.shape
+    kinematic = (_matrix(file, "ak0", step), _matrix(file, "bk0", step)) if file.has("ak0") else None
+    ak0, bk0 = kinematic or (np.eye(ns, n), np.zeros((ns, ns)))
+    modes = modes_of_matrices(M, C + D, K + N + G, ak0, bk0, report)
+    return Vibration(_time(file, step), modes.values, modes.vectors)

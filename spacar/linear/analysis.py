@@ -9,12 +9,14 @@ import numpy as np
 
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.limits import Limits
+from spacar.errors import AnalysisError
 from spacar.forward.motion import at_time, states
 from spacar.frame import Frame
 from spacar.kinematics.condition import condition_number
 from spacar.kinematics.output import TransferOutput
-from spacar.linear.buckling import NO_STRESS, buckling_modes, directional_compliances
+from spacar.linear.buckling import NO_STRESS, BucklingModes, buckling_modes, directional_compliances
 from spacar.linear.eigen import vibration_modes
+from spacar.linear.idle_inputs import IdleInputs
 from spacar.linear.lowest import WANTED, lowest_buckling, lowest_vibration, sparse_compliances
 from spacar.linear.signals import linearization_signals
 from spacar.linear.state_space import Signal, chosen_rows, has_feedthrough, state_space
@@ -31,6 +33,7 @@ def forward(run: Run) -> Iterator[Frame]:
     """Mode 4: forward dynamics, linearized at every output step."""
     output = TransferOutput(run)
     inputs, outputs = _announce(run)
+    idle = IdleInputs(inputs)
     limits: Limits | None = None
     for dynamics, t, y, statistics in states(run):
         limits = limits or Limits(dynamics, run.report)
@@ -40,7 +43,9 @@ def forward(run: Run) -> Iterator[Frame]:
         L = linearize(dynamics, frame.xdd, frame.sig, t=t)
         _store_matrices(frame, L, dynamics)
         _store_state_space(frame, L, dynamics, inputs, outputs)
+        idle.see(dynamics, L)
         yield output.add(frame, dynamics.kinematics)
+    run.report.lines.extend(idle.lines())
 
 
 def eigenvalues(run: Run) -> Iterator[Frame]:
@@ -61,17 +66,20 @@ def vibration_and_buckling(run: Run) -> Iterator[Frame]:
     """Mode 10: modes 7 and 8 at every stored load step."""
     for solution in stationary(run):
         _store_vibration(run, solution)
-        _store_buckling(run, solution)
+        _store_buckling(run, solution, required=False)
         yield solution.frame
 
 
 def state_space_matrices(run: Run) -> Iterator[Frame]:
     """Mode 9: stationary solution, state space matrices."""
     inputs, outputs = _announce(run)
+    idle = IdleInputs(inputs)
     for solution in stationary(run, reducible=False):
         assert solution.L is not None
         _store_state_space(solution.frame, solution.L, solution.dynamics, inputs, outputs)
+        idle.see(solution.dynamics, solution.L)
         yield solution.frame
+    run.report.lines.extend(idle.lines())
 
 
 @dataclass(frozen=True)
@@ -161,23 +169,36 @@ def _store_vibration(run: Run, solution: Solution) -> None:
     store["eigvre"], store["eigvim"] = modes.vectors.real, modes.vectors.imag
 
 
-def _store_buckling(run: Run, solution: Solution) -> None:
+def _store_buckling(run: Run, solution: Solution, required: bool = True) -> None:
+    """Compliances, load multipliers, modes. Not `required`: where there are no multipliers they are nan, and why is
+    said.
+    """
     frame, dynamic = solution.frame, run.mechanism.numbering.dynamic
     if not len(dynamic):
         frame.xcompl = np.zeros(run.mechanism.numbering.nx)
         run.report.add("no dynamic degrees of freedom: there are no load multipliers")
         return
-    if solution.tangent is not None:
-        frame.xcompl = sparse_compliances(solution.tangent)
-        modes = lowest_buckling(solution.tangent, run.report)
-        if not len(modes.multipliers):
-            run.report.add(NO_STRESS)
+    tangent, L = solution.tangent, solution.L
+    if tangent is not None:
+        frame.xcompl = sparse_compliances(tangent)
     else:
-        L = solution.L
         assert L is not None
         frame.xcompl = directional_compliances(L, dynamic, run.report)
-        block = np.ix_(dynamic, dynamic)
-        modes = buckling_modes(L.k0[block], L.g0[block], run.report)
+    try:
+        if tangent is not None:
+            modes = lowest_buckling(tangent, run.report)
+            if not len(modes.multipliers):
+                run.report.add(NO_STRESS)
+        else:
+            assert L is not None
+            block = np.ix_(dynamic, dynamic)
+            modes = buckling_modes(L.k0[block], L.g0[block], run.report)
+    except AnalysisError as error:
+        if required:
+            raise
+        run.report.add(f"warning: no load multipliers, they are stored as nan: {error}")
+        n = len(dynamic) if tangent is None else min(WANTED, len(dynamic))
+        modes = BucklingModes(np.full(n, np.nan), np.full((len(dynamic), n), np.nan))
     frame.matrices["lmult"], frame.matrices["bmode"] = modes.multipliers, modes.modes
 
 

@@ -57,7 +57,7 @@ def buckling_modes(K0: Array, G0: Array, report: Report) -> BucklingModes:
         mu, modes = _general(K, G, report)
     modes = modes * scale[:, None]
     modes = modes / np.linalg.norm(modes, axis=0)
-    infinite = np.abs(mu) <= NOTHING * np.max(np.abs(mu))
+    infinite = np.abs(mu) <= NOTHING * np.max(np.abs(mu[np.isfinite(mu)]), initial=0.0)
     multipliers = np.where(infinite, np.inf, 1.0 / np.where(infinite, 1.0, mu))
     finite = np.isfinite(multipliers)
     eta = backward_error.of_pencil(K0, -G0, multipliers[finite], modes[:, finite], scale)
@@ -76,7 +76,7 @@ def order_of(multipliers: Array) -> Index:
 
 
 def _general(K: Array, G: Array, report: Report) -> tuple[Array, Array]:
-    """K0 indefinite or a matrix not symmetric: real solutions of the general problem."""
+    """K0 indefinite or a matrix not symmetric: real solutions of the general problem, mu infinite where K0 v = 0."""
     from scipy.linalg import eig
 
     of_G, of_K = (float(np.linalg.norm(A)) or 1.0 for A in (G, K))
@@ -91,17 +91,15 @@ def _general(K: Array, G: Array, report: Report) -> tuple[Array, Array]:
             "buckling.singular",
         )
     with np.errstate(divide="ignore"):
-        mu = np.where(np.abs(beta) > 1e-15 * size, alpha / np.where(beta == 0, 1.0, beta) * (of_G / of_K), np.inf)
+        mu = np.where(np.abs(beta) > rounding * size, alpha / np.where(beta == 0, 1.0, beta) * (of_G / of_K), np.inf)
     complex_values = np.abs(mu.imag) > np.sqrt(rounding) * np.abs(mu)  # a double value is known to half of the digits
     if complex_values.any():
         report.add(
             f"{int(complex_values.sum())} load multipliers are complex (follower loads): they are shown as infinite"
         )
     mu = np.where(complex_values, 0.0, mu.real)
-    finite = np.isfinite(mu)
-    if not finite.all():
+    if not np.isfinite(mu).all():
         report.add("the stiffness matrix K0 is singular: a load multiplier is zero")
-        mu = np.where(finite, mu, np.sign(mu) * 1e300)
     return mu, vectors.real
 
 

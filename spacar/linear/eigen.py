@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
 from spacar.linearization.matrices import Linearization
-from spacar.linearization.state_matrix import state_matrix
+from spacar.linearization.state_matrix import assembled_state_matrix
 from spacar.mechanism.mechanism import Array, Index
 
 Complex = NDArray[np.complex128]
@@ -51,10 +51,18 @@ def is_zero(values: Complex) -> NDArray[np.bool_]:
 def vibration_modes(L: Linearization, q: Index, s: Index, report: Report) -> Modes:
     """All eigenvalues and eigenvectors about the linearization point for the rows q, s (see chosen_rows)."""
     M, C, K = L.m0[np.ix_(q, q)], L.damping[np.ix_(q, q)], L.stiffness[np.ix_(q, s)]
-    if len(q) == len(s) and is_symmetric(K) and is_symmetric(M):
+    return modes_of_matrices(M, C, K, L.ak0[np.ix_(s, q)], L.bk0[np.ix_(s, s)], report)
+
+
+def modes_of_matrices(M: Array, C: Array, K: Array, ak0: Array, bk0: Array, report: Report) -> Modes:
+    """The same from M, C (q, q), K (q, s) and the kinematic matrices ak0 (s, q), bk0 (s, s).
+
+    Raises AnalysisError for a singular or indefinite mass matrix.
+    """
+    if K.shape[0] == K.shape[1] and is_symmetric(K) and is_symmetric(M):
         return damped_modes(K, C, M, report) if _matters(C, M, K) else undamped_modes(K, M, report)
-    values, vectors = _eig(state_matrix(L, q, s), report)
-    return arranged(values, vectors, len(s))
+    values, vectors = _eig(assembled_state_matrix(M, C, K, ak0, bk0), report)
+    return arranged(values, vectors, K.shape[1])
 
 
 def damped_modes(K: Array, C: Array, M: Array, report: Report) -> Modes:

@@ -98,10 +98,14 @@ def sparse_compliances(tangent: SparseTangent) -> Array:
 
 def _shift(tangent: SparseTangent, wanted: int) -> float:
     """s > 0 with s^2 = a hundredth of the highest wanted omega^2, from upper bounds that two iterations give."""
-    K = max(float(np.max(S)) for S in (b.family.stiffness()[0] for b in tangent.elastic))
+    springs = [b.family.stiffness()[0] for b in tangent.elastic]
+    loading = [tangent.parts[k].values() for k in LOADING]  # all that a pendulum has
+    K = max(float(np.max(np.abs(S), initial=0.0)) for S in (springs or loading))
     M = float(np.max(np.abs(tangent.parts["mass"].values()), initial=0.0))
     if M == 0.0:
         raise AnalysisError("singular mass matrix: the system carries no mass; add XM or EM", "dynamics.singular-mass")
+    if K == 0.0:
+        return 1.0  # nothing restores anything: all eigenvalues are zero, any shift will do
     square = 1e-6 * K / M
     for _ in range(12):
         operator = _squared(tangent, square)

@@ -24,13 +24,15 @@ def chosen_rows(L: Linearization, dynamics: Dynamics, everything: bool = False) 
 
 def state_matrix(L: Linearization, q: Index, s: Index) -> Array:
     """A of (15). Raises AnalysisError when the mass matrix of the rows q is singular."""
-    nq, ns = len(q), len(s)
-    M = L.m0[np.ix_(q, q)]
-    lower = -solve_mass(M, np.hstack((L.stiffness[np.ix_(q, s)], L.damping[np.ix_(q, q)])))
-    A = np.zeros((ns + nq, ns + nq))
-    A[:ns, :ns], A[:ns, ns:] = L.bk0[np.ix_(s, s)], L.ak0[np.ix_(s, q)]
-    A[ns:] = lower
-    return A
+    return assembled_state_matrix(
+        L.m0[np.ix_(q, q)], L.damping[np.ix_(q, q)], L.stiffness[np.ix_(q, s)],
+        L.ak0[np.ix_(s, q)], L.bk0[np.ix_(s, s)],
+    )  # fmt: skip
+
+
+def assembled_state_matrix(M: Array, C: Array, K: Array, ak0: Array, bk0: Array) -> Array:
+    """A of (15) from M, C (q, q), K (q, s), ak0 (s, q), bk0 (s, s). Raises AnalysisError when M is singular."""
+    return np.block([[bk0, ak0], [-solve_mass(M, np.hstack((K, C)))]])
 
 
 def solve_mass(M: Array, b: Array) -> Array:

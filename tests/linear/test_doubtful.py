@@ -75,3 +75,11 @@ def test_antisymmetric_geometric_stiffness_gives_ordered_pairs(sign):
     G = Q.T @ np.block([[np.zeros((3, 3)), g], [g, np.zeros((3, 3))]]) @ Q
     modes = buckling_modes(np.eye(6), sign * (G + G.T) / 2, Report())
     assert np.allclose(modes.multipliers, [0.5, -0.5, 1.0, -1.0, 2.0, -2.0], rtol=1e-12)
+
+
+def test_a_singular_stiffness_leaves_the_other_multipliers():
+    """K0 v = 0 with geometric stiffness along v: the multiplier 0, and those of the rest as they are."""
+    report = Report()
+    modes = buckling_modes(np.diag([0.0, 2.0, 3.0]), np.diag([1.0, -1.0, 0.0]), report)
+    assert modes.multipliers == pytest.approx([0.0, 2.0, np.inf], abs=1e-14)
+    assert any("singular" in line for line in report.lines)

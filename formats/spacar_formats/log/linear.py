@@ -71,13 +71,14 @@ def eigenvalues(n: Numbering, frame: Frame) -> list[str]:
 
 
 def buckling(n: Numbering, frame: Frame) -> list[str]:
-    """Load multipliers in the order of increasing modulus and the normalized buckling modes."""
+    """Load multipliers in their order (increasing modulus) and the normalized buckling modes."""
     m = frame.matrices
     if "lmult" not in m:
         return []
     values = np.ravel(m["lmult"])
-    order = np.argsort(np.abs(values), kind="stable")
-    rows = [[k, real(float(values[i])) if np.isfinite(values[i]) else "infinite"] for k, i in enumerate(order, 1)]
+    if np.all(np.isnan(values)) and len(values):
+        return ["Load multipliers: none, see the warnings at the end", ""]
+    rows = [[k, real(float(v)) if np.isfinite(v) else "infinite"] for k, v in enumerate(values, 1)]
     lines = [
         "Load multipliers (negative: the load reversed)",
         "",
@@ -88,7 +89,7 @@ def buckling(n: Numbering, frame: Frame) -> list[str]:
     if modes is None or not np.size(modes):
         return lines
     heads = [f"mode {k + 1}" for k in range(len(values))]
-    modes = np.asarray(modes).reshape(-1, len(values))[:, order]
+    modes = np.asarray(modes).reshape(-1, len(values))
     return [*lines, "Buckling modes, Euclidean norm 1", "", *matrix(modes, dynamic_names(n), heads)]
 
 
