@@ -18,6 +18,8 @@ def draw(
     from matplotlib.figure import Figure
     from matplotlib.ticker import LogFormatterSciNotation, LogLocator
 
+    from spacar_cli.drawing.files import save
+
     figure = Figure(figsize=(10, 4.5), layout="constrained")
     FigureCanvasAgg(figure)
     left, right = figure.subplots(1, 2, sharey=True)
@@ -42,7 +44,7 @@ def draw(
     right.set_xlabel("elements a beam" if stationary else "right-hand sides")
     left.legend(fontsize="small")
     figure.suptitle(title)
-    figure.savefig(path, dpi=120)
+    save(figure, path, dpi=120.0)
 
 
 def _curves(entries: Sequence[Entry]) -> dict[str, list[Entry]]:

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import click
 
-from spacar.errors import UsageError
 from spacar_cli.drawing.options import OUTPUT
 from spacar_cli.environment import Environment
 
@@ -55,6 +54,8 @@ def command(
 
     Without --output the picture is NAME_plot.png beside the result.
     """
+    from spacar_formats.safety import write_text
+
     from spacar_cli.drawing.expressions import evaluate
     from spacar_cli.drawing.files import check_name, save
     from spacar_cli.drawing.history import csv_text, history_figure
@@ -73,10 +74,7 @@ def command(
         if str(csv_file) == "-":
             environment.stdout.write(text)
         else:
-            try:
-                csv_file.write_text(text, "utf-8")
-            except OSError as error:
-                raise UsageError(f"cannot write {csv_file}: {error.strerror}", "plot.write") from None
+            write_text(csv_file, text)
             environment.say(str(csv_file))
     if not outputs and not show:
         return
