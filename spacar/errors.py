@@ -5,6 +5,30 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+LONGEST_LINE = 1000
+
+
+def shown(text: str) -> str:
+    """Text as it may stand on a terminal and in a log: control characters, and other signs that are not printed, are
+    escaped; of a line that is too long the beginning and the end are kept."""
+    if len(text) <= LONGEST_LINE and text.isprintable():
+        return text
+    return "\n".join(map(_line, escaped(text).split("\n")))
+
+
+def escaped(text: str) -> str:
+    """The text with control characters and other signs that are not printed as escapes; ends of lines and tabs stay."""
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() or c in "\n\t" else ascii(c)[1:-1] for c in text)
+
+
+def _line(line: str) -> str:
+    if len(line) <= LONGEST_LINE:
+        return line
+    keep = LONGEST_LINE // 2
+    return f"{line[:keep]} ... ({len(line) - 2 * keep} characters left out) ... {line[-keep:]}"
+
 
 @dataclass(frozen=True, slots=True)
 class Message:
@@ -20,7 +44,7 @@ class Message:
     def __str__(self) -> str:
         place = self.file if self.line is None else f"{self.file}:{self.line}"
         subject = f"{self.keyword}: " if self.keyword else ""
-        return f"{self.severity}: {place}: {subject}{self.text}"
+        return shown(f"{self.severity}: {place}: {subject}{self.text}")
 
 
 class SpacarError(Exception):
@@ -29,7 +53,7 @@ class SpacarError(Exception):
     exit_status = 1
 
     def __init__(self, text: str, code: str = "failure", **data: Any) -> None:
-        super().__init__(text)
+        super().__init__(shown(text))
         self.code = code
         self.data = data
 

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
+from itertools import islice
 from typing import Any
 
 from spacar.errors import UsageError
 from spacar.studies.workers import Lost
 
 PATIENCE = "10s"
+AHEAD = 4  # cases handed over for every thread of the cluster: workers that come later get work, too
+FEWEST = 256
 
 
-def run_on_cluster(function: Callable[[Any], Any], cases: Sequence[Any], scheduler: str) -> Iterator[tuple[Any, Any]]:
+def run_on_cluster(function: Callable[[Any], Any], cases: Iterable[Any], scheduler: str) -> Iterator[tuple[Any, Any]]:
     """Outcomes of function(case) as they finish on the cluster at `scheduler` (host:port or a scheduler file).
 
     Scheduler and workers need spacar, the workers also the files that the model refers to, under the same path. A case
@@ -29,10 +32,19 @@ def run_on_cluster(function: Callable[[Any], Any], cases: Sequence[Any], schedul
     except (OSError, ValueError) as error:
         raise UsageError(f"no Dask scheduler answers at {scheduler}: {error}", "study.dask") from None
     with client:
-        futures = client.map(function, list(cases), pure=False)
-        case_of = {future.key: case for future, case in zip(futures, cases, strict=True)}
-        for future in as_completed(futures):
-            case = case_of[future.key]
+        coming = iter(cases)
+        case_of: dict[str, Any] = {}
+
+        def hand_over(count: int) -> list[Any]:
+            chosen = list(islice(coming, count))
+            futures: list[Any] = client.map(function, chosen, pure=False)
+            case_of.update((future.key, case) for future, case in zip(futures, chosen, strict=True))
+            return futures
+
+        under_way = as_completed(hand_over(max(FEWEST, AHEAD * sum(client.nthreads().values()))))
+        for future in under_way:
+            under_way.update(hand_over(1))
+            case = case_of.pop(future.key)
             if future.status == "finished":
                 yield case, future.result()
             else:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import os
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TextIO
+
+from spacar.errors import escaped
 
 RED, YELLOW = "31", "33"
 
@@ -36,8 +40,31 @@ class Environment:
 
     def say(self, text: str) -> None:
         """One line for the user of the result: standard output."""
-        print(text, file=self.stdout, flush=True)
+        print(escaped(text), file=self.stdout, flush=True)
 
     def tell(self, text: str) -> None:
-        """One line about the work itself: standard error."""
-        print(text, file=self.stderr, flush=True)
+        """One line about the work itself: standard error. Work goes on when nobody can be told."""
+        with contextlib.suppress(OSError):
+            print(text, file=self.stderr, flush=True)
+
+
+def open_missing_streams() -> None:
+    """A process may be started without standard streams (`2>&-`): they become the null device.
+
+    Otherwise the next file that is opened would get the number of the stream, and what is meant for the screen would
+    be written into it. What the encoding of the screen does not have is written as an escape.
+    """
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        stream = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115 (for as long as the process)
+        elif mode == "w" and isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+
+
+def give_up_output() -> None:
+    """Nothing more can be written to standard output (a full disk): what waits there is dropped."""
+    with contextlib.suppress(OSError, ValueError):
+        null = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(null, sys.stdout.fileno())
+        os.close(null)

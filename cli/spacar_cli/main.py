@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import gc
 import re
 import sys
@@ -15,11 +16,12 @@ import click
 
 import spacar
 from spacar.modes import MODES
-from spacar_cli.environment import Environment
+from spacar_cli.environment import Environment, give_up_output, open_missing_streams
 from spacar_cli.status import ExitStatus, tell, tell_error
 from spacar_cli.table import COMMANDS
 
 MODE = re.compile(r"[+-]?\d+")
+REFUSED = (errno.ENOSPC, errno.EBADF, errno.EIO, errno.EFBIG)  # of standard output: files are named in their errors
 HELP = {"help_option_names": ["-h", "--help"]}
 
 
@@ -99,6 +101,8 @@ def main(arguments: Sequence[str] | None = None, environment: Environment | None
     """Run one command line (default: that of the process) and return its exit status. Raises only with
     --debug."""
     words = list(sys.argv[1:] if arguments is None else arguments)
+    if environment is None:
+        open_missing_streams()
     env = environment or Environment()
     if "--debug" in words:
         env = replace(env, debug=True)
@@ -108,6 +112,7 @@ def main(arguments: Sequence[str] | None = None, environment: Environment | None
     with redirect_stdout(env.stdout), redirect_stderr(env.stderr):
         try:
             outcome = program.main(words, prog_name="spacar", standalone_mode=False, obj=env)
+            env.stdout.flush()
             return int(outcome or ExitStatus.DONE)
         except click.UsageError as error:
             if error.ctx is not None:
@@ -123,6 +128,10 @@ def main(arguments: Sequence[str] | None = None, environment: Environment | None
         except SystemExit as stop:  # click: the reader of our output has gone away
             return stop.code if isinstance(stop.code, int) else ExitStatus.FAILED
         except Exception as error:
+            if isinstance(error, OSError) and error.filename is None and error.errno in REFUSED:
+                give_up_output()
+                tell(env, "error", f"cannot write to standard output: {error.strerror or error}")
+                return ExitStatus.FAILED
             if env.debug:
                 raise
             return tell_error(env, error)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import TYPE_CHECKING
 
-from spacar.errors import InputError, SpacarError
+from spacar.errors import InputError, SpacarError, shown
 from spacar_cli.environment import RED, YELLOW, Environment
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def tell_messages(environment: Environment, messages: Sequence[Message], severit
 
 def tell(environment: Environment, severity: str, text: str) -> None:
     """`severity: text`; further lines of a long explanation are indented below the first."""
-    first, *rest = text.splitlines() or [""]
+    first, *rest = shown(text).splitlines() or [""]
     colour = {"error": RED, "warning": YELLOW}.get(severity)
     label = environment.paint(f"{severity}:", colour) if colour else f"{severity}:"
     environment.tell("\n".join([f"{label} {first}", *(f"  {line}" for line in rest)]))

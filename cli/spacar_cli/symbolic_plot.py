@@ -36,9 +36,11 @@ def default_names(run: Run) -> list[str]:
 
 def save_plots(run: Run, stem: Path, names: Iterable[str] | None = None) -> list[Path]:
     """Write STEM-NAME.png for every quantity; returns the paths."""
+    from spacar_drawing.files import save
+
     chosen = list(names) if names is not None else default_names(run)
     paths = []
     for name, figure in zip(chosen, plot(run, chosen), strict=True):
         paths.append(stem.with_name(f"{stem.name}-{name}.png"))
-        figure.savefig(paths[-1], dpi=150)
+        save(figure, paths[-1])
     return paths

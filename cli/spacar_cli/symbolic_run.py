@@ -10,6 +10,8 @@ from spacar.errors import AnalysisError, SpacarError, UsageError
 from spacar_cli.symbolic_text import description, equations_text
 
 if TYPE_CHECKING:
+    from spacar_formats.claim import Claim
+
     from spacar.symbolic.equations import Equations
     from spacar.symbolic.program import Program
     from spacar.symbolic.run import Run
@@ -32,7 +34,29 @@ def simulate_model(
     `changes` replace parameter or start values, `wishes` settings of the model (None: not wished). Raises UsageError
     for names that the model does not have, AnalysisError when the integration stops.
     """
+    from spacar_formats.claim import Claim
+
     values, start = _changed(model, changes)
+    log, sbd = (model.path.with_suffix(ending) for ending in (".log", ".sbd"))
+    claim = Claim(sbd)
+    try:
+        return _simulate(model, strategy, values, start, wishes, compiled, plot, show, log, claim)
+    finally:
+        claim.release()
+
+
+def _simulate(
+    model: Model,
+    strategy: str,
+    values: dict[str, float],
+    start: dict[str, float],
+    wishes: dict[str, Any],
+    compiled: bool,
+    plot: bool,
+    show: bool,
+    log: Path,
+    claim: Claim,
+) -> list[str]:
     settings = DEFAULTS | model.settings | {key: value for key, value in wishes.items() if value is not None}
     try:
         eq = model.system.derive(strategy)
@@ -45,11 +69,10 @@ def simulate_model(
     except SpacarError as error:
         kind = AnalysisError if isinstance(error, AnalysisError) else UsageError
         raise kind(f"{model.path.name}: {error}", error.code) from None
-    log, sbd = (model.path.with_suffix(ending) for ending in (".log", ".sbd"))
     summary = _summary(eq, program, run, note)
-    write_sbd(sbd, model, run)
+    write_sbd(claim, model, run)
     _write_log(log, model, eq, values, start, summary, show)
-    written = [log, sbd]
+    written = [log, claim.final]
     if plot:
         from spacar_cli.symbolic_plot import save_plots
 
@@ -93,9 +116,8 @@ def _summary(eq: Equations, program: Program, run: Run, note: str) -> list[str]:
     ]
 
 
-def write_sbd(path: Path, model: Model, run: Run) -> None:
+def write_sbd(claim: Claim, model: Model, run: Run) -> None:
     """The result container: time, q, s, u (inputs), y (outputs); names in the texts QNAME, SNAME, UNAME, YNAME."""
-    from spacar_formats.safety import begin, finish
     from spacar_formats.sbf import SbfWriter
 
     nq = len(model.system.coordinates)
@@ -114,11 +136,12 @@ def write_sbd(path: Path, model: Model, run: Run) -> None:
     if columns:
         header["YNAME"] = list(run.outputs)
         shapes["Y"] = (len(columns), 1)
-    with SbfWriter(begin(path), "sbd", header, shapes) as writer:
+    claim.begin()
+    with SbfWriter(claim.part, "sbd", header, shapes, claim.open()) as writer:
         for k, t in enumerate(run.time):
             step: dict[str, Any] = {"T": t} | {a: rows[k] for a, (names, rows) in groups.items() if names}
             writer.append(step | ({"Y": [c[k] for c in columns]} if columns else {}))
-    finish(path)
+    claim.publish()
 
 
 def _write_log(
@@ -130,7 +153,7 @@ def _write_log(
     summary: list[str],
     show: bool,
 ) -> None:
-    from spacar_formats.safety import replacing
+    from spacar_formats.safety import write_text
 
     lines = [f"spacar {spacar.__version__}, symbolic", "", *description(model), "", "parameters (SI units):"]
     lines += [f"  {name} = {value:.17g}" for name, value in values.items()]
@@ -149,5 +172,4 @@ def _write_log(
     if show:
         held = eq if eq.strategy == "held" else model.system.derive("held")
         lines += ["", "equations in vector notation:", "", equations_text(model, held, "held", "text")]
-    with replacing(path) as side:
-        side.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    write_text(path, "\n".join(lines) + "\n")

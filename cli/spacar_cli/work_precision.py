@@ -17,6 +17,7 @@ def draw(
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.ticker import LogFormatterSciNotation, LogLocator
+    from spacar_drawing.files import save
 
     figure = Figure(figsize=(10, 4.5), layout="constrained")
     FigureCanvasAgg(figure)
@@ -42,7 +43,7 @@ def draw(
     right.set_xlabel("elements a beam" if stationary else "right-hand sides")
     left.legend(fontsize="small")
     figure.suptitle(title)
-    figure.savefig(path, dpi=120)
+    save(figure, path, dpi=120.0)
 
 
 def _curves(entries: Sequence[Entry]) -> dict[str, list[Entry]]:

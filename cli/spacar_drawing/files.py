@@ -6,10 +6,11 @@ import shutil
 import subprocess
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from spacar_formats.safety import replacing
 
 from spacar.errors import AnalysisError, UsageError
 from spacar_drawing.moving import Moving, Pictures
@@ -39,15 +40,17 @@ def check_name(path: Path, film: bool = True) -> str:
 
 def save(figure: Figure, path: Path, dpi: float = 150.0) -> None:
     """Write a figure as png, svg or pdf; the same figure gives the same bytes. Raises UsageError."""
+    from io import BytesIO
+
     import matplotlib
 
-    ending = check_name(path, film=False)
+    ending, picture = check_name(path, film=False), BytesIO()
     metadata = {".svg": {"Date": None}, ".pdf": {"CreationDate": None, "ModDate": None}}.get(ending)
-    with matplotlib.rc_context({"svg.hashsalt": "spacar", "svg.fonttype": "none", "pdf.fonttype": 42}):
-        try:
-            figure.savefig(path, dpi=dpi, metadata=metadata)
-        except OSError as error:
-            raise UsageError(f"cannot write {path}: {error.strerror or error}", "draw.write") from None
+    looks: Any = {"svg.hashsalt": "spacar", "svg.fonttype": "none", "pdf.fonttype": 42}
+    with matplotlib.rc_context(looks):
+        figure.savefig(picture, format=ending[1:], dpi=dpi, metadata=metadata)
+    with replacing(path) as side:
+        side.write_bytes(picture.getvalue())
 
 
 def film(
@@ -88,20 +91,18 @@ def _gif(frames: Iterator[NDArray[np.uint8]], path: Path, fps: float) -> None:
     palette = first.quantize(128, method=Image.Quantize.MEDIANCUT)
     rest = (Image.fromarray(f).quantize(palette=palette, dither=Image.Dither.NONE) for f in frames)
     duration = max(20, 10 * round(100.0 / fps))  # ms in whole hundredths; faster is not shown by browsers
-    side = path.with_name(f".{path.name}.part")
-    try:
+    with replacing(path) as side:
         palette.save(side, "GIF", save_all=True, append_images=rest, duration=duration, loop=0, optimize=False)
-        side.replace(path)
-    except OSError as error:
-        raise UsageError(f"cannot write {path}: {error.strerror or error}", "draw.write") from None
-    finally:
-        side.unlink(missing_ok=True)
 
 
 def _mp4(frames: Iterator[NDArray[np.uint8]], path: Path, fps: float) -> None:
+    with replacing(path) as side:
+        _encode(frames, side, path, fps)
+
+
+def _encode(frames: Iterator[NDArray[np.uint8]], side: Path, path: Path, fps: float) -> None:
     first = next(frames)
     height, width = first.shape[:2]
-    side = path.with_name(f".{path.stem}.part.mp4")
     command = ["ffmpeg", "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}"]
     command += [
         "-r",
@@ -129,10 +130,7 @@ def _mp4(frames: Iterator[NDArray[np.uint8]], path: Path, fps: float) -> None:
     except BaseException:
         process.kill()
         process.wait()
-        side.unlink(missing_ok=True)
         raise
     if process.returncode:
-        side.unlink(missing_ok=True)
         text = complaint.decode("utf-8", "replace").strip().splitlines()
         raise AnalysisError(f"ffmpeg could not write {path}: {text[-1] if text else process.returncode}", "draw.ffmpeg")
-    side.replace(path)

@@ -60,7 +60,7 @@ def repinsbf(
             block[-4:] = zlib.crc32(block[:-4]).to_bytes(4, "little")
             at, new = where.data_offset + (step - 1) * where.stride, bytes(block)
     with replacing(path) as side:
-        shutil.copy(path, side)
+        shutil.copyfile(path, side)
         with open(side, "r+b") as out:
             out.seek(at)
             out.write(new)

@@ -5,16 +5,14 @@ ERROR is read as what the user wants of the result; `Method.step_error` says how
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-
-import numpy as np
 
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.limits import Limits
 from spacar.errors import AnalysisError, Report
 from spacar.frame import Frame
-from spacar.integrators import METHODS, integrate
+from spacar.integrators import METHODS, EvenTimes, integrate
 from spacar.kinematics.output import TransferOutput
 from spacar.kinematics.regularity import DeadPoints, HalfTurns
 from spacar.linearization.jacobian import state_jacobian
@@ -113,12 +111,12 @@ def watch(dynamics: Dynamics) -> Callable[[float, Array], None] | None:
     return check
 
 
-def output_times(run: Run) -> Array:
-    """t_i = i T/N; only the initial state without TIMESTEP."""
+def output_times(run: Run) -> Sequence[float]:
+    """t_i = i T/N, each computed when it is reached; only the initial state without TIMESTEP."""
     settings = run.mechanism.settings
     if settings.duration is None or settings.n_steps < 1:
-        return np.zeros(1)
-    return np.linspace(0.0, settings.duration, settings.n_steps + 1)
+        return (0.0,)
+    return EvenTimes(0.0, settings.duration, settings.n_steps)
 
 
 def at_time(dynamics: Dynamics, t: float, y: Array) -> Frame:

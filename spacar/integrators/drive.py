@@ -21,6 +21,7 @@ from .adams import Adams
 from .failures import MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small, too_many_steps
 from .methods import method
 from .problem import Evaluation, Output, Problem, Step, Tolerance
+from .times import EvenTimes
 
 EPS = float(np.finfo(float).eps)
 DEFAULT_MAX_STEPS = 1_000_000
@@ -57,7 +58,7 @@ def integrate(
     """
     row = method(code)
     state = np.array(y0, dtype=float)
-    output_times = np.asarray(times, dtype=float)
+    output_times = times if isinstance(times, EvenTimes) else np.asarray(times, dtype=float)
     _check(state, output_times, atol, rtol, step)
     first, last = float(output_times[0]), float(output_times[-1])
     if row.needs_jacobian and getattr(problem, "jacobian", None) is None:
@@ -70,7 +71,7 @@ def integrate(
     return _outputs(steps, state, output_times, evaluation, max_steps)
 
 
-def _check(y0: np.ndarray, times: np.ndarray, atol: float, rtol: float, step: float | None) -> None:
+def _check(y0: np.ndarray, times: np.ndarray | EvenTimes, atol: float, rtol: float, step: float | None) -> None:
     """Raises UsageError that says what is wrong with the arguments of `integrate`."""
 
     def wrong(text: str, code: str) -> NoReturn:
@@ -78,12 +79,13 @@ def _check(y0: np.ndarray, times: np.ndarray, atol: float, rtol: float, step: fl
 
     if y0.ndim != 1 or not len(y0) or not np.isfinite(y0).all():
         wrong("the initial state must be a non-empty vector of finite numbers", "integrator.state")
-    if times.ndim != 1 or len(times) < 2 or not np.isfinite(times).all():
-        wrong("the integration needs a start time and at least one later output time", "integrator.times")
-    bad = np.flatnonzero(np.diff(times) <= 0.0)
-    if len(bad):
-        a, b = times[bad[0]], times[bad[0] + 1]
-        wrong(f"output times must increase: {b:.9g} s follows {a:.9g} s", "integrator.times")
+    if not isinstance(times, EvenTimes):  # which has seen to it
+        if times.ndim != 1 or len(times) < 2 or not np.isfinite(times).all():
+            wrong("the integration needs a start time and at least one later output time", "integrator.times")
+        bad = np.flatnonzero(np.diff(times) <= 0.0)
+        if len(bad):
+            a, b = times[bad[0]], times[bad[0] + 1]
+            wrong(f"output times must increase: {b:.9g} s follows {a:.9g} s", "integrator.times")
     if not (atol > 0.0 and rtol >= 0.0):
         text = f"the absolute error must be positive and the relative one not negative, not {atol} and {rtol}"
         wrong(f"ERROR: {text}", "integrator.tolerance")
@@ -111,7 +113,7 @@ def _segments(first: float, last: float, breaks: Sequence[float]) -> list[tuple[
 
 
 def _outputs(
-    steps: Iterator[Step], y0: np.ndarray, times: np.ndarray, evaluation: Evaluation, max_steps: int
+    steps: Iterator[Step], y0: np.ndarray, times: np.ndarray | EvenTimes, evaluation: Evaluation, max_steps: int
 ) -> Iterator[Output]:
     """Dense output at `times` from a stream of steps."""
     statistics = evaluation.statistics
@@ -139,7 +141,7 @@ def _variable(
     integrator: Any,
     evaluation: Evaluation,
     y0: np.ndarray,
-    times: np.ndarray,
+    times: np.ndarray | EvenTimes,
     segments: list[tuple[float, float, float, float]],
     step: float | None,
 ) -> Iterator[Step]:
@@ -237,7 +239,7 @@ def _fixed(
     integrator: Any,
     evaluation: Evaluation,
     y0: np.ndarray,
-    times: np.ndarray,
+    times: np.ndarray | EvenTimes,
     segments: list[tuple[float, float, float, float]],
     step: float | None,
 ) -> Iterator[Step]:

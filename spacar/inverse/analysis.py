@@ -35,7 +35,7 @@ def inverse(run: Run) -> Iterator[Frame]:
     work = program(mechanism, run.report)
     ports = Ports.of(mechanism)
     output = TransferOutput(run)
-    run.n_frames = len(work.times)
+    run.n_frames = len(work)
     run.header.update(NNOM=len(ports.inputs), NU=len(ports.inputs), NY=len(ports.outputs), **_names(ports))
     nominal = NominalInputs(ports, mechanism, run.report, rigidified(mechanism, ports, work.rests))
     limits: Limits | None = None
@@ -101,7 +101,7 @@ def _placed(work: Program, mechanism: Mechanism) -> Iterator[tuple[Dynamics, flo
     """
     dynamics, here = None, -1
     plain: Dynamics | None = None
-    for t, leg in zip(work.times.tolist(), work.leg_of.tolist(), strict=True):
+    for t, leg in work.times():
         if leg != here:
             model, before, here = loaded(mechanism, work.legs[leg]), dynamics, leg
             if model is mechanism and plain is not None:

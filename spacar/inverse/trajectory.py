@@ -8,7 +8,9 @@ and loads count there. Extra masses (TRM) and forces (TRF) act during their own 
 from __future__ import annotations
 
 from bisect import bisect_left
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -19,6 +21,7 @@ from spacar.deck.table_io import PATHS, TRAJECTORIES
 from spacar.elements.lumped import LumpedMass
 from spacar.elements.node_inertia import RigidBodyNode
 from spacar.errors import InputError, Report
+from spacar.integrators import EvenTimes
 from spacar.inverse.paths import BadPath, Path, arc, change, straight, turn
 from spacar.inverse.profile import IllegalProfile, Profile, make_profile
 from spacar.mechanism.inertia import symmetric
@@ -78,20 +81,25 @@ class TrajectoryDrive:
 
 @dataclass(frozen=True)
 class Program:
-    """What mode 2 runs through: the motion and, per output time, the number of the trajectory that it
-    belongs to.
-    """
+    """What mode 2 runs through: the motion and its trajectories; as long as it has output times."""
 
     drive: Drive
     legs: tuple[Leg, ...]
-    times: Array
-    leg_of: Index = field(repr=False)
+    def __len__(self) -> int:
+        return 1 + sum(leg.steps for leg in self.legs)
+
+    def times(self) -> Iterator[tuple[float, int]]:
+        """(output time [s], index of its trajectory), one after the other."""
+        yield 0.0, 0
+        for k, leg in enumerate(self.legs):
+            for t in islice(EvenTimes(leg.start, leg.start + leg.duration, leg.steps), 1, None):
+                yield t, k
 
     def rests(self, mechanism: Mechanism) -> NDArray[np.bool_]:
         """(ne,) which prescribed deformations have the same value at all output times."""
         place = mechanism.numbering.e_class["input"]
         rests = np.zeros(mechanism.numbering.ne, bool)
-        values = np.array([self.drive.at(float(t)).e for t in self.times])
+        values = np.array([self.drive.at(float(t)).e for t, _ in self.times()])
         rests[place] = np.ptp(values, axis=0) == 0.0
         return rests
 
@@ -117,9 +125,7 @@ def program(mechanism: Mechanism, report: Report) -> Program:
     user = deck.last("USERTRAJ", block=3)
     if user is not None:
         drive = _user_drive(mechanism, user, legs[0])
-    times = [np.linspace(leg.start, leg.start + leg.duration, leg.steps + 1)[1:] for leg in legs]
-    leg_of = [np.full(leg.steps, k) for k, leg in enumerate(legs)]
-    return Program(drive, tuple(legs), np.concatenate(([0.0], *times)), np.concatenate(([0], *leg_of)))
+    return Program(drive, tuple(legs))
 
 
 def groups(deck: Deck) -> list[tuple[int, tuple[Statement, ...]]]:

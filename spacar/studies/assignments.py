@@ -12,10 +12,15 @@ start:stop:count, evenly spaced with both ends; start:stop:count:log, in equal r
 from __future__ import annotations
 
 import csv
+import math
 import re
-from collections.abc import Sequence
+import sys
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain, product
+from operator import eq
 from pathlib import Path
+from typing import overload
 
 import numpy as np
 
@@ -173,17 +178,53 @@ def table(path: Path) -> tuple[list[str], list[tuple[float, ...]]]:
     return header, found
 
 
-def combine(axes: Sequence[Axis], together: bool = False) -> tuple[tuple[Setting, ...], list[tuple[float, ...]]]:
-    """The settings and the values of every case: all combinations (the last axis fastest), or element by element."""
-    from itertools import product
+class Combinations(Sequence[tuple[float, ...]]):
+    """Every row of a first table joined with every row of a second, and so on; the last one runs fastest.
 
+    Only the tables are stored, never their product. Raises UsageError for more cases than a computer can count.
+    """
+
+    def __init__(self, *tables: Sequence[tuple[float, ...]]) -> None:
+        self.tables = tables
+        if (count := math.prod(map(len, tables))) > sys.maxsize:
+            raise UsageError(f"the values make {count:.3e} combinations: more than can ever be run", "study.set")
+
+    def __len__(self) -> int:
+        return math.prod(map(len, self.tables))
+
+    @overload
+    def __getitem__(self, k: int) -> tuple[float, ...]: ...
+    @overload
+    def __getitem__(self, k: slice) -> list[tuple[float, ...]]: ...
+    def __getitem__(self, k: int | slice) -> tuple[float, ...] | list[tuple[float, ...]]:
+        if isinstance(k, slice):
+            return [self[i] for i in range(*k.indices(len(self)))]
+        rest = k + len(self) if k < 0 else k
+        if not 0 <= rest < len(self):
+            raise IndexError(k)
+        rows = []
+        for table in reversed(self.tables):
+            rest, own = divmod(rest, len(table))
+            rows.append(table[own])
+        return tuple(chain.from_iterable(reversed(rows)))
+
+    def __iter__(self) -> Iterator[tuple[float, ...]]:
+        for rows in product(*self.tables):
+            yield tuple(chain.from_iterable(rows))
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Sequence) and len(self) == len(other) and all(map(eq, self, other))
+
+
+def combine(axes: Sequence[Axis], together: bool = False) -> tuple[tuple[Setting, ...], Sequence[tuple[float, ...]]]:
+    """The settings and the values of every case: all combinations (the last axis fastest), or element by element."""
     settings = tuple(a.setting for a in axes)
     names = [s.name for s in settings]
     doubled = sorted({n for n in names if names.count(n) > 1})
     if doubled:
         raise UsageError(f"{', '.join(doubled)} is set twice", "study.set")
     if not together:
-        return settings, list(product(*(a.values for a in axes)))
+        return settings, Combinations(*([(v,) for v in a.values] for a in axes))
     sizes = {len(a.values) for a in axes}
     if len(sizes) > 1:
         listed = ", ".join(f"{a.setting.name} has {len(a.values)}" for a in axes)

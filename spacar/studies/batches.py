@@ -8,8 +8,9 @@ what is wrong with that case alone.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import chain, islice
 
 from spacar.deck import Deck
 from spacar.errors import SpacarError
@@ -33,35 +34,41 @@ class Chunk:
 
 
 def in_batches(
-    study: Study, cases: Sequence[Values], engine: Engine, jobs: int = 1, always: bool = False
+    study: Study, cases: Iterable[Values], engine: Engine, jobs: int = 1, always: bool = False
 ) -> Iterator[Row]:
     """Rows of all cases; `always` batches without measuring. `engine` runs on `jobs` processes."""
-    todo = list(cases)
+    coming = iter(cases)
     if not always:
-        if len(todo) < FEWEST or reason(study, todo[0]):
-            yield from singly(study, todo, engine)
+        first = list(islice(coming, FEWEST))
+        coming = chain(first, coming)
+        if len(first) < FEWEST or reason(study, first[0]):
+            yield from singly(study, coming, engine)
             return
         seconds = []
-        for values in todo[:SAMPLE]:
+        for values in islice(coming, SAMPLE):
             found = run_case(Case(study, values))
             seconds.append(found["seconds"])
             yield found
-        del todo[:SAMPLE]
+        batch = tuple(islice(coming, SIZE))
         begun = time.perf_counter()
-        yield from run_chunk(Chunk(study, tuple(todo[:SIZE])))
-        batched = (time.perf_counter() - begun) / min(SIZE, len(todo))
-        del todo[:SIZE]
+        yield from run_chunk(Chunk(study, batch))
+        batched = (time.perf_counter() - begun) / len(batch)
         if batched > min(seconds[1:]):
-            yield from singly(study, todo, engine)
+            yield from singly(study, coming, engine)
             return
-    size = max(1, min(SIZE, -(-len(todo) // jobs)))
-    chunks = [Chunk(study, tuple(todo[i : i + size])) for i in range(0, len(todo), size)]
+    first = list(islice(coming, SIZE * jobs))
+    chunks = _chunks(study, chain(first, coming), max(1, min(SIZE, -(-len(first) // jobs))))
     for chunk, outcome in engine(run_chunk, chunks):
         if isinstance(outcome, Lost):
             for values in chunk.cases:
                 yield {**row(study, values, {}, 0.0, outcome.reason), "status": LOST}
         else:
             yield from outcome
+
+
+def _chunks(study: Study, cases: Iterator[Values], size: int) -> Iterator[Chunk]:
+    while batch := tuple(islice(cases, size)):
+        yield Chunk(study, batch)
 
 
 def reason(study: Study, values: Values) -> str:

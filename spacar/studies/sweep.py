@@ -8,7 +8,7 @@ start. Rows are append-only and finished cases are skipped, see `rows`.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -48,7 +48,7 @@ class Study:
         return key(self.deck.sha256, self.mode, sorted(self.options.items()), names, list(values), asked)
 
 
-Batch = Callable[[Study, Sequence[Values]], Iterator[Row]]
+Batch = Callable[[Study, Iterable[Values]], Iterator[Row]]
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class Case:
 
 def sweep(
     study: Study,
-    cases: Sequence[Values],
+    cases: Iterable[Values],
     output: Path,
     engine: Engine = run,
     retry: bool = False,
@@ -74,16 +74,26 @@ def sweep(
     study.
     """
     with Rows(output, study.columns) as rows:
-        todo = list(dict.fromkeys(v for v in cases if not finished(rows.done.get(study.key(v)), retry)))
+        todo = _unfinished(study, cases, rows, retry)
         outcomes = batch(study, todo) if batch is not None else singly(study, todo, engine)
         for outcome in outcomes:
             rows.add(outcome)
             yield outcome
 
 
-def singly(study: Study, cases: Sequence[Values], engine: Engine = run) -> Iterator[Row]:
+def _unfinished(study: Study, cases: Iterable[Values], rows: Rows, retry: bool) -> Iterator[Values]:
+    """The cases that have to be run, each once, one after the other as they are asked for."""
+    begun: set[str] = set()
+    for values in cases:
+        key = study.key(values)
+        if key not in begun and not finished(rows.done.get(key), retry):
+            begun.add(key)
+            yield values
+
+
+def singly(study: Study, cases: Iterable[Values], engine: Engine = run) -> Iterator[Row]:
     """Rows of cases that run one by one on an engine."""
-    for case, outcome in engine(run_case, [Case(study, v) for v in cases]):
+    for case, outcome in engine(run_case, (Case(study, v) for v in cases)):
         if isinstance(outcome, Lost):
             yield {**row(study, case.values, {}, 0.0, outcome.reason), "status": LOST}
         else:

@@ -8,9 +8,10 @@ under way are run again, one process each, and the one that dies once more is gi
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import chain, islice
 from typing import Any
 
 AHEAD = 2  # cases handed over per process
@@ -25,32 +26,38 @@ class Lost:
 
 
 Function = Callable[[Any], Any]
-Engine = Callable[[Function, Sequence[Any]], Iterator[tuple[Any, Any]]]
+Engine = Callable[[Function, Iterable[Any]], Iterator[tuple[Any, Any]]]
 """Runs a picklable function of a module on every case: `run`, or that of a cluster."""
 
 
-def run(function: Function, cases: Sequence[Any], jobs: int = 1) -> Iterator[tuple[Any, Any]]:
-    """Outcomes of function(case) in the order in which they finish; exceptions of the function come through."""
-    if jobs <= 1 or len(cases) <= 1:
-        for case in cases:
+def run(function: Function, cases: Iterable[Any], jobs: int = 1) -> Iterator[tuple[Any, Any]]:
+    """Outcomes of function(case) in the order in which they finish; exceptions of the function come through.
+
+    `cases` are taken as they are needed: they may be more than fit into memory.
+    """
+    coming = iter(cases)
+    first = list(islice(coming, jobs))
+    coming = chain(first, coming)
+    if len(first) <= 1:
+        for case in coming:
             yield case, function(case)
     else:
-        yield from _on_processes(function, cases, min(jobs, len(cases)))
+        yield from _on_processes(function, coming, len(first))
 
 
-def _on_processes(function: Function, cases: Sequence[Any], jobs: int) -> Iterator[tuple[Any, Any]]:
+def _on_processes(function: Function, cases: Iterator[Any], jobs: int) -> Iterator[tuple[Any, Any]]:
     from concurrent.futures.process import BrokenProcessPool
 
-    waiting = list(reversed(cases))
     suspects: list[Any] = []
+    waiting = list(islice(cases, 1))  # the next case, none at the end
     while waiting:
         with _pool(jobs) as pool:
             under_way: dict[Any, Any] = {}
             try:
                 while waiting or under_way:
                     while waiting and len(under_way) < AHEAD * jobs:
-                        under_way[pool.submit(function, waiting[-1])] = waiting[-1]
-                        waiting.pop()
+                        under_way[pool.submit(function, waiting[0])] = waiting[0]
+                        waiting = list(islice(cases, 1))
                     for future in _finished(under_way):
                         outcome = future.result()
                         yield under_way.pop(future), outcome

@@ -136,10 +136,17 @@ class Program:
         return emit(self, language, jacobian, headed=False)
 
     def write(self, path: Any, language: str, jacobian: bool = False) -> None:
-        """Write the source text to a file."""
+        """Write the source text to a file; an existing one is replaced as a whole."""
+        from os import getpid
         from pathlib import Path
 
-        Path(path).write_text(self.text(language, jacobian), encoding="utf-8")
+        target = Path(path)
+        side = target.with_name(f".{target.name}.{getpid()}")
+        try:
+            side.write_text(self.text(language, jacobian), encoding="utf-8")
+            side.replace(target)
+        finally:
+            side.unlink(missing_ok=True)
 
 
 def _ops(expression: sp.Expr) -> int:

@@ -11,6 +11,7 @@ import pytest
 from scipy.io import loadmat
 from spacar_formats import safety
 from spacar_formats.checksbf import checksbf, listing
+from spacar_formats.claim import Claim
 from spacar_formats.combsbd import combsbd
 from spacar_formats.exports import export_file
 from spacar_formats.getfrsbf import getfrsbf, step_numbers
@@ -302,16 +303,22 @@ def test_a_changed_input_file_is_noticed_by_its_digest(tmp_path):
 
 def test_final_names_appear_only_at_the_end_and_the_old_result_is_kept(tmp_path):
     final = sbd(tmp_path / "a.sbd", steps=1)
-    part = safety.begin(final)
-    assert (part.name, final.exists()) == ("a.sbd.part", False)
+    claim = Claim(final)
+    claim.begin()
+    assert (claim.part.name, final.exists()) == ("a.sbd.part", False)
     assert getfrsbf(tmp_path / "a.sbd.bak", "tdef") == [[1]]
-    sbd(part, steps=2)
+    with claim.open() as part:
+        part.write(sbd(tmp_path / "b.sbd", steps=2).read_bytes())
+    (tmp_path / "b.sbd").unlink()
     assert not final.exists()
-    safety.finish(final)
+    claim.publish()
     assert getfrsbf(final, "tdef") == [[2]]
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.sbd", "a.sbd.bak"]
-    with pytest.raises(AnalysisError):
-        safety.finish(final)
+    claim = Claim(final)
+    claim.part.unlink()
+    with pytest.raises(AnalysisError, match="removed or replaced"):
+        claim.publish()
+    claim.release()
 
 
 def test_replacing_keeps_the_target_when_writing_fails(tmp_path):

@@ -21,6 +21,8 @@ PLACES = (HERE / "examples", HERE.parent.parent / "data")  # in an installed whe
 @click.pass_obj
 def command(environment: Environment, names: tuple[str, ...], folder: Path, force: bool) -> None:
     """List the example models, or copy those that are named (`all` for every one) to a folder."""
+    from spacar_formats.safety import replacing
+
     models = {path.stem: path for path in sorted(_home().glob("*.dat"))}
     if not names:
         width = max(map(len, models))
@@ -36,7 +38,8 @@ def command(environment: Environment, names: tuple[str, ...], folder: Path, forc
     folder.mkdir(parents=True, exist_ok=True)
     for name in chosen:
         for path in _home().glob(f"{name}.*"):  # with the user functions of the model, when it has some
-            shutil.copyfile(path, folder / path.name)
+            with replacing(folder / path.name) as side:
+                shutil.copyfile(path, side)
         environment.say(str(folder / models[name].name))
 
 

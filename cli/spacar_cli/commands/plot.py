@@ -6,7 +6,6 @@ from pathlib import Path
 
 import click
 
-from spacar.errors import UsageError
 from spacar_cli.drawing_options import OUTPUT
 from spacar_cli.environment import Environment
 
@@ -59,6 +58,7 @@ def command(
     from spacar_drawing.files import check_name, save
     from spacar_drawing.history import csv_text, history_figure
     from spacar_drawing.source import open_source
+    from spacar_formats.safety import write_text
 
     source = open_source(file, stale_ok)
     curves = [evaluate(source, text) for text in expressions]
@@ -73,10 +73,7 @@ def command(
         if str(csv_file) == "-":
             environment.stdout.write(text)
         else:
-            try:
-                csv_file.write_text(text, "utf-8")
-            except OSError as error:
-                raise UsageError(f"cannot write {csv_file}: {error.strerror}", "plot.write") from None
+            write_text(csv_file, text)
             environment.say(str(csv_file))
     if not outputs and not show:
         return

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import click
 
-from spacar.errors import UsageError
 from spacar_cli.environment import Environment
 
 
@@ -54,14 +53,10 @@ def command(
     """
     from spacar_drawing.report_page import report_page
     from spacar_drawing.source import open_source
+    from spacar_formats.safety import write_text
 
     source = open_source(file, stale_ok)
     path = output or Path(source.name).parent / f"{source.scene.title}.html"
     page = report_page(source, expressions, log_lines, view)
-    side = path.with_name(f".{path.name}.part")
-    try:
-        side.write_text(page, "utf-8")
-        side.replace(path)
-    except OSError as error:
-        raise UsageError(f"cannot write {path}: {error.strerror}", "report.write") from None
+    write_text(path, page)
     environment.say(str(path))

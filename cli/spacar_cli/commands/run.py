@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 from spacar_formats.log import LogSink
-from spacar_formats.sinks import ResultSink, result_sinks
+from spacar_formats.sinks import ResultSink, begin, release, result_sinks
 
 from spacar.calls import frames
 from spacar.errors import SpacarError, UsageError
@@ -54,6 +54,7 @@ def command_of_mode(word: str) -> click.Command:
     if not word.startswith("-"):
         params.append(click.Option(["--plot"], is_flag=True, help="Show the mechanism in a window while it runs."))
     params += [
+        click.Option(["--wait"], is_flag=True, help="Wait when another run is writing the same results."),
         click.Option(["--quiet", "-q"], is_flag=True, help="Print errors only."),
         click.Option(["--verbose", "-v"], is_flag=True, help="Print warnings, information and a summary."),
         click.Option(["--json", "as_json"], is_flag=True, help="Print a summary in JSON."),
@@ -71,6 +72,7 @@ def run_mode(
     quiet: bool,
     verbose: bool,
     as_json: bool,
+    wait: bool = False,
     setpoints: str | None = None,
     plot: bool = False,
     **options: Any,
@@ -81,12 +83,16 @@ def run_mode(
     if "integrator" in overrides:
         _check_integrator(overrides["integrator"])
     stem = result_stem(source, output_dir)
-    log = LogSink(stem.with_name(f"{stem.name}.log"), mode, source, _flags(overrides, setpoints))
+    results = result_sinks(stem, mode.files, wait)
+    try:
+        log = LogSink(stem.with_name(f"{stem.name}.log"), mode, source, _flags(overrides, setpoints))
+    except BaseException:
+        release(results)
+        raise
     outcome = Outcome()
-    results: list[ResultSink] = []
     run: Run | None = None
     try:
-        results = result_sinks(stem, mode.files)
+        begin(results)
         run = frames(mode.number, source, **overrides)
         if mode.takes_setpoints:
             _set_nominal(run, source, setpoints)
@@ -102,6 +108,8 @@ def run_mode(
     except (Exception, KeyboardInterrupt) as error:  # before the first step
         log.finish(error)
         outcome.error = error
+    finally:
+        release(results)
     if run is not None and not quiet:
         for line in run.report.lines:
             if line.startswith("warning: "):

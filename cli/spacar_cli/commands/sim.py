@@ -19,6 +19,7 @@ from spacar_cli.status import tell
 def command(environment: Environment, file: Path, output: Path | None, quiet: bool) -> None:
     """Simulate the blocks and wires of a model file (docs/simulation.md); writes the signals and FILE_sim.log."""
     from spacar_formats.histories import export_signals
+    from spacar_formats.safety import write_text
     from spacar_formats.simfile import read_model
 
     from spacar.simulation.engine import simulate
@@ -45,6 +46,6 @@ def command(environment: Environment, file: Path, output: Path | None, quiet: bo
     lines += [f"warning: {text}" for text in model.warnings] + [f"note: {text}" for text in response.notes]
     lines += [f"event at t = {t:.12g}: {text}" for t, text in response.events]
     lines.append("work: " + ", ".join(f"{count} {what}" for what, count in response.statistics.items()))
-    target.with_suffix(".log").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    write_text(target.with_suffix(".log"), "\n".join(lines) + "\n")
     if not quiet:
         environment.say(f"{source.name}: {len(response.t)} times in {seconds:.2f} s: {target}")

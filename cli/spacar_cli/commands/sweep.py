@@ -166,7 +166,7 @@ def _cases(parameters: Any, assignments: tuple[str, ...], table_file: Path | Non
     if table_file is not None:
         header, rows = parameters.table(table_file)
         settings = (*map(parameters.setting, header), *settings)
-        cases = [(*row, *case) for row in rows for case in cases]
+        cases = parameters.Combinations(rows, cases)
     if len({s.name for s in settings}) < len(settings):
         raise UsageError("a target is set by --set and by --from", "usage.sweep")
     return settings, cases

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -296,6 +295,8 @@ def _write(path: Path, entries: Any, ref: Any, target: float, best: Any) -> None
     import csv
     import io
 
+    from spacar_formats.safety import write_text
+
     document = _document(entries, ref, target, best)
     if path.suffix.lower() == ".json":
         text = json.dumps(document, indent=1) + "\n"
@@ -306,6 +307,4 @@ def _write(path: Path, entries: Any, ref: Any, target: float, best: Any) -> None
         writer.writeheader()
         writer.writerows(document["settings"])
         text = stream.getvalue()
-    side = path.with_name(f".{path.name}.{os.getpid()}")
-    side.write_text(text, encoding="utf-8")
-    side.replace(path)
+    write_text(path, text)

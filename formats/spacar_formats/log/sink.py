@@ -38,6 +38,8 @@ class LogSink:
         self._frames = 0
         self._last: Frame | None = None
         self._begun = time.perf_counter()
+        if path.is_dir():
+            raise UsageError(f"cannot write {path}: it is a folder", "files.open")
         try:
             if path.exists():
                 os.replace(path, backup_path(path))

@@ -12,7 +12,7 @@ import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -36,7 +36,7 @@ class SbfWriter:
     `kind` is "sbd", "sbm" or "ltv". `header` maps identifiers to numbers, arrays (at most two dimensions; a
     vector becomes a column) or text. `step_variables` maps identifiers to (rows, cols); all are real. An
     existing file of that name is unlinked first, so that a reader who still has it mapped keeps the old
-    bytes.
+    bytes; or `file` is an open, empty file at that place.
 
     Raises ValueError for what the container cannot hold, UsageError when the file cannot be created.
     """
@@ -47,6 +47,7 @@ class SbfWriter:
         kind: str,
         header: Mapping[str, Value],
         step_variables: Mapping[str, tuple[int, int]],
+        file: BinaryIO | None = None,
     ) -> None:
         head = build(kind, header, step_variables)
         self.path = Path(path)
@@ -60,8 +61,10 @@ class SbfWriter:
             flat = np.frombuffer(self._block, "<f8", int(np.prod(shape)), offset)
             self._slots[k] = (name, shape, flat.reshape(shape, order="F"))
         try:
-            self.path.unlink(missing_ok=True)
-            self._file = open(self.path, "xb", buffering=0)  # noqa: SIM115 (open for the life of the writer)
+            if file is None:
+                self.path.unlink(missing_ok=True)
+                file = open(self.path, "xb", buffering=0)  # noqa: SIM115 (open for the life of the writer)
+            self._file = file
         except OSError as err:
             raise UsageError(f"cannot create {self.path}: {err.strerror}", "files.open") from None
         self._write(0, head)

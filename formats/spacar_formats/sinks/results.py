@@ -6,7 +6,7 @@ None. Its file grows under the name `NAME.part`; only a run that came to its end
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Mapping
+from collections.abc import Callable, Container, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ import numpy as np
 
 from spacar.frame import Frame
 from spacar.stream import Run
-from spacar_formats import safety
+from spacar_formats.claim import Claim
 from spacar_formats.sbf import SbfWriter
 from spacar_formats.sinks.header import ltv_header, sbd_header, sbm_header
 
@@ -36,8 +36,10 @@ class ResultSink:
         path: Path,
         header: Header,
         values: Callable[[Frame], dict[str, Any]],
+        wait: bool = False,
     ) -> None:
         self.path = path
+        self.claim = Claim(path, wait)
         self._header, self._values = header, values
         self._run: Run | None = None
         self._writer: SbfWriter | None = None
@@ -51,8 +53,7 @@ class ResultSink:
         """The file that holds the frames now; None when there was no frame."""
         if self._writer is None:
             return None
-        part = safety.part_path(self.path)
-        return part if part.exists() else self.path
+        return self.claim.part if self.claim.part.exists() else self.path
 
     def start(self, run: Run) -> None:
         self._run = run
@@ -62,27 +63,46 @@ class ResultSink:
         if self._writer is None:
             assert self._run is not None
             shapes = {name: _shape(value) for name, value in values.items()}
-            part = safety.part_path(self.path)
-            self._writer = SbfWriter(part, self.kind, self._header(self._run, values), shapes)
+            header = self._header(self._run, values)
+            self._writer = SbfWriter(self.claim.part, self.kind, header, shapes, self.claim.open())
         self._writer.append(values)
 
     def finish(self, error: BaseException | None) -> None:
-        if self._writer is None:
-            return
-        self._writer.close(complete=error is None)
-        if error is None:
-            safety.finish(self.path)
+        try:
+            if self._writer is not None:
+                self._writer.close(complete=error is None)
+                if error is None:
+                    self.claim.publish()
+        finally:
+            self.claim.release()
 
 
-def result_sinks(stem: Path, kinds: tuple[str, ...]) -> list[ResultSink]:
-    """The sinks `stem.sbd`, `stem.sbm`, `stem.ltv` of a mode; results of an earlier run are moved to `.bak`.
+def result_sinks(stem: Path, kinds: tuple[str, ...], wait: bool = False) -> list[ResultSink]:
+    """The sinks `stem.sbd`, `stem.sbm`, `stem.ltv` of a mode, claimed for this run; `begin` starts their files.
 
-    Raises UsageError when the folder does not allow it.
+    Raises UsageError when another run is writing one of them (with `wait`: waits for it) or the folder does not allow
+    it.
     """
-    sinks = [ResultSink(stem.with_name(f"{stem.name}.{kind}"), *KINDS[kind]) for kind in kinds]
-    for sink in sinks:
-        safety.begin(sink.path)
+    sinks: list[ResultSink] = []
+    try:
+        for kind in kinds:
+            sinks.append(ResultSink(stem.with_name(f"{stem.name}.{kind}"), *KINDS[kind], wait))
+    except BaseException:
+        release(sinks)
+        raise
     return sinks
+
+
+def begin(sinks: Sequence[ResultSink]) -> None:
+    """Move the results of an earlier run to `.bak` and start new files. Raises UsageError."""
+    for sink in sinks:
+        sink.claim.begin()
+
+
+def release(sinks: Sequence[ResultSink]) -> None:
+    """Let others write; needed only when the run did not come to its first step."""
+    for sink in sinks:
+        sink.claim.release()
 
 
 def sbd_values(frame: Frame) -> dict[str, Any]:

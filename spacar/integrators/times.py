@@ -1,0 +1,52 @@
+"""Output times that are computed when they are asked for: a billion of them need no memory."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import overload
+
+from spacar.errors import UsageError
+
+MOST_STEPS = 10**15
+"""So many equal parts of an interval are still told apart in double precision (2^53 = 9e15), sums included."""
+
+
+@dataclass(frozen=True)
+class EvenTimes(Sequence[float]):
+    """start + i (end - start)/n, i = 0 ... n, the last one exactly `end` [s]: the numbers of np.linspace.
+
+    Raises UsageError for times that do not increase.
+    """
+
+    start: float
+    end: float
+    n: int
+
+    def __post_init__(self) -> None:
+        differ = 0 < self.n <= MOST_STEPS and self.start < self.start + self.step and self.end - self.step < self.end
+        if not differ:
+            raise UsageError(
+                f"{self.n} output steps from {self.start:.9g} s to {self.end:.9g} s: times that differ are needed, and "
+                f"at most {MOST_STEPS:.0e}",
+                "integrator.times",
+            )
+
+    @property
+    def step(self) -> float:
+        return (self.end - self.start) / self.n
+
+    def __len__(self) -> int:
+        return self.n + 1
+
+    @overload
+    def __getitem__(self, i: int) -> float: ...
+    @overload
+    def __getitem__(self, i: slice) -> list[float]: ...
+    def __getitem__(self, i: int | slice) -> float | list[float]:
+        if isinstance(i, slice):
+            return [self[k] for k in range(*i.indices(self.n + 1))]
+        k = i + self.n + 1 if i < 0 else i
+        if not 0 <= k <= self.n:
+            raise IndexError(i)
+        return self.end if k == self.n else k * self.step + self.start

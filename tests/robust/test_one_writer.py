@@ -1,0 +1,147 @@
+"""One writer at a time: a second run on the same results is refused before it computes, or waits."""
+
+from __future__ import annotations
+
+import os
+import time
+
+import pytest
+from spacar_formats import claim as claims
+from spacar_formats import locks
+from spacar_formats.claim import Claim
+from spacar_formats.getfrsbf import getfrsbf
+
+from spacar.errors import AnalysisError, UsageError
+
+from .processes import LONG, done, grows, model, shell, start, until
+
+
+def test_the_second_of_two_runs_is_refused_and_the_first_keeps_everything(tmp_path):
+    model(tmp_path)
+    first = start(tmp_path, 1, "crank", "--steps", 4000)
+    until(grows(tmp_path / "crank.sbd.part"), first)
+    log = (tmp_path / "crank.log").read_text()
+    status, _, err = done(tmp_path, 1, "crank", "--steps", 50)
+    assert (status, len(err.splitlines())) == (2, 1)
+    assert "another run is writing crank.sbd" in err
+    assert first.wait(timeout=120) == 0
+    assert getfrsbf(tmp_path / "crank.sbd", "tdef") == [[4001]]
+    assert (tmp_path / "crank.log").read_text().startswith(log)  # nor did the second touch the log
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["crank.dat", "crank.log", "crank.sbd"]
+
+
+def test_one_that_waits_runs_when_the_other_has_ended(tmp_path):
+    model(tmp_path)
+    first = start(tmp_path, 1, "crank", *LONG)
+    until(grows(tmp_path / "crank.sbd.part"), first)
+    second = start(tmp_path, 1, "crank", "--steps", 50, "--wait")
+    time.sleep(2.0)
+    assert second.poll() is None
+    first.kill()  # the lock ends with the process
+    first.wait()
+    assert second.wait(timeout=60) == 0
+    assert getfrsbf(tmp_path / "crank.sbd", "tdef") == [[51]]
+    assert not (tmp_path / "crank.sbd.part").exists()
+
+
+def test_a_killed_run_blocks_nobody(tmp_path):
+    model(tmp_path)
+    first = start(tmp_path, 1, "crank", *LONG)
+    until(grows(tmp_path / "crank.sbd.part"), first)
+    first.kill()
+    first.wait()
+    assert done(tmp_path, 1, "crank")[0] == 0
+    assert getfrsbf(tmp_path / "crank.sbd", "tdef") == [[101]]
+
+
+def test_a_folder_of_the_name_is_not_moved_away(tmp_path):
+    model(tmp_path)
+    for name in ("crank.sbd", "crank.log", "crank.sbd.bak", "crank.sbd.part"):
+        (tmp_path / name).mkdir()
+        status, _, err = done(tmp_path, 1, "crank")
+        assert (status, len(err.splitlines())) == (2, 1)
+        assert "folder" in err
+        assert (tmp_path / name).is_dir()
+        (tmp_path / name).rmdir()
+        assert sorted(p.name for p in tmp_path.iterdir()) == ["crank.dat"]
+
+
+@pytest.fixture(params=["flock", "process number"])
+def kind(request, monkeypatch):
+    if request.param != "flock":
+        monkeypatch.setattr(locks, "fcntl", None)
+    return request.param
+
+
+def test_claims(tmp_path, kind):
+    """Both kinds of lock: one holder, released for the next, only one's own file published."""
+    final = tmp_path / "a.sbd"
+    one = Claim(final)
+    with pytest.raises(UsageError, match=r"another run is writing .*a\.sbd"):
+        Claim(final)
+    one.begin()
+    with one.open() as part:
+        part.write(b"one")
+    one.publish()
+    two = Claim(final)
+    two.begin()
+    assert (tmp_path / "a.sbd.bak").read_bytes() == b"one"
+    two.part.unlink()
+    two.part.write_bytes(b"of somebody else")
+    with pytest.raises(AnalysisError, match="removed or replaced"):
+        two.publish()
+    two.release()
+    two.release()
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.sbd.bak", "a.sbd.part"]
+    three = Claim(final)  # what a killed run left is replaced
+    three.begin()
+    three.release()
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.sbd.bak"]
+
+
+def test_the_lock_file_of_a_dead_process_does_not_count(tmp_path, monkeypatch):
+    monkeypatch.setattr(locks, "fcntl", None)
+    beside = tmp_path / "a.sbd.part.lock"
+    beside.write_text(f"{locks.socket.gethostname()} 4194305\n")  # above the largest process number of Linux
+    Claim(tmp_path / "a.sbd").release()
+    beside.write_text("another-machine 1\n")
+    with pytest.raises(UsageError, match="another run"):
+        Claim(tmp_path / "a.sbd")
+
+
+def test_a_file_that_was_renamed_between_opening_and_locking_is_opened_again(tmp_path, monkeypatch):
+    final = tmp_path / "a.sbd"
+    lock, calls = locks.lock, []
+
+    def slow(fd, path):
+        calls.append(path)
+        if len(calls) == 1:
+            os.replace(path, final)  # the other run ended just now
+        return lock(fd, path)
+
+    monkeypatch.setattr(claims.locks, "lock", slow)
+    with pytest.raises(UsageError):  # refused once: the name was of another file
+        Claim(final)
+    Claim(final, wait=True).release()
+
+
+@pytest.mark.parametrize("closed", ["2>&-", ">&-", "<&-", "<&- >&- 2>&-", "2>/dev/full"])
+def test_missing_streams(tmp_path, closed):
+    """Point 3: a run needs no streams, and no file gets the number of one."""
+    model(tmp_path)
+    status, _, _ = shell(tmp_path, f"spacar 1 crank -v {closed}")
+    assert status == 0
+    assert getfrsbf(tmp_path / "crank.sbd", "tdef") == [[101]]
+    assert "internal" not in (tmp_path / "crank.log").read_text()
+
+
+def test_wrong_input_without_a_stream_to_tell_it(tmp_path):
+    assert shell(tmp_path, "spacar 1 nothing 2>&-")[0] == 2
+
+
+def test_a_full_standard_output_is_a_failure(tmp_path):
+    model(tmp_path)
+    assert done(tmp_path, 1, "crank")[0] == 0
+    status, _, err = shell(tmp_path, "spacar getfrsbf crank x > /dev/full")
+    assert status == 1
+    assert err == "error: cannot write to standard output: No space left on device\n"
