@@ -356,14 +356,17 @@ KEYWORDS = (
                     integer("number of steps between output steps", default=1),
                     integer("type of analysis 0-3", default=0),
                     integer("number of load steps for the initial solution", default=0),
+                    integer("follow the equilibrium path beyond limit points: 0 no, 1 yes", default=0),
                 ),
-                *span(1, 6),
+                *span(1, 7),
             ),
         ),
         unique=0,
         notes=(
             "Type 0: initial loading; 1: the same with N0 zero; 2: initial and additional loading; "
             "3: the same with N0 zero.",
+            "At a limit point of the loading (snap-through) the analysis stops and says which part of the loading was "
+            "reached; position 7 = 1 follows the equilibrium path beyond it to where it reaches the load again.",
         ),
     ),
     Keyword(

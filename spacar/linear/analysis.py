@@ -21,12 +21,11 @@ from spacar.linear.lowest import WANTED, lowest_buckling, lowest_vibration, spar
 from spacar.linear.signals import linearization_signals
 from spacar.linear.state_space import Signal, chosen_rows, has_feedthrough, state_space
 from spacar.linearization.matrices import Linearization, linearize
-from spacar.mechanism.mechanism import Array
 from spacar.stationary import StationarySolver, load_program
-from spacar.stationary.equilibrium import Equilibrium
-from spacar.stationary.newton import LARGE
 from spacar.stationary.tangent import SparseTangent
 from spacar.stream import Run
+
+LARGE = 600  # dynamic degrees of freedom; above, no dense matrices are formed
 
 
 def forward(run: Run) -> Iterator[Frame]:
@@ -111,8 +110,8 @@ def stationary(run: Run, reducible: bool = True) -> Iterator[Solution]:
     stored = iterations = 0
     for level in program:
         solver.solve(level)
-        dynamics, state = solver.dynamics, solver.solution.state
-        iterations += solver.solution.iterations
+        dynamics, state = solver.dynamics, solver.solution
+        iterations += state.iterations
         if "condition" not in run.header:
             run.header["condition"] = condition_number(dynamics.kinematics)
         if not level.store:
@@ -120,27 +119,19 @@ def stationary(run: Run, reducible: bool = True) -> Iterator[Solution]:
         limits = limits or Limits(dynamics, run.report)
         convected = dynamics.forces.inertia(dynamics.sweep, dynamics.xd)
         frame = dynamics.complete(
-            float(stored), state.xdd, _stored_stress(dynamics, state), state.convective, convected
+            float(stored), state.xdd, state.sigma, state.convective, convected
         )
         limits.check(dynamics, frame)
         frame.statistics = {"iterations": iterations, "residual": state.norm}
         stored, iterations = stored + 1, 0
         if reduced:
             tangent = solver.sparse_tangent()
-            tangent.sigma = state.full
+            tangent.sigma = state.sigma
             yield Solution(frame, dynamics, None, tangent)
             continue
         L = linearize(dynamics, state.xdd, state.sigma)
         _store_matrices(frame, L, dynamics)
         yield Solution(output.add(frame, dynamics.kinematics), dynamics, L, None)
-
-
-def _stored_stress(dynamics: Dynamics, state: Equilibrium) -> Array:
-    """Constitutive values for the free rows, multipliers for fixed and prescribed ones."""
-    sigma = state.sigma.copy()
-    constrained = dynamics.numbering.e_class["input"].stop
-    sigma[:constrained] = state.full[:constrained]
-    return sigma
 
 
 def _store_matrices(frame: Frame, L: Linearization, dynamics: Dynamics) -> None:

@@ -38,3 +38,8 @@ class BandedSystem:
     def solve_transposed(self, b: Array) -> Array:
         x, _ = dgbtrs(self.lu, self.lower, self.upper, b[self.column_order], self.pivots, trans=1)
         return x[self.row_rank]
+
+    def determinant_sign(self) -> float:
+        swaps = int(np.sum(self.pivots != np.arange(self.n)))
+        negative = int(np.sum(self.lu[self.lower + self.upper] < 0.0))
+        return -1.0 if (swaps + negative) % 2 else 1.0

@@ -33,3 +33,17 @@ class System(Protocol):
 
     def solve_transposed(self, b: Array) -> Array:
         """x with A^T x = b; b is (n,) or (n, k)."""
+
+    def determinant_sign(self) -> float:
+        """+1 or -1 of the factored matrix, up to a factor that does not depend on the entries."""
+
+
+def parity(permutation: Index) -> float:
+    """+1 for an even permutation, -1 for an odd one."""
+    rest, sign = permutation.tolist(), 1.0
+    for i in range(len(rest)):
+        while rest[i] != i:
+            j = rest[i]
+            rest[i], rest[j] = rest[j], j
+            sign = -sign
+    return sign

@@ -32,6 +32,9 @@ class DenseSystem:
     def solve_transposed(self, b: Array) -> Array:
         return self._solve(self.A.T, b)
 
+    def determinant_sign(self) -> float:
+        return float(np.linalg.slogdet(self.A)[0])
+
     def _solve(self, A: Array, b: Array) -> Array:
         try:
             return np.linalg.solve(A, b)

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
-from spacar.linear_systems.base import Array, Index, SingularMatrixError
+from spacar.linear_systems.base import Array, Index, SingularMatrixError, parity
 
 
 class SparseSystem:
@@ -33,3 +33,7 @@ class SparseSystem:
 
     def solve_transposed(self, b: Array) -> Array:
         return np.asarray(self.lu.solve(b, trans="T"))
+
+    def determinant_sign(self) -> float:
+        negative = int(np.sum(self.lu.U.diagonal() < 0.0))
+        return parity(self.lu.perm_r) * parity(self.lu.perm_c) * (-1.0 if negative % 2 else 1.0)

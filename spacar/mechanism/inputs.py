@@ -148,6 +148,7 @@ def settings(deck: Deck) -> Settings:
         "ERROR": ("atol", "rtol"),
         "ITERSTEP": (
             "max_iterations", "load_steps", "tolerance", "store_every", "stationary_type", "initial_steps",
+            "follow_path",
         ),
         "OUTLEVEL": ("log_level", "sbd_level"),
     }  # fmt: skip

@@ -132,6 +132,7 @@ class Settings:
     store_every: int = 1
     stationary_type: int = 0
     initial_steps: int = 0
+    follow_path: int = 0  # 1: beyond limit points of the loading
     log_level: int = 0
     sbd_level: int | None = None  # None: the default of the mode
     compiled: bool = False  # right-hand side in C (spacar.compiled); an option of the run, not of the deck

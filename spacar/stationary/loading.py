@@ -66,6 +66,13 @@ def loads_at(mechanism: Mechanism, level: LoadLevel) -> Loads:
     return loads
 
 
+def loads_grow(mechanism: Mechanism, level: LoadLevel) -> bool:
+    """Do loads grow on the way to a level, or only prescribed displacements?"""
+    if level.additional:
+        return mechanism.additional is not None and mechanism.additional.present
+    return mechanism.loads.present
+
+
 def with_flow(mechanism: Mechanism, loads: Loads) -> Mechanism:
     """The mechanism with the mass flow of these loads in its tubes; itself when there are none."""
     if not loads.flow:

@@ -1,115 +1,172 @@
-"""Newton's iteration for one load level.
+"""Newton's iteration on the mixed equations, with its test of contraction.
 
-Unknown are the dynamic degrees of freedom q_d. Converged when max |R| <= tolerance (ITERSTEP position 3) and small
-against the loads, or max |R| <= 100 eps max(|f|, |sigma|) (`Equilibrium.reached`), or when max |R| <= tolerance does
-not fall any more. A level that is no result is only a start value for the next one: it is left when the residual has
-fallen to a thousandth. The tangent is the exact K0 + N0 + G0 (types 1, 3: without N0); the sparse form
-(theory-system.md (18)) for large systems at rest. At most ITERSTEP position 1 iterations.
+Prescribed coordinates are unknowns that move with the first correction: V and the geometric stiffness at the old
+position take them along, no configuration is evaluated where only the prescribed coordinates have jumped.
+
+Corrections must contract: with the exact tangent the second is at most half the first, later ones three quarters of
+the one before. An iteration that does not is broken off at once: it would leave the neighbourhood of the path, and what
+it may find is the state of another branch (P. Deuflhard, Newton Methods for Nonlinear Problems, Springer 2004, chapter
+5). Without N0 (ITERSTEP types 1, 3) or with user functions, which may not state their stiffness, convergence is linear
+and contraction by any factor will do.
+
+What rounding makes of a correction is measured, not assumed: a third right-hand side holds the rounding errors of the
+residual (eps times the sum of the sizes of its terms). Corrections of that size need not contract, and end the
+iteration.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 
-from spacar.dynamics.dynamics import Dynamics
-from spacar.errors import AnalysisError
-from spacar.kinematics.kinematics import CONVERGED
+from spacar.kinematics.kinematics import LARGEST_JUMP, largest
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Array
-from spacar.stationary.dense import solve_tangent, tangent
-from spacar.stationary.equilibrium import Equilibrium, equilibrium
-from spacar.stationary.loading import WITHOUT_N0, LoadLevel
-from spacar.stationary.tangent import SparseTangent
+from spacar.stationary.equations import Equations, Given, Point
 
-PASSING = 1e-3  # of the forces and of the largest residual: enough to leave a level that is not stored
-ON_THE_WAY = 1e-6  # `Kinematics.converged` at such a level
-LARGE = 600  # dynamic degrees of freedom; above, no dense tangent is formed
+FORCES = 1e-9  # out-of-balance work / work of the forces in it
+LENGTHS = 1e-11  # incompatibility / model length, or rad
+CORRECTION = 1e-7  # last correction / model length, or rad: the next one would be of the size of its square
+PASSING_FORCES, PASSING_LENGTHS, PASSING_CORRECTION = 1e-4, 1e-7, 1e-3  # at a state that is no result
+FIRST_RATIO, LATER_RATIO, LINEAR_RATIO = 0.5, 0.75, 0.98  # of two corrections, at most
+SINGULAR = 1e14  # displacement under forces of the size of the stiffness: 1/(50 eps), no digit is left
+SPREAD = 10.0  # the signs of the rounding errors are not known: factor between one sample and their largest effect
+
+
+class Tangent(Protocol):
+    """The matrix of the corrections; unknowns x_F, then sigma / size."""
+
+    @property
+    def exact(self) -> bool: ...
+    @property
+    def symmetric(self) -> bool: ...
+    def factor(self, point: Point) -> None: ...
+    def solve(self, right: Array) -> Array: ...
+    def along(self, dx: Array) -> Array: ...
+    def dense(self) -> Array: ...
+    def sign(self) -> float: ...
+
+
+class Astray(Exception):
+    """The iteration does not converge, or not to a neighbouring state."""
 
 
 @dataclass(frozen=True)
-class Converged:
-    """What Newton's iteration found: the state y, its equilibrium, and max |R| of every evaluation."""
+class Demand:
+    """What an iteration has to reach: relative forces, lengths, last correction; largest force [N]; how many times."""
 
-    y: Array
-    state: Equilibrium
-    history: tuple[float, ...]
+    limit: int
+    tolerance: float = np.inf
+    forces: float = PASSING_FORCES
+    lengths: float = PASSING_LENGTHS
+    correction: float = PASSING_CORRECTION
 
-    @property
-    def iterations(self) -> int:
-        return len(self.history) - 1
+    @classmethod
+    def of(cls, limit: int, tolerance: float, stored: bool) -> Demand:
+        return cls(limit, tolerance, FORCES, LENGTHS, CORRECTION) if stored else cls(limit)
+
+    def met(self, p: Point) -> bool:
+        small = p.work <= self.forces * p.work_size and p.force <= self.tolerance and p.gap <= self.lengths
+        return p.quiet or small
 
 
-def newton(dynamics: Dynamics, y: Array, level: LoadLevel, sparse: Callable[[], SparseTangent] | None) -> Converged:
-    """Solve R = 0 from y; `sparse` gives the sparse tangent where it applies.
+@dataclass
+class Corrections:
+    """The sizes of the corrections of one iteration, and when it has ended or has to be broken off."""
 
-    Raises AnalysisError 'statics.no-convergence', 'statics.no-solution', or what the position problem raises.
+    demand: Demand
+    exact: bool
+    sizes: list[float] = field(default_factory=list)
+    noise: float = 0.0  # the size that rounding alone gives a correction
+
+    def add(self, size: float, noise: float) -> None:
+        """Raises Astray when the corrections do not contract."""
+        self.sizes.append(size)
+        self.noise = SPREAD * noise
+        if not size <= LARGEST_JUMP:
+            raise Astray(f"a correction of {size:.2g} model lengths or rad")
+        if len(self.sizes) > 1 and size > self.noise:
+            ratio = (FIRST_RATIO if len(self.sizes) == 2 else LATER_RATIO) if self.exact else LINEAR_RATIO
+            if size > ratio * self.sizes[-2]:
+                raise Astray("corrections that do not contract: " + " ".join(f"{v:.2g}" for v in self.sizes))
+
+    def ended(self, p: Point) -> bool:
+        """Is the point that the last correction led to the solution? Raises Astray beyond the limit of iterations."""
+        if not p.finite:
+            raise Astray("numbers that are not finite")
+        if not self.sizes:
+            return p.quiet
+        last = self.sizes[-1]
+        met = last <= self.noise or (self.demand.met(p) and self._left(last) <= self.demand.correction)
+        if not met and len(self.sizes) >= self.demand.limit:
+            raise Astray(f"no convergence in {self.demand.limit} iterations")
+        return met
+
+    def _left(self, last: float) -> float:
+        """With linear convergence the error is what a geometric series leaves; scaled like a quadratic one."""
+        if self.exact or len(self.sizes) < 2:
+            return last
+        ratio = min(last / self.sizes[-2], LINEAR_RATIO) if self.sizes[-2] > 0.0 else 0.0
+        left = last * ratio / (1.0 - ratio)
+        return max(left * self.demand.correction / self.demand.lengths, 0.0)
+
+
+def correction(q: Equations, tangent: Tangent, p: Point, dx: Array, more: Array | None = None) -> tuple[Array, float]:
+    """Solution (n,) or (n, 2) for the right-hand sides p.right - tangent dx (and `more`), and the noise in it.
+
+    Raises SingularMatrixError.
     """
-    settings, n = dynamics.mechanism.settings, dynamics.numbering
-    history: list[float] = []
-    seen = 0.0
-    y = y.copy()
-    dynamics.kinematics.begin()
-    dynamics.kinematics.converged = CONVERGED if level.store else ON_THE_WAY
+    n = len(p.right)
+    b = np.zeros((n, 3 if more is None else 4))
+    b[:, 0] = p.right - tangent.along(dx) if dx.any() else p.right
+    sign = np.where(np.arange(n) % 2, -1.0, 1.0)
+    b[:, 1] = sign * p.rounding
+    b[: q.nf, 2] = q.flexibility.size * (1.0 + np.arange(q.nf) / max(q.nf, 1))
+    if more is not None:
+        b[:, 3] = more
+    solution = tangent.solve(b)
+    growth = largest(solution[: q.nf, 2])
+    if not growth < SINGULAR:
+        raise SingularMatrixError(f"the stiffness is singular to working precision (growth {growth:.2g})")
+    noise = largest(solution[: q.nf, 1] / q.scale[q.F])
+    return (solution[:, 0] if more is None else solution[:, [0, 3]]), noise
+
+
+def newton(
+    q: Equations, tangent: Tangent, x: Array, sigma: Array, given: Given, demand: Demand
+) -> tuple[Point, list[float]]:
+    """The state in equilibrium near x (nx,), sigma (ne,), and the sizes of the corrections that led there.
+
+    Raises Astray, SingularMatrixError, AnalysisError of user functions.
+    """
+    path = Corrections(demand, tangent.exact and q.d.forces.user is None)
+    dx = np.zeros_like(x)
+    dx[q.P] = (given.x - x)[q.P]
+    p = q.point(x, sigma, given)
+    if not dx.any() and path.ended(p):
+        return p, path.sizes
     while True:
-        state = equilibrium(dynamics, dynamics.place(0.0, y))
-        history.append(state.norm)
-        seen = max(seen, state.work)
-        at_rest = len(history) > 1 and state.norm <= settings.tolerance and state.norm >= 0.5 * history[-2]
-        passed = not level.store and state.work <= PASSING * min(seen, state.work_size)
-        if state.reached(settings.tolerance, seen) or at_rest or passed:
-            return Converged(y, state, tuple(history))
-        if not np.isfinite(state.norm) or len(history) > settings.max_iterations:
-            raise no_convergence(dynamics, state, level, history)
-        y[: n.nddof] -= _correction(dynamics, state, sparse)
+        tangent.factor(p)
+        z, noise = _correct(q, tangent, p, dx)
+        dx[q.F] = z[: q.nf]
+        path.add(largest(dx / q.scale) if np.isfinite(z).all() else np.inf, noise)
+        q.d.sweep.near[:] = q.d.sweep.e
+        p = q.point(p.x + dx, p.sigma + q.flexibility.size * z[q.nf :], given)
+        if path.ended(p):
+            return p, path.sizes
+        dx = np.zeros_like(x)
 
 
-def _correction(d: Dynamics, state: Equilibrium, sparse: Callable[[], SparseTangent] | None) -> Array:
-    """K^-1 R."""
-    if sparse is not None:
-        try:
-            return -sparse().correction(state.sigma, state.full)
-        except SingularMatrixError as error:
-            if d.numbering.nddof > LARGE:
-                raise AnalysisError(
-                    f"the tangent stiffness is singular ({error}): a motion without stiffness, or exactly a"
-                    f" critical load;"
-                    " support or prescribe the motion, or change the load",
-                    "statics.no-solution",
-                ) from None
-    K = tangent(d, state, d.mechanism.settings.stationary_type in WITHOUT_N0)
-    names = [d.numbering.q_names[i] for i in d.numbering.dynamic]
-    return solve_tangent(K, state.residual, names, state.size)
+def _correct(q: Equations, tangent: Tangent, p: Point, dx: Array) -> tuple[Array, float]:
+    """The correction, of minimum norm where the matrix is singular."""
+    from spacar.stationary.singular import in_range
 
-
-def no_convergence(d: Dynamics, state: Equilibrium, level: LoadLevel, history: list[float]) -> AnalysisError:
-    """The failure with its numbers: load step, residuals, definiteness of the stiffness, advice."""
-    settings, n = d.mechanism.settings, d.numbering
-    k = int(np.argmax(np.abs(state.residual))) if np.isfinite(state.norm) else 0
-    text = (
-        f"the stationary solution did not converge at {level}: largest residual"
-        f" {' '.join(f'{r:.3g}' for r in history)} after {len(history) - 1} iterations (tolerance"
-        f" {settings.tolerance:.3g}),"
-        f" the last one at {n.q_names[n.dynamic[k]]}{_definiteness(d, state)}; try more load steps, more"
-        f" iterations or a"
-        " smaller load (ITERSTEP), or type 1 or 3 when N0 disturbs"
-    )
-    return AnalysisError(text, "statics.no-convergence", history=tuple(history), level=level)
-
-
-def _definiteness(d: Dynamics, state: Equilibrium) -> str:
-    """Has the tangent stiffness of the last iterate negative eigenvalues?"""
-    if d.numbering.nddof > LARGE or not np.isfinite(state.norm):
-        return ""
-    K = tangent(d, state, without_n0=False)
-    if not np.isfinite(K).all():
-        return ""
-    negative = int(np.sum(np.linalg.eigvalsh((K + K.T) / 2) < 0.0))
-    if not negative:
-        return "; the tangent stiffness there is positive definite"
-    return (
-        f"; the tangent stiffness there has {negative} negative eigenvalue{'s' * (negative > 1)}:"
-        " a critical load has been passed, or the last iterate is far from the solution"
-    )
+    try:
+        z, noise = correction(q, tangent, p, dx)
+        if np.isfinite(z).all():
+            return z, noise
+    except SingularMatrixError:
+        pass
+    return in_range(q, tangent, p, dx), 0.0

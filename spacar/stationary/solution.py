@@ -1,149 +1,156 @@
-"""Walking through load levels: prediction, Newton's iteration, automatic cutting of load steps (theory-system.md 6.3).
-
-Each level starts from the polynomial through up to four earlier solutions along the same loading (the values at a
-larger load), else from the last solution; when Newton's method does not converge from the prediction it starts again
-from the last solution. A step that fails is halved, down to 1/64 of its size.
-"""
+"""The stationary solution as the analyses see it: placed evaluator, stresses, stability, level by level."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from spacar.dynamics.dynamics import Dynamics
 from spacar.errors import AnalysisError, Report
+from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Array, Mechanism
-from spacar.stationary.loading import LoadLevel, SteadyDrive, loads_at, with_flow
-from spacar.stationary.newton import Converged, newton
+from spacar.stationary.equations import Motion, Point
+from spacar.stationary.evaluator import Evaluator
+from spacar.stationary.loading import LoadLevel, SteadyDrive, loads_at
+from spacar.stationary.stability import Stability, critical_motion
 from spacar.stationary.tangent import SparseTangent
+from spacar.stationary.walk import Walk
 
-SMALLEST_FRACTION = 1.0 / 64.0
-SPARSE_FROM = 30  # coordinates; below, the dense tangent is as fast (benchmarks/statics.py)
-REMEMBERED = 4  # solutions that the prediction uses: a cubic polynomial
+SINGULAR_SLIP = 1e-8  # relative: the stress of a slip that its law does not give
+
+
+@dataclass(frozen=True)
+class Solution:
+    """The state of a level. xdd (nx,), convective (ne,) of steady motion; sigma (ne,) all stresses; norm: largest
+    out-of-balance force; iterations of this level; determined: do the degrees of freedom determine the configuration?
+    """
+
+    xdd: Array
+    convective: Array
+    sigma: Array
+    norm: float
+    iterations: int
+    determined: bool
 
 
 @dataclass
 class StationarySolver:
     """Walks through load levels; `dynamics` is placed at the last solution, `solution` describes it.
 
-    Raises AnalysisError 'statics.no-convergence' or 'statics.no-solution'.
+    Raises AnalysisError 'statics.no-convergence', 'statics.limit-point' or 'statics.no-solution'.
     """
 
     mechanism: Mechanism
     report: Report
     dynamics: Dynamics = field(init=False)
-    solution: Converged = field(init=False)
-    level: LoadLevel = field(init=False)
+    solution: Solution = field(init=False)
 
     def __post_init__(self) -> None:
-        self.level = LoadLevel(0.0, 0.0)
-        self._tangent: SparseTangent | None = None
-        loads = loads_at(self.mechanism, self.level)
-        mechanism = with_flow(self.mechanism, loads)
-        self.dynamics = Dynamics(mechanism, loads=loads, drive=SteadyDrive.at_level(self.mechanism, self.level))
-        d, n = self.dynamics, self.mechanism.numbering
-        start, motion = self.mechanism.drive.at(0.0), SteadyDrive.at_level(self.mechanism, LoadLevel(1.0, 0.0))
+        m, n = self.mechanism, self.mechanism.numbering
+        start, motion = m.drive.at(0.0), SteadyDrive.at_level(m, LoadLevel(1.0, 0.0))
         if start.xdd.any() or start.edd.any():
             self.report.add("warning: prescribed accelerations are ignored in a stationary solution")
-        self.y = d.start_values()
-        if n.holonomic:
-            if self.y[d.n_positions :].any():
-                self.report.add(
-                    "warning: start rates of dynamic degrees of freedom are ignored in a stationary solution"
-                )
-            self.y[d.n_positions :] = 0.0
-        # everything that the static tangent (18) contains, and nothing else
-        static = n.holonomic and not motion.moving and self.mechanism.user_signal is None and not d.coupling.present
-        self.sparse = static and n.nx > SPARSE_FROM
-        self._known: list[tuple[float, Array]] = []
-        x_reference = self.mechanism.x0[n.x_class["dynamic"]]
-        if not (self.y[: d.n_xm] - x_reference).any() and not self.y[d.n_xm : n.nddof].any():
-            self._known = [(0.0, self.y.copy())]  # the reference configuration is the solution without load
-        loads = loads_at(self.mechanism, LoadLevel(1.0, 0.0))
-        self._idle = bool(static and self._known) and not loads.present and not motion.shift(self.mechanism)
+        self._evaluator = e = Evaluator(m)
+        self.dynamics = d = e.dynamics
+        if n.holonomic and d.start_values()[d.n_positions :].any():
+            self.report.add("warning: start rates of dynamic degrees of freedom are ignored in a stationary solution")
+        # for a loading that does nothing all levels have the solution of the first
+        self._idle = e.plain and not loads_at(m, LoadLevel(1.0, 0.0)).present and not motion.shift(m)
+        self._said: Stability | None = None
+        self._walk: Walk | None = None
+
+    @property
+    def sparse(self) -> bool:
+        """Does the sparse tangent hold everything that the linearized equations contain?"""
+        return self._evaluator.plain and not self._evaluator.dynamics.coupling.present
 
     def sparse_tangent(self) -> SparseTangent:
         """The sparse tangent of the present evaluator."""
-        if self._tangent is None or self._tangent.dynamics is not self.dynamics:
-            self._tangent = SparseTangent(self.dynamics)
-        return self._tangent
+        assert self._evaluator.sparse is not None
+        return self._evaluator.sparse
+
+    @property
+    def y(self) -> Array:
+        """The dynamic degrees of freedom of the last solution, (nddof,)."""
+        n, d = self.mechanism.numbering, self.dynamics
+        return np.concatenate((d.kinematics.x[n.x_class["dynamic"]], d.sweep.e[n.e_class["dynamic"]]))
 
     def solve(self, target: LoadLevel) -> None:
-        """Go to a load level, in smaller steps where Newton's method needs it."""
-        if self._idle and self.level.path > 0.0 and target.additional == 0.0 and self._at_rest():
-            self.level, self.solution = target, replace(self.solution, history=self.solution.history[-1:])
+        """Go to a load level."""
+        if self._walk is None:
+            self._walk = self._begin(target)
+        elif self._idle and target.additional == 0.0 and self._walk.level.path > 0.0:
             return
-        origin, fraction, step = self.level, 0.0, 1.0
-        while fraction < 1.0:
-            following = min(1.0, fraction + step)
-            level = target if following == 1.0 else origin.towards(target, following)
-            try:
-                self._reach(level)
-            except AnalysisError as error:
-                if error.code == "statics.no-solution":  # smaller steps do not create a stiffness
-                    raise
-                step *= 0.5
-                if step < SMALLEST_FRACTION:
-                    raise self._given_up(error, origin, target, fraction) from None
-                self.report.add(f"{target}: no convergence, cut to {step:.6g} of its size")
-                continue
-            fraction = following
-            if level.additional == 0.0 and level.initial >= 1.0:
-                self._known = self._known[-1:]  # from here on the path of the additional loading
-        self.level = target
+        walk = self._walk
+        walk.go(target)
+        self.dynamics = self._evaluator.dynamics
+        self._place(walk.point, walk.iterations, target)
+        if target.store:
+            self._say_stability(target)
 
-    def _at_rest(self) -> bool:
-        """Is the last solution accurate? Then it is that of all levels of a loading that does nothing."""
-        return self.solution.state.reached(self.mechanism.settings.tolerance, 0.0)
+    def _begin(self, first: LoadLevel) -> Walk:
+        """The walk starts at the start values. A state that is no equilibrium is held by forces that fade."""
+        e, d = self._evaluator, self.dynamics
+        given = e.load(LoadLevel(0.0, 0.0))
+        k = d.kinematics
+        k.begin()
+        d.place(0.0, e.y)
+        sigma = d.law(d.sweep.e, np.zeros(d.numbering.ne))
+        d.sweep.near[:] = d.sweep.e
+        try:
+            p = e.equations.point(k.x, sigma, given)
+        except SingularMatrixError as error:
+            raise AnalysisError(f"the velocities of the start configuration are not determined: {error}",
+                                "statics.no-solution") from None  # fmt: skip
+        known = p.quiet
+        if not known:
+            force = np.zeros(d.numbering.nx)
+            force[e.equations.F] = p.right[: e.equations.nf]
+            e.held_by(force, first.path)
+        try:
+            return Walk(e, p, known, self.report)
+        except SingularMatrixError:
+            return Walk(e, p, False, self.report)
 
-    def _reach(self, level: LoadLevel) -> None:
-        """Newton's iteration at a level from the prediction, then from the last solution."""
-        starts = [self.y] if len(self._known) < 2 else [self._predicted(level.path), self.y]
-        before, kinematics = self.dynamics, self.dynamics.kinematics
-        x, e = kinematics.x, kinematics.sweep.e.copy()
-        for k, start in enumerate(starts):
-            try:
-                self._load(level)
-                self.solution = newton(self.dynamics, start, level, self.sparse_tangent if self.sparse else None)
-            except AnalysisError:
-                self.dynamics = before
-                kinematics.start_at(x, e)
-                if k + 1 == len(starts):
-                    raise
-                continue
-            break
-        self.y = self.solution.y
-        self._known = [*self._known, (level.path, self.y.copy())][-REMEMBERED:]
+    def _place(self, p: Point, iterations: int, level: LoadLevel) -> None:
+        """The evaluator at the point, in terms of the degrees of freedom as far as they determine it."""
+        d, n, q = self.dynamics, self.mechanism.numbering, self._evaluator.equations
+        k = d.kinematics
+        d.sweep.strain(p.x)
+        d.sweep.mass()
+        given = q.given(self._evaluator.y)
+        fixed = q.constrained & ~n.slips
+        d.sweep.e[fixed] = given.e[fixed]  # exact, while S times the rounding of e is not small
+        k.start_at(p.x, d.sweep.e)
+        k.e_given = d.sweep.e.copy()
+        determined = True
+        try:
+            k.refactor()
+        except SingularMatrixError:
+            determined = False
+        still = np.zeros(n.nx)
+        m = p.motion or Motion(still, still, np.zeros(n.ne), np.zeros(n.ne), np.zeros(n.ne))
+        d.xd, d.ed = m.v, m.ed
+        sigma = p.sigma - (d.coupling.stress(m.edd) if d.coupling.present else 0.0)
+        self.solution = Solution(m.a, m.convective, sigma, p.force, iterations, determined)
+        if p.slip > SINGULAR_SLIP * p.work_size:
+            text = f"no stationary solution at {level}: a slip that is a degree of freedom is not in equilibrium"
+            raise AnalysisError(f"{text} with its rate", "statics.no-solution")
 
-    def _load(self, level: LoadLevel) -> None:
-        """Put the loads of a level on the evaluator; a change of the flow in tubes needs a new one."""
-        loads, drive = loads_at(self.mechanism, level), SteadyDrive.at_level(self.mechanism, level)
-        mechanism = with_flow(self.mechanism, loads)
-        if mechanism is self.mechanism:
-            self.dynamics.reload(loads, drive)
+    def _say_stability(self, level: LoadLevel) -> None:
+        """Every stored state that is unstable or critical is said, from the step where that changes."""
+        assert self._walk is not None
+        now, said = self._walk.stable, self._said
+        self._said = now
+        if now is None or not now.exact or (said is not None and now.negative == said.negative):
             return
-        following = Dynamics(mechanism, loads=loads, drive=drive)
-        following.kinematics.start_from(self.dynamics.kinematics)
-        self.dynamics = following
-
-    def _predicted(self, path: float) -> Array:
-        """Lagrange's polynomial through the known solutions."""
-        at = np.array([p for p, _ in self._known])
-        weights = [np.prod((path - np.delete(at, i)) / (at[i] - np.delete(at, i))) for i in range(len(at))]
-        y = sum(w * known for w, (_, known) in zip(weights, self._known, strict=True))
-        y[self.dynamics.n_positions :] = self.y[self.dynamics.n_positions :]
-        return np.asarray(y)
-
-    def _given_up(self, error: AnalysisError, origin: LoadLevel, target: LoadLevel, fraction: float) -> AnalysisError:
-        """The error of the smallest step, with how far the load step came."""
-        reached = origin.towards(target, fraction)
-        text = str(error)
-        if error.code != "statics.no-convergence":
-            text = f"the stationary solution did not converge at {target}: {text}"
-            text += "; try more load steps or a smaller load (ITERSTEP)"
-        text += (
-            f"; the step was cut to {SMALLEST_FRACTION:.3g} of its size, the last solution is at"
-            f" {reached.initial:.6g} x initial + {reached.additional:.6g} x additional loading"
-        )
-        return AnalysisError(text, "statics.no-convergence", **error.data)
+        e = self._evaluator
+        if now.negative:
+            motion = critical_motion(e.equations, e.tangent, self._walk.point, negative=True)
+            self.report.add(
+                f"warning: the solution at {level} is an unstable equilibrium: the tangent stiffness has {now}"
+                + (f", the motion is largest at {motion}" if motion else "")
+            )
+        elif said is not None:
+            self.report.add(f"the solution at {level} is stable again")

@@ -24,6 +24,7 @@ from spacar.dynamics.forces import moment_gradient
 from spacar.linear_systems import SingularMatrixError, System, assemble
 from spacar.linearization.contractions import configuration_of, geometric_blocks
 from spacar.mechanism.mechanism import Array, Batch, Index
+from spacar.stationary.flexibility import Flexibility
 
 SINGULAR = 1e14  # displacements under a load of the size of the stiffness above which it counts as singular
 
@@ -54,9 +55,11 @@ class SparseTangent:
         self.place = np.full(n.nx, -1)
         self.place[self.F] = np.arange(self.nf)
         self.sigma = np.zeros(n.ne)
-        self.elastic = [b for b in sweep.strained if any(S.any() for S in b.family.stiffness())]
-        self.active = {b.index: (b.e >= dynamics.law.first).astype(float) for b in self.elastic}
-        loaded = [b for b in sweep.moving if dynamics.forces.heavy or hasattr(b.family, "with_flow")]
+        self.flexibility = Flexibility(dynamics)
+        self.elastic, self.active = self.flexibility.elastic, self.flexibility.active
+        m = dynamics.mechanism  # gravity may come with the additional loading only
+        heavy = any(loads is not None and loads.gravity.any() for loads in (m.loads, m.additional, dynamics.loads))
+        loaded = [b for b in sweep.moving if heavy or hasattr(b.family, "with_flow")]
         moment_rows = _moment_rows(dynamics)
         self.parts = {
             "geometric": Part(self.place, *_square(sweep.curved), self._geometric),
@@ -67,10 +70,9 @@ class SparseTangent:
         }
         self.ne = n.ne
         self._v = np.flatnonzero(self.place[sweep.v_columns] >= 0)
-        self._flexible = _square_e(self.elastic)
-        self._rigid = np.setdiff1d(np.arange(n.ne), self._flexible[0])  # rows of other elements: only a diagonal
+        self._patterns: dict[tuple[str, ...], tuple[Index, Index]] = {}
         self._systems: dict[tuple[str, ...], System] = {}
-        self._flexibilities: dict[tuple[float, float], tuple[Array, Array, float]] = {}
+        self._inverses = {(1.0, 0.0): (self.flexibility.values, self.flexibility.coupled, self.flexibility.size)}
 
     @property
     def damped(self) -> bool:
@@ -83,65 +85,49 @@ class SparseTangent:
 
         Raises SingularMatrixError, also when displacements under a load of the size of the stiffness exceed 1e14.
         """
-        system = self._fill(weights, stiffness, damping)
-        self._check_growth(system.solve(self._probe()))
-        return system
-
-    def _probe(self) -> Array:
-        """A load of the size of the stiffness on all coordinates."""
+        entries, size = self.entries(weights, stiffness, damping)
+        system = self._system(tuple(weights))
+        system.factor(entries)
         probe = np.zeros(self.nf + self.ne)
-        probe[: self.nf] = self._size
-        return probe
-
-    def _check_growth(self, solution: Array) -> None:
-        growth = float(np.max(np.abs(solution[: self.nf]), initial=0.0))
+        probe[: self.nf] = size  # a load of the size of the stiffness on all coordinates
+        growth = float(np.max(np.abs(system.solve(probe)[: self.nf]), initial=0.0))
         if not growth < SINGULAR:
             raise SingularMatrixError(f"the stiffness is singular to working precision (growth {growth:.2g})")
-
-    def _fill(self, weights: dict[str, float], stiffness: float = 1.0, damping: float = 0.0) -> System:
-        sweep, names = self.dynamics.sweep, tuple(weights)
-        if names not in self._systems:
-            i, j = self.nf + sweep.v_rows[self._v], self.place[sweep.v_columns[self._v]]
-            a, b = (self.nf + k for k in self._flexible)
-            c = self.nf + self._rigid
-            rows = np.concatenate([self.parts[k].rows for k in names] + [i, j, a, c])
-            columns = np.concatenate([self.parts[k].columns for k in names] + [j, i, b, c])
-            self._systems[names] = assemble(self.nf + self.ne, rows, columns)
-        system = self._systems[names]
-        if (stiffness, damping) not in self._flexibilities:
-            self._flexibilities[stiffness, damping] = self._flexibility(stiffness, damping)
-        flexibility, coupled, size = self._flexibilities[stiffness, damping]
-        diagonal = np.where(self._rigid >= self.n_rows, -1.0, 0.0)
-        v = sweep.v_entries[self._v] * coupled[sweep.v_rows[self._v]]
-        values = [w * self.parts[k].values() for k, w in weights.items()]
-        # multiplied by a typical stiffness, the rows of all unknowns compare
-        system.factor(np.concatenate([*values, size * v, size * v, -size * flexibility, size * diagonal]))
-        self._size = size
         return system
 
-    def _flexibility(self, stiffness: float, damping: float) -> tuple[Array, Array, float]:
-        """C times `size`, in the order of `_flexible`; which rows of e have stiffness (ne,); the largest stiffness."""
-        coupled, blocks = np.zeros(self.ne), []
-        for b in self.elastic:
-            S, Sd = b.family.stiffness()
-            S = stiffness * S + damping * Sd
-            n = len(b.e)
-            elastic = (S[np.arange(n), np.arange(n)] > 0.0) * self.active[b.index]
-            S = S * elastic[:, None] * elastic[None, :]
-            coupled[b.e] = elastic
-            blocks.append((b, S, elastic))
-        size = max((float(np.max(np.abs(S), initial=0.0)) for _, S, _ in blocks), default=1.0) or 1.0
-        values = []
-        for b, S, elastic in blocks:
-            n = len(b.e)
-            S = S / size
-            S[np.arange(n), np.arange(n)] += 1.0 - elastic  # decoupled rows: sigma = 0, or the multiplier below
-            C = np.linalg.inv(S.transpose(2, 0, 1)).transpose(1, 2, 0)
-            passive = (b.e < self.n_rows).astype(float)
-            C[np.arange(n), np.arange(n)] -= passive
-            values.append(C.ravel())
-        coupled[: self.n_rows] = 1.0
-        return _joined(values), coupled, size
+    def pattern(self, names: tuple[str, ...]) -> tuple[Index, Index]:
+        """Rows and columns of the entries, unknowns x_F first, then sigma / size."""
+        if names not in self._patterns:
+            i, j = self.nf + self.dynamics.sweep.v_rows[self._v], self.place[self.dynamics.sweep.v_columns[self._v]]
+            a, b = self.nf + self.flexibility.rows, self.nf + self.flexibility.columns
+            c = self.nf + self.flexibility.rigid
+            rows = np.concatenate([self.parts[k].rows for k in names] + [i, j, a, c])
+            columns = np.concatenate([self.parts[k].columns for k in names] + [j, i, b, c])
+            self._patterns[names] = rows, columns
+        return self._patterns[names]
+
+    def _system(self, names: tuple[str, ...]) -> System:
+        if names not in self._systems:
+            self._systems[names] = assemble(self.nf + self.ne, *self.pattern(names))
+        return self._systems[names]
+
+    def entries(self, weights: dict[str, float], stiffness: float = 1.0, damping: float = 0.0) -> tuple[Array, float]:
+        """Entries at the present configuration, and the typical stiffness by which the rows of e are multiplied."""
+        if (stiffness, damping) not in self._inverses:
+            self._inverses[stiffness, damping] = self.flexibility.inverse(stiffness, damping)
+        flexibility, coupled, size = self._inverses[stiffness, damping]
+        sweep = self.dynamics.sweep
+        v = size * sweep.v_entries[self._v]
+        row_v = v * coupled[sweep.v_rows[self._v]]
+        values = [w * self.parts[k].values() for k, w in weights.items()]
+        diagonal = -size * self.flexibility.rigid_diagonal
+        return np.concatenate([*values, row_v, row_v, -size * flexibility, diagonal]), size
+
+    def factor_static(self) -> System:
+        """The matrix of the static problem at the present configuration and `sigma`. Raises SingularMatrixError."""
+        system = self._system(tuple(STATIC))
+        system.factor(self.entries(STATIC)[0])
+        return system
 
     def displacement(self, system: System, force: Array) -> Array:
         """Coordinates (nx,) or (nx, k) that the force (nx,) or (nx, k) on F produces, the constraint rows kept."""
@@ -150,24 +136,6 @@ class SparseTangent:
         x = np.zeros_like(force)
         x[self.F] = system.solve(b)[: self.nf]
         return x
-
-    def correction(self, sigma: Array, full: Array) -> Array:
-        """Change of the dynamic degrees of freedom of one Newton step, (nddof,). Raises SingularMatrixError."""
-        d = self.dynamics
-        n, sweep = d.numbering, d.sweep
-        self.sigma = full
-        active = sigma.copy()
-        active[: self.n_rows] = 0.0
-        force = d.forces(d.kinematics.x, None) - d.forces.inertia(sweep, np.zeros(n.nx)) - sweep.rate_transposed(active)
-        system = self._fill(STATIC)
-        b = np.stack((self._probe(), np.zeros(self.nf + self.ne)), axis=1)
-        b[: self.nf, 1] = force[self.F]
-        solution = system.solve(b)  # both at once: dense storage factors at every solution
-        self._check_growth(solution[:, 0])
-        dx = np.zeros(n.nx)
-        dx[self.F] = solution[: self.nf, 1]
-        de = sweep.rate(dx)
-        return np.concatenate((dx[n.x_class["dynamic"]], de[n.e_class["dynamic"]]))
 
     def times(self, names: tuple[str, ...], x: Array) -> Array:
         """Sum of parts times x (nx, k), rows and columns F only."""
@@ -212,14 +180,6 @@ class SparseTangent:
 
 
 STATIC = {"geometric": 1.0, "load": 1.0, "moment": 1.0}
-
-
-def _square_e(batches: list[Batch]) -> tuple[Index, Index]:
-    """Rows and columns of square blocks over the deformations of elements."""
-    shapes = [(len(b.e), len(b.e), b.family.n) for b in batches]
-    rows = [np.broadcast_to(b.e[:, None, :], s).ravel() for b, s in zip(batches, shapes, strict=True)]
-    columns = [np.broadcast_to(b.e[None, :, :], s).ravel() for b, s in zip(batches, shapes, strict=True)]
-    return _joined_index(rows), _joined_index(columns)
 
 
 def _moment_rows(d: Dynamics) -> Index:

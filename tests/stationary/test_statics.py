@@ -12,20 +12,19 @@ import spacar
 from spacar.deck import parse_deck
 from spacar.errors import AnalysisError, Report
 from spacar.mechanism import build
-from spacar.stationary import StationarySolver, load_program
-from spacar.stationary import solution as solution_module
+from spacar.stationary import StationarySolver, load_program, walk
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 from statics import cantilever, elastica, solve
 
 
 def solver_of(text: str, mode: int = 7) -> tuple[StationarySolver, list[int]]:
-    """The solver after the whole program, and the number of residual evaluations of every level."""
+    """The solver after the whole program, and the number of iterations of every level."""
     m = build(parse_deck(text, mode=mode), mode)
     solver, counts = StationarySolver(m, Report()), []
     for level in load_program(m.settings):
         solver.solve(level)
-        counts.append(len(solver.solution.history))
+        counts.append(solver.solution.iterations)
     return solver, counts
 
 
@@ -38,22 +37,10 @@ def test_strongly_bent_cantilever_converges_with_second_order():
     assert errors[-1] < 3e-4
 
 
-def test_sparse_and_dense_tangent_take_the_same_steps(monkeypatch):
-    """Both are Newton's method for the same equations: iterates agree to rounding (condition of 20 beams: 1e6)."""
-    text = cantilever(20)
-    sparse, counts = solver_of(text)
-    assert sparse.sparse
-    monkeypatch.setattr(solution_module, "SPARSE_FROM", 10_000)
-    dense, same = solver_of(text)
-    assert not dense.sparse
-    assert counts == same
-    assert np.allclose(sparse.y, dense.y, rtol=0, atol=1e-12)
-
-
 def test_prediction_saves_iterations(monkeypatch):
     text = cantilever(10, 3.0, steps=10)
     _, predicted = solver_of(text)
-    monkeypatch.setattr(solution_module, "REMEMBERED", 1)
+    monkeypatch.setattr(walk, "REMEMBERED", 1)
     _, plain = solver_of(text)
     assert sum(predicted) < 0.8 * sum(plain)
 
@@ -74,40 +61,12 @@ def test_load_steps_are_cut_when_newton_fails():
 
 
 def test_failure_says_where_and_what_to_do():
-    text = cantilever(10, 1e5, steps=2).replace("ITERSTEP 20", "ITERSTEP 2")
+    text = cantilever(10, 10.0, steps=2).replace("ITERSTEP 20", "ITERSTEP 1")
     with pytest.raises(AnalysisError) as caught:
         spacar.run(7, parse_deck(text, mode=7))
     assert caught.value.code == "statics.no-convergence"
-    for part in ("load step 1 of 2", "residual", "ITERSTEP", "cut to", "last solution"):
+    for part in ("load step 2 of 2", "residual", "ITERSTEP", "cut to", "last solution"):
         assert part in str(caught.value)
-
-
-def test_failure_says_whether_the_stiffness_is_definite():
-    """Snap-through of a shallow truss: beyond the limit load no static solution is near."""
-    text = """
-PLTRUSS 1 1 2
-PLTRUSS 2 2 3
-X 1 -1. 0.
-X 2 0. 0.1
-X 3 1. 0.
-FIX 1
-FIX 3
-FIX 2 1
-DYNX 2 2
-RLSE 1
-RLSE 2
-END
-HALT
-ESTIFF 1 1000.
-ESTIFF 2 1000.
-XF 2 0. -0.6
-ITERSTEP 3 4
-END
-END
-"""
-    with pytest.raises(AnalysisError) as caught:
-        spacar.run(7, parse_deck(text, mode=7))
-    assert "tangent stiffness there" in str(caught.value)
 
 
 # One beam from (0,0) to (1,0), clamped, and a spring hinge: every kind of load acts on it.
@@ -236,7 +195,7 @@ def test_singular_stiffness():
     free = cantilever(4, 0.0).replace("FIX 1\nFIX 2\n", "DYNX 1\nDYNX 2\n")
     still = spacar.run(7, parse_deck(free.replace("ESTIFF 1", "EM 1 1.\nEM 2 1.\nEM 3 1.\nEM 4 1.\nESTIFF 1"), mode=7))
     assert np.count_nonzero(np.hypot(*still["eigval"][0].T) < 1e-5) == 6  # three rigid motions, in pairs
-    with pytest.raises(AnalysisError, match="motion without stiffness, mainly node 1"):
+    with pytest.raises(AnalysisError, match="motion without stiffness, mainly node 9 y"):
         spacar.run(7, parse_deck(free.replace("XF 9 0. 0.0", "XF 9 0. 1.0"), mode=7))
 
 

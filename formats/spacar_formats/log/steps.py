@@ -106,13 +106,14 @@ def integration(mechanism: Mechanism) -> list[str]:
 def iteration(mechanism: Mechanism) -> list[str]:
     """Settings of the stationary solution (ITERSTEP)."""
     s = mechanism.settings
-    rows = [
+    rows: list[list[object]] = [
         ["maximum number of iterations", s.max_iterations],
         ["number of load steps", s.load_steps],
         ["error tolerance", float(s.tolerance)],
         ["load steps between stored steps", s.store_every],
         ["type of analysis", s.stationary_type],
         ["load steps of the initial solution", s.initial_steps],
+        ["beyond limit points", "yes" if s.follow_path else "no"],
     ]
     return [*table(["stationary solution (ITERSTEP)", "value"], rows), ""]
 

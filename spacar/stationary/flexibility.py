@@ -1,0 +1,76 @@
+"""The constitutive law with the stresses as unknowns: e = C (sigma - sigma_0), C = S^-1 element by element.
+
+Row by row of e, with the typical stiffness `size` (the largest entry of S), by which rows are multiplied to compare:
+
+    fixed and prescribed     e - e_given = 0                         the stress is a multiplier
+    with stiffness           e - C (sigma - sigma_0) = 0
+    without                  (sigma - sigma_0) / size = 0
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spacar.dynamics.dynamics import Dynamics
+from spacar.mechanism.mechanism import Array, Batch, Index
+
+
+class Flexibility:
+    """C of one model. `rows`, `columns` (k,) place its entries, `rigid` the rows of e without element stiffness."""
+
+    def __init__(self, dynamics: Dynamics) -> None:
+        n, sweep = dynamics.numbering, dynamics.sweep
+        self.ne, self.constrained = n.ne, n.e_class["input"].stop
+        self.elastic = [b for b in sweep.strained if any(S.any() for S in b.family.stiffness())]
+        self.active = {b.index: (b.e >= dynamics.law.first).astype(float) for b in self.elastic}
+        self.rows, self.columns = _squares(self.elastic)
+        self.rigid = np.setdiff1d(np.arange(n.ne), self.rows)
+        # their diagonal: zero for a multiplier, else sigma / size alone
+        self.rigid_diagonal = np.where(self.rigid >= self.constrained, 1.0, 0.0)
+        self.values, self.coupled, self.size = self.inverse()
+
+    def inverse(self, stiffness: float = 1.0, damping: float = 0.0) -> tuple[Array, Array, float]:
+        """Of stiffness x S + damping x S_d: the inverse times its size; which rows have an e (ne,) 0 or 1; the size."""
+        coupled, blocks = np.zeros(self.ne), []
+        for b in self.elastic:
+            S, Sd = b.family.stiffness()
+            S = stiffness * S + damping * Sd
+            n = len(b.e)
+            elastic = (S[np.arange(n), np.arange(n)] != 0.0) * self.active[b.index]
+            S = S * elastic[:, None] * elastic[None, :]
+            coupled[b.e] = elastic
+            blocks.append((b, S, elastic))
+        size = max((float(np.max(np.abs(S), initial=0.0)) for _, S, _ in blocks), default=1.0) or 1.0
+        values = []
+        for b, S, elastic in blocks:
+            n = len(b.e)
+            S = S / size
+            S[np.arange(n), np.arange(n)] += 1.0 - elastic  # decoupled rows: sigma alone, or the multiplier below
+            C = np.linalg.inv(S.transpose(2, 0, 1)).transpose(1, 2, 0)
+            C[np.arange(n), np.arange(n)] -= b.e < self.constrained
+            values.append(C.ravel())
+        coupled[: self.constrained] = 1.0
+        return np.concatenate(values) if values else np.zeros(0), coupled, size
+
+    def times(self, sigma: Array) -> Array:
+        """C sigma of rows with stiffness, sigma / size of rows without, zero for multipliers, (ne,)."""
+        s = sigma / self.size
+        out = np.zeros(self.ne) + np.bincount(self.rows, self.values * s[self.columns], self.ne)
+        out[self.rigid] += self.rigid_diagonal * s[self.rigid]
+        return out
+
+    def dense(self) -> Array:
+        """C x size as an array, (ne, ne)."""
+        C = np.zeros((self.ne, self.ne))
+        C[self.rows, self.columns] = self.values
+        C[self.rigid, self.rigid] = self.rigid_diagonal
+        return C
+
+
+def _squares(batches: list[Batch]) -> tuple[Index, Index]:
+    """Rows and columns of square blocks over the deformations of elements."""
+    empty = np.zeros(0, np.int64)
+    shapes = [(len(b.e), len(b.e), b.family.n) for b in batches]
+    rows = [np.broadcast_to(b.e[:, None, :], s).ravel() for b, s in zip(batches, shapes, strict=True)]
+    columns = [np.broadcast_to(b.e[None, :, :], s).ravel() for b, s in zip(batches, shapes, strict=True)]
+    return np.concatenate([empty, *rows]), np.concatenate([empty, *columns])

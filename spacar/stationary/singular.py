@@ -1,0 +1,48 @@
+"""Corrections with a singular tangent: free rigid motions, cyclic coordinates, a state exactly at a critical load.
+
+If the right-hand side is in the range of the matrix, the solution of minimum norm is taken: the free motion keeps its
+place. Singular values of the matrix, scaled to rows of size one, count as zero below n eps times the largest times
+SPREAD; what the right-hand side loses to them must be rounding, of the residual or relative to it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spacar.linear_systems import SingularMatrixError
+from spacar.mechanism.mechanism import Array
+from spacar.stationary.equations import EPS, Equations, Point
+from spacar.stationary.newton import SPREAD, Astray, Tangent
+
+LARGEST = 2000  # unknowns: the singular value decomposition takes ten seconds there
+IN_RANGE = 1e-8  # relative: half of the digits of a matrix that is singular to working precision
+
+
+class FreeMotion(Astray):
+    """The load works on a motion without stiffness; the load works most at `coordinate` of x."""
+
+    def __init__(self, coordinate: int) -> None:
+        super().__init__("the tangent stiffness is singular")
+        self.coordinate = coordinate
+
+
+def in_range(q: Equations, tangent: Tangent, p: Point, dx: Array) -> Array:
+    """The correction (n,) of minimum norm. Raises FreeMotion; SingularMatrixError for large systems."""
+    A = tangent.dense()
+    n = len(A)
+    if n > LARGEST:
+        raise SingularMatrixError("a motion without stiffness, or exactly a critical load")
+    if not np.isfinite(A).all():
+        raise Astray("numbers that are not finite")
+    right = p.right - tangent.along(dx) if dx.any() else p.right
+    size = np.maximum(np.abs(A).max(axis=1, initial=0.0), np.abs(A).max(axis=0, initial=0.0))
+    d = 1.0 / np.sqrt(np.where(size > 0.0, size, 1.0))
+    u, s, vt = np.linalg.svd(A * d[:, None] * d)
+    regular = s > SPREAD * n * EPS * s[0]
+    projected = u.T @ (d * right)
+    lost = np.abs(projected[~regular])
+    rounding = np.abs(u[:, ~regular]).T @ (d * p.rounding)
+    if (lost > np.maximum(IN_RANGE * np.linalg.norm(projected), SPREAD * rounding)).any():
+        free = d * (vt[~regular].T @ (u[:, ~regular].T @ (d * right)))
+        raise FreeMotion(int(q.F[np.argmax(np.abs(free[: q.nf] * p.right[: q.nf]))]))
+    return np.asarray(d * (vt[regular].T @ (projected[regular] / s[regular])))

@@ -1,0 +1,89 @@
+"""Is a stationary state stable, and which motion is it that loses its stiffness?
+
+The mixed matrix has one negative eigenvalue for every stress of a stable state (a multiplier, or -C), and one more for
+every negative eigenvalue of the tangent stiffness K0 + G0 (+ N0) on the motions that the constraints leave: inertia is
+a matter of congruence, independent of the choice of degrees of freedom. Unsymmetric matrices (steady motion, follower
+loads, user functions, slips) have no inertia: there only the sign of the determinant is known, that is whether the
+number of negative eigenvalues is odd.
+
+The critical motion is the eigenvector of the tangent stiffness with the eigenvalue nearest to zero (a negative one,
+if asked for), in scaled coordinates, by inverse iteration with a block of vectors.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacar.linear_systems import SingularMatrixError
+from spacar.mechanism.mechanism import Array
+from spacar.stationary.equations import Equations, Point
+from spacar.stationary.moving import MovingTangent
+from spacar.stationary.newton import Tangent
+from spacar.stationary.resting import RestingTangent
+
+BLOCK = 6  # vectors
+ITERATIONS = 8
+
+
+@dataclass(frozen=True)
+class Stability:
+    """Negative and zero eigenvalues of the tangent stiffness; `exact` False: negative is only odd (1) or even (0)."""
+
+    negative: int
+    zero: int
+    exact: bool
+
+    def __str__(self) -> str:
+        if not self.exact:
+            return f"an {'odd' if self.negative else 'even'} number of negative eigenvalues"
+        return f"{self.negative} negative eigenvalue{'s' * (self.negative != 1)}"
+
+
+def stability(q: Equations, tangent: Tangent, p: Point) -> Stability:
+    """At the point where the sweep is. Raises SingularMatrixError."""
+    if isinstance(tangent, RestingTangent):
+        tangent.t.sigma = p.sigma
+        if tangent.symmetric:
+            negative, zero = tangent.inertia()
+            return Stability(max(negative - q.ne, 0), zero, True)
+    tangent.factor(p)
+    sign = tangent.sign()
+    if isinstance(tangent, MovingTangent):  # a sign of its own for every pair of a coordinate and a stress
+        sign *= -1.0 if q.ne % 2 else 1.0
+    return Stability(int(sign < 0.0), 0, False)
+
+
+def critical_motion(q: Equations, tangent: Tangent, p: Point, negative: bool) -> str:
+    """'node 5 y' that moves most in the critical motion; '' if that cannot be told."""
+    try:
+        tangent.factor(p)
+        x = _nearest_zero(q, tangent, negative)
+    except SingularMatrixError:
+        return ""
+    if x is None:
+        return ""
+    return q.d.numbering.x_name(int(q.F[np.argmax(np.abs(x))]))
+
+
+def _nearest_zero(q: Equations, tangent: Tangent, negative: bool) -> Array | None:
+    """Scaled eigenvector (nf,)."""
+    n, nf, scale = q.nf + q.ne, q.nf, q.scale[q.F]
+    k = min(BLOCK, nf)
+    X = np.random.default_rng(1).standard_normal((nf, k))
+    for _ in range(ITERATIONS):
+        X = np.linalg.qr(X)[0]
+        b = np.zeros((n, k))
+        b[:nf] = X / scale[:, None]
+        Y = tangent.solve(b)[:nf] / scale[:, None]  # inverse of the scaled tangent stiffness
+        if not np.isfinite(Y).all():
+            return None
+        H, X = X.T @ Y, Y
+    values, vectors = np.linalg.eigh((H + H.T) / 2.0)
+    chosen = np.abs(values)
+    if negative and (values < 0.0).any():
+        chosen = -values
+    first = int(np.argmax(chosen))
+    shape = X @ vectors[:, first] / (values[first] or 1.0)
+    return np.asarray(shape) if np.isfinite(shape).all() else None

@@ -1,0 +1,237 @@
+"""From load level to load level along the equilibrium path (theory-system.md 6.3).
+
+A level starts from the polynomial through up to four earlier states of the same loading, else from the last one. A part
+of a load step whose iteration does not contract is halved, down to 1/1024 of the step, and doubled again after parts
+that were easy. After every part the negative eigenvalues of the tangent stiffness are counted, at the solution. When
+the number has changed the state may be one of another branch: the part is repeated in smaller ones, down to 1/256 of
+the step. What remains then is a critical state that the path really passes; the walk says so and stays on its branch.
+
+Where parts become too small the path may turn: it is followed by arc length. At a limit point of growing loads the walk
+ends with an error, unless ITERSTEP position 7 asks to go on to where the path reaches the level. Under prescribed
+displacement alone it goes on, and says so: the state at the prescribed value is what the file asks for.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacar.errors import AnalysisError, Report
+from spacar.kinematics.kinematics import largest
+from spacar.linear_systems import SingularMatrixError
+from spacar.mechanism.mechanism import Array
+from spacar.stationary.equations import Equations, Given, Point
+from spacar.stationary.evaluator import Evaluator
+from spacar.stationary.loading import LoadLevel, loads_grow
+from spacar.stationary.newton import Astray, Demand, Tangent, newton
+from spacar.stationary.singular import FreeMotion
+from spacar.stationary.stability import Stability, critical_motion, stability
+from spacar.stationary.turning import LimitPoint, around
+
+SMALLEST_PART = 1.0 / 1024.0
+CRITICAL_PART = 1.0 / 256.0  # of a load step, in which a critical state is looked for
+STILL = 1e-6  # model lengths or rad: a straight column hardly moves at its critical load, nothing can be mistaken
+EASY = 6  # iterations after which the next part of a step may be twice as large
+REMEMBERED = 4  # states that the prediction uses: a cubic polynomial
+
+
+@dataclass(frozen=True)
+class Known:
+    """A state of the path: its place on the way (0 to 1 initial, 1 to 2 additional loading), x, sigma."""
+
+    path: float
+    x: Array
+    sigma: Array
+
+
+class Walk:
+    """The path so far. `point` is the last state, `stable` its stability if known, `iterations` those of the last
+    level.
+    """
+
+    def __init__(self, evaluator: Evaluator, point: Point, known: bool, report: Report) -> None:
+        self.evaluator, self.point, self.report = evaluator, point, report
+        self.level = LoadLevel(0.0, 0.0)
+        self.path = [Known(0.0, point.x, point.sigma)]
+        self.stable: Stability | None = None
+        self.iterations = 0
+        settings = evaluator.mechanism.settings
+        self.limit, self.tolerance = settings.max_iterations, settings.tolerance
+        self.follow = bool(settings.follow_path)
+        if known:
+            self._count()
+
+    def go(self, target: LoadLevel) -> None:
+        """To a level. Raises AnalysisError 'statics.no-convergence', 'statics.limit-point', 'statics.no-solution'."""
+        origin, place, part = self.level, 0.0, 1.0
+        self.iterations = 0
+        while place < 1.0:
+            following = min(1.0, place + part)
+            level = target if following == 1.0 else origin.towards(target, following)
+            before, near = (self.point, self.stable, self.path), self.evaluator.dynamics.sweep.near.copy()
+            try:
+                steps = self._advance(level, target.store and following == 1.0)
+                crossed = self._count()
+            except (Astray, SingularMatrixError) as reason:
+                self.point, self.stable, self.path = before
+                self._back(near)
+                if isinstance(reason, FreeMotion) and len(self.path) == 1:
+                    raise self._unsupported(reason, target) from None
+                part *= 0.5
+                if part < SMALLEST_PART:
+                    steps = self._turn(origin, target, place, reason)
+                    following = 1.0
+                elif part == 0.5 and place == 0.0:
+                    self.report.add(f"{target}: no convergence in one part, cut to 0.5 of its size")
+                    continue
+                else:
+                    continue
+            else:
+                if crossed and part > CRITICAL_PART and self._moved(before[0]) > STILL:
+                    self.point, self.stable, self.path = before
+                    self._back(near)
+                    part *= 0.25
+                    continue
+                if crossed:
+                    self._say_passed(level, before[1])
+            self.iterations += steps
+            place = following
+            part = min(2.0 * part if steps <= EASY else part, 1.0)
+        self.level = target
+        if target.additional == 0.0 and target.initial >= 1.0:
+            self.path = self.path[-1:]  # from here on the path of the additional loading
+
+    # -- one part -------------------------------------------------------------------------------------------------
+    def _advance(self, level: LoadLevel, stored: bool) -> int:
+        """Newton's iteration at the level from the prediction, then from the last state; the number of iterations."""
+        e = self.evaluator
+        given = e.load(level)
+        starts = [self.path[-1]] if len(self.path) < 2 else [self._predicted(level.path), self.path[-1]]
+        near = e.dynamics.sweep.near.copy()
+        for k, start in enumerate(starts):
+            try:
+                demand = Demand.of(self.limit, self.tolerance, stored)
+                p, sizes = newton(e.equations, e.tangent, start.x, start.sigma, given, demand)
+            except (Astray, SingularMatrixError):
+                if k + 1 == len(starts):
+                    raise
+                e.dynamics.sweep.near[:] = near
+                continue
+            break
+        self._accept(level.path, p)
+        return len(sizes)
+
+    def _accept(self, path: float, p: Point) -> None:
+        self.point = p
+        self.path = [*self.path, Known(path, p.x, p.sigma)][-REMEMBERED:]
+        self.evaluator.dynamics.sweep.near[:] = self.evaluator.dynamics.sweep.e
+
+    def _back(self, near: Array) -> None:
+        self.evaluator.dynamics.sweep.near[:] = near
+
+    def _predicted(self, path: float) -> Known:
+        """Lagrange's polynomial through the known states."""
+        at = np.array([k.path for k in self.path])
+        weights = [np.prod((path - np.delete(at, i)) / (at[i] - np.delete(at, i))) for i in range(len(at))]
+        x = sum(w * k.x for w, k in zip(weights, self.path, strict=True))
+        sigma = sum(w * k.sigma for w, k in zip(weights, self.path, strict=True))
+        return Known(path, np.asarray(x), np.asarray(sigma))
+
+    def _moved(self, before: Point) -> float:
+        return largest((self.point.x - before.x) / self.evaluator.equations.scale)
+
+    # -- critical states ------------------------------------------------------------------------------------------
+    def _count(self) -> bool:
+        """Has the number of negative eigenvalues changed? Raises SingularMatrixError."""
+        before = self.stable
+        e = self.evaluator
+        self.stable = stability(e.equations, e.tangent, self.point)
+        return before is not None and before.negative != self.stable.negative
+
+    def _say_passed(self, level: LoadLevel, before: Stability | None) -> None:
+        assert before is not None
+        assert self.stable is not None
+        e = self.evaluator
+        more = self.stable.negative > before.negative
+        motion = critical_motion(e.equations, e.tangent, self.point, more)
+        change = abs(self.stable.negative - before.negative)
+        if self.stable.exact:
+            what = f"{change} negative eigenvalue{'s' * (change > 1)} {'more' if more else 'less'}"
+        else:
+            what = "changed the sign of its determinant"
+        self.report.add(
+            f"warning: {level}: a critical state is passed (bifurcation or limit point): the tangent stiffness has"
+            f" {what}"
+            + (f", the motion is largest at {motion}" if motion else "")
+            + "; the solution stays on the same branch, a small imperfection shows the others"
+        )
+
+    # -- where natural parts do not help ----------------------------------------------------------------------------
+    def _turn(self, origin: LoadLevel, target: LoadLevel, place: float, reason: Exception) -> int:
+        """Along the path by arc length to the target; the number of iterations."""
+        e = self.evaluator
+
+        def at(p: float) -> tuple[Equations, Tangent, Given]:
+            given = e.load(origin.towards(target, p))
+            return e.equations, e.tangent, given
+
+        known = [(k.x, k.sigma) for k in self.path]
+        try:
+            found = around(at, known, place, self.limit, self.follow or not loads_grow(e.mechanism, target))
+            given = e.load(target)
+            demand = Demand.of(self.limit, self.tolerance, target.store)
+            p, sizes = newton(e.equations, e.tangent, found.x, found.sigma, given, demand)
+        except LimitPoint as limit:
+            raise self._at_limit(origin.towards(target, limit.place), target, limit) from None
+        except (Astray, SingularMatrixError):
+            e.load(origin.towards(target, place))
+            raise self._given_up(origin.towards(target, place), target, reason) from None
+        self.path = []
+        self._accept(target.path, p)
+        before = self.stable
+        self._count()
+        if found.turns:
+            places = ", ".join(f"{origin.towards(target, t).path:.5g}" for t in found.turns[:8])
+            self.report.add(
+                f"warning: {target}: limit points at {places} of the loading (initial 0 to 1, additional 1 to 2); the"
+                " solution is where the equilibrium path beyond them first reaches the load: a slow loading would jump"
+            )
+        elif before is not None and self.stable is not None and before.negative != self.stable.negative:
+            self._say_passed(target, before)
+        return found.iterations + len(sizes)
+
+    def _at_limit(self, reached: LoadLevel, target: LoadLevel, limit: LimitPoint) -> AnalysisError:
+        e = self.evaluator
+        motion = ""
+        if limit.point is not None:
+            e.load(reached)
+            e.dynamics.sweep.strain(limit.point.x)
+            motion = critical_motion(e.equations, e.tangent, limit.point, negative=False)
+        text = (
+            f"the equilibrium path has a limit point at {reached.initial:.6g} x initial + {reached.additional:.6g} x"
+            f" additional loading, before {target} is reached: no static solution is near beyond it, the mechanism"
+            " jumps" + (f" (the motion is largest at {motion})" if motion else "") + "; prescribe the displacement"
+            " instead of the load, or give ITERSTEP position 7 the value 1 to follow the path beyond limit points"
+        )
+        return AnalysisError(text, "statics.limit-point", level=reached)
+
+    def _unsupported(self, reason: FreeMotion, target: LoadLevel) -> AnalysisError:
+        name = self.evaluator.mechanism.numbering.x_name(reason.coordinate)
+        text = (
+            f"no stationary solution at {target}: the stiffness matrix is singular and the load works on a motion"
+            f" without stiffness, mainly {name}; support it (FIX), prescribe it (INPUTX, INPUTE) or give it a stiffness"
+            " (ESTIFF)"
+        )
+        return AnalysisError(text, "statics.no-solution")
+
+    def _given_up(self, reached: LoadLevel, target: LoadLevel, reason: Exception) -> AnalysisError:
+        p = self.point
+        known = "" if self.stable is None else f"; the tangent stiffness there has {self.stable}"
+        text = (
+            f"the stationary solution did not converge at {target}: {reason}; the step was cut to {SMALLEST_PART:.3g}"
+            f" of its size, the last solution is at {reached.initial:.6g} x initial + {reached.additional:.6g} x"
+            f" additional loading (largest residual {p.force:.3g}, tolerance {self.tolerance:.3g}){known}; try more"
+            " iterations, more load steps or a smaller load (ITERSTEP)"
+        )
+        return AnalysisError(text, "statics.no-convergence", level=target)
