@@ -1,7 +1,7 @@
 """Mistakes in the VISUALIZATION section (or NAME.spv), for `spacar check`: warnings, because no analysis reads it.
 
 The drawing commands ignore what they do not know (settings.py); here the user hears of it. Line oriented: the first
-word of a line is the setting, and nothing else may stand on that line (reference/keywords.md section 2).
+word of a line is the setting, and nothing else may stand on that line (reference/input-language.md section 2).
 """
 
 from __future__ import annotations
