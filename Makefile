@@ -10,7 +10,7 @@ PARALLEL := -n $(WORKERS) --dist loadfile
 export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: crank test test-all lint bench clean
+.PHONY: crank test test-all test-matrix lint bench clean
 
 # A half-made environment (interrupted, or without pip) is made again; uv serves where Debian's python3-venv is missing.
 define environment
@@ -36,11 +36,19 @@ crank: $(VENV)/.installed
 	$(BIN)/spacar draw $(OUT)/crank --steps 1:6:42 --output $(OUT)/crank.png
 	@echo "log: $(OUT)/crank.log  results: $(OUT)/crank.sbd  picture: $(OUT)/crank.png"
 
-test: lint
-	$(BIN)/python -m pytest -m "not slow" $(PARALLEL) $(PYTEST)
+# mypy works beside the tests; what it finds fails the target
+test: $(VENV)/.installed-dev
+	$(BIN)/ruff check .
+	@$(BIN)/mypy >$(VENV)/mypy.log 2>&1 & types=$$!; \
+	$(BIN)/python -m pytest -m "not slow" $(PARALLEL) $(PYTEST); status=$$?; \
+	wait $$types || { cat $(VENV)/mypy.log; status=1; }; exit $$status
 
 test-all: lint
 	$(BIN)/python -m pytest $(PARALLEL) $(PYTEST)
+
+# oldest and newest versions, four BLAS kernels: see .ci/matrix
+test-matrix: $(VENV)/.installed-dev
+	.ci/matrix
 
 lint: $(VENV)/.installed-dev
 	$(BIN)/ruff check .

@@ -1,10 +1,14 @@
-"""No text whatever gives anything but a deck or an InputError. 10,000 generated decks in all."""
+"""No text whatever gives anything but a deck or an InputError. 10,000 generated decks in all (slow tests), the first
+fifth of them in the fast ones."""
 
 from __future__ import annotations
 
 import random
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -72,6 +76,18 @@ settings.register_profile(
     "fuzz", deadline=None, suppress_health_check=list(HealthCheck), database=None, derandomize=True
 )
 FUZZ = settings.get_profile("fuzz")
+FAST = 5  # of so many examples one is tried in the fast tests; they come in the same order
+
+
+def fuzz(count: int, *strategies: Any, **named: Any) -> Callable[[Callable], Callable]:
+    """A property of `count` examples as a slow test NAME_many, and of the first of them as the fast test NAME."""
+
+    def tests(f: Callable) -> Callable:
+        many = settings(FUZZ, max_examples=count)(given(*strategies, **named)(f))
+        globals()[f"{f.__name__}_many"] = pytest.mark.slow(many)
+        return settings(FUZZ, max_examples=count // FAST)(given(*strategies, **named)(f))
+
+    return tests
 
 
 def check(text: str, mode: object) -> Deck | None:
@@ -98,14 +114,12 @@ def survives(deck: Deck, mode: object) -> None:
         echo(deck, block)
 
 
-@settings(FUZZ, max_examples=1000)
-@given(st.text(max_size=200), st.sampled_from(MODES))
+@fuzz(1000, st.text(max_size=200), st.sampled_from(MODES))
 def test_any_text(text: str, mode: object) -> None:
     check(text, mode)
 
 
-@settings(FUZZ, max_examples=300)
-@given(data=st.binary(max_size=200))
+@fuzz(300, data=st.binary(max_size=200))
 def test_any_bytes(data: bytes, tmp_path_factory) -> None:
     file = tmp_path_factory.getbasetemp() / "fuzz.dat"
     file.write_bytes(data)
@@ -118,16 +132,14 @@ def test_any_bytes(data: bytes, tmp_path_factory) -> None:
     assert messages
 
 
-@settings(FUZZ, max_examples=2700)
-@given(st.integers(0, 2**63), st.sampled_from(MODES))
+@fuzz(2700, st.integers(0, 2**63), st.sampled_from(MODES))
 def test_words_in_any_order(seed: int, mode: object) -> None:
     """A cheap strategy: the seed drives a generator, so that one example costs no more than its deck."""
     rng = random.Random(seed)
     check(" ".join(rng.choices(WORDS, k=rng.randrange(60))), mode)
 
 
-@settings(FUZZ, max_examples=2000)
-@given(st.integers(0, 2**63), st.sampled_from(MODES))
+@fuzz(2000, st.integers(0, 2**63), st.sampled_from(MODES))
 def test_plausible_statements(seed: int, mode: object) -> None:
     """Right keywords in the right block with small numbers: gets past the reader into the checks."""
     rng = random.Random(seed)
@@ -153,8 +165,7 @@ def _word(kind: str, rng: random.Random) -> str:
     )
 
 
-@settings(FUZZ, max_examples=4000)
-@given(st.integers(0, 2**63), st.sampled_from(VALID), st.sampled_from(MODES))
+@fuzz(4000, st.integers(0, 2**63), st.sampled_from(VALID), st.sampled_from(MODES))
 def test_mutated_examples(seed: int, text: str, mode: object) -> None:
     """Words of a valid deck dropped, doubled, swapped or replaced."""
     rng = random.Random(seed)

@@ -73,13 +73,23 @@ PICTURES: dict[str, Callable[[], Any]] = {
 
 
 def pixels(figure: Any) -> np.ndarray:
-    """(height, width) grey values 0 to 255 of a figure."""
+    """(height, width) grey values 0 to 255 of a figure without its letters, whose shapes depend on the version of
+    matplotlib; what they say is asked of the figure, see `words`.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.text import Text
 
     figure.set_dpi(DPI)
+    for text in figure.findobj(Text):
+        text.set_visible(False)
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     return np.asarray(canvas.buffer_rgba())[:, :, :3].astype(float).mean(2)
+
+
+def words(figure: Any) -> list[str]:
+    """What stands in the drawing: numbers of nodes and elements; no axes, no title."""
+    return [text.get_text() for axes in figure.axes for text in axes.texts]
 
 
 def write_references() -> None:

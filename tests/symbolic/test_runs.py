@@ -90,13 +90,15 @@ def test_held_program_runs_the_same_motion(programs, arm):
     compare(simulate(programs("held"), arm().values, rows, 1e-10), rows, 2e-9, 2e-10)
 
 
-def test_default_tolerances_and_integrators(programs, arm):
+@pytest.mark.parametrize("t_end", [2.0, pytest.param(40.0, marks=pytest.mark.slow)])
+def test_default_tolerances_and_integrators(programs, arm, t_end):
     """Every integrator with the exact Jacobian: error of q below a hundred times the tolerance (reference 8.6)."""
     rows = table(R1)
+    rows = rows[rows[:, 0] <= t_end]
     for integrator, rtol in (("gear", 1e-8), ("radau", 1e-5), ("bdf", 1e-5)):
         times = np.concatenate(([0.0], rows[:, 0]))
         run = programs("recursive").simulate(
-            arm().values, {"q1": -0.5, "q4": 0.5}, t_end=40.0, at=times, rtol=rtol, integrator=integrator
+            arm().values, {"q1": -0.5, "q4": 0.5}, t_end=t_end, at=times, rtol=rtol, integrator=integrator
         )
         assert np.max(np.abs(run["q1"][1:] - rows[:, 1])) < 300 * rtol
         assert run.statistics["integrator"] == integrator
