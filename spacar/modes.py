@@ -52,7 +52,7 @@ class Run:
     report    warnings and information for the log, complete when the iteration has ended
     header    scalars and arrays that the analysis states before its first frame (NNOM, NU, NY, condition ...)
     n_frames  number of frames to come, None if unknown
-    nominal   mode 3 only: the earlier mode 2 result
+    nominal   mode 3 only: the earlier result of mode 2 (or 7 to 10)
     """
 
     mode: Mode

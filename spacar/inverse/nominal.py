@@ -1,4 +1,5 @@
-"""The nominal motion of mode 2, as mode 3 needs it, and its comparison with the mechanism of mode 3.
+"""The nominal motion of mode 2, or the stationary solutions of modes 7 to 10, as mode 3 needs them, and their
+comparison with the mechanism of mode 3.
 
 Nodes and elements must be the same; the classes may differ (RLSE in mode 2 becomes INPUTE in mode 3), so
 everything is looked up by node and coordinate, element and mode.
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 INVERSE_DYNAMICS = 2
+STATIONARY = (7, 8, 9, 10)  # modes whose stored load steps are as good: nothing moves, or steadily
 
 
 @dataclass(frozen=True)
@@ -33,6 +35,7 @@ class Nominal:
     n_fixed   number of fixed deformations: the first ones of e
     u0        (steps, inputs) nominal inputs, None when they are not known
     warnings  what the log of mode 3 must say about the source
+    mode      that of the run: 2, or one of STATIONARY
     """
 
     name: str
@@ -51,19 +54,26 @@ class Nominal:
     n_fixed: int
     u0: Array | None = None
     warnings: tuple[str, ...] = ()
+    mode: int = INVERSE_DYNAMICS
+
+    @property
+    def stationary(self) -> bool:
+        """Load steps instead of a motion?"""
+        return self.mode in STATIONARY
 
     @classmethod
     def of(cls, result: Result) -> Nominal:
-        """From a mode 2 run in memory. Raises UsageError when it is one of another mode."""
-        if result.mode != INVERSE_DYNAMICS:
-            raise UsageError(f"mode 3 needs a result of mode 2, this one is of mode {result.mode}", "files.not-mode-2")
+        """From a run in memory. Raises UsageError when it is one of another mode."""
+        if not is_nominal(result.mode):
+            text = f"mode 3 needs a result of mode 2, this one is of mode {result.mode} (7 to 10 do as well)"
+            raise UsageError(text, "files.not-mode-2")
         n = result.mechanism.numbering
         keywords = tuple(n.keyword.get(i, "") for i in range(1, len(n.le) + 1))
         u0 = result["u0"] if "u0" in result.frames[0].state_space else None
         return cls(
             name=result.mechanism.deck.source, t=result.t, x=result["x"], xd=result["xd"], xdd=result["xdd"],
             e=result["e"], ed=result["ed"], edd=result["edd"], sig=result["sig"],
-            lnp=n.lnp, le=n.le, ln=n.ln, keywords=keywords, n_fixed=int(n.nep[0]), u0=u0,
+            lnp=n.lnp, le=n.le, ln=n.ln, keywords=keywords, n_fixed=int(n.nep[0]), u0=u0, mode=result.mode,
         )  # fmt: skip
 
     def __str__(self) -> str:
@@ -87,6 +97,11 @@ class Nominal:
         owners = [n.e_owner(i) for i in range(n.ne)]
         found = [self.le[element - 1, mode - 1] - 1 if element > 0 else -1 for element, mode in owners]
         return np.array(found, np.int64)
+
+
+def is_nominal(mode: int) -> bool:
+    """Can mode 3 linearize along a result of this mode?"""
+    return mode == INVERSE_DYNAMICS or mode in STATIONARY
 
 
 def check_same_mechanism(nominal: Nominal, n: Numbering) -> None:

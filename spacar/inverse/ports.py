@@ -62,10 +62,13 @@ class NominalInputs:
     """Solves (23) at every step: `u0` and, for `rigid` rows of e, the stresses sigma0.
 
     Raises AnalysisError 'inverse.inputs' when two inputs do the same or one does nothing. Fewer inputs than
-    degrees of freedom: least squares; more: minimum norm; both with a warning in the report.
+    degrees of freedom: least squares; more: minimum norm; both with a warning in the report. `elastic`: prescribed
+    deformations carry their elastic stress (stationary solutions).
     """
 
-    def __init__(self, ports: Ports, mechanism: Mechanism, report: Report, rigid: Index | None = None) -> None:
+    def __init__(
+        self, ports: Ports, mechanism: Mechanism, report: Report, rigid: Index | None = None, elastic: bool = False
+    ) -> None:
         n = mechanism.numbering
         self.ports, self.report = ports, report
         self.residual = (0.0, 0.0)  # largest one, and when
@@ -78,6 +81,9 @@ class NominalInputs:
         self.elastic = np.zeros(n.ne, bool)
         self.elastic[n.e_class["input"].stop :] = True
         self.elastic[self.S] = True
+        self.elastic[n.e_class["input"]] |= elastic
+        self.mechanism = mechanism
+        self.by_level = elastic  # the preload grows with the load steps
         self.elastic[self.rigid] = False
         if len(ports.inputs) > n.ndof - len(self.rigid):
             free = n.ndof - len(self.rigid)
@@ -95,7 +101,10 @@ class NominalInputs:
         sweep = dynamics.sweep
         W = velocity_transfer(dynamics.kinematics)
         V = sweep.gradient()
-        stress = np.where(self.elastic, self.law(frame.e, frame.ed), 0.0)
+        law = self.law
+        if self.by_level:
+            law = StressLaw.of(self.mechanism, dynamics.loads, first=law.first)
+        stress = np.where(self.elastic, law(frame.e, frame.ed), 0.0)
         user = None
         if dynamics.forces.user is not None:
             user = dynamics.forces.user(frame.t, frame.e, frame.ed, frame.x, frame.xd)

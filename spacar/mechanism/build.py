@@ -40,7 +40,7 @@ def build(deck: Deck, mode: int = 1, **options: Any) -> Mechanism:
         x0=x0,
         batches=tuple(batches),
         loads=loads,
-        additional=inputs.loads(deck, numbering, batches, "DEL") if mode not in (0, 1, 2, 3, 4) else None,
+        additional=inputs.loads(deck, numbering, batches, "DEL") if mode not in (0, 1, 2, 4) else None,
         additional_drive=inputs.additional_drive(deck, numbering),
         drive=inputs.drive(deck, numbering, x0),
         start=inputs.start(deck, numbering, x0) if mode != 3 else Start(*6 * (np.zeros(0),)),
