@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 import subprocess
 import sys
@@ -143,3 +144,28 @@ def test_the_files_as_spacar_light_writes_them(tmp_path: Path):
             [program, "checksbf", "hinge_3.ltv"], cwd=tmp_path, capture_output=True, text=True
         ).stdout.split()
     )
+
+
+def test_compliance_of_the_free_mechanism(tmp_path: Path):
+    """`spacar compliance NAME_3`: with the coordinate free, W K^-1 W^T of the stored matrices."""
+    (tmp_path / "hinge.dat").write_text(text())
+    (tmp_path / "hinge_3.dat").write_text(text("DYNX"))
+    program = shutil.which("spacar", path=str(Path(sys.executable).parent))
+    assert program is not None
+    for words in (("10", "hinge"), ("3", "hinge_3")):
+        subprocess.run([program, *words], cwd=tmp_path, check=True, capture_output=True)
+    done = subprocess.run(
+        [program, "compliance", "hinge_3", "7", "--step", "2", "--json"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    found = np.array(json.loads(done.stdout)["global"])
+    nominal = spacar.run(10, tmp_path / "hinge.dat")
+    result = spacar.run(3, tmp_path / "hinge_3.dat", nominal=nominal)
+    n = result.mechanism.numbering
+    rows = [n.x_index(7, 1), n.x_index(7, 2), n.x_index(8, 1)]
+    W = result["dx"][1].reshape(n.nx, -1)[rows][:, : n.ndof]
+    assert found == pytest.approx(W @ np.linalg.solve(result["k0b"][1], W.T), rel=1e-8, abs=1e-12)
