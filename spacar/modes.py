@@ -41,6 +41,11 @@ class Mode:
     buckling: bool = False
     wheels: bool = False
 
+    @property
+    def nominal(self) -> bool:
+        """Can its result be linearized along: a motion, or load steps?"""
+        return self.gives_setpoints or self.stationary
+
 
 MODES = {
     mode.number: mode

@@ -1,6 +1,6 @@
 """The compliance matrix of a node (reference/files.md section 5, "Forces on Euler parameters").
 
-    C = T DX K^-1 DX^T T^T,  K = K0 + N0 + G0 of the dynamic degrees of freedom, DX their columns of dx
+    C = T DX K^-1 DX^T T^T,  K = K0 + N0 + G0 of the dynamic degrees of freedom (mode 3: of all), DX their columns of dx
 
 T turns coordinates into displacements and small rotations: spatial diag(I, 2 Lambda_bar) along the global axes and
 diag(R^T, 2 Lambda) along the axes of the body, Lambda_bar = [-l, l0 I + l~], Lambda = [-l, l0 I - l~]; planar the
@@ -56,6 +56,8 @@ def node_compliance(
                 raise UsageError(f"node {number} is no {what} node of {sbd.path}", "compliance.node")
         x_columns = nxp[2] + np.arange(nxp[3])
         columns = np.r_[x_columns, nxp[2] + nxp[3] + nep[2] + np.arange(nep[3])]
+        if int(np.ravel(sbd.header["MODE"])[0]) == 3:  # the prescribed ones, which the matrices belong to
+            columns = np.arange(nxp[2] + nep[2])
         DX, x = _array(sbd, "dx", step)[:, columns], _array(sbd, "x", step).ravel()
         K = sum(_array(sbm, k, step) for k in ("k0", "n0", "g0"))
         t = float(_array(sbd, "T", step)[0, 0])

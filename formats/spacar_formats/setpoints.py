@@ -1,8 +1,8 @@
-"""The mode 2 result along which mode 3 linearizes: found by name and read (reference/files.md 1).
+"""The result along which mode 3 linearizes: found by name and read (reference/files.md 1).
 
-From the name of the input file at least one character is removed from the right until a valid, complete mode
-2 result `<shorter>.sbd` is found; the longest name wins. A result that was computed from another version of
-its input file is refused, unless the user named it.
+From the name of the input file at least one character is removed from the right until a valid, complete result
+`<shorter>.sbd` of mode 2, or of mode 7 to 10, is found; the longest name wins. A result that was computed from another
+version of its input file is refused, unless the user named it.
 """
 
 from __future__ import annotations
@@ -51,13 +51,13 @@ def find_setpoints(source: Path, name: str | None = None) -> Nominal:
             continue
         if stale is not None and name is None:
             hint = f"or name it with --setpoints {path.stem} to use it as it is"
-            raise UsageError(f"the mode 2 result is stale: {stale}, {hint}", "files.setpoints-stale")
+            raise UsageError(f"the mode {nominal.mode} result is stale: {stale}, {hint}", "files.setpoints-stale")
         return nominal if stale is None else nominal.with_warning(stale)
     missing = [f"absent: {', '.join(absent)}"] if absent else []
     tried = "; ".join([*refused, *missing]) or "the name is too short"
     raise UsageError(
-        f"no mode 2 result to linearize along for {source.name} ({tried}); run `spacar 2` first, or name the "
-        "result with --setpoints",
+        f"no mode 2 result to linearize along for {source.name} ({tried}); run `spacar 2` first"
+        " (or `spacar 10`, whose load steps do as well), or name the result with --setpoints",
         "files.setpoints-not-found",
     )
 
@@ -66,7 +66,7 @@ def _read(path: Path) -> tuple[Nominal, str | None]:
     """The nominal motion of a result, and the sentence that says it is stale."""
     with SbfFile(path) as file:
         mode = int(np.ravel(file.header["MODE"])[0]) if "MODE" in file.header else None
-        if mode not in MODES or not MODES[mode].gives_setpoints:
+        if mode not in MODES or not MODES[mode].nominal:
             raise UsageError(f"it is a result of mode {mode}", "files.not-mode-2")
         if not file.complete:
             raise UsageError("it is incomplete", "files.incomplete")
@@ -87,8 +87,11 @@ def _read(path: Path) -> tuple[Nominal, str | None]:
             keywords=tuple(str(k) for k in file.header["ETYPE"]),
             n_fixed=int(fixed),
             n_given=int(fixed + prescribed),
+            mode=mode,
         )
-        return replace(nominal, u0=_inputs(path.with_suffix(".ltv"), len(nominal.t))), stale_note(file)
+        if MODES[mode].gives_setpoints:
+            nominal = replace(nominal, u0=_inputs(path.with_suffix(".ltv"), len(nominal.t)))
+        return nominal, stale_note(file)
 
 
 def _inputs(path: Path, steps: int) -> Array | None:

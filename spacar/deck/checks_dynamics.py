@@ -119,7 +119,8 @@ def _check_stiffness(scene: Scene) -> None:
 def _check_preload(scene: Scene) -> None:
     """The stress of a fixed deformation is whatever keeps it fixed: a preload on it changes nothing. The same holds
     for a prescribed one, except in mode 3, where prescribed deformations are the degrees of freedom."""
-    lost = ("fixed",) if scene.mode in (None, 3, "simulation") else ("fixed", "prescribed")
+    acts = scene.analysis is None or scene.analysis.takes_setpoints
+    lost = ("fixed",) if acts else ("fixed", "prescribed")
     for s in scene.of("ESIG", "DELESIG", block=2):
         element = s.integer(0)
         if scene.doubtful("element", element):

@@ -54,12 +54,12 @@ def check_classes(scene: Scene, block: int) -> None:
         if scene.doubtful(what, number):
             continue
         found, by = scene.class_of(what, number, index)
-        thing = (
-            f"mode {index} of element {number}"
-            if what == "element"
-            else f"coordinate {index} of node {number}"
-        )
-        if keyword.classes and found not in keyword.classes:
+        thing = f"mode {index} of element {number}" if what == "element" else f"coordinate {index} of node {number}"
+        along = scene.analysis is not None and scene.analysis.takes_setpoints
+        if along and block == 2 and found == "dynamic" and "prescribed" in keyword.classes:
+            text = f"{thing} is {found}; mode 3 takes its motion from the result along which it linearizes"
+            scene.findings.information(s, subject, text, "motion-known")
+        elif keyword.classes and found not in keyword.classes:
             where = f" ({by.keyword} at line {by.line})" if by is not None else ""
             allowed = " or ".join(keyword.classes)
             text = f"{thing} is {found}{where}; {s.keyword} is for a {allowed} one"
@@ -69,9 +69,7 @@ def check_classes(scene: Scene, block: int) -> None:
                 continue
             scene.findings.error(s, subject, text, "wrong-class")
         elif keyword.holonomic and index - 1 in scene.outline.types[number].slips:
-            text = (
-                f"{thing} is a slip, which has no value of its own; {s.keyword} is for holonomic deformations"
-            )
+            text = f"{thing} is a slip, which has no value of its own; {s.keyword} is for holonomic deformations"
             scene.findings.error(s, subject, text, "wrong-class")
 
 

@@ -1,4 +1,5 @@
-"""Mode 3: matrices of the perturbation method at the steps of a nominal motion (theory-system.md 7.4).
+"""Mode 3: matrices of the perturbation method at the steps of a nominal motion (theory-system.md 7.4), or at the
+stored load steps of a stationary solution.
 
     M0 ddq'' + (C0+D0) dq' + (K0+N0+G0) dq = I_f^T sigma0 + s_u We[NOMS]^T du_S + W[NOMF]^T du_F          (24)
 
@@ -6,6 +7,11 @@ All rows of q are kept; springs and dampers of prescribed deformations enter K0 
 while the geometric stiffness uses the stresses of the nominal (rigidified) motion. sigma0 are the stresses
 of the rigidified deformations: prescribed here, fixed or prescribed and at rest in mode 2, and no actuators
 (`spacar.inverse.ports`). It does not matter which of both the mode 2 file says.
+
+After a mode 7 to 10 run (file NAME_3, INPUTX replaced by DYNX) no deformation is rigidified: the flexible ones carry
+their elastic stress, and the loads are those of the load steps, which the same ITERSTEP in both files tells. A
+coordinate that was prescribed there is a degree of freedom here: its reaction holds it, and is part of the nominal
+state as any other force.
 """
 
 from __future__ import annotations
@@ -26,7 +32,8 @@ from spacar.inverse.trajectory import groups, loaded
 from spacar.linear.state_space import Signal, state_space
 from spacar.linearization.contractions import geometric_stiffness
 from spacar.linearization.matrices import Linearization, linearize
-from spacar.mechanism.mechanism import Array, Mechanism
+from spacar.mechanism.mechanism import Array, Loads, Mechanism
+from spacar.stationary.loading import load_program, loads_at, with_flow
 
 MATRICES = ("m0", "c0", "d0", "k0", "n0", "g0")
 SAME_POSITION = 1e-6  # of the size of the mechanism: how far a configuration may be from that of mode 2
@@ -45,7 +52,7 @@ class Along:
         self.x_columns = nominal.x_columns(n)
         self.e_columns = nominal.e_columns(n)
         self.rigid = rigidified(mechanism, self.ports, nominal.rests)
-        self.inputs = NominalInputs(self.ports, mechanism, report, self.rigid)
+        self.inputs = NominalInputs(self.ports, mechanism, report, self.rigid, elastic=nominal.stationary)
         self.signals = [
             *(Signal("INPUTS" if s.kind == "NOMS" else "INPUTF", s.index, s.name) for s in self.ports.inputs),
             *(Signal("INPUTS", int(i), f"sigma0 {n.e_name(int(i))}") for i in self.rigid),
@@ -57,13 +64,14 @@ class Along:
                 "second time derivatives (REFEDP, REFXDP) are no outputs of the linearization; their rows"
                 " of C are zero: outputs " + ", ".join(str(k + 1) for k in self.zero_rows)
             )
-        if not len(self.rigid):
+        if not len(self.rigid) and not nominal.stationary:
             report.add(
                 "no deformation that is fixed or at rest in mode 2 is prescribed here: the linearization is that of"
                 " the rigid mechanism"
             )
         self.mechanism = mechanism
-        self.legs = [loaded(mechanism, leg) for leg in _legs(mechanism)]
+        self.levels = _at_levels(mechanism, nominal) if nominal.stationary else []
+        self.legs = [] if nominal.stationary else [loaded(mechanism, leg) for leg in _legs(mechanism)]
         self.ends = _ends(mechanism)
         self.models: dict[int, Dynamics] = {}
         self.dynamics = self._dynamics(0)
@@ -114,13 +122,15 @@ class Along:
 
     def _dynamics(self, k: int) -> Dynamics:
         """Evaluator with the loads of step k, in the configuration of that step."""
-        model = self.mechanism
+        model = self.levels[k] if self.levels else self.mechanism
         if self.legs:
             leg = int(np.searchsorted(self.ends, self.nominal.t[k] * (1 - 1e-12)))
             model = self.legs[min(leg, len(self.legs) - 1)]
         dynamics = self.models.get(id(model))
         if dynamics is None:
             dynamics = self.models[id(model)] = Dynamics(replace(model, drive=self.drive))
+            if self.nominal.stationary:  # elastic deformations are prescribed here, and act on the released ones
+                dynamics.law = self._elastic(dynamics.loads)
         kinematics = dynamics.kinematics
         # The configuration of mode 2 is the solution: from there Newton's method stays on its branch.
         e = np.where(self.e_columns >= 0, self.nominal.e[k, self.e_columns], 0.0)
@@ -155,18 +165,24 @@ class Along:
         """(13) on all rows, with the nominal inputs as stresses and forces of the nominal motion."""
         n = self.mechanism.numbering
         loads = dynamics.loads
-        law = StressLaw.of(self.mechanism, loads, first=n.e_class["input"].start)
+        law = self._elastic(loads)
         force = np.zeros(n.nx)
         for signal, value in zip(self.signals[: len(u0)], u0, strict=True):
             if signal.kind == "INPUTF":
                 force[signal.index] += value
         if not force.any():
             return linearize(dynamics, frame.xdd, frame.sig, law=law, t=frame.t)
+        usual = dynamics.law
         dynamics.reload(replace(loads, force=loads.force + force), dynamics.drive)
         try:
             return linearize(dynamics, frame.xdd, frame.sig, law=law, t=frame.t)
         finally:
             dynamics.reload(loads, dynamics.drive)
+            dynamics.law = usual
+
+    def _elastic(self, loads: Loads) -> StressLaw:
+        """Prescribed deformations with their springs and dampers."""
+        return StressLaw.of(self.mechanism, loads, first=self.mechanism.numbering.e_class["input"].start)
 
     def _second_order(self, dynamics: Dynamics, L: Linearization) -> Array:
         """G: one row per output with a second order expression, columns i + ndof j, from one adjoint solve
@@ -186,6 +202,19 @@ class Along:
             second = L.W.T @ geometric_stiffness(dynamics.sweep, tau) @ L.W
             rows.append(second.ravel(order="F"))
         return np.array(rows)
+
+
+def _at_levels(mechanism: Mechanism, nominal: Nominal) -> list[Mechanism]:
+    """The mechanism with the loads of every stored load step. Raises UsageError when their number differs."""
+    levels = [level for level in load_program(mechanism.settings) if level.store]
+    if len(levels) != len(nominal.t):
+        raise UsageError(
+            f"{nominal.name} holds {len(nominal.t)} load steps, but ITERSTEP of this file asks for {len(levels)};"
+            " write the same ITERSTEP in both files",
+            "files.different-steps",
+        )
+    loads = [loads_at(mechanism, level) for level in levels]
+    return [with_flow(replace(mechanism, loads=each), each) for each in loads]
 
 
 def _output_kind(kind: str) -> str:

@@ -59,12 +59,15 @@ def along(run: Run) -> Iterator[Frame]:
     """
     mechanism = run.mechanism
     if run.nominal is None:
-        raise UsageError("mode 3 needs the result of mode 2 (nominal=...)", "files.setpoints-not-found")
+        raise UsageError(
+            "mode 3 needs the result of mode 2, or of mode 7 to 10 (nominal=...)", "files.setpoints-not-found"
+        )
     given = run.nominal if isinstance(run.nominal, Nominal) else Nominal.of(run.nominal)
     check_same_mechanism(given, mechanism.numbering)
     for text in given.warnings:
         run.report.add(f"warning: {text}")
-    run.report.add(f"nominal motion: {given.name}, {len(given.t)} steps")
+    what = f"stationary solutions of mode {given.mode}" if given.stationary else "nominal motion"
+    run.report.add(f"{what}: {given.name}, {len(given.t)} steps")
     work = Along(mechanism, given, run.report)
     run.header.update(work.header(), **_names(work.ports))
     run.n_frames = len(given.t)

@@ -1,4 +1,5 @@
-"""The nominal motion of mode 2, as mode 3 needs it, and its comparison with the mechanism of mode 3.
+"""The nominal motion of mode 2, or the stationary solutions of modes 7 to 10, as mode 3 needs them, and their
+comparison with the mechanism of mode 3.
 
 Nodes and elements must be the same; the classes may differ (RLSE in mode 2 becomes INPUTE in mode 3), so
 everything is looked up by node and coordinate, element and mode.
@@ -37,6 +38,7 @@ class Nominal:
     n_given   the same with the prescribed ones, which follow them
     u0        (steps, inputs) nominal inputs, None when they are not known
     warnings  what the log of mode 3 must say about the source
+    mode      number of the mode of the run
     """
 
     name: str
@@ -54,14 +56,21 @@ class Nominal:
     keywords: tuple[str, ...]
     n_fixed: int
     n_given: int
+    mode: int
     u0: Array | None = None
     warnings: tuple[str, ...] = ()
 
+    @property
+    def stationary(self) -> bool:
+        """Load steps instead of a motion?"""
+        return MODES[self.mode].stationary
+
     @classmethod
     def of(cls, result: Result) -> Nominal:
-        """From a mode 2 run in memory. Raises UsageError when it is one of another mode."""
-        if not MODES[result.mode].gives_setpoints:
-            raise UsageError(f"mode 3 needs a result of mode 2, this one is of mode {result.mode}", "files.not-mode-2")
+        """From a run in memory. Raises UsageError when it is one of another mode."""
+        if not MODES[result.mode].nominal:
+            text = f"mode 3 needs a result of mode 2, this one is of mode {result.mode} (7 to 10 do as well)"
+            raise UsageError(text, "files.not-mode-2")
         n = result.mechanism.numbering
         keywords = tuple(n.keyword.get(i, "") for i in range(1, len(n.le) + 1))
         u0 = result["u0"] if "u0" in result.frames[0].state_space else None
@@ -69,7 +78,7 @@ class Nominal:
             name=result.mechanism.deck.source, t=result.t, x=result["x"], xd=result["xd"], xdd=result["xdd"],
             e=result["e"], ed=result["ed"], edd=result["edd"], sig=result["sig"],
             lnp=n.lnp, le=n.le, ln=n.ln, keywords=keywords,
-            n_fixed=n.e_class["fixed"].stop, n_given=n.e_class["input"].stop, u0=u0,
+            n_fixed=n.e_class["fixed"].stop, n_given=n.e_class["input"].stop, mode=result.mode, u0=u0,
         )  # fmt: skip
 
     def __str__(self) -> str:
@@ -95,8 +104,13 @@ class Nominal:
         return np.array(found, np.int64)
 
     def rests(self, mechanism: Mechanism) -> NDArray[np.bool_]:
-        """(ne,) which deformations of a mechanism with the same elements are fixed here, or prescribed and rest."""
+        """(ne,) which deformations of a mechanism with the same elements are fixed here, or prescribed and rest.
+
+        In a stationary solution everything rests: only what is fixed counts.
+        """
         columns = self.e_columns(mechanism.numbering)
+        if self.stationary:
+            return (columns >= 0) & (columns < self.n_fixed)
         travel = np.abs(self.e[:, columns] - self.e[0, columns]).max(axis=0)
         still = (columns < self.n_given) & (travel <= REST * mechanism.deformation_scale)
         return (columns >= 0) & ((columns < self.n_fixed) | still)

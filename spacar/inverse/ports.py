@@ -82,9 +82,12 @@ class NominalInputs:
 
     Raises AnalysisError 'inverse.inputs' when two inputs do the same or one does nothing. Fewer inputs than
     degrees of freedom that are not rigidified: least squares; more: minimum norm; both with a warning in the report.
+    `elastic`: prescribed deformations carry their elastic stress (stationary solutions).
     """
 
-    def __init__(self, ports: Ports, mechanism: Mechanism, report: Report, rigid: Index) -> None:
+    def __init__(
+        self, ports: Ports, mechanism: Mechanism, report: Report, rigid: Index, elastic: bool = False
+    ) -> None:
         n = mechanism.numbering
         self.ports, self.report = ports, report
         self.residual = (0.0, 0.0)  # largest one, and when
@@ -99,6 +102,9 @@ class NominalInputs:
         self.elastic[n.e_class["input"].stop :] = True
         self.elastic[self.S] = True
         self.elastic[self.rigid] = True
+        self.elastic[n.e_class["input"]] |= elastic
+        self.mechanism = mechanism
+        self.by_level = elastic  # the preload grows with the load steps
         held = int(n.nxp[2] + n.nxp[3]) + self.rigid - n.e_class["input"].start  # among all degrees of freedom
         self.held, self.free = held, np.setdiff1d(np.arange(n.ndof), held)
         if len(ports.inputs) > (free := len(self.free)):
@@ -117,7 +123,10 @@ class NominalInputs:
         V = sweep.gradient()
         given, e = slice(self.law.first, self.law.first + self.prescribed), frame.e.copy()
         e[given] = dynamics.kinematics.e_given[given]  # exact; e of the frame has the error of the position
-        stress = np.where(self.elastic, self.law(e, frame.ed), 0.0)
+        law = self.law
+        if self.by_level:
+            law = StressLaw.of(self.mechanism, dynamics.loads, first=law.first)
+        stress = np.where(self.elastic, law(e, frame.ed), 0.0)
         user = None
         if dynamics.forces.user is not None:
             user = dynamics.forces.user(frame.t, frame.e, frame.ed, frame.x, frame.xd)

@@ -37,6 +37,7 @@ def build(deck: Deck, mode: int = 1, **options: Any) -> Mechanism:
     batches = element_batches(deck, numbering, x0)
     batches += node_batches(numbering, inertia.lumped(deck, numbering, batches))
     loads = inputs.loads(deck, numbering, batches)
+    levels = analysis.stationary or analysis.takes_setpoints  # load steps, computed here or linearized about
     stiffness, damping = _constitutive(batches)
     return Mechanism(
         deck=deck,
@@ -44,7 +45,7 @@ def build(deck: Deck, mode: int = 1, **options: Any) -> Mechanism:
         x0=x0,
         batches=tuple(batches),
         loads=loads,
-        additional=inputs.loads(deck, numbering, batches, "DEL") if analysis.stationary else None,
+        additional=inputs.loads(deck, numbering, batches, "DEL") if levels else None,
         additional_drive=inputs.additional_drive(deck, numbering),
         drive=inputs.drive(deck, numbering, x0),
         start=inputs.start(deck, numbering, x0) if not analysis.takes_setpoints else Start(*6 * (np.zeros(0),)),

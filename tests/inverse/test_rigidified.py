@@ -38,7 +38,7 @@ def linear(nominal):
 
 
 def test_inputs_and_stresses_are_those_of_the_rigid_mechanism(nominal):
-    """The same equations with rows in another order: equal to rounding times their condition (11), so 1e-12."""
+    """The same equations with rows in another order: equal to rounding times their condition, 11: 1e-12."""
     rigid, prescribed = nominal["f"], nominal["p"]
     assert rigid["u0"][0] == pytest.approx([0.0, 196.980, 82.276], abs=5e-4)
     assert relative(prescribed["u0"], rigid["u0"]) < 1e-12

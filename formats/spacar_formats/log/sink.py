@@ -168,7 +168,7 @@ def _settings(run: Run) -> list[str]:
     if mode.stationary:
         lines += steps.iteration(mechanism)
     if run.nominal is not None:
-        lines += [f"Nominal motion: the mode 2 result {run.nominal.name}", ""]
+        lines += [f"Nominal motion: the mode {run.nominal.mode} result {run.nominal.name}", ""]
     return lines
 
 
