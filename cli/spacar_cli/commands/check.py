@@ -19,6 +19,7 @@ def command(environment: Environment, file: Path, mode: int | None, as_json: boo
     """Read FILE (or FILE.dat) and report errors, warnings and information."""
     from spacar.deck import read_deck
     from spacar.errors import InputError
+    from spacar.kinematics.lost_stiffness import lost_stiffness
     from spacar.mechanism import build
     from spacar.modes import find_mode
     from spacar_cli.drawing.settings_check import check_settings
@@ -32,7 +33,8 @@ def command(environment: Environment, file: Path, mode: int | None, as_json: boo
     try:
         deck = read_deck(source, number)
         messages = list(deck.messages)
-        build(deck, 1 if number is None else number)  # the start geometry of every element
+        mechanism = build(deck, 1 if number is None else number)  # the start geometry of every element
+        messages += lost_stiffness(deck, mechanism)
     except InputError as error:
         messages = list(error.messages)
         status = ExitStatus.WRONG
