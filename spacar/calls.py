@@ -25,7 +25,13 @@ def frames(mode: int, source: str | Path | Deck, *, nominal: Any = None, **optio
     found = find_mode(mode)
     _check_options(options)
     deck = source if isinstance(source, Deck) else read_deck(source, found.number)
-    return Run(found, build(deck, found.number, **options), nominal=nominal)
+    prepared = Run(found, build(deck, found.number, **options), nominal=nominal)
+    if deck.of("RLSE", block=1):
+        from spacar.kinematics.lost_stiffness import lost_stiffness
+
+        for message in lost_stiffness(deck, prepared.mechanism):
+            prepared.report.add(str(message))
+    return prepared
 
 
 def run(mode: int, source: str | Path | Deck, *, nominal: Any = None, **options: Any) -> Result:

@@ -7,7 +7,9 @@ multiplied by L and a row of a deformation in metres divided by L. Singular valu
 Left null vectors are over-constraints: combinations of deformations that no motion can change independently, so that
 the stresses along them are undetermined. Right null vectors are under-constraints: motions of the calculable
 coordinates that no deformation feels. With several at once, releases (or new degrees of freedom) are proposed one
-after the other: the largest component in the null space, which is then projected on the rest.
+after the other: the largest component in the null space, which is then projected on the rest. Releases are taken
+from the deformations whose release keeps the physics as long as these can help, then from rigid ones that the others
+hold as well, at last from those that put a hinge into the model (`advice`).
 """
 
 from __future__ import annotations
@@ -16,9 +18,24 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from spacar.kinematics.advice import (
+    ELASTIC,
+    FLEXIBLE,
+    FREE,
+    HINGE,
+    NAMED,
+    NONE,
+    PRESCRIBED,
+    REDUNDANT,
+    SMALL,
+    Part,
+    effects,
+    paste_lines,
+)
 from spacar.mechanism.mechanism import Array, Index, Mechanism
 
 ZERO = float(np.sqrt(np.finfo(float).eps))
+SHOWN = 1e-6  # smaller shares are not listed
 TIE = 9  # decimals of the weights: of equals the lowest number comes first, whatever the rounding
 
 
@@ -30,6 +47,8 @@ class Diagnosis:
     deformations       ranked (weight, name) of what takes part in the over-constraints
     coordinates        ranked (weight, name) of what moves in the under-constraints
     releases           deformations whose release removes the over-constraints, one for each where possible
+    parts, advice      the same as `deformations` (flexible ones first) and `releases`, with numbers and effects
+    paste              lines for the input file that carry out the releases
     freedoms           coordinates to be made degrees of freedom (or supported), one per under-constraint
     singular           (k,) singular values, descending;  condition  s_1/s_n, infinite if not square and regular
     """
@@ -44,6 +63,9 @@ class Diagnosis:
     freedoms: tuple[str, ...]
     singular: Array
     condition: float
+    parts: tuple[Part, ...] = ()
+    advice: tuple[Part, ...] = ()
+    paste: tuple[str, ...] = ()
 
     def lines(self) -> list[str]:
         """The report, a sentence or a table row each."""
@@ -54,8 +76,9 @@ class Diagnosis:
             return [*lines, "the mechanism is neither over- nor under-constrained"]
         if self.over:
             lines.append(f"over-constrained {self.over} time{'s' * (self.over > 1)}; deformations that take part:")
-            lines += [f"  {weight:8.4f}  {name}" for weight, name in self.deformations]
-            lines += [f"  suggestion: release {name} (RLSE)" for name in self.releases]
+            lines += [f"  {p.share:8.4f}  {p.name}{f': {p.text}' if p.text else ''}" for p in self.parts]
+            lines += [f"  suggestion: release {p.name} (RLSE): {p.text}" for p in self.advice]
+            lines += ["lines for the input file:"] * bool(self.paste) + [f"  {line}" for line in self.paste]
         if self.under:
             lines.append(f"under-constrained {self.under} time{'s' * (self.under > 1)}; coordinates that move:")
             lines += [f"  {weight:8.4f}  {name}" for weight, name in self.coordinates]
@@ -71,8 +94,8 @@ def scaled_difference_matrix(mechanism: Mechanism, V: Array) -> Array:
     return V * mechanism.scale / mechanism.deformation_scale[:, None]
 
 
-def diagnose(mechanism: Mechanism, V: Array) -> Diagnosis:
-    """Analyse the constraints at the configuration of V = dD/dx, (ne, nx)."""
+def diagnose(mechanism: Mechanism, V: Array, x: Array | None = None) -> Diagnosis:
+    """Analyse the constraints at the configuration x (None: that of reference) of V = dD/dx, (ne, nx)."""
     numbering = mechanism.numbering
     xs, es = numbering.x_class, numbering.e_class
     rows = np.arange(es["dynamic"].stop)
@@ -85,45 +108,94 @@ def diagnose(mechanism: Mechanism, V: Array) -> Diagnosis:
     rank = int(np.sum(s > ZERO * s[0])) if len(s) else 0
     over, under = len(rows) - rank, len(columns) - rank
     null_rows, null_columns = left[:, rank:], right[rank:].T
-    may_release = np.array([numbering.e_owner(int(i))[0] > 0 for i in rows], bool)
     regular = not over and not under
+    parts, advice, paste = _advice(mechanism, rows, null_rows, x) if over else ((), (), ())
     return Diagnosis(
         n_rows=len(rows),
         n_columns=len(columns),
         over=over,
         under=under,
-        deformations=_ranked(null_rows, [numbering.e_name(int(i)) for i in rows]),
+        deformations=tuple((p.share, p.name) for p in parts),
         coordinates=_ranked(null_columns, [numbering.x_name(int(i)) for i in columns]),
-        releases=tuple(numbering.e_name(int(rows[i])) for i in pick(null_rows, may_release)),
+        releases=tuple(p.name for p in advice),
         freedoms=tuple(numbering.x_name(int(columns[i])) for i in pick(null_columns, _independent(mechanism, columns))),
         singular=s,
         condition=float(s[0] / s[-1]) if regular and len(s) else (1.0 if regular else float("inf")),
+        parts=parts,
+        advice=advice,
+        paste=paste,
     )
 
 
+def _advice(
+    mechanism: Mechanism, rows: Index, null: Array, x: Array | None
+) -> tuple[tuple[Part, ...], tuple[Part, ...], tuple[str, ...]]:
+    """What takes part in the over-constraints, what to release, and the lines for it."""
+    numbering = mechanism.numbering
+    effect, held = effects(mechanism, rows, x)
+    shares = _shares(null)
+    rank = np.where(effect == NONE, HINGE, effect)  # normalizations stand among the rigid ones, by their share
+    order = np.lexsort((-shares, rank))
+
+    def part(k: int) -> Part:
+        i = int(rows[k])
+        return Part(*numbering.e_owner(i), float(shares[k]), int(effect[k]), numbering.e_name(i))
+
+    chosen: list[int] = []
+    rest = null
+    for of, kinds in (
+        (None, (FLEXIBLE,)),
+        (None, (FREE,)),
+        (None, (NAMED,)),
+        (held, (REDUNDANT,)),  # rigid ones that the other rigid ones hold
+        (None, (ELASTIC, HINGE)),
+        (None, (PRESCRIBED,)),
+    ):
+        for k in pick(rest if of is None else of, np.isin(effect, kinds)):
+            chosen.append(k)
+            rest = _without(rest, k)
+    advice = tuple(part(k) for k in chosen)
+    lines = tuple(paste_lines(mechanism.deck, list(advice)))
+    return tuple(part(k) for k in order if shares[k] > SHOWN), advice, lines
+
+
 def pick(null: Array, allowed: Array) -> list[int]:
-    """One row per null vector: the largest allowed component, after which the null space is projected on the rest."""
-    rest = null.copy()
+    """One row per null vector: the largest allowed component, after which the null space is projected on the rest.
+
+    Of components that are equal up to rounding the first is taken.
+    """
+    rest = null
     chosen: list[int] = []
     while rest.shape[1]:
-        weight = np.where(allowed, np.sum(rest**2, axis=1), 0.0).round(TIE)
-        best = int(np.argmax(weight))
-        if weight[best] < ZERO:
+        weight = np.where(allowed, np.sum(rest**2, axis=1), 0.0)
+        largest = float(weight.max(initial=0.0))
+        if largest < SMALL**2:
             break
+        best = int(np.argmax(weight >= (1.0 - 10.0**-TIE) * largest))
         chosen.append(best)
-        # keep the combinations of null vectors that vanish in the chosen row
-        direction = rest[best] / np.linalg.norm(rest[best])
-        keep = np.linalg.svd(direction[None, :])[2][1:].T
-        rest = rest @ keep
+        rest = _without(rest, best)
     return chosen
+
+
+def _without(null: Array, row: int) -> Array:
+    """The combinations of null vectors that vanish in a row: the null space when that row is released."""
+    size = float(np.linalg.norm(null[row]))
+    if not null.shape[1] or size < SMALL:
+        return null
+    return null @ np.linalg.svd(null[row][None, :] / size)[2][1:].T
 
 
 def _ranked(null: Array, names: list[str]) -> tuple[tuple[float, str], ...]:
     if not null.shape[1]:
         return ()
-    weight = (np.sum(null**2, axis=1) / null.shape[1]).round(TIE)
+    weight = _shares(null)
     order = np.argsort(-weight, kind="stable")
-    return tuple((float(weight[i]), names[i]) for i in order if weight[i] > 1e-6)
+    return tuple((float(weight[i]), names[i]) for i in order if weight[i] > SHOWN)
+
+
+def _shares(null: Array) -> Array:
+    """Share of every row in a null space, sum 1."""
+    return np.asarray((np.sum(null**2, axis=1) / null.shape[1]).round(TIE))
 
 
 def _independent(mechanism: Mechanism, columns: Index) -> Array:

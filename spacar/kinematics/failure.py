@@ -55,7 +55,7 @@ def singular_failure(kinematics: Kinematics, x: Array, error: SingularMatrixErro
     if len(kinematics.E) > LARGEST_DIAGNOSED:
         text = f"the position cannot be determined: {error}; `spacar 0` looks for the reason"
         return AnalysisError(text, "position.singular")
-    diagnosis = diagnose(kinematics.mechanism, kinematics.sweep.gradient())
+    diagnosis = diagnose(kinematics.mechanism, kinematics.sweep.gradient(), x)
     text = (
         f"the position cannot be determined: {error}; {_candidates(diagnosis)};"
         " choose other degrees of freedom, or the mechanism is in a singular position"
@@ -141,7 +141,7 @@ def _collapsed(keyword: str, number: int, wanted: float, length: float) -> str:
 def _candidates(diagnosis: Diagnosis) -> str:
     parts = []
     if diagnosis.releases:
-        parts.append("candidates to release: " + ", ".join(diagnosis.releases))
+        parts.append("candidates to release: " + ", ".join(f"{p.name} ({p.text})" for p in diagnosis.advice))
     if diagnosis.freedoms:
         parts.append("free motions at: " + ", ".join(diagnosis.freedoms))
     if not parts and len(diagnosis.singular):

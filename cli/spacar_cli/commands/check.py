@@ -21,6 +21,7 @@ def command(environment: Environment, file: Path, mode: int | None, as_json: boo
 
     from spacar.deck import read_deck
     from spacar.errors import InputError
+    from spacar.kinematics.lost_stiffness import lost_stiffness
     from spacar.mechanism import build
     from spacar.modes import find_mode
     from spacar_cli.source import input_file
@@ -33,7 +34,8 @@ def command(environment: Environment, file: Path, mode: int | None, as_json: boo
     try:
         deck = read_deck(source, number)
         messages = list(deck.messages)
-        build(deck, 1 if number is None else number)  # the start geometry of every element
+        mechanism = build(deck, 1 if number is None else number)  # the start geometry of every element
+        messages += lost_stiffness(deck, mechanism)
     except InputError as error:
         messages = list(error.messages)
         status = ExitStatus.WRONG

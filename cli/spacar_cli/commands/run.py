@@ -8,12 +8,13 @@ from typing import Any
 
 import click
 from spacar_formats.log import LogSink
-from spacar_formats.sinks import ResultSink, begin, release, result_sinks
+from spacar_formats.sinks import ResultSink, begin, give_up, result_sinks
 
 from spacar.calls import frames
 from spacar.errors import SpacarError, UsageError
 from spacar.modes import Mode, find_mode
 from spacar.stream import Outcome, Run, Sink
+from spacar_cli import releasing
 from spacar_cli.environment import Environment
 from spacar_cli.progress import Progress
 from spacar_cli.source import input_file, result_stem
@@ -35,7 +36,8 @@ OVERRIDES: tuple[tuple[str, str, Any, str], ...] = (
 def command_of_mode(word: str) -> click.Command:
     """The command for a word such as `1` or `-7`, with the options that this mode has. Raises UsageError."""
     mode = find_mode(int(word))
-    params: list[click.Parameter] = [click.Argument(["file"], type=click.Path(path_type=Path))]
+    releases = not mode.forces
+    params: list[click.Parameter] = [click.Argument(["file"], type=click.Path(path_type=Path), required=not releases)]
     params.append(
         click.Option(
             ["--output-dir", "-o"],
@@ -51,6 +53,12 @@ def command_of_mode(word: str) -> click.Command:
         params.append(
             click.Option(["--setpoints"], help="Result of mode 2 to linearize along, instead of the search by name.")
         )
+    if releases:
+        text = (
+            "Solve over-constraints by RLSE of flexible deformations, which keeps the physics, and print the lines; "
+            "with a name write the input file with these lines to OUTPUT."
+        )
+        params.append(click.Option(["--release"], is_flag=False, flag_value="", metavar="[OUTPUT]", help=text))
     if not word.startswith("-"):
         params.append(click.Option(["--plot"], is_flag=True, help="Show the mechanism in a window while it runs."))
     params += [
@@ -67,7 +75,7 @@ def run_mode(
     mode: Mode,
     environment: Environment,
     *,
-    file: Path,
+    file: Path | None,
     output_dir: Path | None,
     quiet: bool,
     verbose: bool,
@@ -75,10 +83,17 @@ def run_mode(
     wait: bool = False,
     setpoints: str | None = None,
     plot: bool = False,
+    release: str | None = None,
     **options: Any,
 ) -> ExitStatus:
     """Run the analysis and report. Errors before the log exists are raised, others are told and logged."""
+    if file is None:  # `spacar 0 --release FILE`: the word belongs to the argument
+        if not release:
+            raise UsageError("Missing argument 'FILE'.", "usage")
+        file, release = Path(release), ""
     source = input_file(file)
+    if release:
+        releasing.check_output(Path(release), source)
     overrides = {field: value for field, value in options.items() if value is not None}
     if "integrator" in overrides:
         _check_integrator(overrides["integrator"])
@@ -87,7 +102,7 @@ def run_mode(
     try:
         log = LogSink(stem.with_name(f"{stem.name}.log"), mode, source, _flags(overrides, setpoints))
     except BaseException:
-        release(results)
+        give_up(results)
         raise
     outcome = Outcome()
     run: Run | None = None
@@ -109,22 +124,28 @@ def run_mode(
         log.finish(error)
         outcome.error = error
     finally:
-        release(results)
+        give_up(results)
     if run is not None and not quiet:
         for line in run.report.lines:
             if line.startswith("warning: "):
                 tell(environment, "warning", line.removeprefix("warning: "))
     status = _status(environment, outcome, results)
+    done: releasing.Done | None = None
+    if release is not None and run is not None and status == ExitStatus.DONE:
+        done = releasing.solve(source, release)
+        status = done.status
     if as_json:
-        environment.say(_as_json(mode, source, outcome, status, log, results, run))
+        environment.say(_as_json(mode, source, outcome, status, log, results, run, done))
     elif not quiet and run is not None and (verbose or environment.output_is_terminal or _ill_defined(run)):
         if verbose or not mode.forces:
             for line in run.report.lines:
                 environment.say(line)
-        if status == ExitStatus.DONE:
+        if outcome.error is None:
             names = " ".join(str(p) for p in (log.path, *(s.path for s in results)))
             steps = f"{outcome.steps} step{'s' * (outcome.steps != 1)}"
             environment.say(f"{source.name}: {mode.title}, {steps} in {outcome.seconds:.2f} s: {names}")
+    if done is not None and not as_json:
+        done.tell(environment, quiet)
     return status
 
 
@@ -189,6 +210,7 @@ def _as_json(
     log: LogSink,
     results: list[ResultSink],
     run: Run | None,
+    done: releasing.Done | None = None,
 ) -> str:
     import json
 
@@ -207,6 +229,11 @@ def _as_json(
         n = run.mechanism.numbering
         report |= {"ndof": n.ndof, "nddof": n.nddof, "nx": n.nx, "ne": n.ne, "information": run.report.lines}
         report["messages"] = [str(m) for m in run.mechanism.deck.messages]
+        diagnosis = run.header.get("diagnosis")
+        if diagnosis is not None:
+            report["constraints"] = releasing.as_record(diagnosis)
+    if done is not None:
+        report["release"] = done.record()
     if outcome.error is not None:
         interrupted = isinstance(outcome.error, KeyboardInterrupt)
         report["error"] = str(outcome.error) or type(outcome.error).__name__

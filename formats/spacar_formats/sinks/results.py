@@ -88,7 +88,7 @@ def result_sinks(stem: Path, kinds: tuple[str, ...], wait: bool = False) -> list
         for kind in kinds:
             sinks.append(ResultSink(stem.with_name(f"{stem.name}.{kind}"), *KINDS[kind], wait))
     except BaseException:
-        release(sinks)
+        give_up(sinks)
         raise
     return sinks
 
@@ -99,7 +99,7 @@ def begin(sinks: Sequence[ResultSink]) -> None:
         sink.claim.begin()
 
 
-def release(sinks: Sequence[ResultSink]) -> None:
+def give_up(sinks: Sequence[ResultSink]) -> None:
     """Let others write; needed only when the run did not come to its first step."""
     for sink in sinks:
         sink.claim.release()

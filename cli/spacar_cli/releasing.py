@@ -1,0 +1,110 @@
+"""`spacar 0 --release`: over-constraints solved, the lines printed, the input file with them written."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from spacar.errors import UsageError
+from spacar_cli.environment import Environment
+from spacar_cli.status import ExitStatus, tell
+
+if TYPE_CHECKING:
+    from spacar.kinematics.advice import Part
+    from spacar.kinematics.diagnosis import Diagnosis
+    from spacar.kinematics.release import Release
+
+
+@dataclass(frozen=True)
+class Done:
+    """What was released, the lines for it, and the file with them when one was asked for."""
+
+    release: Release
+    lines: tuple[str, ...]
+    written: Path | None
+
+    @property
+    def status(self) -> ExitStatus:
+        """Failed when over-constraints are left."""
+        return ExitStatus.FAILED if self.release.left else ExitStatus.DONE
+
+    def tell(self, environment: Environment, quiet: bool) -> None:
+        """Print what was done, and as an error what could not be done."""
+        found = self.release.diagnosis
+        if not quiet:
+            if self.release.parts:
+                environment.say(f"released {len(self.release.parts)} flexible deformations; lines of the input file:")
+                for line in self.lines:
+                    environment.say(f"  {line}")
+                for line in found.lines()[: None if self.release.left else 2]:
+                    environment.say(line)
+            else:
+                environment.say("no flexible deformation to release")
+            if self.written is not None:
+                environment.say(f"written: {self.written}")
+        if self.release.left:
+            which = "; ".join(f"RLSE {p.element} {p.mode} ({p.text})" for p in found.advice)
+            text = f"{found.over} over-constraint{'s' * (found.over > 1)} left that no flexible deformation takes away"
+            tell(environment, "error", f"{text}; by hand: {which}" if which else text)
+
+    def record(self) -> dict[str, Any]:
+        """For --json."""
+        return {
+            "released": [_part(p) for p in self.release.parts],
+            "lines": list(self.lines),
+            "written": str(self.written) if self.written is not None else None,
+            "left": self.release.left,
+            "constraints": as_record(self.release.diagnosis),
+        }
+
+
+def check_output(output: Path, source: Path) -> None:
+    """Raises UsageError for an output that exists: an input file is never overwritten."""
+    if output.exists():
+        same = output.resolve() == source.resolve()
+        what = "is the input file itself" if same else "exists"
+        raise UsageError(f"--release {output}: the file {what}; choose a new name", "files.exists")
+
+
+def solve(source: Path, output: str) -> Done:
+    """Release what can be released in an input file; `output` is the name of the new file, empty for none."""
+    from spacar.deck import read_deck
+    from spacar.kinematics.advice import paste_lines
+    from spacar.kinematics.release import release
+
+    deck = read_deck(source, 0)
+    found = release(deck)
+    lines = tuple(paste_lines(deck, list(found.parts)))
+    written = None
+    if output:
+        written = Path(output)
+        written.write_bytes(found.deck.data)
+    return Done(found, lines, written)
+
+
+def as_record(diagnosis: Diagnosis) -> dict[str, Any]:
+    """The constraint analysis for --json: numbers, what takes part, what to do."""
+    return {
+        "over": diagnosis.over,
+        "under": diagnosis.under,
+        "condition": diagnosis.condition if diagnosis.condition < float("inf") else None,
+        "deformations": [_part(p) for p in diagnosis.parts],
+        "coordinates": [{"name": name, "share": share} for share, name in diagnosis.coordinates],
+        "suggestions": [_part(p) for p in diagnosis.advice],
+        "freedoms": list(diagnosis.freedoms),
+        "lines": list(diagnosis.paste),
+    }
+
+
+def _part(part: Part) -> dict[str, Any]:
+    from spacar.kinematics.advice import WORD
+
+    return {
+        "element": max(part.element, 0) or None,  # none: the normalization of a node
+        "mode": part.mode or None,
+        "share": part.share,
+        "name": part.name,
+        "effect": WORD[part.effect],
+        "text": part.text,
+    }

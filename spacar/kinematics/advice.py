@@ -1,0 +1,170 @@
+"""What a release (RLSE) of a deformation does to the model, and where the input file has to change for it.
+
+A released deformation carries the stress of its spring and damper (theory-system.md 1.1, class c). So the release of a
+dynamic deformation changes nothing in the physics: its stress law stays, only the choice of the degrees of freedom
+differs. A fixed deformation has no such law; releasing it puts a hinge (or a slider) into the model, unless the other
+fixed deformations hold it as well (`self_stress`): then the release frees nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacar.deck import ELEMENT_TYPES, Deck, Statement
+from spacar.kinematics.self_stress import redundancies
+from spacar.mechanism.mechanism import Array, Index, Mechanism
+
+# Effects of a release, best first.
+FLEXIBLE, FREE, NAMED, REDUNDANT, ELASTIC, HINGE, PRESCRIBED, NONE = range(8)
+KEEPS = (FLEXIBLE, FREE)  # what may be released without being asked
+TEXT = {
+    FLEXIBLE: "flexible, a release keeps the physics",
+    FREE: "free without stiffness, a release keeps the physics",
+    NAMED: "flexible, but another statement needs it as DYNE",
+    REDUNDANT: "rigid, but the rest holds it too: a release frees nothing",
+    ELASTIC: "changes the model: rigid becomes flexible (ESTIFF)",
+    HINGE: "changes the model: a hinge",
+    PRESCRIBED: "changes the model: it is no longer prescribed",
+    NONE: "",
+}
+SLIDER = "changes the model: a hinge or slider"
+WORD = {
+    FLEXIBLE: "flexible", FREE: "free", NAMED: "named", REDUNDANT: "redundant", ELASTIC: "elastic",
+    HINGE: "hinge", PRESCRIBED: "prescribed", NONE: "none",
+}  # fmt: skip
+SMALL = 1e-6
+"""Components of null vectors below this are rounding: their error is at most eps divided by the relative gap
+sqrt(eps) between the singular values that count as zero and the others (1.5e-8), times the root of some thousands of
+rows."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """A deformation in an over-constraint: share (of 1 over all), and the effect of its release."""
+
+    element: int
+    mode: int
+    share: float
+    effect: int
+    name: str
+
+    @property
+    def text(self) -> str:
+        """What a release does, in words."""
+        if self.effect == HINGE and any(w in self.name for w in ("elongation", "displacement")):
+            return SLIDER
+        return TEXT[self.effect]
+
+
+def full_deck(deck: Deck) -> Deck:
+    """The deck with its dynamics block, which mode 0 leaves aside."""
+    if 2 in deck.spans and not any(s.block == 2 for s in deck.statements):
+        return deck.for_mode(deck.mode)
+    return deck
+
+
+def coefficient(statement: Statement | None, keyword: str, mode: int) -> float:
+    """The value that ESTIFF or EDAMP gives to a mode of an element type."""
+    places = ELEMENT_TYPES[keyword].stiffness
+    return statement.real(places[mode - 1] - 1) if statement is not None and mode <= len(places) else 0.0
+
+
+def effects(mechanism: Mechanism, rows: Index, x: Array | None) -> tuple[Array, Array]:
+    """Effect of the release of each of the rows, and the redundancies among the fixed rows alone.
+
+    rows (n,) are the fixed, input and dynamic deformations, in this order from 0 on; x the configuration, None for
+    that of reference. Returns (n,) and (n, k).
+    """
+    numbering = mechanism.numbering
+    deck = full_deck(mechanism.deck)
+    stiff = {s.integer(0): s for s in deck.of("ESTIFF", block=2)}
+    named = _named(deck)
+    fixed = numbering.e_class["fixed"]
+    found_rigid = redundancies(mechanism, rows[: fixed.stop], x)
+    held = np.zeros((len(rows), found_rigid.shape[1]))
+    held[: fixed.stop] = found_rigid
+    redundant = np.linalg.norm(held, axis=1) > SMALL if held.size else np.zeros(len(rows), bool)
+    found = np.full(len(rows), NONE)
+    for k, i in enumerate(rows.tolist()):
+        element, mode = numbering.e_owner(i)
+        if element <= 0:
+            continue
+        c = coefficient(stiff.get(element), numbering.keyword[element], mode)
+        if i >= numbering.e_class["dynamic"].start:
+            found[k] = NAMED if (element, mode) in named else FLEXIBLE if c != 0.0 else FREE
+        elif i >= fixed.stop:
+            found[k] = PRESCRIBED
+        else:
+            found[k] = REDUNDANT if redundant[k] else ELASTIC if c != 0.0 else HINGE
+    return found, held
+
+
+def _named(deck: Deck) -> set[tuple[int, int]]:
+    """(element, mode) that statements of the later blocks name as dynamic: start values, inputs, references."""
+    from spacar.deck.checks_references import keyword_of
+
+    found = set()
+    for s in deck.statements:
+        if s.block == 1:
+            continue
+        keyword = keyword_of(s, deck.third)
+        subject = keyword.subject
+        if subject is None or keyword.variants[0].parameters[subject].of != "element":
+            continue
+        if not keyword.classes or "calculable" in keyword.classes:
+            continue
+        if s.keyword == "STARTDE" and not any(s.reals(subject + 2, 2)):
+            continue  # zero: the reference configuration, also when released
+        found.add((s.integer(subject), s.integer(subject + 1)))
+    return found
+
+
+@dataclass(frozen=True)
+class Edit:
+    """A DYNE statement that loses the modes `released` and keeps the modes `kept`."""
+
+    statement: Statement
+    kept: tuple[int, ...]
+    released: tuple[int, ...]
+
+    @property
+    def lines(self) -> list[str]:
+        element = self.statement.integer(0)
+        text = [f"DYNE {element} {' '.join(map(str, self.kept))}"] if self.kept else []
+        return [*text, f"RLSE {element} {' '.join(map(str, self.released))}"]
+
+
+def edits(deck: Deck, pairs: list[tuple[int, int]]) -> tuple[list[Edit], list[tuple[int, int]]]:
+    """The DYNE statements that change when these (element, mode) are released, and the pairs that no DYNE names."""
+    wanted, found = set(pairs), []
+    for s in deck.of("DYNE", block=1):
+        element = s.integer(0)
+        count = len(ELEMENT_TYPES[_keyword(deck, element)].modes)
+        modes = tuple(dict.fromkeys(s.integers(1))) or tuple(range(1, count + 1))
+        released = tuple(m for m in modes if (element, m) in wanted)
+        if released:
+            found.append(Edit(s, tuple(m for m in modes if m not in released), released))
+    done = {(e.statement.integer(0), m) for e in found for m in e.released}
+    return found, [pair for pair in pairs if pair not in done]
+
+
+def _keyword(deck: Deck, element: int) -> str:
+    return next(s.keyword for s in deck.of(*ELEMENT_TYPES, block=1) if s.integer(0) == element)
+
+
+def paste_lines(deck: Deck, parts: list[Part]) -> list[str]:
+    """Lines for the input file that release these deformations, those that do not keep the physics with a comment."""
+    changed, rest = edits(deck, [(p.element, p.mode) for p in parts])
+    lines = []
+    for edit in changed:
+        s = edit.statement
+        old = " ".join(str(v) for v in s.values)
+        lines += [f"% in place of DYNE {old} (line {s.line}):", *edit.lines]
+    for pair in rest:
+        part = next(p for p in parts if (p.element, p.mode) == pair)
+        if part.effect == PRESCRIBED:
+            lines.append(f"% in place of INPUTE {part.element} {part.mode}:")
+        lines.append(f"RLSE {part.element} {part.mode}   % {part.text}")
+    return lines
