@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,7 +27,11 @@ DRAWING = "spacar_drawing"  # named, not imported: pictures lie above results
 
 @dataclass(frozen=True)
 class Result:
-    """A finished run. `result['x']` is (steps, nx); `lnp` and `le` are the 1-based tables of the result files."""
+    """A finished run. `result['x']` is (steps, nx); `lnp` and `le` are the 1-based tables of the result files.
+
+    What a file holds once (rl0, einit, estiff, rxyz, nxp, ndof ...) has the same name here: `result['rl0']`; all
+    of them are in `tables`. `header` holds what the analysis states: NNOM, NU, NY, condition ...
+    """
 
     mechanism: Mechanism
     mode: int
@@ -56,12 +61,23 @@ class Result:
     def le(self) -> NDArray[np.int64]:
         return self.mechanism.numbering.le
 
+    @cached_property
+    def tables(self) -> dict[str, Any]:
+        """Sizes, tables and parameters of the model by their names in the result files, without a step axis."""
+        from spacar.mechanism.tables import model_tables
+
+        return model_tables(self.mechanism)
+
     @property
     def t(self) -> Array:
         return np.array([f.t for f in self.frames])
 
-    def __getitem__(self, name: str) -> Array:
-        """A variable of all steps, step first. Raises UsageError for a name that this run did not compute."""
+    def __getitem__(self, name: str) -> Any:
+        """A variable of all steps, step first, or one of `tables`. Raises UsageError for a name that is neither."""
+        if name == "t":
+            return self.t
+        if name in self.tables:
+            return self.tables[name]
         if isinstance(self.frames, StoredFrames) and name in self.frames.variables:
             return self.frames.variables[name]
         values = [self._value(f, name) for f in self.frames]

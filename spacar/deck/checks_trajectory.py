@@ -9,7 +9,7 @@ from spacar.deck.checks_dynamics import check_tensor
 from spacar.deck.checks_references import at_least, one_of, positive
 from spacar.deck.scene import Scene
 from spacar.deck.statement import Statement
-from spacar.deck.table_io import PATHS, TRAJECTORIES
+from spacar.deck.table_io import NO_TRAJECTORY, PATHS, TRAJECTORIES
 
 MOST_PATHS = 6
 _NAMES = {k.name for k in TRAJECTORIES}
@@ -30,8 +30,7 @@ def check_trajectories(scene: Scene) -> None:
     whole = 3 not in scene.outline.broken_blocks
     needed = scene.analysis is not None and scene.analysis.gives_setpoints
     if needed and not trajectories and whole:
-        text = f"mode {scene.mode} needs a third block with at least one TRAJECT"
-        scene.findings.add("error", None, "", text, "no-trajectory")
+        scene.findings.add("error", None, "", NO_TRAJECTORY, "no-trajectory")
     for before, after in pairwise(trajectories):
         if after.start.integer(0) <= before.start.integer(0):
             text = (

@@ -31,6 +31,7 @@ _PROFILE = "No or zero rise time: symmetric; no extreme velocity: no period of c
 PATHS = ("TROT", "TRANS", "TRCIRL", "TRE")
 _TENSOR = vector("extra", "Jxx Jxy Jxz Jyy Jyz Jzz", "kg m^2", 0.0)
 
+NO_TRAJECTORY = "mode 2 needs a third block with at least one TRAJECT"
 TRAJECTORIES = (
     Keyword("TRAJECT", _T, "starts a trajectory; holds until the next TRAJECT", (form((_NUMBER,)),)),
     Keyword(

@@ -76,6 +76,7 @@ class PlanarPinbody(Family):
         for k, values in enumerate(group.projections):
             if values is not None:
                 self.d0[: len(values), k] = values
+        self.data = self.d0.T.copy()
         self.S, self.Sd = group.estiff[:, 0:2], group.edamp[:, 0:2]
         m, J = group.em[:, 0] * self.length, group.em[:, 1] * self.length
         self.has_mass = bool(np.any(m != 0) or np.any(J != 0))

@@ -65,7 +65,7 @@ _ROWS = (
     Method(220, "explicit Runge-Kutta for second order systems, order 2", 2, False, False, "Nystrom 1925",
            partial(RungeKuttaNystrom, 220)),
     Method(225, "explicit Runge-Kutta for second order systems, order 2", 2, True, False, "Nystrom 1925",
-           partial(RungeKuttaNystrom, 225)),
+           partial(RungeKuttaNystrom, 225), local=0.2),
     Method(310, "linearly implicit Euler", 1, False, True, "Rosenbrock 1963", Rosenbrock1),
     Method(320, "Rosenbrock, order 2", 2, False, True, "Rosenbrock 1963", Rosenbrock2),
     Method(330, "Rosenbrock, order 3", 3, False, True, "Sandu et al. 1997", Rosenbrock3),

@@ -1,7 +1,20 @@
 """Codes 220 and 225: two-stage explicit Runge-Kutta method for q'' = f(t, q, q').
 
 Formulas: theory-system.md section 9; a member of the Nystrom family, E. J. Nystrom, Acta Soc. Sci. Fenn. 50
-(1925), see Hairer, Norsett, Wanner, "Solving Ordinary Differential Equations I", section II.14.
+(1925), see Hairer, Norsett, Wanner, "Solving Ordinary Differential Equations I", section II.14:
+
+    a1 = f(t + h, q + h v + h^2/2 a0, v + h a0),    v+ = v + h/2 (a0 + a1),    q+ = q + h v + h^2/6 (2 a0 + a1)
+
+The error of a step, h^3 in v and h^4 in q, is the difference from the integrals of the parabola through the
+accelerations a- at the beginning of the step before (h- long), a0 and a2 = f(t + h, q+, v+), which is the first stage
+of the next step. With D its second divided difference
+
+    dv = h/2 (a2 - a1) - D h^3/6,    dq = h^2/6 (a2 - a1) - D h^4/12,    D = ((a2 - a0)/h - (a0 - a-)/h-) / (h + h-)
+
+The step after a start has none before it and takes the acceleration in its middle, on the cubic through both ends.
+
+The error of a step falls with h^3, that of the result with h^2. A result to the part p of its size S therefore needs
+steps to the part p^(3/2): the tolerance w of a component, from ERROR, is w sqrt(w/S) for a step, S its largest value.
 """
 
 from __future__ import annotations
@@ -21,7 +34,7 @@ class RungeKuttaNystrom:
     Raises AnalysisError `integrator.second-order` when there are not as many velocities as positions.
     """
 
-    controller = (2.0, 0.3, 3.0)
+    controller = (3.0, 0.3, 3.0)
 
     def __init__(self, code: int, evaluation: Evaluation, n: int, tolerance: Tolerance) -> None:
         self.n = evaluation.problem.n_positions
@@ -29,30 +42,34 @@ class RungeKuttaNystrom:
             raise second_order_needed(code, self.n, n - self.n)
         self.evaluation, self.tolerance = evaluation, tolerance
         self.y, self.y_new, self.f, self.f_new, self.work, self.scaled = np.zeros((6, n))
-        self.t = self.h = 0.0
+        self.size = np.zeros(n)  # largest value of each component so far
+        self.a1, self.before = np.zeros((2, self.n))
+        self.t = self.h = self.h_before = 0.0
 
     def start(self, t: float, y: np.ndarray) -> np.ndarray:
         """Sets the state and returns F there."""
-        self.t = t
+        self.t, self.h = t, 0.0
         self.y_new[:] = y
         self.f_new[:] = self.evaluation.rhs(t, self.y_new)
         return self.f_new
 
     def begin(self, t: float) -> None:
         """Makes the end of the last step the start of the next one."""
-        self.t = t
+        self.t, self.h_before = t, self.h
+        self.before[:] = self.f[self.n :]
         self.y[:] = self.y_new
+        np.maximum(self.size, np.abs(self.y), out=self.size)
         self.f[:] = self.f_new
 
     def _step(self, t: float, h: float) -> None:
-        """y_new from y and f; leaves the simple prediction (q*, v + h a0) in `work`."""
+        """y_new from y and f."""
         n, y, work = self.n, self.y, self.work
         a0 = self.f[n:]
         np.multiply(h, a0, work[n:])
         np.add(y[n:], 0.5 * work[n:], work[:n])
         work[:n] *= h
         work += y
-        a1 = self.evaluation.rhs(t + h, work)[n:]
+        self.a1[:] = a1 = self.evaluation.rhs(t + h, work)[n:]
         self.y_new[n:] = y[n:] + (0.5 * h) * (a0 + a1)
         self.y_new[:n] = y[:n] + h * y[n:] + (h * h / 6.0) * (2.0 * a0 + a1)
 
@@ -67,12 +84,29 @@ class RungeKuttaNystrom:
         components."""
         self.h = h
         self._step(self.t, h)
-        np.divide(self.y_new - self.work, weights(self.tolerance, self.y, self.y_new), self.scaled)
+        n = self.n
+        self.f_new[:] = self.evaluation.rhs(self.t + h, self.y_new)
+        missed, bend = self.f_new[n:] - self.a1, self._bend(h)
+        self.scaled[n:] = (0.5 * h) * missed - (h**3 / 6.0) * bend
+        self.scaled[:n] = (h * h / 6.0) * missed - (h**4 / 12.0) * bend
+        np.divide(self.scaled, self._allowed(), self.scaled)
         return sqrt(self.scaled.dot(self.scaled) / len(self.scaled))
 
+    def _allowed(self) -> np.ndarray:
+        """Error of a step that keeps that of the result to the tolerance, shape (n,)."""
+        weight = weights(self.tolerance, self.y, self.y_new)
+        return np.asarray(weight * np.sqrt(weight / np.maximum(self.size, weight)))
+
+    def _bend(self, h: float) -> np.ndarray:
+        """Second divided difference of the accelerations, half their second derivative, shape (n,)."""
+        a0, a2, n = self.f[self.n :], self.f_new[self.n :], self.n
+        if self.h_before > 0.0:
+            return ((a2 - a0) / h - (a0 - self.before) / self.h_before) / (h + self.h_before)
+        middle = self.evaluation.rhs(self.t + 0.5 * h, self.interpolate(self.t + 0.5 * h))[n:]
+        return np.asarray((a0 - 2.0 * middle + a2) * (2.0 / (h * h)))
+
     def finish(self) -> None:
-        """Accelerations at the step end: for the interpolation and as first stage of the next step."""
-        self.f_new[:] = self.evaluation.rhs(self.t + self.h, self.y_new)
+        """Nothing left to evaluate: F at the step end is there."""
 
     def interpolate(self, t: float) -> np.ndarray:
         """y(t) in the last step, shape (n,)."""

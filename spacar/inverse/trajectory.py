@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.deck import Deck, Statement
-from spacar.deck.table_io import PATHS, TRAJECTORIES
+from spacar.deck.table_io import NO_TRAJECTORY, PATHS, TRAJECTORIES
 from spacar.elements.lumped import LumpedMass
 from spacar.elements.node_inertia import RigidBodyNode
-from spacar.errors import InputError, Report
+from spacar.errors import InputError, Message, Report
 from spacar.integrators import EvenTimes
 from spacar.inverse.paths import BadPath, Path, arc, change, straight, turn
 from spacar.inverse.profile import IllegalProfile, Profile, make_profile
@@ -107,9 +107,11 @@ class Program:
 def program(mechanism: Mechanism, report: Report) -> Program:
     """The motion of all TRAJECT statements and its output times.
 
-    Raises InputError for an illegal velocity profile or path, with the line of the statement.
+    Raises InputError for an illegal velocity profile or path, with the line of the statement, and without a TRAJECT.
     """
     deck = mechanism.deck
+    if not groups(deck):
+        raise InputError([Message("error", deck.source, None, "", NO_TRAJECTORY, "input.no-trajectory")])
     start = mechanism.drive.at(0.0)
     if any(v.any() for v in (start.xd, start.xdd, start.ed, start.edd)):
         report.add(

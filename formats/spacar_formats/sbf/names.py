@@ -22,6 +22,11 @@ def matlab_name(ident: str, kind: str = "sbd") -> str:
     return name if name[0].isalpha() else "v" + name
 
 
+def identifier(name: str) -> str:
+    """Identifier in the file of a MATLAB name."""
+    return next((ident for ident, full in MATLAB_NAMES.items() if full == name), name.upper())
+
+
 def find(name: str, ids: Container[str]) -> str | None:
     """The identifier in the file that `name` stands for (any case, either of its names), None when absent."""
     ident = name.strip().upper()
