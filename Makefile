@@ -10,7 +10,7 @@ PARALLEL := -n $(WORKERS) --dist loadfile
 export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: crank test test-all test-matrix lint bench clean
+.PHONY: crank test test-all test-matrix lint bench docs clean
 
 # A half-made environment (interrupted, or without pip) is made again; uv serves where Debian's python3-venv is missing.
 define environment
@@ -29,6 +29,11 @@ $(VENV)/.installed: pyproject.toml
 $(VENV)/.installed-dev: pyproject.toml
 	$(environment)
 	$(BIN)/python -m pip install --quiet -e '.[test,dev,symbolic,control]'
+	@touch $@ $(VENV)/.installed
+
+$(VENV)/.installed-docs: pyproject.toml
+	$(environment)
+	$(BIN)/python -m pip install --quiet -e '.[docs]'
 	@touch $@ $(VENV)/.installed
 
 crank: $(VENV)/.installed
@@ -56,6 +61,10 @@ lint: $(VENV)/.installed-dev
 
 bench: $(VENV)/.installed-dev
 	$(BIN)/python benchmarks/run.py
+
+docs: $(VENV)/.installed-docs
+	$(BIN)/sphinx-build -q -W -n --keep-going -c docs . $(OUT)/site
+	@echo "pages: $(OUT)/site/index.html"
 
 clean:
 	rm -rf $(OUT) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis

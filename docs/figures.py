@@ -1,15 +1,19 @@
-"""Make all pictures of the documentation from the example models: `python docs/figures.py [FOLDER]`.
+"""Make all pictures of the documentation from the example models: `python docs/figures.py [FOLDER] [PICTURE ...]`.
 
 Every picture is a list of command lines, the same that a user would type; they run in a temporary folder with copies of
-the models in `data/`. Without FOLDER the pictures go to `docs/pictures`.
+the models in `data/`. Those of the gallery are the ones that `docs/gallery.md` shows. Without FOLDER the pictures go to
+`docs/pictures`; with names of pictures only those are made. Those of the symbolic part: `docs/symbolic/figures.py`.
 """
 
 from __future__ import annotations
 
 import os
+import re
+import shlex
 import shutil
 import sys
 import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 
 from spacar_cli.main import main
@@ -60,17 +64,63 @@ END
 """
 
 
-def make(folder: Path) -> list[str]:
-    """Write all pictures; returns the command lines that failed."""
+@dataclass(frozen=True)
+class Entry:
+    """One example of the gallery: its picture, the command lines and the Python that make it."""
+
+    example: str
+    picture: str
+    commands: tuple[str, ...]
+    script: str
+
+
+def gallery(page: Path = HERE / "gallery.md") -> list[Entry]:
+    """The entries of the gallery page, one a third-level heading."""
+    entries = []
+    for section in re.split(r"^### ", page.read_text(encoding="utf-8"), flags=re.MULTILINE)[1:]:
+        name = section.split("\n", 1)[0].strip()
+        picture = re.findall(r"!\[[^\]]+\]\(([^)]+)\)", section)[0]
+        blocks = dict(re.findall(r"^```(sh|python)\n(.*?)^```", section, flags=re.MULTILINE | re.DOTALL))
+        commands = tuple(blocks.get("sh", "").strip().splitlines())
+        entries.append(Entry(name, picture, commands, blocks.get("python", "")))
+    return entries
+
+
+def make_gallery(folder: Path, chosen: list[str]) -> list[str]:
+    """Write the pictures of the gallery that FIGURES does not make; returns the command lines that failed."""
+    failed = []
+    for entry in gallery():
+        name = Path(entry.picture).name
+        if name in FIGURES or not entry.commands or (chosen and name not in chosen):
+            continue
+        for line in entry.commands:
+            words = shlex.split(line)[1:]
+            if words[0] in ("draw", "plot", "visual"):
+                words += ["--dpi", "90"]
+            if main([*words, "--quiet"] if words[0].isdigit() else words):
+                failed.append(line)
+        if entry.script:
+            import matplotlib
+
+            matplotlib.use("Agg")
+            exec(compile(entry.script, name, "exec"), {})
+        shutil.copy(name, folder / name)
+    return failed
+
+
+def make(folder: Path, chosen: list[str]) -> list[str]:
+    """Write all pictures, or the chosen ones; returns the command lines that failed."""
     failed = []
     before = os.getcwd()
     with tempfile.TemporaryDirectory() as name:
         os.chdir(name)
-        for model in DATA.glob("*.dat"):
+        for model in (*DATA.glob("*.*"), *(DATA / "symbolic").glob("*.dat")):
             shutil.copy(model, name)
         Path("square.dat").write_text(SQUARE)
         ran = set()
         for picture, (run, draw) in FIGURES.items():
+            if chosen and picture not in chosen:
+                continue
             commands = [run] if run not in ran else []
             ran = {r for r in ran if r.split()[1] != run.split()[1]} | {run}  # another run of this model replaces it
             for line in (*commands, draw.format(folder / picture)):
@@ -79,6 +129,7 @@ def make(folder: Path) -> list[str]:
                     words += ["--dpi", "110"]
                 if main([*words, "--quiet"] if words[0].isdigit() else words):
                     failed.append(line)
+        failed += make_gallery(folder, chosen)
         os.chdir(before)
     return failed
 
@@ -86,4 +137,4 @@ def make(folder: Path) -> list[str]:
 if __name__ == "__main__":
     target = Path(sys.argv[1]).resolve() if len(sys.argv) > 1 else HERE / "pictures"
     target.mkdir(parents=True, exist_ok=True)
-    sys.exit("\n".join(make(target)) or 0)
+    sys.exit("\n".join(make(target, sys.argv[2:])) or 0)

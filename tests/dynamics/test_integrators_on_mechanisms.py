@@ -18,7 +18,7 @@ from spacar.linearization.jacobian import state_jacobian
 from spacar.mechanism import build
 
 DATA = Path(__file__).parents[2] / "data"
-FIXED = {130: 3, 140: 4, 220: 2, 310: 1, 320: 2, 330: 3, 410: 1, 420: 2, 430: 3}
+FIXED = {c: m.order for c, m in METHODS.items() if not m.variable_step}
 
 
 def end(name: str, duration: float, **options: float) -> np.ndarray:
