@@ -90,6 +90,9 @@ def find_mode(number: int) -> Mode:
     return MODES[abs(number)]
 
 
+LARGEST_OPTION = {"rtol": 1.0, "n_steps": 10**15}  # an error of 100 %; times that still differ
+
+
 def _check_options(options: dict[str, Any]) -> None:
     """Raises UsageError for an unknown option, or for a tolerance, step or duration that is not positive."""
     from dataclasses import fields
@@ -100,8 +103,11 @@ def _check_options(options: dict[str, Any]) -> None:
     for name, value in options.items():
         if name not in known:
             raise UsageError(f"there is no option '{name}'; the options are {', '.join(known)}", "usage.option")
-        if name in ("atol", "rtol", "step", "duration", "n_steps") and value is not None and not value > 0:
-            raise UsageError(f"the option {name} = {value!r} must be positive", "usage.option")
+        if name in ("atol", "rtol", "step", "duration", "n_steps") and value is not None:
+            if not 0 < value < float("inf"):
+                raise UsageError(f"the option {name} = {value!r} must be positive and finite", "usage.option")
+            if value > LARGEST_OPTION.get(name, value):
+                raise UsageError(f"the option {name} = {value!r} is at most {LARGEST_OPTION[name]:g}", "usage.option")
 
 
 def frames(mode: int, source: str | Path | Deck, *, nominal: Any = None, **options: Any) -> Run:

@@ -56,8 +56,13 @@ def node_compliance(
                 raise UsageError(f"node {number} is no {what} node of {sbd.path}", "compliance.node")
         x_columns = nxp[2] + np.arange(nxp[3])
         columns = np.r_[x_columns, nxp[2] + nxp[3] + nep[2] + np.arange(nep[3])]
-        DX, x = _array(sbd, "dx", step)[:, columns], _array(sbd, "x", step).ravel()
+        transfer, x = _array(sbd, "dx", step), _array(sbd, "x", step).ravel()
         K = sum(_array(sbm, k, step) for k in ("k0", "n0", "g0"))
+        if max(columns, default=-1) >= transfer.shape[1] or np.shape(K) != (len(columns), len(columns)):
+            raise UsageError(f"{sbd.path} and {sbm.path} do not fit together", "compliance.size")
+        if not (np.isfinite(K).all() and np.isfinite(transfer).all() and np.isfinite(x).all()):
+            raise UsageError(f"{sbd.path} or {sbm.path} has numbers that are not finite", "compliance.finite")
+        DX = transfer[:, columns]
         t = float(_array(sbd, "T", step)[0, 0])
         warnings = [*notes(sbd), *notes(sbm)]
     planar = lnp[partner - 1, 3] == 0

@@ -48,7 +48,7 @@ class Study:
         return key(self.deck.sha256, self.mode, sorted(self.options.items()), names, list(values), asked)
 
 
-Batch = Callable[[Study, Sequence[Values]], Iterator[Row]]
+Batch = Callable[[Study, Iterable[Values]], Iterator[Row]]
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,8 @@ import click
 
 from spacar_cli.drawing.options import OUTPUT
 from spacar_cli.environment import Environment
+from spacar_cli.parameters import Real
+from spacar_cli.status import tell
 
 
 @click.command("plot")
@@ -24,7 +26,7 @@ from spacar_cli.environment import Environment
 @click.option("--title", help="Text above the plot, instead of the name of the result.")
 @click.option(
     "--dpi",
-    type=click.FloatRange(20, 1200),
+    type=Real(20, 1200),
     default=150.0,
     show_default=True,
     help="Resolution of png [dots per inch].",
@@ -56,7 +58,7 @@ def command(
     """
     from spacar_formats.safety import write_text
 
-    from spacar_cli.drawing.expressions import evaluate
+    from spacar_cli.drawing.expressions import evaluate, warnings
     from spacar_cli.drawing.files import check_name, save
     from spacar_cli.drawing.history import csv_text, history_figure
     from spacar_cli.drawing.source import open_source
@@ -64,6 +66,8 @@ def command(
     source = open_source(file, stale_ok)
     curves = [evaluate(source, text) for text in expressions]
     across = evaluate(source, against)
+    for warning in warnings([*curves, across]):
+        tell(environment, "warning", warning)
     outputs = list(output)
     if not outputs and csv_file is None and not show:
         outputs = [Path(source.name).parent / f"{source.scene.title}_plot.png"]

@@ -16,19 +16,19 @@ from spacar_formats.sinks import ResultSink, Sink, begin, release, result_sinks
 from spacar.errors import SpacarError, UsageError
 from spacar.modes import Mode, Run, find_mode, frames
 from spacar_cli.environment import Environment
+from spacar_cli.parameters import POSITIVE, TOLERANCE, Whole
 from spacar_cli.progress import Progress
 from spacar_cli.source import input_file, result_stem
 from spacar_cli.status import ExitStatus, tell, tell_error, tell_messages
 
-POSITIVE = click.FloatRange(min=0.0, min_open=True)
 INTEGRATED, LINEARIZED = (1, 4), (3,)
 
 # Options that replace a number of the input file: flag, field of Settings, type, help, modes that have it.
 OVERRIDES: tuple[tuple[str, str, Any, str, tuple[int, ...]], ...] = (
     ("--atol", "atol", POSITIVE, "Absolute error tolerance, instead of ERROR.", INTEGRATED),
-    ("--rtol", "rtol", POSITIVE, "Relative error tolerance, instead of ERROR.", INTEGRATED),
-    ("--integrator", "integrator", int, "Integration method, instead of INTEGRAT.", INTEGRATED),
-    ("--steps", "n_steps", click.IntRange(min=1), "Number of output steps, instead of TIMESTEP.", INTEGRATED),
+    ("--rtol", "rtol", TOLERANCE, "Relative error tolerance, instead of ERROR.", INTEGRATED),
+    ("--integrator", "integrator", Whole(), "Integration method, instead of INTEGRAT.", INTEGRATED),
+    ("--steps", "n_steps", Whole(min=1), "Number of output steps, instead of TIMESTEP.", INTEGRATED),
     ("--compiled", "compiled", bool, "Right-hand side in C: faster, needs a C compiler.", INTEGRATED),
     ("--time", "duration", POSITIVE, "Length of the time interval, instead of TIMESTEP [s].", INTEGRATED),
 )
