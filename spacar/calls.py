@@ -14,6 +14,7 @@ from spacar.result import Result
 from spacar.stream import Run
 
 POSITIVE = ("atol", "rtol", "step", "duration", "n_steps")
+LARGEST = {"rtol": 1.0, "n_steps": 10**15}  # an error of 100 %; times that still differ
 
 
 def frames(mode: int, source: str | Path | Deck, *, nominal: Any = None, **options: Any) -> Run:
@@ -45,5 +46,8 @@ def _check_options(options: dict[str, Any]) -> None:
     for name, value in options.items():
         if name not in known:
             raise UsageError(f"there is no option '{name}'; the options are {', '.join(known)}", "usage.option")
-        if name in POSITIVE and value is not None and not value > 0:
-            raise UsageError(f"the option {name} = {value!r} must be positive", "usage.option")
+        if name in POSITIVE and value is not None:
+            if not 0 < value < float("inf"):
+                raise UsageError(f"the option {name} = {value!r} must be positive and finite", "usage.option")
+            if value > LARGEST.get(name, value):
+                raise UsageError(f"the option {name} = {value!r} is at most {LARGEST[name]:g}", "usage.option")

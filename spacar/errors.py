@@ -26,7 +26,7 @@ def escaped(text: str) -> str:
 def _line(line: str) -> str:
     if len(line) <= LONGEST_LINE:
         return line
-    keep = LONGEST_LINE // 2
+    keep = LONGEST_LINE // 2 - 30
     return f"{line[:keep]} ... ({len(line) - 2 * keep} characters left out) ... {line[-keep:]}"
 
 

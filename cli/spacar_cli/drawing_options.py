@@ -12,6 +12,7 @@ from spacar_drawing.mechanism_picture import Extras
 from spacar_drawing.settings import ALL, DIMENSIONS, Section, Settings
 
 from spacar.errors import UsageError
+from spacar_cli.parameters import Real, Whole
 
 OUTPUT = click.option(
     "--output",
@@ -44,12 +45,12 @@ COMMON = (
         ),
     ),
     click.option(
-        "--opacity", type=click.FloatRange(0, 1), help="Opacity of solids, instead of TRANSPARENCY (1: opaque)."
+        "--opacity", type=Real(0, 1), help="Opacity of solids, instead of TRANSPARENCY (1: opaque)."
     ),
     click.option("--light/--no-light", default=None, help="Shade solids or not, instead of LIGHT."),
     click.option(
         "--hide",
-        type=int,
+        type=Whole(),
         multiple=True,
         metavar="ELEMENT",
         help="Do not draw this element (DONOTDRAW). May be repeated.",
@@ -66,14 +67,14 @@ COMMON = (
     click.option("--title", help="Text above the picture, instead of the name of the result."),
     click.option(
         "--dpi",
-        type=click.FloatRange(20, 1200),
+        type=Real(20, 1200),
         default=150.0,
         show_default=True,
         help="Resolution of png, gif and mp4 [dots per inch].",
     ),
     click.option(
         "--fps",
-        type=click.FloatRange(1, 100),
+        type=Real(1, 100),
         default=25.0,
         show_default=True,
         help="Pictures per second of an animation.",
@@ -137,7 +138,7 @@ def sections_of(texts: Sequence[str]) -> dict[int, Section]:
     found: dict[int, Section] = {}
     for text in texts:
         read = statement_section(text.split())
-        if read is None or any(d <= 0 for d in read[1].dims):
+        if read is None or any(not 0 < d <= 1e100 for d in read[1].dims):
             forms = ", ".join(f"{name} with {n} dimensions" for name, n in DIMENSIONS.items())
             raise UsageError(
                 f"--section {text}: expected a shape, element numbers (none: all) and positive dimensions; {forms}"

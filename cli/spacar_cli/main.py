@@ -15,6 +15,7 @@ from importlib import import_module
 import click
 
 import spacar
+from spacar.errors import UsageError
 from spacar.modes import MODES
 from spacar_cli.environment import Environment, give_up_output, open_missing_streams
 from spacar_cli.status import ExitStatus, tell, tell_error
@@ -111,6 +112,8 @@ def main(arguments: Sequence[str] | None = None, environment: Environment | None
         warnings.simplefilter("ignore")  # of libraries; ours are messages
     with redirect_stdout(env.stdout), redirect_stderr(env.stderr):
         try:
+            if any("\0" in word for word in words):
+                raise UsageError("a word of the command line has a zero byte in it", "usage")
             outcome = program.main(words, prog_name="spacar", standalone_mode=False, obj=env)
             env.stdout.flush()
             return int(outcome or ExitStatus.DONE)

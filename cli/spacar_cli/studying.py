@@ -8,15 +8,15 @@ from typing import Any, TypeVar
 import click
 
 from spacar_cli.environment import Environment
+from spacar_cli.parameters import POSITIVE, Whole
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 Item = TypeVar("Item")
-POSITIVE = click.FloatRange(min=0.0, min_open=True)
 
 OPTIONS = (
     click.option("--time", "duration", type=POSITIVE, help="Length of the time interval, instead of TIMESTEP [s]."),
-    click.option("--steps", "n_steps", type=click.IntRange(min=1), help="Number of output steps, instead of TIMESTEP."),
-    click.option("--jobs", "-j", type=click.IntRange(min=1), default=1, show_default=True, help="Local processes."),
+    click.option("--steps", "n_steps", type=Whole(min=1), help="Number of output steps, instead of TIMESTEP."),
+    click.option("--jobs", "-j", type=Whole(min=1), default=1, show_default=True, help="Local processes."),
     click.option("--quiet", "-q", is_flag=True, help="Print errors only."),
     click.option("--json", "as_json", is_flag=True, help="Print a summary in JSON."),
 )

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from spacar.errors import escaped
+
 if TYPE_CHECKING:
     from spacar.studies.trade import Entry
 
@@ -42,7 +44,7 @@ def draw(
     left.set_ylabel("error (dashed: target, dotted: of the reference)")
     right.set_xlabel("elements a beam" if stationary else "right-hand sides")
     left.legend(fontsize="small")
-    figure.suptitle(title)
+    figure.suptitle(escaped(title), parse_math=False)
     save(figure, path, dpi=120.0)
 
 

@@ -7,7 +7,7 @@ Units are those of the keyword table; forces are dual to coordinates, stresses d
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -61,11 +61,26 @@ def evaluate(source: Source, text: str) -> Curve:
         tree = ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         raise UsageError(f"'{text}' is no expression; {HELP}", "plot.expression") from None
-    value = _value(source, tree, text)
+    try:
+        value = _value(source, tree, text)
+    except (RecursionError, OverflowError):
+        raise UsageError(f"'{text}' is nested too deep or has numbers that are too large", "plot.expression") from None
     values = np.broadcast_to(np.asarray(value.values, float), (source.steps,))
     single = tree.value if isinstance(tree, ast.Subscript) else tree
     variable = single.id if isinstance(single, ast.Name) else ""
+    if not np.isfinite(values).any():
+        raise UsageError(f"'{text}' is nowhere a finite number", "plot.finite")
     return Curve(text.strip(), Quantity(values, value.unit), variable)
+
+
+def warnings(curves: Sequence[Curve]) -> list[str]:
+    """What a user should know before trusting a curve: values that cannot be shown."""
+    found = []
+    for curve in curves:
+        bad = int(np.count_nonzero(~np.isfinite(curve.quantity.values)))
+        if bad:
+            found.append(f"'{curve.text}' is not a finite number at {bad} of {np.size(curve.quantity.values)} steps")
+    return found
 
 
 def _value(source: Source, node: ast.expr, text: str) -> Quantity:

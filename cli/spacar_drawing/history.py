@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from spacar.errors import escaped
 from spacar_drawing.expressions import MEANING, Curve
 from spacar_drawing.quantities import unit_text
 from spacar_drawing.stage import INK, RULE
@@ -64,7 +65,7 @@ def history_figure(curves: Sequence[Curve], against: Curve, title: str = "", sta
                 ms=4,
                 label=c.text,
             )
-        axes.set_ylabel(panel_text(group), fontsize=8.5, color=INK)
+        axes.set_ylabel(panel_text(group), fontsize=8.5, color=INK, parse_math=False)
         axes.grid(True, color=RULE, lw=0.6)
         axes.set_axisbelow(True)
         axes.tick_params(labelsize=8, colors=INK, length=0)
@@ -83,7 +84,7 @@ def history_figure(curves: Sequence[Curve], against: Curve, title: str = "", sta
                 borderpad=0.1,
             )
     label = ("load step" if stationary else "time t (s)") if against.variable == "t" else axis_text(against)
-    all_axes[-1].set_xlabel(label, fontsize=8.5, color=INK)
+    all_axes[-1].set_xlabel(label, fontsize=8.5, color=INK, parse_math=False)
     figure.align_ylabels(all_axes)
     top = 0.45 if title or len(groups[0]) > 1 else 0.15
     if title and len(groups[0]) > 1:
@@ -96,7 +97,7 @@ def history_figure(curves: Sequence[Curve], against: Curve, title: str = "", sta
         hspace=0.32 if any(len(g) > 1 for g in groups) else 0.16,
     )
     if title:
-        figure.text(0.12, 1 - 0.12 / height, title, fontsize=10, color=INK, va="top")
+        figure.text(0.12, 1 - 0.12 / height, escaped(title), fontsize=10, color=INK, va="top", parse_math=False)
     return figure
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from spacar.errors import escaped
 from spacar_drawing.history import COLOURS
 from spacar_drawing.stage import INK, RULE
 
@@ -34,7 +35,7 @@ def root_figure(steps: Sequence[Vibration], across: np.ndarray, text: str, title
     _dress(right, "real part (1/s)", "imaginary part (rad/s)")
     right.axvline(0.0, color=INK, lw=0.8)
     left.set_ylim(bottom=0.0)
-    figure.suptitle(title, fontsize=10, color=INK)
+    figure.suptitle(escaped(title), fontsize=10, color=INK, parse_math=False)
     figure.tight_layout()
     return figure
 
@@ -58,7 +59,7 @@ def bode_figure(
     _dress(lower, "frequency (Hz)", "phase (deg)")
     if len(pairs) <= 8:
         upper.legend(fontsize=7, frameon=False)
-    figure.suptitle(title, fontsize=10, color=INK)
+    figure.suptitle(escaped(title), fontsize=10, color=INK, parse_math=False)
     figure.tight_layout()
     return figure
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from spacar.errors import escaped
 from spacar_drawing.camera import Camera
 from spacar_drawing.paint import paint
 from spacar_drawing.shapes import Shape
@@ -41,7 +42,7 @@ class Moving:
         for artist in self.artists:
             artist.remove()
         self.artists = paint(self.axes, self.camera, shapes)
-        self.axes.set_title(title, fontsize=10, color="#4d565e", loc="left", pad=7)
+        self.axes.set_title(escaped(title), fontsize=10, color="#4d565e", loc="left", pad=7, parse_math=False)
 
 
 def evenly(first: int, last: int, count: int) -> list[int]:

@@ -68,4 +68,7 @@ class Quantity:
             raise UsageError(f"{text}: an exponent must be a plain number", "plot.unit")
         if self.unit and not n.is_integer():
             raise UsageError(f"{text}: only whole powers of a quantity with a unit", "plot.unit")
-        return Quantity(self.values**n, tuple((s, p * int(n)) for s, p in self.unit if int(n)))
+        with np.errstate(all="ignore"):
+            values = np.asarray(self.values, float) ** n
+        power = tuple((s, p * int(n)) for s, p in self.unit if int(n))
+        return Quantity(values if values.ndim else float(values), power)

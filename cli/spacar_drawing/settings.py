@@ -80,7 +80,7 @@ def parse_settings(lines: Iterable[str]) -> Settings:
         if not words:
             continue
         key, values = words[0].upper(), words[1:]
-        numbers = [v for v in map(number_of, values) if v is not None]
+        numbers = [v for v in map(number_of, values) if v is not None and abs(v) <= 1e100]
         if key in ("BEAMPROPS", "TRUSSPROPS", "GRAPHICS"):
             group, elements, shape = key, tuple(int(v) for v in numbers) or (ALL,), "RECT"
         elif key == "INITIAL":
@@ -140,6 +140,8 @@ def statement_section(values: Sequence[str]) -> tuple[tuple[int, ...], Section] 
     """Elements and section of `BEAMVIS [shape] [elements] dims`; None when the numbers do not suffice."""
     shape = values[0].upper() if values and values[0].upper() in DIMENSIONS else "RECT"
     numbers = [v for v in map(number_of, values) if v is not None]
+    if any(abs(v) > 1e100 for v in numbers):
+        return None
     n = DIMENSIONS[shape]
     if len(numbers) < n:
         return None
@@ -150,7 +152,7 @@ def statement_section(values: Sequence[str]) -> tuple[tuple[int, ...], Section] 
 def _with_sections(settings: Settings, truss: bool, elements: Sequence[int], section: Section) -> Settings:
     if section.shape not in DIMENSIONS or len(section.dims) < DIMENSIONS[section.shape]:
         return settings
-    if any(d <= 0 for d in section.dims):
+    if any(not 0 < d <= 1e100 for d in section.dims):
         return settings
     if truss:
         return replace(settings, trusses=settings.trusses | dict.fromkeys(elements, section))

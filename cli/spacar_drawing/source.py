@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
 LEVELS = {"dx": "0 1", "de": "0 1", "dxc": "0 1", "dec": "0 1", "d2x": "0 2", "d2e": "0 2"}
 ALIASES = {"fxtot": "fxt"}
+NEEDED = (
+    "ETYPE", "MODE", "LNP", "LE", "LN", "RXYZ", "RQ", "RL0", "DR0", "STIF", "EDAMP", "KDEF", "NXP", "NEP", "T", "X",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -61,6 +64,9 @@ def open_source(name: str | Path, stale_ok: bool = False) -> Source:
     if wanted.suffix.lower() in (".dat", ".sbm", ".ltv"):
         wanted = wanted.with_suffix("")
     file = open_result(wanted, "sbd")
+    missing = [ident for ident in NEEDED if not file.has(ident)]
+    if missing:
+        raise UsageError(f"{file.path} has no {missing[0]}: it is not the result of a mode", "draw.missing")
     note = stale_note(file)
     if note and not stale_ok:
         raise UsageError(f"{note}, or draw it as it is with --stale-ok", "draw.stale")
@@ -68,7 +74,8 @@ def open_source(name: str | Path, stale_ok: bool = False) -> Source:
         raise UsageError(f"{file.path} contains no steps: the run stopped before the first one", "draw.empty")
     stem = file.path.name.removesuffix(".part").removesuffix(".bak").removesuffix(".sbd")
     source = file.header.get("SOURCE")
-    beside = file.path.parent / (Path(source[0]).name if isinstance(source, list) and source else f"{stem}.dat")
+    named = source[0].replace("\0", "") if isinstance(source, list) and source else f"{stem}.dat"
+    beside = file.path.parent / Path(named).name
     shapes = {i.lower(): (r.rows, r.cols) for i, r in file.step_records.items()}
 
     def read(variable: str, k: int | None) -> Array | None:

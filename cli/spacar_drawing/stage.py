@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from spacar.errors import escaped
 from spacar_drawing.camera import Array, Camera
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ def furnish(figure: Figure, bounds: tuple[Array, Array], camera: Camera, title: 
     else:
         _space_grid(axes, camera, low, high)
     if title:
-        axes.set_title(title, fontsize=10, color=INK, loc="left", pad=7)
+        axes.set_title(escaped(title), fontsize=10, color=INK, loc="left", pad=7, parse_math=False)
     return axes
 
 

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from spacar.errors import AnalysisError, UsageError
+from spacar.modes import find_mode
 from spacar_formats.locate import notes, open_result
 from spacar_formats.sbf import SbfFile
 
@@ -56,10 +57,15 @@ def node_compliance(
                 raise UsageError(f"node {number} is no {what} node of {sbd.path}", "compliance.node")
         x_columns = nxp[2] + np.arange(nxp[3])
         columns = np.r_[x_columns, nxp[2] + nxp[3] + nep[2] + np.arange(nep[3])]
-        if int(np.ravel(sbd.header["MODE"])[0]) == 3:  # the prescribed ones, which the matrices belong to
+        if find_mode(int(np.ravel(sbd.header["MODE"])[0])).takes_setpoints:  # the prescribed ones have the matrices
             columns = np.arange(nxp[2] + nep[2])
-        DX, x = _array(sbd, "dx", step)[:, columns], _array(sbd, "x", step).ravel()
+        transfer, x = _array(sbd, "dx", step), _array(sbd, "x", step).ravel()
         K = sum(_array(sbm, k, step) for k in ("k0", "n0", "g0"))
+        if max(columns, default=-1) >= transfer.shape[1] or np.shape(K) != (len(columns), len(columns)):
+            raise UsageError(f"{sbd.path} and {sbm.path} do not fit together", "compliance.size")
+        if not (np.isfinite(K).all() and np.isfinite(transfer).all() and np.isfinite(x).all()):
+            raise UsageError(f"{sbd.path} or {sbm.path} has numbers that are not finite", "compliance.finite")
+        DX = transfer[:, columns]
         t = float(_array(sbd, "T", step)[0, 0])
         warnings = [*notes(sbd), *notes(sbm)]
     planar = lnp[partner - 1, 3] == 0

@@ -75,6 +75,9 @@ def getss(name: str | os.PathLike[str], step: int = 1) -> StateSpaceStep:
         (nx, nu), ny = b.shape, c.shape[0]
         if a.shape != (nx, nx) or c.shape[1] != nx or (d is not None and d.shape != (ny, nu)):
             raise UsageError(f"the sizes of A, B, C, D in {file.path} do not fit together", "files.size")
+        if not all(np.isfinite(m).all() for m in (a, b, c, *([] if d is None else [d]))):
+            text = f"A, B, C or D of step {step} in {file.path} has numbers that are not finite"
+            raise UsageError(text, "files.finite")
         names = (_names(file, f"{s.upper()}NAMES", s, n) for s, n in (("x", nx), ("u", nu), ("y", ny)))
         return StateSpaceStep(a, b, c, d, t, *names)
 

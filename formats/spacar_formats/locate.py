@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from spacar.errors import UsageError
+from spacar_formats.consistency import check_tables
 from spacar_formats.safety import part_path
 from spacar_formats.sbf import SbfError, SbfFile
 
@@ -30,6 +31,8 @@ def result_path(name: str | os.PathLike[str], kind: str | None = None) -> Path:
     run.
     """
     path = Path(name)
+    if not path.name or "\0" in str(path):
+        raise UsageError(f"'{name}' is not the name of a result file", "files.not-found")
     kinds = KINDS if kind is None else (kind,)
     with_kind = [path.with_name(f"{path.name}.{k}") for k in kinds] if path.name else []
     named = path.suffix.lower() in {f".{k}" for k in KINDS} | {".part", ".bak"}
@@ -52,12 +55,20 @@ def result_path(name: str | os.PathLike[str], kind: str | None = None) -> Path:
 
 
 def open_result(name: str | os.PathLike[str], kind: str | None = None, verify: bool = True) -> SbfFile:
-    """Open a result by name; with `kind` given, a file of another kind is a UsageError."""
+    """Open a result by name; with `kind` given, a file of another kind is a UsageError.
+
+    Raises SbfError when its bytes or its tables are damaged.
+    """
     file = SbfFile(result_path(name, kind), verify)
     if kind is not None and file.kind != kind:
         found, path = file.kind, file.path
         file.close()
         raise UsageError(f"{path} is an .{found} file, an .{kind} file is needed", "files.kind")
+    try:
+        check_tables(file)
+    except BaseException:
+        file.close()
+        raise
     return file
 
 
@@ -91,7 +102,7 @@ def stale_note(file: SbfFile) -> str | None:
     source, expected = (_text(file, ident) for ident in ("SOURCE", "SHA256"))
     if not source or not expected:
         return None
-    beside = file.path.parent / Path(source).name
+    beside = file.path.parent / Path(source.replace("\0", "")).name
     try:
         same = digest(beside) == expected
     except OSError:

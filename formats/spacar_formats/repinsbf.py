@@ -80,19 +80,22 @@ def _payload(record: Record, value: np.ndarray | float | str | Sequence, file: s
         return data.ljust(padded(len(data)), b"\0")
     try:
         array = np.asarray(value)
-    except ValueError:
+    except (ValueError, OverflowError):
         raise UsageError(
             f"the rows of the new value of {record.id} have different lengths", "files.size"
         ) from None
     if array.dtype.kind not in "biuf":
         raise UsageError(f"{record.id} in {file} holds numbers, the new value does not", "files.size")
+    if not np.isfinite(array).all():
+        raise UsageError(f"the new value of {record.id} must be finite", "files.value")
     vector = array.ndim <= 1 and 1 in shape and array.size == record.size
     if not vector and array.shape != shape:
         raise UsageError(
             f"{record.id} in {file} is {shape[0]} x {shape[1]}, the new value has the shape {array.shape}",
             "files.size",
         )
-    stored = array.astype(DTYPES[record.type])
+    with np.errstate(all="ignore"):
+        stored = array.astype(DTYPES[record.type])
     if array.dtype.kind == "f" and record.type != 2 and not np.array_equal(stored, array):
         raise UsageError(f"{record.id} in {file} holds integers, the new value has a fraction", "files.size")
     return stored.tobytes(order="F")

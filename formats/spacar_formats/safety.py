@@ -66,7 +66,7 @@ def replacing(target: Path) -> Iterator[Path]:
 def write_text(target: Path, text: str) -> None:
     """Replace a file by this text in UTF-8. Raises UsageError."""
     with replacing(target) as side:
-        side.write_text(text, encoding="utf-8", newline="")
+        side.write_text(text, encoding="utf-8", errors="backslashreplace", newline="")
 
 
 @contextmanager

@@ -62,7 +62,9 @@ def names_beside(path: Path) -> list[str]:
     beside = path.with_suffix(".sbd")
     if not beside.is_file():
         return []
-    with SbfFile(beside, verify=False) as file:
+    with open_result(beside, "sbd", verify=False) as file:
+        if any(not file.has(ident) for ident in ("NXP", "NEP", "LNP", "LE", "ETYPE")):
+            return []
         nxp, nep = (np.ravel(file.get(k)).astype(int) for k in ("nxp", "nep"))
         lnp, le, keywords = file.get("lnp"), file.get("le"), file.get("etype")
         assert isinstance(lnp, np.ndarray)
@@ -78,16 +80,23 @@ def names_beside(path: Path) -> list[str]:
 
 
 def _coordinate(lnp: np.ndarray, i: int) -> str:
-    node, k = (int(v) for v in np.argwhere(lnp == i)[0])
+    found = np.argwhere(lnp == i)
+    if not len(found):
+        return f"coordinate {i}"
+    node, k = (int(v) for v in found[0])
     count = int(np.count_nonzero(lnp[node]))
     name = "phi" if count == 1 else f"lambda{k}" if count == 4 else "xyz"[k]
     return f"node {node + 1} {name}"
 
 
 def _deformation(le: np.ndarray, keywords: list[str], i: int) -> str:
-    element, k = (int(v) for v in np.argwhere(le == i)[0])
+    found = np.argwhere(le == i)
+    if not len(found):
+        return f"deformation {i}"
+    element, k = (int(v) for v in found[0])
     keyword = keywords[element]
-    what = f" {ELEMENT_TYPES[keyword].modes[k][0]}" if keyword in ELEMENT_TYPES else ""
+    known = keyword in ELEMENT_TYPES and k < len(ELEMENT_TYPES[keyword].modes)
+    what = f" {ELEMENT_TYPES[keyword].modes[k][0]}" if known else ""
     return f"element {element + 1} ({keyword}) e{k + 1}{what}"
 
 

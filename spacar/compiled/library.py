@@ -2,27 +2,31 @@
 
 The library is kept in $XDG_CACHE_HOME/spacar (or ~/.cache/spacar) under the digest of its text, of the compiler call
 and of the processor, so another version or machine never picks up a wrong one. CC names the compiler; default cc.
+What may be loaded from there: `store`.
 """
 
 from __future__ import annotations
 
 import ctypes
 import hashlib
-import os
 import platform
-import shlex
-import shutil
-import subprocess
-import tempfile
 from functools import lru_cache
 from pathlib import Path
 
+from spacar.compiled.store import compiler, stored
 from spacar.errors import UsageError
 
 NATIVE = "-march=native"  # some compilers do not know it: then without
 FLAGS = (NATIVE, "-O3", "-fno-math-errno", "-fno-trapping-math", "-fPIC", "-shared", "-std=gnu11")
 PARTS = ("lanes.c", "kernels.c", "sparse.c", "elements.c", "motion.c", "state.c", "model.c")
 HERE = Path(__file__).parent
+NEEDED = tuple(
+    f"spacar_{name}"
+    for name in (
+        "begin", "end", "evaluate", "rhs", "stages", "complete", "gradient", "determinant", "reduced_mass", "guard",
+        "rcond",
+    )
+)  # fmt: skip
 
 DOUBLES = INTEGERS = ctypes.c_void_p  # addresses: typed pointers cost more to make than small models to evaluate
 
@@ -68,14 +72,15 @@ class CState(ctypes.Structure):
 def library(lanes: int = 1) -> ctypes.CDLL:
     """The loaded library for as many cases at a time. Raises UsageError when no compiler is found or it fails."""
     text = b"".join((HERE / name).read_bytes() for name in PARTS)
-    compiler = shlex.split(os.environ.get("CC", "cc"))
+    words = compiler()
     flags = (*FLAGS, f"-DLANES={lanes}")
-    digest = hashlib.sha256(text + " ".join((*compiler, *flags, _processor())).encode()).hexdigest()[:16]
-    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    target = Path(base) / "spacar" / f"rhs-{digest}.so"
-    if not target.exists():
-        _compile(compiler, flags, text, target)
-    loaded = ctypes.CDLL(str(target))
+    digest = hashlib.sha256(text + " ".join((*words, *flags, _processor())).encode("utf-8", "replace")).hexdigest()[:16]
+    plain = tuple(flag for flag in flags if flag != NATIVE)
+    target = stored(f"rhs-{digest}.so", words, (flags, plain), text, NEEDED)
+    try:
+        loaded = ctypes.CDLL(str(target))
+    except OSError as error:
+        raise UsageError(f"the compiled library cannot be loaded: {error}", "compiled.library") from None
     pointer, number, integer = ctypes.c_void_p, ctypes.c_double, ctypes.c_int
     loaded.spacar_begin.argtypes, loaded.spacar_begin.restype = [pointer], pointer
     loaded.spacar_end.argtypes, loaded.spacar_end.restype = [pointer], None
@@ -101,24 +106,3 @@ def _processor() -> str:
         return next(line for line in lines if line.startswith(("flags", "Features")))
     except (OSError, StopIteration):
         return f"{platform.machine()} {platform.processor()} {platform.node()}"
-
-
-def _compile(compiler: list[str], flags: tuple[str, ...], text: bytes, target: Path) -> None:
-    if shutil.which(compiler[0]) is None:
-        raise UsageError(
-            f"--compiled needs a C compiler, and '{compiler[0]}' was not found: install gcc or clang (or set CC),"
-            " or run without it",
-            "compiled.no-compiler",
-        )
-    target.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=target.parent) as folder:
-        source, made = Path(folder) / "rhs.c", Path(folder) / "rhs.so"
-        source.write_bytes(text)
-        for tried in (flags, tuple(flag for flag in flags if flag != NATIVE)):
-            words = [*compiler, *tried, str(source), "-o", str(made), "-lm"]
-            done = subprocess.run(words, capture_output=True, text=True)
-            if not done.returncode:
-                break
-        else:
-            raise UsageError(f"the C compiler failed: {done.stderr.strip()[-400:]}", "compiled.compiler")
-        made.replace(target)  # atomic: parallel runs may compile at the same time

@@ -7,7 +7,7 @@ Every node, element, coordinate and mode number that the table declares as such 
 from __future__ import annotations
 
 from spacar.deck.findings import Findings, alternatives, ordinal
-from spacar.deck.lexer import LARGEST_NUMBER, Word, integer_of, number_of
+from spacar.deck.lexer import LARGEST_NUMBER, LARGEST_REAL, SMALLEST_REAL, Word, integer_of, is_in_range, number_of
 from spacar.deck.outline import Outline
 from spacar.deck.splitter import Raw
 from spacar.deck.statement import Statement, Value
@@ -110,6 +110,10 @@ def _values(
             problem = "is not a number"
             if value is not None and abs(value) == float("inf"):
                 value, problem = None, "is too large for a number"
+            elif value is not None and _squared(parameter, raw) and not is_in_range(value, word.text):
+                size = "large" if abs(value) > 1.0 else "small"
+                limits = f"zero, or a size between {SMALLEST_REAL:g} and {LARGEST_REAL:g}"
+                value, problem = None, f"is too {size} ({limits})"
         elif parameter.kind == "integer":
             value = integer_of(word.text)
             problem = "is not a number" if number_of(word.text) is None else "is not an integer"
@@ -124,6 +128,12 @@ def _values(
         else:
             values.append(value)
     return tuple(values) if good else None
+
+
+def _squared(parameter: Parameter, raw: Raw) -> bool:
+    """Whether a value is one of the geometry and motion, whose squares are needed: forces, masses and stiffnesses of
+    any size are computed with."""
+    return raw.block == 1 or not ("N" in parameter.unit or "kg" in parameter.unit)
 
 
 def _owner(kind: str, role: str, space: str = "") -> str:

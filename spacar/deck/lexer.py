@@ -9,6 +9,8 @@ import re
 from typing import NamedTuple
 
 LONGEST_LINE = 160
+SMALLEST_REAL, LARGEST_REAL = 1e-100, 1e100
+"""Sizes of reals other than zero: squares, and products with such numbers, are still numbers."""
 LARGEST_NUMBER = 1_000_000
 """Node and element numbers are row numbers of result arrays, so a slip of the keyboard must not cost
 gigabytes."""
@@ -83,6 +85,13 @@ def number_of(text: str) -> float | None:
     if _NUMBER.match(text) is None:
         return None
     return float(text.replace("d", "e").replace("D", "e"))
+
+
+def is_in_range(value: float, text: str) -> bool:
+    """Whether a real has a size that can be computed with; `text` tells a zero from a number that is too small."""
+    if value == 0.0:
+        return not re.search(r"[1-9]", re.split(r"[eEdD]", text)[0])
+    return SMALLEST_REAL <= abs(value) <= LARGEST_REAL
 
 
 def integer_of(text: str) -> int | None:

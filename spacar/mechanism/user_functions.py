@@ -12,9 +12,10 @@ fixed or prescribed deformation cannot act, because equilibrium alone determines
 
 from __future__ import annotations
 
+import ast
 import importlib.util
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -27,6 +28,56 @@ from spacar.mechanism.mechanism import Array, DriveState, Index, Polynomial, Set
 from spacar.mechanism.numbering import Numbering
 from spacar.mechanism.places import placed
 from spacar.modes import find_mode
+
+STATEMENTS = {"USERSIG": "forces and stresses", "USERINP": "prescribed motion", "USERTRAJ": "trajectory"}
+
+
+def function_file(deck: Deck, statement: Statement) -> Path:
+    """The file `name.py` in the directory of the input file; nothing of it is run. Raises InputError without one."""
+    name = str(statement.values[0])
+    folder = deck.path.parent if deck.path else Path.cwd()
+    candidates = [p for p in (folder / f"{name}.py", folder / f"{name.lower()}.py") if p.exists()]
+    if not candidates:
+        raise _refusal(deck, statement, f"the function file {name}.py was not found in {folder}")
+    return candidates[0]
+
+
+def listed_functions(deck: Deck) -> list[Message]:
+    """What user functions the runs of a deck will call, found without importing them. InputError without a file."""
+    found = []
+    for statement in deck.of(*STATEMENTS):
+        path = function_file(deck, statement)
+        what = f"runs of this model execute {path} ({STATEMENTS[statement.keyword]}); it was not executed here"
+        found.append(
+            Message("information", deck.source, statement.line, statement.keyword, what, "user-function.listed")
+        )
+        if not _defines(path, {path.stem, str(statement.values[0])}):
+            text = f"{path} does not seem to define a function {statement.values[0]}"
+            found.append(Message("warning", deck.source, statement.line, statement.keyword, text, "user-function.name"))
+    return found
+
+
+def without_functions(deck: Deck) -> Deck:
+    """The deck without the statements that name user functions: building it imports nothing."""
+    return replace(deck, statements=tuple(s for s in deck.statements if s.keyword not in STATEMENTS))
+
+
+def _defines(path: Path, names: set[str]) -> bool:
+    """Whether the text of a file gives one of these names a value at its top level; true when it cannot be read."""
+    try:
+        body = ast.parse(path.read_bytes()).body
+    except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
+        return True
+    defined = {node.name for node in body if isinstance(node, (ast.FunctionDef, ast.ClassDef))}
+    names_given = (n for node in body for n in ast.walk(node) if isinstance(n, ast.Name))
+    defined |= {n.id for n in names_given if isinstance(n.ctx, ast.Store)}
+    imports = [node for node in body if isinstance(node, (ast.Import, ast.ImportFrom))]
+    defined |= {a.asname or a.name for node in imports for a in node.names}
+    return bool(defined & names) or "*" in defined
+
+
+def _refusal(deck: Deck, statement: Statement, reason: str) -> InputError:
+    return InputError([Message("error", deck.source, statement.line, statement.keyword, reason, "input.user-function")])
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,15 +102,9 @@ def load_function(deck: Deck, statement: Statement) -> Loaded:
     name = str(statement.values[0])
 
     def refuse(reason: str) -> InputError:
-        return InputError(
-            [Message("error", deck.source, statement.line, statement.keyword, reason, "input.user-function")]
-        )
+        return _refusal(deck, statement, reason)
 
-    folder = deck.path.parent if deck.path else Path.cwd()
-    candidates = [p for p in (folder / f"{name}.py", folder / f"{name.lower()}.py") if p.exists()]
-    if not candidates:
-        raise refuse(f"the function file {name}.py was not found in {folder}")
-    path = candidates[0]
+    path = function_file(deck, statement)
     module = import_file(path, refuse)
     function = getattr(module, path.stem, None) or getattr(module, name, None)
     if not callable(function):

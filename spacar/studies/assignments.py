@@ -165,8 +165,11 @@ def values(text: str) -> tuple[float, ...]:
 
 def table(path: Path) -> tuple[list[str], list[tuple[float, ...]]]:
     """Header and rows of a csv file of numbers. Raises UsageError, OSError."""
-    with path.open(newline="", encoding="utf-8-sig") as file:
-        rows = [row for row in csv.reader(file, skipinitialspace=True) if row and not row[0].startswith("#")]
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            rows = [row for row in csv.reader(file, skipinitialspace=True) if row and not row[0].startswith("#")]
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise UsageError(f"{path} is no table in csv (UTF-8): {error}", "study.set") from None
     if len(rows) < 2:
         raise UsageError(f"{path} has no rows under its header", "study.set")
     header = [name.strip() for name in rows[0]]

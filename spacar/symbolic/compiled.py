@@ -6,6 +6,7 @@ import ctypes
 import os
 import shutil
 import subprocess
+import sys
 import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -13,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from spacar.compiled.store import TRY
 from spacar.errors import AnalysisError
 from spacar.symbolic.program import Program
 
@@ -103,10 +105,13 @@ def _build(text: str) -> Any:
     source.write_text(text, encoding="utf-8")
     done = subprocess.run(
         [cc, "-std=c99", "-O2", "-shared", "-fPIC", "-o", str(library), str(source), "-lm"],
-        capture_output=True, text=True, check=False,
+        capture_output=True, text=True, errors="replace", check=False,
     )  # fmt: skip
     if done.returncode:
         raise AnalysisError(f"{cc} could not compile the generated file: {done.stderr.splitlines()[:1]}", "compiler")
+    tried = subprocess.run([sys.executable, "-I", "-c", TRY, str(library)], capture_output=True, check=False)
+    if tried.returncode:  # a broken library would end this process
+        raise AnalysisError(f"{cc} wrote a library that cannot be loaded: run without --compile", "compiler")
     loaded = ctypes.CDLL(str(library))
     folder.cleanup()  # the loaded library stays mapped
     real, address = ctypes.c_double, ctypes.c_void_p

@@ -9,16 +9,17 @@ import click
 from spacar.errors import UsageError
 from spacar_cli.drawing_options import OUTPUT
 from spacar_cli.environment import Environment
+from spacar_cli.parameters import Real, Whole
 
 
 @click.command("bode")
 @click.argument("file")
-@click.option("--step", type=int, default=1, show_default=True, help="Stored step, from 1.")
+@click.option("--step", type=Whole(), default=1, show_default=True, help="Stored step, from 1.")
 @click.option("--input", "inputs", multiple=True, metavar="NAME", help="Number (from 1) or part of the name; all.")
 @click.option("--to", "outputs", multiple=True, metavar="NAME", help="The same for outputs.")
-@click.option("--low", type=click.FloatRange(min=0, min_open=True), help="Lowest frequency [Hz].")
-@click.option("--high", type=click.FloatRange(min=0, min_open=True), help="Highest frequency [Hz].")
-@click.option("--points", type=click.IntRange(2, 100000), default=400, show_default=True, help="Frequencies.")
+@click.option("--low", type=Real(min=0, min_open=True), help="Lowest frequency [Hz].")
+@click.option("--high", type=Real(min=0, min_open=True), help="Highest frequency [Hz].")
+@click.option("--points", type=Whole(2, 100000), default=400, show_default=True, help="Frequencies.")
 @click.option("--csv", "as_csv", is_flag=True, help="Print frequency, amplitude and phase as csv; no picture then.")
 @OUTPUT
 @click.pass_obj

@@ -7,22 +7,27 @@ from pathlib import Path
 import click
 
 from spacar_cli.environment import Environment
+from spacar_cli.parameters import Whole
 from spacar_cli.status import ExitStatus, tell_error, tell_messages
 
 
 @click.command("check")
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--mode", "-m", type=int, help="Check for this mode; without it every block is checked.")
+@click.option("--mode", "-m", type=Whole(), help="Check for this mode; without it every block is checked.")
 @click.option("--json", "as_json", is_flag=True, help="Print all messages in JSON.")
 @click.pass_obj
 def command(environment: Environment, file: Path, mode: int | None, as_json: bool) -> ExitStatus:
-    """Read FILE (or FILE.dat) and report errors, warnings and information."""
+    """Read FILE (or FILE.dat) and report errors, warnings and information.
+
+    Nothing is run: user functions (USERSIG, USERINP, USERTRAJ) are listed, not imported.
+    """
     from spacar_drawing.settings_check import check_settings
 
     from spacar.deck import read_deck
     from spacar.errors import InputError
     from spacar.kinematics.lost_stiffness import lost_stiffness
     from spacar.mechanism import build
+    from spacar.mechanism.user_functions import listed_functions, without_functions
     from spacar.modes import find_mode
     from spacar_cli.source import input_file
 
@@ -34,7 +39,9 @@ def command(environment: Environment, file: Path, mode: int | None, as_json: boo
     try:
         deck = read_deck(source, number)
         messages = list(deck.messages)
-        mechanism = build(deck, 1 if number is None else number)  # the start geometry of every element
+        messages += listed_functions(deck)
+        # the start geometry of every element
+        mechanism = build(without_functions(deck), 1 if number is None else number)
         messages += lost_stiffness(deck, mechanism)
     except InputError as error:
         messages = list(error.messages)

@@ -5,13 +5,14 @@ from __future__ import annotations
 import click
 
 from spacar_cli.environment import Environment
+from spacar_cli.parameters import Whole
 
 
 @click.command("compliance")
 @click.argument("file")
-@click.argument("node", type=int)
-@click.argument("orientation", type=int, required=False)
-@click.option("--step", type=int, default=1, show_default=True, help="Stored step, from 1.")
+@click.argument("node", type=Whole())
+@click.argument("orientation", type=Whole(), required=False)
+@click.option("--step", type=Whole(), default=1, show_default=True, help="Stored step, from 1.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @click.pass_obj
 def command(

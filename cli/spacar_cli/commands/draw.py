@@ -10,6 +10,7 @@ import click
 from spacar.errors import UsageError
 from spacar_cli.drawing_options import Choices, common
 from spacar_cli.environment import Environment
+from spacar_cli.parameters import Whole
 
 
 @click.command("draw")
@@ -24,10 +25,10 @@ from spacar_cli.environment import Environment
         "it pale. Default: the first step, of stationary modes the last; all for animations and windows."
     ),
 )
-@click.option("--strobe", type=click.IntRange(min=2), metavar="N", help="N evenly spread steps in one picture.")
+@click.option("--strobe", type=Whole(min=2), metavar="N", help="N evenly spread steps in one picture.")
 @click.option(
     "--trace",
-    type=int,
+    type=Whole(),
     multiple=True,
     metavar="NODE",
     help="Path of a node over all steps, instead of TRAJECTNODE. May be repeated.",
@@ -37,7 +38,7 @@ from spacar_cli.environment import Environment
     "--initial", is_flag=True, help="Dashed outline of the first step behind the others, in the INITIAL COLOR."
 )
 @click.option(
-    "--frames", type=click.IntRange(min=2), default=150, show_default=True, help="Most pictures in an animation."
+    "--frames", type=Whole(min=2), default=150, show_default=True, help="Most pictures in an animation."
 )
 @click.pass_obj
 def command(

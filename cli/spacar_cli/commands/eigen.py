@@ -10,6 +10,7 @@ import click
 from spacar.errors import UsageError
 from spacar_cli.drawing_options import OUTPUT
 from spacar_cli.environment import Environment
+from spacar_cli.parameters import Whole
 
 if TYPE_CHECKING:
     import numpy as np
@@ -20,8 +21,8 @@ HEADS = ("step", "mode", "real [1/s]", "imag [rad/s]", "modulus [rad/s]", "frequ
 
 @click.command("eigen")
 @click.argument("file")
-@click.option("--step", type=int, help="Print only this stored step (from 1; -1 the last).")
-@click.option("--lowest", type=click.IntRange(min=1), metavar="N", help="Only the N eigenvalues of smallest modulus.")
+@click.option("--step", type=Whole(), help="Print only this stored step (from 1; -1 the last).")
+@click.option("--lowest", type=Whole(min=1), metavar="N", help="Only the N eigenvalues of smallest modulus.")
 @click.option("--against", metavar="EXPR", help="What the Campbell diagram is drawn over, as in `spacar plot`.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @click.option("--csv", "as_csv", is_flag=True, help="Print csv.")

@@ -7,10 +7,12 @@ from pathlib import Path
 
 import click
 
+from spacar_cli.parameters import Whole
+
 
 @click.command("getss")
 @click.argument("file")
-@click.argument("step", type=int, default=1)
+@click.argument("step", type=Whole(), default=1)
 @click.option("--output", "-o", help="Write a .mat, .npz or .json file instead of printing.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(file: str, step: int, output: str | None, as_json: bool) -> None:

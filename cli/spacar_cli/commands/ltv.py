@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from spacar_cli.environment import Environment
+from spacar_cli.parameters import Whole
 from spacar_cli.status import tell
 
 
@@ -19,9 +20,9 @@ from spacar_cli.status import tell
     show_default=True,
     help="Of matrices and inputs between the stored times.",
 )
-@click.option("--substeps", type=click.IntRange(min=1), default=1, show_default=True, help="Steps per stored interval.")
+@click.option("--substeps", type=Whole(min=1), default=1, show_default=True, help="Steps per stored interval.")
 @click.option("--static-start", is_flag=True, help="Start from the static answer to sigma0 instead of X0.")
-@click.option("--modes", type=click.IntRange(min=1), help="Reduce to that many modes first (see mrltv).")
+@click.option("--modes", type=Whole(min=1), help="Reduce to that many modes first (see mrltv).")
 @click.option("--output", "-o", type=click.Path(path_type=Path), help="Write .npz, .mat or .csv; default FILE_ltv.npz.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
 @click.pass_obj

@@ -7,14 +7,15 @@ from pathlib import Path
 import click
 
 from spacar_cli.environment import Environment
+from spacar_cli.parameters import Whole
 from spacar_cli.status import tell
 
 
 @click.command("mrltv")
 @click.argument("file")
-@click.argument("modes", type=click.IntRange(min=1))
+@click.argument("modes", type=Whole(min=1))
 @click.option(
-    "--quasi-static", type=click.IntRange(min=0), help="Number of next modes that answer statically; default all."
+    "--quasi-static", type=Whole(min=0), help="Number of next modes that answer statically; default all."
 )
 @click.option("--output", "-o", type=click.Path(path_type=Path), help="Name of the reduced file; default FILEmr.ltv.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")

@@ -8,6 +8,8 @@ import click
 
 from spacar_cli.drawing_options import OUTPUT
 from spacar_cli.environment import Environment
+from spacar_cli.parameters import Real
+from spacar_cli.status import tell
 
 
 @click.command("plot")
@@ -24,7 +26,7 @@ from spacar_cli.environment import Environment
 @click.option("--title", help="Text above the plot, instead of the name of the result.")
 @click.option(
     "--dpi",
-    type=click.FloatRange(20, 1200),
+    type=Real(20, 1200),
     default=150.0,
     show_default=True,
     help="Resolution of png [dots per inch].",
@@ -54,7 +56,7 @@ def command(
 
     Without --output the picture is NAME_plot.png beside the result.
     """
-    from spacar_drawing.expressions import evaluate
+    from spacar_drawing.expressions import evaluate, warnings
     from spacar_drawing.files import check_name, save
     from spacar_drawing.history import csv_text, history_figure
     from spacar_drawing.source import open_source
@@ -63,6 +65,8 @@ def command(
     source = open_source(file, stale_ok)
     curves = [evaluate(source, text) for text in expressions]
     across = evaluate(source, against)
+    for warning in warnings([*curves, across]):
+        tell(environment, "warning", warning)
     outputs = list(output)
     if not outputs and csv_file is None and not show:
         outputs = [Path(source.name).parent / f"{source.scene.title}_plot.png"]

@@ -7,6 +7,11 @@ import json
 import click
 
 from spacar.errors import UsageError
+from spacar_cli.parameters import Whole
+
+
+def _refuse(word: str) -> None:
+    raise UsageError(f"{word} is no value for a result file: finite numbers are needed")
 
 
 @click.command(
@@ -16,7 +21,7 @@ from spacar.errors import UsageError
 @click.argument("ident", metavar="ID")
 @click.argument("value")
 @click.option(
-    "--step", type=int, help="Step number, from 1; required for variables that have one value per step."
+    "--step", type=Whole(), help="Step number, from 1; required for variables that have one value per step."
 )
 def command(file: str, ident: str, value: str, step: int | None) -> None:
     """Replace the value of one variable of a result file; the size must be the stored one.
@@ -28,8 +33,8 @@ def command(file: str, ident: str, value: str, step: int | None) -> None:
     from spacar_formats.repinsbf import repinsbf
 
     try:
-        new = json.loads(value)
-    except json.JSONDecodeError:
+        new = json.loads(value, parse_constant=_refuse)
+    except (ValueError, RecursionError):
         raise UsageError(
             f"VALUE is not JSON: {value}; write for example 2.5 or [1,2] or '\"text\"'"
         ) from None

@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from spacar_cli.environment import Environment
+from spacar_cli.parameters import Whole
 
 
 @click.command("report")
@@ -24,7 +25,7 @@ from spacar_cli.environment import Environment
 )
 @click.option(
     "--log-lines",
-    type=click.IntRange(min=0),
+    type=Whole(min=0),
     default=120,
     show_default=True,
     help="Lines of the log shown from its beginning and its end; 0: none.",

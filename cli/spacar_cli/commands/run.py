@@ -16,18 +16,17 @@ from spacar.modes import Mode, find_mode
 from spacar.stream import Outcome, Run, Sink
 from spacar_cli import releasing
 from spacar_cli.environment import Environment
+from spacar_cli.parameters import POSITIVE, TOLERANCE, Whole
 from spacar_cli.progress import Progress
 from spacar_cli.source import input_file, result_stem
 from spacar_cli.status import ExitStatus, tell, tell_error, tell_messages
 
-POSITIVE = click.FloatRange(min=0.0, min_open=True)
-
 # Options of integrated modes that replace a number of the input file: flag, field of Settings, type, help.
 OVERRIDES: tuple[tuple[str, str, Any, str], ...] = (
     ("--atol", "atol", POSITIVE, "Absolute error tolerance, instead of ERROR."),
-    ("--rtol", "rtol", POSITIVE, "Relative error tolerance, instead of ERROR."),
-    ("--integrator", "integrator", int, "Integration method, instead of INTEGRAT."),
-    ("--steps", "n_steps", click.IntRange(min=1), "Number of output steps, instead of TIMESTEP."),
+    ("--rtol", "rtol", TOLERANCE, "Relative error tolerance, instead of ERROR."),
+    ("--integrator", "integrator", Whole(), "Integration method, instead of INTEGRAT."),
+    ("--steps", "n_steps", Whole(min=1), "Number of output steps, instead of TIMESTEP."),
     ("--compiled", "compiled", bool, "Right-hand side in C: faster, needs a C compiler."),
     ("--time", "duration", POSITIVE, "Length of the time interval, instead of TIMESTEP [s]."),
 )

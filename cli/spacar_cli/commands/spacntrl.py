@@ -9,6 +9,7 @@ import click
 
 from spacar.errors import UsageError
 from spacar_cli.environment import Environment
+from spacar_cli.parameters import Real
 from spacar_cli.status import tell
 
 
@@ -16,8 +17,8 @@ from spacar_cli.status import tell
 @click.argument("file")
 @click.option("--kp", help="Numbers (diagonal of K_P) such as 100,50, or FILE.py:NAME, a function of the step.")
 @click.option("--kd", help="The same for the derivative gain K_D.")
-@click.option("--omega", type=float, help="K_P = omega^2 M0 and, with --damping, K_D = 2 damping omega M0 [rad/s].")
-@click.option("--damping", type=float, default=0.0, help="Damping ratio that goes with --omega.")
+@click.option("--omega", type=Real(), help="K_P = omega^2 M0 and, with --damping, K_D = 2 damping omega M0 [rad/s].")
+@click.option("--damping", type=Real(), default=0.0, help="Damping ratio that goes with --omega.")
 @click.option("--output", "-o", type=click.Path(path_type=Path), help="Name of the new file; default FILEkp.ltv.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
 @click.pass_obj

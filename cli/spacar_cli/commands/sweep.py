@@ -12,9 +12,10 @@ import click
 
 from spacar.errors import UsageError
 from spacar_cli.environment import Environment
+from spacar_cli.parameters import POSITIVE, TOLERANCE, Whole
 from spacar_cli.source import input_file
 from spacar_cli.status import ExitStatus, tell
-from spacar_cli.studying import POSITIVE, common, counted
+from spacar_cli.studying import common, counted
 
 
 @click.command("sweep", epilog="Targets and quantities are explained in docs/studies.md. Exit status 1: cases failed.")
@@ -37,7 +38,7 @@ from spacar_cli.studying import POSITIVE, common, counted
 @click.option(
     "--zip", "together", is_flag=True, help="Take the values of several --set in parallel instead of all combinations."
 )
-@click.option("--mode", "-m", type=int, default=1, show_default=True, help="Mode to run.")
+@click.option("--mode", "-m", type=Whole(), default=1, show_default=True, help="Mode to run.")
 @click.option(
     "--result",
     "-r",
@@ -62,8 +63,8 @@ from spacar_cli.studying import POSITIVE, common, counted
     help="Many cases at once along one more array axis; default: where that is possible and measures faster.",
 )
 @click.option("--atol", type=POSITIVE, help="Absolute error tolerance, instead of ERROR.")
-@click.option("--rtol", type=POSITIVE, help="Relative error tolerance, instead of ERROR.")
-@click.option("--integrator", type=int, help="Integration method, instead of INTEGRAT.")
+@click.option("--rtol", type=TOLERANCE, help="Relative error tolerance, instead of ERROR.")
+@click.option("--integrator", type=Whole(), help="Integration method, instead of INTEGRAT.")
 @click.option("--compiled", is_flag=True, help="Right-hand side in C, in a batch for eight cases at a time.")
 @common
 @click.pass_obj

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from spacar.errors import SpacarError, UsageError
+from spacar_cli.parameters import Real, Whole
 
 if TYPE_CHECKING:
     from spacar.symbolic.equations import Equations
@@ -115,11 +116,11 @@ def _setting(ctx: click.Context, parameter: click.Parameter, values: tuple[str, 
 @click.option(
     "--set", "changes", multiple=True, callback=_setting, metavar="NAME=VALUE", help="Parameter or start value."
 )
-@click.option("--time", type=float, help="End of the simulation [s].")
-@click.option("--steps", type=int, help="Number of output steps.")
+@click.option("--time", type=Real(), help="End of the simulation [s].")
+@click.option("--steps", type=Whole(), help="Number of output steps.")
 @click.option("--integrator", type=click.Choice(["gear", "bdf", "radau", "dop853"]), help="Default gear.")
-@click.option("--rtol", type=float, help="Relative tolerance (default 1e-8).")
-@click.option("--atol", type=float, help="Absolute tolerance (default: rtol times the scale of each state).")
+@click.option("--rtol", type=Real(), help="Relative tolerance (default 1e-8).")
+@click.option("--atol", type=Real(), help="Absolute tolerance (default: rtol times the scale of each state).")
 @click.option("--strategy", type=STRATEGY, default="recursive", show_default=True)
 @click.option("--compile", "compiled", is_flag=True, help="Build the C program with the system compiler.")
 @click.option("--plot", is_flag=True, help="Also one figure (png) for each coordinate and output.")

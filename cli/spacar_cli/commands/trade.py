@@ -13,16 +13,17 @@ import click
 from spacar.errors import UsageError
 from spacar.modes import MODES, Mode, find_mode
 from spacar_cli.environment import Environment
+from spacar_cli.parameters import POSITIVE, Whole
 from spacar_cli.source import input_file
 from spacar_cli.status import ExitStatus, tell
-from spacar_cli.studying import POSITIVE, common, counted, say_table
+from spacar_cli.studying import common, counted, say_table
 
 HEADER = ("model", "integration", "error", "wall time [s]", "right-hand sides", "note")
 
 
 @click.command("trade", epilog="The error norm and the reference are explained in docs/studies.md.")
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--mode", "-m", type=int, help="1, 7, 8, 9 or 10. Default: 1 with TIMESTEP, else 7.")
+@click.option("--mode", "-m", type=Whole(), help="1, 7, 8, 9 or 10. Default: 1 with TIMESTEP, else 7.")
 @click.option(
     "--integrators",
     "-i",
@@ -73,7 +74,7 @@ HEADER = ("model", "integration", "error", "wall time [s]", "right-hand sides", 
 )
 @click.option(
     "--repeats",
-    type=click.IntRange(min=1),
+    type=Whole(min=1),
     default=3,
     show_default=True,
     help="Runs of each setting; the median time counts.",

@@ -8,13 +8,14 @@ import click
 
 from spacar_cli.drawing_options import Choices, common
 from spacar_cli.environment import Environment
+from spacar_cli.parameters import Real, Whole
 
 QUANTITIES = ("N", "Qy", "Qz", "T", "My", "Mz", "mises", "normal", "shear")
 
 
 @click.command("visual")
 @click.argument("file")
-@click.argument("mode", type=int, required=False)
+@click.argument("mode", type=Whole(), required=False)
 @common
 @click.option(
     "--mode-number",
@@ -25,13 +26,13 @@ QUANTITIES = ("N", "Qy", "Qz", "T", "My", "Mz", "mises", "normal", "shear")
 )
 @click.option(
     "--factor",
-    type=float,
+    type=Real(),
     help=(
         "Enlargement of the mode, whose degrees of freedom have norm 1, instead of ENLARGEFACTOR. "
         "Default: such that the largest displacement is an eighth of the mechanism."
     ),
 )
-@click.option("--step", type=click.IntRange(min=1), help="Stored step. Default: the last one.")
+@click.option("--step", type=Whole(min=1), help="Stored step. Default: the last one.")
 @click.option("--rest/--no-rest", default=True, show_default=True, help="Dashed outline of the position at rest.")
 @click.option(
     "--stress",

@@ -1,0 +1,50 @@
+"""Types of numbers on the command line: finite, in a range, with a sentence for what is not."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import click
+
+LARGEST, SMALLEST = 1e100, 1e-100  # as in input files: squares and products of such numbers are still numbers
+MOST = 10**15
+
+
+class Real(click.FloatRange):
+    """A finite number, of a size between 1e-100 and 1e100 or zero, inside `min` ... `max`."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        number: float = click.FLOAT.convert(value, param, ctx)
+        if not math.isfinite(number):
+            self.fail(f"{value!r} is not a finite number", param, ctx)
+        if number and not SMALLEST <= abs(number) <= LARGEST:
+            self.fail(f"{value} is outside of {SMALLEST:g} ... {LARGEST:g}", param, ctx)
+        result: float = super().convert(number, param, ctx)
+        return result
+
+
+class Whole(click.IntRange):
+    """A whole number inside `min` ... `max`, at most 1e15: far more than can be counted, and exact as a real."""
+
+    def __init__(self, min: int | None = None, max: int | None = None) -> None:
+        super().__init__(-MOST if min is None else min, MOST if max is None else max)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        if isinstance(value, str) and len(value) > 40:
+            self.fail(f"a whole number of at most 15 digits is needed, not {len(value)} characters", param, ctx)
+        number: int = click.INT.convert(value, param, ctx)
+        if abs(number) > MOST:
+            self.fail(f"a whole number of at most 15 digits is needed, not {number}", param, ctx)
+        result: int = super().convert(number, param, ctx)
+        return result
+
+    def _describe_range(self) -> str:
+        """The range in the help, without the limits that nobody meets."""
+        low = "" if self.min == -MOST else f"x>={self.min}"
+        return low if self.max == MOST else f"{self.min}<=x<={self.max}"
+
+
+POSITIVE = Real(min=0.0, min_open=True)
+TOLERANCE = Real(min=0.0, min_open=True, max=1.0)
+STEPS = Whole(min=1)

@@ -1,0 +1,204 @@
+"""Whatever is typed or read: one sentence that says what is wrong, never an internal error, never silence."""
+
+from __future__ import annotations
+
+import io
+import os
+import shutil
+import struct
+import time
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from spacar_cli.environment import Environment
+from spacar_cli.main import main
+from spacar_formats.sbf import SbfFile
+from spacar_formats.sbf.layout import PREAMBLE, directory_crc
+
+from spacar.deck import parse_deck
+from spacar.errors import LONGEST_LINE, InputError, UsageError, shown
+
+from .processes import DATA, done, model
+
+
+def run(*words):
+    out, err = io.StringIO(), io.StringIO()
+    status = main([str(w) for w in words], Environment(stdout=out, stderr=err, variables={}))
+    return status, out.getvalue(), err.getvalue()
+
+
+def is_one_sentence(err):
+    errors = [line for line in err.splitlines() if line.startswith("error: ")]
+    return len(errors) == 1 and "internal" not in err and "Traceback" not in err
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("results")
+    for name, mode in (("crank", 1), ("lateral4", 7), ("lever", 9)):
+        model(folder, name)
+        assert run(mode, folder / f"{name}.dat")[0] == 0
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("words", "found"),
+    [
+        (["1", "crank", "--steps", str(2**63)], "steps"),
+        (["1", "crank", "--steps", "9" * 5000], "15 digits"),
+        (["1", "crank", "--steps", "10000000000000000"], "1000000000000000"),
+        (["1", "crank", "--atol", "inf"], "not a finite number"),
+        (["1", "crank", "--atol", "nan"], "not a finite number"),
+        (["1", "crank", "--rtol", "1e300"], "1e-100 ... 1e+100"),
+        (["1", "crank", "--rtol", "2"], "range"),
+        (["1", "crank", "--time", "inf"], "not a finite number"),
+        (["1", "crank", "--time", "1e-320"], "1e-100 ... 1e+100"),
+        (["plot", "crank", "9**9**9*t"], "nowhere a finite number"),
+        (["plot", "crank", "1/0"], "nowhere a finite number"),
+        (["plot", "crank", "(" * 5000 + "t" + ")" * 5000], "is no expression"),
+        (["plot", "crank", "-" * 3000 + "t"], "'-----"),
+        (["plot", "crank", "t", "--dpi", "nan"], "not a finite number"),
+        (["draw", "crank", "--section", "CIRC 1e400"], "positive dimensions"),
+        (["getfrsbf", "", "x"], "is not the name of a result file"),
+        (["getfrsbf", "/", "x"], "is not the name of a result file"),
+        (["getfrsbf", "crank", "x" * 2_000_000], "characters left out"),
+        (["repinsbf", "crank", "T", "9" * 5000, "--step", "1"], "VALUE is not JSON"),
+        (["repinsbf", "crank", "T", "[" * 100_000, "--step", "1"], "VALUE is not JSON"),
+        (["repinsbf", "crank", "T", "NaN", "--step", "1"], "finite numbers are needed"),
+        (["repinsbf", "crank", "T", "1e999", "--step", "1"], "must be finite"),
+        (["repinsbf", "crank", "NX", "1" + "0" * 30], "holds numbers"),
+        (["bode", "lever", "--low", "nan"], "not a finite number"),
+        (["bode", "lever", "--step", str(10**30)], "15 digits"),
+        (["compliance", "crank", "-1"], "error"),
+        (["trade", "crank", "--target", "nan"], "not a finite number"),
+        (["spacntrl", "lever", "--omega", "nan"], "not a finite number"),
+        (["1", "x\x1b[31m\x07"], r"x\x1b[31m\x07"),
+        (["draw", "crank", "-o", "a\x1b]0;b\x07.png\x1b"], r"\x1b]0;b\x07"),
+        (["x\x1b[31m"], r"\x1b[31m"),
+        (["check", "a\0b"], "zero byte"),
+        (["sweep", "crank", "--from", "latin.csv", "--result", "x[6,1]@end"], "no table in csv"),
+        (["sweep", "crank", "--from", "null.csv", "--result", "x[6,1]@end"], "error"),
+    ],
+)
+def test_wrong_words(results, monkeypatch, words, found):
+    monkeypatch.chdir(results)
+    Path("latin.csv").write_bytes("XM.6\n0.1 \xe4\n".encode("latin-1"))
+    Path("null.csv").write_bytes(b"XM.6\n\0\n")
+    status, _, err = run(*words)
+    assert status in (1, 2), err
+    assert is_one_sentence(err), err
+    assert found in err
+    assert not any(c < " " and c != "\n" for c in err)
+    assert len(max(err.splitlines(), key=len)) < LONGEST_LINE + 300
+
+
+def test_titles_are_text_and_no_formulas(results, monkeypatch):
+    monkeypatch.chdir(results)
+    for words in (["plot", "crank", "t"], ["draw", "crank"], ["visual", "lateral4"]):
+        assert run(*words, "--title", r"$\frac{$", "-o", "title.svg")[0] == 0
+        assert "frac" in Path("title.svg").read_text()
+
+
+def test_values_that_are_not_finite_are_told(results, monkeypatch):
+    monkeypatch.chdir(results)
+    status, out, err = run("plot", "crank", "1/t", "--csv", "-")
+    assert status == 0
+    assert "warning: '1/t' is not a finite number at 1 of 101 steps" in err
+    assert out.startswith("t (s)")
+
+
+@pytest.mark.parametrize("value", ["1e150", "-1e101", "1e308", "1e-150", "1e-400", "4d-120"])
+@pytest.mark.parametrize("mode", [0, 1, 7])
+def test_sizes_that_cannot_be_squared_are_refused_with_their_place(value, mode):
+    text = (DATA / "crank.dat").read_text()
+    x = next(line for line in text.splitlines() if line.startswith("X "))
+    words = x.split("%")[0].split()
+    changed = text.replace(x, " ".join([*words[:2], value, *words[3:]]))
+    with pytest.raises(InputError, match=rf"argument '{value}' is too (large|small)") as caught:
+        parse_deck(changed, "crank.dat", mode)
+    assert caught.value.messages[0].line == text.splitlines().index(x) + 1
+
+
+def test_zero_in_every_form_is_a_number():
+    text = (DATA / "crank.dat").read_text().replace("0.0", "0.000e-300")
+    parse_deck(text, "crank.dat", 1)
+
+
+def test_long_words_are_shortened_and_quick(tmp_path):
+    path = tmp_path / "long.dat"
+    path.write_text("K" * 2_000_000 + " 1 2\nEND\nHALT\nEND\nEND\n")
+    begun = time.perf_counter()
+    status, _, err = run("check", path)
+    assert status == 2
+    assert len(err) < 5000
+    assert time.perf_counter() - begun < 20.0  # 0.5 s; the old text alone took that long to print
+    assert shown("a\tb\nc\x00") == "a\tb\nc\\x00"
+
+
+def test_a_byte_that_is_no_text_in_a_file_name(tmp_path):
+    name = os.fsdecode(b"a\xff")
+    shutil.copy(DATA / "crank.dat", tmp_path / f"{name}.dat")
+    for words in ([1, name, "-v"], ["draw", name], ["plot", name, "t"], ["report", name], ["check", name],
+                  ["loadsbd", name], ["checksbf", name], ["checksbf", name, "--json"], [1, name, "--json"],
+                  ):  # fmt: skip
+        status, _, err = done(tmp_path, *words)
+        assert status == 0, err
+        assert "internal" not in err
+    assert done(tmp_path, 1, os.fsdecode(b"b\xff"))[0] == 2
+
+
+def test_a_screen_that_knows_only_ascii(results):
+    process = done(results, "plot", "crank", "xdd[6,1]", "--csv", "-",
+                   env={**os.environ, "PYTHONIOENCODING": "ascii"})  # fmt: skip
+    assert process[0] == 0, process[2]
+    assert process[1].startswith(r"t (s),\"xdd[6,1] (m/s\xb2)\"".replace("\\\"", '"'))
+
+
+def test_library_options_are_checked():
+    import spacar
+
+    for wrong in ({"atol": float("inf")}, {"rtol": 1e300}, {"duration": float("nan")}, {"n_steps": 2**63}):
+        with pytest.raises(UsageError, match="option"):
+            spacar.run(1, DATA / "crank.dat", **wrong)
+
+
+# -- forged result files ------------------------------------------------------------------------------------------
+
+
+def forge(path, ident, value, at=0):
+    """Put a number into a header variable and make all checksums right."""
+    with SbfFile(path) as file:
+        record, first = file.header_records[ident], file.directory
+    raw = bytearray(path.read_bytes())
+    item = struct.pack("<q", value) if record.type == 1 else struct.pack("<d", value)
+    raw[record.offset + 8 * at : record.offset + 8 * at + 8] = item
+    body = bytes(raw[PREAMBLE.size : first.data_offset])
+    struct.pack_into("<I", raw, 56, directory_crc(body, first.tdef_offset))
+    covered = bytearray(raw[:60])
+    covered[13] = 0
+    struct.pack_into("<I", raw, 60, zlib.crc32(covered))
+    path.write_bytes(bytes(raw))
+
+
+READERS = [
+    ["draw", "F", "-o", "x.png"], ["report", "F", "-o", "x.html"], ["plot", "F", "x[2,1]", "--csv", "-"],
+    ["compliance", "F", "2"], ["visual", "F", "-o", "x.png"], ["eigen", "F"], ["checksbf", "F", "--json"],
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("words", READERS, ids=[w[0] for w in READERS])
+@pytest.mark.parametrize("ident", ["LNP", "LE", "LN", "NX", "NE", "NXP", "NEP", "MODE", "NDOF", "IT", "KDEF"])
+def test_forged_indices(results, tmp_path, monkeypatch, ident, words):
+    monkeypatch.chdir(tmp_path)
+    rng = np.random.default_rng(7)
+    for value in (-1, 10**6, 2**62, -(2**63), 3):
+        for kind in ("sbd", "sbm"):
+            shutil.copy(results / f"lateral4.{kind}", f"F.{kind}")
+        with SbfFile(Path("F.sbd")) as file:
+            size = file.header_records[ident].size
+        forge(Path("F.sbd"), ident, value, int(rng.integers(size)))
+        status, _, err = run(*words)
+        assert status in (0, 1, 2)
+        assert "internal" not in err, (ident, value, err)

@@ -1,0 +1,201 @@
+"""What is executed and when: `check` runs nothing, modes run the functions of the deck, libraries are our own."""
+
+from __future__ import annotations
+
+import io
+import os
+import shutil
+import subprocess
+import sys
+
+import pytest
+from spacar_cli.environment import Environment
+from spacar_cli.main import main
+
+from spacar.compiled import library, store
+from spacar.errors import UsageError
+
+from .processes import DATA, ENVIRONMENT, done, model
+
+DECK = """PLBEAM 1 1 2 3 4
+X 3 1. 0.
+FIX 1
+FIX 2
+DYNE 1 2 3
+END
+HALT
+EM 1 1.
+ESTIFF 1 1e5 10.
+USERSIG push
+TIMESTEP 0.1 2
+END
+END
+"""
+PUSH = "open('RUN', 'w').close()\ndef push(t, *rest):\n    return t, [], []\n"
+
+
+def run(*words):
+    out, err = io.StringIO(), io.StringIO()
+    status = main([str(w) for w in words], Environment(stdout=out, stderr=err, variables={}))
+    return status, out.getvalue(), err.getvalue()
+
+
+def test_check_lists_functions_and_imports_none(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.dat").write_text(DECK)
+    (tmp_path / "push.py").write_text(PUSH)
+    status, _, err = run("check", "a")
+    assert status == 0
+    assert "USERSIG: runs of this model execute" in err
+    assert not (tmp_path / "RUN").exists()
+    assert run("check", "a", "--mode", 1)[0] == 0
+    assert not (tmp_path / "RUN").exists()
+    assert run(1, "a")[0] == 0
+    assert (tmp_path / "RUN").exists()  # modes execute it, as they must
+
+
+def test_check_tells_what_is_missing_without_running_anything(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.dat").write_text(DECK)
+    status, _, err = run("check", "a")
+    assert status == 2
+    assert "a.dat:10: USERSIG: the function file push.py was not found" in err
+    (tmp_path / "push.py").write_text("raise SystemExit\n")
+    status, _, err = run("check", "a")
+    assert status == 0
+    assert "does not seem to define a function push" in err
+
+
+@pytest.mark.parametrize("name", ["../push", "a/push", "push.x", "..", "os;x"])
+def test_names_with_separators_are_refused(tmp_path, name):
+    (tmp_path / "a.dat").write_text(DECK.replace("push", name))
+    (tmp_path / "push.py").write_text(PUSH)
+    status, _, err = run(1, tmp_path / "a.dat")
+    assert status == 2
+    assert "USERSIG" in err
+
+
+# -- compiled libraries ------------------------------------------------------------------------------------------
+
+compiled = pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")
+
+
+@pytest.fixture
+def cache(tmp_path, monkeypatch):
+    """An empty cache, and a compiler that makes small libraries quickly."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    store._private.cache_clear()
+    return tmp_path / "spacar"
+
+
+SMALL = b"int spacar_one(void) { return 1; }\n"
+FLAGS = (("-shared", "-fPIC"),)
+
+
+def small():
+    return store.stored("small.so", store.compiler(), FLAGS, SMALL, ("spacar_one",))
+
+
+@compiled
+def test_a_sound_library_is_built_once(cache):
+    path = small()
+    assert path.parent == cache
+    assert sorted(p.name for p in cache.iterdir()) == ["small.so", "small.so.sha256"]
+    assert (cache.stat().st_mode & 0o777, path.stat().st_mode & 0o077) == (0o700, 0)
+    before = path.stat().st_mtime_ns
+    assert small().stat().st_mtime_ns == before
+
+
+@compiled
+@pytest.mark.parametrize("damage", ["truncated", "changed", "no checksum", "writable by others", "link"])
+def test_a_library_that_is_not_sound_is_built_again(cache, tmp_path, damage):
+    path = small()
+    good = path.read_bytes()
+    if damage == "truncated":
+        path.write_bytes(good[: len(good) // 2])
+    elif damage == "changed":
+        path.write_bytes(good[:-1] + bytes([good[-1] ^ 1]))
+    elif damage == "no checksum":
+        (cache / "small.so.sha256").unlink()
+    elif damage == "writable by others":
+        path.chmod(0o722)
+    else:
+        path.rename(tmp_path / "elsewhere.so")
+        path.symlink_to(tmp_path / "elsewhere.so")
+    assert not store.is_sound(path)
+    assert store.is_sound(small())
+    assert not path.is_symlink()
+    assert path.stat().st_mode & 0o022 == 0
+
+
+@compiled
+def test_a_folder_that_others_may_write_is_not_used(cache):
+    cache.mkdir()
+    cache.chmod(0o777)
+    path = small()
+    assert path.parent != cache
+    assert not list(cache.iterdir())
+    assert path.parent.stat().st_mode & 0o077 == 0
+
+
+@compiled
+@pytest.mark.parametrize(
+    ("script", "found"),
+    [
+        ('while [ "$1" != -o ]; do shift; done; echo garbage > "$2"', "cannot be loaded"),
+        ("exit 0", "wrote no library"),
+        ("echo 'int x;' > x.c; while [ \"$1\" != -o ]; do shift; done; cc -shared -fPIC x.c -o \"$2\"",
+         "cannot be loaded"),
+        ('while [ "$1" != -o ]; do shift; done; echo "int spacar_one(void){return 1;}" > x.c; '
+         'cc -shared -fPIC x.c -o y.so; head -c 5000 y.so > "$2"', "cannot be loaded"),
+    ],
+    ids=["garbage", "nothing", "another library", "half a library"],
+)  # fmt: skip
+def test_what_a_compiler_wrote_is_tried_before_it_is_stored(cache, tmp_path, monkeypatch, script, found):
+    monkeypatch.chdir(tmp_path)
+    program = tmp_path / "mycc"
+    program.write_text(f"#!/bin/sh\n{script}\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("CC", str(program))
+    with pytest.raises(UsageError, match=found):
+        small()
+    assert not [p for p in cache.iterdir() if p.name.startswith("small")]
+
+
+@pytest.mark.parametrize(("cc", "found"), [("", "CC is empty"), ("  ", "CC is empty"), ("cc 'x", "cannot read")])
+def test_a_wrong_cc_is_a_sentence(tmp_path, cc, found):
+    model(tmp_path)
+    status, _, err = done(tmp_path, 1, "crank", "--compiled", env={**ENVIRONMENT, "CC": cc})
+    assert status == 2
+    assert found in err
+    assert "internal" not in err
+
+
+@compiled
+def test_a_truncated_library_no_longer_ends_the_process(tmp_path):
+    """The bus error of the issue: half of the real library in the cache."""
+    model(tmp_path)
+    environment = {**ENVIRONMENT, "XDG_CACHE_HOME": str(tmp_path)}
+    assert done(tmp_path, 1, "crank", "--compiled", env=environment)[0] == 0
+    (path,) = (tmp_path / "spacar").glob("*.so")
+    whole = path.stat().st_size
+    with open(path, "r+b") as file:
+        file.truncate(whole // 2)
+    assert done(tmp_path, 1, "crank", "--compiled", env=environment)[0] == 0
+    assert path.stat().st_size == whole
+
+
+def test_the_names_that_are_tried_are_those_that_are_used():
+    text = (DATA.parent / "spacar" / "compiled" / "library.py").read_text()
+    used = {word.split(".")[0] for word in text.split("loaded.")[1:]}
+    assert {name.split(",")[0] for name in used} == set(library.NEEDED)
+
+
+def test_symbolic_scripts_run_and_toml_files_do_not(tmp_path):
+    """A .py model is a program of the user; the page of promises says so."""
+    script = "open('RUN', 'w').close()\nfrom spacar.symbolic import System\nsystem = System()\n"
+    (tmp_path / "m.py").write_text(script)
+    program = [sys.executable, "-c", "import sys; from spacar_cli.main import main; sys.exit(main())"]
+    subprocess.run([*program, "symbolic", "check", "m.py"], cwd=tmp_path, env=dict(os.environ), capture_output=True,
+                   check=False)  # fmt: skip
+    assert (tmp_path / "RUN").exists()
