@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from spacar.errors import Report, UsageError
 from spacar.frame import Frame
+from spacar.options import checked_options
 
 if TYPE_CHECKING:
     from spacar.deck import Deck
@@ -90,37 +91,34 @@ def find_mode(number: int) -> Mode:
     return MODES[abs(number)]
 
 
-def _check_options(options: dict[str, Any]) -> None:
-    """Raises UsageError for an unknown option, or for a tolerance, step or duration that is not positive."""
-    from dataclasses import fields
-
-    from spacar.mechanism import Settings
-
-    known = [f.name for f in fields(Settings)]
-    for name, value in options.items():
-        if name not in known:
-            raise UsageError(f"there is no option '{name}'; the options are {', '.join(known)}", "usage.option")
-        if name in ("atol", "rtol", "step", "duration", "n_steps") and value is not None and not value > 0:
-            raise UsageError(f"the option {name} = {value!r} must be positive", "usage.option")
-
-
 def frames(mode: int, source: str | Path | Deck, *, nominal: Any = None, **options: Any) -> Run:
     """Prepare an analysis: read, check and number the model; the frames come when the returned Run is iterated over.
 
-    `options` override the deck for this run: atol, rtol, integrator, step, duration, n_steps, compiled (see Settings).
-    Raises UsageError (unknown mode), InputError (bad input) now; AnalysisError while iterating.
+    mode      0 to 4, 7 to 10, see MODES;  source   path of the input file, or a Deck
+    nominal   mode 3 only: result of mode 2
+    options   override the deck for this run: atol, rtol, integrator, step, duration, n_steps, compiled (see Settings)
+
+    Raises UsageError (unknown mode or option, wrong value of one), InputError (bad input) now; AnalysisError while
+    iterating.
     """
     from spacar.deck import Deck, read_deck
     from spacar.mechanism import build
 
     found = find_mode(mode)
-    _check_options(options)
+    options, notes = checked_options(options)
     deck = source if isinstance(source, Deck) else read_deck(source, found.number)
-    return Run(found, build(deck, found.number, **options), nominal=nominal)
+    prepared = Run(found, build(deck, found.number, **options), nominal=nominal)
+    for note in notes:
+        prepared.report.add(f"warning: {note}")
+    return prepared
 
 
 def run(mode: int, source: str | Path | Deck, *, nominal: Any = None, **options: Any) -> Result:
-    """Run an analysis to its end and keep all frames in memory. Arguments and errors as `frames`."""
+    """Run an analysis to its end and keep all frames in memory. Errors as `frames`.
+
+    mode      0 to 4, 7 to 10, see MODES;  source   path of the input file, or a Deck
+    nominal   mode 3 only: result of mode 2;  options   override the deck for this run, see `frames`
+    """
     from spacar.result import Result
 
     prepared = frames(mode, source, nominal=nominal, **options)

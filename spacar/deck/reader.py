@@ -23,8 +23,9 @@ _NAMES = {2: "dynamics block", 3: "third block"}
 
 
 def read_deck(path: str | Path, mode: Mode = None) -> Deck:
-    """Read and check an input file; `.dat` is appended when there is no such file.
+    """Read and check the input file `path`; `.dat` is appended when there is no such file.
 
+    `mode` is the mode that it shall be run in: what this mode does not use is checked less strictly; None: for all.
     Raises UsageError with the reason of the operating system, InputError with all errors of the file.
     """
     file = Path(path)
@@ -40,7 +41,7 @@ def read_deck(path: str | Path, mode: Mode = None) -> Deck:
 
 
 def parse_deck(text: str, source: str = "<deck>", mode: Mode = None) -> Deck:
-    """Check an input text; `source` names it in messages. Raises InputError with all errors."""
+    """Check an input text; `source` names it in messages, `mode` as `read_deck`. Raises InputError with all errors."""
     return parse(text, source, mode)
 
 

@@ -15,6 +15,7 @@ from spacar_formats.sinks import ResultSink, Sink, result_sinks
 
 from spacar.errors import SpacarError, UsageError
 from spacar.modes import Mode, Run, find_mode, frames
+from spacar.options import integrator
 from spacar_cli.environment import Environment
 from spacar_cli.progress import Progress
 from spacar_cli.source import input_file, result_stem
@@ -91,7 +92,7 @@ def run_mode(
     source = input_file(file)
     overrides = {field: value for field, value in options.items() if value is not None}
     if "integrator" in overrides:
-        _check_integrator(overrides["integrator"])
+        integrator(overrides["integrator"], "--integrator")
     stem = result_stem(source, output_dir)
     log = LogSink(stem.with_name(f"{stem.name}.log"), mode, source, _flags(overrides, setpoints))
     outcome = Outcome()
@@ -169,14 +170,6 @@ def _flags(overrides: dict[str, Any], setpoints: str | None) -> dict[str, Any]:
     """The given options under their names on the command line, for the log."""
     given = {flag: overrides[field] for flag, field, *_ in OVERRIDES if field in overrides}
     return given | ({"--setpoints": setpoints} if setpoints else {})
-
-
-def _check_integrator(code: int) -> None:
-    from spacar.integrators import METHODS
-
-    if code not in METHODS:
-        known = ", ".join(map(str, METHODS))
-        raise UsageError(f"--integrator {code} does not exist; the methods are {known}", "usage.integrator")
 
 
 def _check_timestep(run: Run) -> None:
