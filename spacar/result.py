@@ -94,7 +94,7 @@ class Result:
         return getattr(frame, name, None)
 
     def node(self, number: int, coordinate: int, variable: str = "x") -> Array:
-        """(steps,) one coordinate (from 1) of a node: x, xd, xdd, fx, fxgrav, fxtot or xcompl."""
+        """(steps,) one coordinate (from 1) of the node `number`; variable: x, xd, xdd, fx, fxgrav, fxtot or xcompl."""
         if variable not in X_VARIABLES:
             raise UsageError(
                 f"{variable} is no variable of nodes; these are {', '.join(X_VARIABLES)}", "result.variable"
@@ -105,7 +105,7 @@ class Result:
             raise UsageError(f"node {number} has no coordinate {coordinate}", "result.node") from None
 
     def element(self, number: int, mode: int, variable: str = "e") -> Array:
-        """(steps,) one deformation mode (from 1) of an element: e, ed, edd or sig."""
+        """(steps,) one deformation mode (from 1) of the element `number`; variable: e, ed, edd or sig."""
         if variable not in E_VARIABLES:
             raise UsageError(
                 f"{variable} is no variable of elements; these are {', '.join(E_VARIABLES)}", "result.variable"

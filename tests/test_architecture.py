@@ -36,10 +36,10 @@ OPTIONAL = {"symbolic", "compiled"}  # packages of the core that only an extra n
 # of modes by strings, which `Run` resolves, so that nothing at the bottom imports what lies above it.
 RANKS = {
     "errors": 0,
-    "modes": 1, "frame": 1, "elements": 1, "linear_systems": 1, "integrators": 1, "symbolic": 1,
-    "deck": 2,
+    "modes": 1, "frame": 1, "elements": 1, "linear_systems": 1, "integrators": 1, "native": 1,
+    "deck": 2, "symbolic": 2,
     "mechanism": 3,
-    "stream": 4,
+    "stream": 4, "options": 4,
     "kinematics": 5, "result": 5,
     "calls": 6, "dynamics": 6,
     "linearization": 7, "compiled": 7,
@@ -133,7 +133,7 @@ def arrows() -> dict[str, set[str]]:
 
 def test_no_modules_import_each_other_in_a_circle():
     """Take away what imports nothing that is left, again and again: what remains goes round."""
-    waiting = ("spacar.symbolic", "spacar.kinematics.failure")  # being opened
+    waiting = ("spacar.symbolic", "spacar.kinematics.failure", "spacar.stationary.singular")  # being opened
     left = {m: aims for m, aims in arrows().items() if not m.startswith(waiting)}
     while free := [module for module, aims in left.items() if not aims & left.keys()]:
         for module in free:

@@ -13,8 +13,8 @@ import platform
 from functools import lru_cache
 from pathlib import Path
 
-from spacar.compiled.store import compiler, stored
 from spacar.errors import UsageError
+from spacar.native.store import compiler, stored
 
 NATIVE = "-march=native"  # some compilers do not know it: then without
 FLAGS = (NATIVE, "-O3", "-fno-math-errno", "-fno-trapping-math", "-fPIC", "-shared", "-std=gnu11")

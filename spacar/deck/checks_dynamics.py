@@ -6,7 +6,7 @@ from __future__ import annotations
 from spacar.deck.checks_references import at_least, one_of, positive
 from spacar.deck.scene import Scene
 from spacar.deck.statement import Statement
-from spacar.deck.table_dynamics import INTEGRATORS
+from spacar.deck.table_dynamics import INTEGRATOR_ALIASES, INTEGRATORS, alias_note
 
 _ADDITIONAL = ("DELXF", "DELGRAV", "DELOMF", "DELESIG", "DELINPX", "DELINPE")
 _STIFF = ("PLBEAM", "PLTUBE", "BEAM", "TUBE", "PLTRUSS", "TRUSS")
@@ -73,8 +73,8 @@ def _check_settings(scene: Scene, s: Statement) -> None:
         positive(findings, s, 0, "length of the time interval")
         at_least(findings, s, 1, 1, "number of time steps")
     elif s.keyword == "INTEGRAT":
-        if s.values[0] == 255:
-            findings.warning(s, 0, "integrator type 255 is read as 225", "choice")
+        if s.integer(0) in INTEGRATOR_ALIASES:
+            findings.warning(s, 0, alias_note(s.integer(0)), "choice")
         else:
             one_of(findings, s, 0, INTEGRATORS, "integrator type")
         if s.real(1) < 0.0:

@@ -60,15 +60,15 @@ class Deck:
         return [s for _, s in found if block is None or s.block == block]
 
     def first(self, keyword: str, block: int | None = None) -> Statement | None:
-        """First statement with the keyword, None when there is none."""
+        """First statement with the keyword (and in the block), None when there is none."""
         return next(iter(self.of(keyword, block=block)), None)
 
     def last(self, keyword: str, block: int | None = None) -> Statement | None:
-        """Last statement with the keyword, None when there is none."""
+        """Last statement with the keyword (and in the block), None when there is none."""
         return next(iter(reversed(self.of(keyword, block=block))), None)
 
     def where(self, statement: Statement, value_index: int | None = None) -> str:
-        """Place and subject of a statement or of one of its values: `crank.dat:12: DYNE 7`."""
+        """Place and subject of a statement or of one of its values (value_index from 0): `crank.dat:12: DYNE 7`."""
         return f"{self.source}:{_line(statement, value_index)}: {statement.subject}"
 
     def message(
@@ -79,7 +79,10 @@ class Deck:
         value_index: int | None = None,
         code: str = "input",
     ) -> Message:
-        """A message about a statement or one of its values, for checks that need more than the deck."""
+        """A message about a statement or one of its values (value_index from 0), for checks beyond the deck.
+
+        `severity` is "error", "warning" or "information"; `text` says what is wrong, `code` is its stable short name.
+        """
         return Message(severity, self.source, _line(statement, value_index), statement.subject, text, code)
 
     def to_text(self) -> str:
@@ -88,39 +91,31 @@ class Deck:
 
         return write(self.statements, self.visualization)
 
-    def set(
-        self, keyword: str, number: int | None, position: int, value: Value, block: int | None = None
-    ) -> Deck:
-        """A new deck with one value changed, checked again.
+    def set(self, keyword: str, number: int | None, position: int, value: Value, block: int | None = None) -> Deck:
+        """A new deck with one `value` of a `keyword` changed, checked again.
 
         `number` is the first value of the statement (None: the keyword occurs once); `position` counts the
         arguments from 1 as in the reference (1 is the number itself); `block` is needed when the keyword
         occurs in two blocks with the same number. Raises UsageError when there is not exactly one such
         statement, InputError when the new value is refused.
         """
-        found = [
-            s for s in self.of(keyword.upper(), block=block) if number is None or s.values[:1] == (number,)
-        ]
+        found = [s for s in self.of(keyword.upper(), block=block) if number is None or s.values[:1] == (number,)]
         what = keyword.upper() if number is None else f"{keyword.upper()} {number}"
         if len(found) != 1:
             how = "no" if not found else f"{len(found)}"
-            raise UsageError(
-                f"{self.source}: {how} statement{'s' * (len(found) > 1)} {what} to change", "usage.set"
-            )
+            raise UsageError(f"{self.source}: {how} statement{'s' * (len(found) > 1)} {what} to change", "usage.set")
         return self.with_value(found[0], position, value)
 
     def with_value(self, statement: Statement, position: int, value: Value) -> Deck:
-        """A new deck in which argument `position` (from 1) of the statement has another value; see `set`."""
+        """A new deck in which argument `position` (from 1) of the statement has another `value`; see `set`."""
         from spacar.deck.writer import splice
 
         text = splice(self.text, statement, position, value)
         return parse(text, self.source, self.mode, path=self.path, visualization=self.visualization)
 
     def for_mode(self, mode: Purpose) -> Deck:
-        """The same text read for another mode."""
-        return parse(
-            self.text, self.source, mode, path=self.path, data=self.data, visualization=self.visualization
-        )
+        """The same text read for another `mode`."""
+        return parse(self.text, self.source, mode, path=self.path, data=self.data, visualization=self.visualization)
 
     @classmethod
     def build(
@@ -133,7 +128,11 @@ class Deck:
         source: str = "<deck>",
         path: Path | None = None,
     ) -> Deck:
-        """A deck from rows such as `("PLBEAM", 1, 1, 2, 3, 4)`, checked like a file; raises InputError."""
+        """A deck from rows such as `("PLBEAM", 1, 1, 2, 3, 4)`, checked like a file; raises InputError.
+
+        kinematics, dynamics, third   statements of the three blocks;  mode   as `read_deck`
+        source   its name in messages;  path   where it would stand: functions of the user are looked for beside it
+        """
         from spacar.deck.writer import write_rows
 
         return parse(write_rows([kinematics, dynamics, third]), source, mode, path=path)
@@ -144,8 +143,9 @@ def _line(statement: Statement, index: int | None) -> int:
 
 
 def read_deck(path: str | Path, mode: Purpose = None) -> Deck:
-    """Read and check an input file; `.dat` is appended when there is no such file.
+    """Read and check the input file `path`; `.dat` is appended when there is no such file.
 
+    `mode` is the mode that it shall be run in: what this mode does not use is checked less strictly; None: for all.
     Raises UsageError with the reason of the operating system, InputError with all errors of the file.
     """
     file = Path(path)
@@ -161,7 +161,7 @@ def read_deck(path: str | Path, mode: Purpose = None) -> Deck:
 
 
 def parse_deck(text: str, source: str = "<deck>", mode: Purpose = None) -> Deck:
-    """Check an input text; `source` names it in messages. Raises InputError with all errors."""
+    """Check an input text; `source` names it in messages, `mode` as `read_deck`. Raises InputError with all errors."""
     return parse(text, source, mode)
 
 

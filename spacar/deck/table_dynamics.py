@@ -408,3 +408,9 @@ KEYWORDS = (
 
 # The last three are ours.
 INTEGRATORS = (0, 130, 135, 140, 155, 220, 225, 310, 320, 330, 410, 420, 430, 553, 595, 853)
+INTEGRATOR_ALIASES = {255: 225}  # decisions.md: a note on INTEGRAT says 255, its list 225
+
+
+def alias_note(code: int) -> str:
+    """What is said about a code that stands for another one."""
+    return f"integrator type {code} is read as {INTEGRATOR_ALIASES[code]}"

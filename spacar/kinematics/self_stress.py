@@ -56,6 +56,6 @@ def _geometric_stiffness(sweep: Sweep, sigma: Array) -> Array:
     out = np.zeros((sweep.nx, sweep.nx))
     for b in sweep.curved:
         block = np.zeros((len(b.x), len(b.x), b.family.n))
-        b.family.geometric_stiffness(sweep.configuration[id(b)], sigma[b.e], block)
+        b.family.geometric_stiffness(sweep.configuration[b.index], sigma[b.e], block)
         np.add.at(out, (b.x[:, None, :], b.x[None, :, :]), block)
     return out

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from spacar.deck import Deck, Statement
+from spacar.deck.table_dynamics import INTEGRATOR_ALIASES
 from spacar.mechanism.batches import TUBES
 from spacar.mechanism.mechanism import (
     Array,
@@ -157,6 +158,6 @@ def settings(deck: Deck) -> Settings:
         statement = deck.last(keyword)
         if statement is not None:
             found.update(zip(fields, statement.values, strict=False))
-    if found.get("integrator") == 255:
-        found["integrator"] = 225
+    if "integrator" in found:
+        found["integrator"] = INTEGRATOR_ALIASES.get(found["integrator"], found["integrator"])
     return Settings(**found)

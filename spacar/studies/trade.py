@@ -23,6 +23,7 @@ from spacar.deck import Deck
 from spacar.errors import AnalysisError, UsageError
 from spacar.integrators.methods import METHODS
 from spacar.modes import find_mode
+from spacar.options import integrator
 from spacar.result import Result
 from spacar.studies.extrapolation import extrapolate
 from spacar.studies.models import linear_strain, refine, rigid
@@ -157,10 +158,8 @@ def setups(
         return models
     found = []
     for model in models:
-        for code in integrators:
-            if code not in METHODS:
-                known = ", ".join(map(str, METHODS))
-                raise UsageError(f"integrator {code} does not exist; the methods are {known}", "usage.integrator")
+        for wanted in integrators:
+            code, _ = integrator(wanted, "integrator")
             if METHODS[code].variable_step:
                 found += [replace(model, integrator=code, tolerance=tol) for tol in tolerances]
             else:

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from spacar.compiled.store import TRY
 from spacar.errors import AnalysisError
+from spacar.native.store import TRY
 from spacar.symbolic.program import Program
 
 

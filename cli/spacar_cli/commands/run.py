@@ -13,6 +13,7 @@ from spacar_formats.sinks import ResultSink, begin, give_up, result_sinks
 from spacar.calls import frames
 from spacar.errors import SpacarError, UsageError
 from spacar.modes import Mode, find_mode
+from spacar.options import integrator
 from spacar.stream import Outcome, Run, Sink
 from spacar_cli import releasing
 from spacar_cli.environment import Environment
@@ -95,7 +96,7 @@ def run_mode(
         releasing.check_output(Path(release), source)
     overrides = {field: value for field, value in options.items() if value is not None}
     if "integrator" in overrides:
-        _check_integrator(overrides["integrator"])
+        integrator(overrides["integrator"], "--integrator")
     stem = result_stem(source, output_dir)
     results = result_sinks(stem, mode.files, wait)
     try:
@@ -158,14 +159,6 @@ def _flags(overrides: dict[str, Any], setpoints: str | None) -> dict[str, Any]:
     """The given options under their names on the command line, for the log."""
     given = {flag: overrides[field] for flag, field, *_ in OVERRIDES if field in overrides}
     return given | ({"--setpoints": setpoints} if setpoints else {})
-
-
-def _check_integrator(code: int) -> None:
-    from spacar.integrators import METHODS
-
-    if code not in METHODS:
-        known = ", ".join(map(str, METHODS))
-        raise UsageError(f"--integrator {code} does not exist; the methods are {known}", "usage.integrator")
 
 
 def _check_timestep(run: Run) -> None:
