@@ -1,1 +1,1 @@
-"""Libraries compiled on this machine: found, checked, kept. For the compiled right-hand side and for symbolic models."""
+"""Libraries compiled on this machine: found, checked, kept. For the compiled right-hand side and symbolic models."""
