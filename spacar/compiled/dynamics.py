@@ -14,7 +14,6 @@ from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.mass_check import require_regular_mass
 from spacar.frame import Frame
 from spacar.kinematics.condition import of_gradient
-from spacar.kinematics.diagnosis import ZERO
 from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS
 from spacar.kinematics.regularity import PositionMatrix
 from spacar.mechanism.mechanism import Array, Drive, Loads, Mechanism, Polynomial
@@ -42,7 +41,7 @@ class CompiledPositionMatrix(PositionMatrix):
         if self.dynamics.state.c.known:
             if len(self.rows) <= SMALL:
                 rcond = self.dynamics.model.rcond(self.rows, self.columns)
-                if rcond > ZERO:
+                if rcond > self.zero:
                     return rcond
             self.dynamics.settle()
         return super().rcond()

@@ -2,8 +2,9 @@
 
 At a dead point the position may still solve D(x) = e to rounding, but velocities and reactions are not determined:
 numbers would come out, of any size. There the position itself is known to the square root of the rounding only, so the
-limit on the reciprocal condition of the scaled matrix V[E, U] is the one of the diagnosis, sqrt(eps). Euler parameters
-as dynamic coordinates end at a rotation of 180 degrees.
+limit on the reciprocal condition of the scaled matrix V[E, U] is the one of the diagnosis, sqrt(eps), times sqrt(|x|/L)
+far from the origin, where rounding is larger by |x|/L. Euler parameters as dynamic coordinates end at a rotation of 180
+degrees.
 
 A dynamic degree of freedom that passes a singular position between two stored steps shows in the sign of the
 determinant. The integration may have gone through it, but its accuracy is lost there, so this is reported too (for
@@ -36,6 +37,8 @@ class PositionMatrix:
         self.kinematics = k = kinematics
         self.rows = 1.0 / k.mechanism.deformation_scale[k.E]
         self.columns = k.scale[k.U]
+        far = np.abs(k.mechanism.x0 / k.scale).max(initial=1.0)
+        self.zero = ZERO * float(np.sqrt(far))  # a reciprocal condition that is zero to rounding
         # of systems in dense storage, where the determinant costs nothing
         self.has_determinant = bool(len(k.U)) and isinstance(k.velocity_system, DenseSystem)
 
@@ -83,7 +86,7 @@ class Regularity:
         if not len(self.matrix.columns):
             return
         rcond = self.matrix.rcond()
-        if rcond > ZERO:
+        if rcond > self.matrix.zero:
             self._passage(t)
             return
         raise AnalysisError(

@@ -219,10 +219,15 @@ def test_wrong_calls(folder):
     ]
     for (words, text), done in zip(cases, many([words for words, _ in cases], folder), strict=True):
         assert done.status == 2, words
-        assert text in done.err, (words, done.err)
+        assert words_of(text) in words_of(done.err), (words, done.err)
         assert "error: " in done.err.splitlines()[-1]
         assert "Traceback" not in done.err
     assert {n for n in names(folder) if n.endswith((".sbd", ".part"))} == set()
+
+
+def words_of(text):
+    """Without punctuation: click 8.2 writes `No such option: --wrong`, later versions `No such option '--wrong'`."""
+    return text.replace("'", "").replace(":", "")
 
 
 def test_settings_of_the_deck_are_overridden_and_echoed(folder):

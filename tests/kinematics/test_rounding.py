@@ -115,3 +115,21 @@ def test_rounding_grows_with_the_numbers_that_enter() -> None:
             m = build(Deck.build(rows, []))
             k = Kinematics(m)
             assert k.rounding(m.x0, np.zeros(len(k.h))) == pytest.approx(64 * EPS * max(1.0, expected), rel=1e-4)
+
+
+@pytest.mark.parametrize("offset", [0.0, 1.0, 1e3, 1e5, 1e6])
+def test_a_dead_point_far_from_the_origin_is_still_one(offset: float) -> None:
+    """A parallelogram whose crank stops at its dead point: whatever comes out for the follower is undetermined."""
+    rows = [
+        ("PLRBEAM", 1, 1, 2, 3), ("PLRBEAM", 2, 4, 5, 6), ("PLRBEAM", 3, 3, 7, 6), ("X", 1, offset, -offset),
+        ("X", 3, offset, 1.0 - offset), ("X", 4, offset + 2.0, -offset), ("X", 6, offset + 2.0, 1.0 - offset),
+        ("FIX", 1), ("FIX", 4), ("INPUTX", 2),
+    ]  # fmt: skip
+    dynamics = [("INPUTX", 2, 1, 0.0, np.pi / 2, 0.0), ("TIMESTEP", 4.0, 40)]
+    count = 0
+    with pytest.raises(AnalysisError) as caught:  # noqa: PT012
+        for _ in spacar.frames(1, Deck.build(rows, dynamics)):
+            count += 1
+    assert caught.value.code == "position.singular"
+    assert count == 10
+    assert "t = 1" in str(caught.value)
