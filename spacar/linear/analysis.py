@@ -101,12 +101,12 @@ def stationary(run: Run, reducible: bool = True) -> Iterator[Solution]:
     stored = iterations = 0
     for level in program:
         solver.solve(level)
-        dynamics, state = solver.dynamics, solver.solution
-        iterations += state.iterations
-        if "condition" not in run.header:
-            run.header["condition"] = dynamics.kinematics.condition()
+        iterations += solver.iterations
         if not level.store:
             continue
+        dynamics, state = solver.dynamics, solver.solution
+        if "condition" not in run.header:
+            run.header["condition"] = dynamics.kinematics.condition()
         limits = limits or Limits(dynamics, run.report)
         convected = dynamics.forces.inertia(dynamics.sweep, dynamics.xd)
         frame = dynamics.complete(
