@@ -57,7 +57,7 @@ def solve(n: int, force: float = FORCE) -> tuple[float, int, np.ndarray]:
     evaluations = 0
     for level in load_program(m.settings):
         solver.solve(level)
-        evaluations += solver.solution.iterations
+        evaluations += solver.iterations
     seconds = time.perf_counter() - begun
     rows = [m.numbering.x_index(2 * n + 1, 1), m.numbering.x_index(2 * n + 1, 2), m.numbering.x_index(2 * n + 2, 1)]
     return seconds, evaluations, solver.dynamics.kinematics.x[rows]

@@ -110,12 +110,12 @@ def stationary(run: Run, reducible: bool = True) -> Iterator[Solution]:
     stored = iterations = 0
     for level in program:
         solver.solve(level)
-        dynamics, state = solver.dynamics, solver.solution
-        iterations += state.iterations
-        if "condition" not in run.header:
-            run.header["condition"] = condition_number(dynamics.kinematics)
+        iterations += solver.iterations
         if not level.store:
             continue
+        dynamics, state = solver.dynamics, solver.solution
+        if "condition" not in run.header:
+            run.header["condition"] = condition_number(dynamics.kinematics)
         limits = limits or Limits(dynamics, run.report)
         convected = dynamics.forces.inertia(dynamics.sweep, dynamics.xd)
         frame = dynamics.complete(

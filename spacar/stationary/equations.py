@@ -88,13 +88,15 @@ class Equations:
     `held` (nx,): forces that hold a start state that is no equilibrium, zero else.
     """
 
-    def __init__(self, dynamics: Dynamics, moving: bool, rates: Array) -> None:
+    def __init__(self, dynamics: Dynamics, flexibility: Flexibility, moving: bool, rates: Array) -> None:
         self.d, self.moving, self.rates = dynamics, moving, rates
+        self.holonomic = dynamics.numbering.holonomic
+        self.plain = self.holonomic and not moving
         n, m = dynamics.numbering, dynamics.mechanism
         self.F = free_coordinates(n)
         self.P = np.arange(n.x_class["input"].start, n.x_class["input"].stop)
         self.nf, self.ne = len(self.F), n.ne
-        self.flexibility = Flexibility(dynamics)
+        self.flexibility = flexibility
         self.scale, self.e_scale = m.scale, m.deformation_scale
         self.rest = np.zeros(n.nx)
         self.held = np.zeros(n.nx)
@@ -177,3 +179,17 @@ class Equations:
             x, sigma, right, rounding, largest(force[self.F]), largest((force * self.scale)[self.F]), work_size,
             largest(gap / self.e_scale), bool((np.abs(right) <= rounding).all()), slip, motion, user,
         )  # fmt: skip
+
+    def balanced(self, p: Point) -> Array:
+        """sigma (ne,) of the point with those of the rows fixed, prescribed and dynamic from the equilibrium of the
+        other coordinates. Raises SingularMatrixError where the degrees of freedom do not determine the configuration.
+        """
+        d = self.d
+        d.sweep.strain(p.x)
+        d.kinematics.x = p.x
+        d.kinematics.refactor()
+        force = -d.sweep.rate_transposed(p.sigma)
+        force[self.F] -= p.right[: self.nf]
+        sigma = p.sigma.copy()
+        d.kinematics.reactions(force, sigma)
+        return sigma

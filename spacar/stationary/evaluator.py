@@ -5,6 +5,7 @@ from __future__ import annotations
 from spacar.dynamics.dynamics import Dynamics
 from spacar.mechanism.mechanism import Array, Mechanism
 from spacar.stationary.equations import Equations, Given
+from spacar.stationary.flexibility import Flexibility
 from spacar.stationary.loading import WITHOUT_N0, LoadLevel, SteadyDrive, loads_at, with_flow
 from spacar.stationary.moving import MovingTangent
 from spacar.stationary.newton import Tangent
@@ -37,11 +38,13 @@ class Evaluator:
         self._renew()
 
     def _renew(self) -> None:
-        self.equations = Equations(self.dynamics, self.moving, self.y[self.dynamics.n_positions :])
+        flexibility = Flexibility(self.dynamics)
+        rates = self.y[self.dynamics.n_positions :]
+        self.equations = Equations(self.dynamics, flexibility, self.moving, rates)
         self.sparse: SparseTangent | None = None
         self.tangent: Tangent
         if self.plain:
-            self.sparse = SparseTangent(self.dynamics)
+            self.sparse = SparseTangent(self.dynamics, flexibility)
             self.tangent = RestingTangent(self.sparse)
         else:
             self.tangent = MovingTangent(self.equations, self.mechanism.settings.stationary_type in WITHOUT_N0)
@@ -64,3 +67,7 @@ class Evaluator:
         if self.hold is not None:
             self.equations.held = max(0.0, 1.0 - level.path / self._hold_until) * self.hold
         return self.equations.given(self.y)
+
+    def place(self) -> None:
+        """A mechanism without dynamic degrees of freedom: the configuration of the prescribed values."""
+        self.dynamics.place(0.0, self.y)

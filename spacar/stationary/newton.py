@@ -3,11 +3,13 @@
 Prescribed coordinates are unknowns that move with the first correction: V and the geometric stiffness at the old
 position take them along, no configuration is evaluated where only the prescribed coordinates have jumped.
 
-Corrections must contract: with the exact tangent the second is at most half the first, later ones three quarters of
-the one before. An iteration that does not is broken off at once: it would leave the neighbourhood of the path, and what
-it may find is the state of another branch (P. Deuflhard, Newton Methods for Nonlinear Problems, Springer 2004, chapter
-5). Without N0 (ITERSTEP types 1, 3) or with user functions, which may not state their stiffness, convergence is linear
-and contraction by any factor will do.
+Corrections must contract: with the exact tangent the second is at most 0.6 of the first (half of it at an exactly
+critical state, where Newton's method converges linearly), later ones three quarters of the one before. An iteration
+that does not is broken off at once: it would leave the neighbourhood of the path, and what it may find is the state of
+another branch (P. Deuflhard, Newton Methods for Nonlinear Problems, Springer 2004, chapter 5). Without N0 (ITERSTEP
+types 1, 3) or with user functions, which may not state their stiffness, convergence is linear and contraction by any
+factor will do. In motion and with slips a cyclic coordinate may drift while the forces converge; there it is enough
+that the forces contract.
 
 What rounding makes of a correction is measured, not assumed: a third right-hand side holds the rounding errors of the
 residual (eps times the sum of the sizes of its terms). Corrections of that size need not contract, and end the
@@ -21,17 +23,19 @@ from typing import Protocol
 
 import numpy as np
 
+from spacar.errors import AnalysisError
 from spacar.kinematics.kinematics import LARGEST_JUMP, largest
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Array
-from spacar.stationary.equations import Equations, Given, Point
+from spacar.stationary.equations import FLOOR, Equations, Given, Point
 
 FORCES = 1e-9  # out-of-balance work / work of the forces in it
 LENGTHS = 1e-11  # incompatibility / model length, or rad
 CORRECTION = 1e-7  # last correction / model length, or rad: the next one would be of the size of its square
 PASSING_FORCES, PASSING_LENGTHS, PASSING_CORRECTION = 1e-4, 1e-7, 1e-3  # at a state that is no result
-FIRST_RATIO, LATER_RATIO, LINEAR_RATIO = 0.5, 0.75, 0.98  # of two corrections, at most
+FIRST_RATIO, LATER_RATIO, LINEAR_RATIO = 0.6, 0.75, 0.98  # of two corrections, at most
 SINGULAR = 1e14  # displacement under forces of the size of the stiffness: 1/(50 eps), no digit is left
+NO_DIGITS = 1e-4  # a correction of which rounding makes as much, in model lengths or rad: the matrix is singular
 SPREAD = 10.0  # the signs of the rounding errors are not known: factor between one sample and their largest effect
 
 
@@ -78,8 +82,11 @@ class Corrections:
 
     demand: Demand
     exact: bool
+    plain: bool = True
     sizes: list[float] = field(default_factory=list)
     noise: float = 0.0  # the size that rounding alone gives a correction
+    work: float = np.inf  # of the forces out of balance at the last point
+    contracts: bool = True
 
     def add(self, size: float, noise: float) -> None:
         """Raises Astray when the corrections do not contract."""
@@ -89,13 +96,20 @@ class Corrections:
             raise Astray(f"a correction of {size:.2g} model lengths or rad")
         if len(self.sizes) > 1 and size > self.noise:
             ratio = (FIRST_RATIO if len(self.sizes) == 2 else LATER_RATIO) if self.exact else LINEAR_RATIO
-            if size > ratio * self.sizes[-2]:
-                raise Astray("corrections that do not contract: " + " ".join(f"{v:.2g}" for v in self.sizes))
+            self.contracts = size <= ratio * self.sizes[-2]
+            if not self.contracts and self.plain:
+                raise self._growing()
+
+    def _growing(self) -> Astray:
+        return Astray("corrections that do not contract: " + " ".join(f"{v:.2g}" for v in self.sizes))
 
     def ended(self, p: Point) -> bool:
         """Is the point that the last correction led to the solution? Raises Astray beyond the limit of iterations."""
         if not p.finite:
             raise Astray("numbers that are not finite")
+        if not self.contracts and p.work > FIRST_RATIO * self.work:
+            raise self._growing()
+        self.work = p.work
         if not self.sizes:
             return p.quiet
         last = self.sizes[-1]
@@ -131,37 +145,51 @@ def correction(q: Equations, tangent: Tangent, p: Point, dx: Array, more: Array 
     if not growth < SINGULAR:
         raise SingularMatrixError(f"the stiffness is singular to working precision (growth {growth:.2g})")
     noise = largest(solution[: q.nf, 1] / q.scale[q.F])
+    if not noise < NO_DIGITS:
+        raise SingularMatrixError(f"rounding errors move the solution by {noise:.2g} model lengths or rad")
     return (solution[:, 0] if more is None else solution[:, [0, 3]]), noise
 
 
-def newton(
-    q: Equations, tangent: Tangent, x: Array, sigma: Array, given: Given, demand: Demand
-) -> tuple[Point, list[float]]:
-    """The state in equilibrium near x (nx,), sigma (ne,), and the sizes of the corrections that led there.
+@dataclass(frozen=True)
+class Converged:
+    """The state, how many corrections led there, and the noise in the last one."""
+
+    point: Point
+    iterations: int
+    noise: float
+
+
+def newton(q: Equations, tangent: Tangent, x: Array, sigma: Array, given: Given, demand: Demand) -> Converged:
+    """The state in equilibrium near x (nx,), sigma (ne,).
 
     Raises Astray, SingularMatrixError, AnalysisError of user functions.
     """
-    path = Corrections(demand, tangent.exact and q.d.forces.user is None)
+    path = Corrections(demand, tangent.exact and q.d.forces.user is None, q.plain)
     dx = np.zeros_like(x)
     dx[q.P] = (given.x - x)[q.P]
     p = q.point(x, sigma, given)
     if not dx.any() and path.ended(p):
-        return p, path.sizes
+        return Converged(p, 0, 0.0)
     while True:
         tangent.factor(p)
-        z, noise = _correct(q, tangent, p, dx)
+        z, noise = _correct(q, tangent, p, dx, not path.sizes)
+        noise = max(noise, FLOOR * max(1.0, largest(p.x / q.scale)))  # smaller changes of x are rounding themselves
         dx[q.F] = z[: q.nf]
         path.add(largest(dx / q.scale) if np.isfinite(z).all() else np.inf, noise)
         q.d.sweep.near[:] = q.d.sweep.e
-        p = q.point(p.x + dx, p.sigma + q.flexibility.size * z[q.nf :], given)
+        if q.holonomic:
+            p = q.point(p.x + dx, p.sigma + q.flexibility.size * z[q.nf :], given)
+        else:
+            p = _projected(q, p, dx, given)
         if path.ended(p):
-            return p, path.sizes
+            return Converged(p, len(path.sizes), path.noise)
         dx = np.zeros_like(x)
 
 
-def _correct(q: Equations, tangent: Tangent, p: Point, dx: Array) -> tuple[Array, float]:
-    """The correction, of minimum norm where the matrix is singular."""
-    from spacar.stationary.singular import in_range
+def _correct(q: Equations, tangent: Tangent, p: Point, dx: Array, first: bool) -> tuple[Array, float]:
+    """The correction, of minimum norm where the matrix is singular; at an iterate, which satisfies the constraints to
+    first order only, what is not in the range of the matrix is left to the next correction."""
+    from spacar.stationary.singular import minimum_norm
 
     try:
         z, noise = correction(q, tangent, p, dx)
@@ -169,4 +197,21 @@ def _correct(q: Equations, tangent: Tangent, p: Point, dx: Array) -> tuple[Array
             return z, noise
     except SingularMatrixError:
         pass
-    return in_range(q, tangent, p, dx), 0.0
+    return minimum_norm(q, tangent, p, dx, first)
+
+
+def _projected(q: Equations, p: Point, dx: Array, given: Given) -> Point:
+    """Wheels: the configuration that the degrees of freedom have after the correction, with the stresses that balance
+    it. A wheel's turn is cyclic and large, its Euler parameters must not leave the constraints."""
+    d = q.d
+    n, k = d.numbering, d.kinematics
+    e = d.sweep.e + d.sweep.rate(dx)
+    e[q.constrained] = given.e[q.constrained]
+    k.start_at(p.x, d.sweep.e)
+    try:
+        k.position(p.x + dx, np.where(np.arange(n.ne) < n.e_class["kinematic"].stop, e, 0.0))
+    except AnalysisError as error:
+        raise Astray(str(error)) from None
+    x = k.x
+    p = q.point(x, p.sigma, given)
+    return q.point(x, q.balanced(p), given)

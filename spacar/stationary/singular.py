@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from spacar.kinematics.kinematics import largest
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Array
 from spacar.stationary.equations import EPS, Equations, Point
@@ -26,8 +27,11 @@ class FreeMotion(Astray):
         self.coordinate = coordinate
 
 
-def in_range(q: Equations, tangent: Tangent, p: Point, dx: Array) -> Array:
-    """The correction (n,) of minimum norm. Raises FreeMotion; SingularMatrixError for large systems."""
+def minimum_norm(q: Equations, tangent: Tangent, p: Point, dx: Array, strict: bool) -> tuple[Array, float]:
+    """The correction (n,) of minimum norm and the noise in it.
+
+    Raises FreeMotion if `strict`, SingularMatrixError for large systems.
+    """
     A = tangent.dense()
     n = len(A)
     if n > LARGEST:
@@ -42,7 +46,10 @@ def in_range(q: Equations, tangent: Tangent, p: Point, dx: Array) -> Array:
     projected = u.T @ (d * right)
     lost = np.abs(projected[~regular])
     rounding = np.abs(u[:, ~regular]).T @ (d * p.rounding)
-    if (lost > np.maximum(IN_RANGE * np.linalg.norm(projected), SPREAD * rounding)).any():
+    if strict and (lost > np.maximum(IN_RANGE * np.linalg.norm(projected), SPREAD * rounding)).any():
         free = d * (vt[~regular].T @ (u[:, ~regular].T @ (d * right)))
         raise FreeMotion(int(q.F[np.argmax(np.abs(free[: q.nf] * p.right[: q.nf]))]))
-    return np.asarray(d * (vt[regular].T @ (projected[regular] / s[regular])))
+    sign = np.where(np.arange(n) % 2, -1.0, 1.0)
+    both = np.column_stack((projected, u.T @ (d * sign * p.rounding)))[regular]
+    z = d[:, None] * (vt[regular].T @ (both / s[regular, None]))
+    return z[:, 0], largest(z[: q.nf, 1] / q.scale[q.F])

@@ -23,20 +23,20 @@ SINGULAR_SLIP = 1e-8  # relative: the stress of a slip that its law does not giv
 @dataclass(frozen=True)
 class Solution:
     """The state of a level. xdd (nx,), convective (ne,) of steady motion; sigma (ne,) all stresses; norm: largest
-    out-of-balance force; iterations of this level; determined: do the degrees of freedom determine the configuration?
+    out-of-balance force; determined: do the degrees of freedom determine the configuration?
     """
 
     xdd: Array
     convective: Array
     sigma: Array
     norm: float
-    iterations: int
     determined: bool
 
 
 @dataclass
 class StationarySolver:
-    """Walks through load levels; `dynamics` is placed at the last solution, `solution` describes it.
+    """Walks through load levels. At a level that is stored `dynamics` is placed at the solution and `solution`
+    describes it; `iterations` are those of the last level.
 
     Raises AnalysisError 'statics.no-convergence', 'statics.limit-point' or 'statics.no-solution'.
     """
@@ -57,6 +57,7 @@ class StationarySolver:
             self.report.add("warning: start rates of dynamic degrees of freedom are ignored in a stationary solution")
         # for a loading that does nothing all levels have the solution of the first
         self._idle = e.plain and not loads_at(m, LoadLevel(1.0, 0.0)).present and not motion.shift(m)
+        self.iterations = 0
         self._said: Stability | None = None
         self._walk: Walk | None = None
 
@@ -80,13 +81,17 @@ class StationarySolver:
         """Go to a load level."""
         if self._walk is None:
             self._walk = self._begin(target)
-        elif self._idle and target.additional == 0.0 and self._walk.level.path > 0.0:
+        idle = self._idle and target.additional == 0.0 and self._walk.level.path > 0.0
+        if idle and not target.store:
+            self.iterations = 0
             return
-        walk = self._walk
-        walk.go(target)
-        self.dynamics = self._evaluator.dynamics
-        self._place(walk.point, walk.iterations, target)
+        if not self.mechanism.numbering.nddof and not target.store:
+            return  # the kinematics goes its way to the prescribed values itself
+        self._walk.go(target)
+        self.iterations = self._walk.iterations
         if target.store:
+            self.dynamics = self._evaluator.dynamics
+            self._place(self._walk.point, target)
             self._say_stability(target)
 
     def _begin(self, first: LoadLevel) -> Walk:
@@ -100,8 +105,9 @@ class StationarySolver:
         d.sweep.near[:] = d.sweep.e
         try:
             p = e.equations.point(k.x, sigma, given)
+            p = e.equations.point(k.x, e.equations.balanced(p), given)
         except SingularMatrixError as error:
-            raise AnalysisError(f"the velocities of the start configuration are not determined: {error}",
+            raise AnalysisError(f"the degrees of freedom do not determine the start configuration: {error}",
                                 "statics.no-solution") from None  # fmt: skip
         known = p.quiet
         if not known:
@@ -113,7 +119,7 @@ class StationarySolver:
         except SingularMatrixError:
             return Walk(e, p, False, self.report)
 
-    def _place(self, p: Point, iterations: int, level: LoadLevel) -> None:
+    def _place(self, p: Point, level: LoadLevel) -> None:
         """The evaluator at the point, in terms of the degrees of freedom as far as they determine it."""
         d, n, q = self.dynamics, self.mechanism.numbering, self._evaluator.equations
         k = d.kinematics
@@ -133,7 +139,7 @@ class StationarySolver:
         m = p.motion or Motion(still, still, np.zeros(n.ne), np.zeros(n.ne), np.zeros(n.ne))
         d.xd, d.ed = m.v, m.ed
         sigma = p.sigma - (d.coupling.stress(m.edd) if d.coupling.present else 0.0)
-        self.solution = Solution(m.a, m.convective, sigma, p.force, iterations, determined)
+        self.solution = Solution(m.a, m.convective, sigma, p.force, determined)
         if p.slip > SINGULAR_SLIP * p.work_size:
             text = f"no stationary solution at {level}: a slip that is a degree of freedom is not in equilibrium"
             raise AnalysisError(f"{text} with its rate", "statics.no-solution")
@@ -143,10 +149,18 @@ class StationarySolver:
         assert self._walk is not None
         now, said = self._walk.stable, self._said
         self._said = now
-        if now is None or not now.exact or (said is not None and now.negative == said.negative):
+        if now is None or not now.exact:
+            return
+        if said is not None and (now.negative, now.critical) == (said.negative, said.critical):
             return
         e = self._evaluator
-        if now.negative:
+        if now.critical:
+            motion = critical_motion(e.equations, e.tangent, self._walk.point, negative=False)
+            self.report.add(
+                f"warning: the solution at {level} is critical to working precision: a motion has no stiffness"
+                + (f", it is largest at {motion}" if motion else "")
+            )
+        elif now.negative:
             motion = critical_motion(e.equations, e.tangent, self._walk.point, negative=True)
             self.report.add(
                 f"warning: the solution at {level} is an unstable equilibrium: the tangent stiffness has {now}"

@@ -20,20 +20,32 @@ from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Array
 from spacar.stationary.equations import Equations, Point
 from spacar.stationary.moving import MovingTangent
-from spacar.stationary.newton import Tangent
+from spacar.stationary.newton import Tangent, correction
 from spacar.stationary.resting import RestingTangent
 
+CRITICAL = float(np.sqrt(np.finfo(float).eps))  # of the model: rounding takes half of the digits of the position
 BLOCK = 6  # vectors
 ITERATIONS = 8
 
 
 @dataclass(frozen=True)
 class Stability:
-    """Negative and zero eigenvalues of the tangent stiffness; `exact` False: negative is only odd (1) or even (0)."""
+    """Negative and zero eigenvalues of the tangent stiffness; `exact` False: negative is only odd (1) or even (0).
+
+    `critical`: rounding decides about the signs, all eigenvalues count as zero.
+    """
 
     negative: int
     zero: int
     exact: bool
+    critical: bool = False
+
+    def differs(self, before: Stability) -> bool:
+        """Has an eigenvalue changed its sign? Zero ones (a motion that has only the stiffness of the loads, before
+        they act) may take either."""
+        if not (self.exact and before.exact):
+            return self.negative != before.negative
+        return self.negative > before.negative + before.zero or self.negative + self.zero < before.negative
 
     def __str__(self) -> str:
         if not self.exact:
@@ -41,14 +53,24 @@ class Stability:
         return f"{self.negative} negative eigenvalue{'s' * (self.negative != 1)}"
 
 
-def stability(q: Equations, tangent: Tangent, p: Point) -> Stability:
-    """At the point where the sweep is. Raises SingularMatrixError."""
+def stability(q: Equations, tangent: Tangent, p: Point, noise: float) -> Stability | None:
+    """At the point where the sweep is, which is known up to `noise`.
+
+    None when it cannot be told (slips, a cyclic coordinate in steady motion).
+    """
+    if not q.holonomic or not q.d.numbering.nddof:
+        return None
     if isinstance(tangent, RestingTangent):
         tangent.t.sigma = p.sigma
         if tangent.symmetric:
             negative, zero = tangent.inertia()
-            return Stability(max(negative - q.ne, 0), zero, True)
-    tangent.factor(p)
+            critical = noise > CRITICAL
+            return Stability(max(negative - q.ne, 0), q.nf if critical else zero, True, critical)
+    try:
+        tangent.factor(p)
+        correction(q, tangent, p, np.zeros_like(p.x))  # regular?
+    except SingularMatrixError:
+        return None
     sign = tangent.sign()
     if isinstance(tangent, MovingTangent):  # a sign of its own for every pair of a coordinate and a stress
         sign *= -1.0 if q.ne % 2 else 1.0

@@ -46,7 +46,7 @@ class Part:
 class SparseTangent:
     """The parts of the tangent of one Dynamics, and the system that factors weighted sums of them."""
 
-    def __init__(self, dynamics: Dynamics) -> None:
+    def __init__(self, dynamics: Dynamics, flexibility: Flexibility) -> None:
         self.dynamics = dynamics
         n, sweep = dynamics.numbering, dynamics.sweep
         free = [np.arange(n.x_class[c].start, n.x_class[c].stop) for c in ("calculable", "dynamic")]
@@ -55,7 +55,7 @@ class SparseTangent:
         self.place = np.full(n.nx, -1)
         self.place[self.F] = np.arange(self.nf)
         self.sigma = np.zeros(n.ne)
-        self.flexibility = Flexibility(dynamics)
+        self.flexibility = flexibility
         self.elastic, self.active = self.flexibility.elastic, self.flexibility.active
         m = dynamics.mechanism  # gravity may come with the additional loading only
         heavy = any(loads is not None and loads.gravity.any() for loads in (m.loads, m.additional, dynamics.loads))

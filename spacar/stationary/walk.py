@@ -13,6 +13,7 @@ displacement alone it goes on, and says so: the state at the prescribed value is
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,7 +25,7 @@ from spacar.mechanism.mechanism import Array
 from spacar.stationary.equations import Equations, Given, Point
 from spacar.stationary.evaluator import Evaluator
 from spacar.stationary.loading import LoadLevel, loads_grow
-from spacar.stationary.newton import Astray, Demand, Tangent, newton
+from spacar.stationary.newton import Astray, Converged, Demand, Tangent, newton
 from spacar.stationary.singular import FreeMotion
 from spacar.stationary.stability import Stability, critical_motion, stability
 from spacar.stationary.turning import LimitPoint, around
@@ -33,6 +34,7 @@ SMALLEST_PART = 1.0 / 1024.0
 CRITICAL_PART = 1.0 / 256.0  # of a load step, in which a critical state is looked for
 STILL = 1e-6  # model lengths or rad: a straight column hardly moves at its critical load, nothing can be mistaken
 EASY = 6  # iterations after which the next part of a step may be twice as large
+FARTHEST = 16.0  # weight of a state in the prediction: 6 for equal parts, more when the parts have grown
 REMEMBERED = 4  # states that the prediction uses: a cubic polynomial
 
 
@@ -56,11 +58,14 @@ class Walk:
         self.path = [Known(0.0, point.x, point.sigma)]
         self.stable: Stability | None = None
         self.iterations = 0
+        self.noise = 0.0
         settings = evaluator.mechanism.settings
         self.limit, self.tolerance = settings.max_iterations, settings.tolerance
         self.follow = bool(settings.follow_path)
         if known:
-            self._count()
+            self._count(stored=False)
+        # held, or without stiffness as long as no load acts: not on the path, predicts nothing
+        self._arbitrary = not known or (self.stable is not None and self.stable.zero > 0)
 
     def go(self, target: LoadLevel) -> None:
         """To a level. Raises AnalysisError 'statics.no-convergence', 'statics.limit-point', 'statics.no-solution'."""
@@ -72,7 +77,7 @@ class Walk:
             before, near = (self.point, self.stable, self.path), self.evaluator.dynamics.sweep.near.copy()
             try:
                 steps = self._advance(level, target.store and following == 1.0)
-                crossed = self._count()
+                crossed = self._count(level.store)
             except (Astray, SingularMatrixError) as reason:
                 self.point, self.stable, self.path = before
                 self._back(near)
@@ -99,31 +104,54 @@ class Walk:
             place = following
             part = min(2.0 * part if steps <= EASY else part, 1.0)
         self.level = target
-        if target.additional == 0.0 and target.initial >= 1.0:
+        if self._arbitrary or (target.additional == 0.0 and target.initial >= 1.0):
             self.path = self.path[-1:]  # from here on the path of the additional loading
+        self._arbitrary = False
 
     # -- one part -------------------------------------------------------------------------------------------------
     def _advance(self, level: LoadLevel, stored: bool) -> int:
         """Newton's iteration at the level from the prediction, then from the last state; the number of iterations."""
         e = self.evaluator
         given = e.load(level)
-        starts = [self.path[-1]] if len(self.path) < 2 else [self._predicted(level.path), self.path[-1]]
+        demand = Demand.of(self.limit, self.tolerance, stored)
         near = e.dynamics.sweep.near.copy()
-        for k, start in enumerate(starts):
+        reason: Exception = Astray("no start")
+        for start in self._starts(level.path):
+            e.dynamics.sweep.near[:] = near
             try:
-                demand = Demand.of(self.limit, self.tolerance, stored)
-                p, sizes = newton(e.equations, e.tangent, start.x, start.sigma, given, demand)
-            except (Astray, SingularMatrixError):
-                if k + 1 == len(starts):
-                    raise
-                e.dynamics.sweep.near[:] = near
+                known = start(given)
+                found = newton(e.equations, e.tangent, known.x, known.sigma, given, demand)
+            except (Astray, SingularMatrixError) as failure:
+                reason = reason if isinstance(reason, FreeMotion) else failure
                 continue
-            break
-        self._accept(level.path, p)
-        return len(sizes)
+            self._accept(level.path, found)
+            return found.iterations
+        raise reason
 
-    def _accept(self, path: float, p: Point) -> None:
-        self.point = p
+    def _starts(self, path: float) -> list[Callable[[Given], Known]]:
+        """Where Newton's iteration may begin, the best first: the prediction, the last state, the last configuration
+        with stresses that balance the new loads (what has no stiffness but that of its stresses needs them)."""
+        last = self.path[-1]
+        q = self.evaluator.equations
+
+        def balanced(given: Given) -> Known:
+            return Known(path, last.x, q.balanced(q.point(last.x, last.sigma, given)))
+
+        def placed(given: Given) -> Known:
+            self.evaluator.place()
+            x = q.d.kinematics.x
+            return Known(path, x, q.balanced(q.point(x, last.sigma, given)))
+
+        if not q.holonomic:
+            return [balanced, lambda given: last]
+        if not q.d.numbering.nddof:
+            return [placed]
+        predicted = [lambda given: self._predicted(path)] if len(self.path) > 1 else []
+        return [*predicted, lambda given: last, balanced]
+
+    def _accept(self, path: float, found: Converged) -> None:
+        self.point, self.noise = found.point, found.noise
+        p = found.point
         self.path = [*self.path, Known(path, p.x, p.sigma)][-REMEMBERED:]
         self.evaluator.dynamics.sweep.near[:] = self.evaluator.dynamics.sweep.e
 
@@ -131,23 +159,28 @@ class Walk:
         self.evaluator.dynamics.sweep.near[:] = near
 
     def _predicted(self, path: float) -> Known:
-        """Lagrange's polynomial through the known states."""
-        at = np.array([k.path for k in self.path])
-        weights = [np.prod((path - np.delete(at, i)) / (at[i] - np.delete(at, i))) for i in range(len(at))]
-        x = sum(w * k.x for w, k in zip(weights, self.path, strict=True))
-        sigma = sum(w * k.sigma for w, k in zip(weights, self.path, strict=True))
+        """Lagrange's polynomial through the known states; fewer of them if they are close together."""
+        known = self.path
+        weights = _lagrange(known, path)
+        while len(known) > 1 and max(map(abs, weights)) > FARTHEST:
+            known = known[1:]
+            weights = _lagrange(known, path)
+        x = sum(w * k.x for w, k in zip(weights, known, strict=True))
+        sigma = sum(w * k.sigma for w, k in zip(weights, known, strict=True))
         return Known(path, np.asarray(x), np.asarray(sigma))
 
     def _moved(self, before: Point) -> float:
         return largest((self.point.x - before.x) / self.evaluator.equations.scale)
 
     # -- critical states ------------------------------------------------------------------------------------------
-    def _count(self) -> bool:
-        """Has the number of negative eigenvalues changed? Raises SingularMatrixError."""
+    def _count(self, stored: bool) -> bool:
+        """Has the number of negative eigenvalues changed by more than those that were zero?"""
         before = self.stable
         e = self.evaluator
-        self.stable = stability(e.equations, e.tangent, self.point)
-        return before is not None and before.negative != self.stable.negative
+        if not (e.plain or stored):
+            return False  # a sign of a determinant, at the cost of another iteration
+        self.stable = stability(e.equations, e.tangent, self.point, self.noise)
+        return before is not None and self.stable is not None and self.stable.differs(before)
 
     def _say_passed(self, level: LoadLevel, before: Stability | None) -> None:
         assert before is not None
@@ -181,25 +214,25 @@ class Walk:
             found = around(at, known, place, self.limit, self.follow or not loads_grow(e.mechanism, target))
             given = e.load(target)
             demand = Demand.of(self.limit, self.tolerance, target.store)
-            p, sizes = newton(e.equations, e.tangent, found.x, found.sigma, given, demand)
+            end = newton(e.equations, e.tangent, found.x, found.sigma, given, demand)
         except LimitPoint as limit:
             raise self._at_limit(origin.towards(target, limit.place), target, limit) from None
         except (Astray, SingularMatrixError):
             e.load(origin.towards(target, place))
             raise self._given_up(origin.towards(target, place), target, reason) from None
         self.path = []
-        self._accept(target.path, p)
+        self._accept(target.path, end)
         before = self.stable
-        self._count()
+        self._count(target.store)
         if found.turns:
             places = ", ".join(f"{origin.towards(target, t).path:.5g}" for t in found.turns[:8])
             self.report.add(
                 f"warning: {target}: limit points at {places} of the loading (initial 0 to 1, additional 1 to 2); the"
                 " solution is where the equilibrium path beyond them first reaches the load: a slow loading would jump"
             )
-        elif before is not None and self.stable is not None and before.negative != self.stable.negative:
+        elif before is not None and self.stable is not None and self.stable.differs(before):
             self._say_passed(target, before)
-        return found.iterations + len(sizes)
+        return found.iterations + end.iterations
 
     def _at_limit(self, reached: LoadLevel, target: LoadLevel, limit: LimitPoint) -> AnalysisError:
         e = self.evaluator
@@ -235,3 +268,9 @@ class Walk:
             " iterations, more load steps or a smaller load (ITERSTEP)"
         )
         return AnalysisError(text, "statics.no-convergence", level=target)
+
+
+def _lagrange(known: list[Known], path: float) -> list[float]:
+    """Weights of the polynomial through the known states, at a place."""
+    at = np.array([k.path for k in known])
+    return [float(np.prod((path - np.delete(at, i)) / (at[i] - np.delete(at, i)))) for i in range(len(at))]

@@ -24,7 +24,7 @@ def solver_of(text: str, mode: int = 7) -> tuple[StationarySolver, list[int]]:
     solver, counts = StationarySolver(m, Report()), []
     for level in load_program(m.settings):
         solver.solve(level)
-        counts.append(solver.solution.iterations)
+        counts.append(solver.iterations)
     return solver, counts
 
 
@@ -61,11 +61,11 @@ def test_load_steps_are_cut_when_newton_fails():
 
 
 def test_failure_says_where_and_what_to_do():
-    text = cantilever(10, 10.0, steps=2).replace("ITERSTEP 20", "ITERSTEP 1")
+    text = cantilever(10, 1e4, steps=2).replace("ITERSTEP 20", "ITERSTEP 1")
     with pytest.raises(AnalysisError) as caught:
         spacar.run(7, parse_deck(text, mode=7))
     assert caught.value.code == "statics.no-convergence"
-    for part in ("load step 2 of 2", "residual", "ITERSTEP", "cut to", "last solution"):
+    for part in ("of 2", "residual", "ITERSTEP", "cut to", "last solution"):
         assert part in str(caught.value)
 
 
