@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from spacar.errors import Message
 
 MOST_LINES = 20
+NO_ROOM = ("failed to map", "Cannot allocate", "cannot allocate", "cannot create shared object")
 
 
 class ExitStatus(IntEnum):
@@ -57,9 +58,11 @@ def tell_error(environment: Environment, error: BaseException) -> ExitStatus:
     if isinstance(error, MemoryError):
         tell(environment, "error", "out of memory; store fewer steps or use fewer elements")
         return ExitStatus.FAILED
+    text = " ".join(str(error).split())
+    if isinstance(error, ImportError) and any(words in text for words in NO_ROOM):
+        tell(environment, "error", "out of memory: there is no room for the libraries that are needed")
+        return ExitStatus.FAILED
     tell(
-        environment,
-        "error",
-        f"internal error: {type(error).__name__}: {error} (--debug shows where; please report it)",
+        environment, "error", f"internal error: {type(error).__name__}: {text} (--debug shows where; please report it)"
     )
     return ExitStatus.FAILED

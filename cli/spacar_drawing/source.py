@@ -46,7 +46,12 @@ class Source:
         return value
 
     def x(self, k: int | None = None) -> Array:
-        return self.get("x", k)
+        """Coordinates; UsageError when there is nothing to draw because they are not finite, or beyond 1e100."""
+        value = self.get("x", k)
+        if not np.all(np.abs(value) <= 1e100):
+            step = f"step {k}" if k is not None else "a step"
+            raise UsageError(f"{self.name}: coordinates of {step} are not finite or beyond 1e100", "draw.finite")
+        return value
 
     def time(self, k: int) -> float:
         return float(np.ravel(self.get("t", k))[0])

@@ -19,6 +19,7 @@ TEXTS = ("ETYPE", "SOURCE", "SHA256", "VERSION")
 COUNTS = ("NX", "NE", "NDOF", "NDDOF", "NKDOF", "NKDDOF", "NNOM", "NU", "NY", "NRBM", "NYS", "MODE", "DFT")
 ROWS = ("LE", "LN", "RXYZ", "RQ", "DR0", "STIF", "EDAMP", "RL0", "KDEF")  # a row, or a number, for every element
 COLUMNS = {"LNP": 4, "LE": 6, "LN": 4, "RXYZ": 9, "RQ": 9, "NXP": 5, "NEP": 5}
+FINITE, LARGEST = ("RXYZ", "RQ", "RL0", "DR0"), 1e100
 SQUARE = ("M0", "C0", "D0", "K0", "N0", "G0")
 
 
@@ -99,6 +100,10 @@ class _Tables:
                 record = self.header[ident]
                 rows = record.size if ident in ("RL0", "KDEF") else record.rows
                 self.require(rows == elements, f"{ident} has {rows} rows for {elements} elements")
+        for ident in FINITE:
+            if ident in self.header:
+                value = np.asarray(self.file.header_value(ident), float)
+                self.require(bool(np.all(np.abs(value) <= LARGEST)), f"{ident} has numbers that are not finite")
         for names, total in ((COORDINATES, nx), (DEFORMATIONS, ne)):
             for ident in names:
                 if ident in self.steps and total is not None:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from spacar.errors import UsageError
 from spacar_cli.environment import Environment
 from spacar_cli.status import tell
 
@@ -24,6 +25,8 @@ def command(environment: Environment, file: Path, output: Path | None, quiet: bo
 
     from spacar.simulation.engine import simulate
 
+    if not file.name:
+        raise UsageError(f"'{file}' is not the name of a model file", "files.not-readable")
     source = file if file.is_file() else file.with_name(f"{file.name}.sim")
     model = read_model(source)
     target = output or source.with_name(f"{source.stem}_sim.npz")
