@@ -22,8 +22,8 @@ class TransferOutput:
     """Adds dx, de (flag 1) and d2x, d2e (flag 2) to frames; modes 7 to 10 have flag 1 by default.
 
     What only the log asks for goes to `frame.log`: dx de d2x d2e d3x d3e bigd. Tensors have a row for every
-    coordinate or
-    deformation and a column for every combination of degrees of freedom, the first index running fastest.
+    coordinate or deformation and a column for every combination of degrees of freedom, the first index running
+    fastest.
     """
 
     def __init__(self, run: Run) -> None:
