@@ -29,8 +29,7 @@ class Equilibrium:
     fixed and input rows; full (ne,) all stresses with those of rows E from the equilibrium; residual (nddof,);
     size: magnitude of the forces in it, and of the stiffness of released deformations times the rounding of lengths.
     work, work_size: the largest residual and the size of the forces, each times the size of its coordinate or
-    deformation
-    (model length, 1 rad), so that forces and moments compare and units do not matter.
+    deformation (model length, 1 rad), so that forces and moments compare and units do not matter.
     """
 
     xdd: Array
