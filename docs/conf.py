@@ -28,6 +28,8 @@ html_css_files = ["wide.css"]
 html_copy_source = False
 html_show_sphinx = False
 pygments_style = "friendly"
+highlight_language = "none"
+smartquotes = False  # x' is an axis, not an apostrophe
 
 # what the left column shows: title -> pages
 CONTENTS = {

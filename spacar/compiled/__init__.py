@@ -13,11 +13,14 @@ evaluation. Here the same equations run in C:
     state.c    states of the integrators: right-hand side, stages of a Runge-Kutta step, frames
     model.c    which entries V and M have
 
-Results equal those of the general path to rounding (tests/compiled). Never required: chosen with `spacar 1 FILE
---compiled` or `spacar.run(..., compiled=True)`; in batches of a sweep `cases` puts a case into every lane.
+At one state both paths give the same results to rounding (tests/compiled). The compiled path is never required: it is
+chosen with `spacar 1 FILE --compiled` or `spacar.run(..., compiled=True)`; in batches of a sweep `cases` puts a case
+into every lane.
 
-Dead points are watched by the same rule, but with wide tolerances the two paths may choose other steps there, so that a
-reflection which the general path reports can pass unseen.
+Limitation: both paths look for dead points by the same rule, at accepted steps. But rounding may lead them to different
+steps, and with wide tolerances a step can jump over a dead point. An integration that is reflected there instead of
+passing through has gone wrong, and one path may report this where the other does not see it. Tighter tolerances help
+both. README.md tells users the same.
 """
 
 from spacar.compiled.dynamics import CompiledDynamics

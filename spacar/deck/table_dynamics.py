@@ -158,9 +158,8 @@ KEYWORDS = (
         XM_FORMS,
         unique=1,
         notes=(
-            "Components of the tensor about the global axes in the initial configuration; Jxy etc. "
-            "carry a minus sign "
-            "against the products of inertia.",
+            "Components of the tensor about the global axes in the initial configuration; Jxy etc. carry a minus "
+            "sign against the products of inertia.",
         ),
     ),
     Keyword(
@@ -192,9 +191,8 @@ KEYWORDS = (
         ),
         unique=1,
         notes=(
-            "Free rotor: components of its absolute angular velocity; prescribed: of the constant "
-            "one relative to the "
-            "carrier.",
+            "Free rotor: components of its absolute angular velocity; prescribed: of the constant one relative to "
+            "the carrier.",
         ),
     ),
     Keyword(
@@ -312,9 +310,8 @@ KEYWORDS = (
         (form((Parameter("name of the function", "name"),)),),
         unique=0,
         notes=(
-            "t, e, x = name(t, is), in name.py beside the input file; each row of e and x is number, "
-            "mode or coordinate "
-            "number, value, rate, acceleration.",
+            "t, e, x = name(t, is), in name.py beside the input file; each row of e and x is number, mode or "
+            "coordinate number, value, rate, acceleration.",
         ),
     ),
     Keyword(
@@ -324,12 +321,11 @@ KEYWORDS = (
         (form((integer("type of integrator"), real("step size or initial step size", "s", 0.0))),),
         unique=0,
         notes=(
-            "Types: 0 Shampine-Gordon (default); 130, 140 explicit Runge-Kutta of order 3, 4 with "
-            "fixed step, 135, 155 of "
-            "order 3, 5 with variable step; 220, 225 for second order systems, fixed and variable; "
-            "310, 320, 330 "
-            "Rosenbrock; 410 implicit Euler; 420, 430 diagonally implicit Runge-Kutta. Ours: 553, 595 Radau IIA of "
-            "order 5, 9 with variable step, for stiff models; 853 explicit Runge-Kutta of order 8 with variable step.",
+            "Types: 0 Shampine-Gordon (default); 130, 140 explicit Runge-Kutta of order 3, 4 with fixed step, 135, "
+            "155 of order 3, 5 with variable step; 220, 225 for second order systems, fixed and variable; 310, 320, "
+            "330 Rosenbrock; 410 implicit Euler; 420, 430 diagonally implicit Runge-Kutta. Ours: 553, 595 Radau IIA "
+            "of order 5, 9 with variable step, for stiff models; 853 explicit Runge-Kutta of order 8 with variable "
+            "step.",
         ),
     ),
     Keyword(

@@ -1,5 +1,4 @@
-"""The element types: nodes, deformation modes, geometry. Their keywords in the kinematics block follow from
-them.
+"""The element types: nodes, deformation modes, geometry. Their keywords in the kinematics block follow from them.
 
 Facts: reference/input-language.md sections 3 and 4.1, codes: reference/files.md section 3, wheels and screw:
 reference/theory-spatial.md sections 7 and 8.
@@ -75,22 +74,19 @@ _TANGENTS = (
 )
 
 _K1 = (
-    "The direction lies in the local x'y' plane; default: the standard basis vector that makes the "
-    "largest angle with "
-    "the axis pq, of equals the one with the highest index. Local x' runs from p to q, z' = x' times y'."
+    "The direction lies in the local x'y' plane; default: the standard basis vector that makes the largest angle "
+    "with the axis pq, of equals the one with the highest index. Local x' runs from p to q, z' = x' times y'."
 )
 _K2 = (
     "An axially unloaded beam with specific twist a shortens by f a^2/2 per length; thin-walled open "
     "section: (Iy + Iz)/A."
 )
 _K3 = (
-    "Local y' is the cross product of x' with the standard basis vector that makes the largest angle "
-    "with x' (of equals "
-    "the one with the highest index)."
+    "Local y' is the cross product of x' with the standard basis vector that makes the largest angle with x' (of "
+    "equals the one with the highest index)."
 )
 _K4 = (
-    "Without direction the measuring directions start parallel to the global axes; with it x' is the "
-    "line pq and the "
+    "Without direction the measuring directions start parallel to the global axes; with it x' is the line pq and the "
     "vector lies in the x'y' plane. ORPINBOD overrides."
 )
 _K9 = (

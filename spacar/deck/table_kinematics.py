@@ -19,9 +19,9 @@ _BEAMS = "PLBEAM BEAM"
 _BODIES2 = "PLPINBOD PLRBEAM"
 _BODIES3 = "PINBODY RBEAM"
 _K5 = (
-    "Without coordinate numbers: all independent coordinates of the node (x1, x2, x3; the planar "
-    "angle; lambda1, lambda2, "
-    "lambda3). Coordinates are numbered 1 2 3 for positions, 1 for an angle, 1 2 3 4 for lambda0 ... lambda3."
+    "Without coordinate numbers: all independent coordinates of the node (x1, x2, x3; the planar angle; lambda1, "
+    "lambda2, lambda3). Coordinates are numbered 1 2 3 for positions, 1 for an angle, 1 2 3 4 for lambda0 ... "
+    "lambda3."
 )
 _K6 = "Without mode numbers: all modes of the element."
 _DEFAULT_X = "A coordinate without FIX, INPUTX, DYNX or KINX is calculable."
@@ -155,8 +155,7 @@ KEYWORDS = (
         unique=0,
         aliases=("LEVELLOG",),
         notes=(
-            "Log: 1 first order transfer functions, 2 second order, 4 third order, 8 derivatives of "
-            "the global "
+            "Log: 1 first order transfer functions, 2 second order, 4 third order, 8 derivatives of the global "
             "deformation function (2, 4, 8: modes 4, 7, 8, 9).",
             ".sbd: 1 adds de, dx; 2 adds d2e, d2x; 3 both. Without OUTLEVEL: 0, but 1 in modes 7, 8 and 9.",
         ),

@@ -197,7 +197,11 @@ class Dynamics:
 
     # -- what checks ask after an evaluation ----------------------------------------------------------------------
     def settle(self) -> None:
-        """Bring kinematics and sweep to the last evaluated state: nothing to do unless it was evaluated elsewhere."""
+        """Bring kinematics and sweep to the last evaluated state.
+
+        Here they are at it already. The compiled evaluator, which computes states in C, overrides this and copies the
+        state back, because the checks of an accepted step read it from kinematics and sweep.
+        """
 
     def condition(self) -> float:
         """Condition number of V[E, U] at the last evaluated state; infinite when singular."""

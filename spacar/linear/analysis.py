@@ -102,8 +102,7 @@ def stationary(run: Run, reducible: bool = True) -> Iterator[Solution]:
     if reduced:
         run.report.add(
             f"{n.nddof} dynamic degrees of freedom (more than {LARGE}): only the {WANTED} lowest modes, no"
-            f" matrices and no"
-            " transfer functions are computed; OUTLEVEL 0 1 asks for all of them"
+            " matrices and no transfer functions are computed; OUTLEVEL 0 1 asks for all of them"
         )
     output = TransferOutput(run)
     limits: Limits | None = None

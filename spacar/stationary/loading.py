@@ -1,9 +1,8 @@
 """Which loads act at which step (ITERSTEP, input-language.md d15).
 
 A load level is a pair (initial, additional) of fractions. Types 0 and 1 apply the initial loading (sections 5.2 to
-5.4 of the input language) in equal increments and store the last solution; types 2 and 3 apply it first, store it,
-then add the
-additional loading (DEL...) in equal increments, of which every n-th and the last are stored.
+5.4 of the input language) in equal increments and store the last solution; types 2 and 3 apply it first, store it, then
+add the additional loading (DEL...) in equal increments, of which every n-th and the last are stored.
 """
 
 from __future__ import annotations

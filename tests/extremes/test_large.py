@@ -38,8 +38,7 @@ def cantilever(n: int, spatial: bool, rows: tuple[str, ...] = (), load: str = ""
 @pytest.mark.parametrize("spatial", [False, True], ids=["planar", "spatial"])
 def test_statics_of_a_thousand_beams(spatial):
     """Small tip load F: deflection F l^3/3, exact for cubic beams in the linear range; 1e-6 from F^2 = (1e-4)^2
-    terms and
-    the condition of a thousand beams (n^3 eps = 2e-7)."""
+    terms and the condition of a thousand beams (n^3 eps = 2e-7)."""
     load = "0. 0. 1e-4" if spatial else "0. 1e-4"
     mechanism = build(parse_deck(cantilever(1000, spatial, ("ITERSTEP 20 1 1e-9",), load), mode=7), 7)
     solver = StationarySolver(mechanism, Report())
@@ -52,8 +51,7 @@ def test_statics_of_a_thousand_beams(spatial):
 @pytest.mark.parametrize("spatial", [False, True], ids=["planar", "spatial"])
 def test_accelerations_of_a_thousand_beams(spatial):
     """Released under gravity: all inertia forces together are the weight and the support force (Newton), to rounding
-    times
-    the stiffness of a thousand constraints, and the tip falls freely, since no wave has reached it."""
+    times the stiffness of a thousand constraints, and the tip falls freely, since no wave has reached it."""
     rows = ("GRAVITY 0. 0. -1.",) if spatial else ("GRAVITY 0. -1.",)
     deck = parse_deck(cantilever(1000, spatial, rows), mode=1)
     dynamics = Dynamics(build(deck, 1))

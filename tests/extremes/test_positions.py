@@ -1,6 +1,5 @@
 """Singular positions, redundant constraints, far starts, critical loads, impossible numbers: the right answer, or a
-message
-that says what and where."""
+message that says what and where."""
 
 from __future__ import annotations
 
@@ -200,8 +199,7 @@ def critical():
 @pytest.mark.parametrize("part", [0.0, 0.5, 0.9, 0.99, 0.9999, 0.999999])
 def test_frequency_of_a_loaded_column(part, critical):
     """The square of the lowest frequency falls to zero at the critical load; between it is nearly linear (a few
-    percent),
-    and its slope at the end is that of the linear law of the buckling mode: within a factor 1.1."""
+    percent), and its slope at the end is that of the linear law of the buckling mode: within a factor 1.1."""
     free = np.abs(run(7, COLUMN.format(force=0.0))["eigval"][-1][:, 1]).min()
     found = run(7, COLUMN.format(force=-part * critical))["eigval"][-1]
     assert np.abs(found[:, 0]).max() <= 1e-4

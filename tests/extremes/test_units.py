@@ -1,6 +1,5 @@
 """Masses from 1e-9 to 1e9 kg, lengths from 1e-6 to 1e6 m, times from 1e-6 to 1e6 s: the results of a model do not
-depend on
-the units in which it is written. Truth: multiplication by the dimension.
+depend on the units in which it is written. Truth: multiplication by the dimension.
 
 The tolerance 1e-9 is that of the issue. Fixed steps are used for motions, since the error that ERROR allows has no
 dimension of its own. Stationary solutions are iterated to rounding: the tolerance of ITERSTEP has a unit.
@@ -118,8 +117,7 @@ LIKE = {"e": "x", "ed": "xd", "edd": "xdd", "fxtot": "sig"}  # quantities whose 
 
 def largest_difference(name: str, old: Frame, new: np.ndarray, x: list, e: list) -> float:
     """Largest difference over the largest value of the same kind; deformations compare with coordinates, since a
-    rigid one
-    is rounding."""
+    rigid one is rounding."""
     values, groups = getattr(old, name), x if name.startswith(("x", "f")) else e
     like = LIKE.get(name, name)
     others, kinds = getattr(old, like), x if like.startswith("x") else e

@@ -1,8 +1,7 @@
 """A model in other units: every number of a deck multiplied by its dimension, read from the keyword table.
 
 A `System` gives the size of the new units: kg, m, s are how many new units one kilogram, metre, second is. A
-mechanism does
-not change by this, so every result must be the old one times its dimension.
+mechanism does not change by this, so every result must be the old one times its dimension.
 """
 
 from __future__ import annotations

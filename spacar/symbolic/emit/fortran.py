@@ -1,8 +1,7 @@
 """Fortran 2008, free form, lines of at most 132 characters, every routine with bind(c).
 
 Subroutines eom_once(p, c), eom_step(c, p, y, u, M, f), accel(p, y, u, M, f), eom_feed(t, c, p, y, u), eom_rates,
-eom_outputs. M is the
-full symmetric matrix as a vector.
+eom_outputs. M is the full symmetric matrix as a vector.
 """
 
 from __future__ import annotations
