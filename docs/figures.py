@@ -13,8 +13,8 @@ import shlex
 import shutil
 import sys
 import tempfile
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from spacar_cli.main import main
 
@@ -64,8 +64,7 @@ END
 """
 
 
-@dataclass(frozen=True)
-class Entry:
+class Entry(NamedTuple):
     """One example of the gallery: its picture, the command lines and the Python that make it."""
 
     example: str
@@ -84,6 +83,11 @@ def gallery(page: Path = HERE / "gallery.md") -> list[Entry]:
         commands = tuple(blocks.get("sh", "").strip().splitlines())
         entries.append(Entry(name, picture, commands, blocks.get("python", "")))
     return entries
+
+
+def pictures() -> set[str]:
+    """Names of all pictures that this script makes."""
+    return set(FIGURES) | {Path(entry.picture).name for entry in gallery() if entry.commands}
 
 
 def make_gallery(folder: Path, chosen: list[str]) -> list[str]:

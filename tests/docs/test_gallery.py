@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib.util
 import re
-import sys
 from pathlib import Path
 
 import pytest
@@ -16,7 +15,6 @@ DOCS = HOUSE / "docs"
 def load_figures():
     spec = importlib.util.spec_from_file_location("docs_figures", DOCS / "figures.py")
     module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
     spec.loader.exec_module(module)
     return module
 
