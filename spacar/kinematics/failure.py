@@ -3,23 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
 from spacar.errors import AnalysisError
 from spacar.kinematics.diagnosis import Diagnosis, diagnose, scaled_difference_matrix
+from spacar.kinematics.sweep import Sweep
 from spacar.linear_systems import SingularMatrixError
-from spacar.mechanism.mechanism import Array
+from spacar.mechanism.mechanism import Array, Index, Mechanism
+from spacar.mechanism.numbering import Numbering
 
 SHORTENING = ("PLTRUSS", "TRUSS", "PLBEAM", "BEAM", "PLTUBE", "TUBE")  # mode 1 is the change of their length
 SHORT = 1e-6
-
-if TYPE_CHECKING:
-    from spacar.kinematics.kinematics import Kinematics
-
-
 LARGEST_DIAGNOSED = 1000  # unknowns; a singular value decomposition of more would take longer than the analysis
+
+
+class Position(Protocol):
+    """What a message needs to know of the position problem: see `Kinematics`."""
+
+    mechanism: Mechanism
+    numbering: Numbering
+    sweep: Sweep
+    c: Index
+    h: Index
+    E: Index
+    h_scale: Array
+
+    def rounding(self, x: Array, e: Array) -> float: ...
 
 
 class Unplaced(Exception):
@@ -30,7 +41,7 @@ class Unplaced(Exception):
         self.explain = explain
 
 
-def count_failure(kinematics: Kinematics) -> AnalysisError:
+def count_failure(kinematics: Position) -> AnalysisError:
     """Numbers of unknowns and equations differ."""
     mechanism = kinematics.mechanism
     kinematics.sweep.strain(mechanism.x0)
@@ -50,7 +61,7 @@ def count_failure(kinematics: Kinematics) -> AnalysisError:
     return AnalysisError(text, "mechanism.count", diagnosis=diagnosis)
 
 
-def singular_failure(kinematics: Kinematics, x: Array, error: SingularMatrixError) -> AnalysisError:
+def singular_failure(kinematics: Position, x: Array, error: SingularMatrixError) -> AnalysisError:
     """The matrix of the position problem is singular at x."""
     if len(kinematics.E) > LARGEST_DIAGNOSED:
         text = f"the position cannot be determined: {error}; `spacar 0` looks for the reason"
@@ -64,7 +75,7 @@ def singular_failure(kinematics: Kinematics, x: Array, error: SingularMatrixErro
 
 
 def position_failure(
-    kinematics: Kinematics, x: Array, residual: Array, history: list[float], iteration: int
+    kinematics: Position, x: Array, residual: Array, history: list[float], iteration: int
 ) -> AnalysisError:
     """Newton's iteration did not converge. residual (h,) belongs to x, or to the last trial after `history`.
 
@@ -109,7 +120,7 @@ def _shown(history: list[float]) -> str:
     return " ".join(words if len(words) <= 6 else [*words[:3], "...", *words[-3:]])
 
 
-def collapse(kinematics: Kinematics) -> str:
+def collapse(kinematics: Position) -> str:
     """Which element has no length left: one that is asked to be shorter than nothing, or whose deformations are no
     numbers at the last iterate. Empty when there is none."""
     sweep = kinematics.sweep
