@@ -102,8 +102,7 @@ def test_dead_point_of_the_degrees_of_freedom(mode):
         for result in (dead, regular):
             assert np.abs(result["eigval"][-1][:, 1]).max() == pytest.approx(np.sqrt(4.5), rel=1e-8)
     if mode != 7:
-        n = dead.mechanism.numbering
-        compliance = [r["xcompl"][-1][n.x_index(2, 2)] for r in (dead, regular)]
+        compliance = [r["xcompl"][-1][r.mechanism.numbering.x_index(2, 2)] for r in (dead, regular)]
         assert compliance == pytest.approx([1 / 9, 1 / 9], rel=1e-9)
 
 
