@@ -40,6 +40,10 @@ class Limits:
     def check(self, dynamics: Dynamics, frame: Frame) -> None:
         """Raises AnalysisError 'element.range' or 'element.lift-off' with element, time and advice."""
         self.regularity.check(frame.t)
+        self.check_elements(dynamics, frame)
+
+    def check_elements(self, dynamics: Dynamics, frame: Frame) -> None:
+        """The same without the question whether the degrees of freedom determine the configuration."""
         if not dynamics.in_range():
             self._elements(dynamics, frame)
         if len(self.rows):

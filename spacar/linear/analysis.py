@@ -13,7 +13,9 @@ from spacar.errors import AnalysisError
 from spacar.forward.motion import at_time, states
 from spacar.frame import Frame
 from spacar.kinematics.condition import condition_number
+from spacar.kinematics.diagnosis import ZERO
 from spacar.kinematics.output import TransferOutput
+from spacar.kinematics.regularity import Regularity
 from spacar.linear.buckling import NO_STRESS, BucklingModes, buckling_modes, directional_compliances
 from spacar.linear.eigen import vibration_modes
 from spacar.linear.idle_inputs import IdleInputs
@@ -21,7 +23,7 @@ from spacar.linear.lowest import WANTED, lowest_buckling, lowest_vibration, spar
 from spacar.linear.signals import linearization_signals
 from spacar.linear.state_space import Signal, chosen_rows, has_feedthrough, state_space
 from spacar.linearization.matrices import Linearization, linearize
-from spacar.stationary import StationarySolver, load_program
+from spacar.stationary import LoadLevel, StationarySolver, load_program
 from spacar.stationary.tangent import SparseTangent
 from spacar.stream import Run
 
@@ -120,10 +122,11 @@ def stationary(run: Run, reducible: bool = True) -> Iterator[Solution]:
         frame = dynamics.complete(
             float(stored), state.xdd, state.sigma, state.convective, convected
         )
-        limits.check(dynamics, frame)
+        limits.check_elements(dynamics, frame)
+        singular = _is_dead_point(run, solver, level, frame.t, reducible)
         frame.statistics = {"iterations": iterations, "residual": state.norm}
         stored, iterations = stored + 1, 0
-        if reduced:
+        if reduced or singular:
             tangent = solver.sparse_tangent()
             tangent.sigma = state.sigma
             yield Solution(frame, dynamics, None, tangent)
@@ -131,6 +134,23 @@ def stationary(run: Run, reducible: bool = True) -> Iterator[Solution]:
         L = linearize(dynamics, state.xdd, state.sigma)
         _store_matrices(frame, L, dynamics)
         yield Solution(output.add(frame, dynamics.kinematics), dynamics, L, None)
+
+
+def _is_dead_point(run: Run, solver: StationarySolver, level: LoadLevel, t: float, reducible: bool) -> bool:
+    """Do the degrees of freedom fail to determine the configuration here? Eigenvalues, multipliers and compliances
+    do not depend on them and are computed all the same. Raises AnalysisError where the sparse tangent does not apply.
+    """
+    matrix = solver.dynamics.position_matrix()
+    if not len(matrix.columns) or (solver.solution.determined and matrix.rcond() > ZERO):
+        return False
+    if not (reducible and solver.sparse):
+        Regularity(matrix, run.report).check(t)
+    run.report.add(
+        f"warning: at {level} the degrees of freedom do not determine the motion of {matrix.undetermined()} (a dead"
+        " point): no matrices and no transfer functions are stored for this step; choose other degrees of freedom to"
+        " have them"
+    )
+    return True
 
 
 def _store_matrices(frame: Frame, L: Linearization, dynamics: Dynamics) -> None:

@@ -161,7 +161,8 @@ def _rayleigh(x: Array, F: Array, Y: Array) -> Array:
 
 def _symmetric(tangent: SparseTangent) -> bool:
     """Is the loading part symmetric? Follower moments and tube flow make it unsymmetric."""
-    a, b = _random(tangent, 0)[:, :2].T
+    a, b = np.zeros((2, tangent.dynamics.numbering.nx))
+    a[tangent.F], b[tangent.F] = np.random.default_rng(1).standard_normal((2, tangent.nf))
     left, right = (float(u @ tangent.times(LOADING, v[:, None])[:, 0]) for u, v in ((a, b), (b, a)))
     size = float(np.abs(a) @ np.abs(tangent.times(LOADING, np.abs(b)[:, None])[:, 0]))
     return abs(left - right) <= SYMMETRIC * max(size, 1e-300)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -10,9 +11,10 @@ from spacar.dynamics.dynamics import Dynamics
 from spacar.errors import AnalysisError, Report
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Array, Mechanism
-from spacar.stationary.equations import Motion, Point
+from spacar.stationary.equations import Given, Motion, Point
 from spacar.stationary.evaluator import Evaluator
 from spacar.stationary.loading import LoadLevel, SteadyDrive, loads_at
+from spacar.stationary.newton import LENGTHS
 from spacar.stationary.stability import Stability, critical_motion
 from spacar.stationary.tangent import SparseTangent
 from spacar.stationary.walk import Walk
@@ -98,17 +100,15 @@ class StationarySolver:
         """The walk starts at the start values. A state that is no equilibrium is held by forces that fade."""
         e, d = self._evaluator, self.dynamics
         given = e.load(LoadLevel(0.0, 0.0))
-        k = d.kinematics
-        k.begin()
-        d.place(0.0, e.y)
-        sigma = d.law(d.sweep.e, np.zeros(d.numbering.ne))
-        d.sweep.near[:] = d.sweep.e
-        try:
-            p = e.equations.point(k.x, sigma, given)
-            p = e.equations.point(k.x, e.equations.balanced(p), given)
-        except SingularMatrixError as error:
-            raise AnalysisError(f"the degrees of freedom do not determine the start configuration: {error}",
-                                "statics.no-solution") from None  # fmt: skip
+        p = self._reference(given)
+        if p is None:
+            d.kinematics.begin()
+            d.place(0.0, e.y)
+            sigma = d.law(d.sweep.e, np.zeros(d.numbering.ne))
+            d.sweep.near[:] = d.sweep.e
+            p = e.equations.point(d.kinematics.x, sigma, given)
+        with suppress(SingularMatrixError):  # degrees of freedom that do not determine the start leave it as it is
+            p = e.equations.point(p.x, e.equations.balanced(p), given)
         known = p.quiet
         if not known:
             force = np.zeros(d.numbering.nx)
@@ -118,6 +118,16 @@ class StationarySolver:
             return Walk(e, p, known, self.report)
         except SingularMatrixError:
             return Walk(e, p, False, self.report)
+
+    def _reference(self, given: Given) -> Point | None:
+        """The reference configuration, if it is the start and its deformations are those wanted."""
+        e, d, m = self._evaluator, self.dynamics, self.mechanism
+        reference = m.x0[m.numbering.x_class["dynamic"]]
+        if e.moving or (e.y[: d.n_xm] - reference).any() or e.y[d.n_xm : m.numbering.nddof].any():
+            return None
+        d.kinematics.begin()
+        p = e.equations.point(m.x0.copy(), d.law.preload.copy(), given)
+        return p if p.gap <= LENGTHS else None
 
     def _place(self, p: Point, level: LoadLevel) -> None:
         """The evaluator at the point, in terms of the degrees of freedom as far as they determine it."""

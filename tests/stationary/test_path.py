@@ -1,0 +1,248 @@
+"""The equilibrium path: against exact rods, independent of load steps and releases, limit points, critical states."""
+
+from __future__ import annotations
+
+import numpy as np
+import planar_models as models
+import pytest
+import rods
+
+import spacar
+from spacar.deck import parse_deck
+from spacar.errors import AnalysisError, Report
+from spacar.mechanism import build
+from spacar.stationary import StationarySolver, load_program
+
+CROSS_BODY, GUIDE_BODY = (0.1, 0.1), (0.0, 0.1)
+
+
+def run(text: str, mode: int = 8) -> spacar.Result:
+    return spacar.run(mode, parse_deck(text, mode=mode))
+
+
+def walked(text: str, mode: int = 8) -> tuple[list[np.ndarray], StationarySolver]:
+    """External forces (nx,) of all stored levels, and the solver at the end; no eigenvalue problem."""
+    m = build(parse_deck(text, mode=mode), mode)
+    solver, forces = StationarySolver(m, Report()), []
+    for level in load_program(m.settings):
+        solver.solve(level)
+        if level.store:
+            forces.append(solver.dynamics.sweep.rate_transposed(solver.solution.sigma))
+    return forces, solver
+
+
+def force(model: tuple[str, int], coordinate: int = 1, node: int = 0) -> np.ndarray:
+    """External force of all stored steps at the node of a model."""
+    forces, solver = walked(model[0])
+    return np.array(forces)[:, solver.mechanism.numbering.x_index(node or model[1], coordinate)]
+
+
+def falls_quadratically(values: list[float], exact: float) -> None:
+    """Two meshes n, 2n: the error falls by four. Order within 0.15: the next term is of order h^4, 5 % at these n."""
+    coarse, fine = (abs(v - exact) for v in values)
+    assert abs(np.log2(coarse / fine) - 2.0) < 0.15
+    assert fine < 2e-3 * abs(exact)
+
+
+@pytest.mark.parametrize("d", [-0.01, 0.01])
+def test_cross_hinge_against_exact_rods(d):
+    EA, EI = models.section(2e-4)
+    exact = rods.two_leaves(models.CROSS, CROSS_BODY, EA, EI, 0.1 + d * np.linspace(0.1, 1.0, 10), False)
+    falls_quadratically([force(models.cross_hinge(n, d))[-1] for n in (6, 12)], exact)
+
+
+def test_turned_cross_hinge_against_exact_rods():
+    EA, EI = models.section(2e-4)
+    angles = 0.25 * np.pi * np.linspace(0.05, 1.0, 20)
+    exact = rods.two_leaves(models.CROSS, CROSS_BODY, EA, EI, angles, True)
+    moments = [force(models.turned_hinge(n, 0.25 * np.pi), node=7)[-1] for n in (6, 12)]
+    falls_quadratically(moments, exact)
+
+
+@pytest.mark.parametrize("t", [2e-4, 1e-3])
+def test_parallel_guide_against_exact_rods(t):
+    EA, EI = models.section(t)
+    exact = rods.two_leaves(models.GUIDE, GUIDE_BODY, EA, EI, np.linspace(0.002, 0.02, 10), False)
+    falls_quadratically([force(models.guide(n, t, 0.02))[-1] for n in (6, 12)], exact)
+
+
+BUILDS = {"hinge": lambda **k: models.cross_hinge(3, 0.01, **k), "guide": lambda **k: models.guide(4, 2e-4, 0.02, **k)}
+
+
+@pytest.mark.parametrize("model", BUILDS.values(), ids=BUILDS)
+def test_path_does_not_depend_on_steps_and_releases(model):
+    """Equilibrium forces to 1e-8: the accepted forces are accurate to 1e-9 of the largest."""
+    reference = force(model())[-1]
+    for steps in (1, 3, 40):
+        assert force(model(steps=steps))[-1] == pytest.approx(reference, rel=1e-8)
+    for release in models.RELEASES:
+        assert force(model(release=release))[-1] == pytest.approx(reference, rel=1e-8)
+
+
+def test_lee_frame_before_the_limit_load():
+    """Exact rods at P = 1.5, v = 25.84100; error of order h^2."""
+    errors = []
+    for n in (10, 20):
+        text, p = models.lee(1.5, 5, n)
+        result = run(text)
+        x = result.frames[-1]
+        base = [-x.fxtot[result.mechanism.numbering.x_index(1, c)] for c in (1, 2)]
+        angle = 0.5 * np.pi + x.x[result.mechanism.numbering.x_index(2, 1)]
+        exact = rods.lee(1.5, np.array([*base, angle]))
+        assert 120.0 - exact[1] == pytest.approx(25.84100, abs=1e-5)
+        errors.append(abs(result.node(p, 2)[-1] - exact[1]))
+    assert abs(np.log2(errors[0] / errors[1]) - 2.0) < 0.15
+
+
+def test_prescribed_load_stops_at_the_limit_point():
+    """Limit load of the frame 1.8556 (exact rods); that of the mesh is below it with an error of order h^2."""
+    errors = []
+    for n in (10, 20):
+        with pytest.raises(AnalysisError) as caught:
+            run(models.lee(2.5, 10, n)[0])
+        assert caught.value.code == "statics.limit-point"
+        assert caught.value.exit_status == 1
+        assert "ITERSTEP position 7" in str(caught.value)
+        errors.append(1.8556 - 2.5 * caught.value.data["level"].initial)
+    assert 3.3 < errors[0] / errors[1] < 4.7  # the limit is known to four digits, the coarse error is 0.028
+    assert errors[1] < 0.01
+
+
+@pytest.mark.parametrize("steps", [5, 25])
+def test_path_beyond_the_limit_point_when_asked(steps):
+    """P = 2.5 after the snap-through: v = 93.21722 by exact rods; 10 elements a bar are 0.073 away, 40 a sixteenth."""
+    text, p = models.lee(2.5, steps, 10, follow=1)
+    result = run(text)
+    v = 120.0 - result.node(p, 2)[-1]
+    x, n = result.frames[-1], result.mechanism.numbering
+    base = [-x.fxtot[n.x_index(1, c)] for c in (1, 2)]
+    exact = rods.lee(2.5, np.array([*base, 0.5 * np.pi + x.x[n.x_index(2, 1)]]))
+    assert 120.0 - exact[1] == pytest.approx(93.21722, abs=1e-5)
+    assert v == pytest.approx(93.21722, abs=0.1)
+    assert any("limit points" in line for line in result.report)
+
+
+def test_stored_levels_before_the_limit_point_are_kept():
+    """The stream gives every stored step up to the limit, then the error."""
+    text = models.lee(1.0, 10, 10)[0].replace("1 0 0 0", "1 2 1 0").replace("ITERSTEP", "DELXF 5 0. -1.5\nITERSTEP")
+    stored = []
+
+    def collect() -> None:
+        for frame in spacar.frames(8, parse_deck(text, mode=8)):
+            stored.append(frame)
+
+    with pytest.raises(AnalysisError, match="limit point"):
+        collect()
+    assert len(stored) == 6  # 1.0, 1.15, ..., 1.75; the limit of this mesh is 1.828
+
+
+def test_clamped_beam_pushed_through_stays_symmetric():
+    """The path from +h to -h is its own mirror image: the forces change their signs; 4 and 10 steps agree."""
+    ends = []
+    for steps in (4, 10):
+        f = force(models.buckled(steps), coordinate=2)
+        assert f[-1] == pytest.approx(-f[0], rel=1e-6)  # of the path; each force is accurate to 1e-9
+        ends.append(f[-1])
+    assert ends[0] == pytest.approx(ends[1], rel=1e-8)
+    assert abs(ends[0]) > 30.0  # the antisymmetric branch has 12 N or 57 N with another sign
+
+
+STRIP = """
+{beams}
+FIX 1
+FIX 2
+INPUTX {tip} 3
+{classes}
+END
+HALT
+{stiff}
+XF {tip} 0. 1e-3 0.
+DELINPX {tip} 3 -0.01
+ITERSTEP 20 {steps} 1e-8 1 2
+END
+END
+"""
+
+
+def strip(steps: int, released: int, n: int = 6) -> spacar.Result:
+    """Cantilever strip 100 x 20 x 0.2 mm on edge, a millinewton across, its tip pressed down by 10 mm."""
+    E, G, h, t, l = 210e9, 80e9, 0.02, 2e-4, 0.1
+    beams = [f"BEAM {k} {2 * k - 1} {2 * k} {2 * k + 1} {2 * k + 2} 0. 1. 0." for k in range(1, n + 1)]
+    beams += [f"X {2 * k + 1} {l * k / n!r} 0. 0." for k in range(1, n + 1)]
+    classes = [f"DYNE {k} " + ("2 3 4 5 6" if k != released else "1 2 4 5 6") for k in range(1, n + 1)]
+    classes += [f"DYNE {k} 1" for k in range(1, n + 1) if k != released] + [f"RLSE {released} 3"]
+    S = f"{E * h * t!r} {G * h * t**3 / 3!r} {E * h**3 * t / 12!r} {E * h * t**3 / 12!r}"
+    stiff = [f"ESTIFF {k} {S}" for k in range(1, n + 1)] + [f"EM {k} 0.03" for k in range(1, n + 1)]
+    text = STRIP.format(
+        beams="\n".join(beams), classes="\n".join(classes), stiff="\n".join(stiff), tip=2 * n + 1, steps=steps
+    )
+    return run(text)
+
+
+def test_imperfect_strip_takes_the_stable_branch():
+    """Lateral buckling at 4.013 sqrt(EI GJ)/l^2 = 1.39 N: beyond it the force hardly grows, the strip gives way
+    sideways; the flat branch has 800 N."""
+    forces = []
+    for steps, released in ((5, 6), (10, 6), (10, 1)):
+        result = strip(steps, released)
+        n = result.mechanism.numbering
+        forces.append(result.frames[-1].fxtot[n.x_index(13, 3)])
+        assert not any("unstable" in line for line in result.report)
+    assert -1.8 < forces[0] < -1.39
+    assert np.allclose(forces, forces[0], rtol=1e-7, atol=0.0)
+
+
+SNAP = """
+PLTRUSS 1 1 2
+PLTRUSS 2 2 3
+X 1 -1. 0.
+X 2 0. 0.1
+X 3 1. 0.
+FIX 1
+FIX 3
+{classes}
+END
+HALT
+ESTIFF 1 1000.
+ESTIFF 2 1000.
+XM 2 1.
+XF 2 0. {load}
+ITERSTEP {settings}
+END
+END
+"""
+SHALLOW = "FIX 2 1\nDYNX 2 2\nRLSE 1\nRLSE 2"
+
+
+def test_failure_says_where_and_what_to_do():
+    """One iteration is too few to follow the snap-through."""
+    text = SNAP.format(classes=SHALLOW, load=-1.0, settings="1 4 5e-7 1 0 0 1")
+    with pytest.raises(AnalysisError) as caught:
+        run(text)
+    assert caught.value.code == "statics.no-convergence"
+    for part in ("of 4 (", "residual", "ITERSTEP", "cut to", "last solution", "0 negative eigenvalues"):
+        assert part in str(caught.value)
+
+
+def test_snap_through_of_a_shallow_truss():
+    """Two bars of length l = sqrt(1 + h^2), height h: F(y) = 2 EA/l0^... by hand, linear strain (l - l0) EA/l0.
+
+    The limit load is the maximum of F(y) = 2 EA (l0 - l)/l0 y/l, l^2 = 1 + y^2, between 0 and 0.1; beyond it the state
+    under 0.6 N is the root of F below -0.1.
+    """
+    l0 = np.hypot(1.0, 0.1)
+
+    def resisting(y: np.ndarray) -> np.ndarray:
+        return 2e3 * (l0 - np.hypot(1.0, y)) / l0 * y / np.hypot(1.0, y)
+
+    y = np.linspace(0.0, 0.1, 200_001)
+    limit = resisting(y).max()
+    with pytest.raises(AnalysisError, match="limit point") as caught:
+        run(SNAP.format(classes=SHALLOW, load=-1.0, settings="10 4"))
+    # the parabola through three states near the limit: 1e-3 model lengths apart, so 1e-4 of the load
+    assert caught.value.data["level"].initial == pytest.approx(limit, rel=1e-4)
+    assert "node 2 y" in str(caught.value)
+    result = run(SNAP.format(classes=SHALLOW, load=-1.0, settings="10 4 1e-10 1 0 0 1"))
+    end = result.node(2, 2)[-1]
+    assert end < -0.1
+    assert resisting(np.array(end)) == pytest.approx(1.0, rel=1e-9)
