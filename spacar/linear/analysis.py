@@ -22,6 +22,7 @@ from spacar.mechanism.mechanism import Array
 from spacar.modes import Run
 from spacar.stationary import StationarySolver, load_program
 from spacar.stationary.equilibrium import Equilibrium
+from spacar.stationary.loading import stored_levels
 from spacar.stationary.newton import LARGE
 from spacar.stationary.tangent import SparseTangent
 
@@ -88,7 +89,7 @@ def stationary(run: Run, reducible: bool = True) -> Iterator[Solution]:
     mechanism, settings = run.mechanism, run.mechanism.settings
     n = mechanism.numbering
     program = load_program(settings)
-    run.n_frames = sum(level.store for level in program)
+    run.n_frames = stored_levels(settings)
     solver = StationarySolver(mechanism, run.report)
     reduced = reducible and solver.sparse and n.nddof > LARGE and settings.sbd_level is None
     if reduced:
