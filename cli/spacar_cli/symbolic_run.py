@@ -28,6 +28,7 @@ def simulate_model(
     compiled: bool,
     plot: bool,
     show: bool,
+    wait: bool = False,
 ) -> list[str]:
     """Derive, integrate, write; the lines of the summary.
 
@@ -38,7 +39,7 @@ def simulate_model(
 
     values, start = _changed(model, changes)
     log, sbd = (model.path.with_suffix(ending) for ending in (".log", ".sbd"))
-    claim = Claim(sbd)
+    claim = Claim(sbd, wait)
     try:
         return _simulate(model, strategy, values, start, wishes, compiled, plot, show, log, claim)
     finally:

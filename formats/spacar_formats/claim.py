@@ -38,8 +38,7 @@ class Claim:
             while not self._locked():
                 if not wait:
                     raise UsageError(
-                        f"another run is writing {final}: wait for it (--wait does), or choose another folder with"
-                        " --output-dir",
+                        f"another run is writing {final}: wait for it (--wait does), or write somewhere else",
                         "files.busy",
                     )
                 time.sleep(PAUSE)

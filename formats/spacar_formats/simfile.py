@@ -23,6 +23,7 @@ from spacar.simulation.blocks import Block, Function, Gain, Sampled, Saturation,
 from spacar.simulation.diagram import Diagram
 from spacar_formats.ltvfile import read_ltv
 
+MOST_TIMES = 100_000_000
 SETTINGS = ("time", "step", "method", "atol", "rtol", "max_step")
 STORED = {"file": "", "interpolation": "linear", "hold": "no"}
 REQUIRED = object()
@@ -207,6 +208,9 @@ def read_model(path: Path) -> Model:
     duration, step = s.number("time"), s.number("step")
     if not (duration > 0.0 and 0.0 < step <= duration):
         raise s.error(f"time = {duration:g} and step = {step:g} must be positive, the step not larger than the time")
+    if duration / step > MOST_TIMES:
+        text = f"at most {MOST_TIMES:.0e} times, as they stay in memory"
+        raise s.error(f"time = {duration:g} with step = {step:g}: {text}")
     times = np.append(np.arange(round(duration / step)) * step, duration)
     options: dict[str, Any] = {key: s.number(key) for key in SETTINGS[3:] if s.values[key] is not None}
     if s.values["method"] is not None:

@@ -67,10 +67,16 @@ class PositionMatrix:
     def undetermined(self) -> str:
         """Names of the coordinates that move most in the motion that is not determined."""
         k = self.kinematics
+        if len(k.U) > MOST_NAMED:
+            return "some of its coordinates (too many to be told apart)"
         D = scaled_difference_matrix(k.mechanism, k.sweep.gradient())[np.ix_(k.E, k.U)]
         motion = np.abs(np.linalg.svd(D)[2][-1]).round(9)
         order = np.argsort(-motion, kind="stable")[:3]
         return ", ".join(k.numbering.x_name(int(k.U[i])) for i in order if motion[i] > 0.1)
+
+
+MOST_NAMED = 3000
+"""Unknown positions whose singular vectors (time and memory of a full matrix) are worth the names in a message."""
 
 
 class Regularity:

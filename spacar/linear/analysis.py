@@ -24,6 +24,7 @@ from spacar.linear.signals import linearization_signals
 from spacar.linear.state_space import Signal, chosen_rows, has_feedthrough, state_space
 from spacar.linearization.matrices import Linearization, linearize
 from spacar.stationary import LoadLevel, StationarySolver, load_program
+from spacar.stationary.loading import stored_levels
 from spacar.stationary.tangent import SparseTangent
 from spacar.stream import Run
 
@@ -98,7 +99,7 @@ def stationary(run: Run, reducible: bool = True) -> Iterator[Solution]:
     mechanism, settings = run.mechanism, run.mechanism.settings
     n = mechanism.numbering
     program = load_program(settings)
-    run.n_frames = sum(level.store for level in program)
+    run.n_frames = stored_levels(settings)
     solver = StationarySolver(mechanism, run.report)
     reduced = reducible and solver.sparse and n.nddof > LARGE and settings.sbd_level is None
     if reduced:

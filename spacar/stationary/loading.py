@@ -7,6 +7,7 @@ add the additional loading (DEL...) in equal increments, of which every n-th and
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -46,15 +47,41 @@ class LoadLevel:
         return f"load step {self.step} of {self.steps} ({self.initial:.6g} x initial{extra} loading)"
 
 
-def load_program(settings: Settings) -> list[LoadLevel]:
+@dataclass(frozen=True)
+class LoadProgram:
+    """All levels in order, made one after the other as often as it is run through."""
+
+    settings: Settings
+
+    def __iter__(self) -> Iterator[LoadLevel]:
+        return _levels(self.settings)
+
+
+def load_program(settings: Settings) -> LoadProgram:
     """All levels in order; those with `store` become frames."""
+    return LoadProgram(settings)
+
+
+def _levels(settings: Settings) -> Iterator[LoadLevel]:
     if settings.stationary_type not in WITH_ADDITIONAL:
         n = settings.initial_steps if settings.initial_steps > 0 else max(settings.load_steps, 1)
-        return [LoadLevel(k / n, 0.0, k == n, k, n) for k in range(1, n + 1)]
+        for k in range(1, n + 1):
+            yield LoadLevel(k / n, 0.0, k == n, k, n)
+        return
     n0, n1 = max(settings.initial_steps, 1), max(settings.load_steps, 1)
-    levels = [LoadLevel(k / n0, 0.0, k == n0, k, n0 + n1) for k in range(1, n0 + 1)]
+    for k in range(1, n0 + 1):
+        yield LoadLevel(k / n0, 0.0, k == n0, k, n0 + n1)
     every = max(settings.store_every, 1)
-    return levels + [LoadLevel(1.0, k / n1, k % every == 0 or k == n1, n0 + k, n0 + n1) for k in range(1, n1 + 1)]
+    for k in range(1, n1 + 1):
+        yield LoadLevel(1.0, k / n1, k % every == 0 or k == n1, n0 + k, n0 + n1)
+
+
+def stored_levels(settings: Settings) -> int:
+    """How many of the levels become frames."""
+    if settings.stationary_type not in WITH_ADDITIONAL:
+        return 1
+    n1, every = max(settings.load_steps, 1), max(settings.store_every, 1)
+    return 1 + -(-n1 // every)
 
 
 def loads_at(mechanism: Mechanism, level: LoadLevel) -> Loads:

@@ -22,6 +22,7 @@ from spacar.symbolic.program import Program
 INTEGRATORS = {"gear": "LSODA", "bdf": "BDF", "radau": "Radau", "dop853": "DOP853"}
 LOOSEST = 1e-2
 TIGHTEST_SCALED = 1e-10  # below this fraction of its scale a state at rest under load is rounding noise
+MOST_STEPS = 100_000_000
 MOST_EVALUATIONS = 1_000_000  # stiff runs need 1e3 to 1e5; more means that the step is at the level of rounding
 
 
@@ -130,6 +131,8 @@ def simulate(
         )
     if not (math.isfinite(t_end) and t_end > 0 and steps >= 1):
         raise UsageError(f"time {t_end:g} s and {steps} steps: both must be positive")
+    if steps > MOST_STEPS:
+        raise UsageError(f"{steps} steps: at most {MOST_STEPS:.0e}, as the motion stays in memory")
     names = tuple(s.name for s in program.state)
     unknown = [name for name in start or {} if name not in names]
     if unknown:

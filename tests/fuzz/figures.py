@@ -68,13 +68,21 @@ def one_step_of_it(folder: Path, scale: float) -> Figure:
 
 
 def elements(folder: Path, scale: float) -> Figure:
-    n = max(int(5000 * scale), 10)
-    lines = [f"PLBEAM {k} {2 * k - 1} {2 * k} {2 * k + 1} {2 * k + 2}" for k in range(1, n + 1)]
-    lines += [f"X {2 * k + 1} {k / n:.17g} 0." for k in range(1, n + 1)]
-    lines += ["FIX 1", "FIX 2", *(f"DYNE {k} 2 3" for k in range(1, n + 1)), "END", "HALT"]
-    lines += [f"EM {k} 1." for k in range(1, n + 1)] + [f"ESTIFF {k} 1e6 1." for k in range(1, n + 1)]
-    (folder / "chain.dat").write_text("\n".join([*lines, "END", "END"]) + "\n")
-    return measured(f"mode 0 of {n} beams in a row", folder, 0, "chain")
+    """Soft cantilevers of 1000 beams each: accelerations and one output step in mode 1."""
+    n = max(int(1000 * scale), 10)
+    first, second = [], []
+    for row in range(5):
+        e, p = row * n, row * (2 * n + 2)
+        nodes = [" ".join(str(p + 2 * k + i) for i in (-1, 0, 1, 2)) for k in range(1, n + 1)]
+        first += [f"PLBEAM {e + k} {own}" for k, own in enumerate(nodes, 1)]
+        first += [f"X {p + 2 * k + 1} {k} {row}" for k in range(n + 1)] + [f"FIX {p + 1}", f"FIX {p + 2}"]
+        first += [f"DYNE {e + k} 2 3" for k in range(1, n + 1)]
+        second += [f"EM {e + k} 1." for k in range(1, n + 1)] + [f"ESTIFF {e + k} 1e6 1e-6" for k in range(1, n + 1)]
+    order = {"PLBEAM": 0}
+    first.sort(key=lambda line: order.get(line.split()[0], 1))
+    second += ["GRAVITY 0. -1.", "TIMESTEP 1e-6 1", "ERROR 1e-3 1e-3"]
+    (folder / "rows.dat").write_text("\n".join([*first, "END", "HALT", *second, "END", "END"]) + "\n")
+    return measured(f"mode 1 of {5 * n} beams, one output step", folder, 1, "rows")
 
 
 FIGURES: tuple[Callable[[Path, float], Figure], ...] = (variants, steps, big_file, one_step_of_it, elements)

@@ -15,7 +15,7 @@ from spacar.errors import UsageError
 from spacar.integrators import EvenTimes
 from spacar.studies.assignments import Combinations, axis, combine
 
-from .processes import model, start, until
+from .processes import DATA, done, model, start, until
 
 GIGABYTE = 1 << 30
 
@@ -105,3 +105,25 @@ def test_such_a_sweep_begins_at_once_and_can_be_interrupted(tmp_path, jobs):
     _, err = process.communicate(timeout=60)
     assert process.returncode == 130, err
     assert err.strip() == "error: interrupted"
+
+
+@pytest.mark.parametrize("kind", [0, 1, 2, 3])
+@pytest.mark.parametrize(("initial", "additional", "every"), [(0, 1, 1), (3, 7, 2), (1, 10, 20), (4, 0, 0), (2, 6, 3)])
+def test_stored_load_levels_are_counted_without_being_made(kind, initial, additional, every):
+    from spacar.mechanism import Settings
+    from spacar.stationary.loading import load_program, stored_levels
+
+    settings = Settings(stationary_type=kind, initial_steps=initial, load_steps=additional, store_every=every)
+    assert stored_levels(settings) == sum(level.store for level in load_program(settings))
+
+
+def test_simulations_that_stay_in_memory_have_a_largest_number_of_times(tmp_path):
+    model(tmp_path, "robotsim")
+    text = (DATA / "robotsim.sim").read_text().replace("step = 0.01", "step = 1e-12")
+    (tmp_path / "a.sim").write_text(text)
+    for name, mode in (("robotinv", 2), ("robotinvlin", 3)):
+        model(tmp_path, name)
+        assert done(tmp_path, mode, name)[0] == 0
+    status, _, err = done(tmp_path, "sim", "a")
+    assert status == 2
+    assert "stay in memory" in err

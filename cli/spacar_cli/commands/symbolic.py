@@ -125,6 +125,7 @@ def _setting(ctx: click.Context, parameter: click.Parameter, values: tuple[str, 
 @click.option("--compile", "compiled", is_flag=True, help="Build the C program with the system compiler.")
 @click.option("--plot", is_flag=True, help="Also one figure (png) for each coordinate and output.")
 @click.option("--show", is_flag=True, help="Write all equations in vector notation into the log.")
+@click.option("--wait", is_flag=True, help="Wait when another run is writing the same results.")
 @click.option("--quiet", is_flag=True, help="No summary.")
 def simulate(
     model: Path,
@@ -133,12 +134,13 @@ def simulate(
     plot: bool,
     show: bool,
     strategy: str,
+    wait: bool,
     quiet: bool,
     **wishes: Any,
 ) -> None:
     """Simulate MODEL; writes NAME.log and NAME.sbd beside it."""
     from spacar_cli.symbolic_run import simulate_model
 
-    lines = simulate_model(_read(model), strategy, changes, wishes, compiled=compiled, plot=plot, show=show)
+    lines = simulate_model(_read(model), strategy, changes, wishes, compiled=compiled, plot=plot, show=show, wait=wait)
     if not quiet:
         click.echo("\n".join(lines))
