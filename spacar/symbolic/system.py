@@ -71,7 +71,10 @@ class System:
         """A scalar from a number, an expression, or a text in which unknown names are parameters."""
         if isinstance(value, str):
             known = {str(f.func): f for f in [*self.coordinates, *self.speeds]}
-            known |= {s.name: s for s in self.inputs}
+            known |= {
+                s.name: s for s in [*self.inputs, *self.accelerations.values(), *(c.force for c in self.constraints)]
+            }
+            known |= {str(f.func): f for p in self.pseudo for f in (p.coordinate, p.speed)} | {"t": TIME}
             value = read_expression(value, known, unknown=lambda name: sp.Symbol(name, real=True))
         return sp.sympify(value).xreplace(self.rates)
 
@@ -118,6 +121,22 @@ class System:
         symbol = sp.Symbol(name, real=True)
         self.inputs[symbol] = None if expression is None else self.expression(expression)
         return symbol
+
+    @property
+    def time(self) -> sp.Symbol:
+        """The symbol of time t."""
+        return TIME
+
+    @property
+    def field_speeds(self) -> dict[sp.Expr, sp.Expr]:
+        """{φ_k: dφ_k} of all beams."""
+        return {q: s for beam in self.beams for q, s in zip(beam.coordinates, beam.speeds, strict=True)}
+
+    def pseudo_values(self) -> dict[sp.Expr, sp.Expr]:
+        """Pseudo-coordinates and pseudo-speeds as values of the assumed fields."""
+        speeds = self.field_speeds
+        values = {p.coordinate: p.value for p in self.pseudo}
+        return values | {p.speed: p.rate(speeds) for p in self.pseudo}
 
     def ddt(self, frame: Frame, value: Any) -> Any:
         """Time derivative from `frame` with the kinematic equations put in: q̇ -> speeds, ṡ -> acceleration symbols."""
@@ -203,9 +222,52 @@ class System:
         k, rest, c = (self.expression(value) for value in (stiffness, length, damping))
         self.springs.append(Spring(a, b, k, rest, c, now, stretching, line / now))
 
-    def constraint(self, expression: Any, dependent: sp.Expr | None = None) -> None:
-        """A non-holonomic (or differentiated holonomic) constraint: expression = 0, linear in the speeds."""
-        self.constraints.append(Constraint(self.expression(expression), dependent))
+    def constraint(self, expression: Any, name: str | None = None) -> sp.Symbol:
+        """A constraint expression = 0: linear in the speeds, or without speeds (a position constraint).
+
+        Time and prescribed coefficients may occur. Returns its force λ (the generalized forces are Jᵀ λ), a symbol for
+        outputs. The λ of a velocity component along e is the force along e. Raises UsageError when the expression
+        restricts nothing.
+        """
+        if isinstance(expression, Vector):
+            raise UsageError("a constraint is a scalar: take the component of the vector along a direction (&)")
+        name = name or f"constraint{len(self.constraints) + 1}"
+        e = self.expression(expression)
+        moving = [*self.speeds, *(p.speed for p in self.pseudo)]
+        position = None if e.has(*moving) else e
+        velocity = e if position is None else self.ddt(self.N, e)
+        if not velocity.has(*moving):
+            raise UsageError(f"{name}: {e} = 0 contains no coordinate or speed, so it constrains nothing", "constraint")
+        self.claim(name, f"constraint {name}")
+        force = sp.Symbol(f"{name}_force", real=True)
+        self.claim(force.name, f"force of constraint {name}")
+        self.constraints.append(Constraint(name, velocity, position, force))
+        return force
+
+    def close(self, a: Point, b: Point, directions: Any = None, name: str | None = None) -> tuple[sp.Symbol, ...]:
+        """Close a loop: points `a` and `b` coincide along `directions` (unit vectors; default all three of N).
+
+        Directions in which the points coincide in every configuration, as out of the plane of a planar mechanism, are
+        left out. Start values are assembled and the loop is kept closed by projection. Returns the forces of `b` on
+        `a`, one for each direction that is closed. Raises UsageError when nothing or nothing movable is to be closed.
+        """
+        from spacar.symbolic.transform import transform
+
+        name = name or f"close{sum('close' in c.name for c in self.constraints) + 1}"
+        wanted = [self.N[i] for i in (1, 2, 3)] if directions is None else directions
+        wanted = [wanted] if isinstance(wanted, Vector) else list(wanted)
+        gap = a.position - b.position
+        open_ones: list[tuple[int, sp.Expr]] = []
+        for number, direction in enumerate(wanted, 1):
+            if not isinstance(direction, Vector):
+                raise UsageError(f"{name}: a direction must be a vector such as N[1], not {direction!r}", "constraint")
+            distance = sp.expand(gap & direction)
+            if sp.expand(transform(distance)) == 0:
+                continue
+            open_ones.append((number, distance))
+        if not open_ones:
+            raise UsageError(f"{name}: the points coincide in every configuration already", "constraint")
+        return tuple(self.constraint(d, name if len(open_ones) == 1 else f"{name}_{number}") for number, d in open_ones)
 
     def all_loads(self) -> list[Load]:
         return [*self.loads, *(load for spring in self.springs for load in spring.loads())]
