@@ -121,9 +121,9 @@ def check(eq: Equations, digits: int = 30, seed: int = 1) -> Check:
             row = here["J"][k * n : k * n + n]
             parts = [*(j * a for j, a in zip(row, solution, strict=False)), here["bias"][k], *row]
             errors.append(float(abs(de) / max(map(abs, parts))))
-        for row, dg in zip(c.position if c else (), slope("g"), strict=True):
-            parts = [here["J"][row * n + i] * speeds[i] for i in range(n)] + [here["e"][row]]
-            errors.append(float(abs(dg - here["e"][row]) / max(map(abs, parts))))
+        for at, dg in zip(c.position if c else (), slope("g"), strict=True):
+            parts = [here["J"][at * n + i] * speeds[i] for i in range(n)] + [here["e"][at]]
+            errors.append(float(abs(dg - here["e"][at]) / max(map(abs, parts))))
     return Check(energy_error, positive, max(errors) if errors else None, note)
 
 

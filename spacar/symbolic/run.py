@@ -122,7 +122,8 @@ def simulate(
     close and velocities fit; during the run the state is projected (`closure.py`). `at`: output times instead.
     atol: one number, numbers by state name, or None for rtol times the scale of each state (the larger of start
     value and static deflection; of speeds that of their coordinate per second; 1 when all are zero).
-    `feeds`: functions of (t, y) for inputs without law. `function` replaces the generated Python (compiled code). `progress` is called with the time; `limit` evaluations end a run that stalls. Raises UsageError for unknown
+    `feeds`: functions of (t, y) for inputs without law. `function` replaces the generated Python (compiled code).
+    `progress` is called with the time; `limit` evaluations end a run that stalls. Raises UsageError for unknown
     names or tolerances above 1e-2, AnalysisError when the integrator stops.
     """
     from scipy.integrate import solve_ivp

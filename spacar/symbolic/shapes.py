@@ -72,9 +72,7 @@ def free(number: int) -> Shapes:
     return _family(number, lambda xi, k: sp.legendre(k + 2, 2 * xi - 1), 0)
 
 
-def _family(
-    number: int, member: Callable[[sp.Symbol, int], sp.Expr], fixed: int
-) -> Shapes:
+def _family(number: int, member: Callable[[sp.Symbol, int], sp.Expr], fixed: int) -> Shapes:
     """Orthogonalized members; `fixed` derivatives vanish at the root."""
     xi = sp.Symbol("xi")
     basis: list[sp.Poly] = []

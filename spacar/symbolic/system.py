@@ -80,12 +80,20 @@ class System:
 
     def vector(self, components: Sequence[Any], frame: Frame) -> Vector:
         """A vector from three measure numbers in a frame."""
-        if len(components) != 3:
-            raise UsageError(f"a vector needs 3 measure numbers, not {len(components)}")
+        if isinstance(components, str) or not hasattr(components, "__len__") or len(components) != 3:
+            raise UsageError(f"a vector needs a list of 3 measure numbers, not {components!r}")
         return sum((self.expression(c) * frame[i] for i, c in enumerate(components, 1)), ZERO)
 
     def parameters(self, names: str) -> tuple[sp.Symbol, ...]:
-        """Real symbols of constant parameters, from names separated by blanks."""
+        """Real symbols of constant parameters, from names separated by blanks.
+
+        Raises UsageError for the name of time, or of a coordinate, speed or input.
+        """
+        moving = {str(f.func): "a coordinate or speed" for f in [*self.coordinates, *self.speeds]}
+        moving |= {s.name: "an input" for s in self.inputs} | {"t": "time"}
+        for name in names.split():
+            if name in moving:
+                raise UsageError(f"parameter {name}: this is the name of {moving[name]}", "name")
         return tuple(sp.Symbol(name, real=True) for name in names.split())
 
     def coordinate(self, name: str, speed: str | None = None) -> Any:
@@ -155,6 +163,9 @@ class System:
 
     def point(self, name: str, base: Point, offset: Vector = ZERO, velocity: Vector | None = None) -> Point:
         """The point at `offset` from `base`; `velocity` in N may be given when the constraints of speeds are known."""
+        _demand_vector(f"point {name}: offset", offset)
+        if velocity is not None:
+            _demand_vector(f"point {name}: velocity", velocity)
         offset = offset.xreplace(self.rates)
         if velocity is not None:
             return Point(name, base, offset, velocity.xreplace(self.rates), given=True)
@@ -173,7 +184,11 @@ class System:
         """
         frame = frame.frame if isinstance(frame, Section) else frame
         if not isinstance(inertia, Dyad):
-            numbers = [self.expression(value) for value in (inertia or ())]
+            if inertia is not None and (isinstance(inertia, str) or not hasattr(inertia, "__len__")):
+                raise UsageError(f"body {name}: inertia must be a dyad or 3 or 6 numbers, not {inertia!r}", "inertia")
+            numbers = [self.expression(value) for value in (() if inertia is None else inertia)]
+            if len(numbers) not in (0, 3, 6):
+                raise UsageError(f"body {name}: inertia needs 3 or 6 numbers, not {len(numbers)}", "inertia")
             dyad = Dyad()
             for (i, j), value in zip(_INERTIA, numbers, strict=False):
                 dyad += (frame[i] | frame[j]) * value
@@ -207,10 +222,12 @@ class System:
 
     def force(self, point: Point, vector: Vector) -> None:
         """A force on a point."""
+        _demand_vector("force", vector)
         self.loads.append(Load(vector.xreplace(self.rates), point=point))
 
     def torque(self, frame: Frame | Section, vector: Vector, reaction: Frame | Section | None = None) -> None:
         """A torque on a frame, with the opposite torque on the frame `reaction`. A motor at a tip reacts on the tip."""
+        _demand_vector("torque", vector)
         on, by = (f.frame if isinstance(f, Section) else f for f in (frame, reaction))
         self.loads.append(Load(vector.xreplace(self.rates), frame=on, reaction=by))
 
@@ -286,3 +303,8 @@ class System:
             if q.diff(TIME) not in self.rates:
                 raise UsageError(f"coordinate {q.func} has no kinematic equation: give it a speed or use kinematic()")
         return derive(self, strategy, recurrence)
+
+
+def _demand_vector(what: str, value: Any) -> None:
+    if not isinstance(value, Vector):
+        raise UsageError(f"{what} must be a vector such as 2*N[1], not {value!r}")

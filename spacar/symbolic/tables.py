@@ -24,7 +24,7 @@ KINDS: dict[str, tuple[str, Any]] = {
     "expression": ("an expression (text or number)", (str, int, float)),
     "vector": ("a list of 3 expressions", list),
     "expressions": ("a list of expressions", list),
-    "shapes": ("a number of default shapes, a family such as \"pinned 3\" or a list of expressions in x", (int, str, list)),
+    "shapes": ('a number of default shapes, a family ("pinned 3") or a list of expressions in x', (int, str, list)),
     "axes": ("2, 3 or [2, 3]", (int, list)),
     "stiffness": ("an expression, or one for each bending direction", (str, int, float, list)),
     "list": ("a list", list),
