@@ -12,8 +12,9 @@ import pytest
 from spacar_cli.environment import Environment
 from spacar_cli.main import main
 
-from spacar.compiled import library, store
+from spacar.compiled import library
 from spacar.errors import UsageError
+from spacar.native import store
 
 from .processes import DATA, ENVIRONMENT, done, model
 
