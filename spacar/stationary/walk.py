@@ -33,6 +33,7 @@ from spacar.stationary.turning import LimitPoint, around
 SMALLEST_PART = 1.0 / 1024.0
 CRITICAL_PART = 1.0 / 256.0  # of a load step, in which a critical state is looked for
 STILL = 1e-6  # model lengths or rad: a straight column hardly moves at its critical load, nothing can be mistaken
+LARGE = 600  # unknowns; above, negative eigenvalues are counted at the start and at stored levels only
 EASY = 6  # iterations after which the next part of a step may be twice as large
 FARTHEST = 16.0  # weight of a state in the prediction: 6 for equal parts, more when the parts have grown
 REMEMBERED = 4  # states that the prediction uses: a cubic polynomial
@@ -63,7 +64,7 @@ class Walk:
         self.limit, self.tolerance = settings.max_iterations, settings.tolerance
         self.follow = bool(settings.follow_path)
         if known:
-            self._count(stored=False)
+            self._count(stored=evaluator.plain)
         # held, or without stiffness as long as no load acts: not on the path, predicts nothing
         self._arbitrary = not known or (self.stable is not None and self.stable.zero > 0)
 
@@ -179,6 +180,8 @@ class Walk:
         e = self.evaluator
         if not (e.plain or stored):
             return False  # a sign of a determinant, at the cost of another iteration
+        if e.equations.nf + e.equations.ne > LARGE and not stored:
+            return False  # the count costs more than an iteration there
         self.stable = stability(e.equations, e.tangent, self.point, self.noise)
         return before is not None and self.stable is not None and self.stable.differs(before)
 
