@@ -36,17 +36,20 @@ def simulate_model(
     settings = DEFAULTS | model.settings | {key: value for key, value in wishes.items() if value is not None}
     try:
         eq = model.system.derive(strategy)
+        checked = eq.check()
+        checked.demand()
         program = eq.program(model.outputs)
         function, note = _compiled(program, values) if compiled else (None, "generated Python")
         run = program.simulate(
             values, start, t_end=float(settings["time"]), steps=int(settings["steps"]),
             integrator=settings["integrator"], rtol=float(settings["rtol"]), atol=settings["atol"], function=function,
+            guess=settings.get("guess"),
         )  # fmt: skip
     except SpacarError as error:
         kind = AnalysisError if isinstance(error, AnalysisError) else UsageError
         raise kind(f"{model.path.name}: {error}", error.code) from None
     log, sbd = (model.path.with_suffix(ending) for ending in (".log", ".sbd"))
-    summary = _summary(eq, program, run, note)
+    summary = _summary(eq, program, run, note, str(checked))
     write_sbd(sbd, model, run)
     _write_log(log, model, eq, values, start, summary, show)
     written = [log, sbd]
@@ -80,13 +83,16 @@ def _compiled(program: Program, values: dict[str, float]) -> tuple[Any, str]:
     return CompiledFunction(program, values), f"C, compiled by {compiler()}"
 
 
-def _summary(eq: Equations, program: Program, run: Run, note: str) -> list[str]:
+def _summary(eq: Equations, program: Program, run: Run, note: str, checked: str) -> list[str]:
     counts, s, e = program.counts(), run.statistics, run.eigenvalue
     last = ", ".join(f"{name} = {run[name][-1]:.12g}" for name in [*run.names, *run.outputs])
     return [
         f"derivation   {eq.strategy}, {eq.seconds:.2f} s, {counts['step']} operations per step, {counts['once']} once",
+        f"check        {checked}",
+        *run.notes,
         f"integration  {s['integrator']} ({s['method']}), rtol {s['rtol']:g}, {s['evaluations']} evaluations, "
-        f"{s['jacobians']} Jacobians, {s['seconds']:.2f} s, {note}",
+        f"{s['jacobians']} Jacobians, {s['seconds']:.2f} s, {note}"
+        + (f", {s['projections']} restarts from the constraints" if "projections" in s else ""),
         f"end          t = {run.time[-1]:g} s: {last}",
         f"eigenvalue   with the largest real part at the end: {e.real:.6g} {'+' if e.imag >= 0 else '-'} "
         f"{abs(e.imag):.6g} i 1/s" + (" (unstable)" if e.real > 1e-6 * abs(e) and e.real > 1e-9 else ""),

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from spacar.errors import AnalysisError
+from spacar.errors import AnalysisError, UsageError
 from spacar.symbolic.program import Program
 
 
@@ -32,11 +32,13 @@ class CompiledFunction:
 
         numbers = check_values(program, values)
         check_feeds(program, feeds)
-        self.program, self.library = program, _build(program.text("c", jacobian=True))
+        self.program, self.library = program, _build(program.text("c", jacobian=True), program.m > 0)
         n, size = program.n, len(program.state)
         lengths = {
             "p": len(program.parameters), "c": len(program.jacobian.once), "y": size, "u": len(program.inputs),
             "ydot": size, "J": size * size, "M": n * n, "f": n, "out": len(program.outputs),
+            "Jc": program.m * n, "h": program.m, "turn": len(program.coordinates) * n,
+            "res": len(program.constraints.residual) if program.constraints else 0,
         }  # fmt: skip
         # one buffer for every argument: addresses are taken once, a call costs little more than the arithmetic
         self._buffer = {name: np.zeros(max(length, 1)) for name, length in lengths.items()}
@@ -76,8 +78,8 @@ class CompiledFunction:
 
     def outputs(self, t: float, y: Any) -> tuple[float, ...]:
         """The named outputs at (t, y)."""
-        self.inputs(t, y)
-        self._call("eom_outputs", "c", "p", "y", "u", "out")
+        self._at_state(t, y)
+        self._report(self._call("outputs", "c", "p", "y", "u", "out", time=t))
         return tuple(self._buffer["out"][: len(self.program.outputs)].tolist())
 
     def accel(self, y: Any, u: Any) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -85,16 +87,30 @@ class CompiledFunction:
         n = self.program.n
         self._buffer["y"][:] = y
         self._buffer["u"][: len(self.program.inputs)] = u
-        self._call("accel", "p", "y", "u", "M", "f")
+        self._call("accel", "p", "y", "u", "M", "f", *(("Jc", "h") if self.program.m else ()))
         M = self._buffer["M"].reshape(n, n)
         return tuple(M[np.triu_indices(n)].tolist()), tuple(self._buffer["f"].tolist())
 
+    def manifold(self, t: float, y: Any) -> tuple[np.ndarray, ...]:
+        """I, J, the open velocities e, the gaps g and ∂q̇/∂s of a program with constraints."""
+        c = self.program.constraints
+        if c is None:
+            raise UsageError("the program has no constraints", "constraint")
+        n, m = self.program.n, self.program.m
+        self.inputs(t, y)
+        self._call("eom_step", "c", "p", "y", "u", "M", "f", "Jc", "h")
+        self._call("eom_manifold", "c", "p", "y", "u", "res", "turn")
+        M, J, res, turn = (self._buffer[name].copy() for name in ("M", "Jc", "res", "turn"))
+        return M.reshape(n, n), J.reshape(m, n), res[:m], res[m : m + len(c.position)], turn.reshape(-1, n)
+
     def _report(self, bad: int) -> None:
+        if bad < 0:
+            raise ArithmeticError("the constraints depend on each other at this position")
         if bad:
             raise ArithmeticError(f"mass matrix is not positive definite at {self.program.speeds[bad - 1].name}")
 
 
-def _build(text: str) -> Any:
+def _build(text: str, tied: bool) -> Any:
     cc = compiler()
     if cc is None:
         raise AnalysisError("no C compiler was found (cc, gcc or $CC): run without --compile", "compiler")
@@ -110,10 +126,11 @@ def _build(text: str) -> Any:
     loaded = ctypes.CDLL(str(library))
     folder.cleanup()  # the loaded library stays mapped
     real, address = ctypes.c_double, ctypes.c_void_p
-    for name, arguments in {
-        "eom_once": [address] * 2, "accel": [address] * 5, "eom_feed": [real, *[address] * 4],
-        "eom_outputs": [address] * 5, "rhs": [real, *[address] * 5], "jac": [real, *[address] * 5],
-    }.items():  # fmt: skip
-        getattr(loaded, name).argtypes = arguments
-        getattr(loaded, name).restype = ctypes.c_int if name in ("rhs", "jac") else None
+    solving = ("rhs", "jac", "outputs")
+    arrays = {"eom_once": 2, "accel": 7 if tied else 5, "eom_step": 8 if tied else 6}
+    arrays |= {"eom_manifold": 6} if tied else {}
+    for name, number in (arrays | dict.fromkeys(solving, 5) | {"eom_feed": 4}).items():
+        timed = name in solving or name == "eom_feed"
+        getattr(loaded, name).argtypes = [real] * timed + [address] * number
+        getattr(loaded, name).restype = ctypes.c_int if name in solving else None
     return loaded

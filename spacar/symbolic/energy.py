@@ -18,14 +18,6 @@ if TYPE_CHECKING:
     from spacar.symbolic.system import System
 
 
-def pseudo_values(system: System) -> dict[sp.Expr, sp.Expr]:
-    """Pseudo-coordinates and -speeds as values of the assumed fields."""
-    speed = {q: s for beam in system.beams for q, s in zip(beam.coordinates, beam.speeds, strict=True)}
-    values = {p.coordinate: p.value for p in system.pseudo}
-    values |= {p.speed: sp.Add(*(g * speed[q] for q, g in p.gradient.items())) for p in system.pseudo}
-    return values
-
-
 def kinetic_energy(eq: Equations) -> sp.Expr:
     """½ sᵀ I s [J]. UsageError when velocities contain parts without speeds (prescribed motion)."""
     at_rest = dict.fromkeys(eq.system.speeds, sp.S.Zero)

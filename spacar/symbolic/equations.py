@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import sympy as sp
 
 from spacar.errors import UsageError
-from spacar.symbolic.collect import ZTable, definition_order
-from spacar.symbolic.constraints import eliminate_dependent_speeds
+from spacar.symbolic.collect import ZTable, definition_order, gather_scalars
+from spacar.symbolic.constraints import ConstraintRows, check_constraints, constraint_rows
 from spacar.symbolic.transform import DirectionCosines, transform
 from spacar.symbolic.units import HeldScalar
 
@@ -42,9 +40,10 @@ class Derivation:
 class Equations:
     """The equations of motion.
 
-    coordinates q, independent speeds s; `kinematics` {q: q̇(q, s)}; `definitions` {Z: expression} in reading order;
+    coordinates q, speeds s; `kinematics` {q: q̇(q, s)}; `definitions` {Z: expression} in reading order;
     `mass_matrix` (n, n) symmetric and `rhs` (n, 1), in cosines and Z; `held` {speed: equation in vector notation}
-    for the held strategy, pseudo-speeds included; `seconds` of derivation.
+    for the held strategy, pseudo-speeds included; `constraints` J, γ, e, g or None; `seconds` of derivation.
+    With constraints I ṡ = f + Jᵀ λ, J ṡ + γ = 0.
     """
 
     system: System
@@ -58,9 +57,8 @@ class Equations:
     held_by_speed: dict[sp.Expr, sp.Expr]
     table: ZTable
     cosines: DirectionCosines
-    dependent: dict[sp.Expr, sp.Symbol]
     seconds: float
-    reactions: tuple[sp.Matrix, sp.Matrix] | None = None
+    constraints: ConstraintRows | None = None
 
     @property
     def held(self) -> tuple[sp.Expr, ...]:
@@ -84,13 +82,17 @@ class Equations:
         """Mass matrix and right-hand side without Z variables."""
         return sp.Matrix(self.expand(self.mass_matrix)), sp.Matrix(self.expand(self.rhs))
 
-    def scalar(self, value: Any) -> sp.Expr:
-        """An output expression ready for a program: held products and pseudo-coordinates replaced."""
-        from spacar.symbolic.energy import pseudo_values
+    def scalar(self, value: Any, cosines: DirectionCosines | None = None) -> sp.Expr:
+        """An output expression ready for a program: held products, pseudo-coordinates and their rates replaced.
 
-        value = self.system.expression(value)
-        value = transform(value, self.cosines) if value.has(HeldScalar) else value
-        return value.xreplace(pseudo_values(self.system)).xreplace(self.dependent)
+        Accelerations ṡ and constraint forces λ stay symbols. Cosines are memory reads unless `cosines` are given.
+        """
+        system = self.system
+        value = system.expression(value)
+        value = transform(value, cosines or self.cosines) if value.has(HeldScalar) else value
+        speeds, a = system.field_speeds, system.accelerations
+        moved = {a[p.speed]: p.acceleration(speeds, a) for p in system.pseudo if value.has(a[p.speed])}
+        return value.xreplace(moved).xreplace(system.pseudo_values())
 
     def energy(self) -> tuple[sp.Expr, sp.Expr]:
         """Kinetic and potential energy [J] (gravity, strain, springs); see `energy.py`."""
@@ -110,30 +112,8 @@ class Equations:
 
         return linearize(self, values, point or {})
 
-    def constraint_forces(self, values: dict[str, float]) -> Callable[[float, Any], np.ndarray]:
-        """λ(t, y) of the constraints for parameter values; the generalized forces are Jᵀ λ.
-
-        A constraint written as a velocity component (v·b2 = 0) has the force along it (b2) as its λ. Raises UsageError
-        for a system without constraints.
-        """
-        if self.reactions is None:
-            raise UsageError("the system has no constraints, so there are no constraint forces")
-        C, d = self.reactions
-        names = {f"r{i}_{j}": C[i, j] for i in range(C.rows) for j in range(C.cols)}
-        names |= {f"d{i}": d[i] for i in range(C.rows)}
-        function = self.program(names).function(values, jacobian=False)
-        n = len(self.speeds)
-
-        def forces(t: float, y: Any) -> np.ndarray:
-            numbers = np.array(function.outputs(t, y))
-            rates = np.array(function(t, y))[-n:]
-            result: np.ndarray = numbers[: C.rows * n].reshape(C.rows, n) @ rates + numbers[C.rows * n :]
-            return result
-
-        return forces
-
     def check(self, digits: int = 30) -> Any:
-        """Symmetry and energy balance at a random state; see `checks.py`."""
+        """Energy balance and constraints at a random state; see `checks.py`."""
         from spacar.symbolic.checks import check
 
         return check(self, digits)
@@ -152,8 +132,9 @@ class Equations:
 
 
 def derive(system: System, strategy: str, recurrence: bool = True) -> Equations:
-    """Derive by one of `STRATEGIES`; dependent speeds are eliminated afterwards, by the same formula for both."""
+    """Derive by one of `STRATEGIES`; the constraints are added afterwards, in the same way for both."""
     start = time.perf_counter()
+    check_constraints(system)
     if strategy == "held":
         from spacar.symbolic.held import derive_held
 
@@ -170,23 +151,33 @@ def derive(system: System, strategy: str, recurrence: bool = True) -> Equations:
             table.definitions[z] = transform(table.definitions[z], derivation.cosines)
     for z, definition in table.definitions.items():
         table.definitions[z] = definition.xreplace(derivation.values)
-    reduced = eliminate_dependent_speeds(system, derivation)
-    kinematics = {q: reduced.put_in(system.rates[q.diff()]) for q in system.coordinates}
-    needed = [*reduced.mass_matrix, *reduced.rhs, *kinematics.values()]
+    constraints = None
+    if system.constraints:
+
+        def read(expression: sp.Expr) -> sp.Expr:
+            value = gather_scalars(transform(expression, derivation.cosines).xreplace(derivation.values))
+            return table.read(value) if recurrence else value
+
+        constraints = constraint_rows(system, read)
+    kinematics = {q: system.rates[q.diff()].xreplace(derivation.values) for q in system.coordinates}
+    for z, definition in table.definitions.items():  # cosines of the constraints may be new
+        table.definitions[z] = definition.xreplace(derivation.values)
+    rows = [*constraints.matrix, *constraints.bias, *constraints.velocity] if constraints else []
+    places = constraints.position.values() if constraints else []
+    needed = [*derivation.mass_matrix, *derivation.rhs, *kinematics.values(), *rows, *places]
     order = definition_order(table.definitions, needed)
     return Equations(
         system=system,
         strategy=strategy,
         coordinates=tuple(system.coordinates),
-        speeds=reduced.speeds,
+        speeds=tuple(system.speeds),
         kinematics=kinematics,
         definitions={z: table.definitions[z] for z in order},
-        mass_matrix=sp.ImmutableMatrix(reduced.mass_matrix),
-        rhs=sp.ImmutableMatrix(reduced.rhs),
+        mass_matrix=sp.ImmutableMatrix(derivation.mass_matrix),
+        rhs=sp.ImmutableMatrix(derivation.rhs),
         held_by_speed=derivation.held,
         table=table,
         cosines=derivation.cosines,
-        dependent=reduced.dependent,
         seconds=time.perf_counter() - start,
-        reactions=reduced.reactions,
+        constraints=constraints,
     )

@@ -1,7 +1,7 @@
 """Reading scalar expressions from text without executing anything.
 
-The text is parsed by Python's `ast` and walked with a white list: numbers, names, + − * / **, parentheses and the
-functions of `FUNCTIONS`. Never `eval`, `sympify` or `parse_expr`. Limits: 2000 characters, depth 100, exponents of
+The text is parsed by Python's `ast` and walked with a white list: numbers, names, + − * / **, parentheses, `a if x > b else c` and the
+functions of `FUNCTIONS`; smoothmax(x, w) = (x + √(x² + w²))/2 for contact, smoothsign(x, w) = tanh(x/w) for friction. Never `eval`, `sympify` or `parse_expr`. Limits: 2000 characters, depth 100, exponents of
 at most 64, finite numbers.
 """
 
@@ -19,6 +19,8 @@ from spacar.errors import UsageError
 FUNCTIONS: dict[str, Any] = {
     "sin": sp.sin, "cos": sp.cos, "tan": sp.tan, "asin": sp.asin, "acos": sp.acos, "atan": sp.atan, "atan2": sp.atan2,
     "sinh": sp.sinh, "cosh": sp.cosh, "tanh": sp.tanh, "sqrt": sp.sqrt, "exp": sp.exp, "log": sp.log, "abs": sp.Abs,
+    "sign": sp.sign, "min": sp.Min, "max": sp.Max,
+    "smoothmax": lambda x, width: (x + sp.sqrt(x**2 + width**2)) / 2, "smoothsign": lambda x, width: sp.tanh(x / width),
 }  # fmt: skip
 CONSTANTS: dict[str, sp.Expr] = {"pi": sp.pi}
 MAX_CHARACTERS = 2000
@@ -33,6 +35,9 @@ _BINARY: dict[type, Callable[[Any, Any], Any]] = {
     ast.Div: lambda a, b: a / b,
     ast.Pow: lambda a, b: a**b,
 }
+
+
+_COMPARE: dict[type, Callable[[Any, Any], Any]] = {ast.Lt: sp.Lt, ast.LtE: sp.Le, ast.Gt: sp.Gt, ast.GtE: sp.Ge}
 
 
 def read_expression(
@@ -79,9 +84,21 @@ class _Reader:
             return -value if isinstance(node.op, ast.USub) else value
         if isinstance(node, ast.BinOp) and type(node.op) in _BINARY:
             return self._binary(node, depth)
+        if isinstance(node, ast.IfExp):
+            return sp.Piecewise(
+                (self.read(node.body, depth + 1), self._condition(node.test, depth)),
+                (self.read(node.orelse, depth + 1), True),
+            )
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and not node.keywords:
             return self._call(node, node.func.id, depth)
         raise UsageError(f'"{self._source(node)}" is not allowed in an expression', "forbidden")
+
+    def _condition(self, node: ast.AST, depth: int) -> Any:
+        """a < b of two expressions."""
+        if isinstance(node, ast.Compare) and len(node.ops) == 1 and type(node.ops[0]) in _COMPARE:
+            left, right = self.read(node.left, depth + 1), self.read(node.comparators[0], depth + 1)
+            return _COMPARE[type(node.ops[0])](left, right)
+        raise UsageError(f'"{self._source(node)}" is not a condition such as x > 0', "forbidden")
 
     def _source(self, node: ast.AST) -> str:
         return ast.get_source_segment(self.text, node) or self.text
@@ -114,8 +131,8 @@ class _Reader:
             if name.startswith("_"):
                 raise UsageError(f'"{self._source(node)}" is not allowed in an expression', "forbidden")
             raise UsageError(f"unknown function '{name}'{hint}", "name")
-        number = 2 if name == "atan2" else 1
-        if len(node.args) != number:
+        number = 2 if name in ("atan2", "min", "max", "smoothmax", "smoothsign") else 1
+        if len(node.args) != number and not (name in ("min", "max") and len(node.args) > 2):
             raise UsageError(f"'{name}' takes {number} argument{'s' if number > 1 else ''}, not {len(node.args)}")
         return self._finite(FUNCTIONS[name](*(self.read(a, depth + 1) for a in node.args)), node)
 

@@ -1,6 +1,7 @@
 """The exact Jacobian of a program by the forward chain rule through its ordered definitions.
 
-With g(y, a) = f(y, u(y)) − I(y) a and a held constant: ∂a/∂y = I⁻¹ ∂g/∂y. Z variables stay reads; inputs that are
+With g(y, a) = f(y, u(y)) − I(y) a and a held constant: ∂a/∂y = I⁻¹ ∂g/∂y. With constraints g = f − I a + Jᵀ λ and
+h = J a + γ, a and λ constant: I ∂a − Jᵀ ∂λ = ∂g, J ∂a = −∂h. Z variables stay reads; inputs that are
 expressions of the state are differentiated too (feedback). Source: `symbolic.md`, section 5.
 """
 
@@ -17,7 +18,8 @@ from spacar.symbolic.program import Assignments, NameSource, Program, share
 class Jacobian:
     """∂g/∂y and ∂q̇/∂y: `step` holds the values and derivatives in order, `accelerations` the symbols a.
 
-    `dg` has shape (n, len(y)), `drates` (len(q), len(y)); entries are short expressions in the symbols of `step`.
+    `dg` has shape (n, len(y)), `drates` (len(q), len(y)), `dh` (m, len(y)) of the constraints; entries are
+    short expressions in the symbols of `step`.
     `once` replaces the once part of the program.
     """
 
@@ -26,10 +28,11 @@ class Jacobian:
     step: Assignments
     dg: sp.ImmutableMatrix
     drates: sp.ImmutableMatrix
+    dh: sp.ImmutableMatrix
 
     def count_ops(self) -> int:
         """Operations per evaluation, I and f included."""
-        return sum(int(sp.count_ops(e)) for e in [*(e for _, e in self.step), *self.dg, *self.drates])
+        return sum(int(sp.count_ops(e)) for e in [*(e for _, e in self.step), *self.dg, *self.drates, *self.dh])
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,18 +84,22 @@ def _names(program: Program, constant: tuple[sp.Symbol, ...]) -> NameSource:
 
 def make_jacobian(program: Program) -> Jacobian:
     """Differentiate g = f − I a and q̇ with respect to the state, then share common subexpressions."""
-    names = _names(program, ())
-    accelerations = tuple(names("a") for _ in program.speeds)
+    accelerations = program.accelerations
     n, upper = program.n, iter(program.mass)
     I = sp.zeros(n, n)
     for i in range(n):
         for j in range(i, n):
             I[i, j] = I[j, i] = next(upper)
     g = [program.rhs[i] - sum(I[i, j] * accelerations[j] for j in range(n)) for i in range(n)]
-    raw = gradients(program, [*g, *program.rates], accelerations)
+    h: list[sp.Expr] = []
+    if c := program.constraints:
+        J = sp.Matrix(program.m, n, c.matrix)
+        g = [e + sum(J[k, i] * force for k, force in enumerate(c.forces)) for i, e in enumerate(g)]
+        h = [c.bias[k] + sum(J[k, i] * accelerations[i] for i in range(n)) for k in range(program.m)]
+    raw = gradients(program, [*g, *program.rates, *h], program.unknowns)
     flat = [e for row in raw.rows for e in row]
     constants = {*program.parameters, *(s for s, _ in program.once)}
-    taken = _names(program, (*accelerations, *(s for s, _ in raw.step)))
+    taken = _names(program, (*program.unknowns, *(s for s, _ in raw.step)))
     once, step, flat = share(dict(raw.step), flat, constants, taken)
     everything = sp.Matrix(len(raw.rows), len(program.state), flat)
     return Jacobian(
@@ -100,5 +107,6 @@ def make_jacobian(program: Program) -> Jacobian:
         (*program.once, *once),
         step,
         sp.ImmutableMatrix(everything[:n, :]),
-        sp.ImmutableMatrix(everything[n:, :]),
+        sp.ImmutableMatrix(everything[n : n + len(program.rates), :]),
+        sp.ImmutableMatrix(everything[n + len(program.rates) :, :]),
     )

@@ -39,6 +39,5 @@ def from_kanes_method(kane: KanesMethod, title: str = "") -> Equations:
         held_by_speed={},
         table=ZTable(),
         cosines=DirectionCosines(),
-        dependent={},
         seconds=0.0,
     )

@@ -16,10 +16,11 @@ from typing import Any, NoReturn
 import sympy as sp
 
 from spacar.errors import InputError, Message, UsageError
+from spacar.symbolic.constraints import check_constraints
 from spacar.symbolic.expressions import read_expression
 from spacar.symbolic.parts import Point, Section
 from spacar.symbolic.script import Model, read_script
-from spacar.symbolic.shapes import X
+from spacar.symbolic.shapes import FAMILIES, X
 from spacar.symbolic.system import System
 from spacar.symbolic.tables import KINDS, REFERENCES, SINGLE, TABLES, Key
 from spacar.symbolic.units import TIME, Frame
@@ -44,6 +45,7 @@ class _Reader:
 
     def __init__(self, path: Path) -> None:
         self.path, self.place = path, ""
+        self.guess: dict[str, float] = {}
         self.claimed: list[tuple[str, str]] = []
         self.scalars: dict[str, sp.Expr] = {"t": TIME}
         self.frames: dict[str, Frame | Section] = {}
@@ -70,11 +72,12 @@ class _Reader:
         self.frames["N"], self.points["O"] = system.N, system.O
         self._resolve(tables)
         for table, make in (("body", self._body), ("force", self._force), ("torque", self._torque),
-                            ("spring", self._spring), ("constraint", self._constraint)):  # fmt: skip
+                            ("spring", self._spring), ("constraint", self._constraint),
+                            ("close", self._close)):  # fmt: skip
             for number, row in enumerate(self._rows(tables, table), 1):
                 self.place = _label(table, row, number)
                 self._guarded(make, row, number)
-        settings = self._single(tables, "simulate")
+        settings = self._single(tables, "simulate") | ({"guess": self.guess} if self.guess else {})
         outputs = self._outputs(tables.get("outputs", {}))
         declared = frozenset(tables.get("parameters", {}))
         return Model(self.path, system, values, start, settings, outputs, declared)
@@ -192,12 +195,15 @@ class _Reader:
             self._checked(row, TABLES["coordinate"])
             self._claim(name, self.place)
             self.scalars[name] = self.system.coordinate(name)
-            start[name] = float(row.get("start", 0.0))
+            for key, what in (("start", start), ("guess", self.guess)):
+                if key in row:
+                    what[name] = float(row[key])
             if "speed" in row:
                 self._claim(row["speed"], self.place)
                 speed = self.scalars[row["speed"]] = self.system.speed(row["speed"])
                 self.system.kinematic(self.scalars[name], speed)
-                start[row["speed"]] = float(row.get("speed_start", 0.0))
+                if "speed_start" in row:
+                    start[row["speed"]] = float(row["speed_start"])
         return start
 
     def _speeds(self, rows: list[dict[str, Any]]) -> dict[str, float]:
@@ -206,7 +212,8 @@ class _Reader:
             place = f"[[speed]] {row['name']}"
             self._claim(row["name"], place)
             self.scalars[row["name"]] = self.system.speed(row["name"])
-            start[row["name"]] = float(row.get("start", 0.0))
+            if "start" in row:
+                start[row["name"]] = float(row["start"])
         return start
 
     def _kinematics(self, rows: list[dict[str, Any]]) -> None:
@@ -308,6 +315,11 @@ class _Reader:
     def _shapes(self, value: Any) -> Any:
         if isinstance(value, int):
             return value
+        if isinstance(value, str):
+            family, _, number = value.partition(" ")
+            if family not in FAMILIES or not number.strip().isdigit():
+                self.fail(f"'{value}' is not a family of shapes with a number ({', '.join(FAMILIES)})")
+            return FAMILIES[family](int(number))
         if value and all(isinstance(v, list) for v in value):
             return tuple(self._shapes(v) for v in value)
         return tuple(self.expression(v, {"x": X}) for v in value)
@@ -331,7 +343,7 @@ class _Reader:
         self.place = f"{place} vector"
         if len(row["vector"]) != 3:
             self.fail(f"must be a list of 3 expressions, not {len(row['vector'])}")
-        laws = [self.expression(v) for v in row["vector"]]
+        laws = [self.expression(v, self._names()) for v in row["vector"]]
         self.place = place
         stem = row.get("name", f"{kind}{number}")
         acting = [i for i, law in enumerate(laws, 1) if law != 0]
@@ -356,13 +368,40 @@ class _Reader:
         self.system.spring(self.point_of(row, "from"), self.point_of(row, "to"), *numbers)
 
     def _constraint(self, row: dict[str, Any], number: int) -> None:
-        from spacar.symbolic.constraints import check_constraints
-
-        dependent = self.scalars.get(row["dependent"]) if "dependent" in row else None
-        if "dependent" in row and dependent not in self.system.speeds:
-            self.fail(f"dependent: '{row['dependent']}' is not a speed")
-        self.system.constraint(self.expression(row["expression"]), dependent)
+        if ("expression" in row) == ("point" in row) or ("point" in row) != ("direction" in row):
+            self.fail("needs either key 'expression', or keys 'point' and 'direction'")
+        if "point" in row:
+            direction = self._vector(row["direction"], self.components_in(row))
+            expression = self.point_of(row, "point").velocity & direction
+        else:
+            expression = self.expression(row["expression"], self._names())
+        self.system.constraint(expression, row.get("name"))
         check_constraints(self.system)
+
+    def _close(self, row: dict[str, Any], number: int) -> None:
+        axes, frame = row.get("directions", [1, 2, 3]), self.components_in(row)
+        if not axes or not all(type(a) is int and a in (1, 2, 3) for a in axes) or len(set(axes)) != len(axes):
+            self.fail(f"key 'directions' must be axes out of 1, 2 and 3, not {axes!r}")
+        a, b = self.point_of(row, "from"), self.point_of(row, "to")
+        self.system.close(a, b, [frame[i] for i in axes], row.get("name"))
+        check_constraints(self.system)
+
+    def _names(self, accelerations: bool = False) -> dict[str, sp.Expr]:
+        """Positions P.x, velocities P.vx and field values of all points; for outputs also P.ax, s_dot and forces."""
+        system = self.system
+        names: dict[str, sp.Expr] = {}
+        for name, point in self.points.items():
+            kinds = [("", point.position), ("v", point.velocity)]
+            if accelerations:
+                kinds.append(("a", system.ddt(system.N, point.velocity)))
+            for letter, vector in kinds:
+                names |= {f"{name}.{letter}{axis}": vector & system.N[i] for i, axis in enumerate("xyz", 1)}
+            if isinstance(point, Section):
+                names |= {f"{name}.{key}": value for key, value in point.values.items()}
+        if accelerations:
+            names |= {f"{s.func}_dot": system.accelerations[s] for s in system.speeds}
+            names |= {c.force.name: c.force for c in system.constraints}
+        return names
 
     # -- outputs -----------------------------------------------------------------------------------------------
 
@@ -370,11 +409,7 @@ class _Reader:
         self.place = "[outputs]"
         if not isinstance(table, dict):
             self.fail("must be one table, written [outputs]")
-        names: dict[str, sp.Expr] = {}
-        for name, point in self.points.items():
-            names |= {f"{name}.{axis}": point.position & self.system.N[i] for i, axis in enumerate("xyz", 1)}
-            if isinstance(point, Section):
-                names |= {f"{name}.{key}": value for key, value in point.values.items()}
+        names = self._names(accelerations=True)
         result = {}
         for name, value in table.items():
             self.place = f"[outputs] {name}"

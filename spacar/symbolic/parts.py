@@ -39,6 +39,16 @@ class Pseudo:
     value: sp.Expr
     gradient: dict[sp.Expr, sp.Expr]
 
+    def rate(self, speeds: dict[sp.Expr, sp.Expr]) -> sp.Expr:
+        """s' = Σ g_k dφ_k for {φ_k: dφ_k}."""
+        return sp.Add(*(g * speeds[q] for q, g in self.gradient.items()))
+
+    def acceleration(self, speeds: dict[sp.Expr, sp.Expr], accelerations: dict[sp.Expr, sp.Symbol]) -> sp.Expr:
+        """ṡ' = Σ g_k dφ̇_k + Σ ∂g_k/∂φ_j dφ_j dφ_k."""
+        own = [g * accelerations[speeds[q]] for q, g in self.gradient.items()]
+        bias = [g.diff(r) * speeds[q] * speeds[r] for q, g in self.gradient.items() for r in speeds]
+        return sp.Add(*own, *bias)
+
 
 @dataclass(frozen=True, eq=False)
 class Section(Point):
@@ -141,7 +151,9 @@ class Spring:
 
 @dataclass(frozen=True, eq=False)
 class Constraint:
-    """expression = 0, linear in the speeds; `dependent` is the speed it eliminates (None: chosen)."""
+    """velocity = 0, linear in the speeds; for a position constraint `position` = 0 too. `force` is its λ."""
 
-    expression: sp.Expr
-    dependent: sp.Expr | None
+    name: str
+    velocity: sp.Expr
+    position: sp.Expr | None
+    force: sp.Symbol

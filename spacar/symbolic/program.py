@@ -17,12 +17,41 @@ from sympy.core.function import AppliedUndef
 
 from spacar.errors import UsageError
 from spacar.symbolic.collect import definition_order
+from spacar.symbolic.transform import DirectionCosines
 from spacar.symbolic.units import TIME
 
 if TYPE_CHECKING:
+    from spacar.symbolic.constraints import ConstraintRows
     from spacar.symbolic.equations import Equations
 
 Assignments = tuple[tuple[sp.Symbol, sp.Expr], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Constrained:
+    """The constraints of a program, m rows: `matrix` J (m·n, row by row), `bias` γ, `velocity` e, `forces` λ (m each).
+
+    `position` g of the rows `closed`; `turning` ∂q̇/∂s (row by row), which turns displacements into coordinates.
+    """
+
+    names: tuple[str, ...]
+    matrix: tuple[sp.Expr, ...]
+    bias: tuple[sp.Expr, ...]
+    velocity: tuple[sp.Expr, ...]
+    forces: tuple[sp.Symbol, ...]
+    position: tuple[sp.Expr, ...]
+    closed: tuple[int, ...]
+    turning: tuple[sp.Expr, ...]
+
+    @property
+    def equations(self) -> list[sp.Expr]:
+        """J and γ."""
+        return [*self.matrix, *self.bias]
+
+    @property
+    def residual(self) -> list[sp.Expr]:
+        """e and g."""
+        return [*self.velocity, *self.position]
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +60,8 @@ class Program:
 
     `parameters` p, `coordinates` and `speeds` (the state is y = (q, s)), `inputs` {symbol: expression or None};
     `once` reads p; `step` reads p, once, y and inputs. `mass` holds the upper triangle row by row, `rhs` f, `rates`
-    q̇, all short expressions in the assigned symbols. `seconds` is the time of the derivation.
+    q̇, all short expressions in the assigned symbols. Outputs may read the `accelerations` ṡ and the forces of the
+    `constraints`; `fields` are the states of beam fields. `seconds` is the time of the derivation.
     """
 
     title: str
@@ -45,6 +75,9 @@ class Program:
     rhs: tuple[sp.Expr, ...]
     rates: tuple[sp.Expr, ...]
     outputs: dict[str, sp.Expr]
+    accelerations: tuple[sp.Symbol, ...] = ()
+    constraints: Constrained | None = None
+    fields: tuple[sp.Symbol, ...] = ()
     positive: tuple[tuple[str, sp.Symbol, bool], ...] = ()
     seconds: float = 0.0
 
@@ -54,14 +87,35 @@ class Program:
         return len(self.speeds)
 
     @property
+    def m(self) -> int:
+        """Number of constraints."""
+        return len(self.constraints.names) if self.constraints else 0
+
+    @property
+    def unknowns(self) -> tuple[sp.Symbol, ...]:
+        """ṡ and λ, what a step solves for."""
+        return self.accelerations + (self.constraints.forces if self.constraints else ())
+
+    @property
+    def system(self) -> list[sp.Expr]:
+        """I (upper triangle), f, J and γ."""
+        return [*self.mass, *self.rhs, *(self.constraints.equations if self.constraints else [])]
+
+    @property
+    def outputs_need_accelerations(self) -> bool:
+        solved = set(self.unknowns)
+        results = list(self.outputs.values())
+        return any(e.free_symbols & solved for e in [*results, *(e for _, e in self.order(results))])
+
+    @property
     def state(self) -> tuple[sp.Symbol, ...]:
         return self.coordinates + self.speeds
 
     def counts(self) -> dict[str, int]:
         """Operations per step and once per run for I and f (SymPy `count_ops`), outputs not counted."""
-        needed = self.order([*self.mass, *self.rhs])
+        results = self.system
         return {
-            "step": sum(_ops(e) for _, e in needed) + sum(_ops(e) for e in [*self.mass, *self.rhs]),
+            "step": sum(_ops(e) for _, e in self.order(results)) + sum(_ops(e) for e in results),
             "once": sum(_ops(e) for _, e in self.once),
         }
 
@@ -73,9 +127,7 @@ class Program:
     @cached_property
     def digest(self) -> str:
         """A short fingerprint of the equations, written into generated files."""
-        content = repr(
-            (self.parameters, self.state, self.inputs, self.once, self.step, self.mass, self.rhs, self.rates)
-        )
+        content = repr((self.parameters, self.state, self.inputs, self.once, self.step, self.system, self.rates))
         return hashlib.sha256(content.encode()).hexdigest()[:16]
 
     @cached_property
@@ -106,10 +158,21 @@ class Program:
             for j in range(i, self.n):
                 I[i, j] = I[j, i] = next(upper)
         f = sp.Matrix([number(e) for e in self.rhs])
+        if self.outputs_need_accelerations:
+            known |= self._solved(I, f, number)
         return {
             "mass": I, "rhs": f, "rates": [number(e) for e in self.rates],
             "outputs": {name: number(e) for name, e in self.outputs.items()},
         }  # fmt: skip
+
+    def _solved(self, I: sp.Matrix, f: sp.Matrix, number: Callable[[sp.Expr], sp.Expr]) -> dict[sp.Symbol, sp.Expr]:
+        """ṡ and λ in many digits."""
+        if self.constraints is None:
+            return dict(zip(self.accelerations, I.LUsolve(f), strict=True))
+        J = sp.Matrix(self.m, self.n, [number(e) for e in self.constraints.matrix])
+        g = sp.Matrix([number(e) for e in self.constraints.bias])
+        both = sp.BlockMatrix([[I, -J.T], [J, sp.zeros(self.m)]]).as_explicit()
+        return dict(zip(self.unknowns, both.LUsolve(f.col_join(-g)), strict=True))
 
     def function(self, values: dict[str, float], jacobian: bool = True) -> Any:
         """f(t, y) -> ẏ and f.jac(t, y) in Python for parameter values; see `run.py`."""
@@ -141,12 +204,18 @@ def _ops(expression: sp.Expr) -> int:
 
 
 def plain_symbols(expressions: Iterable[Any]) -> dict[sp.Basic, sp.Symbol]:
-    """Functions of time and symbols of any assumption to real symbols of the same name."""
+    """Functions of time and symbols of any assumption to real symbols of the same name.
+
+    UsageError when a function of time and a symbol have one name: a parameter named like a coordinate.
+    """
     rule: dict[sp.Basic, sp.Symbol] = {}
+    moving: dict[str, bool] = {}
     for e in expressions:
         for a in e.atoms(AppliedUndef, sp.Symbol):
             if a != TIME:
                 name = a.name if isinstance(a, sp.Symbol) else str(a.func)
+                if moving.setdefault(name, isinstance(a, AppliedUndef)) != isinstance(a, AppliedUndef):
+                    raise UsageError(f"{name} is a function of time and also a parameter: rename one of them", "name")
                 rule[a] = sp.Symbol(name, real=True)
     return rule
 
@@ -154,19 +223,29 @@ def plain_symbols(expressions: Iterable[Any]) -> dict[sp.Basic, sp.Symbol]:
 def make_program(eq: Equations, outputs: dict[str, Any]) -> Program:
     """Order, share and split the assignments of `eq`; see the module."""
     values = {name: eq.scalar(v) for name, v in outputs.items()}
-    n = len(eq.speeds)
+    n, c = len(eq.speeds), eq.constraints
     results = {
         "mass": [eq.mass_matrix[i, j] for i in range(n) for j in range(i, n)],
         "rhs": list(eq.rhs),
         "rates": list(eq.kinematics.values()),
+        "matrix": list(c.matrix) if c else [],
+        "bias": list(c.bias) if c else [],
+        "velocity": list(c.velocity) if c else [],
+        "position": list(c.position.values()) if c else [],
+        "turning": [rate.diff(s) for rate in eq.kinematics.values() for s in eq.speeds] if c else [],
         "outputs": list(values.values()),
     }
     flat = [e for group in results.values() for e in group]
     order = definition_order(eq.table.definitions, flat)
     definitions = {z: eq.table.definitions[z] for z in order}
-    feeds = {s: e for s, e in eq.system.inputs.items()}
+    plain = DirectionCosines()
+    feeds = {s: None if e is None else eq.scalar(e, plain) for s, e in eq.system.inputs.items()}
+    accelerations = [eq.system.accelerations.get(s, sp.Symbol(f"{s.func}_dot", real=True)) for s in eq.speeds]
+    solved = [*accelerations, *(c.forces if c else ())]
+    _check_laws(feeds, {*eq.system.accelerations.values(), *(c.forces if c else ())})
+    known = [*eq.coordinates, *eq.speeds, *solved, *feeds]
     rule = plain_symbols(
-        [*definitions, *definitions.values(), *flat, *filter(None, feeds.values()), *eq.coordinates, *eq.speeds]
+        [*definitions, *definitions.values(), *flat, *(e for e in feeds.values() if e is not None), *known]
     )
     states = [rule[s] for s in [*eq.coordinates, *eq.speeds]]
     inputs = {sp.Symbol(s.name, real=True): e.xreplace(rule) if e is not None else None for s, e in feeds.items()}
@@ -178,9 +257,12 @@ def make_program(eq: Equations, outputs: dict[str, Any]) -> Program:
         rule[TIME], inputs[clock] = clock, TIME
     definitions = {rule[z]: e.xreplace(rule) for z, e in definitions.items()}
     flat = [e.xreplace(rule) for e in flat]
-    used = set().union(*(e.free_symbols for e in [*definitions.values(), *flat, *filter(None, inputs.values())]))
-    parameters = sorted(used - set(states) - set(inputs) - set(definitions) - {TIME}, key=lambda s: s.name)
-    names = NameSource([*parameters, *states, *inputs, *definitions])
+    laws = [e for e in inputs.values() if e is not None]
+    used = set().union(*(e.free_symbols for e in [*definitions.values(), *flat, *laws]))
+    unknowns = [rule[s] for s in solved]
+    fixed = used - set(states) - set(inputs) - set(definitions) - set(unknowns) - {TIME}
+    parameters = sorted(fixed, key=lambda s: s.name)
+    names = NameSource([*parameters, *states, *inputs, *definitions, *unknowns])
     once, step, flat = share(definitions, flat, set(parameters), names)
     groups: dict[str, list[sp.Expr]] = {}
     start = 0
@@ -199,9 +281,26 @@ def make_program(eq: Equations, outputs: dict[str, Any]) -> Program:
         rhs=tuple(groups["rhs"]),
         rates=tuple(groups["rates"]),
         outputs=dict(zip(values, groups["outputs"], strict=True)),
+        accelerations=tuple(unknowns[:n]),
+        constraints=_constrained(c, groups, tuple(unknowns[n:])) if c else None,
+        fields=tuple(rule[s] for beam in eq.system.beams for s in (*beam.coordinates, *beam.speeds)),
         positive=_signs(eq, parameters),
         seconds=eq.seconds,
     )
+
+
+def _constrained(rows: ConstraintRows, groups: dict[str, list[sp.Expr]], forces: tuple[sp.Symbol, ...]) -> Constrained:
+    matrix, bias, velocity, position, turning = (
+        tuple(groups[k]) for k in ("matrix", "bias", "velocity", "position", "turning")
+    )
+    return Constrained(rows.names, matrix, bias, velocity, forces, position, tuple(rows.position), turning)
+
+
+def _check_laws(feeds: dict[sp.Symbol, sp.Expr | None], forbidden: set[sp.Symbol]) -> None:
+    for name, law in feeds.items():
+        found = sorted(str(s) for s in law.free_symbols & forbidden) if law is not None else []
+        if found:
+            raise UsageError(f"the law of input {name} reads {found[0]}, which is only known after it", "input")
 
 
 def _timeless(expressions: Iterable[sp.Expr], rule: dict[sp.Basic, sp.Symbol]) -> Iterable[sp.Expr]:

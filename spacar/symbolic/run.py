@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from spacar.errors import AnalysisError, UsageError
+from spacar.symbolic.closure import Manifold, integrate
 from spacar.symbolic.program import Program
 
 INTEGRATORS = {"gear": "LSODA", "bdf": "BDF", "radau": "Radau", "dop853": "DOP853"}
@@ -30,7 +31,8 @@ class Run:
     """A simulated motion.
 
     time (m,) [s]; state (m, len(y)) in the order of `names`; inputs (m, len(u)); outputs {name: (m,)};
-    `statistics` of the integrator; `eigenvalue` with the largest real part at the end [1/s].
+    `statistics` of the integrator; `eigenvalue` with the largest real part at the end [1/s], of motions that the
+    constraints leave; `notes` on the assembly of the start values.
     """
 
     names: tuple[str, ...]
@@ -41,6 +43,7 @@ class Run:
     outputs: dict[str, np.ndarray]
     statistics: dict[str, Any]
     eigenvalue: complex
+    notes: tuple[str, ...] = ()
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A state, input or output by name."""
@@ -101,6 +104,7 @@ def simulate(
     values: Mapping[str, float],
     start: Mapping[str, float] | None = None,
     *,
+    guess: Mapping[str, float] | None = None,
     t_end: float,
     steps: int = 1000,
     integrator: str = "gear",
@@ -112,12 +116,14 @@ def simulate(
     progress: Callable[[float], None] | None = None,
     limit: int = MOST_EVALUATIONS,
 ) -> Run:
-    """Integrate from `start` (states by name, others zero) to t_end [s] with `steps` equal output steps.
+    """Integrate from `start` (states by name, others zero or `guess`) to t_end [s] with `steps` equal output steps.
 
-    `at`: output times instead. atol: one number, numbers by state name, or None for rtol times the scale of each
-    state (the larger of start value and static deflection; of speeds that of their coordinate per second; 1 when all
-    are zero). `feeds`: functions of (t, y) for inputs without law. `function` replaces the generated Python (compiled
-    code). `progress` is called with the time; `limit` evaluations end a run that stalls. Raises UsageError for unknown
+    With constraints the states of `start` are kept and the others, beginning at `guess`, are assembled so that loops
+    close and velocities fit; during the run the state is projected (`closure.py`). `at`: output times instead.
+    atol: one number, numbers by state name, or None for rtol times the scale of each state (the larger of start
+    value and static deflection; of speeds that of their coordinate per second; 1 when all are zero).
+    `feeds`: functions of (t, y) for inputs without law. `function` replaces the generated Python (compiled code).
+    `progress` is called with the time; `limit` evaluations end a run that stalls. Raises UsageError for unknown
     names or tolerances above 1e-2, AnalysisError when the integrator stops.
     """
     from scipy.integrate import solve_ivp
@@ -131,20 +137,27 @@ def simulate(
     if not (math.isfinite(t_end) and t_end > 0 and steps >= 1):
         raise UsageError(f"time {t_end:g} s and {steps} steps: both must be positive")
     names = tuple(s.name for s in program.state)
-    unknown = [name for name in start or {} if name not in names]
-    if unknown:
-        raise UsageError(f"start: {unknown[0]} is not a state (states: {', '.join(names)})")
+    for what, given in (("start", start or {}), ("guess", guess or {})):
+        unknown = [name for name in given if name not in names]
+        if unknown:
+            raise UsageError(f"{what}: {unknown[0]} is not a state (states: {', '.join(names)})")
     f = function or make_function(program, values, True, feeds)
-    y0 = np.array([float((start or {}).get(name, 0.0)) for name in names])
+    values_at_start = {**(guess or {}), **(start or {})}
+    y0 = np.array([float(values_at_start.get(name, 0.0)) for name in names])
+    manifold = Manifold(program, f) if program.constraints else None
     times = np.linspace(0.0, t_end, steps + 1) if at is None else np.asarray(at, dtype=float)
     options: dict[str, Any] = {} if integrator == "dop853" else {"jac": lambda t, y: f.jac(t, y.tolist())}
     began = time.perf_counter()
     try:
-        tolerance = absolute_tolerance(names, y0, f, rtol, atol)
-        solution = solve_ivp(
-            _watched(f, progress, limit), (0.0, float(times[-1])), y0, method=INTEGRATORS[integrator],
-            t_eval=times, rtol=rtol, atol=tolerance, **options,
-        )  # fmt: skip
+        y0 = manifold.assemble(y0, set(start or {})) if manifold else y0
+        options |= {"rtol": rtol, "atol": absolute_tolerance(names, y0, f, rtol, atol)}
+        watched, method = _watched(f, progress, limit), INTEGRATORS[integrator]
+        if manifold is not None:
+            every = times if times[0] == 0.0 else np.concatenate(([0.0], times))
+            solution: Any = integrate(manifold, watched, every, y0, method, options)
+            solution.y = solution.y[:, len(every) - len(times) :]
+        else:
+            solution = solve_ivp(watched, (0.0, float(times[-1])), y0, method=method, t_eval=times, **options)
     except ArithmeticError as error:
         raise AnalysisError(f"simulation stopped: {error}", "pivot") from None
     if not solution.success or solution.y.shape[1] != len(times) or not np.all(np.isfinite(solution.y)):
@@ -157,15 +170,20 @@ def simulate(
     statistics = {
         "integrator": integrator, "method": INTEGRATORS[integrator], "rtol": rtol, "evaluations": int(solution.nfev),
         "jacobians": int(solution.njev), "seconds": time.perf_counter() - began,
+        **({"projections": solution.projections} if manifold else {}),
     }  # fmt: skip
     y = solution.y.T
     outputs = np.array([f.outputs(t, row) for t, row in zip(times, y.tolist(), strict=True)]).reshape(len(times), -1)
     inputs = np.array([f.inputs(t, row) for t, row in zip(times, y.tolist(), strict=True)]).reshape(len(times), -1)
-    eigenvalues = np.linalg.eigvals(f.jac(float(times[-1]), y[-1].tolist()))
+    A = np.asarray(f.jac(float(times[-1]), y[-1].tolist()))
+    if manifold is not None:
+        free = manifold.tangent(float(times[-1]), y[-1])
+        A = free.T @ A @ free
+    eigenvalues = np.linalg.eigvals(A) if A.size else np.zeros(1)
     return Run(
         names, times, y, inputs, tuple(s.name for s in program.inputs),
         dict(zip(program.outputs, outputs.T, strict=True)), statistics,
-        complex(eigenvalues[np.argmax(eigenvalues.real)]),
+        complex(eigenvalues[np.argmax(eigenvalues.real)]), tuple(manifold.notes) if manifold else (),
     )  # fmt: skip
 
 

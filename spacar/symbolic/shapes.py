@@ -50,6 +50,49 @@ def orthogonal(number: int, clamped: int = 2) -> Shapes:
     return lambda x, L: tuple(sp.expand(p.as_expr().subs(xi, x / L)) for p in basis)
 
 
+def pinned(number: int) -> Shapes:
+    """Polynomials orthogonal in ∫ψψ dx that vanish at both ends: the frame follows the chord, both ends may turn.
+
+    >>> pinned(1)(X, sp.Integer(1))
+    (-4*x**2 + 4*x,)
+    """
+    return _family(number, lambda xi, k: xi * (1 - xi) * xi**k, 1)
+
+
+def guided(number: int) -> Shapes:
+    """Polynomials with u(0) = u'(0) = u'(L) = 0: clamped at the root, the tip does not turn relative to the frame."""
+    return _family(number, lambda xi, k: xi ** (2 + k) * ((3 + k) - (2 + k) * xi), 2)
+
+
+def free(number: int) -> Shapes:
+    """Polynomials orthogonal in ∫ψψ dx to each other and to 1 and x: the frame follows the mean motion of the beam.
+
+    Nothing is fixed at the root, which is then the origin of the frame and no point of the beam; use `section(0)`.
+    """
+    return _family(number, lambda xi, k: sp.legendre(k + 2, 2 * xi - 1), 0)
+
+
+def _family(number: int, member: Callable[[sp.Symbol, int], sp.Expr], fixed: int) -> Shapes:
+    """Orthogonalized members; `fixed` derivatives vanish at the root."""
+    xi = sp.Symbol("xi")
+    basis: list[sp.Poly] = []
+    for k in range(number):
+        p = sp.Poly(sp.expand(member(xi, k)), xi)
+        for q in basis:
+            p = p - q * (_unit_integral(p * q) / _unit_integral(q * q))
+        basis.append(p)
+    basis = [p * (1 / max(abs(p.eval(sp.Rational(i, 8))) for i in range(9))) for p in basis]
+
+    def family(x: sp.Expr, L: sp.Expr) -> tuple[sp.Expr, ...]:
+        return tuple(sp.expand(p.as_expr().subs(xi, x / L)) for p in basis)
+
+    family.fixed = fixed  # type: ignore[attr-defined]
+    return family
+
+
+FAMILIES = {"pinned": pinned, "guided": guided, "free": free}
+
+
 def _unit_integral(p: sp.Poly) -> sp.Expr:
     return sp.Add(*(c / (n + 1) for (n,), c in p.terms()))
 
@@ -82,6 +125,7 @@ def shape_functions(field: Any, x: sp.Symbol, L: sp.Expr, clamped: int) -> tuple
     """
     if isinstance(field, int):
         field = orthogonal(field, clamped)
+    clamped = min(clamped, getattr(field, "fixed", clamped))
     shapes: Sequence[Any] = field(x, L) if callable(field) else field
     result = tuple(sp.sympify(psi).xreplace({sp.Symbol("x"): x}) for psi in shapes)
     conditions = "u(0) = u'(0) = 0" if clamped == 2 else "u(0) = 0"

@@ -24,9 +24,10 @@ KINDS: dict[str, tuple[str, Any]] = {
     "expression": ("an expression (text or number)", (str, int, float)),
     "vector": ("a list of 3 expressions", list),
     "expressions": ("a list of expressions", list),
-    "shapes": ("a number of default shapes or a list of expressions in x", (int, list)),
+    "shapes": ('a number of default shapes, a family ("pinned 3") or a list of expressions in x', (int, str, list)),
     "axes": ("2, 3 or [2, 3]", (int, list)),
     "stiffness": ("an expression, or one for each bending direction", (str, int, float, list)),
+    "list": ("a list", list),
     "table": ("a table", dict),
 }
 
@@ -53,7 +54,8 @@ TABLES: dict[str, dict[str, Key]] = {
     },
     "coordinate": {
         "speed": _may("name", "speed that is its derivative"),
-        "start": _may("number", "value at t = 0"),
+        "start": _may("number", "value at t = 0, kept when loops are assembled"),
+        "guess": _may("number", "value from which a loop is assembled"),
         "speed_start": _may("number", "speed at t = 0"),
     },
     "speed": {"name": _NAME, "start": _may("number", "value at t = 0")},
@@ -117,8 +119,18 @@ TABLES: dict[str, dict[str, Key]] = {
         "damping": _may("expression", "damping [N s/m]"),
     },
     "constraint": {
-        "expression": _key("expression", "what is zero, linear in the speeds"),
-        "dependent": _may("name", "speed that is eliminated"),
+        "expression": _may("expression", "what is zero: linear in the speeds, or a position"),
+        "point": _may("name", "point that does not move along `direction`"),
+        "direction": _may("vector", "direction of no velocity"),
+        "in": _IN,
+        "name": _may("name", "constraint; NAME_force is its force"),
+    },
+    "close": {
+        "from": _key("name", "point"),
+        "to": _key("name", "point that coincides with it"),
+        "directions": _may("list", "axes of the frame along which they coincide (1, 2, 3)"),
+        "in": _IN,
+        "name": _may("name", "loop; NAME_force or NAME_1_force … are its forces"),
     },
 }
 """Arrays of tables `[[name]]`, except `[system]`, `[simulate]` and the rows of `[coordinates]` (`coordinate`)."""

@@ -97,7 +97,7 @@ ERRORS = {
     "duplicate": ([('name = "link2"', 'name = "link1"')], "the same name stands in [[beam]] link1"),
     "not linear": (
         [("[simulate]", '[[constraint]]\nexpression = "s1*s4"\n\n[simulate]')],
-        "[[constraint]] 1: constraint 1: s1(t)*s4(t) = 0 is not linear in the speeds",
+        "[[constraint]] 1: constraint1: s1(t)*s4(t) = 0 is not linear in the speeds",
     ),
     "dependent": (
         [("[simulate]", '[[constraint]]\nexpression = "s1"\n[[constraint]]\nexpression = "2*s1"\n\n[simulate]')],

@@ -39,9 +39,13 @@ def _read(path: Path) -> Model:
 
 
 def _derived(model: Model, strategy: str) -> Equations:
-    """The equations; errors of the derivation are errors of the model."""
+    """The equations, checked; errors of the derivation are errors of the model. The check is printed on stderr."""
     try:
-        return model.system.derive(strategy)
+        eq = model.system.derive(strategy)
+        checked = eq.check()
+        checked.demand()
+        click.echo(f"check: {checked}", err=True)
+        return eq
     except SpacarError as error:
         raise UsageError(f"{model.path.name}: {error}", error.code) from None
 

@@ -1,11 +1,14 @@
-"""C99: eom_once(p, c), eom_step(c, p, y, u, M, f), accel(p, y, u, M, f), eom_feed, eom_rates, eom_outputs, rhs, jac.
+"""C99: eom_once(p, c), eom_step(c, p, y, u, M, f), accel(p, y, u, M, f), eom_feed, eom_rates, rhs, outputs, jac.
+
+With constraints eom_step and accel also give J and h = γ, and eom_manifold the residuals.
 
 M is the full symmetric matrix, row by row. Functions that solve for accelerations return 0, or j when the pivot of
-speed j (counted from 1) is not positive.
+speed j (counted from 1) is not positive, or -1 when the constraints depend on each other at this position.
 """
 
 from __future__ import annotations
 
+from spacar.symbolic.emit import solvers
 from spacar.symbolic.emit.header import header
 from spacar.symbolic.emit.routines import Routine, compiled_routines
 from spacar.symbolic.emit.scalars import C, Writer
@@ -21,20 +24,33 @@ _PREAMBLE = """\
 #define NY {ny}  /* state y */
 #define NU {nu}  /* inputs u */
 #define NOUT {nout}  /* outputs */
+#define NM {nm}  /* constraints */
+#define NG {ng}  /* of them with a position */
 
 static inline double power_2(double x) {{ return x*x; }}
 static inline double power_3(double x) {{ return x*x*x; }}
 static inline double power_4(double x) {{ return (x*x)*(x*x); }}
 """
 
-_SOLVE = """\
+_ACCEL = """\
 void accel(const double *p, const double *y, const double *u, double *M, double *f)
 {
     double c[NC + 1];
     eom_once(p, c);
     eom_step(c, p, y, u, M, f);
 }
+"""
 
+_ACCEL_CONSTRAINED = """\
+void accel(const double *p, const double *y, const double *u, double *M, double *f, double *J, double *h)
+{
+    double c[NC + 1];
+    eom_once(p, c);
+    eom_step(c, p, y, u, M, f, J, h);
+}
+"""
+
+_LDL = """\
 /* LDL^T without pivoting, M overwritten; m columns of b, row by row, become the solution. */
 static int solve(double *M, double *b, int m)
 {
@@ -56,31 +72,49 @@ static int solve(double *M, double *b, int m)
     }
     return 0;
 }
+"""
+
+_RHS = """\
+/* accelerations and constraint forces a */
+static int accelerations(const double *c, const double *p, const double *y, const double *u, double *a)
+{{
+    double M[N*N]{arrays};
+    eom_step(c, p, y, u, M, a{filled});
+    return {solve};
+}}
 
 /* inputs without a law are taken from u, the others are computed */
 int rhs(double t, const double *c, const double *p, const double *y, double *u, double *ydot)
-{
-    double M[N*N];
+{{
+    double a[N + NM];
     eom_feed(t, c, p, y, u);
-    eom_step(c, p, y, u, M, ydot + NQ);
     eom_rates(c, p, y, u, ydot);
-    return solve(M, ydot + NQ, 1);
-}
+    int bad = accelerations(c, p, y, u, a);
+    for (int i = 0; i < N; i++) ydot[NQ + i] = a[i];
+    return bad;
+}}
+
+/* the named outputs */
+int outputs(double t, const double *c, const double *p, const double *y, double *u, double *out)
+{{
+    eom_feed(t, c, p, y, u);
+{outputs}}}
 """
 
 _JAC = """\
 /* d(ydot)/dy, row by row */
 int jac(double t, const double *c, const double *p, const double *y, double *u, double *J)
-{
-    double M[N*N], a[N], K[N*N];
+{{
+    double M[N*N], a[N + NM], K[(NY + NM)*NY]{arrays};
     eom_feed(t, c, p, y, u);
-    eom_step(c, p, y, u, M, a);
-    for (int i = 0; i < N*N; i++) K[i] = M[i];
-    int bad = solve(K, a, 1);
+    int bad = accelerations(c, p, y, u, a);
     if (bad) return bad;
-    eom_slopes(t, c, p, y, u, a, J);
-    return solve(M, J + NQ*NY, NY);
-}
+    eom_slopes(t, c, p, y, u, a, K);
+    eom_step(c, p, y, u, M, a{filled});
+    bad = {solve};
+    for (int i = 0; i < NY*NY; i++) J[i] = K[i];
+    return bad;
+}}
 """
 
 
@@ -89,12 +123,36 @@ def source(program: Program, jacobian: bool = False) -> str:
     once, routines = compiled_routines(program, jacobian)
     sizes = {
         "np": len(program.parameters), "nc": len(once), "nq": len(program.coordinates), "n": program.n,
-        "ny": len(program.state), "nu": len(program.inputs), "nout": len(program.outputs),
+        "ny": len(program.state), "nu": len(program.inputs), "nout": len(program.outputs), "nm": program.m,
+        "ng": len(program.constraints.position) if program.constraints else 0,
     }  # fmt: skip
     comment = "\n".join(f" * {line}".rstrip() for line in header(program))
     parts = [f"/*\n{comment}\n */", _PREAMBLE.format(**sizes)]
     parts += [_function(program, r) for r in routines]
-    return "\n".join([*parts, _SOLVE, *([_JAC] if jacobian else [])])
+    return "\n".join([*parts, *_solving(program, jacobian)])
+
+
+def _solving(program: Program, jacobian: bool) -> list[str]:
+    """What solves for accelerations, with or without constraints."""
+    tied = program.m > 0
+    filled = ", J_, h" if tied else ""
+    arrays = ", J_[NM*N], h[NM]" if tied else ""
+    solve = "solve(M, a, 1)"
+    if tied:
+        solve = "constrained(M, J_, a, h, 1);\n    for (int i = 0; i < NM; i++) a[N + i] = h[i];\n    return bad"
+        solve = solve.replace("constrained", "bad = constrained", 1)
+    out = "    eom_outputs(c, p, y, u, out);\n    return 0;\n"
+    if program.outputs_need_accelerations:
+        out = "    double a[N + NM];\n    int bad = accelerations(c, p, y, u, a);\n"
+        out += "    eom_outputs(c, p, y, u, a, out);\n    return bad;\n"
+    rhs = _RHS.format(arrays=arrays, filled=filled, solve=solve, outputs=out)
+    if tied:
+        rhs = rhs.replace("    return bad = ", "    int bad = ", 1)
+    parts = [_ACCEL_CONSTRAINED if tied else _ACCEL, solvers.C if tied else _LDL, rhs]
+    if jacobian:
+        many = "constrained(M, J_, K + NQ*NY, K + NY*NY, NY)" if tied else "solve(M, K + NQ*NY, NY)"
+        parts.append(_JAC.format(arrays=arrays, filled=filled, solve=many))
+    return parts
 
 
 def _function(program: Program, r: Routine) -> str:

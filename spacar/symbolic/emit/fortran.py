@@ -23,7 +23,9 @@ def source(program: Program, jacobian: bool = False) -> str:
     n = program.n
     sizes = {
         "p": len(program.parameters), "c": len(once), "y": len(program.state), "u": len(program.inputs), "M": n * n,
-        "f": n, "ydot": len(program.coordinates), "out": len(program.outputs),
+        "f": n, "ydot": len(program.coordinates), "out": len(program.outputs), "J": program.m * n, "h": program.m,
+        "a": len(program.unknowns), "turn": len(program.coordinates) * n,
+        "res": len(program.constraints.residual) if program.constraints else 0,
     }  # fmt: skip
     lines = [f"! {line}".rstrip() for line in header(program)]
     lines += [
@@ -34,7 +36,7 @@ def source(program: Program, jacobian: bool = False) -> str:
     lines += ["contains", ""]
     for r in routines:
         lines += _subroutine(r, sizes)
-    lines += _accel(sizes)
+    lines += _accel(sizes, ("M", "f", "J", "h") if program.m else ("M", "f"))
     lines += ["end module equations_of_motion", ""]
     return "\n".join(piece for line in lines for piece in _wrap(line))
 
@@ -62,10 +64,15 @@ def _subroutine(r: Routine, sizes: dict[str, int]) -> list[str]:
     return [*lines, f"  end subroutine eom_{r.name}", ""]
 
 
-def _accel(sizes: dict[str, int]) -> list[str]:
-    lines = ["  subroutine accel(p, y, u, M, f) bind(c)"]
-    lines += [_declare(a, "inout" if a in "Mf" else "in", sizes) for a in ("p", "y", "u", "M", "f")]
-    lines += [f"    real(dp) :: c({sizes['c']})", "    call eom_once(p, c)", "    call eom_step(c, p, y, u, M, f)"]
+def _accel(sizes: dict[str, int], filled: tuple[str, ...]) -> list[str]:
+    results = ", ".join(filled)
+    lines = [f"  subroutine accel(p, y, u, {results}) bind(c)"]
+    lines += [_declare(a, "inout" if a in filled else "in", sizes) for a in ("p", "y", "u", *filled)]
+    lines += [
+        f"    real(dp) :: c({sizes['c']})",
+        "    call eom_once(p, c)",
+        f"    call eom_step(c, p, y, u, {results})",
+    ]
     return [*lines, "  end subroutine accel", ""]
 
 

@@ -2,13 +2,15 @@
 
 The generated module has `make_rhs(parameters, feeds)`, which does the once part and returns (rhs, jac) with
 rhs(t, y) -> ẏ as a list and jac(t, y) -> ∂ẏ/∂y as an array; `rhs.accel(y, u)` gives I (upper triangle) and f,
-`rhs.outputs(t, y)` the named outputs, `rhs.inputs(t, y)` the inputs.
+`rhs.outputs(t, y)` the named outputs, `rhs.inputs(t, y)` the inputs. With constraints `rhs.manifold(t, y)` gives I, J,
+the open velocities e and gaps g, and ∂q̇/∂s.
 """
 
 from __future__ import annotations
 
 import sympy as sp
 
+from spacar.symbolic.emit import solvers
 from spacar.symbolic.emit.header import header
 from spacar.symbolic.emit.scalars import PYTHON, Writer
 from spacar.symbolic.program import Assignments, Program
@@ -28,7 +30,7 @@ def source(program: Program, jacobian: bool = False) -> str:
         "from math import acos, asin, atan, atan2, cos, cosh, exp, log, sin, sinh, sqrt, tan, tanh",
         "",
     ]
-    if jacobian or program.n > UNROLLED:
+    if jacobian or program.m or program.n > UNROLLED:
         lines += ["import numpy as np", ""]
     for name, symbols in (
         ("PARAMETERS", program.parameters),
@@ -36,7 +38,10 @@ def source(program: Program, jacobian: bool = False) -> str:
         ("INPUTS", tuple(program.inputs)),
     ):
         lines.append(f"{name} = ({''.join(repr(s.name) + ', ' for s in symbols)})")
-    lines += [f"OUTPUTS = ({''.join(repr(n) + ', ' for n in program.outputs)})", "", ""]
+    lines += [f"OUTPUTS = ({''.join(repr(n) + ', ' for n in program.outputs)})", ""]
+    if program.m:
+        lines += [*solvers.PYTHON.splitlines(), ""]
+    lines.append("")
     lines += [
         "def make_rhs(parameters, feeds=None):",
         '    """rhs and jac for a mapping of parameter values and of functions of (t, y) for inputs without law."""',
@@ -53,6 +58,9 @@ def source(program: Program, jacobian: bool = False) -> str:
     if jacobian:
         lines += _routine(w, program, "jac", "t, y", _jac(w, program))
     lines += ["    rhs.accel, rhs.inputs, rhs.outputs = accel, inputs, outputs"]
+    if program.m:
+        lines[-1:] = [*_routine(w, program, "manifold", "t, y", _manifold(w, program)), lines[-1]]
+        lines += ["    rhs.manifold = manifold"]
     lines += [f"    return rhs, {'jac' if jacobian else 'None'}", ""]
     return "\n".join(lines)
 
@@ -86,27 +94,61 @@ def _accel(w: Writer, program: Program) -> list[str]:
 
 def _outputs(w: Writer, program: Program) -> list[str]:
     results = list(program.outputs.values())
-    return [*_inputs(w, program), *_assign(w, program.order(results), 8), f"        return ({_tuple(w, results)})"]
+    lines = _inputs(w, program)
+    if program.outputs_need_accelerations:
+        before = program.order(program.system)
+        lines += [*_assign(w, before, 8), *_solve(w, program), *_unknowns(w, program)]
+        done = {s for s, _ in before}
+        lines += _assign(w, tuple(p for p in program.order(results) if p[0] not in done), 8)
+    else:
+        lines += _assign(w, program.order(results), 8)
+    return [*lines, f"        return ({_tuple(w, results)})"]
+
+
+def _unknowns(w: Writer, program: Program) -> list[str]:
+    lines = [f"        {w.add(s)} = a_{i}" for i, s in enumerate(program.accelerations)]
+    return lines + [f"        {w.add(s)} = force_{i}" for i, s in enumerate(program.unknowns[program.n :])]
 
 
 def _rhs(w: Writer, program: Program) -> list[str]:
-    needed = program.order([*program.mass, *program.rhs, *program.rates])
+    needed = program.order([*program.system, *program.rates])
     lines = [*_inputs(w, program), *_assign(w, needed, 8), *_solve(w, program)]
     accelerations = "".join(f"a_{i}, " for i in range(program.n))
     return [*lines, f"        return [{_tuple(w, program.rates)}{accelerations}]"]
 
 
+def _array(w: Writer, entries: object, columns: int) -> str:
+    items = [w(e) for e in entries]  # type: ignore[attr-defined]
+    rows = (items[i : i + columns] for i in range(0, len(items), columns))
+    return "[" + ", ".join(f"[{', '.join(row)}]" for row in rows) + "]"
+
+
+def _full(program: Program) -> list[sp.Expr]:
+    """I row by row."""
+    n, upper = program.n, iter(program.mass)
+    entry = {(i, j): next(upper) for i in range(n) for j in range(i, n)}
+    return [entry[min(i, j), max(i, j)] for i in range(n) for j in range(n)]
+
+
 def _solve(w: Writer, program: Program) -> list[str]:
     """I a = f by LDLᵀ without pivoting: I is positive definite, a pivot that is not positive is an error."""
-    n = program.n
-    upper = iter(program.mass)
-    entry = {(i, j): w(next(upper)) for i in range(n) for j in range(i, n)}
-    if n > UNROLLED:
-        rows = ", ".join("[" + ", ".join(entry[min(i, j), max(i, j)] for j in range(n)) + "]" for i in range(n))
+    n, c = program.n, program.constraints
+    unknowns = "".join(f"a_{i}, " for i in range(n))
+    if c is not None:
+        forces = "".join(f"force_{i}, " for i in range(program.m))
         return [
-            f"        {''.join(f'a_{i}, ' for i in range(n))} = np.linalg.solve([{rows}], [{_tuple(w, program.rhs)}])"
+            f"        M, J = np.array({_array(w, _full(program), n)}), np.array({_array(w, c.matrix, n)})",
+            f"        f, h = np.array([{_tuple(w, program.rhs)}]), np.array([{_tuple(w, c.bias)}])",
+            "        a, force = constrained(M, f, J, h)",
+            f"        ({unknowns}), ({forces}) = a.tolist(), force.tolist()",
+        ]
+    if n > UNROLLED:
+        return [
+            f"        {unknowns} = np.linalg.solve({_array(w, _full(program), n)}, [{_tuple(w, program.rhs)}]).tolist()"
         ]
     lines = []
+    upper = iter(program.mass)
+    entry = {(i, j): w(next(upper)) for i in range(n) for j in range(i, n)}
     for j in range(n):
         for i in range(j, n):  # v_ij = l_ij d_j
             parts = "".join(f" - v_{i}_{k}*l_{j}_{k}" for k in range(j))
@@ -124,14 +166,27 @@ def _solve(w: Writer, program: Program) -> list[str]:
 
 def _jac(w: Writer, program: Program) -> list[str]:
     J = program.jacobian
-    lines = _rhs(w, program)[:-1]
-    lines += [f"        {w.add(s)} = a_{i}" for i, s in enumerate(J.accelerations)]
-    done = {s for s, _ in program.order([*program.mass, *program.rhs, *program.rates])}
+    lines = [*_rhs(w, program)[:-1], *_unknowns(w, program)]
+    done = {s for s, _ in program.order([*program.system, *program.rates])}
     lines += _assign(w, tuple((s, e) for s, e in J.step if s not in done or dict(program.step).get(s) != e), 8)
-    n, size = program.n, len(program.state)
-    dg = ", ".join(f"[{', '.join(w(J.dg[i, j]) for j in range(size))}]" for i in range(n))
-    upper = iter(program.mass)
-    entry = {(i, j): w(next(upper)) for i in range(n) for j in range(i, n)}
-    rows = ", ".join("[" + ", ".join(entry[min(i, j), max(i, j)] for j in range(n)) + "]" for i in range(n))
-    rates = ", ".join(f"[{', '.join(w(J.drates[i, j]) for j in range(size))}]" for i in range(J.drates.rows))
-    return [*lines, f"        low = np.linalg.solve([{rows}], [{dg}])", f"        return np.vstack(([{rates}], low))"]
+    size = len(program.state)
+    lines.append(f"        low = np.array({_array(w, J.dg, size)})")
+    if program.m:
+        lines.append(f"        low, _ = constrained(M, low, J, np.array({_array(w, J.dh, size)}))")
+    else:
+        lines.append(f"        low = np.linalg.solve({_array(w, _full(program), program.n)}, low)")
+    return [*lines, f"        return np.vstack(({_array(w, J.drates, size)}, low))"]
+
+
+def _manifold(w: Writer, program: Program) -> list[str]:
+    c = program.constraints
+    assert c is not None
+    needed = program.order([*program.mass, *c.matrix, *c.residual, *c.turning])
+    shapes = (_array(w, _full(program), program.n), _array(w, c.matrix, program.n))
+    turning = _array(w, c.turning, program.n)
+    return [
+        *_inputs(w, program),
+        *_assign(w, needed, 8),
+        f"        return np.array({shapes[0]}), np.array({shapes[1]}), np.array([{_tuple(w, c.velocity)}]), "
+        f"np.array([{_tuple(w, c.position)}]), np.array({turning})",
+    ]

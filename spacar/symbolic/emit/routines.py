@@ -40,7 +40,10 @@ class Routine:
 
 
 def compiled_routines(program: Program, jacobian: bool = False) -> tuple[Assignments, list[Routine]]:
-    """The once assignments, and the routines once, step, feed, rates, outputs and (on request) slopes."""
+    """The once assignments, and the routines once, step, feed, rates, outputs, manifold and (on request) slopes.
+
+    With constraints the step also gives J and h = γ, and `manifold` the residuals e, g and ∂q̇/∂s. `a` holds ṡ and λ.
+    """
     once = program.jacobian.once if jacobian else program.once
     places = _places(program, once)
     n, ny = program.n, len(program.state)
@@ -51,6 +54,11 @@ def compiled_routines(program: Program, jacobian: bool = False) -> tuple[Assignm
             mass[i, j] = mass[j, i] = next(upper)
     system: Results = tuple(("M", i * n + j, mass[i, j]) for i in range(n) for j in range(n))
     system += tuple(("f", i, e) for i, e in enumerate(program.rhs))
+    c = program.constraints
+    filled: tuple[str, ...] = ("M", "f")
+    if c is not None:
+        system += tuple(("J", i, e) for i, e in enumerate(c.matrix)) + tuple(("h", i, e) for i, e in enumerate(c.bias))
+        filled += ("J", "h")
     feed = tuple(("u", i, e) for i, e in enumerate(program.inputs.values()) if e is not None)
     rates = tuple(("ydot", i, e) for i, e in enumerate(program.rates))
     given = ("c", "p", "y", "u")
@@ -66,20 +74,25 @@ def compiled_routines(program: Program, jacobian: bool = False) -> tuple[Assignm
     stored = tuple(("c", i, s) for i, (s, _) in enumerate(once))
     routines = [
         routine("once", ("p", "c"), "c", once, stored),
-        routine("step", (*given, "M", "f"), ("M", "f"), program.order(e for _, _, e in system), system),
+        routine("step", (*given, *filled), filled, program.order(e for _, _, e in system), system),
         routine("feed", ("t", *given), "u", (), feed),
         routine("rates", (*given, "ydot"), "ydot", program.order(program.rates), rates),
         routine(
-            "outputs", (*given, "out"), "out", program.order(program.outputs.values()),
+            "outputs", (*given, *(("a",) if program.outputs_need_accelerations else ()), "out"), "out",
+            program.order(program.outputs.values()),
             tuple(("out", i, e) for i, e in enumerate(program.outputs.values())),
         ),
     ]  # fmt: skip
+    if c is not None:
+        results = tuple(("res", i, e) for i, e in enumerate(c.residual))
+        results += tuple(("turn", i, e) for i, e in enumerate(c.turning))
+        body = program.order(e for _, _, e in results)
+        routines.append(routine("manifold", (*given, "res", "turn"), ("res", "turn"), body, results))
     if jacobian:
         J = program.jacobian
-        places |= {s: ("a", i) for i, s in enumerate(J.accelerations)}
-        entries = [*J.drates, *J.dg]
+        entries = [*J.drates, *J.dg, *J.dh]
         results = tuple(("J", k, e) for k, e in enumerate(entries))
-        assert len(entries) == ny * ny
+        assert len(entries) == (ny + program.m) * ny
         definitions = dict(J.step)
         body = tuple((s, definitions[s]) for s in definition_order(definitions, entries))
         routines.append(routine("slopes", ("t", *given, "a", "J"), "J", body, results))
@@ -88,6 +101,7 @@ def compiled_routines(program: Program, jacobian: bool = False) -> tuple[Assignm
 
 def _places(program: Program, once: Assignments) -> dict[sp.Symbol, tuple[str, int]]:
     places = {s: ("p", i) for i, s in enumerate(program.parameters)}
+    places |= {s: ("a", i) for i, s in enumerate(program.unknowns)}
     places |= {s: ("c", i) for i, (s, _) in enumerate(once)}
     places |= {s: ("y", i) for i, s in enumerate(program.state)}
     return places | {s: ("u", i) for i, s in enumerate(program.inputs)}

@@ -34,12 +34,14 @@ _SAME = {f: f for f in _COMMON} | {"sqrt": "sqrt"}
 _RESERVED = {
     "python": """and as assert async await break class continue def del elif else except false finally for from global
         if import in is lambda none nonlocal not or pass raise return true try while with yield math float abs sqrt
-        t y u m f p np rhs jac accel outputs inputs feeds parameters low""",
+        t y u m j a f p np rhs jac accel outputs inputs feeds parameters low h force constrained dependent manifold""",
     "c": """auto break case char const continue default do double else enum extern float for goto if inline int long
         register restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
-        main t y u m f p c h i j k n a ydot out jac accel rhs fabs pow j0 j1 y0 y1 jn yn gamma np nc nq ny nu nout""",
+        main t y u m f p c h i j k n a ydot out jac accel rhs fabs pow j0 j1 y0 y1 jn yn gamma np nc nq ny nu nout
+        nm ng l res turn outputs manifold constrained solve""",
     "fortran": """program module subroutine function end do if then else call use implicit none real integer contains
-        bind intent in out return stop where select case data p y u m f c t ydot dp abs max min""",
+        bind intent in out return stop where select case data p y u m f c t ydot dp abs max min
+        j h a res turn""",
 }
 
 
@@ -66,12 +68,14 @@ class Writer:
         """The name of a symbol: no keyword, unique without regard to case, at most 63 characters."""
         if symbol not in self.names:
             base = re.sub(r"\W", "_", symbol.name)[:55]
+            if re.fullmatch(r"(a|b|l|v|force)(_\d+)+|feed_.*", base):  # what the programs call their own unknowns
+                base = f"{base}_"
             if not base[:1].isalpha():
                 base = f"v{base}"
             name, number = base, 1
             while name.lower() in self.taken:
                 number += 1
-                name = f"{base}_{number}"
+                name = f"{base}__{number}"
             self.taken.add(name.lower())
             self.names[symbol] = name
         return self.names[symbol]

@@ -1,0 +1,255 @@
+"""Constraints while a program runs: assembly of start values, projection, and integration without drift.
+
+A displacement in the speeds δ moves the coordinates by W δ, W = ∂q̇/∂s. All corrections are least squares in mass
+units, |D^(−1) δ| with D = diag(I)^(−1/2), so that metres and radians are weighed as the system weighs them:
+
+    gap        J_g δ = −g,  q += W δ   (Newton iterations)
+    velocity   J δ = −e,  s += δ
+
+Assembly keeps the values that were given and changes the others, amplitudes of beam fields only when nothing else can
+close the gap. The integration runs on all coordinates and speeds; what drifts off by more than the tolerance is
+projected back. Source: decision; `symbolic.md`, section 3.5.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from spacar.errors import AnalysisError, UsageError
+from spacar.symbolic.program import Program
+
+ITERATIONS = 60
+DRIFT = {"DOP853": 0.1, "Radau": 0.1, "LSODA": 10.0, "BDF": 10.0}
+"""Correction, in tolerances, from which a run restarts at the projected state; dear for multistep methods."""
+NEARLY = 1e-3  # largest relative change of given start values that is taken as their rounding
+
+
+@dataclass
+class Manifold:
+    """The states that satisfy the constraints of a program; `function` has `manifold(t, y)`."""
+
+    program: Program
+    function: Any
+    notes: list[str] = field(default_factory=list)
+
+    @property
+    def nq(self) -> int:
+        return len(self.program.coordinates)
+
+    def numbers(self, t: float, y: np.ndarray) -> tuple[np.ndarray, ...]:
+        """D, J, J_g, e, g, W."""
+        M, J, e, g, W = self.function.manifold(t, y.tolist())
+        diagonal = M.diagonal()
+        D = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+        constraints = self.program.constraints
+        assert constraints is not None
+        return D, J, J[list(constraints.closed)], e, g, W
+
+    def project(self, t: float, y: np.ndarray) -> np.ndarray:
+        """The nearest state that satisfies the constraints; AnalysisError when Newton's method finds none."""
+        y = np.array(y, dtype=float)
+        n = self.nq
+        last = np.inf
+        for _ in range(ITERATIONS):
+            D, _, Jg, _, g, W = self.numbers(t, y)
+            if not len(g):
+                last = 0.0
+                break
+            move = W @ (D * np.linalg.lstsq(Jg * D, -g, rcond=None)[0])
+            size = float(np.max(np.abs(move)) / max(np.max(np.abs(y[:n])), 1e-300))
+            if not size < last / 2:  # rounding: no further digit is gained
+                break
+            y[:n] += move
+            last = size
+            if size == 0.0:
+                break
+        if not last < 1e-8:
+            raise AnalysisError(f"the constraints cannot be satisfied at t = {t:.6g} s", "constraint")
+        D, J, _, e, _, _ = self.numbers(t, y)
+        y[n:] += D * np.linalg.lstsq(J * D, -e, rcond=None)[0]
+        return y
+
+    # -- start ---------------------------------------------------------------------------------------------------
+
+    def assemble(self, y: np.ndarray, given: set[str], t: float = 0.0) -> np.ndarray:
+        """Start values near y that satisfy the constraints and keep the `given` states.
+
+        Raises UsageError when the given values leave an open gap or velocity that nothing else can close.
+        """
+        began = np.array(y, dtype=float)
+        names = [s.name for s in self.program.state]
+        y = self._close_gaps(t, began.copy(), [n in given for n in names[: self.nq]])
+        y = self._close_speeds(t, y, [n in given for n in names[self.nq :]])
+        changed = [k for k in range(len(y)) if abs(y[k] - began[k]) > 1e-12 * (1 + abs(began[k]))]
+        if changed:
+            rows = ", ".join(f"{names[k]} = {y[k]:.12g}" for k in changed)
+            self.notes.append(f"assembled    {rows}")
+        rounded = [k for k in changed if names[k] in given]
+        if rounded:
+            worst = max(rounded, key=lambda k: abs(y[k] - began[k]))
+            self.notes.append(
+                f"warning: the start values do not fit the constraints exactly; {names[worst]} was moved by "
+                f"{y[worst] - began[worst]:.3g}"
+            )
+        return y
+
+    def _groups(self) -> list[np.ndarray]:
+        """Speeds that may be changed: first those of no field, then all."""
+        soft = {s.name for s in self.program.fields}
+        rigid = np.array([s.name not in soft for s in self.program.speeds])
+        everything = np.ones(len(rigid), dtype=bool)
+        return [rigid, everything] if not rigid.all() else [everything]
+
+    def _close_gaps(self, t: float, y: np.ndarray, fixed: list[bool]) -> np.ndarray:
+        if not self.program.constraints or not self.program.constraints.position:
+            return y
+        if self._gap(t, y) == 0.0:
+            return y
+        hold = np.flatnonzero(fixed)
+        for allowed in self._groups():
+            found = self._newton(t, y, hold, allowed)
+            if found is not None:
+                return found
+        found = self._newton(t, y, np.array([], dtype=int), np.ones(self.program.n, dtype=bool))
+        if found is not None and np.max(np.abs(found - y)) <= NEARLY * max(np.max(np.abs(y[: self.nq])), 1e-300):
+            return found
+        self._refuse(t, y, self.numbers(t, y)[4], self.program.constraints.closed, hold, "open by")
+        return y
+
+    def _refuse(self, t: float, y: np.ndarray, gaps: Any, rows: Any, hold: np.ndarray, words: str) -> None:
+        constraints = self.program.constraints
+        assert constraints is not None
+        worst = int(np.argmax(np.abs(gaps)))
+        names = [s.name for s in self.program.state]
+        kept = ", ".join(f"{names[k]} = {y[k]:g}" for k in hold) or "none"
+        raise UsageError(
+            f"start: {constraints.names[rows[worst]]} is {words} {gaps[worst]:.6g} and cannot be closed with the "
+            f"values given ({kept}): leave one of them out, or give values that fit",
+            "constraint",
+        )
+
+    def _gap(self, t: float, y: np.ndarray) -> float:
+        return float(np.max(np.abs(self.numbers(t, y)[4]), initial=0.0))
+
+    def _newton(self, t: float, y: np.ndarray, hold: np.ndarray, allowed: np.ndarray) -> np.ndarray | None:
+        """Damped Newton iterations on the coordinates that are free; None when the gap stays open."""
+        y, n = y.copy(), self.nq
+        start = gap = self._gap(t, y)
+        for _ in range(ITERATIONS):
+            D, _, Jg, _, g, W = self.numbers(t, y)
+            D = np.where(allowed, D, 0.0)
+            basis = _null_space((W * D)[hold]) * D[:, None]
+            delta = basis @ np.linalg.lstsq(Jg @ basis, -g, rcond=1e-10)[0]
+            step = W @ delta
+            for halving in range(12):
+                trial = y.copy()
+                trial[:n] += step / 2**halving
+                if self._gap(t, trial) < gap:
+                    break
+            else:
+                break
+            y, gap = trial, self._gap(t, trial)
+            if gap <= 1e-14 * start:
+                break
+        D, _, Jg, _, g, W = self.numbers(t, y)
+        scale = np.abs(Jg) @ np.abs(np.linalg.pinv(W) @ y[:n]) + np.max(np.abs(Jg), axis=1) * 1e-12
+        return y if np.all(np.abs(g) <= 1e-11 * scale) else None
+
+    def _close_speeds(self, t: float, y: np.ndarray, fixed: list[bool]) -> np.ndarray:
+        n, held = self.nq, np.array(fixed, dtype=bool)
+        D, J, _, e, _, _ = self.numbers(t, y)
+        constraints = self.program.constraints
+        assert constraints is not None
+
+        def closed(delta: np.ndarray) -> bool:
+            scale = np.abs(J) @ (np.abs(y[n:]) + np.abs(delta)) + np.abs(e)
+            return bool(np.all(np.abs(J @ delta + e) <= 1e-11 * scale))
+
+        for allowed in [g & ~held for g in self._groups()]:
+            d = np.where(allowed, D, 0.0)
+            delta = d * np.linalg.lstsq(J * d, -e, rcond=1e-10)[0]
+            if closed(delta):
+                y[n:] += delta
+                return y
+        delta = D * np.linalg.lstsq(J * D, -e, rcond=None)[0]
+        if closed(delta) and np.max(np.abs(delta)) <= NEARLY * max(np.max(np.abs(y[n:])), 1e-300):
+            y[n:] += delta
+            return y
+        self._refuse(t, y, e, range(len(e)), n + np.flatnonzero(held), "violated at a rate of")
+        return y
+
+    # -- end -----------------------------------------------------------------------------------------------------
+
+    def tangent(self, t: float, y: np.ndarray) -> np.ndarray:
+        """Orthonormal basis of the state changes that keep e = 0 and g = 0, by central differences."""
+        rows = []
+        for k in range(len(y)):
+            h = 6e-6 * max(abs(y[k]), 1e-3)
+            ends = []
+            for sign in (1, -1):
+                moved = y.copy()
+                moved[k] += sign * h
+                numbers = self.numbers(t, moved)
+                ends.append(np.concatenate((numbers[3], numbers[4])))
+            rows.append((ends[0] - ends[1]) / (2 * h))
+        return _null_space(np.array(rows).T)
+
+
+def _null_space(A: np.ndarray) -> np.ndarray:
+    if not A.size:
+        return np.eye(A.shape[1])
+    _, values, Vt = np.linalg.svd(A)
+    rank = int(np.sum(values > 1e-10 * values[0])) if values[0] > 0 else 0
+    return np.asarray(Vt[rank:].T)
+
+
+@dataclass
+class Solution:
+    """What `solve_ivp` gives, of an integration in pieces."""
+
+    t: np.ndarray
+    y: np.ndarray
+    success: bool
+    message: str
+    nfev: int
+    njev: int
+    projections: int
+
+
+def integrate(
+    manifold: Manifold,
+    f: Callable[..., Any],
+    times: np.ndarray,
+    y0: np.ndarray,
+    method: str,
+    options: Mapping[str, Any],
+) -> Solution:
+    """Integrate and keep to the constraints: outputs are projected, and so is the state when it has drifted."""
+    from scipy import integrate as scipy_integrate
+
+    make = getattr(scipy_integrate, method)
+    rtol, atol = options["rtol"], options["atol"]
+    solver = make(f, float(times[0]), y0, float(times[-1]), **options)
+    found, count, nfev, njev, projections = [y0], 1, 0, 0, 0
+    while solver.status == "running":
+        message = solver.step()
+        if solver.status == "failed":
+            return Solution(
+                times[:count], np.array(found).T, False, f"{message}. ", nfev + solver.nfev, njev, projections
+            )
+        if count < len(times) and times[count] <= solver.t:
+            dense = solver.dense_output()
+            while count < len(times) and times[count] <= solver.t:
+                found.append(manifold.project(times[count], dense(times[count])))
+                count += 1
+        state = manifold.project(solver.t, solver.y)
+        drift = np.max(np.abs(state - solver.y) / (atol + rtol * np.abs(state)))
+        if drift > DRIFT[method] and solver.status == "running":
+            nfev, njev, projections = nfev + solver.nfev, njev + solver.njev, projections + 1
+            first = {} if method in ("LSODA", "BDF") else {"first_step": min(solver.h_abs, abs(times[-1] - solver.t))}
+            solver = make(f, solver.t, state, float(times[-1]), **options, **first)
+    return Solution(times, np.array(found).T, True, "", nfev + solver.nfev, njev + solver.njev, projections)
