@@ -1,8 +1,9 @@
 """Reading scalar expressions from text without executing anything.
 
-The text is parsed by Python's `ast` and walked with a white list: numbers, names, + − * / **, parentheses, `a if x > b else c` and the
-functions of `FUNCTIONS`; smoothmax(x, w) = (x + √(x² + w²))/2 for contact, smoothsign(x, w) = tanh(x/w) for friction. Never `eval`, `sympify` or `parse_expr`. Limits: 2000 characters, depth 100, exponents of
-at most 64, finite numbers.
+The text is parsed by Python's `ast` and walked with a white list: numbers, names, + − * / **, parentheses,
+`a if x > b else c` and the functions of `FUNCTIONS`; smoothmax(x, w) = (x + √(x² + w²))/2 is for contact,
+smoothsign(x, w) = tanh(x/w) for friction. Never `eval`, `sympify` or `parse_expr`. Limits: 2000 characters, depth 100,
+exponents of at most 64, finite numbers.
 """
 
 from __future__ import annotations

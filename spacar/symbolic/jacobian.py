@@ -55,7 +55,7 @@ def gradients(program: Program, expressions: list[sp.Expr], constant: tuple[sp.S
     def gradient(expression: sp.Expr) -> dict[sp.Symbol, sp.Expr]:
         result: dict[sp.Symbol, list[sp.Expr]] = {}
         for atom in sorted(expression.free_symbols & known.keys(), key=lambda s: s.name):
-            slope = expression.diff(atom)
+            slope = _plain(expression.diff(atom))
             for y, d in known[atom].items():
                 result.setdefault(y, []).append(slope * d)
         return {y: sp.Add(*parts) for y, parts in result.items()}
@@ -75,6 +75,12 @@ def gradients(program: Program, expressions: list[sp.Expr], constant: tuple[sp.S
             known[symbol] = {y: d for y, d in slopes.items() if d != 0}
     rows = [gradient(e) for e in expressions]
     return Gradients(tuple(definitions.items()), [[row.get(y, sp.S.Zero) for y in program.state] for row in rows])
+
+
+def _plain(slope: sp.Expr) -> sp.Expr:
+    """Derivatives of sign, Abs, Min and Max in functions that programs have; jumps have the slope 0."""
+    slope = slope.replace(sp.DiracDelta, lambda *_: sp.S.Zero)
+    return slope.replace(sp.Heaviside, lambda x, *_: (1 + sp.sign(x)) / 2)
 
 
 def _names(program: Program, constant: tuple[sp.Symbol, ...]) -> NameSource:

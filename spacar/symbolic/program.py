@@ -385,6 +385,8 @@ class Hoist:
         self._known: dict[sp.Expr, sp.Symbol] = {}
 
     def __call__(self, expression: sp.Expr) -> sp.Expr:
+        if not isinstance(expression, sp.Expr):  # a condition of a Piecewise
+            return expression
         if not expression.args or not expression.free_symbols & self.constants:
             return expression
         if expression.free_symbols <= self.constants:

@@ -42,7 +42,7 @@ class DirectionCosines:
 
     def _from_parent(self, a: Frame, b: Frame) -> sp.Matrix:
         if a in (line := _ancestors(b)):
-            base, axis, angle = merged_rotation(b, stop=a)
+            base, axis, angle = merged_rotation(b, stop=a, everything=self.table is None)
             return self._product(self.matrix(a, base), self._turn(axis, angle))
         common = next((f for f in _ancestors(a) if f in line), None)
         if common is None:
@@ -92,15 +92,18 @@ def _ancestors(frame: Frame) -> list[Frame]:
     return line
 
 
-def merged_rotation(frame: Frame, stop: Frame | None = None) -> tuple[Frame, int, sp.Expr]:
+def merged_rotation(frame: Frame, stop: Frame | None = None, everything: bool = False) -> tuple[Frame, int, sp.Expr]:
     """(base, axis, angle) of the turn that gives `frame`, added to the turns about the same axis just before it.
 
     Sections of beams and joints on them are merged this way; a frame that is an origin of its own chain of joints
-    (`stop`) is not passed.
+    (`stop`) is not passed. `everything`: joints are merged too, as in the published cos(q1 + q2' + q4); memory reads
+    multiply cosines along the tree instead.
     """
     assert frame.rotation is not None
     base, axis, angle = frame.rotation.parent, frame.rotation.axis, frame.rotation.angle
-    while base is not stop and base.rotation is not None and base.rotation.axis == axis and base.is_section:
+    while base is not stop and base.rotation is not None and base.rotation.axis == axis:
+        if not (base.is_section or everything):
+            break
         angle = base.rotation.angle + angle
         base = base.rotation.parent
     return base, axis, angle

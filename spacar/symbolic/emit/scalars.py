@@ -1,7 +1,7 @@
-"""Scalar expressions as program text: one small printer and a table of what differs between the languages.
+"""Scalar expressions as program text: the printers of SymPy for Python, C99 and Fortran with our names and numbers.
 
-Numbers are folded (1/3 is one literal), small powers are products, negative powers are divisions, so that the three
-languages carry out the same operations.
+Numbers are folded (1/3 is one literal) and small powers are products, so that the three languages carry out the same
+operations. sign(0) is 0 in all of them.
 """
 
 from __future__ import annotations
@@ -12,6 +12,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
+from sympy.printing.c import C99CodePrinter
+from sympy.printing.fortran import FCodePrinter
+from sympy.printing.pycode import PythonCodePrinter
 
 from spacar.errors import UsageError
 from spacar.symbolic.units import TIME
@@ -19,17 +23,18 @@ from spacar.symbolic.units import TIME
 
 @dataclass(frozen=True)
 class Language:
-    """What the printer must know: names of functions, reserved words, the power of a bracket."""
+    """The printer of a language, its settings, its reserved words, and its text for x**n with n of 2 to 4."""
 
     name: str
-    functions: dict[str, str]
-    power: str
+    printer: Any
+    settings: dict[str, Any]
     small_power: str
     reserved: frozenset[str]
 
 
-_COMMON = ("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log")
-_SAME = {f: f for f in _COMMON} | {"sqrt": "sqrt"}
+_COMMON = ["sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "sqrt"]
+_FUNCTIONS = [*_COMMON, "Abs", "sign", "Min", "Max", "Piecewise"]
+_NAMES = [f.lower() for f in _FUNCTIONS]
 
 _RESERVED = {
     "python": """and as assert async await break class continue def del elif else except false finally for from global
@@ -46,12 +51,55 @@ _RESERVED = {
 
 
 def _reserved(name: str) -> frozenset[str]:
-    return frozenset([*_RESERVED[name].split(), *_SAME])
+    return frozenset([*_RESERVED[name].split(), *_NAMES])
 
 
-PYTHON = Language("python", _SAME | {"Abs": "abs"}, "({0})**{1}", "({0})**{1}", _reserved("python"))
-C = Language("c", _SAME | {"Abs": "fabs"}, "pow({0}, {1})", "power_{1}({0})", _reserved("c"))
-FORTRAN = Language("fortran", _SAME | {"Abs": "abs"}, "({0})**({1})", "({0})**{1}", _reserved("fortran"))
+class _Scalars:
+    """What the printers of the languages share; `writer` is set by `Writer`."""
+
+    writer: Writer
+
+    def _print_Symbol(self, e: sp.Symbol) -> str:
+        return self.writer.add(e)
+
+    def _print_Float(self, e: sp.Expr) -> str:
+        return self.writer.number(e)
+
+    _print_Integer = _print_Rational = _print_Half = _print_One = _print_Zero = _print_NegativeOne = _print_Float
+    _print_Pi = _print_Exp1 = _print_NumberSymbol = _print_Float
+
+    def _print_Pow(self, e: sp.Pow, rational: bool = False) -> str:
+        base, exponent = e.as_base_exp()
+        if exponent in (2, 3, 4):
+            if base.is_Symbol:
+                return f"({'*'.join([self.writer.add(base)] * int(exponent))})"
+            return self.writer.language.small_power.format(self.writer(base), int(exponent))
+        text: str = super()._print_Pow(e)  # type: ignore[misc]
+        return text
+
+    def _print_sign(self, e: sp.Expr) -> str:
+        x = self.writer(e.args[0])
+        return f"(({x} > 0) - ({x} < 0))"
+
+
+class _Python(_Scalars, PythonCodePrinter):
+    pass
+
+
+class _C(_Scalars, C99CodePrinter):
+    pass
+
+
+class _Fortran(_Scalars, FCodePrinter):
+    def _print_sign(self, e: sp.Expr) -> str:
+        x = self.writer(e.args[0])
+        return f"(merge(1.0d0, 0.0d0, {x} > 0) - merge(1.0d0, 0.0d0, {x} < 0))"
+
+
+PYTHON = Language("python", _Python, {"fully_qualified_modules": False}, "(({0})**{1})", _reserved("python"))
+C = Language("c", _C, {}, "power_{1}({0})", _reserved("c"))
+_FREE = {"source_format": "free", "standard": 2008, "name_mangling": False}
+FORTRAN = Language("fortran", _Fortran, _FREE, "(({0})**{1})", _reserved("fortran"))
 
 
 class Writer:
@@ -61,6 +109,8 @@ class Writer:
         self.language = language
         self.names: dict[sp.Symbol, str] = {TIME: "t"}
         self.taken = set(language.reserved)
+        self.printer = language.printer(language.settings)
+        self.printer.writer = self
         for s in symbols:
             self.add(s)
 
@@ -88,65 +138,11 @@ class Writer:
         return text
 
     def __call__(self, e: sp.Expr) -> str:
-        if e.is_Symbol:
-            return self.add(e)
-        if e.is_number and e.is_real:
-            return self.number(e) if e >= 0 else f"(-{self.number(-e)})"
-        if e.is_Add:
-            return self._sum(e)
-        if e.is_Mul:
-            return self._product(e)
-        if e.is_Pow or isinstance(e, sp.exp):
-            return self._power(e)
-        if e.is_Function and e.func.__name__ in self.language.functions:
-            name = self.language.functions[e.func.__name__]
-            return f"{name}({', '.join(map(self, e.args))})"
-        raise UsageError(f"cannot write {e} in {self.language.name}")
-
-    def _sum(self, e: sp.Expr) -> str:
-        text = ""
-        for term in e.as_ordered_terms():
-            negative = term.could_extract_minus_sign()
-            piece = self(-term if negative else term)
-            if not text:
-                text = f"-{piece}" if negative else piece
-            else:
-                text += f" - {piece}" if negative else f" + {piece}"
+        """The text of an expression. UsageError for a function that is not in all languages."""
+        strange = sorted({f.func.__name__ for f in e.atoms(sp.Function, AppliedUndef)} - {*_FUNCTIONS})
+        if strange:
+            raise UsageError(f"cannot write {e} in {self.language.name}: it has no {strange[0]}")
+        if e.is_number:
+            return self.number(e)
+        text: str = self.printer._print(e)
         return text
-
-    def _factor(self, e: sp.Expr) -> str:
-        return f"({self(e)})" if e.is_Add else self(e)
-
-    def _product(self, e: sp.Expr) -> str:
-        coefficient, rest = e.as_coeff_Mul()
-        above, below = [], []
-        for factor in sp.Mul.make_args(rest):
-            base, exponent = factor.as_base_exp()
-            if exponent.is_Rational and exponent < 0:
-                below.append(base**-exponent)
-            else:
-                above.append(factor)
-        sign = "-" if coefficient < 0 else ""
-        numbers = [] if abs(coefficient) == 1 else [self.number(abs(coefficient))]
-        top = "*".join([*numbers, *map(self._factor, above)]) or self.number(1)
-        bottom = "*".join(map(self._factor, below))
-        if bottom:
-            single = len(below) == 1 and "*" not in bottom and "/" not in bottom
-            top += f"/{bottom}" if single else f"/({bottom})"
-        return f"({sign}{top})" if sign else top
-
-    def _power(self, e: sp.Expr) -> str:
-        if isinstance(e, sp.exp):
-            return f"{self.language.functions['exp']}({self(e.args[0])})"
-        base, exponent = e.as_base_exp()
-        if exponent.is_Rational and exponent < 0:
-            return f"{self.number(1)}/({self._factor(base**-exponent)})"
-        if exponent == sp.Rational(1, 2):
-            return f"{self.language.functions['sqrt']}({self(base)})"
-        if exponent.is_Integer and base.is_Symbol and exponent <= 4:
-            return "*".join([self.add(base)] * int(exponent))
-        if exponent.is_Integer and exponent <= 4:
-            return self.language.small_power.format(self(base), exponent)
-        if exponent.is_Integer and self.language.name != "c":
-            return self.language.small_power.format(self(base), exponent)
-        return self.language.power.format(self(base), self(exponent))
