@@ -59,7 +59,6 @@ def add_beam(recursion: Recursion, beam: Beam, sums: Sums) -> None:
 
 def _field_equations(b: BeamMoments, sums: Sums, a0: sp.Matrix, w: sp.Matrix, al0: sp.Matrix) -> None:
     """Rows of the field coordinates: inertia, strain energy, damping."""
-    beam = b.beam
     coordinates = list(b.speed)
     ww = b.reads(w * w.T)
     swirl = ww - sp.eye(3) * b.read(ww.trace())  # w × (w × r) = (w wᵀ − w² 1) r
