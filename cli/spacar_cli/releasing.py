@@ -69,6 +69,8 @@ def check_output(output: Path, source: Path) -> None:
 
 def solve(source: Path, output: str) -> Done:
     """Release what can be released in an input file; `output` is the name of the new file, empty for none."""
+    from spacar_formats.safety import write_text
+
     from spacar.deck import read_deck
     from spacar.kinematics.advice import paste_lines
     from spacar.kinematics.release import release
@@ -79,7 +81,7 @@ def solve(source: Path, output: str) -> Done:
     written = None
     if output:
         written = Path(output)
-        written.write_bytes(found.deck.data)
+        write_text(written, found.deck.text)
     return Done(found, lines, written)
 
 

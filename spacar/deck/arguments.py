@@ -15,6 +15,7 @@ from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.deck.table_types import Keyword, Parameter, Variant
 
 _UNUSED_NODES_ALLOWED = ("X", "FIX")
+_TOLERANCES = ("ERROR", "ITERSTEP")
 _COEFFICIENTS = ("ESTIFF", "EDAMP", "EM", "ESIG", "DELESIG")  # generators write as many as the largest type has
 
 
@@ -131,9 +132,9 @@ def _values(
 
 
 def _squared(parameter: Parameter, raw: Raw) -> bool:
-    """Whether a value is one of the geometry and motion, whose squares are needed: forces, masses and stiffnesses of
-    any size are computed with."""
-    return raw.block == 1 or not ("N" in parameter.unit or "kg" in parameter.unit)
+    """Whether a value is one of the geometry and motion, whose squares are needed: forces, masses, stiffnesses and
+    tolerances of any size are computed with."""
+    return raw.keyword not in _TOLERANCES and (raw.block == 1 or not ("N" in parameter.unit or "kg" in parameter.unit))
 
 
 def _owner(kind: str, role: str, space: str = "") -> str:

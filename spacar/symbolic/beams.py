@@ -85,7 +85,9 @@ def make_beam(
     add("twist", "theta", 1, twist, GJ, 1)
     add("stretch", "e", 1, stretch, EA, 1)
     bending = tuple(f for f in made if f.kind == "bending")
-    shortening = Foreshortening(field_function(f"shortening{number}"), bending) if foreshortening and bending else None
+    shortening = (
+        Foreshortening(field_function(f"shortening{number}"), bending, length) if foreshortening and bending else None
+    )
     offset = X * frame[1] + sum((f.function * frame[f.direction] for f in made if f.kind != "twist"), ZERO)
     if shortening:
         offset -= shortening.function * frame[1]

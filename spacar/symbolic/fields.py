@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from spacar.symbolic.shapes import X, integral
+from spacar.symbolic.shapes import X, product_integral, running_integral
 from spacar.symbolic.units import TIME
 
 
@@ -57,7 +57,10 @@ class Field:
 
     def strain_energy(self, length: sp.Expr) -> sp.Expr:
         """∫ energy density dx of the assumed field [J]."""
-        return integral(self.stiffness * self.value(X, self.order) ** 2 / 2, X, length)
+        n = self.order
+        pairs = [(q, psi.diff(X, n)) for q, psi in zip(self.coordinates, self.shapes, strict=True)]
+        total = [p * q * product_integral(f, g, X, length) for p, f in pairs for q, g in pairs]
+        return self.stiffness * sp.Add(*total) / 2
 
     def substitution(self, accelerations: dict[sp.Expr, sp.Symbol]) -> dict[sp.Basic, sp.Expr]:
         """u, u_t, u_tt and their derivatives to x in terms of φ, dφ and the acceleration symbols."""
@@ -76,17 +79,28 @@ class Foreshortening:
 
     function: sp.Expr
     fields: tuple[Field, ...]
+    length: sp.Expr
+
+    def kernel(self, x: sp.Expr) -> dict[tuple[sp.Expr, sp.Expr], sp.Expr]:
+        """{(φ_i, φ_j): S_ij}, S_ij = ∫_0^x ψ_i' ψ_j' dx of every two shapes of one field; w = ½ Σ φ_i φ_j S_ij."""
+        table: dict[tuple[sp.Expr, sp.Expr], sp.Expr] = {}
+        for f in self.fields:
+            slopes = [psi.diff(X) for psi in f.shapes]
+            for i, p in enumerate(f.coordinates):
+                for j, q in enumerate(f.coordinates[: i + 1]):
+                    value = running_integral(slopes[i], slopes[j], X, self.length, x)
+                    table[p, q] = table[q, p] = value
+        return table
 
     def value(self, x: sp.Expr) -> sp.Expr:
-        return sp.Add(*(_running(f.value(X, 1) ** 2 / 2, x) for f in self.fields))
+        return sp.Add(*(p * q * S / 2 for (p, q), S in self.kernel(x).items()))
 
     def gradient(self, x: sp.Expr) -> dict[sp.Expr, sp.Expr]:
         """∂w/∂φ_k, linear in φ."""
-        return {
-            p: _running(f.value(X, 1) * psi.diff(X), x)
-            for f in self.fields
-            for p, psi in zip(f.coordinates, f.shapes, strict=True)
-        }
+        parts: dict[sp.Expr, list[sp.Expr]] = {q: [] for f in self.fields for q in f.coordinates}
+        for (p, q), S in self.kernel(x).items():
+            parts[p].append(q * S)
+        return {p: sp.Add(*terms) for p, terms in parts.items()}
 
     def substitution(self, accelerations: dict[sp.Expr, sp.Symbol]) -> dict[sp.Basic, sp.Expr]:
         """w, w_t and w_tt as polynomials in x."""
@@ -100,8 +114,3 @@ class Foreshortening:
             self.function.diff(TIME): velocity,
             self.function.diff(TIME, 2): acceleration,
         }
-
-
-def _running(integrand: sp.Expr, x: sp.Expr) -> sp.Expr:
-    """∫_0^x of a polynomial integrand."""
-    return integral(integrand, X, x)

@@ -57,6 +57,7 @@ class HeldDerivation:
         self.table = ZTable(forbidden=self.accelerations)
         self.values: dict[sp.Expr, sp.Expr] = {}
         self._accelerations_of: dict[Vector, Vector] = {}
+        self._relative: dict[Beam, Vector] = {}
 
     # -- Z variables -------------------------------------------------------------------------------------------
 
@@ -96,8 +97,10 @@ class HeldDerivation:
 
     def relative_acceleration(self, beam: Beam) -> Vector:
         """Acceleration in N of the mass point x relative to the root, the field put in."""
-        N = self.system.N
-        return self.assumed(beam, self.system.ddt(N, self.system.ddt(N, beam.offset)))
+        if beam not in self._relative:
+            N = self.system.N
+            self._relative[beam] = self.assumed(beam, self.system.ddt(N, self.system.ddt(N, beam.offset)))
+        return self._relative[beam]
 
     def section_momentum_rate(self, beam: Beam) -> Vector:
         """d/dt of the polar momentum ρ_p (w·b1 + θ_t) b1 of a section."""

@@ -6,14 +6,12 @@ A component is kept as {monomial in φ, dφ: function of x}. The integral of a p
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 import sympy as sp
 
-from spacar.symbolic.collect import gather_scalars
-from spacar.symbolic.fields import Field
 from spacar.symbolic.parts import Beam
-from spacar.symbolic.shapes import X, integral
+from spacar.symbolic.shapes import X, product_integral
 
 Form = dict[sp.Expr, sp.Expr]
 Forms = tuple[Form, Form, Form]
@@ -45,42 +43,33 @@ class BeamMoments:
         ]
         moving = [mode for mode in self.modes if mode[0].kind != "twist"]
         self.speed: dict[sp.Expr, sp.Expr] = {q: s for _, q, s, _ in moving}
-        self._symbols = [*self.speed, *self.speed.values()]
-        gradient = beam.shortening.gradient(X) if beam.shortening else {}
-        w = beam.shortening.value(X) if beam.shortening else sp.S.Zero
-        eta = {q: _along(f, psi) - _along(None, gradient.get(q, sp.S.Zero)) for f, q, _, psi in moving}
-        r = sum((q * _along(f, psi) for f, q, _, psi in moving), _along(None, X - w))
-        self.eta: dict[sp.Expr, Forms] = {q: self.forms(column) for q, column in eta.items()}
-        self.r = self.forms(r)
-        r_t = self.forms(sum((eta[q] * s for q, s in self.speed.items()), sp.zeros(3, 1)))
+        S = beam.shortening.kernel(X) if beam.shortening else {}
+        drawn = {p: [(q, -value) for (a, q), value in S.items() if a is p] for p in self.speed}
+        self.eta: dict[sp.Expr, Forms] = {
+            q: _form([(f.direction, sp.S.One, psi), *((1, p, value) for p, value in drawn[q])])
+            for f, q, _, psi in moving
+        }
+        straight = [(1, sp.S.One, X), *((f.direction, q, psi) for f, q, _, psi in moving)]
+        self.r = _form([*straight, *((1, p * q, -value / 2) for (p, q), value in S.items())])
+        r_t = _form(
+            (i, monomial * self.speed[q], value)
+            for q, forms in self.eta.items() for i, form in enumerate(forms, 1) for monomial, value in form.items()
+        )  # fmt: skip
         self.m = read(beam.mass * beam.length)
         self.S = {q: self.column(forms) for q, forms in self.eta.items()}
         self.H = {q: self.product(forms, self.r) for q, forms in self.eta.items()}
         self.D = {q: self.product(forms, r_t) for q, forms in self.eta.items()}
         # r = (x + w) b1 + Σ φ_k η_k, because w is quadratic: Σ φ_k ∂w/∂φ_k = 2 w
-        head = self.forms(_along(None, X + w))
+        head = _form([(1, sp.S.One, X), *((1, p * q, value / 2) for (p, q), value in S.items())])
         zero = sp.zeros(3, 3)
         self.S0 = self.reads(self.column(head) + sum((q * S for q, S in self.S.items()), sp.zeros(3, 1)))
         self.A = self.reads(self.product(head, self.r) + sum((q * H for q, H in self.H.items()), zero))
         self.B = self.reads(sum((self.speed[q] * H for q, H in self.H.items()), zero))
         self.curved = beam.shortening is not None
         if self.curved:
-            bias = sp.Add(*(g.diff(p) * self.speed[q] * self.speed[p] for q, g in gradient.items() for p in self.speed))
-            r_tt = self.forms(_along(None, -bias))
+            r_tt = _form((1, self.speed[p] * self.speed[q], -value) for (p, q), value in S.items())
             self.F, self.G = self.column(r_tt), self.product(r_tt, self.r)
             self.E = {q: self.integral(forms[0], r_tt[0]) for q, forms in self.eta.items()}
-
-    def forms(self, column: sp.Matrix) -> Forms:
-        """The three components as {monomial: function of x}."""
-        first, second, third = (self._form(c) for c in column)
-        return first, second, third
-
-    def _form(self, expression: sp.Expr) -> Form:
-        if expression == 0:
-            return {}
-        if not self._symbols:
-            return {sp.S.One: expression}
-        return dict(_monomials(sp.Poly(expression, *self._symbols)))
 
     def integral(self, a: Form, b: Form = _UNIT) -> sp.Expr:
         """∫ρ a b dx as a memory read."""
@@ -88,12 +77,13 @@ class BeamMoments:
         for m, f in a.items():
             for n, g in b.items():
                 parts.setdefault(m * n, []).append(self._pair(f, g))
-        terms = [self.read(gather_scalars(sp.Add(*values))) * m for m, values in parts.items()]
+        terms = [self.read(sp.Add(*values)) * m for m, values in parts.items()]
         return self.read(sp.factor_terms(sp.Add(*terms)))
 
     def _pair(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
         if (f, g) not in self._pairs:
-            self._pairs[f, g] = self._pairs[g, f] = integral(self.beam.mass * f * g, X, self.beam.length)
+            value = self.beam.mass * product_integral(f, g, X, self.beam.length)
+            self._pairs[f, g] = self._pairs[g, f] = value
         return self._pairs[f, g]
 
     def column(self, a: Forms) -> sp.Matrix:
@@ -112,11 +102,10 @@ class BeamMoments:
         return matrix.applyfunc(self.read)
 
 
-def _along(f: Field | None, value: sp.Expr) -> sp.Matrix:
-    """A column along the direction of a field, or along the beam."""
-    direction = 1 if f is None else f.direction
-    return sp.Matrix([value if i == direction else sp.S.Zero for i in (1, 2, 3)])
-
-
-def _monomials(poly: sp.Poly) -> list[tuple[sp.Expr, sp.Expr]]:
-    return [(sp.Mul(*(g**n for g, n in zip(poly.gens, powers, strict=True))), c) for powers, c in poly.terms()]
+def _form(terms: Iterable[tuple[int, sp.Expr, sp.Expr]]) -> Forms:
+    """(component, monomial, function of x) collected."""
+    parts: tuple[dict[sp.Expr, list[sp.Expr]], ...] = ({}, {}, {})
+    for i, monomial, value in terms:
+        parts[i - 1].setdefault(monomial, []).append(value)
+    first, second, third = ({m: v for m, f in part.items() if (v := sp.Add(*f)) != 0} for part in parts)
+    return first, second, third

@@ -18,12 +18,10 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
-from spacar.symbolic.collect import gather_scalars
 from spacar.symbolic.fields import Field
-from spacar.symbolic.held import damping_force
 from spacar.symbolic.moments import BeamMoments, swing, vee
 from spacar.symbolic.parts import Beam
-from spacar.symbolic.shapes import X, integral
+from spacar.symbolic.shapes import X, integral, product_integral
 
 if TYPE_CHECKING:
     from spacar.symbolic.recursive import Recursion, Sums
@@ -61,7 +59,6 @@ def add_beam(recursion: Recursion, beam: Beam, sums: Sums) -> None:
 
 def _field_equations(b: BeamMoments, sums: Sums, a0: sp.Matrix, w: sp.Matrix, al0: sp.Matrix) -> None:
     """Rows of the field coordinates: inertia, strain energy, damping."""
-    beam = b.beam
     coordinates = list(b.speed)
     ww = b.reads(w * w.T)
     swirl = ww - sp.eye(3) * b.read(ww.trace())  # w × (w × r) = (w wᵀ − w² 1) r
@@ -75,15 +72,20 @@ def _field_equations(b: BeamMoments, sums: Sums, a0: sp.Matrix, w: sp.Matrix, al
         coriolis = 2 * w.dot(-vee(b.D[q]))  # η·(w × r_t) = w·(r_t × η)
         own = b.E[q] if b.curved else sp.S.Zero
         sums.add_force(s, -(b.S[q].dot(a0) - vee(H).dot(al0) + centrifugal + coriolis + own))
-    for f, q, s, psi in b.modes:
-        elastic = f.strain_energy(beam.length).diff(q) + damping_force(beam, f, psi)
-        sums.add_force(s, -_linear(b, f, elastic))
+    for f, _, s, psi in b.modes:
+        sums.add_force(s, -_elastic(b, f, psi))
 
 
-def _linear(b: BeamMoments, f: Field, expression: sp.Expr) -> sp.Expr:
-    """Stiffness and damping forces, linear in φ and dφ, with coefficients from Z."""
-    symbols = [*f.coordinates, *f.speeds]
-    return sp.Add(*(b.read(gather_scalars(expression.diff(s))) * s for s in symbols))
+def _elastic(b: BeamMoments, f: Field, psi: sp.Expr) -> sp.Expr:
+    """Σ_j φ_j ∫EI ψ''ψ_j'' + dφ_j ∫2γ ψ'ψ_j' of one shape, the integrals from Z (see `held.damping_force`)."""
+    beam, n, terms = b.beam, f.order, []
+    for q, s, other in zip(f.coordinates, f.speeds, f.shapes, strict=True):
+        stiffness = f.stiffness * product_integral(psi.diff(X, n), other.diff(X, n), X, beam.length)
+        terms.append(b.read(stiffness) * q)
+        if f.kind == "bending" and beam.damping != 0:
+            pair = (psi.diff(X), other.diff(X)) if beam.damping_boundary else (-psi, other.diff(X, 2))
+            terms.append(b.read(2 * beam.damping * product_integral(*pair, X, beam.length)) * s)
+    return sp.Add(*terms)
 
 
 def _section_inertia(recursion: Recursion, b: BeamMoments, sums: Sums) -> None:

@@ -136,6 +136,37 @@ def shape_functions(field: Any, x: sp.Symbol, L: sp.Expr, clamped: int) -> tuple
     return result
 
 
+@lru_cache(maxsize=4096)
+def _dimensionless(f: sp.Expr, x: sp.Symbol, L: sp.Expr) -> tuple[sp.Expr, sp.Poly] | None:
+    """(c, p) with f(x) = c p(x/L) and rational coefficients in p; None when f is no such polynomial."""
+    xi = sp.Symbol("xi")
+    if not f.is_polynomial(x):
+        return None
+    whole = sp.Poly(sp.expand(f.xreplace({x: L * xi})), xi)
+    scale = whole.LC()
+    ratios = {powers: sp.cancel(c / scale) for powers, c in whole.terms()}
+    if not all(r.is_Rational for r in ratios.values()):
+        return None
+    return scale, sp.Poly(ratios, xi, domain="QQ")
+
+
+def product_integral(f: sp.Expr, g: sp.Expr, x: sp.Symbol, L: sp.Expr) -> sp.Expr:
+    """∫ f g dx from 0 to L: a dimensionless rational number times the scales of f and g where both are polynomials."""
+    a, b = _dimensionless(sp.sympify(f), x, L), _dimensionless(sp.sympify(g), x, L)
+    if a is None or b is None:
+        return integral(f * g, x, L)
+    return a[0] * b[0] * L * _unit_integral(a[1] * b[1])
+
+
+def running_integral(f: sp.Expr, g: sp.Expr, x: sp.Symbol, L: sp.Expr, end: sp.Expr) -> sp.Expr:
+    """∫ f g dx from 0 to `end`, for polynomials by the dimensionless primitive."""
+    a, b = _dimensionless(sp.sympify(f), x, L), _dimensionless(sp.sympify(g), x, L)
+    if a is None or b is None:
+        return integral(f * g, x, end)
+    primitive = (a[1] * b[1]).integrate()
+    return a[0] * b[0] * L * primitive.as_expr().subs(primitive.gen, end / L).expand()
+
+
 def integral(integrand: sp.Expr, x: sp.Symbol, L: sp.Expr) -> sp.Expr:
     """∫ from 0 to L of an integrand that is a polynomial in x, or a sum of f(x/L)·x^n with numerical f.
 
