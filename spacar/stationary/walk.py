@@ -248,8 +248,8 @@ class Walk:
             f"the equilibrium path has a limit point at {reached.initial:.6g} x initial + {reached.additional:.6g} x"
             f" additional loading, before {target} is reached: no static solution is near beyond it, the mechanism"
             " jumps" + (f" (the motion is largest at {motion})" if motion else "") + "; prescribe the displacement"
-            " instead of the load, or give ITERSTEP position 7 the value 1 to follow the path beyond limit points; where"
-            " beams bend by tens of degrees in one element, the model with more elements may have none"
+            " instead of the load, or give ITERSTEP position 7 the value 1 to follow the path beyond limit points;"
+            " where beams bend by tens of degrees in one element, the model with more elements may have none"
         )
         return AnalysisError(text, "statics.limit-point", level=reached)
 
