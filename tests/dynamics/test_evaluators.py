@@ -1,7 +1,7 @@
 """Both evaluators keep the contract of `spacar.dynamics.evaluator`: duty by duty they say the same of a state.
 
-A position is known to 1e-11 of the model size (CONVERGED); stiffness turns that into forces, so the bound is 1e-8 of the
-largest value of each kind, as in `tests/compiled`.
+A position is known to 1e-11 of the model size (CONVERGED); stiffness turns that into forces, so the bound is 1e-8 of
+the largest value of each kind, as in `tests/compiled`.
 """
 
 import shutil
@@ -132,8 +132,8 @@ def test_mode_4_linearizes_about_the_frame_that_c_evaluated(name):
 
 def test_a_failure_is_explained_alike():
     """A rod of a slider-crank that cannot reach: the same error with the same words, whoever met it."""
-    text = "PLRBEAM 1 1 2 3\nPLTRUSS 2 3 4\nX 3 1. 0.\nX 4 2. 0.5\nFIX 1\nFIX 4 2\nDYNX 2 1\nEND\nHALT\nXM 3 1.\nXM 4 1.\n"
-    mechanism = spacar.frames(1, spacar.deck.parse_deck(text + "END\nEND\n", mode=1)).mechanism
+    text = "PLRBEAM 1 1 2 3\nPLTRUSS 2 3 4\nX 3 1. 0.\nX 4 2. 0.5\nFIX 1\nFIX 4 2\nDYNX 2 1\nEND\nHALT\n"
+    mechanism = spacar.frames(1, spacar.deck.parse_deck(text + "XM 3 1.\nXM 4 1.\nEND\nEND\n", mode=1)).mechanism
     said = []
     for evaluator in (Dynamics(mechanism), CompiledDynamics(mechanism)):
         y = evaluator.start()
