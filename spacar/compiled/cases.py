@@ -1,12 +1,10 @@
-"""Many cases of one mechanism in C, as the `Problem` of the integrators: LANES at a time in the lanes of a vector.
+"""Many cases of one mechanism in C, as the driver integrates them: LANES at a time in the lanes of a vector.
 
 The state is made of blocks of LANES cases; a block has all components, each with its lanes, (blocks, components,
 LANES). The last block is filled up with copies of the last case. All cases share the steps.
 """
 
 from __future__ import annotations
-
-from collections.abc import Callable
 
 import numpy as np
 
@@ -35,9 +33,7 @@ class CompiledCases:
         self.states = [model.state() for model in self.models]
         self.shown = [model.state() for model in self.models]
         self.y0 = np.ascontiguousarray(start[of].transpose(0, 2, 1)).ravel()
-        self.lambda0 = HalfTurns(kinematics).lambda0
-        self.converged = CONVERGED
-        self.accepted: Callable[[float, Array], None] = self._watch
+        self.lambda0 = HalfTurns(n).lambda0
         self.by_case = (len(of), self.size, LANES)
         self._accepted = [(state.x.copy(), state.e.copy()) for state in self.states]
         self._sign = np.zeros((len(of), LANES))
@@ -48,27 +44,28 @@ class CompiledCases:
         start, block = array.ctypes.data, 8 * self.size * LANES
         return [start + k * block for k in range(len(self.models))]
 
-    def rhs(self, t: float, y: Array) -> Array:
+    def rhs(self, t: float, y: Array, within: float = CONVERGED) -> Array:
         """Time derivative of the state. Raises AnalysisError when a case cannot be evaluated."""
         blocks = zip(self.models, self.states, self._addresses(y), self._addresses(self._out), strict=True)
         for k, (model, state, where, out) in enumerate(blocks):
-            if model.rhs(state, t, where, out, self.converged) < 0:
+            if model.rhs(state, t, where, out, within) < 0:
                 # a stage of a step that is too long may have led far away: once more from the last accepted state
                 state.begin(*self._accepted[k])
-                if model.rhs(state, t, where, out, self.converged) < 0:
+                if model.rhs(state, t, where, out, within) < 0:
                     raise _failed(t)
         return self._out
 
     def stages(
-        self, done: int, c: Array, a: Array, t: float, h: float, window: tuple[float, float], y: Array, K: Array
-    ) -> int:
+        self, done: int, c: Array, a: Array, t: float, h: float, window: tuple[float, float], y: Array, K: Array,
+        within: float = CONVERGED,
+    ) -> int:  # fmt: skip
         """Stages of an explicit Runge-Kutta step, see `spacar.integrators.problem.Problem`."""
         stride = self.size * len(self.models)
         reached = len(c)
         at_c, at_a = c.ctypes.data, a.ctypes.data
         blocks = zip(self.models, self.states, self._addresses(y), self._addresses(K), strict=True)
         for model, state, at_y, at_K in blocks:
-            one = model.stages(state, done, len(c), at_c, at_a, t, h, window, at_y, at_K, stride, self.converged)
+            one = model.stages(state, done, len(c), at_c, at_a, t, h, window, at_y, at_K, stride, within)
             reached = min(reached, one)
             if reached < len(c):
                 break
@@ -80,7 +77,7 @@ class CompiledCases:
         component, lane = divmod(place, LANES)
         return f"component {component} of case {min(block * LANES + lane, self.n_cases - 1) + 1}"
 
-    def _watch(self, t: float, y: Array) -> None:
+    def watch(self, t: float, y: Array) -> None:
         """Raises AnalysisError where a case comes near a dead point or half a turn: it has to be followed alone."""
         for block, (model, state) in enumerate(zip(self.models, self.states, strict=True)):
             if (np.abs(state.x[self.lambda0]) < HALF_TURN).any():

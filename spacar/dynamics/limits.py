@@ -15,7 +15,8 @@ from spacar.kinematics.regularity import Regularity
 from spacar.mechanism.mechanism import Array
 
 if TYPE_CHECKING:
-    from spacar.dynamics.dynamics import Dynamics
+    from spacar.dynamics.evaluator import Evaluator
+    from spacar.kinematics.sweep import Sweep
 
 WHEELS = ("WHEEL", "TWHEEL")
 NORMAL_MODE = 3  # sigma_3 is the normal force of the road, compression negative
@@ -25,32 +26,31 @@ LIFTED = 1e-9  # of the largest normal force seen
 class Limits:
     """Remembers which wheels were pressed on the ground; warnings go to the report."""
 
-    def __init__(self, dynamics: Dynamics, report: Report) -> None:
-        n = dynamics.numbering
+    def __init__(self, evaluator: Evaluator, report: Report) -> None:
+        n = evaluator.model.mechanism.numbering
         found = [(number, keyword) for number, keyword, _ in n.elements if keyword in WHEELS]
         wheels, self.keywords = [number for number, _ in found], [keyword for _, keyword in found]
-        self.pressed = bool(dynamics.loads.gravity.any())
+        self.pressed = bool(evaluator.model.loads.gravity.any())
         self.wheels = np.array(wheels, np.int64)
         self.rows = np.array([n.e_index(w, NORMAL_MODE) for w in wheels], np.int64)
         self.compression = np.zeros(len(wheels))
         self.report = report
         self.warned: set[int] = set()
-        self.regularity = Regularity(dynamics.position_matrix(), report)
+        self.regularity = Regularity(evaluator.position_matrix(), report)
 
-    def check(self, dynamics: Dynamics, frame: Frame) -> None:
+    def check(self, evaluator: Evaluator, frame: Frame) -> None:
         """Raises AnalysisError 'element.range' or 'element.lift-off' with element, time and advice."""
         self.regularity.check(frame.t)
-        self.check_elements(dynamics, frame)
+        self.check_elements(evaluator, frame)
 
-    def check_elements(self, dynamics: Dynamics, frame: Frame) -> None:
+    def check_elements(self, evaluator: Evaluator, frame: Frame) -> None:
         """The same without the question whether the degrees of freedom determine the configuration."""
-        if not dynamics.in_range():
-            self._elements(dynamics, frame)
+        if not evaluator.in_range():
+            self._elements(evaluator.settled().sweep, frame)
         if len(self.rows):
             self._wheels(frame.t, frame.sig[self.rows])
 
-    def _elements(self, dynamics: Dynamics, frame: Frame) -> None:
-        sweep = dynamics.sweep
+    def _elements(self, sweep: Sweep, frame: Frame) -> None:
         for batch in sweep.strained:
             e, sigma = frame.e[batch.e], frame.sig[batch.e]
             for trouble in batch.family.troubles(sweep.configuration[batch.index], e, sigma):

@@ -30,7 +30,9 @@ class Problem(Protocol):
     many cases, each of which keeps the tolerance (Runge-Kutta codes).
     """
 
-    n_positions: int
+    @property
+    def n_positions(self) -> int:
+        """How many components of the state are positions."""
 
     def rhs(self, t: float, y: np.ndarray) -> np.ndarray:
         """F(t, y), shape (n,)."""

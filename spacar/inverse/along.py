@@ -24,7 +24,7 @@ import numpy as np
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.forces import StressLaw
 from spacar.errors import Report, UsageError
-from spacar.forward.motion import at_time
+from spacar.forward.driver import at_time
 from spacar.frame import Frame
 from spacar.inverse.nominal import Nominal, NominalDrive
 from spacar.inverse.ports import ACCELERATIONS, NominalInputs, Ports, rigidified
@@ -130,7 +130,7 @@ class Along:
         if dynamics is None:
             dynamics = self.models[id(model)] = Dynamics(replace(model, drive=self.drive))
             if self.nominal.stationary:  # elastic deformations are prescribed here, and act on the released ones
-                dynamics.law = self._elastic(dynamics.loads)
+                dynamics.use(replace(dynamics.model, law=self._elastic(dynamics.loads)))
         kinematics = dynamics.kinematics
         # The configuration of mode 2 is the solution: from there Newton's method stays on its branch.
         e = np.where(self.e_columns >= 0, self.nominal.e[k, self.e_columns], 0.0)
@@ -172,13 +172,12 @@ class Along:
                 force[signal.index] += value
         if not force.any():
             return linearize(dynamics, frame.xdd, frame.sig, law=law, t=frame.t)
-        usual = dynamics.law
+        usual = dynamics.model
         dynamics.reload(replace(loads, force=loads.force + force), dynamics.drive)
         try:
             return linearize(dynamics, frame.xdd, frame.sig, law=law, t=frame.t)
         finally:
-            dynamics.reload(loads, dynamics.drive)
-            dynamics.law = usual
+            dynamics.use(usual)
 
     def _elastic(self, loads: Loads) -> StressLaw:
         """Prescribed deformations with their springs and dampers."""

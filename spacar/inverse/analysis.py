@@ -12,7 +12,7 @@ import numpy as np
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.limits import Limits
 from spacar.errors import UsageError
-from spacar.forward.motion import at_time
+from spacar.forward.driver import at_time
 from spacar.frame import Frame
 from spacar.inverse.along import Along
 from spacar.inverse.nominal import Nominal, check_same_mechanism

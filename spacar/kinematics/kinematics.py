@@ -7,11 +7,11 @@ matrices are the same.
 
 Newton's method starts from a guess (the motion extrapolated in time, if the caller knows it) or from the last
 configuration, moved by the first order prediction with the last factorization. It has converged when
-max |dx_i|/scale_i <= `converged` (1e-11; scale: size of the mechanism for positions, 1 for angles and Euler
+max |dx_i|/scale_i <= `within` (1e-11; scale: size of the mechanism for positions, 1 for angles and Euler
 parameters); the correction that passes the test is still applied, and since convergence is quadratic the position is
-accurate to rounding, while V and so the velocity are those of a configuration that differs by the last correction. An
-integrator may widen `converged` for its intermediate states, or narrow it, so that this difference does not disturb its
-error estimates. At most 20 iterations; a correction that makes the residual grow is halved, at most 5 times.
+accurate to rounding, while V and so the velocity are those of a configuration that differs by the last correction. Who
+integrates may ask for less in intermediate states, or for more, so that this difference does not disturb the error
+estimates. At most 20 iterations; a correction that makes the residual grow is halved, at most 5 times.
 
 Rounding sets how small corrections and residuals can become. The numbers that enter a deformation are coordinates and
 deformations; with s = max(1, |x_i|/scale_i, |e_i|/scale_i) the scaled residual is known to
@@ -83,7 +83,6 @@ class Kinematics:
         self.h_scale = mechanism.deformation_scale[self.h]
         self.x = mechanism.x0.copy()
         self.e_given = np.zeros(n.ne)
-        self.converged = CONVERGED
         self.iterations = 0  # Newton iterations of the last position
         self._factored = False
 
@@ -122,14 +121,23 @@ class Kinematics:
 
     def position(self, x_given: Array, e_given: Array) -> None:
         """Solve D_h(x) = e_h from the present configuration; leaves V and its factorization at the solution."""
-        self._solve(x_given, e_given, None, None, None)
+        self._solve(x_given, e_given, None, None, None, CONVERGED)
 
-    def place(self, x_given: Array, e_given: Array, v_given: Array, e_rate: Array, guess: Array | None = None) -> Array:
+    def place(
+        self,
+        x_given: Array,
+        e_given: Array,
+        v_given: Array,
+        e_rate: Array,
+        guess: Array | None = None,
+        within: float = CONVERGED,
+    ) -> Array:
         """Position and velocity together: xd (nx,) with V[E] xd = e_rate[E]; arguments as `position`, `dependent`.
 
-        `guess` (nx,) is a good estimate of the calculable coordinates.
+        `guess` (nx,) is a good estimate of the calculable coordinates; `within`: largest scaled correction that ends
+        Newton's iteration.
         """
-        velocity = self._solve(x_given, e_given, v_given, e_rate, guess)
+        velocity = self._solve(x_given, e_given, v_given, e_rate, guess, within)
         return self.dependent(v_given, e_rate) if velocity is None else velocity
 
     def _solve(
@@ -139,6 +147,7 @@ class Kinematics:
         v_given: Array | None,
         e_rate: Array | None,
         guess: Array | None,
+        within: float,
         depth: int = 0,
     ) -> Array | None:
         x, c, near = x_given.copy(), self.c, self.sweep.near
@@ -155,11 +164,11 @@ class Kinematics:
             ahead = largest((x - x_old) / self.scale)
             if depth == 0 and LARGEST_JUMP < ahead < MOST_PREDICTED:
                 near[:] = near_old
-                self._approach(x_given, e_given, int(np.ceil(ahead / LARGEST_JUMP)), 1)
-                return self._solve(x_given, e_given, v_given, e_rate, None, 1)
+                self._approach(x_given, e_given, within, int(np.ceil(ahead / LARGEST_JUMP)), 1)
+                return self._solve(x_given, e_given, v_given, e_rate, None, within, 1)
         self._factored = False
         try:
-            velocity = self._newton(x, e_given, v_given, e_rate)
+            velocity = self._newton(x, e_given, v_given, e_rate, within)
             jump = largest((x - x_old) / self.scale)
             if jump <= LARGEST_JUMP or depth == MAX_DEPTH:
                 self.e_given = e_given
@@ -172,15 +181,16 @@ class Kinematics:
         near[:] = near_old
         jumps = 0.0 if depth else self._distance(x_given - x_old, e_given - e_old) / LARGEST_JUMP
         pieces = int(np.ceil(jumps)) if 2.0 < jumps <= MOST_PIECES else 2
-        self._approach(x_given, e_given, pieces, depth + 1)
-        return self._solve(x_given, e_given, v_given, e_rate, None, depth + 1)
+        self._approach(x_given, e_given, within, pieces, depth + 1)
+        return self._solve(x_given, e_given, v_given, e_rate, None, within, depth + 1)
 
-    def _approach(self, x_given: Array, e_given: Array, pieces: int, depth: int) -> None:
+    def _approach(self, x_given: Array, e_given: Array, within: float, pieces: int, depth: int) -> None:
         """All but the last of equal pieces of the way from the present configuration to the given values."""
         x_old, e_old = self.x, self.e_given
         for k in range(1, pieces):
             part = k / pieces
-            self._solve(x_old + part * (x_given - x_old), e_old + part * (e_given - e_old), None, None, None, depth)
+            x, e = x_old + part * (x_given - x_old), e_old + part * (e_given - e_old)
+            self._solve(x, e, None, None, None, within, depth)
 
     def _distance(self, x: Array, e: Array) -> float:
         """Largest scaled change of the given coordinates and deformations."""
@@ -188,7 +198,9 @@ class Kinematics:
         given = np.concatenate([x[n.x_class[k]] / self.scale[n.x_class[k]] for k in ("input", "dynamic", "kinematic")])
         return max(largest(given), largest(e[self.h] / self.mechanism.deformation_scale[self.h]))
 
-    def _newton(self, x: Array, e_given: Array, v_given: Array | None, e_rate: Array | None) -> Array | None:
+    def _newton(
+        self, x: Array, e_given: Array, v_given: Array | None, e_rate: Array | None, within: float
+    ) -> Array | None:
         """Newton's iteration from x (changed in place); one solve also gives the velocity where both matrices agree."""
         c, h, sweep = self.c, self.h, self.sweep
         target, scale = e_given[h], self.scale[c]
@@ -225,10 +237,10 @@ class Kinematics:
             correction = solution[:, 0] if together else solution
             x[c] -= correction
             size, before = largest(correction / scale), size
-            if size > self.converged and before > CONVERGED:
+            if size > within and before > CONVERGED:
                 rounding = self.rounding(x, target)
             if (
-                size <= self.converged
+                size <= within
                 or before <= CONVERGED
                 or before <= rounding
                 or (max(history[-2:]) <= rounding and len(history) > 1 and self._determined(rounding))

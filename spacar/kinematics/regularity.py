@@ -22,6 +22,7 @@ from spacar.kinematics.diagnosis import ZERO, scaled_difference_matrix
 from spacar.linear_systems.condition import reciprocal_condition
 from spacar.linear_systems.dense import DenseSystem
 from spacar.mechanism.mechanism import Array
+from spacar.mechanism.numbering import Numbering
 
 if TYPE_CHECKING:
     from spacar.kinematics.kinematics import Kinematics
@@ -120,12 +121,11 @@ class DeadPoints:
 
     A degree of freedom has an extreme value at its dead point while the dependent velocities go on. Passing it changes
     the sign of the determinant of V[E, U]; when the condition collapses by a factor of 1000 and recovers with the old
-    sign, the motion has been reflected. Watches systems in dense storage.
+    sign, the motion has been reflected. For a matrix that `has_determinant`.
     """
 
     def __init__(self, matrix: PositionMatrix) -> None:
         self.matrix = matrix
-        self.watches = matrix.has_determinant
         self.largest = (-np.inf, 0.0)  # logarithm of |det|, reciprocal condition there
         self.sign = 1.0
         self.entered: tuple[float, float] | None = None  # time, sign before
@@ -152,9 +152,7 @@ class DeadPoints:
 class HalfTurns:
     """Watches the nodes whose lambda1, lambda2 or lambda3 is a dynamic coordinate, at every accepted step."""
 
-    def __init__(self, kinematics: Kinematics) -> None:
-        self.kinematics = kinematics
-        n = kinematics.numbering
+    def __init__(self, n: Numbering) -> None:
         nodes: set[int] = set()
         if not n.planar:
             owners = (n.x_owner(i) for i in range(n.x_class["dynamic"].start, n.x_class["dynamic"].stop))
@@ -162,9 +160,9 @@ class HalfTurns:
         self.nodes = sorted(nodes)
         self.lambda0 = np.array([n.x_index(node, 1) for node in self.nodes], np.int64)
 
-    def check(self, t: float, y: Array) -> None:
-        """Raises AnalysisError 'position.singular'; `y` is not used, it belongs to the hook of the integrators."""
-        near = np.flatnonzero(np.abs(self.kinematics.x[self.lambda0]) < HALF_TURN)
+    def check(self, t: float, x: Array) -> None:
+        """Raises AnalysisError 'position.singular' at the configuration x (nx,)."""
+        near = np.flatnonzero(np.abs(x[self.lambda0]) < HALF_TURN)
         if len(near):
             raise AnalysisError(
                 f"singular position at t = {t:.9g}: the rotation of node {self.nodes[near[0]]} has reached 180 degrees,"

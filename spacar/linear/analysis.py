@@ -10,7 +10,7 @@ import numpy as np
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.limits import Limits
 from spacar.errors import AnalysisError
-from spacar.forward.motion import at_time, states
+from spacar.forward.motion import motion
 from spacar.frame import Frame
 from spacar.kinematics.condition import condition_number
 from spacar.kinematics.diagnosis import ZERO
@@ -36,13 +36,9 @@ def forward(run: Run) -> Iterator[Frame]:
     output = TransferOutput(run)
     inputs, outputs = _announce(run)
     idle = IdleInputs(inputs)
-    limits: Limits | None = None
-    for dynamics, t, y, statistics in states(run):
-        limits = limits or Limits(dynamics, run.report)
-        frame = at_time(dynamics, t, y)
-        limits.check(dynamics, frame)
-        frame.statistics = statistics
-        L = linearize(dynamics, frame.xdd, frame.sig, t=t)
+    for evaluator, frame in motion(run):
+        dynamics = evaluator.settled()
+        L = linearize(dynamics, frame.xdd, frame.sig, t=frame.t)
         _store_matrices(frame, L, dynamics)
         _store_state_space(frame, L, dynamics, inputs, outputs)
         idle.see(dynamics, L)

@@ -9,34 +9,36 @@ from __future__ import annotations
 
 import numpy as np
 
-from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.evaluator import Evaluator
+from spacar.dynamics.model import LoadedMechanism
+from spacar.kinematics.kinematics import CONVERGED
 from spacar.linearization.matrices import linearize
 from spacar.linearization.state_matrix import chosen_rows, state_matrix
 from spacar.mechanism.mechanism import Array, Polynomial
 
 
-def state_jacobian(dynamics: Dynamics, t: float, y: Array) -> tuple[Array, Array]:
-    """dF/dy (n, n) and dF/dt (n,) at the state."""
+def state_jacobian(
+    evaluator: Evaluator, t: float, y: Array, within: float = CONVERGED
+) -> tuple[Array, Array]:
+    """dF/dy (n, n) and dF/dt (n,) at the state; `within` as for `Evaluator.rhs`."""
     F_t = np.zeros(len(y))
-    if depends_on_time(dynamics):
-        settings = dynamics.mechanism.settings
+    if depends_on_time(evaluator.model):
+        settings = evaluator.model.mechanism.settings
         interval = (settings.duration or 1.0) / max(settings.n_steps, 1)
         h = np.cbrt(np.finfo(float).eps) * interval
         before = max(t - h, 0.0)
-        F_t = (dynamics.rhs(t + h, y) - dynamics.rhs(before, y)) / (t + h - before)
-    dynamics.settle()  # `rhs` may have been evaluated elsewhere
-    drive = dynamics.place(t, y)
-    xdd, sigma, _ = dynamics.accelerate(t, drive)
+        F_t = (evaluator.rhs(t + h, y, within) - evaluator.rhs(before, y, within)) / (t + h - before)
+    dynamics = evaluator.settled()
+    xdd, sigma, _ = dynamics.accelerate(t, dynamics.place(t, y, within))
     L = linearize(dynamics, xdd, sigma, t=t)
     return state_matrix(L, *chosen_rows(L, dynamics)), F_t
 
 
-def depends_on_time(dynamics: Dynamics) -> bool:
+def depends_on_time(model: LoadedMechanism) -> bool:
     """Does F depend on time explicitly?"""
-    n = dynamics.numbering
-    if dynamics.forces.user is not None:
+    if model.mechanism.user_signal is not None:
         return True
-    if not len(n.rheonomic):
+    if not len(model.mechanism.numbering.rheonomic):
         return False
-    drive = dynamics.drive
+    drive = model.drive
     return not (isinstance(drive, Polynomial) and not drive.x[:, 1:].any() and not drive.e[:, 1:].any())

@@ -7,6 +7,7 @@ directly on the inputs, the others do not.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -56,9 +57,8 @@ class Spasim(Block):
         super().__init__(name, [s.name for s in self.u_signals], [s.name for s in self.y_signals])
         self.direct = np.array([QUANTITY[s.kind] == ACCELERATION for s in self.y_signals], bool)
         self._places()
-        self.dynamics = Dynamics(mechanism)
         self._zero = np.zeros(n.ne), np.zeros(n.nx)
-        self.dynamics.forces.user = self._user
+        self.dynamics = Dynamics(replace(mechanism, user_signal=self._user))
         self.u = np.zeros(self.n_in)
         self.breaks = tuple(mechanism.drive.breaks)
         names = [self.dynamics.component_name(i) for i in range(2 * n.nddof + n.nk)]

@@ -27,12 +27,10 @@ import numpy as np
 
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
 from spacar.dynamics.dynamics import Dynamics
-from spacar.dynamics.limits import Limits
 from spacar.errors import Report, UsageError
-from spacar.forward.motion import POSITION
+from spacar.forward.driver import Tolerances, frames, integrated, watched, work
 from spacar.frame import Frame, StoredFrames
-from spacar.integrators import METHODS, integrate
-from spacar.kinematics.regularity import HalfTurns
+from spacar.integrators import METHODS
 from spacar.mechanism import Mechanism, build
 from spacar.mechanism.mechanism import Array
 from spacar.result import Result
@@ -120,21 +118,18 @@ def _in_lanes(single: Mechanism, together: Mechanism, times: Array, x_of: Array,
     from spacar.compiled.cases import CompiledCases
     from spacar.compiled.numbers import of_copies
 
-    settings, method = single.settings, METHODS[single.settings.integrator]
-    problem = CompiledCases(single, of_copies(single, together, x_of, e_of), _start(together, x_of, e_of))
-    atol, rtol = method.step_error(settings.atol), method.step_error(settings.rtol)
-    if method.variable_step:
-        problem.converged = POSITION * min(atol, rtol)
+    settings = single.settings
+    cases = CompiledCases(single, of_copies(single, together, x_of, e_of), _start(together, x_of, e_of))
     stored: list[dict[str, Array]] = []
-    work: list[dict[str, int]] = []
-    for out in integrate(problem, problem.y0, times, settings.integrator, atol, rtol, settings.step):
-        stored.append(problem.variables(float(out.t), out.y))
-        work.append({"steps": out.n_steps, "rhs": out.n_rhs, "rejected": out.n_rejected})
+    statistics: list[dict[str, int]] = []
+    for out in integrated(cases, cases.y0, times, settings, Tolerances.of(settings), watch=cases.watch):
+        stored.append(cases.variables(float(out.t), out.y))
+        statistics.append(work(out))
     arrays = {name: np.stack([s[name] for s in stored]).transpose(2, 0, 1) for name in (*X_FIELDS, *E_FIELDS)}
     results: list[Result] = []
     for k in range(len(x_of)):
         own = {name: array[k] for name, array in arrays.items()}
-        results.append(Result(single, 1, StoredFrames(times, own, work), (), {}))
+        results.append(Result(single, 1, StoredFrames(times, own, statistics), (), {}))
     return results
 
 
@@ -201,24 +196,15 @@ def _places(single: Mechanism, together: Mechanism, n: int, stride: int) -> tupl
 
 def _frames(mechanism: Mechanism, times: np.ndarray, x_of: np.ndarray) -> Iterator[Frame]:
     """Frames of the copies, with the common work in their statistics."""
-    settings = mechanism.settings
+    settings, n = mechanism.settings, len(x_of)
     method = METHODS[settings.integrator]
-    n, report = len(x_of), Report()
-    dynamics = ReducedCopies(mechanism, x_of) if ReducedCopies.suits(mechanism, n) else Dynamics(mechanism)
+    dynamics = Dynamics(mechanism)
     y = dynamics.start()
-    half_turns = HalfTurns(dynamics.kinematics)
-    if half_turns.nodes:
-        dynamics.accepted = half_turns.check
-    shared = np.sqrt(n) if method.variable_step and method.code != METHOD_WITH_SUM else 1.0
-    atol, rtol = method.step_error(settings.atol) / shared, method.step_error(settings.rtol) / shared
-    if method.variable_step:
-        dynamics.kinematics.converged = POSITION * min(atol, rtol)
-    shown = dynamics.companion()
-    limits: Limits | None = None
-    steps = integrate(dynamics, y, times, settings.integrator, atol, rtol, settings.step, breaks=dynamics.drive.breaks)
-    for out in steps:
-        limits = limits or Limits(shown, report)
-        frame = shown.frame(float(out.t), out.y)
-        limits.check(shown, frame)
-        frame.statistics = {"steps": out.n_steps, "rhs": out.n_rhs, "rejected": out.n_rejected}
+    together = frames(
+        dynamics, y, times, settings, Report(),
+        watch=watched(dynamics, dead_points=False),
+        divisor=float(np.sqrt(n)) if method.variable_step and method.code != METHOD_WITH_SUM else 1.0,
+        moved_by=ReducedCopies(dynamics, x_of) if ReducedCopies.suits(mechanism, n) else None,
+    )  # fmt: skip
+    for _, frame in together:
         yield frame

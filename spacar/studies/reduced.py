@@ -15,54 +15,60 @@ from __future__ import annotations
 
 import numpy as np
 
-from spacar.dynamics.dynamics import Dynamics, singular_motion
+from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.equations import singular_motion
+from spacar.kinematics.kinematics import CONVERGED
 from spacar.mechanism.mechanism import Array, Index, Mechanism
 
 MOST = 8  # degrees of freedom of a copy up to which this is faster than the band solver
 
 
-class ReducedCopies(Dynamics):
-    """Evaluator of n copies; `x_of` (n, nx of one) says where the coordinates of each copy are."""
+class ReducedCopies:
+    """Right-hand side of n copies, an `Integrable`; `x_of` (n, nx of one): where the coordinates of each copy are."""
 
-    def __init__(self, mechanism: Mechanism, x_of: Index) -> None:
-        super().__init__(mechanism)
+    stages = None
+    by_case = None
+
+    def __init__(self, dynamics: Dynamics, x_of: Index) -> None:
+        self.dynamics = d = dynamics
+        self.n_positions, self.component_name = d.n_positions, d.component_name
         self.x_of = x_of
         self.n_copies = n = len(x_of)
-        nx, ne = self.n_xm // n, self.n_em // n
+        nx, ne = d.n_xm // n, d.n_em // n
         self.columns = nx + ne  # of W; one more for the convective accelerations
-        self.units_x = np.zeros((self.numbering.nx, self.columns + 1))
-        self.units_e = np.zeros((self.numbering.ne, self.columns + 1))
-        x, e = self.xs["dynamic"].start, self.es["dynamic"].start
+        self.units_x = np.zeros((d.numbering.nx, self.columns + 1))
+        self.units_e = np.zeros((d.numbering.ne, self.columns + 1))
+        x, e = d.xs["dynamic"].start, d.es["dynamic"].start
         self.units_x[x + np.arange(n * nx), np.tile(np.arange(nx), n)] = 1.0
         self.units_e[e + np.arange(n * ne), np.tile(nx + np.arange(ne), n)] = 1.0
 
-        self.moved = [*range(nx), *([self.columns] if self.numbering.nxp[2] else [])]  # columns with given coordinates
+        self.moved = [*range(nx), *([self.columns] if d.numbering.nxp[2] else [])]  # columns with given coordinates
 
     @classmethod
     def suits(cls, mechanism: Mechanism, n: int) -> bool:
         """Whether the copies have few degrees of freedom, and no MEE."""
         return mechanism.numbering.nddof <= MOST * n and not len(mechanism.deformation_inertia[0])
 
-    def rhs(self, t: float, y: Array) -> Array:
+    def rhs(self, t: float, y: Array, within: float = CONVERGED) -> Array:
         """Time derivative of the state of all copies."""
-        self.evaluations += 1
-        sweep, xs, es = self.sweep, self.xs, self.es
-        drive = self.place(t, y)
-        convective = sweep.convective(self.xd)
-        sigma, _ = self.constitutive(t)
+        d = self.dynamics
+        sweep, kinematics, xs, es = d.sweep, d.kinematics, d.xs, d.es
+        drive = d.place(t, y, within)
+        convective = sweep.convective(d.xd)
+        sigma, _ = d.constitutive(t)
         sweep.mass()
-        force = self.forces(self.kinematics.x, None) - self.forces.inertia(sweep, self.xd)
+        force = d.forces(kinematics.x, None) - d.forces.inertia(sweep, d.xd)
         if sigma.any():
             force -= sweep.rate_transposed(sigma)
         given, rate = self.units_x, self.units_e
         given[xs["input"], -1] = drive.xdd
         rate[:, -1] = -convective
         rate[es["input"], -1] += drive.edd
-        right = rate[self.kinematics.E]
+        right = rate[kinematics.E]
         for k in self.moved:
-            right[:, k] -= sweep.rate(given[:, k])[self.kinematics.E]
+            right[:, k] -= sweep.rate(given[:, k])[kinematics.E]
         W = given.copy()
-        W[self.kinematics.U] = self.kinematics.velocity_system.solve(right)
+        W[kinematics.U] = kinematics.velocity_system.solve(right)
         xdd = W[:, -1].copy()
         force -= sweep.mass_times(xdd)
         of_copies = W[self.x_of, :-1]  # (n, nx, nd)
@@ -75,11 +81,11 @@ class ReducedCopies(Dynamics):
         if not np.isfinite(qdd).all():
             raise singular_motion(t, "the accelerations are not finite")
         xdd[self.x_of] += (of_copies @ qdd)[:, :, 0]
-        self._last = (t, self.kinematics.x, self.xd, xdd)
+        d.last = (t, kinematics.x, d.xd, xdd)
         out = np.empty(len(y))
         m = self.n_positions
         out[:m] = y[m:]
-        n_x = self.n_xm // self.n_copies
-        out[m : m + self.n_xm] = qdd[:, :n_x, 0].ravel()
-        out[m + self.n_xm :] = qdd[:, n_x:, 0].ravel()
+        n_x = d.n_xm // self.n_copies
+        out[m : m + d.n_xm] = qdd[:, :n_x, 0].ravel()
+        out[m + d.n_xm :] = qdd[:, n_x:, 0].ravel()
         return out

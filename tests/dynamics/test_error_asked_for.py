@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 import spacar
-import spacar.forward.motion as analysis
 from spacar.deck import parse_deck
+from spacar.forward import driver
 from spacar.frame import Frame
 from spacar.mechanism.mechanism import Array
 
@@ -120,8 +120,8 @@ def test_small_tolerances_do_not_make_the_steps_collapse(compiled: bool) -> None
 
 @pytest.mark.parametrize("compiled", [False, True])
 def test_a_position_tolerance_below_rounding_is_met(compiled: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The correction after one below 1e-11 is rounding and must pass, however small `converged` is."""
-    monkeypatch.setattr(analysis, "POSITION", 0.0)
+    """The correction after one below 1e-11 is rounding and must pass, however little is asked for."""
+    monkeypatch.setattr(driver, "POSITION", 0.0)
     x = motion(CASES["pendulum"], 0, 1e-6, compiled)
     assert relative_error("pendulum", x) <= 1e-5
 

@@ -136,7 +136,6 @@ class Loaded:
         state = self.state(zu[: len(zu) - len(u)], u)
         self.load(u)
         self.model.place(state)
-        d.kinematics.converged = 1e-11
         frame = d.frame(0.0, self.model.y)
         qd = np.concatenate((frame.xd[n.q_x], frame.ed[n.q_e]))[n.dynamic]
         qdd = np.concatenate((frame.xdd[n.q_x], frame.edd[n.q_e]))[n.dynamic]

@@ -1,0 +1,85 @@
+"""The contract of evaluators, and who has which duty.
+
+A loaded mechanism never changes. An evaluator follows one motion of it: it remembers the configuration of the last
+state that it evaluated, because a position has several solutions and the one near the last is meant. That memory is all
+its state; it can be read (`placement`) and handed on. An evaluator knows nothing of tolerances, output times, Jacobians
+or what is watched: the driver (`spacar.forward.driver`) does, and hands them over with every call.
+
+    1  place    `start` goes to the start state; `placement` says where the evaluator stands
+    2  rhs      F(t, y), the position solved to `within`; raises AnalysisError that explains
+    3  stages   those of a Runge-Kutta step in one call, or None: then they are asked from `rhs` one by one
+    4  frame    everything that is stored of a state, the position solved to rounding
+    5  checks   `condition`, `position_matrix`, `in_range` at the last evaluated state
+    6  settled  the NumPy evaluator standing there, with sweeps and factors: for linearization, transfer functions,
+                diagnoses. The evaluator itself goes on undisturbed
+    7  companion  another evaluator of the same model that follows its own path from here, for stored states
+
+`spacar.dynamics.Dynamics` (NumPy) and `spacar.compiled.CompiledDynamics` (C) fulfil it, and
+`tests/dynamics/test_evaluators.py` compares them duty by duty. Batches of cases have duties 2 and 3 only.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.model import LoadedMechanism, Placement
+from spacar.frame import Frame
+from spacar.kinematics.regularity import PositionMatrix
+from spacar.mechanism.mechanism import Array
+
+
+class Integrable(Protocol):
+    """What the driver integrates."""
+
+    @property
+    def n_positions(self) -> int:
+        """How many components of the state are positions; the others are rates."""
+
+    def rhs(self, t: float, y: Array, within: float = ...) -> Array:
+        """Time derivative of the state. `within`: largest scaled correction that ends Newton's iteration."""
+
+    @property
+    def stages(self) -> Callable[..., int] | None:
+        """`stages(done, c, a, t, h, window, y, K, within)`, see `spacar.integrators.problem.Problem`."""
+
+    @property
+    def by_case(self) -> tuple[int, int, int] | None:
+        """Shape (blocks, components, lanes) of a state of many cases, see `spacar.integrators.problem.Problem`."""
+
+    def component_name(self, i: int) -> str:
+        """Name of a component of the state, for messages."""
+
+
+class Evaluator(Integrable, Protocol):
+    """Of one loaded mechanism. AnalysisError of any call says what cannot be evaluated and why."""
+
+    @property
+    def model(self) -> LoadedMechanism: ...
+
+    def start(self) -> Array:
+        """The start state; the mechanism is brought there from the reference configuration. Raises AnalysisError
+        'dynamics.singular-mass' too when a degree of freedom carries no mass.
+        """
+
+    def placement(self) -> Placement:
+        """Configuration and velocity of the last evaluated state."""
+
+    def frame(self, t: float, y: Array) -> Frame:
+        """Everything that is stored of a state."""
+
+    def condition(self) -> float:
+        """Condition number of V[E, U] at the last evaluated state; infinite when singular."""
+
+    def position_matrix(self) -> PositionMatrix:
+        """V[E, U], always that of the last evaluated state."""
+
+    def in_range(self) -> bool:
+        """Whether it is known already that all elements are in the range of their theory; else ask them."""
+
+    def settled(self) -> Dynamics:
+        """The NumPy evaluator at the last evaluated state; holds until the next call of this evaluator."""
+
+    def companion(self) -> Evaluator:
+        """Another evaluator of the same model, which follows its own path from the present configuration."""
