@@ -41,7 +41,7 @@ RANKS = {
     "expressions": 3, "mechanism": 3,
     "stream": 4, "options": 4,
     "kinematics": 5, "result": 5,
-    "calls": 6, "dynamics": 6,
+    "calls": 6, "dynamics": 6, "summary": 6,
     "linearization": 7, "compiled": 7,
     "stationary": 8, "forward": 8,
     "linear": 9,
