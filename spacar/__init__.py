@@ -34,3 +34,8 @@ def __getattr__(name: str) -> Any:
 
         return getattr(import_module(_HOME[name]), name)
     raise AttributeError(f"module 'spacar' has no attribute '{name}'")
+
+
+def __dir__() -> list[str]:
+    """The public names, although they are imported when they are asked for."""
+    return sorted([*__all__, *(name for name in globals() if name.startswith("__"))])

@@ -16,7 +16,8 @@ from spacar.stream import Run
 def frames(mode: int, source: str | Path | Deck, *, nominal: Any = None, **options: Any) -> Run:
     """Prepare an analysis: read, check and number the model; the frames come when the returned Run is iterated over.
 
-    mode      0 to 4, 7 to 10, see MODES;  source   path of the input file, or a Deck
+    mode      0 to 4, 7 to 10, see MODES;  source   path of the input file, or a Deck, which is checked
+              again when it was read for another mode
     nominal   mode 3 only: result of mode 2, or of modes 7 to 10
     options   override the deck for this run: atol, rtol, integrator, step, duration, n_steps, compiled (see Settings)
 
@@ -26,6 +27,8 @@ def frames(mode: int, source: str | Path | Deck, *, nominal: Any = None, **optio
     found = find_mode(mode)
     options, notes = checked_options(options)
     deck = source if isinstance(source, Deck) else read_deck(source, found.number)
+    if deck.mode != found.number:  # its checks and its third block are those of the mode it was read for
+        deck = deck.for_mode(found.number)
     prepared = Run(found, build(deck, found.number, **options), nominal=nominal)
     for note in notes:
         prepared.report.add(f"warning: {note}")

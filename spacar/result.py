@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.errors import UsageError
+from spacar.errors import SpacarError, UsageError
+from spacar.expressions.places import ELEMENT, NODE, place
 from spacar.frame import Frame, StoredFrames
 
 if TYPE_CHECKING:
@@ -22,10 +23,11 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 X_VARIABLES = ("x", "xd", "xdd", "fx", "fxgrav", "fxtot", "xcompl")
 E_VARIABLES = ("e", "ed", "edd", "sig")
-DRAWING = "spacar_drawing"  # named, not imported: pictures lie above results
+# Named, not imported: pictures and summaries lie above results.
+DRAWING, SUMMARY = "spacar_drawing", "spacar.summary"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Result:
     """A finished run. `result['x']` is (steps, nx); `lnp` and `le` are the 1-based tables of the result files.
 
@@ -52,6 +54,36 @@ class Result:
     def animate(self, path: str | Path, **options: Any) -> Path:
         """Write an animation (gif, mp4); options as `spacar_drawing.animate`. Returns its path."""
         return Path(import_module(DRAWING).animate(self, path, **options))
+
+    def plot(self, *expressions: str, path: str | Path | None = None, against: str = "t") -> Any:
+        """A matplotlib figure of expressions such as 'x[6,1]' over `against`, also written to `path`."""
+        return import_module(DRAWING).plot(self, *expressions, path=path, against=against)
+
+    def __repr__(self) -> str:
+        return str(import_module(SUMMARY).result_summary(self))
+
+    def _repr_html_(self) -> str:
+        """The summary with a picture, for notebooks; without the picture where it cannot be drawn."""
+        from html import escape
+
+        text = f"<pre>{escape(repr(self))}</pre>"
+        try:
+            return text + str(import_module(DRAWING).inline_picture(self))
+        except (ImportError, SpacarError):  # no matplotlib, or nothing that could be drawn
+            return text
+
+    @property
+    def frequencies(self) -> Array:
+        """(steps, n) |eigenvalue| / 2 pi [Hz] from low to high, one for each pair of complex eigenvalues; nan fills up
+        steps with fewer. Raises UsageError when the mode computes no eigenvalues.
+        """
+        every = self["eigval"]
+        rows = []
+        for values in every:
+            size = np.hypot(values[:, 0], values[:, 1]) / (2.0 * np.pi)
+            rows.append(np.sort(size[values[:, 1] >= 0.0]))  # real ones do not come in pairs
+        longest = max(map(len, rows))
+        return np.array([np.pad(row, (0, longest - len(row)), constant_values=np.nan) for row in rows])
 
     @property
     def lnp(self) -> NDArray[np.int64]:
@@ -99,10 +131,7 @@ class Result:
             raise UsageError(
                 f"{variable} is no variable of nodes; these are {', '.join(X_VARIABLES)}", "result.variable"
             )
-        try:
-            return self[variable][:, self.mechanism.numbering.x_index(number, coordinate)]
-        except KeyError:
-            raise UsageError(f"node {number} has no coordinate {coordinate}", "result.node") from None
+        return np.asarray(self[variable][:, place(self.lnp, number, coordinate, NODE)])
 
     def element(self, number: int, mode: int, variable: str = "e") -> Array:
         """(steps,) one deformation mode (from 1) of the element `number`; variable: e, ed, edd or sig."""
@@ -110,7 +139,4 @@ class Result:
             raise UsageError(
                 f"{variable} is no variable of elements; these are {', '.join(E_VARIABLES)}", "result.variable"
             )
-        try:
-            return self[variable][:, self.mechanism.numbering.e_index(number, mode)]
-        except KeyError:
-            raise UsageError(f"element {number} has no deformation mode {mode}", "result.element") from None
+        return np.asarray(self[variable][:, place(self.le, number, mode, ELEMENT)])

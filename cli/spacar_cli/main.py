@@ -90,7 +90,7 @@ class Program(click.Group):
     "traceback of an error. Exit status: 0 done, 1 the analysis failed, 2 wrong usage or input, 130 "
     "interrupted.",
 )
-@click.version_option(spacar.__version__, prog_name="spacar", message="%(prog)s %(version)s")
+@click.version_option(spacar.__version__, "--version", "-V", prog_name="spacar", message="%(prog)s %(version)s")
 def program() -> None:
     """Analysis of planar and spatial mechanisms with rigid and flexible links.
 

@@ -7,6 +7,7 @@ The command NAME is `spacar_cli.commands.NAME:command`, imported when it is call
 from __future__ import annotations
 
 COMMANDS = {
+    "help": "options of a mode or a command, as MODE --help prints",
     "check": "read an input file and report, without running it",
     "keywords": "the keywords of the input language",
     "examples": "list or copy the example models",

@@ -1,7 +1,7 @@
 """Pictures of mechanisms: pure functions from result arrays to drawable geometry, then matplotlib.
 
 source -> Scene and coordinates -> shapes (lines, faces, marks) -> paint on a matplotlib figure. The public functions
-are `draw`, `animate` and `report`; `Result.draw` and `Result.animate` call them. No window opens unless a function of
+are `draw`, `animate`, `plot` and `report`; methods of `Result` call them. No window opens unless a function of
 `window` is called, and matplotlib is imported only where it draws.
 
 >>> import spacar
@@ -11,6 +11,6 @@ are `draw`, `animate` and `report`; `Result.draw` and `Result.animate` call them
 True
 """
 
-from spacar_drawing.calls import animate, draw, report
+from spacar_drawing.calls import animate, draw, inline_picture, plot, report
 
-__all__ = ["animate", "draw", "report"]
+__all__ = ["animate", "draw", "inline_picture", "plot", "report"]

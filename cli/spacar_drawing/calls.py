@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from spacar.errors import UsageError
 from spacar.result import Result
 from spacar_drawing.files import FILM_DPI, film, save
 from spacar_drawing.mechanism_picture import Extras
@@ -73,3 +74,38 @@ def report(
     from spacar_drawing.report_page import report_page
 
     return report_page(source_of(result), expressions, log_lines, view)
+
+
+def plot(
+    result: Result | str | Path, *expressions: str, path: str | Path | None = None, against: str = "t",
+    title: str | None = None, dpi: float = DPI,
+) -> Figure:  # fmt: skip
+    """A matplotlib figure of expressions such as 'x[6,1]' (docs/expressions.md), a panel for each variable or unit.
+
+    path     file that it is also written to (png, svg, pdf);  dpi: dots per inch of the file
+    against  expression of the horizontal axis;  title: text above, instead of the name of the model
+
+    Raises UsageError for an expression that cannot be evaluated, and for a file that cannot be written.
+    """
+    from spacar_drawing.expressions import evaluate
+    from spacar_drawing.history import history_figure
+
+    if not expressions:
+        raise UsageError("nothing to plot: give at least one expression, for instance 'x[6,1]'", "plot.nothing")
+    source = source_of(result)
+    curves = [evaluate(source, text) for text in expressions]
+    head = source.scene.title if title is None else title
+    figure = history_figure(curves, evaluate(source, against), head, source.scene.analysis.stationary)
+    if path is not None:
+        save(figure, Path(path), dpi)
+    return figure
+
+
+def inline_picture(result: Result) -> str:
+    """The first step, or the last load step, as an HTML image that holds its data."""
+    from base64 import b64encode
+    from io import BytesIO
+
+    data = BytesIO()
+    draw(result).savefig(data, format="png", dpi=80)
+    return f'<img alt="mechanism" src="data:image/png;base64,{b64encode(data.getvalue()).decode()}">'

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spacar.errors import escaped
-from spacar_drawing.expressions import MEANING, Curve
-from spacar_drawing.quantities import unit_text
+from spacar.expressions import MEANING, unit_text
+from spacar_drawing.expressions import Curve
 from spacar_drawing.stage import INK, RULE
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ PANEL = 2.15  # inches
 
 def axis_text(curve: Curve) -> str:
     """`x[6,1] (m)`; just the text for a pure number."""
-    text = unit_text(curve.quantity.unit)
+    text = unit_text(curve.unit)
     return f"{curve.text} ({text})" if text else curve.text
 
 
@@ -31,14 +31,14 @@ def panels(curves: Sequence[Curve]) -> list[list[Curve]]:
     """Curves of the same variable, or of expressions with the same unit, together, in the given order."""
     groups: dict[object, list[Curve]] = {}
     for c in curves:
-        groups.setdefault((c.variable, c.quantity.unit), []).append(c)
+        groups.setdefault((c.variable, c.unit), []).append(c)
     return list(groups.values())
 
 
 def panel_text(group: Sequence[Curve]) -> str:
     if len(group) == 1:
         return axis_text(group[0])
-    text = unit_text(group[0].quantity.unit)
+    text = unit_text(group[0].unit)
     name = MEANING.get(group[0].variable, "value")
     return f"{name} ({text})" if text else name
 
@@ -52,13 +52,13 @@ def history_figure(curves: Sequence[Curve], against: Curve, title: str = "", sta
     height = n * PANEL + 0.85 if n > 1 else 3.6
     figure = Figure(figsize=(7.2, height), dpi=110)
     all_axes = figure.subplots(n, 1, sharex=True, squeeze=False)[:, 0]
-    across = np.asarray(against.quantity.values)
+    across = np.asarray(against.values)
     few = len(across) < 3
     for axes, group in zip(all_axes, groups, strict=True):
         for k, c in enumerate(group):
             axes.plot(
                 across,
-                c.quantity.values,
+                c.values,
                 "o-" if few else "-",
                 color=COLOURS[k % len(COLOURS)],
                 lw=1.4,
@@ -107,5 +107,5 @@ def csv_text(curves: Sequence[Curve], against: Curve) -> str:
     writer = csv.writer(out, lineterminator="\n")
     columns = [against, *curves]
     writer.writerow([axis_text(c) for c in columns])
-    writer.writerows(zip(*(map(repr, np.asarray(c.quantity.values).tolist()) for c in columns), strict=True))
+    writer.writerows(zip(*(map(repr, np.asarray(c.values).tolist()) for c in columns), strict=True))
     return out.getvalue()

@@ -192,7 +192,7 @@ def _results(source: Source, curves: Sequence[Curve]) -> str:
     times = np.ravel(source.get("t"))
     unit = "" if source.scene.analysis.stationary else " s"
     for c in curves:
-        v = np.asarray(c.quantity.values)
+        v = np.asarray(c.values)
         if len(v) == 1:
             rows.append((axis_text(c), _number(v[0])))
             continue

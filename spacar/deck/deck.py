@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from importlib import import_module
 from pathlib import Path
 
 from spacar.deck.lexer import visualization_of
@@ -15,7 +16,7 @@ from spacar.deck.table_types import Block
 from spacar.errors import Message, UsageError
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Deck:
     """A read and checked input file.
 
@@ -35,6 +36,10 @@ class Deck:
     mode: Purpose = None
     third: Block | None = None
     spans: dict[int, Span] = field(default_factory=dict, repr=False)
+
+    def __repr__(self) -> str:
+        # The summary lies above this room: it asks the modes and, for results, the mechanism.
+        return str(import_module("spacar.summary").deck_summary(self))
 
     @cached_property
     def sha256(self) -> str:

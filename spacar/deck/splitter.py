@@ -13,6 +13,9 @@ from spacar.deck.table import ALIASES, KEYWORDS, NAMES, TAKES_NAME, Block, block
 
 _NOT_NUMBERS = ("NAN", "INF", "INFINITY")
 _SUGGESTIONS = 40
+# Share of equal letters from which a word is a misspelt keyword of another block: one wrong, missing or swapped letter
+# of five (TIMESTP, ESTIF, GRAVTY). SPRING and USERSIG share 0.62, which says nothing about a missing END HALT.
+MISSPELT = 0.8
 _BLOCK_NAMES = {1: "kinematics block", 2: "dynamics block", 3: "third block"}
 
 
@@ -230,11 +233,11 @@ class _Splitter:
         )
 
 
-def nearest(name: str, block: int) -> str:
-    """The keyword of a block that looks most like a name, "" when none is near."""
+def nearest(name: str, block: int, cutoff: float = 0.6) -> str:
+    """The keyword of a block that looks most like a name, "" when none is near; cutoff: share of equal letters."""
     from difflib import get_close_matches
 
-    found = get_close_matches(name, [*NAMES[block], "END", "HALT"], n=1, cutoff=0.6)
+    found = get_close_matches(name, [*NAMES[block], "END", "HALT"], n=1, cutoff=cutoff)
     return found[0] if found else ""
 
 
@@ -247,7 +250,7 @@ def unknown(word: Word, block: int, suggest: bool = True) -> str:
     if near:
         return f"{text}; nearest: {near}"
     for other in (1, 2, 3):
-        near = nearest(word.text.upper(), other)
+        near = nearest(word.text.upper(), other, MISSPELT)
         if near:
             where = _BLOCK_NAMES[other]
             return f"{text}; nearest: {near} of the {where}: an END HALT may be missing or superfluous"

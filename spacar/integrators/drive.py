@@ -19,7 +19,7 @@ from spacar.errors import AnalysisError, UsageError
 
 from .adams import Adams
 from .failures import MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small, too_many_steps
-from .methods import method
+from .methods import METHODS, method
 from .problem import Evaluation, Output, Problem, Step, Tolerance
 from .times import EvenTimes
 
@@ -69,6 +69,27 @@ def integrate(
     loop = _variable if row.variable_step else _fixed
     steps = loop(integrator, evaluation, state, output_times, segments, step)
     return _outputs(steps, state, output_times, evaluation, max_steps)
+
+
+def steps(
+    problem: Problem, start: float, y: np.ndarray, end: float, window: tuple[float, float], code: int,
+    tolerance: Tolerance, first: float | None = None, longest: float = float("inf"),
+) -> Iterator[Step]:  # fmt: skip
+    """The accepted steps of a variable one-step code through one smooth piece, for those who look into every step.
+
+    start, end  of the piece [s];  window  times between which the problem is evaluated;  y (n,) state at its start
+    code        155, 853, 553 ...;  tolerance  of a step
+    first       size of the first step, None: estimated;  longest  step allowed [s]
+
+    Raises UsageError for a code with fixed steps or of variable order, AnalysisError as `integrate`.
+    """
+    row = method(code)
+    if not row.variable_step or not row.order or row.code == 225:
+        known = ", ".join(str(m.code) for m in METHODS.values() if m.variable_step and m.order and m.code != 225)
+        raise UsageError(f"method {code} cannot be used here; choose {known}", "integrator.code")
+    integrator = row.build(Evaluation(problem, *window), len(y), tolerance)
+    size = end - start if first is None else min(first, end - start)
+    return _one_step(integrator, first is None, longest)(start, y, end, size)
 
 
 def _check(y0: np.ndarray, times: np.ndarray | EvenTimes, atol: float, rtol: float, step: float | None) -> None:
@@ -160,9 +181,11 @@ def _variable(
         y, h = taken.y.copy(), max(before, size)
 
 
-def _one_step(integrator: Any, estimate: bool) -> Callable[[float, np.ndarray, float, float], Iterator[Step]]:
+def _one_step(
+    integrator: Any, estimate: bool, longest: float = float("inf")
+) -> Callable[[float, np.ndarray, float, float], Iterator[Step]]:
     """The variable-step loop of a Runge-Kutta code, in the form of Adams.steps; `estimate` the first step
-    of a run."""
+    of a run; `longest` step [s]."""
     exponent, smallest, largest = integrator.controller
     evaluation: Evaluation = integrator.evaluation
     # Next step over the last one; a code that looks at more than its last error has its own rule.
@@ -173,13 +196,13 @@ def _one_step(integrator: Any, estimate: bool) -> Callable[[float, np.ndarray, f
         f = integrator.start(t, y)
         if estimate:
             h = min(h, _first_step(evaluation, integrator, t, y, f.copy()))
-        h = max(h, h_min)
+        h = max(min(h, longest), h_min)
         final = False
         while not final:
             integrator.begin(t)
             growth, reductions = largest, 0
             while True:
-                final = t + 1.01 * h >= t_end
+                final = t + min(1.01 * h, max(h, longest)) >= t_end
                 if final:
                     h = t_end - t
                 try:
@@ -205,7 +228,7 @@ def _one_step(integrator: Any, estimate: bool) -> Callable[[float, np.ndarray, f
             t = t_end if final else t + h
             evaluation.step_accepted(t, integrator.y_new)
             yield Step(t, integrator.y_new, integrator.interpolate)
-            h = max(h * min(growth, factor(error)), h_min)
+            h = max(min(h * min(growth, factor(error)), longest), h_min)
 
     return run
 

@@ -85,6 +85,9 @@ _ROWS = (
 METHODS: dict[int, Method] = {row.code: row for row in _ROWS}
 # The manual (bibliography.md) calls code 225 also 255.
 ALIASES = {255: 225}
+# The names of these methods in SciPy, which model files of simulations (.sim) and older scripts use. BDF stands for
+# "stiff"; its place is taken by Radau IIA.
+NAMES = {"RK23": 135, "RK45": 155, "DOP853": 853, "RADAU": 553, "BDF": 553}
 
 
 def method(code: int) -> Method:
@@ -94,3 +97,15 @@ def method(code: int) -> Method:
     except KeyError:
         known = " ".join(map(str, METHODS))
         raise UsageError(f"unknown integration code {code}; known are {known}", "integrator.code") from None
+
+
+def named(word: int | str) -> Method:
+    """The row of a code (155 or "155") or of a name in NAMES, small or capital. Raises UsageError `integrator.code`."""
+    text = str(word).strip()
+    if text.isdecimal() and text.isascii() and len(text) <= 4:
+        return method(int(text))
+    code = NAMES.get(text.upper())
+    if code is None:
+        known = f"{' '.join(map(str, METHODS))}, or {' '.join(NAMES)}"
+        raise UsageError(f"method '{word}' does not exist; known are {known}", "integrator.code")
+    return METHODS[code]

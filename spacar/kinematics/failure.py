@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from spacar.errors import AnalysisError
-from spacar.kinematics.diagnosis import Diagnosis, diagnose, scaled_difference_matrix
+from spacar.kinematics.diagnosis import ZERO, Diagnosis, diagnose, scaled_difference_matrix
 from spacar.kinematics.sweep import Sweep
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Array, Index, Mechanism
@@ -16,6 +16,9 @@ from spacar.mechanism.numbering import Numbering
 
 SHORTENING = ("PLTRUSS", "TRUSS", "PLBEAM", "BEAM", "PLTUBE", "TUBE")  # mode 1 is the change of their length
 SHORT = 1e-6
+# Smallest over largest singular value at the last iterate: one that was zero (below ZERO of `diagnosis`) at the
+# reference configuration has grown by no more than the square root of that limit.
+NEARLY = ZERO**0.5
 LARGEST_DIAGNOSED = 1000  # unknowns; a singular value decomposition of more would take longer than the analysis
 
 
@@ -105,6 +108,10 @@ def position_failure(
             f" singular value {smallest:.3g}{where}); a dead point: choose other degrees of freedom"
         )
         return AnalysisError(text, "position.singular", iterations=iteration, history=history)
+    if D.size and np.isfinite(D).all() and smallest < NEARLY * s[0]:
+        found = _singular_choice(kinematics, x)
+        if found:
+            return AnalysisError(found, "position.singular", iterations=iteration, history=history)
     text = (
         f"no convergence of the position after {iteration} iterations: scaled residual {norm:.2g}"
         f" (history {_shown(history if history and history[-1] == norm else [*history, norm])}),"
@@ -112,6 +119,22 @@ def position_failure(
         " try a smaller step, other degrees of freedom, or start values that can be reached"
     )
     return AnalysisError(text, "position.no-convergence", iterations=iteration, history=history)
+
+
+def _singular_choice(kinematics: Position, x: Array) -> str:
+    """The cause, when the choice of degrees of freedom is singular at the reference configuration already; else ""."""
+    mechanism, sweep = kinematics.mechanism, kinematics.sweep
+    sweep.strain(mechanism.x0)
+    diagnosis = diagnose(mechanism, sweep.gradient(), mechanism.x0)
+    sweep.strain(x)
+    if not (diagnosis.over or diagnosis.under):
+        return ""
+    return (
+        "singular choice of degrees of freedom: at the reference configuration the fixed, prescribed and dynamic"
+        f" deformations and the given coordinates leave {diagnosis.under} motion{'s' * (diagnosis.under != 1)} free and"
+        f" constrain {diagnosis.over} twice; {_candidates(diagnosis)}; choose other degrees of freedom"
+        " (DYNE, DYNX, INPUTX, RLSE); `spacar 0` lists all"
+    )
 
 
 def _shown(history: list[float]) -> str:

@@ -2,15 +2,16 @@
 output.
 
 The time axis is cut at every sampling time and at every break of a block. Inside a piece the states follow a
-SciPy method with error control; values next to a cut are those of the side on which the integration works.
+one-step code with error control (spacar/integrators); values next to a cut are those of the side on which the
+integration works.
 Events are zeros of functions of the signals; the first one inside a step is located by bisection on the
-dense output to rounding, and the integration starts again behind it. A step in which the mechanism cannot be
-evaluated is tried again with a quarter of its size, ten times at most.
+dense output to rounding, and the integration starts again behind it. Implicit codes take the Jacobian of the diagram
+by differences.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,14 +19,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.errors import AnalysisError, UsageError
+from spacar.integrators import Step, Tolerance, named, steps
 from spacar.simulation.blocks import Block
 from spacar.simulation.diagram import Diagram, Schedule, schedule
 
 Array = NDArray[np.float64]
-METHODS = ("RK45", "RK23", "DOP853", "Radau", "BDF")
 EPS = float(np.finfo(float).eps)
-MAX_REDUCTIONS = 10
-REDUCTION = 0.25
 MAX_BISECTIONS = 100
 
 
@@ -84,38 +83,55 @@ class Response:
 
 
 def simulate(
-    diagram: Diagram, times: Sequence[float] | Array, *, method: str = "RK45", atol: float = 1e-8, rtol: float = 1e-6,
-    max_step: float = np.inf, events: Sequence[Event] = (), x0: Mapping[str, Sequence[float]] | None = None,
+    diagram: Diagram, times: Sequence[float] | Array, *, method: int | str = 155, atol: float = 1e-8,
+    rtol: float = 1e-6, max_step: float = np.inf, events: Sequence[Event] = (),
+    x0: Mapping[str, Sequence[float]] | None = None,
 ) -> Response:  # fmt: skip
     """Simulate from times[0] and report at every time of `times` [s].
 
-    method    one of METHODS; atol, rtol error tolerances of the states; max_step [s]
+    method    code of INTEGRAT with variable steps (135, 155, 853, 553, 595) or a name of spacar.integrators.NAMES
+    atol, rtol error tolerances of a step; max_step [s]
     x0        start states by block name instead of those of the block
 
     Raises UsageError (arguments, algebraic loop), AnalysisError (a block failed, returned a wrong shape or a
     value that is not finite, or the step size became too small).
     """
     output_times = np.asarray(times, float)
-    if method not in METHODS:
-        raise UsageError(f"method '{method}' does not exist; choose {', '.join(METHODS)}", "simulation.method")
+    code = named(method).code
     if output_times.ndim != 1 or len(output_times) < 2 or not np.all(np.diff(output_times) > 0.0):
         raise UsageError("the output times must increase, and there must be at least two", "simulation.times")
     if not (atol > 0.0 and rtol >= 0.0 and max_step > 0.0):
         raise UsageError("atol and max_step must be positive, rtol must not be negative", "simulation.tolerance")
-    return _Simulation(diagram, output_times, method, atol, rtol, max_step, tuple(events), x0 or {}).run()
+    return _Simulation(diagram, output_times, code, atol, rtol, max_step, tuple(events), x0 or {}).run()
+
+
+class _Mistake(Exception):
+    """An error of a block, on its way through the integrator."""
+
+    def __init__(self, error: AnalysisError) -> None:
+        super().__init__(str(error))
+        self.error = error
+
+
+@dataclass
+class _Problem:
+    """The diagram as the integrators see it (integrators/problem.py)."""
+
+    n_positions: int
+    rhs: Callable[[float, Array], Array]
+    jacobian: Callable[[float, Array], tuple[Array, Array]]
 
 
 class _Simulation:
     """One run through the time axis."""
 
     def __init__(
-        self, diagram: Diagram, times: Array, method: str, atol: float, rtol: float, max_step: float,
+        self, diagram: Diagram, times: Array, code: int, atol: float, rtol: float, max_step: float,
         events: tuple[Event, ...], x0: Mapping[str, Sequence[float]],
     ) -> None:  # fmt: skip
         self.diagram, self.times, self.user_events = diagram, times, events
         self.s: Schedule = schedule(diagram)
-        self.options = {"atol": atol, "rtol": rtol, "max_step": max_step}
-        self.method = method
+        self.code, self.tolerance, self.max_step = code, Tolerance(atol, rtol), max_step
         self.y = np.zeros(self.s.wiring.shape[1])
         self.x = np.concatenate([np.zeros(0), *(b.start() for b in self.s.blocks)])
         for name, values in x0.items():
@@ -176,6 +192,27 @@ class _Simulation:
             text = f"the derivative of state {state} of {owner.name} is {out[k]} at t = {t:.9g}"
             raise AnalysisError(text, "simulation.not-finite")
         return out
+
+    def derivative(self, t: float, x: Array) -> Array:
+        """What the integrator asks: a mistake in a block is not cured by smaller steps and goes straight through."""
+        try:
+            return self.rhs(t, x)
+        except AnalysisError as error:
+            if error.code.startswith(("simulation.", "user-function")):
+                raise _Mistake(error) from error
+            raise
+
+    def jacobian(self, t: float, x: Array) -> tuple[Array, Array]:
+        """(dF/dx, dF/dt) by forward differences of sqrt(eps) of the size of a state; a simplified Newton iteration
+        needs no more.
+        """
+        f = self.derivative(t, x)
+        slopes = np.empty((len(x), len(x)))
+        for k in range(len(x)):
+            moved = x.copy()
+            moved[k] += EPS**0.5 * max(abs(float(x[k])), self.tolerance.absolute / EPS**0.5, 1e-6)
+            slopes[:, k] = (self.derivative(t, moved) - f) / (moved[k] - x[k])
+        return slopes, np.zeros(len(x))
 
     def signs(self, t: float, x: Array) -> Array:
         """Event functions: those of the blocks, then those of the caller."""
@@ -269,57 +306,36 @@ class _Simulation:
             us[:done], tuple(log), self.s.notes, self.statistics,
         )  # fmt: skip
 
-    solver: Any = None
+    solver: Iterator[Step] | None = None
 
     def step(
         self, t: float, end: float, h: float | None
     ) -> tuple[float, Callable[[float], Array], Array, float | None]:
-        """One accepted step from t, not beyond `end`: new time, interpolation inside it, new state, its
-        size.
+        """One accepted step from t, not beyond `end`: new time, interpolation inside it, new state, size for a start
+        behind it.
         """
         if not len(self.x):
             return end, lambda time: self.x, self.x, h
-        import scipy.integrate
-
-        options = dict(self.options)
-        cause: AnalysisError | None = None
-        for _ in range(MAX_REDUCTIONS):
-            try:
-                if self.solver is None:
-                    first = None if h is None else min(h, end - t, options["max_step"])
-                    self.solver = getattr(scipy.integrate, self.method)(
-                        self.rhs, t, self.x, end, first_step=first, **options
-                    )
-                message = self.solver.step()
-            except AnalysisError as error:
-                if error.code.startswith("simulation.") or error.code.startswith("user-function"):
-                    raise
-                cause = error
-                size = (self.solver.h_abs if self.solver is not None else end - t) or end - t
-                options["max_step"] = max(REDUCTION * min(size, end - t), self.shift)
-                h, self.solver = options["max_step"], None
-                continue
-            if self.solver.status == "failed":
-                raise AnalysisError(
-                    f"the step size became too small at t = {self.solver.t:.9g} ({message}); the loop may be"
-                    " unstable or stiff:"
-                    " check the gains, or use the method Radau",
-                    "simulation.step-too-small",
-                )
-            self.statistics["steps"] += 1
-            solver, new = self.solver, self.solver.t
-            taken = float(new - solver.t_old)
-            # The last step of a piece is short only because the piece ends.
-            h = max(taken, float(solver.h_abs)) if np.isfinite(solver.h_abs) else taken
-            interpolate = solver.dense_output()
-            if cause is not None:
-                self.solver = None  # forget the reduced largest step
-            return float(new), interpolate, np.array(solver.y), h
-        raise AnalysisError(
-            f"the step at t = {t:.9g} could not be computed, also not with a step of"
-            f" {options['max_step']:.3g} s: {cause}",
-            cause.code if cause is not None else "simulation.step",
-        )
+        if self.solver is None:
+            problem = _Problem(0, self.derivative, self.jacobian)  # of first order: no positions
+            self.solver = steps(problem, t, self.x, end, self.window, self.code, self.tolerance, h, self.max_step)
+        try:
+            taken = next(self.solver)
+        except _Mistake as mistake:
+            raise mistake.error from None
+        except AnalysisError as error:
+            if error.code != "integrator.step-too-small":
+                raise
+            text = (
+                f"the step size became too small at t = {error.data.get('t', t):.9g}; the loop may be unstable or"
+                " stiff: check the gains, or use the method 553"
+            )
+            raise AnalysisError(text, "simulation.step-too-small") from None
+        self.statistics["steps"] += 1
+        size = float(taken.t) - t
+        # The last step of a piece is short only because the piece ends.
+        h = max(size, h or 0.0) if taken.t >= end else size
+        return float(taken.t), taken.interpolate, np.array(taken.y), h
 
     def locate(
         self, t: float, t_new: float, interpolate: Callable[[float], Array], x_new: Array, before: Array

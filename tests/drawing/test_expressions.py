@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from spacar_drawing.expressions import evaluate
 from spacar_drawing.history import axis_text, csv_text, history_figure, panels
-from spacar_drawing.quantities import unit, unit_text
 
 from spacar.errors import UsageError
+from spacar.expressions import unit, unit_text
 
 from .models import result_source
 
@@ -47,14 +47,14 @@ def crank():
     ],
 )
 def test_units(crank, text, expected):
-    assert unit_text(evaluate(crank, text).quantity.unit) == expected
+    assert unit_text(evaluate(crank, text).unit) == expected
 
 
 def test_units_of_other_elements():
     robot = result_source("robotinv", 2)
-    assert unit_text(evaluate(robot, "sig[1,1]").quantity.unit) == "N m"  # hinge: a moment
-    assert unit_text(evaluate(robot, "ed[1,1]").quantity.unit) == "rad/s"
-    assert unit_text(evaluate(robot, "x[2,1]").quantity.unit) == ""  # an Euler parameter
+    assert unit_text(evaluate(robot, "sig[1,1]").unit) == "N m"  # hinge: a moment
+    assert unit_text(evaluate(robot, "ed[1,1]").unit) == "rad/s"
+    assert unit_text(evaluate(robot, "x[2,1]").unit) == ""  # an Euler parameter
     assert unit_text(unit(N=1, m=-2, s=1)) == "N s/m²"
     assert unit_text(unit(m=-1, s=-1)) == "1/(m s)"
 
@@ -62,12 +62,12 @@ def test_units_of_other_elements():
 def test_values(crank):
     x = crank.x()
     lnp = crank.scene.lnp
-    np.testing.assert_array_equal(evaluate(crank, "x[6,1]").quantity.values, x[:, lnp[5, 0] - 1])
+    np.testing.assert_array_equal(evaluate(crank, "x[6,1]").values, x[:, lnp[5, 0] - 1])
     # the crank pin stays at 0.15 m from its bearing; tolerance of the position iteration
-    np.testing.assert_allclose(evaluate(crank, "hypot(x[3,1],x[3,2])").quantity.values, 0.15, atol=1e-9)
-    np.testing.assert_allclose(evaluate(crank, "x[2,1] - 150*x[2,1]/150").quantity.values, 0, atol=1e-12)
-    np.testing.assert_allclose(evaluate(crank, "cos(x[2,1])*2**2").quantity.values, 4 * np.cos(x[:, lnp[1, 0] - 1]))
-    assert evaluate(crank, "3.5").quantity.values.shape == (len(x),)
+    np.testing.assert_allclose(evaluate(crank, "hypot(x[3,1],x[3,2])").values, 0.15, atol=1e-9)
+    np.testing.assert_allclose(evaluate(crank, "x[2,1] - 150*x[2,1]/150").values, 0, atol=1e-12)
+    np.testing.assert_allclose(evaluate(crank, "cos(x[2,1])*2**2").values, 4 * np.cos(x[:, lnp[1, 0] - 1]))
+    assert evaluate(crank, "3.5").values.shape == (len(x),)
 
 
 @pytest.mark.parametrize(
@@ -121,5 +121,5 @@ def test_csv_keeps_all_digits(crank):
     rows = list(csv.reader(io.StringIO(csv_text(curves, evaluate(crank, "t")))))
     assert rows[0] == ["t (s)", "x[6,1] (m)", "xdd[6,1] (m/s²)"]
     back = np.array([[float(v) for v in row] for row in rows[1:]])
-    np.testing.assert_array_equal(back[:, 1], curves[0].quantity.values)
-    np.testing.assert_array_equal(back[:, 2], curves[1].quantity.values)
+    np.testing.assert_array_equal(back[:, 1], curves[0].values)
+    np.testing.assert_array_equal(back[:, 2], curves[1].values)

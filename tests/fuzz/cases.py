@@ -38,7 +38,7 @@ COMMANDS: dict[str, tuple[int, tuple[str, ...]]] = {  # arguments, options; neve
     "1": (1, ("--steps", "--time", "--atol", "--rtol", "--integrator", "--output-dir", "-v!", "--json!")),
     "0": (1, ("-v!", "--json!", "--output-dir")), "7": (1, ("--json!",)), "9": (1, ("--json!",)),
     "3": (1, ("--setpoints",)), "check": (1, ("--mode", "--json!")), "keywords": (1, ("--json!",)),
-    "examples": (1, ("--to", "--force!")),
+    "examples": (1, ("--to", "--force!")), "help": (1, ()),
     "sweep": (1, ("--set", "--from", "--result", "--mode", "--steps", "--time", "--output", "--together!", "--json!")),
     "trade": (1, ("--integrators", "--tolerances", "--substeps", "--elements", "--target", "--steps", "--time", "--output")),
     "draw": (1, ("-o", "--steps", "--strobe", "--trace", "--view", "--section", "--opacity", "--hide", "--title", "--dpi")),

@@ -72,7 +72,7 @@ def test_failed_cases_say_why(call):
 def test_a_quantity_that_does_not_exist_is_a_failed_case(call):
     done = call("sweep", "crank", "--time", "0.001", "--steps", "1", "--set", "XM.6=1", "-r", "x[99,1]@end")
     assert done.status == 1
-    assert rows("crank.sweep.csv")[0]["reason"] == "node 99 has no coordinate 1"
+    assert rows("crank.sweep.csv")[0]["reason"] == "'x[99,1]@end': node 99 does not exist; nodes are 1 to 7"
 
 
 def test_tables(call):

@@ -120,7 +120,7 @@ def _pictures(
         from spacar_drawing.source import open_source
 
         curve = evaluate(open_source(file), against)
-        across, text = np.ravel(curve.quantity.values)[np.array(numbers) - 1], axis_text(curve)
+        across, text = np.ravel(curve.values)[np.array(numbers) - 1], axis_text(curve)
     figure = root_figure(steps, across, text, Path(file).stem)
     for path in output:
         save(figure, path)

@@ -50,7 +50,8 @@ def command(
     """Plot expressions of the variables of a result file (NAME.sbd) over time.
 
     Variables of nodes x, xd, xdd, fx, fxgrav, fxtot, xcompl as x[NODE,COORDINATE]; of elements e, ed, edd, sig as
-    e[ELEMENT,MODE]; t. With + - * / **, abs sqrt sin cos tan exp log deg hypot atan2 and pi. Example:
+    e[ELEMENT,MODE]; t. With + - * / ** and pi, functions such as max mean abs sqrt sin deg hypot atan2, and one step
+    as x[6,1]@end (docs/expressions.md). Example:
 
     spacar plot crank 'x[6,1]' 'xdd[6,1]' 'sig[1,1]'
 

@@ -11,6 +11,7 @@ from spacar_formats.log import LogSink
 from spacar_formats.sinks import ResultSink, begin, give_up, result_sinks
 
 from spacar.calls import frames
+from spacar.deck import Deck
 from spacar.errors import SpacarError, UsageError
 from spacar.modes import Mode, find_mode
 from spacar.options import integrator
@@ -22,6 +23,7 @@ from spacar_cli.progress import Progress
 from spacar_cli.source import input_file, result_stem
 from spacar_cli.status import ExitStatus, tell, tell_error, tell_messages
 
+STANDARD_INPUT, PIPED = "-", Path("stdin.dat")  # the name of the file, and where it would stand
 # Options of integrated modes that replace a number of the input file: flag, field of Settings, type, help.
 OVERRIDES: tuple[tuple[str, str, Any, str], ...] = (
     ("--atol", "atol", POSITIVE, "Absolute error tolerance, instead of ERROR."),
@@ -68,6 +70,7 @@ def command_of_mode(word: str) -> click.Command:
         click.Option(["--json", "as_json"], is_flag=True, help="Print a summary in JSON."),
     ]
     short = f"Mode {mode.number}: {mode.title}. Writes FILE.log and " + ", ".join(f"FILE.{k}" for k in mode.files) + "."
+    short += " FILE - is standard input, its results are stdin.* in the current folder."
     return click.Command(word, params=params, callback=click.pass_obj(partial(run_mode, mode)), help=short)
 
 
@@ -91,7 +94,11 @@ def run_mode(
         if not release:
             raise UsageError("Missing argument 'FILE'.", "usage")
         file, release = Path(release), ""
-    source = input_file(file)
+    piped = str(file) == STANDARD_INPUT
+    if piped and release is not None:
+        raise UsageError("--release needs an input file, not standard input", "usage")
+    source = PIPED if piped else input_file(file)
+    model = _standard_input(environment, mode) if piped else source
     if release:
         releasing.check_output(Path(release), source)
     overrides = {field: value for field, value in options.items() if value is not None}
@@ -100,7 +107,12 @@ def run_mode(
     stem = result_stem(source, output_dir)
     results = result_sinks(stem, mode.files, wait)
     try:
-        log = LogSink(stem.with_name(f"{stem.name}.log"), mode, source, _flags(overrides, setpoints))
+        log = LogSink(
+            stem.with_name(f"{stem.name}.log"),
+            mode,
+            Path("standard input") if piped else source,
+            _flags(overrides, setpoints),
+        )
     except BaseException:
         give_up(results)
         raise
@@ -108,7 +120,7 @@ def run_mode(
     run: Run | None = None
     try:
         begin(results)
-        run = frames(mode.number, source, **overrides)
+        run = frames(mode.number, model, **overrides)
         if mode.takes_setpoints:
             _set_nominal(run, source, setpoints)
         _check_timestep(run)
@@ -147,6 +159,19 @@ def run_mode(
     if done is not None and not as_json:
         done.tell(environment, quiet)
     return status
+
+
+def _standard_input(environment: Environment, mode: Mode) -> Deck:
+    """The input text that was piped in. Its results are stdin.* in the current folder, or in that of --output-dir."""
+    from spacar.deck.deck import parse
+
+    try:
+        text = environment.stdin.read()
+    except UnicodeDecodeError as error:
+        raise UsageError(
+            f"standard input is no text: {error.reason} at byte {error.start}", "files.not-readable"
+        ) from None
+    return parse(text, PIPED.stem, mode.number, path=PIPED)
 
 
 def _ill_defined(run: Run) -> bool:

@@ -1,0 +1,156 @@
+"""The values of a checked expression, over the steps or one number, with its unit where units are followed."""
+
+from __future__ import annotations
+
+import ast
+import operator
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacar.errors import UsageError
+from spacar.expressions.functions import FUNCTIONS
+from spacar.expressions.grammar import ALIASES, E_NAMES, X_NAMES, Expression, indices, when
+from spacar.expressions.places import ELEMENT, NODE, place
+from spacar.expressions.units import NONE, Unit, combine, of_power, of_sum
+
+SAME_TIME = 1e-9  # two times are equal when they differ by less than this part of the last time
+OPERATORS: dict[type, Callable[[Any, Any], Any]] = {
+    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
+    ast.Pow: operator.pow,
+}  # fmt: skip
+
+
+class Variables(Protocol):
+    """What an expression reads: a Result, or a file. `variables[name]` has the steps as its first axis."""
+
+    @property
+    def lnp(self) -> NDArray[np.int64]: ...
+    @property
+    def le(self) -> NDArray[np.int64]: ...
+    def __getitem__(self, name: str, /) -> Any: ...
+
+
+@dataclass(frozen=True)
+class Value:
+    """An array over the steps (steps,) or one number (), and its unit; None: not followed."""
+
+    values: Any
+    unit: Unit | None
+
+
+def evaluate(
+    expression: Expression, variables: Variables, units: Callable[[str, Sequence[int]], Unit | None] | None = None
+) -> tuple[NDArray[Any], Unit | None]:
+    """Values over the stored steps, (steps,), or one number, (), real or complex; and the unit.
+
+    units   the unit of a variable (`Dimensions`); None: units are not followed
+
+    Raises UsageError for what the result does not have, and for units that do not fit. Numbers that are not finite
+    stay in the values.
+    """
+    try:
+        found = _Evaluation(expression.text, variables, units).value(expression.tree)
+    except (RecursionError, OverflowError):
+        text = f"'{expression.text}' is nested too deep or has numbers that are too large"
+        raise UsageError(text, "expression.form") from None
+    return np.asarray(found.values), found.unit
+
+
+@dataclass(frozen=True)
+class _Evaluation:
+    text: str
+    variables: Variables
+    units: Callable[[str, Sequence[int]], Unit | None] | None
+
+    def value(self, node: ast.expr) -> Value:
+        if isinstance(node, ast.Constant):
+            return Value(np.asarray(float(node.value)), self.plain)  # type: ignore[arg-type]
+        if isinstance(node, ast.Name):
+            return Value(np.asarray(np.pi), self.plain) if node.id == "pi" else Value(self.t, self.unit_of("t", ()))
+        if isinstance(node, ast.Subscript):
+            return self.variable(node)
+        if isinstance(node, ast.UnaryOp):
+            found = self.value(node.operand)
+            return Value(-found.values, found.unit) if isinstance(node.op, ast.USub) else found
+        if isinstance(node, ast.BinOp):
+            return self.binary(node)
+        assert isinstance(node, ast.Call)
+        assert isinstance(node.func, ast.Name)
+        return self.call(node.func.id, [self.value(a) for a in node.args])
+
+    @property
+    def plain(self) -> Unit | None:
+        return None if self.units is None else NONE
+
+    @property
+    def t(self) -> NDArray[np.float64]:
+        return np.ravel(self.variables["t"])
+
+    def unit_of(self, name: str, numbers: Sequence[int]) -> Unit | None:
+        return None if self.units is None else self.units(name, numbers)
+
+    def binary(self, node: ast.BinOp) -> Value:
+        left = self.value(node.left)
+        if isinstance(node.op, ast.MatMult):
+            return Value(self.at(left.values, when(node.right, self.text)), left.unit)
+        right = self.value(node.right)
+        if isinstance(node.op, (ast.Add, ast.Sub)):
+            unit = of_sum(left.unit, right.unit, self.text)
+        elif isinstance(node.op, ast.Pow):
+            single = float(right.values) if right.values.ndim == 0 and np.isrealobj(right.values) else None
+            unit = of_power(left.unit, right.unit, single, self.text)
+        else:
+            known = left.unit is not None and right.unit is not None
+            sign = 1 if isinstance(node.op, ast.Mult) else -1
+            unit = combine(left.unit or NONE, right.unit or NONE, sign) if known else None
+        with np.errstate(all="ignore"):  # who asked reports what is not finite
+            return Value(np.asarray(OPERATORS[type(node.op)](left.values, right.values)), unit)
+
+    def call(self, name: str, arguments: list[Value]) -> Value:
+        function = FUNCTIONS[name]
+        unit = function.unit(name, [a.unit for a in arguments], self.text)
+        try:
+            with np.errstate(all="ignore"):
+                return Value(np.asarray(function.compute(*(a.values for a in arguments))), unit)
+        except TypeError:  # of NumPy for a function of real numbers
+            text = f"'{self.text}': {name} takes real numbers; write abs(), real() or imag() inside"
+            raise UsageError(text, "expression.complex") from None
+
+    def variable(self, node: ast.Subscript) -> Value:
+        assert isinstance(node.value, ast.Name)
+        name, numbers = ALIASES.get(node.value.id, node.value.id), indices(node, self.text)
+        if name in X_NAMES or name in E_NAMES:
+            table, words = (self.variables.lnp, NODE) if name in X_NAMES else (self.variables.le, ELEMENT)
+            try:
+                column = place(table, numbers[0], numbers[1], words)
+            except UsageError as error:
+                raise UsageError(f"'{self.text}': {error}", error.code) from None
+            return Value(self.variables[name][:, column], self.unit_of(name, numbers))
+        values = self.variables[name]
+        if name == "eigval":
+            values = values[..., 0] + 1j * values[..., 1]
+        if any(i > n for i, n in zip(numbers, values.shape[1:], strict=True)):
+            size = " x ".join(map(str, values.shape[1:]))
+            raise UsageError(f"'{self.text}': {name} has {size} values", "expression.number")
+        column_of = (slice(None), *(i - 1 for i in numbers))
+        return Value(values[column_of], self.unit_of(name, numbers))
+
+    def at(self, series: Any, moment: str | int | float) -> Any:
+        t, text = self.t, f"'{self.text}'"
+        if np.shape(series) != t.shape:
+            raise UsageError(f"{text}: @ stands behind a series, one value for every step", "expression.step")
+        if isinstance(moment, str):
+            return np.asarray(series[0 if moment == "start" else -1])
+        if isinstance(moment, int):
+            if not 1 <= moment <= len(t):
+                raise UsageError(f"{text}: step {moment} does not exist; there are {len(t)} steps", "expression.step")
+            return np.asarray(series[moment - 1])
+        nearest = int(np.argmin(np.abs(t - moment)))
+        if abs(t[nearest] - moment) > SAME_TIME * max(abs(float(t[-1])), 1e-300):
+            text = f"{text}: t = {moment:.9g} is not stored, the nearest is {t[nearest]:.9g}"
+            raise UsageError(f"{text}; choose the number of steps of TIMESTEP to suit", "expression.step")
+        return np.asarray(series[nearest])

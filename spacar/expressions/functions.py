@@ -1,0 +1,78 @@
+"""The functions of expressions, one row each: arguments, values, and what becomes of the unit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from spacar.errors import UsageError
+from spacar.expressions.units import DEGREE, NONE, RAD, Unit
+
+
+@dataclass(frozen=True)
+class Function:
+    """compute: of arrays over the steps, or numbers.  unit(name, units, text): UsageError where it makes no sense."""
+
+    help: str
+    compute: Callable[..., Any]
+    unit: Callable[[str, Sequence[Unit | None], str], Unit | None]
+    arguments: int = 1
+
+
+def _same(name: str, units: Sequence[Unit | None], text: str) -> Unit | None:
+    known = [u for u in units if u is not None]
+    if any(u != known[0] for u in known):
+        raise UsageError(f"'{text}': both arguments of {name} must have the same unit", "expression.unit")
+    return known[0] if len(known) == len(units) else None
+
+
+def _angle(name: str, units: Sequence[Unit | None], text: str) -> Unit | None:
+    return None if _same(name, units, text) is None else RAD
+
+
+def _root(name: str, units: Sequence[Unit | None], text: str) -> Unit | None:
+    if units[0] is None:
+        return None
+    if any(p % 2 for _, p in units[0]):
+        raise UsageError(f"'{text}': the square root of this unit is none", "expression.unit")
+    return tuple((s, p // 2) for s, p in units[0])
+
+
+def _pure(name: str, units: Sequence[Unit | None], text: str) -> Unit | None:
+    allowed = (None, NONE, RAD) if name in ("sin", "cos", "tan") else (None, NONE)
+    if units[0] not in allowed:
+        raise UsageError(f"'{text}': {name} takes a number without unit", "expression.unit")
+    return None if units[0] is None else NONE
+
+
+def _degrees(name: str, units: Sequence[Unit | None], text: str) -> Unit | None:
+    if units[0] not in (None, NONE, RAD):
+        raise UsageError(f"'{text}': deg converts radians", "expression.unit")
+    return None if units[0] is None else DEGREE
+
+
+def _rms(values: Any) -> Any:
+    return np.sqrt(np.mean(np.abs(values) ** 2))
+
+
+FUNCTIONS = {
+    "max": Function("largest value of a series", np.max, _same),
+    "min": Function("smallest value", np.min, _same),
+    "mean": Function("mean of the stored values", np.mean, _same),
+    "rms": Function("square root of the mean of the squares", _rms, _same),
+    "span": Function("largest minus smallest value", np.ptp, _same),
+    "last": Function("last value", lambda v: np.atleast_1d(v)[-1], _same),
+    "abs": Function("absolute value", np.abs, _same),
+    "real": Function("real part", np.real, _same),
+    "imag": Function("imaginary part", np.imag, _same),
+    "sqrt": Function("square root", np.sqrt, _root),
+    "hypot": Function("sqrt(a² + b²)", np.hypot, _same, 2),
+    "atan2": Function("angle of (second, first argument) with the axis [rad]", np.arctan2, _angle, 2),
+    "deg": Function("radians to degrees", np.degrees, _degrees),
+    **{name: Function(help, getattr(np, name), _pure) for name, help in (
+        ("sin", "sine of radians"), ("cos", "cosine of radians"), ("tan", "tangent of radians"),
+        ("exp", "exponential function"), ("log", "natural logarithm"), ("log10", "logarithm to base 10"))},
+}  # fmt: skip

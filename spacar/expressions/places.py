@@ -1,0 +1,47 @@
+"""Where a coordinate or a deformation stands, and a message that lists what there is when it does not exist."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacar.errors import UsageError
+
+MOST = 6  # ranges that a message lists
+NODE, ELEMENT = ("node", "coordinate"), ("element", "deformation mode")
+
+
+def listed(numbers: Iterable[int]) -> str:
+    """`1 to 6, 8, 10 to 12`; at most six ranges, then the last number."""
+    ordered = sorted(set(map(int, numbers)))
+    ranges: list[list[int]] = []
+    for n in ordered:
+        if ranges and n == ranges[-1][1] + 1:
+            ranges[-1][1] = n
+        else:
+            ranges.append([n, n])
+    texts = [str(a) if a == b else f"{a} to {b}" for a, b in ranges]
+    if len(texts) > MOST:
+        texts = [*texts[: MOST - 1], "...", str(ordered[-1])]
+    return ", ".join(texts)
+
+
+def place(table: NDArray[np.int64], number: int, k: int, words: tuple[str, str]) -> int:
+    """0-based column of the k-th entry of a node (table lnp) or an element (le). Raises UsageError.
+
+    table  (numbers, most entries), 1-based columns, 0 where there is none;  words  NODE or ELEMENT
+    """
+    what, entry = words
+    rows = np.asarray(table)
+    there = np.flatnonzero(np.any(rows != 0, axis=1)) + 1
+    if number not in there:
+        known = f"{what}s are {listed(there)}" if len(there) else f"there are no {what}s"
+        raise UsageError(f"{what} {number} does not exist; {known}", "expression.number")
+    row = rows[number - 1]
+    if not (1 <= k <= len(row) and row[k - 1]):
+        has = listed(np.flatnonzero(row) + 1)
+        many = "s" * int(np.count_nonzero(row) > 1)
+        raise UsageError(f"{what} {number} has the {entry}{many} {has}, not {k}", "expression.number")
+    return int(row[k - 1]) - 1
