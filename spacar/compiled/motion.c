@@ -95,7 +95,8 @@ static void out_of_balance(const Model *m, const real *xdd, const real *sigma, i
 }
 
 /* Factor a positive definite matrix (n, n), rows `width` apart, and solve, in place; SINGULAR when a pivot is lost in
-   rounding. */
+   rounding: 45 eps of the diagonal from which it is the difference. That accepts and refuses nothing; it hands the state to
+   the saddle-point form of the general path, which does not form these differences. */
 static int solve_positive(real *A, int width, int n, real *b)
 {
     for (int k = 0; k < n; k++) {

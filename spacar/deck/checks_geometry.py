@@ -9,7 +9,7 @@ from spacar.deck.statement import Statement
 from spacar.deck.table_types import ElementType
 
 ZERO_LENGTH = 1e-8
-"""A length below this part of the size of the model is zero."""
+"""A length below this part of the size of the model is zero: a chosen bound, for the digits of a file."""
 PARALLEL = 1e-5
 """Two directions with a smaller sine are parallel (the public routine refuses the same sine)."""
 

@@ -20,7 +20,9 @@ if TYPE_CHECKING:
 
 WHEELS = ("WHEEL", "TWHEEL")
 NORMAL_MODE = 3  # sigma_3 is the normal force of the road, compression negative
-LIFTED = 1e-9  # of the largest normal force seen
+# A pull above this part of the largest normal force seen: a chosen bound, above the rounding of a difference of forces
+# (eps times their ratio, up to 1e6), far below what matters to a contact.
+LIFTED = 1e-9
 
 
 class Limits:

@@ -1,7 +1,10 @@
 """Is the reduced mass matrix of the dynamic degrees of freedom regular? Says which motion carries no mass.
 
-M_dd = W_d^T (M + V^T M_e V) W_d is scaled to a unit diagonal first, so that metres and radians compare; its smallest
-eigenvalue below 1e-13 means a motion without inertia to working precision.
+M_dd = W_d^T (M + V^T M_e V) W_d is scaled to a unit diagonal first, so that metres and radians compare. Its entries
+are then at most 1 and known to a few eps, its norm is at most the number q of degrees of freedom, so its eigenvalues
+are known to 8 q eps (Weyl; 8 for the sums): a smallest one below that cannot be told from zero. A larger one may
+belong to a light part that carries a heavy one (mass ratio 1e13 in relative coordinates), which the saddle-point form
+solves accurately.
 """
 
 from __future__ import annotations
@@ -15,7 +18,7 @@ from spacar.kinematics.transfer import velocity_transfer
 from spacar.mechanism.mechanism import Array
 from spacar.mechanism.numbering import Numbering
 
-SMALLEST = 1e-13
+SMALLEST = 8.0 * float(np.finfo(float).eps)  # per degree of freedom
 LARGEST_CHECKED = 400  # dense work of order nx nq^2; larger models are caught by the factorization itself
 
 
@@ -29,7 +32,7 @@ def require_regular_mass(n: Numbering, M: Array) -> None:
     if not light.any():
         scale = np.sqrt(diagonal)
         scaled = M / (scale[:, None] * scale)
-        if np.linalg.eigvalsh(scaled)[0] > SMALLEST:
+        if np.linalg.eigvalsh(scaled)[0] > SMALLEST * len(M):
             return
     names = [n.q_names[k] for k in n.dynamic]
     massless = [names[k] for k in np.flatnonzero(light)]

@@ -21,7 +21,7 @@ import numpy as np
 
 from .base import Array, GeometryError, Trouble
 
-SHORT = 1e-6  # of the start length: below this the direction of the chord is lost
+SHORT = 1e-6  # a chosen bound, of the start length: below this the direction of the chord is lost
 
 
 def normal(u: Array) -> Array:

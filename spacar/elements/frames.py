@@ -12,8 +12,11 @@ import numpy as np
 
 from spacar.elements.base import Array, GeometryError
 
+# The first is a chosen bound (the reference refuses the same angle): digits of a file, not rounding.
 PARALLEL = 1e-5  # smallest sine of the angle between a direction vector and the axis it shall supplement
+# Chosen: a real element is longer, nodes meant to be one are nearer.
 SHORT = 1e-10  # smallest element length as a fraction of the extent of all elements of the group
+# Components of unit vectors are known to a few eps; eps d/l for elements of the length l at the distance d.
 EQUAL = 1e-12  # components within this count as equal in `pick`
 
 

@@ -19,7 +19,7 @@ from spacar.elements.rotation import director_tensor, expand
 from spacar.elements.truss import rod_mass
 
 _einsum = np.einsum
-DEPENDENT = 1e-8  # smallest determinant of three unit measuring directions
+DEPENDENT = 1e-8  # smallest determinant of three unit directions: sqrt(eps), where the position loses half its digits
 POSITIONS = [0, 1, 2, 7, 8, 9]
 
 

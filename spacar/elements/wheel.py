@@ -26,6 +26,7 @@ from spacar.elements.rotation import cross, director_tensor, expand, global_matr
 _einsum = np.einsum
 UP = np.array([0.0, 0.0, 1.0])
 _AROUND = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+# Chosen bounds, not of rounding: digits of the file, the meaning of `on the ground`, of `lies flat`.
 START = 1e-4  # largest error of the given contact point as a fraction of the radius
 LEFT = 1e-6  # largest height of the contact point over the ground as a fraction of the radius
 FLAT = 1e-3  # smallest sine of the angle between spin axis and vertical

@@ -36,6 +36,7 @@ from spacar.mechanism.mechanism import Array, Loads, Mechanism
 from spacar.stationary.loading import load_program, loads_at, with_flow
 
 MATRICES = ("m0", "c0", "d0", "k0", "n0", "g0")
+# Both compare two files and are chosen: far above rounding, far below a difference in the model.
 SAME_POSITION = 1e-6  # of the size of the mechanism: how far a configuration may be from that of mode 2
 SAME_INPUT = 1e-6  # relative difference of the nominal inputs that is worth a warning
 NO_STATE: Array = np.zeros(0)

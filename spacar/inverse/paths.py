@@ -16,7 +16,8 @@ import numpy as np
 from spacar.mechanism.mechanism import Array, Index
 
 Values = tuple[Array, Array, Array]
-PARALLEL = 1e-9  # sine of the angle below which two directions do not span a plane
+# Chosen, for the digits of a file: sine of the angle below which two directions do not span a plane.
+PARALLEL = 1e-9
 
 
 class BadPath(ValueError):

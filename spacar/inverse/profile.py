@@ -14,8 +14,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import cos, pi, sin
 
-ROUNDING = 1e-13
-TOLERANCE = 1e-9  # rise + decline may exceed the total time by this part: numbers in files are rounded
+ROUNDING = 1e-13  # of the total time: sums of some hundred time steps, an eps each
+TOLERANCE = 1e-9  # chosen: rise + decline may exceed the total time by this part: numbers in files are rounded
 
 
 class IllegalProfile(ValueError):

@@ -18,7 +18,8 @@ from spacar.errors import AnalysisError, UsageError
 
 Array = NDArray[np.float64]
 KINDS = ("step", "linear", "spline")
-ROUNDING = 1e-9  # of the time span: a time that is outside by less is the first or the last one
+# Chosen, for times summed from decimal steps: a time outside by less than this part of the span is the first or last.
+ROUNDING = 1e-9
 
 
 class Table:
