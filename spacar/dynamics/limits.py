@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from spacar.deck import ELEMENT_TYPES
 from spacar.errors import AnalysisError, Report
 from spacar.frame import Frame
 from spacar.kinematics.regularity import Regularity
@@ -17,8 +18,6 @@ from spacar.mechanism.mechanism import Array
 if TYPE_CHECKING:
     from spacar.dynamics.dynamics import Dynamics
 
-WHEELS = ("WHEEL", "TWHEEL")
-NORMAL_MODE = 3  # sigma_3 is the normal force of the road, compression negative
 LIFTED = 1e-9  # of the largest normal force seen
 
 
@@ -27,11 +26,13 @@ class Limits:
 
     def __init__(self, dynamics: Dynamics, report: Report) -> None:
         n = dynamics.numbering
-        found = [(number, keyword) for number, keyword, _ in n.elements if keyword in WHEELS]
+        # the stress of the normal mode is the force of the road, compression negative
+        normal = {keyword: ELEMENT_TYPES[keyword].normal_mode for _, keyword, _ in n.elements}
+        found = [(number, keyword) for number, keyword, _ in n.elements if normal[keyword]]
         wheels, self.keywords = [number for number, _ in found], [keyword for _, keyword in found]
         self.pressed = bool(dynamics.loads.gravity.any())
         self.wheels = np.array(wheels, np.int64)
-        self.rows = np.array([n.e_index(w, NORMAL_MODE) for w in wheels], np.int64)
+        self.rows = np.array([n.e_index(w, normal[keyword]) for w, keyword in found], np.int64)
         self.compression = np.zeros(len(wheels))
         self.report = report
         self.warned: set[int] = set()

@@ -7,6 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
+from spacar.deck import ELEMENT_TYPES
 from spacar.errors import AnalysisError
 from spacar.kinematics.diagnosis import Diagnosis, diagnose, scaled_difference_matrix
 from spacar.kinematics.sweep import Sweep
@@ -14,7 +15,6 @@ from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Array, Index, Mechanism
 from spacar.mechanism.numbering import Numbering
 
-SHORTENING = ("PLTRUSS", "TRUSS", "PLBEAM", "BEAM", "PLTUBE", "TUBE")  # mode 1 is the change of their length
 SHORT = 1e-6
 LARGEST_DIAGNOSED = 1000  # unknowns; a singular value decomposition of more would take longer than the analysis
 
@@ -126,7 +126,8 @@ def collapse(kinematics: Position) -> str:
     sweep = kinematics.sweep
     for batch in sweep.strained:
         family = batch.family
-        if family.keyword in SHORTENING:
+        kind = ELEMENT_TYPES.get(family.keyword)  # None of normalizations
+        if kind is not None and kind.axial:
             wanted = sweep.near[batch.e[0]] + family.length
             asked = np.isin(batch.e[0], kinematics.h) & (wanted <= SHORT * family.length)
             for k in np.flatnonzero(asked):

@@ -12,7 +12,6 @@ import pytest
 import spacar
 from spacar.deck import table, table_elements
 from spacar.deck.table_types import Block
-from spacar.elements import FAMILIES
 from tests.docs.documents import blocks
 from tests.elements.derivatives import check_stiffness, check_strain, group
 
@@ -26,8 +25,6 @@ def cam(monkeypatch):
     module = ModuleType("spacar.elements.plcam")
     exec(compile(texts["plcam.py"], "plcam.py", "exec"), module.__dict__)
     monkeypatch.setitem(sys.modules, module.__name__, module)
-    for keyword, place in eval("{" + texts["families-row"] + "}").items():
-        monkeypatch.setitem(FAMILIES, keyword, place)
     (kind,) = eval("(" + texts["table-row"] + ")", dict(vars(table_elements)))
     statement = table_elements._statement(kind)
     monkeypatch.setitem(table_elements.ELEMENT_TYPES, kind.keyword, kind)
