@@ -123,7 +123,7 @@ def wound_arcs(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
 
     The belt leaves along u_b; a pulley on its left (negative radius) is wound counter-clockwise, else clockwise.
     """
-    belts = [e for e in scene.elements if e.keyword == "PLBELT" and e.number not in look.settings.hidden]
+    belts = [e for e in scene.elements if e.shape == "belt" and e.number not in look.settings.hidden]
     shapes: list[Shape] = []
     for first in belts:
         for second in belts:

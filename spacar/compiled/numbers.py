@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from spacar.compiled.parameters import KINDS, SUPPORTED
+from spacar.compiled.parameters import SUPPORTED, kinds
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.forces import StressLaw, gravity_field
 from spacar.mechanism.layout import Batch
@@ -109,7 +109,7 @@ def supported(mechanism: Mechanism) -> list[Batch]:
 
 def _elements(batch: Batch, parameters: Array) -> Elements:
     family = batch.family
-    kind = KINDS.index(SUPPORTED[family.keyword][0])
+    kind = kinds().index(SUPPORTED[family.keyword][0])
     return Elements(kind, family.has_mass and not family.constant_mass, batch.x.T, batch.e.T, parameters)
 
 
