@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from spacar.arrays import Array
 from spacar.errors import UsageError
 from spacar.frame import Frame, StoredFrames
 
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from spacar.mechanism import Mechanism
     from spacar.stream import Run
 
-Array = NDArray[np.float64]
 X_VARIABLES = ("x", "xd", "xdd", "fx", "fxgrav", "fxtot", "xcompl")
 E_VARIABLES = ("e", "ed", "edd", "sig")
 DRAWING = "spacar_drawing"  # named, not imported: pictures lie above results

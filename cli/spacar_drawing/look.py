@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar_drawing.placement import pin_joints, places_of_hinges
-from spacar_drawing.scene import Array, Pose, Scene, positions
+from spacar_drawing.scene import Pose, Scene, positions
 from spacar_drawing.settings import Settings
 from spacar_drawing.shapes import Colour
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar_drawing import look as paint
 from spacar_drawing.look import Look, middle
-from spacar_drawing.scene import Array, Element, Pose, Scene
+from spacar_drawing.scene import Element, Pose, Scene
 from spacar_drawing.shapes import (
     Colour,
     Faces,

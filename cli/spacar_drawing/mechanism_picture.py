@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar_drawing import look as colours
 from spacar_drawing.camera import Camera, view_angles
 from spacar_drawing.look import Look, look_of
 from spacar_drawing.paint import paint
 from spacar_drawing.parts import element_shapes
-from spacar_drawing.scene import ROUND, Array, Pose, Scene
+from spacar_drawing.scene import ROUND, Pose, Scene
 from spacar_drawing.settings import Settings
 from spacar_drawing.shapes import Faces, Line, Shape, merge_bounds
 from spacar_drawing.stage import new_figure

@@ -6,11 +6,12 @@ from collections.abc import Callable
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar_drawing import look as paint
 from spacar_drawing import machine_parts as machine
 from spacar_drawing.elastic_line import chord_axes, elastic_line, section_axes
 from spacar_drawing.look import Look, middle
-from spacar_drawing.scene import Array, Element, Pose, Scene
+from spacar_drawing.scene import Element, Pose, Scene
 from spacar_drawing.sections import breadth, hole, outline
 from spacar_drawing.shapes import Colour, Faces, Line, Mark, Shape, disc_outline, solid
 

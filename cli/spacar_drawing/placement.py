@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections import defaultdict
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spacar.arrays import Array
 from spacar_drawing.scene import ROUND, Element, Scene
-
-Array = NDArray[np.float64]
 
 
 def attachments(scene: Scene, whole_bodies: bool) -> dict[int, tuple[int, ...]]:

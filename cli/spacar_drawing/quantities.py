@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spacar.arrays import Array
 from spacar.errors import UsageError
 
-Array = NDArray[np.float64]
 Unit = tuple[tuple[str, int], ...]  # sorted (symbol, exponent), exponents not zero
 
 NONE: Unit = ()

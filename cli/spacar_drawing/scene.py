@@ -12,13 +12,10 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spacar.arrays import Array, Index
 from spacar.deck import ELEMENT_TYPES
 from spacar.modes import Mode, find_mode
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 CLASSES = ("fixed", "calculable", "input", "dynamic", "kinematic")
 E_ORDER = (0, 2, 3, 4, 1)  # order of the classes inside e, as places in CLASSES

@@ -18,7 +18,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spacar_drawing.scene import Array, Element, Scene
+from spacar.arrays import Array
+from spacar_drawing.scene import Element, Scene
 from spacar_drawing.sections import moments, rectangle_twist_stress
 from spacar_drawing.settings import Section
 

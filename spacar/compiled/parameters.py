@@ -6,7 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from spacar.elements.base import Array, Family
+from spacar.arrays import Array
+from spacar.elements.base import Family
 
 # What guards must be above: cosines of angles (45 degrees pass) or, for lengths, the part that is left plus LEFT.
 GUARD, LEFT = 0.71, 0.7

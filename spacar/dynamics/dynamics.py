@@ -11,6 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.dynamics.forces import AppliedForces, StressLaw
 from spacar.dynamics.mass_check import dynamic_mass, is_checked, require_regular_mass
 from spacar.dynamics.saddle_point import DeformationInertia, SaddlePoint
@@ -22,7 +23,7 @@ from spacar.kinematics.extrapolation import State, extrapolated
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.kinematics.regularity import PositionMatrix
 from spacar.linear_systems import SingularMatrixError
-from spacar.mechanism.mechanism import Array, Drive, DriveState, Loads, Mechanism, UserForces
+from spacar.mechanism.mechanism import Drive, DriveState, Loads, Mechanism, UserForces
 
 
 class Dynamics:

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES
 from spacar.errors import AnalysisError, Report
 from spacar.frame import Frame
 from spacar.kinematics.regularity import Regularity
-from spacar.mechanism.mechanism import Array
 
 if TYPE_CHECKING:
     from spacar.dynamics.dynamics import Dynamics

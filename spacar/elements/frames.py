@@ -10,7 +10,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from spacar.elements.base import Array, GeometryError
+from spacar.arrays import Array
+from spacar.elements.base import GeometryError
 
 PARALLEL = 1e-5  # smallest sine of the angle between a direction vector and the axis it shall supplement
 SHORT = 1e-10  # smallest element length as a fraction of the extent of all elements of the group

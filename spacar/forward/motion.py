@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
+from spacar.arrays import Array
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.limits import Limits
 from spacar.errors import AnalysisError, Report
@@ -16,7 +17,6 @@ from spacar.integrators import METHODS, EvenTimes, integrate
 from spacar.kinematics.output import TransferOutput
 from spacar.kinematics.regularity import DeadPoints, HalfTurns
 from spacar.linearization.jacobian import state_jacobian
-from spacar.mechanism.mechanism import Array
 from spacar.stream import Run
 
 # Position tolerance of intermediate states / tolerance of a step. The velocity has an error of this order, which the

@@ -7,12 +7,13 @@ from typing import Protocol
 
 import numpy as np
 
+from spacar.arrays import Array, Index
 from spacar.deck import ELEMENT_TYPES
 from spacar.errors import AnalysisError
 from spacar.kinematics.diagnosis import Diagnosis, diagnose, scaled_difference_matrix
 from spacar.kinematics.sweep import Sweep
 from spacar.linear_systems import SingularMatrixError
-from spacar.mechanism.mechanism import Array, Index, Mechanism
+from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
 
 SHORT = 1e-6

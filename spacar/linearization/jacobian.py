@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.dynamics.dynamics import Dynamics
 from spacar.linearization.matrices import linearize
 from spacar.linearization.state_matrix import chosen_rows, state_matrix
-from spacar.mechanism.mechanism import Array, Polynomial
+from spacar.mechanism.mechanism import Polynomial
 
 
 def state_jacobian(dynamics: Dynamics, t: float, y: Array) -> tuple[Array, Array]:

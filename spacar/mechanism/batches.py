@@ -6,11 +6,11 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES, Deck
 from spacar.elements import ElementGroup, Family, GeometryError, family_of
 from spacar.errors import InputError, Message
 from spacar.mechanism.layout import Batch
-from spacar.mechanism.mechanism import Array
 from spacar.mechanism.numbering import Numbering
 
 PARAMETERS = {"EM": 9, "ESTIFF": 6, "EDAMP": 6}

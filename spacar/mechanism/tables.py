@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES
-from spacar.mechanism.mechanism import Array, Mechanism
+from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
 
 # Statements whose values behind the element number are rows of a table: name of the table, keyword, width.

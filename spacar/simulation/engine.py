@@ -17,11 +17,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from spacar.arrays import Array
 from spacar.errors import AnalysisError, UsageError
 from spacar.simulation.blocks import Block
 from spacar.simulation.diagram import Diagram, Schedule, schedule
 
-Array = NDArray[np.float64]
 METHODS = ("RK45", "RK23", "DOP853", "Radau", "BDF")
 EPS = float(np.finfo(float).eps)
 MAX_REDUCTIONS = 10

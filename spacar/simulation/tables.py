@@ -12,11 +12,10 @@ from bisect import bisect_right
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spacar.arrays import Array
 from spacar.errors import AnalysisError, UsageError
 
-Array = NDArray[np.float64]
 KINDS = ("step", "linear", "spline")
 ROUNDING = 1e-9  # of the time span: a time that is outside by less is the first or the last one
 

@@ -25,6 +25,7 @@ from typing import Any
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.limits import Limits
@@ -34,7 +35,6 @@ from spacar.frame import Frame, StoredFrames
 from spacar.integrators import METHODS, integrate
 from spacar.kinematics.regularity import HalfTurns
 from spacar.mechanism import Mechanism, build
-from spacar.mechanism.mechanism import Array
 from spacar.result import Result
 from spacar.studies.assignments import parameters_of
 from spacar.studies.reduced import ReducedCopies

@@ -15,8 +15,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from spacar.arrays import Array, Index
 from spacar.dynamics.dynamics import Dynamics, singular_motion
-from spacar.mechanism.mechanism import Array, Index, Mechanism
+from spacar.mechanism.mechanism import Mechanism
 
 MOST = 8  # degrees of freedom of a copy up to which this is faster than the band solver
 
