@@ -14,11 +14,10 @@ from statistics import median
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spacar.arrays import Array
 from spacar.errors import SpacarError
 
-Array = NDArray[np.float64]
 NUMPY_IMPORT = 0.07  # [s] on the machine on which the targets were measured
 LONG = 0.3  # [s] a setting that takes longer is run once
 

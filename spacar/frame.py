@@ -6,10 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, overload
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from spacar.arrays import Array
 
 
 @dataclass(slots=True)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from spacar.arrays import Array
 from spacar.errors import SpacarError, UsageError
 from spacar.expressions.places import ELEMENT, NODE, place
 from spacar.frame import Frame, StoredFrames
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     from spacar.mechanism import Mechanism
     from spacar.stream import Run
 
-Array = NDArray[np.float64]
 X_VARIABLES = ("x", "xd", "xdd", "fx", "fxgrav", "fxtot", "xcompl")
 E_VARIABLES = ("e", "ed", "edd", "sig")
 # Named, not imported: pictures and summaries lie above results.

@@ -19,9 +19,9 @@ from spacar_drawing.mode_shapes import (
 )
 from spacar_drawing.moving import Moving
 from spacar_drawing.redundancy import redundancy
-from spacar_drawing.scene import Array
 from spacar_drawing.source import Source, open_source
 
+from spacar.arrays import Array
 from spacar.errors import UsageError
 from spacar.modes import find_mode
 from spacar_cli.drawing_options import Choices, check_elements

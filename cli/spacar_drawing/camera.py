@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spacar.arrays import Array
 from spacar.errors import UsageError
-
-Array = NDArray[np.float64]
 
 NAMED = {"iso": (-55.0, 24.0), "xy": (-90.0, 90.0), "xz": (-90.0, 0.0), "yz": (0.0, 0.0), "top": (-90.0, 90.0)}
 

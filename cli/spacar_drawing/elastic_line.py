@@ -10,9 +10,8 @@ Phi/(1 + Phi) sum (L_k - N_k) y_k, is taken in each of the two bending direction
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from spacar.arrays import Array
 
 
 def shape_functions(xi: Array) -> tuple[Array, Array]:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from spacar_drawing.camera import Array, Camera
+from spacar.arrays import Array
+from spacar_drawing.camera import Camera
 from spacar_drawing.shapes import Faces, Label, Line, Shape
 
 if TYPE_CHECKING:

@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar_drawing.placement import pin_joints, places_of_hinges
-from spacar_drawing.scene import BEAMS, Array, Pose, Scene, positions
+from spacar_drawing.scene import Pose, Scene, positions
 from spacar_drawing.settings import Settings
 from spacar_drawing.shapes import Colour
 
@@ -50,7 +51,7 @@ def look_of(scene: Scene, xs: Array, settings: Settings) -> Look:
     first = places[0][rows]
     extent = float(np.linalg.norm(np.ptp(first, axis=0))) if len(first) else 0.0
     extent = extent or float(np.max(scene.length, initial=0.0)) or 1.0
-    beams = sum(e.keyword in BEAMS for e in scene.elements)
+    beams = sum(e.shape == "beam" for e in scene.elements)
     if settings.step_line is not None:
         points = int(np.clip(round(1.0 / settings.step_line) + 1, 3, 1001))
     else:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar_drawing import look as paint
 from spacar_drawing.look import Look, middle
-from spacar_drawing.scene import Array, Element, Pose, Scene
+from spacar_drawing.scene import Element, Pose, Scene
 from spacar_drawing.shapes import (
     Colour,
     Faces,
@@ -123,7 +124,7 @@ def wound_arcs(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
 
     The belt leaves along u_b; a pulley on its left (negative radius) is wound counter-clockwise, else clockwise.
     """
-    belts = [e for e in scene.elements if e.keyword == "PLBELT" and e.number not in look.settings.hidden]
+    belts = [e for e in scene.elements if e.shape == "belt" and e.number not in look.settings.hidden]
     shapes: list[Shape] = []
     for first in belts:
         for second in belts:

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar_drawing import look as colours
 from spacar_drawing.camera import Camera, view_angles
 from spacar_drawing.look import Look, look_of
 from spacar_drawing.paint import paint
 from spacar_drawing.parts import element_shapes
-from spacar_drawing.scene import Array, Pose, Scene
+from spacar_drawing.scene import ROUND, Pose, Scene
 from spacar_drawing.settings import Settings
 from spacar_drawing.shapes import Faces, Line, Shape, merge_bounds
 from spacar_drawing.stage import new_figure
@@ -65,7 +66,7 @@ def outline_shapes(scene: Scene, x: Array, look: Look, colour: colours.Colour = 
     pose = Pose.of(scene, x)
     shapes: list[Shape] = []
     for e in scene.elements:
-        if e.p and e.q and e.number not in look.settings.hidden and e.keyword not in ("WHEEL", "TWHEEL", "PLBELT"):
+        if e.p and e.q and e.number not in look.settings.hidden and e.shape not in ROUND:
             shapes.append(Line(beam_line(scene, pose, e, look.points)[0], colour, 1.0, 0, dashes=(5, 3)))
     return shapes
 

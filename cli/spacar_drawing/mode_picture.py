@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar_drawing.look import DRIVE, GHOST, Look, look_of
 from spacar_drawing.mechanism_picture import (
     Extras,
@@ -21,7 +22,7 @@ from spacar_drawing.mode_shapes import ModeShape, displaced
 from spacar_drawing.moving import Pictures
 from spacar_drawing.paint import paint
 from spacar_drawing.redundancy import Redundancy
-from spacar_drawing.scene import Array, Pose, Scene
+from spacar_drawing.scene import Pose, Scene
 from spacar_drawing.settings import Settings
 from spacar_drawing.shapes import Colour, Line, Shape
 from spacar_drawing.stage import new_figure

@@ -18,8 +18,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from spacar.arrays import Array
 from spacar.errors import UsageError
-from spacar_drawing.scene import Array, Scene
+from spacar_drawing.scene import Scene
 
 if TYPE_CHECKING:
     from spacar_drawing.source import Source

@@ -6,13 +6,14 @@ from collections.abc import Callable
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar_drawing import look as paint
 from spacar_drawing import machine_parts as machine
 from spacar_drawing.elastic_line import chord_axes, elastic_line, section_axes
-from spacar_drawing.look import Look
-from spacar_drawing.scene import BEAMS, RIGID, Array, Element, Pose, Scene
+from spacar_drawing.look import Look, middle
+from spacar_drawing.scene import Element, Pose, Scene
 from spacar_drawing.sections import breadth, hole, outline
-from spacar_drawing.shapes import Colour, Faces, Line, Shape, disc_outline, solid
+from spacar_drawing.shapes import Colour, Faces, Line, Mark, Shape, disc_outline, solid
 
 Z = np.array([0.0, 0.0, 1.0])
 # radius of spatial beams without a cross-section, of the symbol size
@@ -24,8 +25,8 @@ def element_shapes(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
     shapes: list[Shape] = []
     for e in scene.elements:
         if e.number not in look.settings.hidden:
-            shapes += PARTS[e.keyword](scene, pose, look, e)
-    if any(e.keyword == "PLBELT" for e in scene.elements):
+            shapes += PARTS.get(e.shape, plain)(scene, pose, look, e)
+    if any(e.shape == "belt" for e in scene.elements):
         shapes += machine.wound_arcs(scene, pose, look)
     return shapes
 
@@ -35,7 +36,7 @@ def beam_line(scene: Scene, pose: Pose, e: Element, n: int) -> tuple[Array, Arra
     ends = pose.place[[e.p - 1, e.q - 1]]
     frame_p = pose.frame(scene, e, "p")
     frame_q = pose.frame(scene, e, "q") if e.q_turn else frame_p
-    if e.keyword in BEAMS:
+    if e.shape == "beam":
         l0 = float(scene.length[e.number - 1])
         across = chord_axes(ends, frame_p[1], frame_q[1])
         tangents = np.stack((frame_p[0], frame_q[0]))
@@ -57,10 +58,10 @@ def shear_parameters(scene: Scene, e: Element) -> Array:
 
 
 def beam(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
-    rigid = e.keyword in RIGID or scene.is_rigid(e.number)
+    rigid = e.shape == "body" or scene.is_rigid(e.number)
     colour = look.colour(e.number, paint.RIGID if rigid else paint.FLEXIBLE)
-    n = look.points if e.keyword in BEAMS else 2 if scene.planar else 25  # short pieces sort better by depth
-    if e.keyword in RIGID and scene.e_classes(e.number) == {"calculable"}:  # only there to be seen: holds nothing
+    n = look.points if e.shape == "beam" else 2 if scene.planar else 25  # short pieces sort better by depth
+    if e.shape == "body" and scene.e_classes(e.number) == {"calculable"}:  # only there to be seen: holds nothing
         twin = any(o.number != e.number and {o.p, o.q} == {e.p, e.q} for o in scene.elements)
         return [] if twin else body(scene, pose, look, e, n, colour, 1.2, DRAWN_ONLY)
     return body(scene, pose, look, e, n, colour, 2.8 if rigid else 2.2, THICK_BEAM if rigid else THIN_BEAM)
@@ -141,12 +142,23 @@ def hinge(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
     return machine.hinge(scene, pose, look, e)
 
 
+def plain(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
+    """What has no drawing of its own: a line between its position nodes, or a mark where it is if it has not both."""
+    colour = look.colour(e.number, paint.TRUSS)
+    ends = tuple(n for n in (e.p, e.q) if n)
+    if len(ends) == 2:
+        return [Line(pose.place[[e.p - 1, e.q - 1]], colour, 1.6, 2)]
+    return [Mark(middle(pose, ends or look.hinges.get(e.number, ())), 5.0, colour, colour)]
+
+
+# Shape of an element type -> how it is drawn; a shape that is not here is drawn as `plain`.
 PARTS: dict[str, Callable[[Scene, Pose, Look, Element], list[Shape]]] = {
-    **dict.fromkeys((*BEAMS, "PLRBEAM", "RBEAM", "PLPINBOD", "PINBODY"), beam),
-    **dict.fromkeys(("PLTRUSS", "TRUSS"), truss),
-    **dict.fromkeys(("PLTOR", "HINGE"), hinge),
-    "PLBELT": machine.belt,
-    "PLWHEEL": machine.planar_wheel,
-    **dict.fromkeys(("WHEEL", "TWHEEL"), machine.wheel),
-    "SCREW": machine.screw,
+    "beam": beam,
+    "body": beam,
+    "truss": truss,
+    "hinge": hinge,
+    "belt": machine.belt,
+    "planar wheel": machine.planar_wheel,
+    "wheel": machine.wheel,
+    "screw": machine.screw,
 }

@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections import defaultdict
 
 import numpy as np
-from numpy.typing import NDArray
 
-from spacar_drawing.scene import BEAMS, HINGES, TRUSSES, Element, Scene
-
-Array = NDArray[np.float64]
+from spacar.arrays import Array
+from spacar_drawing.scene import ROUND, Element, Scene
 
 
 def attachments(scene: Scene, whole_bodies: bool) -> dict[int, tuple[int, ...]]:
@@ -21,9 +19,9 @@ def attachments(scene: Scene, whole_bodies: bool) -> dict[int, tuple[int, ...]]:
     found: dict[int, list[int]] = defaultdict(list)
     for e in scene.elements:
         pairs = [(e.p_turn, e.p), (e.q_turn, e.q)]
-        if e.keyword == "PLWHEEL":
+        if e.shape == "planar wheel":  # both angles are those of the one place that it has
             pairs = [(e.p_turn, e.p), (e.q_turn, e.p)]
-        elif e.keyword in ("PLRBEAM", "RBEAM", "PLPINBOD", "PINBODY") and scene.is_rigid(e.number):
+        elif e.shape == "body" and scene.is_rigid(e.number):
             pairs.append((e.p_turn, e.q))
         for turn, place in pairs:
             if turn and place and place not in found[turn]:
@@ -31,7 +29,7 @@ def attachments(scene: Scene, whole_bodies: bool) -> dict[int, tuple[int, ...]]:
     if whole_bodies:
         body = {turn: {turn} for turn in found}
         for e in scene.elements:
-            if e.keyword in BEAMS and scene.is_rigid(e.number):
+            if e.shape == "beam" and scene.is_rigid(e.number):
                 together = body[e.p_turn] | body[e.q_turn]
                 body |= dict.fromkeys(together, together)
         return {turn: tuple(dict.fromkeys(n for t in sorted(body[turn]) for n in found[t])) for turn in found}
@@ -39,13 +37,13 @@ def attachments(scene: Scene, whole_bodies: bool) -> dict[int, tuple[int, ...]]:
 
 
 def places_of_hinges(scene: Scene, place: Array) -> dict[int, tuple[int, ...]]:
-    """Hinge element -> position nodes (none, one or two) in whose middle it is drawn.
+    """Element without position nodes -> position nodes (none, one or two) in whose middle it is drawn.
 
     A node that both sides share; else the end of the one side that is nearest to the other side, which may be several
     hinges away. `place` (highest node, 3) are the places of the nodes in the first configuration [m].
     """
     direct, whole = attachments(scene, False), attachments(scene, True)
-    hinges = [e for e in scene.elements if e.keyword in HINGES]
+    hinges = [e for e in scene.elements if not e.p and not e.q and e.p_turn and e.q_turn]
     neighbours: dict[int, list[int]] = defaultdict(list)
     for e in hinges:
         neighbours[e.p_turn].append(e.q_turn)
@@ -96,14 +94,14 @@ def pin_joints(scene: Scene) -> tuple[int, ...]:
     parts: dict[int, set[int]] = defaultdict(set)
     for e in scene.elements:
         for place, turn in ((e.p, e.p_turn), (e.q, e.q_turn)):
-            if place and e.keyword in TRUSSES:
+            if place and e.shape == "truss":
                 if not measures_only(scene, e):
                     parts[place].add(-e.number)
             elif place and turn:
                 parts[place].add(turn)
-            elif place and e.keyword in ("PLRBEAM", "PLPINBOD"):
+            elif place and e.shape == "body":
                 parts[place].add(e.p_turn)
-    belts = {n for e in scene.elements if e.keyword in ("PLBELT", "PLWHEEL") for n in (e.p, e.q)}
+    belts = {n for e in scene.elements if e.shape in ROUND for n in (e.p, e.q)}
     found = {n for n, joined in parts.items() if len(joined) > 1 and n not in belts}
     for n, joined in parts.items():  # a pinned support
         turning = [t for t in joined if t > 0]

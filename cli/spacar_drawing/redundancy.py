@@ -11,8 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES
-from spacar_drawing.scene import Array, Scene
+from spacar_drawing.scene import Scene
 
 ZERO = float(np.sqrt(np.finfo(float).eps))
 

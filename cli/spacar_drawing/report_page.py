@@ -18,7 +18,6 @@ from spacar_drawing.history import axis_text, history_figure
 from spacar_drawing.mechanism_picture import Extras, draw_steps
 from spacar_drawing.moving import evenly
 from spacar_drawing.report_style import STYLE
-from spacar_drawing.scene import HINGES
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -64,7 +63,7 @@ def key_curves(source: Source) -> list[Curve]:
     scene = source.scene
     found = freedoms(scene)
     if scene.analysis.gives_setpoints or scene.analysis.takes_setpoints:
-        joints = [e.number for e in scene.elements if e.keyword in HINGES and scene.e_class(e.number, 1) != "fixed"]
+        joints = [e.number for e in scene.elements if e.shape == "hinge" and scene.e_class(e.number, 1) != "fixed"]
         if joints:
             texts = [f"{name}[{n},1]" for name in ("sig", "e") for n in joints[: MOST_CURVES // 2]]
             return [evaluate(source, text) for text in texts]

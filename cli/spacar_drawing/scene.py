@@ -12,35 +12,23 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spacar.arrays import Array, Index
+from spacar.deck import ELEMENT_TYPES
 from spacar.modes import Mode, find_mode
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 CLASSES = ("fixed", "calculable", "input", "dynamic", "kinematic")
 E_ORDER = (0, 2, 3, 4, 1)  # order of the classes inside e, as places in CLASSES
-# Columns of ln (from 0) that hold p position, p orientation, q position, q orientation; None: the type has none.
-PLACES: dict[str, tuple[int | None, int | None, int | None, int | None]] = {
-    **dict.fromkeys(("PLBEAM", "PLTUBE", "PLBELT", "BEAM", "TUBE", "SCREW"), (0, 1, 2, 3)),
-    **dict.fromkeys(("PLTRUSS", "TRUSS"), (0, None, 1, None)),
-    **dict.fromkeys(("PLTOR", "HINGE"), (None, 0, None, 1)),
-    **dict.fromkeys(("PLRBEAM", "PLPINBOD", "RBEAM", "PINBODY", "WHEEL", "TWHEEL"), (0, 1, 2, None)),
-    "PLWHEEL": (0, 1, None, 2),
-}
-BEAMS = ("PLBEAM", "PLTUBE", "BEAM", "TUBE")
-TRUSSES = ("PLTRUSS", "TRUSS")
-RIGID = ("PLRBEAM", "RBEAM", "PLPINBOD", "PINBODY")
-HINGES = ("PLTOR", "HINGE")
+ROUND = ("belt", "planar wheel", "wheel")  # shapes that turn about a node: no body from p to q, no clamp, no joint
 
 
 @dataclass(frozen=True)
 class Element:
-    """One element: number, keyword and node numbers (0: none) at its ends."""
+    """One element: number, keyword, shape (of the element table) and node numbers (0: none) at its ends."""
 
     number: int
     keyword: str
+    shape: str
     p: int
     p_turn: int
     q: int
@@ -90,10 +78,7 @@ class Scene:
         keywords = tuple(word.strip() for word in header["ETYPE"])
         n = len(keywords)
         return cls(
-            planar=not any(
-                w in ("BEAM", "TUBE", "TRUSS", "HINGE", "PINBODY", "RBEAM", "WHEEL", "TWHEEL", "SCREW")
-                for w in keywords
-            ),
+            planar=all(ELEMENT_TYPES[w].planar for w in keywords if w in ELEMENT_TYPES),
             mode=int(np.ravel(header["MODE"])[0]),
             title=title,
             keywords=keywords,
@@ -115,9 +100,10 @@ class Scene:
     def elements(self) -> tuple[Element, ...]:
         found = []
         for i, keyword in enumerate(self.keywords):
-            if keyword in PLACES:
-                nodes = [0 if c is None else int(self.ln[i, c]) for c in PLACES[keyword]]
-                found.append(Element(i + 1, keyword, *nodes))
+            kind = ELEMENT_TYPES.get(keyword)
+            if kind is not None:
+                nodes = [0 if c is None else int(self.ln[i, c]) for c in kind.ends]
+                found.append(Element(i + 1, keyword, kind.shape, *nodes))
         return tuple(found)
 
     @cached_property

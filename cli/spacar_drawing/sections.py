@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spacar.arrays import Array
 from spacar_drawing.settings import Section
 from spacar_drawing.shapes import disc_outline
-
-Array = NDArray[np.float64]
 
 
 def rectangle(w: float, h: float) -> Array:

@@ -9,9 +9,10 @@ degrees of freedom of a mode that is scaled to norm 1.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 from spacar.deck.lexer import number_of, scan, visualization_of
 
@@ -68,72 +69,162 @@ def read_settings(source: Path) -> Settings:
     return parse_settings(lines)
 
 
+@dataclass(frozen=True)
+class _Line:
+    """One line: its first word in capitals, the other words, and those of them that are numbers."""
+
+    key: str
+    values: list[str]
+    numbers: list[float]
+
+    @property
+    def integers(self) -> tuple[int, ...]:
+        return tuple(int(v) for v in self.numbers)
+
+
+@dataclass
+class _Reading:
+    """What was said so far, and the heading line of the new style to which a line belongs."""
+
+    settings: Settings = field(default_factory=Settings)
+    group: str = ""
+    elements: tuple[int, ...] = (ALL,)
+    shape: str = "RECT"
+    traces: bool = True
+
+    def set(self, **values: Any) -> None:
+        self.settings = replace(self.settings, **values)
+
+    def section(self, section: Section, elements: Sequence[int], truss: bool) -> None:
+        """Sections with dimensions that cannot be are ignored."""
+        dims = section.dims
+        if section.shape not in DIMENSIONS or len(dims) < DIMENSIONS[section.shape]:
+            return
+        if any(not 0 < d <= 1e100 for d in dims):
+            return
+        name = "trusses" if truss else "beams"
+        self.set(**{name: getattr(self.settings, name) | dict.fromkeys(elements, section)})
+
+
+def _heading(r: _Reading, line: _Line) -> None:
+    r.group, r.elements = line.key, line.integers or (ALL,)
+    r.shape = "RECT"
+
+
+def _initial(r: _Reading, line: _Line) -> None:
+    r.group, r.elements = line.key, (ALL,)
+
+
+def _cross_type(r: _Reading, line: _Line) -> None:
+    if line.values:
+        r.shape = line.values[0].upper()
+        if r.shape == "LINE":
+            r.section(Section("LINE"), r.elements, r.group == "TRUSSPROPS")
+
+
+def _cross_dimensions(r: _Reading, line: _Line) -> None:
+    dims = tuple(line.numbers[: DIMENSIONS.get(r.shape)])
+    r.section(Section(r.shape, dims), r.elements, r.group == "TRUSSPROPS")
+
+
+def _whole_section(r: _Reading, line: _Line) -> None:
+    found = statement_section(line.values)
+    if found is not None:
+        r.section(found[1], found[0], line.key == "TRUSSVIS")
+
+
+def _hinge(r: _Reading, line: _Line) -> None:
+    if len(line.numbers) == 3:
+        element, radius, length = line.numbers
+        r.set(hinges=r.settings.hinges | {int(element): (radius, length)})
+
+
+def _colour(r: _Reading, line: _Line) -> None:
+    if len(line.numbers) == 3:
+        r.set(colours=r.settings.colours | dict.fromkeys(r.elements, tuple(line.numbers)))
+
+
+def _initial_colour(r: _Reading, line: _Line) -> None:
+    if r.group == "INITIAL" and len(line.numbers) == 3:
+        r.set(initial_colour=tuple(line.numbers))
+
+
+def _opacity(r: _Reading, line: _Line) -> None:
+    if line.numbers:
+        r.set(opacities=r.settings.opacities | dict.fromkeys(r.elements, _unit(line.numbers[0])))
+
+
+def _hidden(r: _Reading, line: _Line) -> None:
+    r.set(hidden=r.settings.hidden | set(line.integers))
+
+
+def _traces_wanted(r: _Reading, line: _Line) -> None:
+    if line.numbers:
+        r.traces = bool(line.numbers[0])
+
+
+def _traces(r: _Reading, line: _Line) -> None:
+    r.set(traces=r.settings.traces + line.integers)
+
+
+def _step_line(r: _Reading, line: _Line) -> None:
+    if line.numbers and line.numbers[0] > 0:
+        r.set(step_line=line.numbers[0])
+
+
+def _one(name: str, kind: Callable[[float], Any]) -> Callable[[_Reading, _Line], None]:
+    """A setting that is one number."""
+
+    def store(r: _Reading, line: _Line) -> None:
+        if line.numbers:
+            r.set(**{name: kind(line.numbers[0])})
+
+    return store
+
+
+def _unit(value: float) -> float:
+    return min(max(value, 0.0), 1.0)
+
+
+# First word of a line -> what it does.
+WORDS: dict[str, Callable[[_Reading, _Line], None]] = {
+    **dict.fromkeys(("BEAMPROPS", "TRUSSPROPS", "GRAPHICS"), _heading),
+    "INITIAL": _initial,
+    "CROSSTYPE": _cross_type,
+    "CROSSDIM": _cross_dimensions,
+    **dict.fromkeys(("BEAMVIS", "TRUSSVIS"), _whole_section),
+    "HINGEVIS": _hinge,
+    **dict.fromkeys(("FACECOLOR", "FACECOLOUR"), _colour),
+    **dict.fromkeys(("COLOR", "COLOUR"), _initial_colour),
+    "OPACITY": _opacity,
+    "DONOTDRAW": _hidden,
+    **dict.fromkeys(("TRANSPARENCY", "TRANSPERANCY"), _one("opacity", _unit)),
+    "LIGHT": _one("light", bool),
+    "TRAJECT": _traces_wanted,
+    "TRAJECTNODE": _traces,
+    "STEPLINE": _step_line,
+    "ENLARGEFACTOR": _one("enlarge", float),
+    "VIBRATIONMODE": _one("vibration_mode", int),
+    "BUCKLINGMODE": _one("buckling_mode", int),
+}
+
+
 def parse_settings(lines: Iterable[str]) -> Settings:
     """The settings of the lines behind the word VISUALIZATION."""
-    settings = Settings()
-    group: str = ""
-    elements: tuple[int, ...] = (ALL,)  # the new style: a heading line, then lines that belong to it
-    trace_wanted: bool | None = None
-    shape = "RECT"
-    for line in lines:
-        words = _words(line)
-        if not words:
-            continue
-        key, values = words[0].upper(), words[1:]
-        numbers = [v for v in map(number_of, values) if v is not None and abs(v) <= 1e100]
-        if key in ("BEAMPROPS", "TRUSSPROPS", "GRAPHICS"):
-            group, elements, shape = key, tuple(int(v) for v in numbers) or (ALL,), "RECT"
-        elif key == "INITIAL":
-            group, elements = key, (ALL,)
-        elif key == "CROSSTYPE" and values:
-            shape = values[0].upper()
-            if shape == "LINE":
-                settings = _with_sections(settings, group == "TRUSSPROPS", elements, Section("LINE"))
-        elif key == "CROSSDIM":
-            n = DIMENSIONS.get(shape, len(numbers))
-            settings = _with_sections(settings, group == "TRUSSPROPS", elements, Section(shape, tuple(numbers[:n])))
-        elif key in ("BEAMVIS", "TRUSSVIS"):
-            found = statement_section(values)
-            if found is not None:
-                settings = _with_sections(settings, key == "TRUSSVIS", *found)
-        elif key == "HINGEVIS" and len(numbers) == 3:
-            settings = replace(settings, hinges=settings.hinges | {int(numbers[0]): (numbers[1], numbers[2])})
-        elif key in ("FACECOLOR", "FACECOLOUR") and len(numbers) == 3:
-            rgb = (numbers[0], numbers[1], numbers[2])
-            settings = replace(settings, colours=settings.colours | dict.fromkeys(elements, rgb))
-        elif key in ("COLOR", "COLOUR") and group == "INITIAL" and len(numbers) == 3:
-            settings = replace(settings, initial_colour=(numbers[0], numbers[1], numbers[2]))
-        elif key == "OPACITY" and numbers:
-            settings = replace(settings, opacities=settings.opacities | dict.fromkeys(elements, _unit(numbers[0])))
-        elif key == "DONOTDRAW":
-            settings = replace(settings, hidden=settings.hidden | {int(v) for v in numbers})
-        elif key in ("TRANSPARENCY", "TRANSPERANCY") and numbers:
-            settings = replace(settings, opacity=_unit(numbers[0]))
-        elif key == "LIGHT" and numbers:
-            settings = replace(settings, light=bool(numbers[0]))
-        elif key == "TRAJECT" and numbers:
-            trace_wanted = bool(numbers[0])
-        elif key == "TRAJECTNODE":
-            settings = replace(settings, traces=settings.traces + tuple(int(v) for v in numbers))
-        elif key == "STEPLINE" and numbers and numbers[0] > 0:
-            settings = replace(settings, step_line=numbers[0])
-        elif key == "ENLARGEFACTOR" and numbers:
-            settings = replace(settings, enlarge=numbers[0])
-        elif key == "VIBRATIONMODE" and numbers:
-            settings = replace(settings, vibration_mode=int(numbers[0]))
-        elif key == "BUCKLINGMODE" and numbers:
-            settings = replace(settings, buckling_mode=int(numbers[0]))
-    return replace(settings, traces=()) if trace_wanted is False else settings
+    reading = _Reading()
+    for text in lines:
+        words = _words(text)
+        if words and words[0].upper() in WORDS:
+            numbers = [v for v in map(number_of, words[1:]) if v is not None and abs(v) <= 1e100]
+            line = _Line(words[0].upper(), words[1:], numbers)
+            WORDS[line.key](reading, line)
+    return reading.settings if reading.traces else replace(reading.settings, traces=())
 
 
 def _words(line: str) -> list[str]:
     for mark in "%#;":
         line = line.partition(mark)[0]
     return line.split()
-
-
-def _unit(value: float) -> float:
-    return min(max(value, 0.0), 1.0)
 
 
 def statement_section(values: Sequence[str]) -> tuple[tuple[int, ...], Section] | None:
@@ -147,13 +238,3 @@ def statement_section(values: Sequence[str]) -> tuple[tuple[int, ...], Section] 
         return None
     split = len(numbers) - n
     return tuple(int(v) for v in numbers[:split]) or (ALL,), Section(shape, tuple(numbers[split:]))
-
-
-def _with_sections(settings: Settings, truss: bool, elements: Sequence[int], section: Section) -> Settings:
-    if section.shape not in DIMENSIONS or len(section.dims) < DIMENSIONS[section.shape]:
-        return settings
-    if any(not 0 < d <= 1e100 for d in section.dims):
-        return settings
-    if truss:
-        return replace(settings, trusses=settings.trusses | dict.fromkeys(elements, section))
-    return replace(settings, beams=settings.beams | dict.fromkeys(elements, section))

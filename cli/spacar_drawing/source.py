@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.errors import UsageError
-from spacar_drawing.scene import Array, Scene
+from spacar_drawing.scene import Scene
 from spacar_drawing.settings import Settings, read_settings
 
 if TYPE_CHECKING:

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.errors import escaped
-from spacar_drawing.camera import Array, Camera
+from spacar_drawing.camera import Camera
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.errors import UsageError
 from spacar_drawing.camera import Camera
 from spacar_drawing.look import GHOST, look_of
@@ -20,7 +21,6 @@ from spacar_drawing.mechanism_picture import (
     series_bounds,
 )
 from spacar_drawing.moving import Moving, Pictures, evenly
-from spacar_drawing.scene import Array
 from spacar_drawing.shapes import Shape, merge_bounds
 from spacar_drawing.source import Source
 from spacar_drawing.supports import trace_lines

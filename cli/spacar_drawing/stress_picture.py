@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.errors import UsageError
 from spacar_drawing.look import look_of
 from spacar_drawing.mechanism_picture import Extras, camera_of, mechanism_shapes, series_bounds
 from spacar_drawing.paint import paint
 from spacar_drawing.parts import beam_line, body
-from spacar_drawing.scene import TRUSSES, Array, Element, Pose, Scene
+from spacar_drawing.scene import Element, Pose, Scene
 from spacar_drawing.settings import Settings
 from spacar_drawing.shapes import Faces, Label, Line, Shape, merge_bounds
 from spacar_drawing.stage import INK, new_figure
@@ -41,7 +42,7 @@ def courses(scene: Scene, sig: Array, e: Array, settings: Settings, quantity: st
         r = resultants(scene, element, sig, e, n)
         if r is None or element.number in settings.hidden:
             continue
-        values = along(quantity, r, settings.section(element.number, element.keyword in TRUSSES))
+        values = along(quantity, r, settings.section(element.number, element.shape == "truss"))
         if values is not None:
             found.append(Course(element, values))
     if not found:

@@ -18,7 +18,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spacar_drawing.scene import BEAMS, TRUSSES, Array, Element, Scene
+from spacar.arrays import Array
+from spacar_drawing.scene import Element, Scene
 from spacar_drawing.sections import moments, rectangle_twist_stress
 from spacar_drawing.settings import Section
 
@@ -70,13 +71,13 @@ def planar_end_moments(scene: Scene, e: Element, s: Array, deformation: Array) -
 
 def resultants(scene: Scene, e: Element, sig: Array, e_values: Array, n: int) -> Resultants | None:
     """Stress resultants of a beam or truss at n places from p to q; None for other elements. sig, e_values (ne,)."""
-    if e.keyword not in (*BEAMS, *TRUSSES):
+    if e.shape not in ("beam", "truss"):
         return None
     rows = scene.le[e.number - 1]
     s = np.where(rows > 0, sig[np.maximum(rows - 1, 0)], 0.0)
     l0 = float(scene.length[e.number - 1])
     xi, zero = np.linspace(0.0, 1.0, n), np.zeros(n)
-    if e.keyword in TRUSSES:
+    if e.shape == "truss":
         return Resultants(s[0] + zero, zero, zero, zero, zero, zero)
     if scene.planar:
         deformation = np.where(rows > 0, e_values[np.maximum(rows - 1, 0)], 0.0)

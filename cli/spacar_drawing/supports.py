@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar_drawing import look as paint
 from spacar_drawing.look import Look, middle
-from spacar_drawing.scene import Array, Pose, Scene
+from spacar_drawing.scene import ROUND, Pose, Scene
 from spacar_drawing.shapes import Faces, Label, Line, Mark, Shape, circle, normal_pair, solid
 
 X, Y, Z = np.eye(3)
@@ -32,7 +33,7 @@ def _held(scene: Scene, node: int) -> tuple[str, Array | None]:
     best: tuple[str, Array | None] = ("", None)
     for e, end in scene.ends.get(node, ()):
         turn = e.p_turn if end == "p" else e.q_turn
-        if not turn or e.keyword in ("PLBELT", "PLWHEEL", "WHEEL", "TWHEEL"):
+        if not turn or e.shape in ROUND:
             continue
         held = scene.orientation_class(turn)
         if held and best[0] != "fixed":

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from spacar.arrays import Array
 from spacar.errors import UsageError
 from spacar.inverse.nominal import Nominal, check_same_mechanism
 from spacar.modes import MODES
@@ -21,7 +22,6 @@ from spacar_formats.sbf import SbfError, SbfFile
 
 __all__ = ["Nominal", "check_same_model", "find_setpoints"]
 
-Array = NDArray[np.float64]
 check_same_model = check_same_mechanism
 
 

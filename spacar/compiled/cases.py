@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.compiled.model import Model
 from spacar.compiled.numbers import Numbers
 from spacar.errors import AnalysisError
 from spacar.kinematics import Kinematics
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.kinematics.regularity import COLLAPSE, HALF_TURN, HalfTurns
-from spacar.mechanism.mechanism import Array, Mechanism
+from spacar.mechanism.mechanism import Mechanism
 
 LANES = 8  # doubles of the widest vectors of today; narrower machines do one after the other
 

@@ -29,6 +29,7 @@ class Definition:
     line: Callable[[list[sp.Symbol], dict[str, sp.Symbol]], tuple[list[sp.Expr], sp.Matrix]] | None = None
     inertia: Callable[[list, list, dict], tuple[sp.Matrix, list]] | None = None  # M, h where no y exists
     guard: Callable[[list, dict], list] | None = None  # all beyond GUARD: surely in the range of the theory
+    turns: int = -1  # row of D that is an angle: given within one turn, whole turns are counted along the motion
 
 
 CUBIC = sp.Matrix([[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]])
@@ -178,7 +179,7 @@ DEFINITIONS = (
     Definition("plpinbod", 5, ("a0", "b0", "d0", "a1", "b1", "d1"), plpinbod_strain),
     Definition("beam", 14, ("l0", *FRAME, "f", "second", "unit"), beam_strain, beam_line, guard=beam_guard),
     Definition("truss", 6, ("l0",), truss_strain, guard=truss_guard),
-    Definition("hinge", 8, FRAME, hinge_strain),
+    Definition("hinge", 8, FRAME, hinge_strain, turns=0),
     Definition("pinbody", 10, (*FRAME, "r0", "r1", "r2"), pinbody_strain),
     Definition("normalization", 4, (), normalization_strain),
     Definition("body", 4, ("J00", "J01", "J02", "J11", "J12", "J22"), lambda x, p: [], inertia=body_inertia),

@@ -13,6 +13,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.compiled.model import Model
 from spacar.compiled.numbers import of_one
 from spacar.dynamics.dynamics import Dynamics, component_name
@@ -22,7 +23,7 @@ from spacar.frame import Frame
 from spacar.kinematics.condition import of_gradient
 from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS
 from spacar.kinematics.regularity import PositionMatrix
-from spacar.mechanism.mechanism import Array, Drive, Loads, Mechanism, Polynomial
+from spacar.mechanism.mechanism import Drive, Loads, Mechanism, Polynomial
 
 Result = TypeVar("Result")
 

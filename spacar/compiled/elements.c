@@ -1,8 +1,8 @@
 /* What Python gives, a model, and its elements: strains, convective terms, inertia, guards.
 
+   The functions of the kinds, STRAIN, CONVECTIVE, INERTIA and GUARD, are the tables at the end of kernels.c.
    All vectors are in the order of the result files. V and M are lists of the entries of the elements. */
-enum { PLBEAM, PLTRUSS, PLTOR, PLPINBOD, BEAM, TRUSS, HINGE, PINBODY, NORMALIZATION, BODY };
-enum { MAX_ITERATIONS = 20, MAX_X = 14, MAX_E = 6, MAX_GUARDS = 4 };
+enum { MAX_ITERATIONS = 20 };
 
 typedef struct {
     int kind, n, nxe, nee, np, inertia; /* inertia: M and h depend on x */
@@ -50,22 +50,6 @@ typedef struct {
     int *v_place;                         /* (n_v) order of V's rows: place in `values` */
 } Model;
 
-/* Functions of the kinds, in the order of the enumeration; a body has no deformations. */
-static void (*const STRAIN[])(const real *x, const real *p, real *e, real *V) = {
-    plbeam_strain, pltruss_strain, pltor_strain, plpinbod_strain, beam_strain, truss_strain, hinge_strain, pinbody_strain,
-    normalization_strain, NULL,
-};
-static void (*const CONVECTIVE[])(const real *x, const real *v, const real *p, real *h) = {
-    plbeam_convective, pltruss_convective, pltor_convective, plpinbod_convective, beam_convective, truss_convective,
-    hinge_convective, pinbody_convective, normalization_convective, NULL,
-};
-static void (*const INERTIA[])(const real *x, const real *v, const real *p, real *M, real *h) = {
-    [PLBEAM] = plbeam_inertia, [BEAM] = beam_inertia, [BODY] = body_inertia,
-};
-static const struct { void (*function)(const real *x, const real *p, real *g); int n; } GUARD[BODY + 1] = {
-    [PLBEAM] = {plbeam_guard, 3}, [PLTRUSS] = {pltruss_guard, 1}, [BEAM] = {beam_guard, 4}, [TRUSS] = {truss_guard, 1},
-};
-
 /* e, and V into `values`. */
 static void strain(const Model *m, const real *x, const real *near, real *e)
 {
@@ -78,7 +62,8 @@ static void strain(const Model *m, const real *x, const real *near, real *e)
             const int *ix = k->x + i * k->nxe, *ie = k->e + i * k->nee;
             for (int j = 0; j < k->nxe; j++) xe[j] = x[ix[j]];
             STRAIN[k->kind](xe, k->p + i * k->np, ee, m->values + *offset);
-            if (k->kind == HINGE) ee[0] += 2 * M_PI * lanes_rint((near[ie[0]] - ee[0]) / (2 * M_PI));
+            const int turns = TURNS[k->kind];
+            if (turns >= 0) ee[turns] += 2 * M_PI * lanes_rint((near[ie[turns]] - ee[turns]) / (2 * M_PI));
             for (int r = 0; r < k->nee; r++) e[ie[r]] = ee[r];
         }
     }
@@ -128,10 +113,10 @@ double spacar_guard(const Model *m, const real *x)
     double least = 1.0;
     for (int b = 0; b < m->s.n_batches; b++) {
         const Batch *k = &m->s.batches[b];
-        const int n = GUARD[k->kind].n;
+        const int n = N_GUARDS[k->kind];
         for (int i = 0; n && i < k->n; i++) {
             for (int j = 0; j < k->nxe; j++) xe[j] = x[k->x[i * k->nxe + j]];
-            GUARD[k->kind].function(xe, k->p + i * k->np, g);
+            GUARD[k->kind](xe, k->p + i * k->np, g);
             for (int r = 0; r < n; r++) EACH_LANE if (!(LANE(g[r], w) >= least)) least = LANE(g[r], w);
         }
     }

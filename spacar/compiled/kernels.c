@@ -2264,3 +2264,41 @@ static void body_inertia(const real *x, const real *v, const real *p, real *M, r
     h[3] = v0*(-c53*x1 - c54*x3 - c55*x2) + v1*(c53*x0 + c54*x2 - c55*x3) + v2*(c53*x3 - c54*x1 + c55*x0) + v3*(-c53*x2 + c54*x0 + c55*x1);
 }
 
+enum { PLBEAM, PLTRUSS, PLTOR, PLPINBOD, BEAM, TRUSS, HINGE, PINBODY, NORMALIZATION, BODY, N_KINDS };
+enum { MAX_X = 14, MAX_E = 6, MAX_GUARDS = 4 };
+static void (*const STRAIN[N_KINDS])(const real *x, const real *p, real *e, real *V) = {
+    [PLBEAM] = plbeam_strain,
+    [PLTRUSS] = pltruss_strain,
+    [PLTOR] = pltor_strain,
+    [PLPINBOD] = plpinbod_strain,
+    [BEAM] = beam_strain,
+    [TRUSS] = truss_strain,
+    [HINGE] = hinge_strain,
+    [PINBODY] = pinbody_strain,
+    [NORMALIZATION] = normalization_strain,
+};
+static void (*const CONVECTIVE[N_KINDS])(const real *x, const real *v, const real *p, real *h) = {
+    [PLBEAM] = plbeam_convective,
+    [PLTRUSS] = pltruss_convective,
+    [PLTOR] = pltor_convective,
+    [PLPINBOD] = plpinbod_convective,
+    [BEAM] = beam_convective,
+    [TRUSS] = truss_convective,
+    [HINGE] = hinge_convective,
+    [PINBODY] = pinbody_convective,
+    [NORMALIZATION] = normalization_convective,
+};
+static void (*const INERTIA[N_KINDS])(const real *x, const real *v, const real *p, real *M, real *h) = {
+    [PLBEAM] = plbeam_inertia,
+    [BEAM] = beam_inertia,
+    [BODY] = body_inertia,
+};
+static void (*const GUARD[N_KINDS])(const real *x, const real *p, real *g) = {
+    [PLBEAM] = plbeam_guard,
+    [PLTRUSS] = pltruss_guard,
+    [BEAM] = beam_guard,
+    [TRUSS] = truss_guard,
+};
+static const int N_GUARDS[N_KINDS] = { 3, 1, 0, 0, 4, 1, 0, 0, 0, 0 };
+/* Row that is an angle of which whole turns are counted, or -1. */
+static const int TURNS[N_KINDS] = { -1, -1, -1, -1, -1, -1, 0, -1, -1, -1 };

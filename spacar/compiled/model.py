@@ -10,12 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.compiled.library import CBatch, CSpec, CState, library
 from spacar.compiled.numbers import Numbers
 from spacar.compiled.parameters import GUARD, SUPPORTED
 from spacar.dynamics.saddle_point import free_coordinates
 from spacar.kinematics.kinematics import LARGEST_JUMP
-from spacar.mechanism.mechanism import Array, Mechanism
+from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
 
 

@@ -9,11 +9,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from spacar.compiled.parameters import KINDS, SUPPORTED
+from spacar.arrays import Array, Index
+from spacar.compiled.parameters import SUPPORTED, kinds
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.forces import StressLaw, gravity_field
 from spacar.mechanism.layout import Batch
-from spacar.mechanism.mechanism import Array, Drive, Index, Mechanism, Polynomial
+from spacar.mechanism.mechanism import Drive, Mechanism, Polynomial
 
 Entries = tuple[Index, Index, Array]  # rows, columns, values (n, cases)
 
@@ -109,7 +110,7 @@ def supported(mechanism: Mechanism) -> list[Batch]:
 
 def _elements(batch: Batch, parameters: Array) -> Elements:
     family = batch.family
-    kind = KINDS.index(SUPPORTED[family.keyword][0])
+    kind = kinds().index(SUPPORTED[family.keyword][0])
     return Elements(kind, family.has_mass and not family.constant_mass, batch.x.T, batch.e.T, parameters)
 
 

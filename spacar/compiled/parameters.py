@@ -6,13 +6,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from spacar.elements.base import Array, Family
+from spacar.arrays import Array
+from spacar.elements.base import Family
 
 # What guards must be above: cosines of angles (45 degrees pass) or, for lengths, the part that is left plus LEFT.
 GUARD, LEFT = 0.71, 0.7
-
-# place in the enum of elements.c
-KINDS = ("plbeam", "pltruss", "pltor", "plpinbod", "beam", "truss", "hinge", "pinbody", "normalization", "body")
 
 
 def _plbeam(f: Family) -> Array:
@@ -53,7 +51,7 @@ def _body(f: Family) -> Array:
     return np.stack([J[0, 0], J[0, 1], J[0, 2], J[1, 1], J[1, 2], J[2, 2]])
 
 
-# keyword of the batch -> kind, parameters (n_parameters, n)
+# keyword of the batch -> kind (name of its definition), parameters (n_parameters, n)
 SUPPORTED: dict[str, tuple[str, Callable[[Family], Array]]] = {
     "PLBEAM": ("plbeam", _plbeam),
     "PLTRUSS": ("pltruss", _length),
@@ -68,3 +66,8 @@ SUPPORTED: dict[str, tuple[str, Callable[[Family], Array]]] = {
     "normalization": ("normalization", _none),
     "rigid body": ("body", _body),
 }
+
+
+def kinds() -> tuple[str, ...]:
+    """All kinds in the order of their numbers in C."""
+    return tuple(dict.fromkeys(kind for kind, _ in SUPPORTED.values()))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from spacar.deck.scene import Classes, Scene
 from spacar.deck.statement import Statement
+from spacar.deck.table_elements import ELEMENT_TYPES
 
 COORDINATE_CLASSES = {"FIX": "fixed", "INPUTX": "prescribed", "DYNX": "dynamic", "KINX": "kinematic"}
 DEFORMATION_CLASSES = {"RLSE": "calculable", "INPUTE": "prescribed", "DYNE": "dynamic", "KINE": "kinematic"}
@@ -79,8 +80,9 @@ def _check_euler_parameters(scene: Scene) -> None:
 def _check_kinematic(scene: Scene) -> None:
     if not scene.outline.complete or any(t.slips for t in scene.outline.types.values()):
         return
+    wheels = ", ".join(t.keyword for t in ELEMENT_TYPES.values() if t.slips)
     for s in scene.of("KINX", "KINE"):
         text = (
-            "there is no non-holonomic element (PLWHEEL, WHEEL, TWHEEL), so no kinematic coordinate can exist"
+            f"there is no non-holonomic element ({wheels}), so no kinematic coordinate can exist"
         )
         scene.findings.error(s, None, text, "no-wheel")

@@ -9,8 +9,6 @@ from spacar.deck.statement import Statement
 from spacar.deck.table_dynamics import INTEGRATOR_ALIASES, INTEGRATORS, alias_note
 
 _ADDITIONAL = ("DELXF", "DELGRAV", "DELOMF", "DELESIG", "DELINPX", "DELINPE")
-_STIFF = ("PLBEAM", "PLTUBE", "BEAM", "TUBE", "PLTRUSS", "TRUSS")
-_TUBES = ("PLTUBE", "TUBE")
 
 
 def check_dynamics(scene: Scene) -> None:
@@ -39,7 +37,7 @@ def _check_signs(scene: Scene, s: Statement) -> None:
     elif s.keyword in ("XM", "EM", "ESTIFF", "EDAMP"):
         what = {"XM": "mass or inertia", "EM": "mass", "ESTIFF": "stiffness", "EDAMP": "damping"}[s.keyword]
         last = len(s.values)
-        if s.keyword == "EM" and scene.outline.types[s.integer(0)].keyword in _TUBES:
+        if s.keyword == "EM" and scene.outline.types[s.integer(0)].carries_flow:
             last = 3  # then follow flow rate, shape factor, end condition
         elif s.keyword == "EM":
             last = 5  # a product of inertia may be negative
@@ -92,7 +90,7 @@ def _check_settings(scene: Scene, s: Statement) -> None:
         one_of(findings, s, 6, (0, 1), "follow the equilibrium path")
     elif s.keyword == "XGYRO":
         one_of(findings, s, 5, (0, 1), "type of rotor")
-    elif s.keyword == "EM" and scene.outline.types[s.integer(0)].keyword in _TUBES:
+    elif s.keyword == "EM" and scene.outline.types[s.integer(0)].carries_flow:
         one_of(findings, s, 5, (0, 1, 2, 3), "end condition")
 
 
@@ -103,7 +101,7 @@ def _check_stiffness(scene: Scene) -> None:
     free: dict[int, list[int]] = {}
     for (element, mode), (name, _) in scene.deformations.items():
         kind = scene.outline.types[element]
-        if name != "dynamic" or kind.keyword not in _STIFF:
+        if name != "dynamic" or not kind.axial:
             continue
         given = stiff.get(element)
         if given is None or given.real(kind.stiffness[mode - 1] - 1) == 0.0:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from spacar.deck.table_elements import ELEMENT_TYPES
+from spacar.deck.table_elements import ELEMENT_TYPES, types_that, types_with
 from spacar.deck.table_types import (
     COORDINATE,
     ELEMENT,
@@ -10,6 +10,7 @@ from spacar.deck.table_types import (
     NODE,
     ORIENTATION,
     Block,
+    ElementType,
     Keyword,
     Parameter,
     Variant,
@@ -21,10 +22,6 @@ from spacar.deck.table_types import (
 )
 
 _D = Block.DYNAMICS
-_TRUSSES = "PLTRUSS TRUSS"
-_BODIES2 = "PLPINBOD PLRBEAM"
-_BODIES3 = "PINBODY RBEAM"
-_SIX = "WHEEL TWHEEL SCREW"  # coefficients as given, one for every mode
 
 # -- inertia -----------------------------------------------------------------------------------------------
 
@@ -49,14 +46,26 @@ _WOUND = (
     real("angle wound over the first pulley", "rad", 0.0),
     real("angle wound over the second pulley", "rad", 0.0),
 )
-_EM = (
-    form((ELEMENT, _PER_LENGTH), 2, types=_TRUSSES),
-    form((ELEMENT, _PER_LENGTH, real("J per length", "kg m", 0.0)), 2, 3, types="PLBEAM PLRBEAM"),
-    form((ELEMENT, _PER_LENGTH, *_JS), *span(2, 6), types="BEAM RBEAM"),
-    form((ELEMENT, _PER_LENGTH, *_WOUND), *span(2, 4), types="PLBELT"),
-    form((ELEMENT, *_FLOW, real("J per length", "kg m", 0.0)), *span(2, 7), types="PLTUBE"),
-    form((ELEMENT, *_FLOW, *_JS), *span(2, 10), types="TUBE"),
-)
+# Form of EM that a type names -> positions behind the element number, allowed counts.
+MASS_FORMS = {
+    "bar": ((_PER_LENGTH,), (2,)),
+    "planar beam": ((_PER_LENGTH, real("J per length", "kg m", 0.0)), (2, 3)),
+    "spatial beam": ((_PER_LENGTH, *_JS), span(2, 6)),
+    "belt": ((_PER_LENGTH, *_WOUND), span(2, 4)),
+    "planar tube": ((*_FLOW, real("J per length", "kg m", 0.0)), span(2, 7)),
+    "spatial tube": ((*_FLOW, *_JS), span(2, 10)),
+}
+
+
+def _mass() -> tuple[Variant, ...]:
+    def types(name: str) -> str:
+        return types_that(lambda t: t.mass == name)
+
+    return tuple(
+        form((ELEMENT, *parameters), *counts, types=types(name))
+        for name, (parameters, counts) in MASS_FORMS.items()
+    )
+
 
 # -- stiffness, damping, preload ---------------------------------------------------------------------------
 
@@ -79,15 +88,18 @@ def _coefficients(prefix: str, damping: bool) -> tuple[Variant, ...]:
             real("shear parameter EIy/(GAkz)", "m^2", 0.0),
             real("shear parameter EIz/(GAky)", "m^2", 0.0),
         )
-    return (
-        form((ELEMENT, stretch), types=f"{_TRUSSES} PLBELT"),
-        form((ELEMENT, generic[0]), types="PLTOR"),
-        form((ELEMENT, *generic[:2]), types=_BODIES2 + (" PLWHEEL" if damping else "")),
-        form((ELEMENT, *generic[:3]), types=f"HINGE {_BODIES3}"),
-        form((ELEMENT, *beam2), types="PLBEAM PLTUBE"),
-        form((ELEMENT, *beam3), types="BEAM TUBE"),
-        form((ELEMENT, *generic), types=_SIX),
-    )
+    forms = {"stretch": (stretch,), "planar beam": beam2, "spatial beam": beam3}
+    forms |= {f"modes {n}": generic[:n] for n in range(1, 7)}
+
+    def types(name: str) -> str:
+        return types_that(lambda t: name == _coefficient_form(t, damping))
+
+    return tuple(form((ELEMENT, *p), types=types(name)) for name, p in forms.items() if types(name))
+
+
+def _coefficient_form(t: ElementType, damping: bool) -> str:
+    """Of a type with one coefficient a mode also how many; slips without stiffness may have damping."""
+    return t.coefficients if t.coefficients != "modes" else f"modes {len(t.modes if damping else t.stiffness)}"
 
 
 def _preload(text: str) -> tuple[Variant, ...]:
@@ -166,7 +178,7 @@ KEYWORDS = (
         "EM",
         _D,
         "distributed mass of an element",
-        _EM,
+        _mass(),
         unique=1,
         notes=(
             "End condition of a tube: 0 spherical flow at p and q, 1 jet at p, 2 jet at q, 3 jets at both.",
@@ -378,7 +390,7 @@ KEYWORDS = (
         "DELOMF",
         _D,
         "increment of the mass flow rate of a tube",
-        (form((ELEMENT, real("increment of the mass flow rate", "kg/s")), types="PLTUBE TUBE"),),
+        (form((ELEMENT, real("increment of the mass flow rate", "kg/s")), types=types_with("DELOMF")),),
         unique=1,
     ),
     Keyword(

@@ -6,6 +6,9 @@ reference/theory-spatial.md sections 7 and 8.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 from spacar.deck.table_types import (
     Block,
     ElementType,
@@ -105,37 +108,59 @@ def _type(
     modes: tuple[tuple[str, str], ...],
     geometry: tuple[Parameter, ...] = (),
     counts: tuple[int, ...] = (),
-    slips: tuple[int, ...] = (),
-    stiffness: tuple[int, ...] = (),
-    length: str = "never",
-    direction: tuple[int, int, str] | None = None,
-    supported: bool = True,
-    notes: tuple[str, ...] = (),
+    **facts: Any,
 ) -> ElementType:
+    """A row; `facts` are the other fields of `ElementType`."""
     roles, names = nodes
-    return ElementType(
-        keyword,
-        title,
-        code,
-        planar,
-        roles,
-        names,
-        modes,
-        geometry,
-        counts or (1 + len(roles) + len(geometry),),
-        slips,
-        stiffness,
-        length,
-        direction,
-        supported,
-        notes,
-    )
+    counts = counts or (1 + len(roles) + len(geometry),)
+    return ElementType(keyword, title, code, planar, roles, names, modes, geometry, counts, **facts)
 
 
 _ALL = (
-    _type("PLBEAM", "planar beam", 5, True, _BEAM, _BEND2, stiffness=(2, 3, 3), length="always"),
-    _type("PLTRUSS", "planar truss", 7, True, _BAR, _STRETCH, stiffness=(2,), length="always"),
-    _type("PLTOR", "planar hinge", 6, True, _JOINT, _TURN, stiffness=(2,)),
+    _type(
+        "PLBEAM",
+        "planar beam",
+        5,
+        True,
+        _BEAM,
+        _BEND2,
+        stiffness=(2, 3, 3),
+        length="always",
+        family="plbeam:PlanarBeam",
+        shape="beam",
+        coefficients="planar beam",
+        mass="planar beam",
+        statements=("LDEFORM",),
+        axial=True,
+        quadratic=True,
+        split=((2, 3),),
+    ),
+    _type(
+        "PLTRUSS",
+        "planar truss",
+        7,
+        True,
+        _BAR,
+        _STRETCH,
+        stiffness=(2,),
+        length="always",
+        family="pltruss:PlanarTruss",
+        shape="truss",
+        coefficients="stretch",
+        mass="bar",
+        axial=True,
+    ),
+    _type(
+        "PLTOR",
+        "planar hinge",
+        6,
+        True,
+        _JOINT,
+        _TURN,
+        stiffness=(2,),
+        family="pltor:PlanarHinge",
+        shape="hinge",
+    ),
     _type(
         "PLBEAR",
         "planar bearing",
@@ -143,12 +168,33 @@ _ALL = (
         True,
         _BEAM,
         (*_BODY_MODES[:2], *_TURN),
-        supported=False,
         notes=("Not supported, as in the original program.",),
     ),
-    _type("PLPINBOD", "planar pinbody", 10, True, _BODY, _BODY_MODES[:2], stiffness=(2, 3)),
     _type(
-        "PLRBEAM", "planar rigid beam", 10, True, _BODY, _BODY_MODES[:2], stiffness=(2, 3), length="always"
+        "PLPINBOD",
+        "planar pinbody",
+        10,
+        True,
+        _BODY,
+        _BODY_MODES[:2],
+        stiffness=(2, 3),
+        family="plpinbod:PlanarPinbody",
+        shape="body",
+        statements=("ORPINBOD", "DRPINBOD"),
+    ),
+    _type(
+        "PLRBEAM",
+        "planar rigid beam",
+        10,
+        True,
+        _BODY,
+        _BODY_MODES[:2],
+        stiffness=(2, 3),
+        length="always",
+        family="plpinbod:PlanarPinbody",
+        shape="body",
+        mass="planar beam",
+        statements=("ORPINBOD", "DRPINBOD"),
     ),
     _type(
         "PLWHEEL",
@@ -160,6 +206,8 @@ _ALL = (
         (real("wheel radius", "m"), *vector("initial direction of the spin axis,", "x y")),
         slips=(0, 1),
         direction=(6, 2, "axis"),
+        family="plwheel:PlanarWheel",
+        shape="planar wheel",
     ),
     _type(
         "PLBELT",
@@ -172,6 +220,10 @@ _ALL = (
         stiffness=(2,),
         length="always",
         notes=(_K9,),
+        family="plbelt:PlanarBelt",
+        shape="belt",
+        coefficients="stretch",
+        mass="belt",
     ),
     _type(
         "PLTUBE",
@@ -184,6 +236,13 @@ _ALL = (
         span(5, 7),
         stiffness=(2, 3, 3),
         length="always",
+        family="pltube:PlanarTube",
+        shape="beam",
+        coefficients="planar beam",
+        mass="planar tube",
+        statements=("DELOMF",),
+        axial=True,
+        quadratic=True,
     ),
     _type(
         "BEAM",
@@ -198,8 +257,30 @@ _ALL = (
         length="always",
         direction=(6, 3, "plane"),
         notes=(_K1, _K2, _SIX),
+        family="beam:SpatialBeam",
+        shape="beam",
+        coefficients="spatial beam",
+        mass="spatial beam",
+        statements=("LDEFORM",),
+        axial=True,
+        quadratic=True,
+        split=((3, 4), (5, 6)),
     ),
-    _type("TRUSS", "spatial truss", 2, False, _BAR, _STRETCH, stiffness=(2,), length="always"),
+    _type(
+        "TRUSS",
+        "spatial truss",
+        2,
+        False,
+        _BAR,
+        _STRETCH,
+        stiffness=(2,),
+        length="always",
+        family="truss:SpatialTruss",
+        shape="truss",
+        coefficients="stretch",
+        mass="bar",
+        axial=True,
+    ),
     _type(
         "HINGE",
         "spatial hinge",
@@ -211,6 +292,8 @@ _ALL = (
         stiffness=(2, 3, 4),
         direction=(4, 3, "axis"),
         notes=(_K3,),
+        family="hinge:SpatialHinge",
+        shape="hinge",
     ),
     _type(
         "PINBODY",
@@ -225,6 +308,9 @@ _ALL = (
         length="with direction",
         direction=(5, 3, "plane"),
         notes=(_K4,),
+        family="pinbody:SpatialPinbody",
+        shape="body",
+        statements=("ORPINBOD", "DRPINBOD"),
     ),
     _type(
         "RBEAM",
@@ -239,6 +325,10 @@ _ALL = (
         length="always",
         direction=(5, 3, "plane"),
         notes=(_K1,),
+        family="pinbody:SpatialPinbody",
+        shape="body",
+        mass="spatial beam",
+        statements=("ORPINBOD", "DRPINBOD"),
     ),
     _type(
         "WHEEL",
@@ -253,6 +343,9 @@ _ALL = (
         length="always",
         direction=(5, 3, "spin"),
         notes=("The radius is the initial distance between p and q.",),
+        family="wheel:DiskWheel",
+        shape="wheel",
+        normal_mode=3,
     ),
     _type(
         "TWHEEL",
@@ -266,6 +359,9 @@ _ALL = (
         stiffness=(2, 3, 4, 5, 6, 7),
         length="always",
         direction=(7, 3, "spin"),
+        family="wheel:TorusWheel",
+        shape="wheel",
+        normal_mode=3,
     ),
     _type(
         "TUBE",
@@ -280,6 +376,13 @@ _ALL = (
         length="always",
         direction=(6, 3, "plane"),
         notes=(_K1, _K2, _SIX),
+        family="tube:SpatialTube",
+        shape="beam",
+        coefficients="spatial beam",
+        mass="spatial tube",
+        statements=("ORTUBE", "DELOMF"),
+        axial=True,
+        quadratic=True,
     ),
     _type(
         "SCREW",
@@ -292,10 +395,22 @@ _ALL = (
         stiffness=(2, 3, 4, 5, 6, 7),
         direction=(6, 3, "axis"),
         notes=(_K3,),
+        family="screw:Screw",
+        shape="screw",
     ),
 )
 
 ELEMENT_TYPES: dict[str, ElementType] = {t.keyword: t for t in _ALL}
+
+
+def types_that(fit: Callable[[ElementType], bool]) -> str:
+    """The keywords of the supported types that fit, for `types` of a form."""
+    return " ".join(t.keyword for t in _ALL if t.supported and fit(t))
+
+
+def types_with(statement: str, planar: bool | None = None) -> str:
+    """Those that a statement for some types only applies to; of one space, or of both."""
+    return types_that(lambda t: statement in t.statements and planar in (None, t.planar))
 
 
 def _statement(t: ElementType) -> Keyword:

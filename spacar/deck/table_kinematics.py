@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from spacar.deck.table_elements import types_with
 from spacar.deck.table_types import (
     ELEMENT,
     NODE,
@@ -15,9 +16,7 @@ from spacar.deck.table_types import (
     vector,
 )
 
-_BEAMS = "PLBEAM BEAM"
-_BODIES2 = "PLPINBOD PLRBEAM"
-_BODIES3 = "PINBODY RBEAM"
+_BODIES2, _BODIES3 = types_with("ORPINBOD", planar=True), types_with("ORPINBOD", planar=False)
 _K5 = (
     "Without coordinate numbers: all independent coordinates of the node (x1, x2, x3; the planar angle; lambda1, "
     "lambda2, lambda3). Coordinates are numbered 1 2 3 for positions, 1 for an angle, 1 2 3 4 for lambda0 ... "
@@ -74,7 +73,7 @@ KEYWORDS = (
         "LDEFORM",
         Block.KINEMATICS,
         "leave out the non-linear terms in the strains of a beam",
-        (form((ELEMENT,), types=_BEAMS),),
+        (form((ELEMENT,), types=types_with("LDEFORM")),),
     ),
     Keyword(
         "ORPINBOD",
@@ -112,7 +111,7 @@ KEYWORDS = (
                 (ELEMENT, *vector("undeformed projection on direction", "1 2", "m", 0.0)),
                 2,
                 3,
-                types=_BODIES2,
+                types=types_with("DRPINBOD", planar=True),
                 components=True,
             ),
             form(
@@ -120,7 +119,7 @@ KEYWORDS = (
                 2,
                 3,
                 4,
-                types=_BODIES3,
+                types=types_with("DRPINBOD", planar=False),
             ),
         ),
         unique=1,
@@ -142,7 +141,7 @@ KEYWORDS = (
                     *vector("tangent at q,", "x y z"),
                     *vector("direction of the local y' axis at q,", "x y z"),
                 ),
-                types="TUBE",
+                types=types_with("ORTUBE"),
             ),
         ),
         unique=1,

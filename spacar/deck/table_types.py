@@ -104,7 +104,7 @@ class Keyword:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ElementType:
-    """One element type.
+    """One element type: everything about it that other rooms ask for.
 
     `nodes` are the roles (position, orientation) in the order of the statement, `node_names` their names
     there. `modes` are (name, unit), `slips` the 0-based non-holonomic modes, `code` the number in the array
@@ -113,6 +113,14 @@ class ElementType:
     direction, or never. `direction` is (first argument number, number of components, role) of the direction
     vector, with the role plane (a vector in the x'y' plane, not parallel to pq), axis (any direction) or
     spin (not parallel to pq).
+
+    `family` is "module:Class" in `spacar.elements`, empty for a type that is not supported. `shape` says what
+    the element is like: beam, truss, hinge, body, or a shape of its own; pictures are chosen by it.
+    `coefficients` and `mass` name the forms of ESTIFF, EDAMP and of EM in `table_dynamics` (one per mode; no EM).
+    `statements` are those of both blocks that apply to some types only. `axial`: mode 1 is the change of the
+    length between the position nodes. `quadratic`: the strains have second order terms. `normal_mode` is the
+    mode (from 1) whose stress is the force on the ground, 0 without. `split` are the pairs of bending modes
+    (at p, at q) of a type that can be divided along its chord.
     """
 
     keyword: str
@@ -128,8 +136,43 @@ class ElementType:
     stiffness: tuple[int, ...] = ()
     length: str = "never"
     direction: tuple[int, int, str] | None = None
-    supported: bool = True
     notes: tuple[str, ...] = ()
+    family: str = ""
+    shape: str = ""
+    coefficients: str = "modes"
+    mass: str = ""
+    statements: tuple[str, ...] = ()
+    axial: bool = False
+    quadratic: bool = False
+    normal_mode: int = 0
+    split: tuple[tuple[int, int], ...] = ()
+
+    @property
+    def supported(self) -> bool:
+        """Whether there is a family that evaluates it."""
+        return bool(self.family)
+
+    @property
+    def carries_flow(self) -> bool:
+        """Whether a fluid flows through it, so that EM says how much."""
+        return "DELOMF" in self.statements
+
+    @property
+    def ends(self) -> tuple[int | None, int | None, int | None, int | None]:
+        """Places (from 0) in `nodes` of p position, p orientation, q position, q orientation; None: it has none.
+
+        A node that is not named after its end is at p when it is the first of its role, else at q.
+        """
+        found: dict[tuple[str, str], int] = {}
+        for place, (role, name) in enumerate(zip(self.nodes, self.node_names, strict=True)):
+            end = name[0] if name[1:2] == " " else "q" if ("p", role) in found else "p"
+            found[end, role] = place
+        return (
+            found.get(("p", "position")),
+            found.get(("p", "orientation")),
+            found.get(("q", "position")),
+            found.get(("q", "orientation")),
+        )
 
 
 def integer(meaning: str, of: str = "", default: float | None = None) -> Parameter:

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.dynamics.equations import EquationsOfMotion
 from spacar.dynamics.mass_check import dynamic_mass, is_checked, require_regular_mass
 from spacar.dynamics.model import LoadedMechanism, Placement
 from spacar.frame import Frame
 from spacar.kinematics.condition import condition_number
 from spacar.kinematics.regularity import PositionMatrix
-from spacar.mechanism.mechanism import Array, Drive, Loads, Mechanism
+from spacar.mechanism.mechanism import Drive, Loads, Mechanism
 from spacar.mechanism.numbering import Numbering
 
 

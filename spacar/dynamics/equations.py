@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.dynamics.forces import AppliedForces, StressLaw
 from spacar.dynamics.model import LoadedMechanism
 from spacar.dynamics.saddle_point import DeformationInertia, SaddlePoint
@@ -27,7 +28,7 @@ from spacar.kinematics import Kinematics
 from spacar.kinematics.extrapolation import State, extrapolated
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.linear_systems import SingularMatrixError
-from spacar.mechanism.mechanism import Array, Drive, DriveState, Loads, Mechanism, UserForces
+from spacar.mechanism.mechanism import Drive, DriveState, Loads, Mechanism, UserForces
 
 
 class EquationsOfMotion:

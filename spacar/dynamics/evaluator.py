@@ -23,11 +23,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol
 
+from spacar.arrays import Array
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.model import LoadedMechanism, Placement
 from spacar.frame import Frame
 from spacar.kinematics.regularity import PositionMatrix
-from spacar.mechanism.mechanism import Array
 
 
 class Integrable(Protocol):

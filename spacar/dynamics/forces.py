@@ -13,8 +13,9 @@ from functools import cached_property
 
 import numpy as np
 
+from spacar.arrays import Array, Index
 from spacar.kinematics.sweep import Sweep
-from spacar.mechanism.mechanism import Array, Index, Loads, Mechanism, UserForces
+from spacar.mechanism.mechanism import Loads, Mechanism, UserForces
 
 
 @dataclass(frozen=True)

@@ -9,17 +9,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from spacar.arrays import Array
+from spacar.deck import ELEMENT_TYPES
 from spacar.errors import AnalysisError, Report
 from spacar.frame import Frame
 from spacar.kinematics.regularity import Regularity
-from spacar.mechanism.mechanism import Array
 
 if TYPE_CHECKING:
     from spacar.dynamics.evaluator import Evaluator
     from spacar.kinematics.sweep import Sweep
 
-WHEELS = ("WHEEL", "TWHEEL")
-NORMAL_MODE = 3  # sigma_3 is the normal force of the road, compression negative
 # A pull above this part of the largest normal force seen: a chosen bound, above the rounding of a difference of forces
 # (eps times their ratio, up to 1e6), far below what matters to a contact.
 LIFTED = 1e-9
@@ -30,11 +29,13 @@ class Limits:
 
     def __init__(self, evaluator: Evaluator, report: Report) -> None:
         n = evaluator.model.mechanism.numbering
-        found = [(number, keyword) for number, keyword, _ in n.elements if keyword in WHEELS]
+        # the stress of the normal mode is the force of the road, compression negative
+        normal = {keyword: ELEMENT_TYPES[keyword].normal_mode for _, keyword, _ in n.elements}
+        found = [(number, keyword) for number, keyword, _ in n.elements if normal[keyword]]
         wheels, self.keywords = [number for number, _ in found], [keyword for _, keyword in found]
         self.pressed = bool(evaluator.model.loads.gravity.any())
         self.wheels = np.array(wheels, np.int64)
-        self.rows = np.array([n.e_index(w, NORMAL_MODE) for w in wheels], np.int64)
+        self.rows = np.array([n.e_index(w, normal[keyword]) for w, keyword in found], np.int64)
         self.compression = np.zeros(len(wheels))
         self.report = report
         self.warned: set[int] = set()

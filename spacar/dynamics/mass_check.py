@@ -11,11 +11,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.dynamics.saddle_point import DeformationInertia
 from spacar.errors import AnalysisError
 from spacar.kinematics.kinematics import Kinematics
 from spacar.kinematics.transfer import velocity_transfer
-from spacar.mechanism.mechanism import Array
 from spacar.mechanism.numbering import Numbering
 
 SMALLEST = 8.0 * float(np.finfo(float).eps)  # per degree of freedom

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from spacar.arrays import Array
 from spacar.dynamics.forces import StressLaw
-from spacar.mechanism.mechanism import Array, Drive, Loads, Mechanism
+from spacar.mechanism.mechanism import Drive, Loads, Mechanism
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.elements import beam_strain as strain_of
-from spacar.elements.base import Array, ElementGroup, Family, GeometryError, Trouble
+from spacar.elements.base import ElementGroup, Family, GeometryError, Trouble
 from spacar.elements.beam_inertia import (
     LineConstants,
     LineState,

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from spacar.elements.base import Array
+from spacar.arrays import Array
 from spacar.elements.rotation import director_tensor
 
 _einsum = np.einsum

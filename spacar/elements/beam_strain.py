@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.elements.base import Array
+from spacar.arrays import Array
 from spacar.elements.rotation import director_tensor, relative_parameters
 
 _einsum = np.einsum

@@ -19,7 +19,9 @@ from typing import Any
 
 import numpy as np
 
-from .base import Array, GeometryError, Trouble
+from spacar.arrays import Array
+
+from .base import GeometryError, Trouble
 
 SHORT = 1e-6  # a chosen bound, of the start length: below this the direction of the chord is lost
 

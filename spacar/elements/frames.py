@@ -10,7 +10,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from spacar.elements.base import Array, GeometryError
+from spacar.arrays import Array
+from spacar.elements.base import GeometryError
 
 # The first is a chosen bound (the reference refuses the same angle): digits of a file, not rounding.
 PARALLEL = 1e-5  # smallest sine of the angle between a direction vector and the axis it shall supplement

@@ -16,7 +16,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from spacar.elements.base import Array, ElementGroup, Family, GeometryError
+from spacar.arrays import Array
+from spacar.elements.base import ElementGroup, Family, GeometryError
 from spacar.elements.frames import axis_frame, rows
 from spacar.elements.rotation import arc_tangent, expand, relative_parameters
 

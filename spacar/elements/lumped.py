@@ -10,7 +10,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.elements.base import Array, Configuration, Family
+from spacar.arrays import Array
+from spacar.elements.base import Configuration, Family
 
 
 class LumpedMass(Family):

@@ -14,7 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.elements.base import Array, Family
+from spacar.arrays import Array
+from spacar.elements.base import Family
 from spacar.elements.rotation import body_dual, body_matrix, expand
 
 _einsum = np.einsum

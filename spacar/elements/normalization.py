@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.elements.base import Array, Family
+from spacar.arrays import Array
+from spacar.elements.base import Family
 
 
 class Normalization(Family):

@@ -12,7 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from spacar.elements.base import Array, ElementGroup, Family, GeometryError
+from spacar.arrays import Array
+from spacar.elements.base import ElementGroup, Family, GeometryError
 from spacar.elements.frames import chord_frame, chord_frames, chords, rows, section_tensor, stack, supplemented, unit
 from spacar.elements.hinge import diagonal
 from spacar.elements.rotation import director_tensor, expand

@@ -18,8 +18,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from spacar.arrays import Array
+
 from . import chord
-from .base import Array, ElementGroup, Family, GeometryError
+from .base import ElementGroup, Family, GeometryError
 
 
 class PinbodyConfiguration(NamedTuple):

@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from .base import Array, ElementGroup, Family
+from spacar.arrays import Array
+
+from .base import ElementGroup, Family
 
 
 class PlanarHinge(Family):

@@ -10,8 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from spacar.arrays import Array
+
 from . import chord
-from .base import Array, ElementGroup, Family, Trouble
+from .base import ElementGroup, Family, Trouble
 
 
 class TrussConfiguration(NamedTuple):

@@ -15,8 +15,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from spacar.arrays import Array
+
 from . import chord
-from .base import Array, ElementGroup, Family, GeometryError
+from .base import ElementGroup, Family, GeometryError
 
 
 class PlanarWheel(Family):

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.elements.base import Array
+from spacar.arrays import Array
 
 
 def _director_coefficients() -> Array:

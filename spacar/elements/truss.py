@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from spacar.elements.base import Array, ElementGroup, Family, Trouble
+from spacar.arrays import Array
+from spacar.elements.base import ElementGroup, Family, Trouble
 from spacar.elements.frames import chords
 
 COLLAPSED = 1e-6  # smallest fraction of the undeformed length

@@ -16,7 +16,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from spacar.elements.base import Array, ElementGroup, GeometryError
+from spacar.arrays import Array
+from spacar.elements.base import ElementGroup, GeometryError
 from spacar.elements.beam import BeamConfiguration, SpatialBeam, statement_values
 from spacar.elements.beam_inertia import line_constants
 from spacar.elements.frames import chord_frame, stack, supplemented, unit

@@ -18,7 +18,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from spacar.elements.base import Array, ElementGroup, Family, GeometryError, Trouble
+from spacar.arrays import Array
+from spacar.elements.base import ElementGroup, Family, GeometryError, Trouble
 from spacar.elements.frames import rows, stack, unit
 from spacar.elements.hinge import diagonal
 from spacar.elements.rotation import cross, director_tensor, expand, global_matrix

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.dynamics.evaluator import Evaluator, Integrable
 from spacar.dynamics.limits import Limits
 from spacar.errors import AnalysisError, Report
@@ -24,7 +25,7 @@ from spacar.integrators.problem import Jacobian, Output
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.kinematics.regularity import DeadPoints, HalfTurns
 from spacar.linearization.jacobian import state_jacobian
-from spacar.mechanism.mechanism import Array, Settings
+from spacar.mechanism.mechanism import Settings
 
 # Position tolerance of intermediate states / tolerance of a step. The velocity has an error of this order, which the
 # error estimate of the integrator must not see: with 853 and ERROR 1e-10 a position tolerance of 1e-11 made a

@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.forces import StressLaw
 from spacar.errors import Report, UsageError
@@ -32,7 +33,7 @@ from spacar.inverse.trajectory import groups, loaded
 from spacar.linear.state_space import Signal, state_space
 from spacar.linearization.contractions import geometric_stiffness
 from spacar.linearization.matrices import Linearization, linearize
-from spacar.mechanism.mechanism import Array, Loads, Mechanism
+from spacar.mechanism.mechanism import Loads, Mechanism
 from spacar.stationary.loading import load_program, loads_at, with_flow
 
 MATRICES = ("m0", "c0", "d0", "k0", "n0", "g0")

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.limits import Limits
 from spacar.errors import UsageError
@@ -20,7 +21,7 @@ from spacar.inverse.ports import NominalInputs, Ports, rigidified
 from spacar.inverse.trajectory import Program, loaded, program
 from spacar.kinematics.condition import condition_number
 from spacar.kinematics.output import TransferOutput
-from spacar.mechanism.mechanism import Array, Mechanism
+from spacar.mechanism.mechanism import Mechanism
 from spacar.stream import Run
 
 NO_STATE: Array = np.zeros(0)

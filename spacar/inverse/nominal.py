@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from spacar.arrays import Array
 from spacar.errors import UsageError
 from spacar.mechanism.mechanism import DriveState, Mechanism
 from spacar.mechanism.numbering import Numbering
@@ -21,7 +22,6 @@ from spacar.modes import MODES
 if TYPE_CHECKING:
     from spacar.result import Result
 
-Array = NDArray[np.float64]
 # A prescribed deformation that changes less, of its size, rests: the position keeps a prescribed value to 1e-11
 # and, far from the origin, the rounding of the coordinates; a motion that small would be lost in it.
 REST = float(np.sqrt(np.finfo(float).eps))

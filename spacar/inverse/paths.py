@@ -13,7 +13,7 @@ from typing import Protocol
 
 import numpy as np
 
-from spacar.mechanism.mechanism import Array, Index
+from spacar.arrays import Array, Index
 
 Values = tuple[Array, Array, Array]
 # Chosen, for the digits of a file: sine of the angle below which two directions do not span a plane.

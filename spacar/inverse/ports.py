@@ -22,6 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from spacar.arrays import Array, Index
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.forces import StressLaw
 from spacar.errors import AnalysisError, Report
@@ -29,7 +30,7 @@ from spacar.frame import Frame
 from spacar.kinematics.transfer import velocity_transfer
 from spacar.linear.signals import signals
 from spacar.linear.state_space import DRIVING_SIGN, Signal
-from spacar.mechanism.mechanism import Array, Index, Mechanism
+from spacar.mechanism.mechanism import Mechanism
 
 NOMINAL_KINDS = ("NOMS", "NOMF")
 REFERENCE_KINDS = ("REFE", "REFEP", "REFEDP", "REFX", "REFXP", "REFXDP", "REFES", "REFXS")

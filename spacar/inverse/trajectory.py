@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from spacar.arrays import Array, Index
 from spacar.deck import Deck, Statement
 from spacar.deck.table_io import NO_TRAJECTORY, PATHS, TRAJECTORIES
 from spacar.elements.lumped import LumpedMass
@@ -26,7 +27,7 @@ from spacar.inverse.paths import BadPath, Path, arc, change, straight, turn
 from spacar.inverse.profile import IllegalProfile, Profile, make_profile
 from spacar.mechanism.inertia import symmetric
 from spacar.mechanism.layout import Batch
-from spacar.mechanism.mechanism import Array, Drive, DriveState, Index, Mechanism
+from spacar.mechanism.mechanism import Drive, DriveState, Mechanism
 from spacar.mechanism.numbering import Numbering
 
 NAMES = {k.name for k in TRAJECTORIES}

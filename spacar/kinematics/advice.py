@@ -12,9 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from spacar.arrays import Array, Index
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
 from spacar.kinematics.self_stress import redundancies
-from spacar.mechanism.mechanism import Array, Index, Mechanism
+from spacar.mechanism.mechanism import Mechanism
 
 # Effects of a release, best first.
 FLEXIBLE, FREE, NAMED, REDUNDANT, ELASTIC, HINGE, PRESCRIBED, NONE = range(8)

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.kinematics.diagnosis import scaled_difference_matrix
 from spacar.kinematics.kinematics import Kinematics
-from spacar.mechanism.mechanism import Array
 
 ESTIMATED_FROM = 400  # unknowns
 

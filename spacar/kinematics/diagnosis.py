@@ -18,6 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from spacar.arrays import Array, Index
 from spacar.kinematics.advice import (
     ELASTIC,
     FLEXIBLE,
@@ -32,7 +33,7 @@ from spacar.kinematics.advice import (
     effects,
     paste_lines,
 )
-from spacar.mechanism.mechanism import Array, Index, Mechanism
+from spacar.mechanism.mechanism import Mechanism
 
 ZERO = float(np.sqrt(np.finfo(float).eps))
 SHOWN = 1e-6  # smaller shares are not listed

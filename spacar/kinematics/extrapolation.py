@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from spacar.mechanism.mechanism import Array
+from spacar.arrays import Array
 
 State = tuple[float, Array, Array, Array]  # t, x, xd, xdd
 FARTHEST = 1.5  # steps h ahead

@@ -7,14 +7,15 @@ from typing import Protocol
 
 import numpy as np
 
+from spacar.arrays import Array, Index
+from spacar.deck import ELEMENT_TYPES
 from spacar.errors import AnalysisError
 from spacar.kinematics.diagnosis import ZERO, Diagnosis, diagnose, scaled_difference_matrix
 from spacar.kinematics.sweep import Sweep
 from spacar.linear_systems import SingularMatrixError
-from spacar.mechanism.mechanism import Array, Index, Mechanism
+from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
 
-SHORTENING = ("PLTRUSS", "TRUSS", "PLBEAM", "BEAM", "PLTUBE", "TUBE")  # mode 1 is the change of their length
 SHORT = 1e-6
 # Smallest over largest singular value at the last iterate: one that was zero (below ZERO of `diagnosis`) at the
 # reference configuration has grown by no more than the square root of that limit.
@@ -149,7 +150,8 @@ def collapse(kinematics: Position) -> str:
     sweep = kinematics.sweep
     for batch in sweep.strained:
         family = batch.family
-        if family.keyword in SHORTENING:
+        kind = ELEMENT_TYPES.get(family.keyword)  # None of normalizations
+        if kind is not None and kind.axial:
             wanted = sweep.near[batch.e[0]] + family.length
             asked = np.isin(batch.e[0], kinematics.h) & (wanted <= SHORT * family.length)
             for k in np.flatnonzero(asked):

@@ -16,7 +16,7 @@ from spacar.kinematics.advice import SMALL, coefficient, full_deck
 from spacar.kinematics.self_stress import redundancies
 from spacar.mechanism.mechanism import Mechanism
 
-BEAMS = ("PLBEAM", "BEAM", "PLTUBE", "TUBE")
+BEAMS = tuple(t.keyword for t in ELEMENT_TYPES.values() if t.shape == "beam")
 LARGEST = 1000
 """More fixed deformations are not decomposed (cubic cost); every candidate is then reported."""
 

@@ -17,11 +17,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.errors import AnalysisError, Report
 from spacar.kinematics.diagnosis import ZERO, scaled_difference_matrix
 from spacar.linear_systems.condition import reciprocal_condition
 from spacar.linear_systems.dense import DenseSystem
-from spacar.mechanism.mechanism import Array
 from spacar.mechanism.numbering import Numbering
 
 if TYPE_CHECKING:

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.kinematics.kinematics import Kinematics
-from spacar.mechanism.mechanism import Array
 
 
 def second_order_transfer(k: Kinematics, G: Array) -> tuple[Array, Array]:

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.elements.base import Configuration, Family
 from spacar.mechanism.layout import Layout, Place
-from spacar.mechanism.mechanism import Array, Mechanism
+from spacar.mechanism.mechanism import Mechanism
 
 
 class Sweep:

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.kinematics.kinematics import Kinematics
 from spacar.kinematics.second_order import gradient_tensor
-from spacar.mechanism.mechanism import Array
 
 
 def third_order_transfer(k: Kinematics, G: Array, d2x: Array) -> tuple[Array, Array]:

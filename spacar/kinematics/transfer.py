@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.kinematics.kinematics import Kinematics
-from spacar.mechanism.mechanism import Array
 
 
 def velocity_transfer(k: Kinematics) -> Array:

@@ -19,8 +19,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from spacar.arrays import Array
 from spacar.errors import Report
-from spacar.mechanism.mechanism import Array
 
 Complex = NDArray[np.complex128]
 LOST = 1e3  # digits that a reduction may lose, as a factor of n eps

@@ -14,13 +14,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
 from spacar.linear.buckling import BucklingModes, order_of
 from spacar.linear.eigen import Modes, arranged
 from spacar.linear.subspace import NOTHING, SPARE, SUFFICIENT, Operator, dominant, real_vectors
 from spacar.linear_systems import SingularMatrixError
-from spacar.mechanism.mechanism import Array
 from spacar.stationary.tangent import STATIC, SparseTangent
 
 WANTED = 20  # modes

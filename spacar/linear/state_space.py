@@ -17,10 +17,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from spacar.arrays import Array, Index
 from spacar.dynamics.dynamics import Dynamics
 from spacar.linearization.matrices import Linearization
 from spacar.linearization.state_matrix import chosen_rows, solve_mass, state_matrix
-from spacar.mechanism.mechanism import Array, Index
 
 DRIVING_SIGN = 1.0  # s_u of theory-system.md 5.1
 

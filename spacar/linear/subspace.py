@@ -12,8 +12,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from spacar.arrays import Array
 from spacar.errors import AnalysisError
-from spacar.mechanism.mechanism import Array
 
 Complex = NDArray[np.complex128]
 Operator = Callable[[Array], Array]

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg.lapack import dgbtrf, dgbtrs
 
-from spacar.linear_systems.base import Array, Index, SingularMatrixError
+from spacar.arrays import Array, Index
+from spacar.linear_systems.base import SingularMatrixError
 
 
 class BandedSystem:

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[Any]  # of float64; NumPy annotates some float results too widely
-Index = NDArray[np.int64]
+from spacar.arrays import Array, Index
 
 
 class SingularMatrixError(ArithmeticError):

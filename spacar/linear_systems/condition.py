@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from spacar.linear_systems.base import Array, SingularMatrixError, System
+from spacar.arrays import Array
+from spacar.linear_systems.base import SingularMatrixError, System
 
 ITERATIONS = 5
 

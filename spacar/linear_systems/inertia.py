@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from spacar.linear_systems.base import Array, Index
+from spacar.arrays import Array, Index
 
 SINGLE = 150  # unknowns up to which one block is faster
 SMALLEST_BLOCK = 48

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from spacar.linear_systems.base import Index
+from spacar.arrays import Index
 
 
 def order(n: int, rows: Index, columns: Index) -> tuple[Index, Index]:

@@ -6,7 +6,8 @@ import numpy as np
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
-from spacar.linear_systems.base import Array, Index, SingularMatrixError, parity
+from spacar.arrays import Array, Index
+from spacar.linear_systems.base import SingularMatrixError, parity
 
 
 class SparseSystem:

@@ -10,10 +10,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.elements.base import Family
 from spacar.kinematics.sweep import Sweep
 from spacar.mechanism.layout import Batch
-from spacar.mechanism.mechanism import Array
 
 
 def _by_rows(sweep: Sweep, fill: Callable[[Batch, Array], None]) -> Array:

@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.dynamics.evaluator import Evaluator
 from spacar.dynamics.model import LoadedMechanism
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.linearization.matrices import linearize
 from spacar.linearization.state_matrix import chosen_rows, state_matrix
-from spacar.mechanism.mechanism import Array, Polynomial
+from spacar.mechanism.mechanism import Polynomial
 
 
 def state_jacobian(

@@ -20,6 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.forces import StressLaw, moment_gradient
 from spacar.kinematics.transfer import configuration_transfer, velocity_transfer
@@ -32,7 +33,7 @@ from spacar.linearization.contractions import (
     rate_gradient,
     scatter,
 )
-from spacar.mechanism.mechanism import Array, UserForces
+from spacar.mechanism.mechanism import UserForces
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from spacar.arrays import Array, Index
 from spacar.dynamics.dynamics import Dynamics
 from spacar.errors import AnalysisError
 from spacar.linearization.matrices import Linearization
-from spacar.mechanism.mechanism import Array, Index
 
 
 def chosen_rows(L: Linearization, dynamics: Dynamics, everything: bool = False) -> tuple[Index, Index]:

@@ -6,15 +6,14 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES, Deck
 from spacar.elements import ElementGroup, Family, GeometryError, family_of
 from spacar.errors import InputError, Message
 from spacar.mechanism.layout import Batch
-from spacar.mechanism.mechanism import Array
 from spacar.mechanism.numbering import Numbering
 
 PARAMETERS = {"EM": 9, "ESTIFF": 6, "EDAMP": 6}
-TUBES = ("PLTUBE", "TUBE")
 SHAPE_FACTOR = 3  # column of EM with the flow shape factor of tubes, 1 unless given
 
 
@@ -39,7 +38,7 @@ def element_batches(deck: Deck, numbering: Numbering, x0: Array) -> list[Batch]:
         x = np.ascontiguousarray(numbering.lnp[nodes - 1].reshape(len(nodes), -1)[:, used].T) - 1
         e = np.ascontiguousarray(numbering.le[numbers - 1, : len(kind.modes)].T) - 1
         em = _rows(tables["EM"], names, PARAMETERS["EM"])
-        if keyword in TUBES:
+        if kind.carries_flow:
             for k, n in enumerate(names):
                 if len(tables["EM"].get(n, ())) <= SHAPE_FACTOR:
                     em[k, SHAPE_FACTOR] = 1.0
@@ -56,7 +55,7 @@ def element_batches(deck: Deck, numbering: Numbering, x0: Array) -> list[Batch]:
             edamp=_rows(tables["EDAMP"], names, PARAMETERS["EDAMP"]),
         )
         try:
-            family = family_of(keyword)(group)  # type: ignore[call-arg]
+            family = family_of(kind.family)(group)  # type: ignore[call-arg]
         except GeometryError as error:
             bad = statements[error.index]
             text = f"element {bad.values[0]}: {error}"

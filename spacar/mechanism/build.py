@@ -7,12 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from spacar.arrays import Array, Index
 from spacar.deck import ELEMENT_TYPES, Deck
 from spacar.errors import InputError, Message
 from spacar.mechanism import inertia, inputs
 from spacar.mechanism.batches import element_batches, node_batches
 from spacar.mechanism.layout import Batch
-from spacar.mechanism.mechanism import Array, Index, Mechanism, Start
+from spacar.mechanism.mechanism import Mechanism, Start
 from spacar.mechanism.numbering import Numbering, number
 from spacar.modes import find_mode
 

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from spacar.arrays import Array, Index
 from spacar.deck import Deck
 from spacar.elements import Family
 from spacar.elements.lumped import LumpedMass
 from spacar.mechanism.layout import Batch
-from spacar.mechanism.mechanism import Array, Index
 from spacar.mechanism.numbering import Numbering
 
 

@@ -6,20 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from spacar.deck import Deck, Statement
+from spacar.arrays import Array
+from spacar.deck import ELEMENT_TYPES, Deck, Statement
 from spacar.deck.table_dynamics import INTEGRATOR_ALIASES
-from spacar.mechanism.batches import TUBES
-from spacar.mechanism.mechanism import (
-    Array,
-    Batch,
-    Drive,
-    DriveState,
-    Loads,
-    Polynomial,
-    Settings,
-    Start,
-    UserSignal,
-)  # fmt: skip
+from spacar.mechanism.mechanism import Batch, Drive, DriveState, Loads, Polynomial, Settings, Start, UserSignal
 from spacar.mechanism.numbering import Numbering
 
 
@@ -53,7 +43,7 @@ def loads(deck: Deck, numbering: Numbering, batches: list[Batch], prefix: str = 
     if prefix:
         flow = {int(s.values[0]): float(s.values[1]) for s in deck.of("DELOMF", block=2)}
     else:
-        tubes = {n for n, k, _ in numbering.elements if k in TUBES}
+        tubes = {n for n, k, _ in numbering.elements if ELEMENT_TYPES[k].carries_flow}
         flow = {
             int(s.values[0]): float(s.values[3])
             for s in deck.of("EM", block=2)

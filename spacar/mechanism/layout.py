@@ -12,11 +12,10 @@ from dataclasses import dataclass
 from math import prod
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spacar.arrays import Index
 from spacar.elements.base import Family
 
-Index = NDArray[np.int64]
 Place = tuple[int, slice, tuple[int, ...]]  # index of the batch, part of the flat array, shape
 
 

@@ -8,14 +8,12 @@ from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spacar.arrays import Array as Array
+from spacar.arrays import Index as Index
 from spacar.deck import ELEMENT_TYPES, Deck
 from spacar.mechanism.layout import Batch, Layout
 from spacar.mechanism.numbering import Numbering
-
-Array = NDArray[Any]  # of float64; NumPy annotates some float results too widely
-Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

@@ -16,9 +16,8 @@ from itertools import accumulate
 import numpy as np
 from numpy.typing import NDArray
 
+from spacar.arrays import Index
 from spacar.deck import ELEMENT_TYPES
-
-Index = NDArray[np.int64]
 
 CLASSES = ("fixed", "calculable", "input", "dynamic", "kinematic")
 E_ORDER = ("fixed", "input", "dynamic", "kinematic", "calculable")

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from spacar.mechanism.mechanism import Array
+from spacar.arrays import Array
 
 
 class PlacedVector(np.ndarray):

@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES
-from spacar.mechanism.mechanism import Array, Mechanism
+from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
 
 # Statements whose values behind the element number are rows of a table: name of the table, keyword, width.
 PARAMETERS = (("estiff", "ESTIFF", 6), ("edamp", "EDAMP", 6), ("em", "EM", 9), ("esig", "ESIG", 6))
-QUADRATIC = ("PLBEAM", "BEAM", "PLTUBE", "TUBE")  # types with second order terms in their strains
 
 
 def model_tables(mechanism: Mechanism) -> dict[str, Any]:
@@ -49,7 +49,7 @@ def _elements(mechanism: Mechanism) -> dict[str, Array]:
     frame_p, frame_q, data = np.zeros((rows, 9)), np.zeros((rows, 9)), np.zeros((rows, width))
     for family in elements:
         here = family.numbers - 1
-        if family.keyword in QUADRATIC:
+        if ELEMENT_TYPES[family.keyword].quadratic:
             kdform[here] = [int(i) not in linear for i in family.numbers]
         length[here] = family.length
         for table, value in ((frame_p, family.frame_p), (frame_q, family.frame_q)):

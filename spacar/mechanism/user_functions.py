@@ -22,9 +22,10 @@ from typing import Any
 
 import numpy as np
 
+from spacar.arrays import Array, Index
 from spacar.deck import Deck, Statement
 from spacar.errors import AnalysisError, InputError, Message
-from spacar.mechanism.mechanism import Array, DriveState, Index, Polynomial, Settings, UserForces, UserSignal
+from spacar.mechanism.mechanism import DriveState, Polynomial, Settings, UserForces, UserSignal
 from spacar.mechanism.numbering import Numbering
 from spacar.mechanism.places import placed
 from spacar.modes import find_mode

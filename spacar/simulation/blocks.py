@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from spacar.arrays import Array
 from spacar.errors import AnalysisError, UsageError
 
-Array = NDArray[np.float64]
 NONE: Array = np.zeros(0)
 
 

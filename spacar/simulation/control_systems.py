@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.errors import UsageError
-from spacar.simulation.blocks import Array, Block
+from spacar.simulation.blocks import Block
 
 
 def as_control(block: Block) -> Any:

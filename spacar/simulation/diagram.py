@@ -14,10 +14,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from spacar.arrays import Array, Index
 from spacar.errors import UsageError
-from spacar.simulation.blocks import Array, Block
-
-Index = NDArray[np.int64]
+from spacar.simulation.blocks import Block
 
 
 @dataclass

@@ -18,12 +18,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from spacar.arrays import Array
 from spacar.errors import AnalysisError, UsageError
 from spacar.integrators import Step, Tolerance, named, steps
 from spacar.simulation.blocks import Block
 from spacar.simulation.diagram import Diagram, Schedule, schedule
 
-Array = NDArray[np.float64]
 EPS = float(np.finfo(float).eps)
 MAX_BISECTIONS = 100
 

@@ -12,14 +12,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spacar.arrays import Array
 from spacar.errors import AnalysisError, UsageError
 from spacar.simulation.propagation import disturbance
 from spacar.simulation.tables import Table
 from spacar.simulation.time_varying import TimeVarying
-
-Array = NDArray[np.float64]
 
 
 def with_gain(data: TimeVarying, kp: Array, kd: Array | None = None) -> TimeVarying:

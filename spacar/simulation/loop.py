@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from spacar.simulation.blocks import Array, Function, Sampled
+from spacar.arrays import Array
+from spacar.simulation.blocks import Function, Sampled
 from spacar.simulation.diagram import Diagram
 from spacar.simulation.engine import Response, simulate
 from spacar.simulation.plant import Spasim

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.deck import Deck, read_deck
 from spacar.dynamics.dynamics import Dynamics
 from spacar.errors import UsageError
@@ -20,7 +21,7 @@ from spacar.linear.signals import signals
 from spacar.linear.state_space import DRIVING_SIGN
 from spacar.mechanism import build
 from spacar.mechanism.mechanism import Mechanism, UserForces
-from spacar.simulation.blocks import Array, Block
+from spacar.simulation.blocks import Block
 
 INPUT_KINDS = ("INPUTS", "INPUTF")
 OUTPUT_KINDS = ("OUTE", "OUTEP", "OUTEDP", "OUTX", "OUTXP", "OUTXDP")

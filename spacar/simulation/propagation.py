@@ -18,12 +18,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spacar.arrays import Array
 from spacar.errors import AnalysisError, UsageError
 from spacar.simulation.time_varying import TimeVarying
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

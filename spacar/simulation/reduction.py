@@ -23,11 +23,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from spacar.arrays import Array
 from spacar.errors import AnalysisError, UsageError
 from spacar.simulation.propagation import disturbance
 from spacar.simulation.time_varying import TimeVarying
 
-Array = NDArray[np.float64]
 POOR_OVERLAP = 0.7  # of a mode with its successor: below it the stored times are too far apart to follow it
 
 

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.errors import UsageError
-from spacar.simulation.blocks import Array, Block
+from spacar.simulation.blocks import Block
 from spacar.simulation.reduction import reduce_modes
 from spacar.simulation.tables import Table
 from spacar.simulation.time_varying import TimeVarying

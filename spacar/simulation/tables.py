@@ -12,11 +12,10 @@ from bisect import bisect_right
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spacar.arrays import Array
 from spacar.errors import AnalysisError, UsageError
 
-Array = NDArray[np.float64]
 KINDS = ("step", "linear", "spline")
 # Chosen, for times summed from decimal steps: a time outside by less than this part of the span is the first or last.
 ROUNDING = 1e-9

@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from spacar.arrays import Array
 from spacar.errors import UsageError
 
 if TYPE_CHECKING:
     from spacar.result import Result
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,7 @@ from typing import Any
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
 from spacar.dynamics.dynamics import Dynamics
 from spacar.errors import Report, UsageError
@@ -32,7 +33,6 @@ from spacar.forward.driver import Tolerances, frames, integrated, watched, work
 from spacar.frame import Frame, StoredFrames
 from spacar.integrators import METHODS
 from spacar.mechanism import Mechanism, build
-from spacar.mechanism.mechanism import Array
 from spacar.result import Result
 from spacar.studies.assignments import parameters_of
 from spacar.studies.reduced import ReducedCopies

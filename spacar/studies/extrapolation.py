@@ -10,11 +10,11 @@ with the last difference as error.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-Array = np.ndarray[Any, np.dtype[Any]]
+from spacar.arrays import Array
+
 ORDERS = (2, 4)
 CLOSE = 0.6  # between observed and theoretical order
 ROUNDING = 1e-13  # differences below cannot tell an order

@@ -28,9 +28,9 @@ from spacar.deck import ELEMENT_TYPES, Deck, Statement
 from spacar.deck.statement import Value
 from spacar.errors import UsageError
 
-BEAMS = ("PLBEAM", "BEAM")
-PAIRS = {"PLBEAM": ((2, 3),), "BEAM": ((3, 4), (5, 6))}  # bending modes at p and q
-TORSION = {"PLBEAM": None, "BEAM": 2}
+PAIRS = {t.keyword: t.split for t in ELEMENT_TYPES.values() if t.split}  # bending modes at p and q
+BEAMS = tuple(PAIRS)
+TORSION = {k: next((m for m, (n, _) in enumerate(ELEMENT_TYPES[k].modes, 1) if n == "torsion"), None) for k in BEAMS}
 PER_ELEMENT = ("EM", "ESTIFF", "EDAMP")
 CLASSES = ("DYNE", "RLSE", "INPUTE", "KINE")
 Row = tuple[Value, ...]
@@ -74,7 +74,7 @@ def refine(deck: Deck, n: int) -> Deck:
         raise UsageError(f"a beam is split into 1 or more elements, not {n}", "study.refine")
     split = flexible_beams(deck)
     if not split:
-        raise UsageError(f"{deck.source} has no flexible PLBEAM or BEAM to refine", "study.refine")
+        raise UsageError(f"{deck.source} has no flexible {' or '.join(BEAMS)} to refine", "study.refine")
     if n == 1:
         return deck
     _require_splittable(deck, split)
@@ -97,7 +97,7 @@ def refine(deck: Deck, n: int) -> Deck:
             for part, a, b in zip(parts[number], ends, ends[1:], strict=False):
                 kinematics.append((s.keyword, part, *a, *b, *s.values[5:]))
             x_p, x_q = (position.get(node, np.zeros(3)) for node in (p, q))
-            size = 2 if s.keyword == "PLBEAM" else 3
+            size = 2 if ELEMENT_TYPES[s.keyword].planar else 3
             for i, (node, _) in enumerate(inner, 1):
                 kinematics.append(("X", node, *(x_p + (i / n) * (x_q - x_p))[:size].tolist()))
     for s in deck.statements:

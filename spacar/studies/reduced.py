@@ -15,10 +15,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from spacar.arrays import Array, Index
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.equations import singular_motion
 from spacar.kinematics.kinematics import CONVERGED
-from spacar.mechanism.mechanism import Array, Index, Mechanism
+from spacar.mechanism.mechanism import Mechanism
 
 MOST = 8  # degrees of freedom of a copy up to which this is faster than the band solver
 

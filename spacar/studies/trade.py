@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.deck import Deck
 from spacar.errors import AnalysisError, UsageError
 from spacar.integrators.methods import METHODS
@@ -38,8 +39,6 @@ REFERENCE_TOLERANCE = 1e-12  # smallest
 REFERENCE_MARGIN = 0.01  # tolerance of the reference / smallest error that is looked at
 CONSTANT = 1e-6  # a variable whose span is a smaller part of its magnitude is compared with the magnitude
 STILL = 1e-9  # a variable that stays below this part of the largest one is left out
-
-Array = np.ndarray[Any, np.dtype[Any]]
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 
 import spacar
+from spacar.arrays import Array
 from spacar.deck import parse_deck
 from spacar.forward import driver
 from spacar.frame import Frame
-from spacar.mechanism.mechanism import Array
 
 DATA = Path(__file__).parents[2] / "data"
 CRANK = """PLBEAM 1 1 2 3 4

@@ -13,10 +13,10 @@ from linear_models import DATA, PLANAR, SPATIAL, TRIKE_SPRING, TUBE, example, me
 from nonlinear import Nonlinear, State, jacobian, random_state
 
 from spacar import run
+from spacar.arrays import Array
 from spacar.linear.signals import linearization_signals
 from spacar.linear.state_space import DRIVING_SIGN, Signal, state_space
 from spacar.linearization import linearize
-from spacar.mechanism.mechanism import Array
 
 PLANAR_SIGNALS = """INPUTS 1 1 2
 INPUTS 2 2 1

@@ -6,15 +6,12 @@ from __future__ import annotations
 from math import pi
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spacar.frame import Frame
 from spacar.mechanism.numbering import Numbering
 from spacar_formats.log.layout import COLUMNS_IN_BLOCK, matrix, real, table
 from spacar_formats.log.model import coordinates
 from spacar_formats.signals import dynamic_names, state_names
-
-Array = NDArray[np.float64]
 
 MATRICES = {
     "m0": "reduced mass matrix M0",

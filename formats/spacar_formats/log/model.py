@@ -24,7 +24,6 @@ DYNAMICS = (
     "INPUTX", "INPUTE", "STARTDX", "STARTDE", "USERINP",
     "DELXF", "DELGRAV", "DELOMF", "DELESIG", "DELINPX", "DELINPE",
 )  # fmt: skip
-TUBES = ("PLTUBE", "TUBE")
 
 
 def class_letters(n: Numbering) -> tuple[list[str], list[str]]:
@@ -130,7 +129,7 @@ def total_mass(mechanism: Mechanism) -> tuple[float, list[str]]:
     distributed = 0.0
     for s in mechanism.deck.of("EM", block=2):
         element = s.integer(0)
-        per_length = s.real(1) + (s.real(2) if n.keyword[element] in TUBES else 0.0)
+        per_length = s.real(1) + (s.real(2) if ELEMENT_TYPES[n.keyword[element]].carries_flow else 0.0)
         distributed += per_length * length[element]
     parts = [f"  in nodes {real(lumped)} kg, distributed over elements {real(distributed)} kg"] if distributed else []
     return lumped + distributed, parts

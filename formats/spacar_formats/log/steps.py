@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from spacar.arrays import Array
 from spacar.deck.table import KEYWORDS
-from spacar.frame import Array, Frame
+from spacar.frame import Frame
 from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
 from spacar.stream import Run

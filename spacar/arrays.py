@@ -1,0 +1,11 @@
+"""Types of arrays in annotations."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]  # of float64; NumPy annotates some float results too widely
+Index = NDArray[np.int64]
