@@ -1,7 +1,7 @@
 """The four figures of the tutorial: joint angles and tip deflections of the two-link manipulator (figures 2 to 5 of
 the paper, docs/reference/bibliography.md), and the torque of the motor of the closed slider-crank.
 
-    python docs/symbolic/figures.py          writes q1.png, q4.png, tip1.png, tip2.png, slider_crank.png beside this file
+    python docs/symbolic/figures.py     writes q1.png, q4.png, tip1.png, tip2.png, slider_crank.png beside this file
 """
 
 from __future__ import annotations
