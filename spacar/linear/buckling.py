@@ -24,6 +24,7 @@ from spacar.linearization.matrices import Linearization
 NOTHING = 1e-13  # mu below this fraction of the largest is an infinite multiplier
 PAIR = 1e-6  # relative difference of moduli below which multipliers count as +- the same: loads are known to 1e-8
 NO_STRESS = "no stress, no load multiplier: the geometric stiffness vanishes"
+SINGULAR_K0 = "the stiffness matrix K0 is singular: a load multiplier is zero"
 SINGULAR = 1e-14
 
 
@@ -47,6 +48,8 @@ def buckling_modes(K0: Array, G0: Array, report: Report) -> BucklingModes:
     if is_symmetric(K) and is_symmetric(G):
         try:
             lower = np.linalg.cholesky(K)
+            if np.min(np.diag(lower)) ** 2 <= n * backward_error.EPS:  # a pivot that is rounding
+                lower = None
         except np.linalg.LinAlgError:
             lower = None
     if lower is not None:
@@ -80,13 +83,16 @@ def _general(K: Array, G: Array, report: Report) -> tuple[Array, Array]:
     from scipy.linalg import eig
 
     of_G, of_K = (float(np.linalg.norm(A)) or 1.0 for A in (G, K))
+    common = _common_null_space(K / of_K, G / of_G)
+    if common is not None:
+        return _without(*common, K, G, report)
     (alpha, beta), vectors = eig(-G / of_G, K / of_K, homogeneous_eigvals=True)
     size = np.maximum(np.abs(alpha), np.abs(beta))
     rounding = backward_error.rounding(len(K))
     undetermined = size <= rounding  # of two matrices of norm 1: 0/0
     if undetermined.any():
         raise AnalysisError(
-            "K0 and G0 have a common null vector: a motion without stiffness and without geometric stiffness;"
+            "K0 + lambda G0 is singular for every lambda: a motion without stiffness that the load does not restore;"
             " support or prescribe it before buckling is asked for",
             "buckling.singular",
         )
@@ -99,8 +105,34 @@ def _general(K: Array, G: Array, report: Report) -> tuple[Array, Array]:
         )
     mu = np.where(complex_values, 0.0, mu.real)
     if not np.isfinite(mu).all():
-        report.add("the stiffness matrix K0 is singular: a load multiplier is zero")
+        report.add(SINGULAR_K0)
     return mu, vectors.real
+
+
+def _common_null_space(K: Array, G: Array) -> tuple[Array, Array] | None:
+    """Orthogonal bases (n, rank) beside the null spaces of [K; G] and of its transposed counterpart; None where they
+    are empty or of different dimensions. K and G have the norm 1."""
+    bases, ranks = [], []
+    for both in (np.vstack((K, G)), np.vstack((K.T, G.T))):
+        _, s, vt = np.linalg.svd(both, full_matrices=True)
+        ranks.append(int(np.sum(s > backward_error.rounding(len(K)) * s[0])))
+        bases.append(vt.T)
+    if ranks[0] == len(K) or ranks[0] != ranks[1]:
+        return None
+    return bases[0][:, : ranks[0]], bases[1][:, : ranks[0]]
+
+
+def _without(right: Array, left: Array, K: Array, G: Array, report: Report) -> tuple[Array, Array]:
+    """The general problem beside the common null space of K and G, on which the load has no effect: mu = 0 there."""
+    n, rank = right.shape
+    report.add(
+        f"warning: K0 and G0 have {n - rank} common null vector{'s' * (n - rank > 1)}: a motion without stiffness and"
+        " without geometric stiffness; it has no load multiplier (infinite), the others are those of the other motions;"
+        " support or prescribe it"
+    )
+    mu, vectors = _general(left.T @ K @ right, left.T @ G @ right, report)
+    rest = np.linalg.svd(right.T, full_matrices=True)[2][rank:].T
+    return np.concatenate((mu, np.zeros(n - rank))), np.hstack((right @ vectors, rest))
 
 
 def _scale(K: Array) -> Array:

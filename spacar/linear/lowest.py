@@ -7,7 +7,9 @@ that is the negative shift -s^2 for omega^2, Q = K_x + s C + s^2 M is regular al
     otherwise:           op (x, v) = (x', x + s x'),  Q x' = -(M v + (C + s M) x),  theta = 1/(lambda - s)
 
 s^2 is a hundredth of the highest wanted omega^2, found by two steps of the iteration. Buckling: op = -K_S^-1 (Hs +
-load), theta = 1/lambda, K_S = V^T S V. Pairs with |op(z) - theta z| > 1e-8 |theta| |z| are kept, with a warning.
+load), theta = 1/lambda, K_S = V^T S V; where that is singular,
+op = -(K_S + s (Hs + load))^-1 (Hs + load), theta = 1/(lambda - s). Pairs with |op(z) - theta z| > 1e-8 |theta| |z| are
+kept, with a warning.
 """
 
 from __future__ import annotations
@@ -17,16 +19,18 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
-from spacar.linear.buckling import BucklingModes, order_of
+from spacar.linear.buckling import SINGULAR_K0, BucklingModes, order_of
 from spacar.linear.eigen import Modes, arranged
 from spacar.linear.subspace import NOTHING, SPARE, SUFFICIENT, Operator, dominant, real_vectors
-from spacar.linear_systems import SingularMatrixError
+from spacar.linear_systems import SingularMatrixError, System
 from spacar.stationary.tangent import STATIC, SparseTangent
 
 WANTED = 20  # modes
 SHIFT = 1e-2  # s^2 as a fraction of the highest wanted omega^2
 LOADING = ("geometric", "load", "moment")
+RIGID = 1e-10  # s^2 M of rods at least: below 1e-14 a matrix counts as singular, and omega^2 loses nothing
 SYMMETRIC = 1e-9
+SHIFTS = (1e-2, 0.3, 1.0)  # of the present load, for buckling: no multiplier of interest
 COLUMNS = 256  # right-hand sides at once
 
 
@@ -46,19 +50,17 @@ def lowest_vibration(tangent: SparseTangent, report: Report, wanted: int = WANTE
 
 
 def lowest_buckling(tangent: SparseTangent, report: Report, wanted: int = WANTED) -> BucklingModes:
-    """The `wanted` load multipliers of smallest modulus. Raises AnalysisError when K0 is singular."""
+    """The `wanted` load multipliers of smallest modulus. Raises AnalysisError when K0 and G0 are singular
+    together."""
     wanted = min(wanted, tangent.dynamics.numbering.nddof)
     if not any(tangent.parts[k].values().any() for k in LOADING):
         return BucklingModes(np.zeros(0), np.zeros((tangent.dynamics.numbering.nddof, 0)))
+    shift = 0.0
     try:
         system = tangent.factor({})
-    except SingularMatrixError as error:
-        raise AnalysisError(
-            f"the stiffness matrix K0 is singular ({error}): no load multipliers; support or prescribe the motion"
-            f" without"
-            " stiffness",
-            "buckling.singular",
-        ) from None
+    except SingularMatrixError:
+        shift, system = _shifted(tangent)
+        report.add(SINGULAR_K0)
 
     def operator(x: Array) -> Array:
         return -tangent.displacement(system, tangent.times(LOADING, x))
@@ -74,9 +76,26 @@ def lowest_buckling(tangent: SparseTangent, report: Report, wanted: int = WANTED
     _check(operator, theta, x, "load multipliers", report)
     finite = np.abs(theta) > NOTHING * np.max(np.abs(theta), initial=0.0)
     theta, x = theta[finite], x[:, finite]
-    order = order_of(1.0 / theta)
+    multipliers = shift + 1.0 / theta
+    # the residual that counts as converged, of the shift
+    multipliers[np.abs(multipliers) <= SUFFICIENT * shift] = 0.0
+    order = order_of(multipliers)
     modes = _degrees_of_freedom(tangent, x[:, order])
-    return BucklingModes(1.0 / theta[order], modes / np.linalg.norm(modes, axis=0))
+    return BucklingModes(multipliers[order], modes / np.linalg.norm(modes, axis=0))
+
+
+def _shifted(tangent: SparseTangent) -> tuple[float, System]:
+    """K0 + s G0 for K0 singular, and s > 0: (K0 + s G0) v = -(lambda - s) G0 v. Raises AnalysisError."""
+    for shift in SHIFTS:
+        try:
+            return shift, tangent.factor(dict.fromkeys(LOADING, shift))
+        except SingularMatrixError:
+            continue
+    raise AnalysisError(
+        "K0 and G0 have a common null vector: a motion without stiffness and without geometric stiffness; support or"
+        " prescribe it before buckling is asked for",
+        "buckling.singular",
+    )
 
 
 def sparse_compliances(tangent: SparseTangent) -> Array:
@@ -106,13 +125,14 @@ def _shift(tangent: SparseTangent, wanted: int) -> float:
         raise AnalysisError("singular mass matrix: the system carries no mass; add XM or EM", "dynamics.singular-mass")
     if K == 0.0:
         return 1.0  # nothing restores anything: all eigenvalues are zero, any shift will do
-    square = 1e-6 * K / M
+    least = 0.0 if springs else RIGID / M  # rods without springs: the constraints have the size one
+    square = max(1e-6 * K / M, least)
     for _ in range(12):
         operator = _squared(tangent, square)
         X = np.linalg.qr(operator(operator(_random(tangent, wanted))))[0]
         theta = np.sort(np.abs(np.linalg.eigvals(X.T @ operator(X))))[::-1][wanted - 1]
         better = SHIFT * max(1.0 / float(theta) - square, SHIFT * square)
-        square, before = better, square
+        square, before = max(better, least), square
         if 0.1 < square / before < 10.0:
             break
     return float(np.sqrt(square))
@@ -146,8 +166,7 @@ def _quadratic(tangent: SparseTangent, s: float, wanted: int, report: Report) ->
         following = -tangent.displacement(system, force)
         return np.vstack((size * following, x + s * following))
 
-    start = np.vstack([_random(tangent, 2 * wanted) for _ in range(2)])
-    theta, z = dominant(operator, operator(start), 2 * wanted)
+    theta, z = dominant(operator, operator(_random(tangent, 2 * wanted, 2)), 2 * wanted)
     if theta[-1].imag and not np.any(np.isclose(theta[:-1], theta[-1].conj(), rtol=1e-8)):
         theta, z = theta[:-1], z[:, :-1]  # half a pair
     _check(operator, theta, z, "eigenvalues", report)
@@ -168,11 +187,13 @@ def _symmetric(tangent: SparseTangent) -> bool:
     return abs(left - right) <= SYMMETRIC * max(size, 1e-300)
 
 
-def _random(tangent: SparseTangent, wanted: int) -> Array:
-    """Start block (nx, p), always the same."""
-    x = np.zeros((tangent.dynamics.numbering.nx, min(wanted + SPARE, tangent.dynamics.numbering.nddof)))
-    x[tangent.F] = np.random.default_rng(1).standard_normal((tangent.nf, x.shape[1]))
-    return x
+def _random(tangent: SparseTangent, wanted: int, parts: int = 1) -> Array:
+    """Start block (parts nx, p) of positions, or of positions and rates, always the same."""
+    n = tangent.dynamics.numbering
+    columns = min(wanted + SPARE, parts * n.nddof)
+    x = np.zeros((parts, n.nx, columns))
+    x[:, tangent.F] = np.random.default_rng(1).standard_normal((parts, tangent.nf, columns))
+    return x.reshape(parts * n.nx, columns)
 
 
 def _degrees_of_freedom(tangent: SparseTangent, x: Array) -> Array:

@@ -1,10 +1,16 @@
 """Inertia of a symmetric sparse matrix: how many of its eigenvalues are negative, and how many are zero.
 
 Sylvester: a congruence keeps the signs. In reverse Cuthill-McKee order the matrix is block tridiagonal; the blocks are
-eliminated one after the other, A_k+1 - B^T S_k^-1 B, and the inertia is the sum over the Schur complements S_k. A
-Schur complement may be singular although the matrix is not (a constraint that comes before its coordinates), so each
-is diagonalized by an orthogonal transformation: directions with small eigenvalues are not eliminated but handed on to
-the next block. Only what is left behind the last block is zero. Cost: linear in the number of unknowns.
+eliminated one after the other, A_k+1 - B^T S_k^-1 B, and the inertia is the sum over the Schur complements S_k. Cost:
+linear in the number of unknowns, n times the square of the bandwidth.
+
+A Schur complement may be singular although the matrix is not: a constraint that comes before its coordinates, the part
+of a chain before its support. So it is first tried with S = L D L^T (Bunch-Kaufman), in either order; a chain held at
+one end is regular from there. Where S^-1 blows up what it adds to the next block, both are refused, and every S is
+diagonalized by an orthogonal transformation, ten times as dear. A direction with eigenvalue s and coupling b to the
+next block is eliminated if b^T b / |s| is not large; else it is handed on to the next block (a delayed pivot). A small
+eigenvalue alone is no reason to wait: what is not coupled either would wait until the end. Only what is left behind the
+last block is zero.
 """
 
 from __future__ import annotations
@@ -13,56 +19,144 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 
-SINGLE = 150  # unknowns up to which one block is faster
-SMALLEST_BLOCK = 48
-DELAYED = 1e-4  # relative eigenvalue below which a direction waits for the next block: growth of at most 1e4 a block
+EPS = float(np.finfo(float).eps)
+SINGLE = 60  # unknowns up to which one block is faster
+SMALLEST_BLOCK = 16  # below, the call of the eigenvalue solver costs more than its work
+FACTORED_BLOCK = 48  # the same for L D L^T
+EQUILIBRATIONS = 3  # passes; rows and columns are then within a factor of two of size one
+GROWTH = 10.0  # of the entries (of size one) in one elimination: one of their digits is lost at most
+CLEAR = float(np.sqrt(EPS))  # pivots above it have their sign whatever rounding does
 
 
-def inertia(n: int, rows: Index, columns: Index, entries: Array) -> tuple[int, int]:
-    """Negative and zero eigenvalues of the matrix of order n with these entries (repeated ones add up).
+class Inertia:
+    """Counts for matrices of order n with entries at (rows, columns); repeated ones add up. Ordered once.
 
-    It is scaled to rows of size one first; zero means below n eps then, which is what its rounding makes of zero.
+    `rank` (n,): a symmetric order with a narrow band, if known.
     """
-    if n == 0:
-        return 0, 0
-    size = np.zeros(n)
-    np.maximum.at(size, rows, np.abs(entries))
-    d = 1.0 / np.sqrt(np.where(size > 0.0, size, 1.0))
-    values = entries * d[rows] * d[columns]
-    zero = n * float(np.finfo(float).eps)
-    if n <= SINGLE:
-        A = np.bincount(rows * n + columns, values, n * n).reshape(n, n)
-        spectrum = np.linalg.eigvalsh((A + A.T) / 2.0)
-        return int(np.sum(spectrum < -zero)), int(np.sum(np.abs(spectrum) <= zero))
-    return _by_blocks(n, rows, columns, values, zero)
+
+    def __init__(self, n: int, rows: Index, columns: Index, rank: Index | None = None) -> None:
+        self.n, self.rows, self.columns = n, rows, columns
+        if n <= SINGLE:
+            return
+        from spacar.linear_systems.ordering import bandwidths, order
+
+        self._rank = order(n, rows, columns)[0] if rank is None else rank
+        self._bandwidth = max(bandwidths(self._rank[rows], self._rank[columns]))
+        self._backwards = False
+        self._layouts: dict[tuple[bool, int], tuple[Index, Index]] = {}
+
+    def __call__(self, entries: Array) -> tuple[int, int]:
+        """Negative and zero eigenvalues.
+
+        The matrix is scaled to rows of size one first; zero means below n eps then, which is what its rounding makes of
+        zero.
+        """
+        n = self.n
+        if n == 0:
+            return 0, 0
+        values = self._equilibrated(entries)
+        if n <= SINGLE:
+            A = np.bincount(self.rows * n + self.columns, values, n * n).reshape(n, n)
+            spectrum = np.linalg.eigvalsh((A + A.T) / 2.0)
+            zero = n * EPS
+            return int(np.sum(spectrum < -zero)), int(np.sum(np.abs(spectrum) <= zero))
+        for backwards in (self._backwards, not self._backwards):
+            negative = _by_factors(n, self._blocks(values, backwards, FACTORED_BLOCK))
+            if negative is not None:
+                self._backwards = backwards
+                return negative, 0
+        return _by_spectra(n, self._blocks(values, False, SMALLEST_BLOCK))
+
+    def _equilibrated(self, entries: Array) -> Array:
+        """D A D with rows of size about one (D. Ruiz, Rutherford Appleton Laboratory, RAL-TR-2001-034)."""
+        values = entries
+        for _ in range(EQUILIBRATIONS):
+            size = np.zeros(self.n)
+            np.maximum.at(size, self.rows, np.abs(values))
+            d = 1.0 / np.sqrt(np.where(size > 0.0, size, 1.0))
+            values = values * d[self.rows] * d[self.columns]
+        return values
+
+    def _blocks(self, values: Array, backwards: bool, smallest: int) -> Array:
+        """(count, width, 2 width): every diagonal block and the one to its right, side by side."""
+        width = max(smallest, self._bandwidth)
+        if (backwards, width) not in self._layouts:
+            rank = self.n - 1 - self._rank if backwards else self._rank
+            i, j = rank[self.rows], rank[self.columns]
+            block = i // width
+            upper = np.flatnonzero(j // width >= block)
+            self._layouts[backwards, width] = upper, (i * 2 * width + (j - block * width))[upper]
+        upper, flat = self._layouts[backwards, width]
+        count = -(-self.n // width)
+        return np.bincount(flat, values[upper], count * 2 * width * width).reshape(count, width, 2 * width)
 
 
-def _by_blocks(n: int, rows: Index, columns: Index, values: Array, zero: float) -> tuple[int, int]:
-    from scipy.sparse import coo_matrix
+def _by_factors(n: int, blocks: Array) -> int | None:
+    """Negative eigenvalues; None where a Schur complement is nearly singular."""
+    from scipy.linalg.lapack import dsysv
 
-    from spacar.linear_systems.ordering import bandwidths, order
+    negative, width = 0, blocks.shape[1]
+    update = np.zeros((width, width))
+    for k, block in enumerate(blocks):
+        m = min(width, n - k * width)
+        coupling = block[:m, width:]
+        columns = np.flatnonzero(coupling.any(axis=0))
+        b = coupling[:, columns]
+        S = block[:m, :m] - update[:m, :m]
+        factor, pivots, x, info = dsysv(S, b if len(columns) else coupling[:, :1], lower=1)
+        signs = _signs(factor, pivots) if info == 0 else None
+        if signs is None:
+            return None
+        change = b.T @ x[:, : len(columns)]
+        if not np.max(np.abs(change), initial=0.0) <= GROWTH:
+            return None
+        negative += signs
+        update = np.zeros((width, width))
+        update[columns[:, None], columns] = change
+    return negative
 
-    rank, _ = order(n, rows, columns)
-    i, j = rank[rows], rank[columns]
-    width = max(SMALLEST_BLOCK, *bandwidths(i, j))
-    A = coo_matrix((values, (i, j)), (n, n)).tocsr()
-    A = (A + A.T).tocsr() / 2.0
-    negative = 0
-    waiting, waiting_coupling = np.zeros(0), np.zeros((0, min(width, n)))
-    update = np.zeros((min(width, n), min(width, n)))
-    for a in range(0, n, width):
-        b, c = min(a + width, n), min(a + 2 * width, n)
-        band = A[a:b, a:c].toarray()
-        w, m = len(waiting), b - a
-        S = np.empty((w + m, w + m))
-        S[:w, :w] = np.diag(waiting)
-        S[:w, w:], S[w:, :w] = waiting_coupling, waiting_coupling.T
-        S[w:, w:] = band[:, :m] - update
-        spectrum, Q = np.linalg.eigh(S)
-        coupling = Q[w:].T @ band[:, m:]
-        taken = np.abs(spectrum) > (DELAYED * np.max(np.abs(spectrum)) if c > b else zero)
-        negative += int(np.sum(spectrum[taken] < 0.0))
+
+def _signs(factor: Array, pivots: Index) -> int | None:
+    """Negative eigenvalues of D, which has blocks of one or two; None if a pivot may be rounding.
+
+    Blocks of two are indefinite: Bunch and Kaufman take them where the diagonal is small beside the other entry.
+    """
+    d = np.diagonal(factor)
+    single = pivots > 0
+    if not np.min(np.abs(d[single]), initial=1.0) > CLEAR:
+        return None
+    first = np.flatnonzero(~single)[::2]
+    other = factor[first + 1, first]
+    if not np.min(np.abs(other), initial=1.0) > CLEAR:
+        return None
+    return int(np.count_nonzero(d[single] < 0.0)) + len(first)
+
+
+def _by_spectra(n: int, blocks: Array) -> tuple[int, int]:
+    """Negative and zero eigenvalues, with directions that wait."""
+    width = blocks.shape[1]
+    negative, zero = 0, n * EPS
+    waiting, waiting_coupling = np.zeros(0), np.zeros((0, width))
+    update = np.zeros((width, width))
+    for k, block in enumerate(blocks):
+        w, m = len(waiting), min(width, n - k * width)
+        S = np.zeros((w + m, w + m))
+        S[w:, w:] = block[:m, :m] - update[:m, :m]
+        if w:
+            S.flat[: w * (w + m) : w + m + 1] = waiting
+            S[w:, :w] = waiting_coupling[:, :m].T
+        spectrum, Q = np.linalg.eigh(S)  # of the lower triangle
+        size = np.abs(spectrum)
+        coupling = Q[w:].T @ block[:m, width:]
+        zero = max(zero, n * EPS * float(size.max()))
+        taken = (size > zero) & (np.einsum("ij,ij->i", coupling, coupling) <= GROWTH * size)
+        negative += int(np.count_nonzero(spectrum[taken] < 0.0))
         B = coupling[taken]
         update = B.T @ (B / spectrum[taken, None])
         waiting, waiting_coupling = spectrum[~taken], coupling[~taken]
     return negative, len(waiting)
+
+
+def inertia(n: int, rows: Index, columns: Index, entries: Array) -> tuple[int, int]:
+    """Negative and zero eigenvalues of one matrix of order n."""
+    return Inertia(n, rows, columns)(entries)

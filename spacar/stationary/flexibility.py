@@ -52,6 +52,19 @@ class Flexibility:
         coupled[: self.constrained] = 1.0
         return np.concatenate(values) if values else np.zeros(0), coupled, size
 
+    @property
+    def definite(self) -> bool:
+        """Is the stiffness of all elements positive (semi)definite?"""
+        for b in self.elastic:
+            S = b.family.stiffness()[0].transpose(2, 0, 1).copy()
+            diagonal = np.einsum("nii->ni", S)
+            diagonal += diagonal == 0.0  # rows without stiffness
+            try:
+                np.linalg.cholesky(S)
+            except np.linalg.LinAlgError:
+                return False
+        return True
+
     def times(self, sigma: Array) -> Array:
         """C sigma of rows with stiffness, sigma / size of rows without, zero for multipliers, (ne,)."""
         s = sigma / self.size

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from spacar.linear_systems import System
-from spacar.linear_systems.inertia import inertia
+from spacar.linear_systems.inertia import Inertia
 from spacar.linearization.contractions import geometric_blocks
 from spacar.mechanism.mechanism import Array
 from spacar.stationary.equations import Point
@@ -22,6 +22,7 @@ class RestingTangent:
     def __init__(self, sparse: SparseTangent) -> None:
         self.t = sparse
         self._system: System | None = None
+        self._inertia: Inertia | None = None
         loading = sparse.parts["load"], sparse.parts["moment"]
         self._unsymmetric = [p for p in loading if len(p.keep)]
 
@@ -61,6 +62,13 @@ class RestingTangent:
                 return False
         return True
 
+    @property
+    def natural(self) -> bool:
+        """Nothing but the stiffness of the elements, and that not negative: no eigenvalue of K can be negative."""
+        t = self.t
+        loaded = t.sigma.any() or any(part.values().any() for part in self._unsymmetric)
+        return not loaded and t.flexibility.definite
+
     def sign(self) -> float:
         """Of the determinant, up to a factor that does not change with the state."""
         assert self._system is not None
@@ -68,5 +76,9 @@ class RestingTangent:
 
     def inertia(self) -> tuple[int, int]:
         """Negative and zero eigenvalues of the matrix at the sweep's configuration and `sigma`."""
-        rows, columns = self.t.pattern(tuple(STATIC))
-        return inertia(self.t.nf + self.t.ne, rows, columns, self.t.entries(STATIC)[0])
+        from spacar.linear_systems.banded import BandedSystem
+
+        if self._inertia is None:
+            rank = self._system.row_rank if isinstance(self._system, BandedSystem) else None
+            self._inertia = Inertia(self.t.nf + self.t.ne, *self.t.pattern(tuple(STATIC)), rank)
+        return self._inertia(self.t.entries(STATIC)[0])

@@ -62,19 +62,27 @@ def stability(q: Equations, tangent: Tangent, p: Point, noise: float) -> Stabili
         return None
     if isinstance(tangent, RestingTangent):
         tangent.t.sigma = p.sigma
+        if tangent.natural and _regular(q, tangent, p):
+            return Stability(0, 0, True)
         if tangent.symmetric:
             negative, zero = tangent.inertia()
             critical = noise > CRITICAL
             return Stability(max(negative - q.ne, 0), q.nf if critical else zero, True, critical)
-    try:
-        tangent.factor(p)
-        correction(q, tangent, p, np.zeros_like(p.x))  # regular?
-    except SingularMatrixError:
+    if not _regular(q, tangent, p):
         return None
     sign = tangent.sign()
     if isinstance(tangent, MovingTangent):  # a sign of its own for every pair of a coordinate and a stress
         sign *= -1.0 if q.ne % 2 else 1.0
     return Stability(int(sign < 0.0), 0, False)
+
+
+def _regular(q: Equations, tangent: Tangent, p: Point) -> bool:
+    try:
+        tangent.factor(p)
+        correction(q, tangent, p, np.zeros_like(p.x))
+    except SingularMatrixError:
+        return False
+    return True
 
 
 def critical_motion(q: Equations, tangent: Tangent, p: Point, negative: bool) -> str:

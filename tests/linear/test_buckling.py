@@ -10,7 +10,7 @@ import pytest
 
 import spacar
 from spacar.deck import parse_deck
-from spacar.errors import AnalysisError, Report
+from spacar.errors import Report
 from spacar.linear.buckling import buckling_modes
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
@@ -107,9 +107,14 @@ def test_indefinite_stiffness():
     assert np.all(np.diff(np.abs(modes.multipliers)) >= 0)
 
 
-def test_common_null_vector_is_refused():
-    with pytest.raises(AnalysisError, match="common null vector"):
-        buckling_modes(np.diag([1.0, 0.0]), np.diag([1.0, 0.0]) * 0.5, Report())
+def test_common_null_vector_leaves_the_other_multipliers():
+    """K0 = diag(1, 0, 2), G0 = diag(1/2, 0, -1) in turned coordinates: -2, 2 and a motion without multiplier."""
+    Q = np.linalg.qr(np.random.default_rng(1).standard_normal((3, 3)))[0]
+    report = Report()
+    modes = buckling_modes(Q @ np.diag([1.0, 0.0, 2.0]) @ Q.T, Q @ np.diag([0.5, 0.0, -1.0]) @ Q.T, report)
+    assert modes.multipliers == pytest.approx([2.0, -2.0, np.inf], rel=1e-14)
+    assert abs(modes.modes[:, 2] @ Q[:, 1]) == pytest.approx(1.0, rel=1e-14)
+    assert any("common null vector" in line for line in report.lines)
 
 
 def test_no_stress_no_multiplier():

@@ -1,0 +1,84 @@
+"""Count of negative eigenvalues: exact, and with linear cost."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from spacar.deck import parse_deck
+from spacar.errors import Report
+from spacar.linear_systems import inertia as module
+from spacar.linear_systems.inertia import Inertia
+from spacar.mechanism import build
+from spacar.stationary import StationarySolver, load_program
+from spacar.stationary.resting import RestingTangent
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
+from statics import cantilever
+
+
+def chain(k: int, free: bool) -> tuple[int, np.ndarray, np.ndarray, np.ndarray]:
+    """k masses and k or k - 1 springs of compliance 1 in a row, every third one rigid and one mass in four drawn by a
+    negative spring to the ground; unknowns in random order."""
+    n = 2 * k
+    A = np.zeros((n, n))
+    for i in range(free, k):  # spring i between masses i - 1 and i
+        A[k + i, i] = A[i, k + i] = 1.0
+        if i:
+            A[k + i, i - 1] = A[i - 1, k + i] = -1.0
+        A[k + i, k + i] = -1.0 * (i % 3 > 0)
+    A[k, k] = -1.0 if free else A[k, k]
+    A[range(3, k, 4), range(3, k, 4)] = -0.03
+    p = np.random.default_rng(k).permutation(n)
+    A = A[np.ix_(p, p)]
+    rows, columns = np.nonzero(A)
+    return n, rows, columns, A[rows, columns]
+
+
+@pytest.mark.parametrize("free", [False, True])
+@pytest.mark.parametrize("k", [20, 100, 317])
+def test_both_ways_agree_with_the_spectrum(k, free):
+    n, rows, columns, entries = chain(k, free)
+    A = np.zeros((n, n))
+    A[rows, columns] = entries
+    spectrum = np.linalg.eigvalsh(A)
+    assert np.abs(spectrum).min() > 1e-6  # no sign is in doubt
+    expected = int(np.sum(spectrum < 0.0)), 0
+    count = Inertia(n, rows, columns)
+    assert count(entries) == expected
+    if n > module.SINGLE:
+        values = count._equilibrated(entries)
+        assert module._by_spectra(n, count._blocks(values, False, module.SMALLEST_BLOCK)) == expected
+        assert module._by_factors(n, count._blocks(values, False, module.FACTORED_BLOCK)) in (expected[0], None)
+
+
+def test_few_directions_wait(monkeypatch):
+    """A chain of beams before and after its bending: what is small but not coupled must not wait for the last block.
+
+    The blocks of all orders together would make the cost grow with the cube of the number of beams.
+    """
+    m = build(parse_deck(cantilever(200), mode=7), 7)
+    orders, eigh = [], np.linalg.eigh
+    seen: list[tuple[int, int]] = []
+    inertia = RestingTangent.inertia
+
+    def counted(self):
+        count = self.t.pattern(("geometric", "load", "moment"))
+        solver = Inertia(self.t.nf + self.t.ne, *count)
+        entries = self.t.entries({"geometric": 1.0, "load": 1.0, "moment": 1.0})[0]
+        blocks = solver._blocks(solver._equilibrated(entries), False, module.SMALLEST_BLOCK)
+        monkeypatch.setattr(np.linalg, "eigh", lambda S: (orders.append(len(S)), eigh(S))[1])
+        seen.append(module._by_spectra(solver.n, blocks))
+        monkeypatch.setattr(np.linalg, "eigh", eigh)
+        assert seen[-1] == inertia(self)
+        return seen[-1]
+
+    monkeypatch.setattr(RestingTangent, "inertia", counted)
+    solver = StationarySolver(m, Report())
+    for level in load_program(m.settings):
+        solver.solve(level)
+    assert seen
+    assert max(orders) <= 2 * module.SMALLEST_BLOCK
