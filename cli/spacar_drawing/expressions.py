@@ -57,6 +57,11 @@ class Curve:
 
 def evaluate(source: Source, text: str) -> Curve:
     """The values of an expression at all steps, with its unit. Raises UsageError with the reason."""
+    if text.strip() in source.named:
+        values = np.asarray(source.named[text.strip()], float)
+        if not np.isfinite(values).any():
+            raise UsageError(f"'{text}' is nowhere a finite number", "plot.finite")
+        return Curve(text.strip(), Quantity(values), text.strip())
     try:
         tree = ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
@@ -84,6 +89,8 @@ def warnings(curves: Sequence[Curve]) -> list[str]:
 
 
 def _value(source: Source, node: ast.expr, text: str) -> Quantity:
+    if source.named and isinstance(node, (ast.Name, ast.Attribute)) and ast.unparse(node) in source.named:
+        return Quantity(source.named[ast.unparse(node)])
     if isinstance(node, ast.Constant) and isinstance(node.value, (int, float)) and not isinstance(node.value, bool):
         return Quantity(float(node.value))
     if isinstance(node, ast.Name):
@@ -92,6 +99,8 @@ def _value(source: Source, node: ast.expr, text: str) -> Quantity:
             return Quantity(np.ravel(source.get("t")), NONE if stationary else unit(s=1))
         if node.id == "pi":
             return Quantity(np.pi)
+        if source.named:
+            raise UsageError(f"'{text}': {node.id} is none of t, {', '.join(source.named)}", "plot.name")
         known = [*NODE_VARIABLES, *ELEMENT_VARIABLES]
         if node.id in known:
             raise UsageError(f"'{text}': {node.id} needs two numbers in brackets; {HELP}", "plot.expression")
@@ -144,6 +153,8 @@ def _call(name: str, arguments: list[Quantity], text: str) -> Quantity:
 
 def _variable(source: Source, node: ast.Subscript, text: str) -> Quantity:
     """x[node, coordinate] or e[element, mode]."""
+    if source.named:
+        raise UsageError(f"'{text}': the result has no nodes, but t, {', '.join(source.named)}", "plot.name")
     name = node.value.id if isinstance(node.value, ast.Name) else ""
     index = node.slice.elts if isinstance(node.slice, ast.Tuple) else []
     numbers = [n.value for n in index if isinstance(n, ast.Constant) and type(n.value) is int]

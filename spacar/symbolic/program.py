@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ import sympy as sp
 
 from spacar.errors import UsageError
 from spacar.symbolic.collect import definition_order
+from spacar.symbolic.compiled import CompiledFunction
 from spacar.symbolic.constraints import ConstraintRows
 from spacar.symbolic.derivation import DerivedEquations
 from spacar.symbolic.emit import emit
@@ -32,9 +33,23 @@ class Program(OrderedProgram):
         """The program of ∂g/∂y, see `jacobian.py`."""
         return jacobian_of(self)
 
-    def function(self, values: dict[str, float], jacobian: bool = True) -> Any:
+    def function(
+        self,
+        values: dict[str, float],
+        jacobian: bool = True,
+        feeds: Mapping[str, Callable[..., float]] | None = None,
+    ) -> Any:
         """f(t, y) -> ẏ and f.jac(t, y) in Python for parameter values; see `run.py`."""
-        return make_function(self, values, jacobian)
+        return make_function(self, values, jacobian, feeds)
+
+    def compile(
+        self, values: dict[str, float], feeds: Mapping[str, Callable[..., float]] | None = None
+    ) -> CompiledFunction:
+        """The same function in C, compiled here: f(t, y), f.jac, f.outputs; give it to `simulate(function=...)`.
+
+        `feeds`: functions of (t, y) for inputs without law. Raises AnalysisError when there is no C compiler.
+        """
+        return CompiledFunction(self, values, feeds)
 
     def simulate(self, values: dict[str, float], start: dict[str, float], **options: Any) -> Any:
         """Integrate the motion; see `run.simulate`."""
