@@ -47,6 +47,8 @@ class _Variables:
 
 def evaluate(source: Source, text: str) -> Curve:
     """The values of an expression at all steps, with its unit. Raises UsageError with the reason."""
+    if source.named and text.strip() != "t":
+        return _named(source, text.strip())
     scene = source.scene
     dimensions = Dimensions(scene.planar, scene.analysis.stationary, frozenset(scene.position_nodes), scene.keywords)
     expression = expressions.parse(text)
@@ -67,3 +69,13 @@ def warnings(curves: Sequence[Curve]) -> list[str]:
         if bad:
             found.append(f"'{curve.text}' is not a finite number at {bad} of {np.size(curve.values)} steps")
     return found
+
+
+def _named(source: Source, text: str) -> Curve:
+    """A quantity of a symbolic result, by its name: its unit is that of the model, which nobody stated."""
+    if text not in source.named:
+        raise UsageError(f"'{text}' is none of t, {', '.join(source.named)}", "plot.name")
+    values = np.asarray(source.named[text], float)
+    if not np.isfinite(values).any():
+        raise UsageError(f"'{text}' is nowhere a finite number", "plot.finite")
+    return Curve(text, values, expressions.NONE, text)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -36,6 +36,7 @@ class Source:
     read: Callable[[str, int | None], Array | None]
     header: Mapping[str, Any]
     complete: bool = True
+    named: Mapping[str, Array] = field(default_factory=dict)  # of `spacar symbolic`: (steps,) by name
 
     def get(self, name: str, k: int | None = None) -> Array:
         """A variable of step k, (n,) or (rows, cols); of all steps with one more first axis. UsageError if absent."""
@@ -70,6 +71,12 @@ def open_source(name: str | Path, stale_ok: bool = False) -> Source:
     if wanted.suffix.lower() in (".dat", ".sbm", ".ltv"):
         wanted = wanted.with_suffix("")
     file = open_result(wanted, "sbd")
+    if "symbolic" in file.header.get("KIND", ""):
+        raise UsageError(
+            f"{file.path} is a result of spacar symbolic, which has quantities by name but no nodes and elements to "
+            "draw: use spacar plot",
+            "draw.symbolic",
+        )
     missing = [ident for ident in NEEDED if not file.has(ident)]
     if missing:
         raise UsageError(f"{file.path} has no {missing[0]}: it is not the result of a mode", "draw.missing")

@@ -5,11 +5,12 @@
 
 from spacar.symbolic import shapes
 from spacar.symbolic.collect import ZTable
-from spacar.symbolic.derivatives import dvdt, omega, partial_velocity, set_omega
+from spacar.symbolic.derivatives import dvdt, partial_velocity
+from spacar.symbolic.frames import Frame, omega, set_omega
 from spacar.symbolic.printing import latex, text, unicode
 from spacar.symbolic.system import System
 from spacar.symbolic.transform import from_sympy, to_sympy, transform
-from spacar.symbolic.units import TIME, Frame
+from spacar.symbolic.units import TIME
 from spacar.symbolic.vectors import Dyad, Vector, cross, dot, outer
 
 __all__ = [

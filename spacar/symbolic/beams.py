@@ -7,26 +7,24 @@ pseudo-speeds. Source: the paper, (5), (6), (10); `symbolic.md`, sections 3.3, 3
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import sympy as sp
 
 from spacar.errors import UsageError
-from spacar.symbolic.derivatives import omega, set_omega
+from spacar.symbolic.description import Description
 from spacar.symbolic.fields import Field, Foreshortening
+from spacar.symbolic.frames import Frame, omega, set_omega
 from spacar.symbolic.parts import Beam, Point, Pseudo, Section
 from spacar.symbolic.shapes import X, field_function, shape_functions
-from spacar.symbolic.units import TIME, Frame
+from spacar.symbolic.units import TIME
 from spacar.symbolic.vectors import ZERO, Vector
-
-if TYPE_CHECKING:
-    from spacar.symbolic.system import System
 
 DEFAULT_SHAPES = 3
 
 
 def make_beam(
-    system: System,
+    system: Description,
     name: str,
     frame: Frame,
     root: Point,
@@ -96,7 +94,7 @@ def make_beam(
     return beam
 
 
-def make_section(system: System, beam: Beam, x: sp.Expr) -> Section:
+def make_section(system: Description, beam: Beam, x: sp.Expr) -> Section:
     """The section at x, made once: pseudo-coordinates for the values of the fields there, a point and a frame."""
     if x in beam.sections:
         return beam.sections[x]

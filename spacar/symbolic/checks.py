@@ -13,18 +13,18 @@ from __future__ import annotations
 import random
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import sympy as sp
 from sympy.printing.pycode import MpmathPrinter
 
 from spacar.errors import AnalysisError, UsageError
-from spacar.symbolic.energy import power
+from spacar.symbolic.collect import definition_order
+from spacar.symbolic.derivation import DerivedEquations
+from spacar.symbolic.energy import kinetic_energy, potential_energy, power
+from spacar.symbolic.ordered import plain_symbols
 from spacar.symbolic.units import TIME
-
-if TYPE_CHECKING:
-    from spacar.symbolic.equations import Equations
 
 LARGEST = 1e-12
 """30 digits leave 1e-28 in equations that are right; a wrong term is of order one."""
@@ -62,13 +62,13 @@ class Check:
             )
 
 
-def check(eq: Equations, digits: int = 30, seed: int = 1) -> Check:
+def check(eq: DerivedEquations, digits: int = 30, seed: int = 1) -> Check:
     """Evaluate at a random state and random positive parameters with `digits` digits."""
     import mpmath  # type: ignore[import-untyped]
 
     note, energies = "", {}
     try:
-        kinetic, potential = eq.energy()
+        kinetic, potential = kinetic_energy(eq), potential_energy(eq)
         energies = {"E": kinetic + potential, "power": power(eq)}
     except UsageError as error:
         note = str(error)
@@ -139,10 +139,7 @@ def _positive(M: np.ndarray, J: np.ndarray) -> bool:
 class _Evaluator:
     """Lists of expressions as one function of named numbers, through the definitions of the equations."""
 
-    def __init__(self, eq: Equations, wanted: Mapping[str, list[sp.Expr]]) -> None:
-        from spacar.symbolic.collect import definition_order
-        from spacar.symbolic.program import plain_symbols
-
+    def __init__(self, eq: DerivedEquations, wanted: Mapping[str, list[sp.Expr]]) -> None:
         flat = [e for group in wanted.values() for e in group]
         order = definition_order(eq.table.definitions, flat)
         definitions = {z: eq.table.definitions[z] for z in order}

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from spacar.errors import AnalysisError, UsageError
-from spacar.symbolic.program import Program
+from spacar.symbolic.ordered import OrderedProgram
 
 ITERATIONS = 60
 DRIFT = {"DOP853": 0.1, "Radau": 0.1, "LSODA": 10.0, "BDF": 10.0}
@@ -32,7 +32,7 @@ NEARLY = 1e-3  # largest relative change of given start values that is taken as 
 class Manifold:
     """The states that satisfy the constraints of a program; `function` has `manifold(t, y)`."""
 
-    program: Program
+    program: OrderedProgram
     function: Any
     notes: list[str] = field(default_factory=list)
 

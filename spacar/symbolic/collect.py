@@ -73,7 +73,7 @@ def read_measure_numbers(vector: Vector, table: ZTable, accelerations: Iterable[
 
     With t1 = −q ṡ − 2 s v: the measure number becomes Z1 − q ṡ.
 
-    >>> q, s, v, sdot = sp.symbols("q s v sdot"); from spacar.symbolic.units import Frame
+    >>> q, s, v, sdot = sp.symbols("q s v sdot"); from spacar.symbolic.frames import Frame
     >>> table = ZTable(forbidden=[sdot])
     >>> print(read_measure_numbers((-q * sdot - 2 * s * v) * Frame("B")[1], table, [sdot]))
     (Z1 - q*sdot) b1
@@ -116,7 +116,7 @@ def distribute_scalars(value: Value) -> Value:
 def gather_vectors(value: Value) -> Value:
     """One measure number per direction, common factors in front; shared axes of turned frames are merged.
 
-    >>> from spacar.symbolic.units import Frame
+    >>> from spacar.symbolic.frames import Frame
     >>> q, a, b = sp.symbols("q a b"); N = Frame("N"); B = N.turned("B", 3, q)
     >>> print(gather_vectors(a * N[3] + (a * b + a) * B[3]))
     a*(b + 2) b3
@@ -136,7 +136,7 @@ def gather_vectors(value: Value) -> Value:
 def gather_dots(value: Value) -> Value:
     """Collect on the held dots and triple products.
 
-    >>> from spacar.symbolic.units import Frame
+    >>> from spacar.symbolic.frames import Frame
     >>> a, b = sp.symbols("a b"); N, B = Frame("N"), Frame("B"); d = N[1] & B[1]
     >>> gather_dots(a * d + b * d)
     (a + b)*n1.b1

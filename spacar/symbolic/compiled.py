@@ -16,7 +16,10 @@ import numpy as np
 
 from spacar.errors import AnalysisError, UsageError
 from spacar.native.store import TRY
-from spacar.symbolic.program import Program
+from spacar.symbolic.emit import emit
+from spacar.symbolic.jacobian import jacobian_of
+from spacar.symbolic.ordered import OrderedProgram
+from spacar.symbolic.run import check_feeds, check_values
 
 
 def compiler() -> str | None:
@@ -28,16 +31,17 @@ class CompiledFunction:
     """f(t, y) -> ẏ with f.jac, f.inputs, f.outputs and f.accel like the generated Python, computed in C."""
 
     def __init__(
-        self, program: Program, values: Mapping[str, float], feeds: Mapping[str, Callable[..., float]] | None = None
+        self,
+        program: OrderedProgram,
+        values: Mapping[str, float],
+        feeds: Mapping[str, Callable[..., float]] | None = None,
     ) -> None:
-        from spacar.symbolic.run import check_feeds, check_values
-
         numbers = check_values(program, values)
         check_feeds(program, feeds)
-        self.program, self.library = program, _build(program.code("c", jacobian=True), program.m > 0)
+        self.program, self.library = program, _build(emit(program, "c", jacobian=True, headed=False), program.m > 0)
         n, size = program.n, len(program.state)
         lengths = {
-            "p": len(program.parameters), "c": len(program.jacobian.once), "y": size, "u": len(program.inputs),
+            "p": len(program.parameters), "c": len(jacobian_of(program).once), "y": size, "u": len(program.inputs),
             "ydot": size, "J": size * size, "M": n * n, "f": n, "out": len(program.outputs),
             "Jc": program.m * n, "h": program.m, "turn": len(program.coordinates) * n,
             "res": len(program.constraints.residual) if program.constraints else 0,

@@ -15,7 +15,6 @@ from __future__ import annotations
 import random
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 import sympy as sp
@@ -24,12 +23,10 @@ from sympy.core.function import AppliedUndef
 from spacar.errors import UsageError
 from spacar.symbolic.collect import split_linear
 from spacar.symbolic.derivatives import rate
+from spacar.symbolic.description import Description
+from spacar.symbolic.parts import Constraint
 from spacar.symbolic.transform import transform
 from spacar.symbolic.units import TIME
-
-if TYPE_CHECKING:
-    from spacar.symbolic.parts import Constraint
-    from spacar.symbolic.system import System
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +49,7 @@ class ConstraintRows:
         return len(self.names)
 
 
-def constraint_rows(system: System, read: Callable[[sp.Expr], sp.Expr] = transform) -> ConstraintRows:
+def constraint_rows(system: Description, read: Callable[[sp.Expr], sp.Expr] = transform) -> ConstraintRows:
     """All constraints; `read` makes a scalar without held products and pseudo-coordinates of an expression.
 
     Raises UsageError when an expression is not linear in the speeds.
@@ -84,7 +81,7 @@ def constraint_rows(system: System, read: Callable[[sp.Expr], sp.Expr] = transfo
     )
 
 
-def check_constraints(system: System) -> None:
+def check_constraints(system: Description) -> None:
     """UsageError when the constraints so far are not linear in the speeds, or depend on each other everywhere."""
     if not system.constraints:
         return

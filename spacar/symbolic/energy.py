@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import sympy as sp
 
 from spacar.errors import UsageError
-from spacar.symbolic.derivatives import omega
+from spacar.symbolic.derivation import DerivedEquations
+from spacar.symbolic.description import Description
+from spacar.symbolic.frames import omega
 from spacar.symbolic.held import damping_force
 from spacar.symbolic.parts import Point
 from spacar.symbolic.shapes import X, integral
 from spacar.symbolic.vectors import Vector, dot
 
-if TYPE_CHECKING:
-    from spacar.symbolic.equations import Equations
-    from spacar.symbolic.system import System
 
-
-def kinetic_energy(eq: Equations) -> sp.Expr:
+def kinetic_energy(eq: DerivedEquations) -> sp.Expr:
     """½ sᵀ I s [J]. UsageError when velocities contain parts without speeds (prescribed motion)."""
     at_rest = dict.fromkeys(eq.system.speeds, sp.S.Zero)
     points = [b.point.velocity for b in eq.system.bodies] + [b.root.velocity for b in eq.system.beams]
@@ -31,7 +27,7 @@ def kinetic_energy(eq: Equations) -> sp.Expr:
     return (s.T * eq.mass_matrix * s)[0] / 2
 
 
-def potential_energy(eq: Equations) -> sp.Expr:
+def potential_energy(eq: DerivedEquations) -> sp.Expr:
     """Gravity, strain energy of the fields and springs [J]; zero at the origin, with unstrained fields."""
     system = eq.system
     total = sp.Add(*(spring.energy() for spring in system.springs))
@@ -48,7 +44,7 @@ def potential_energy(eq: Equations) -> sp.Expr:
     return eq.scalar(total)
 
 
-def position(system: System, point: Point) -> Vector:
+def position(system: Description, point: Point) -> Vector:
     """Position from the origin. UsageError for a point of which only the velocity is known, under gravity."""
     here: Point | None = point
     while here is not None and system.gravity:
@@ -58,7 +54,7 @@ def position(system: System, point: Point) -> Vector:
     return point.position
 
 
-def power(eq: Equations) -> sp.Expr:
+def power(eq: DerivedEquations) -> sp.Expr:
     """Power [W] of forces, torques, spring dampers and field damping (inputs as symbols)."""
     system = eq.system
     total = sp.Add(*(-s.damping * s.lengthening**2 for s in system.springs))

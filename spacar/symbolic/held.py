@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import sympy as sp
 
@@ -24,17 +23,16 @@ from spacar.symbolic.collect import (
     read_measure_numbers,
     read_scalar,
 )
-from spacar.symbolic.derivatives import omega, partial_velocity
+from spacar.symbolic.derivation import Derivation
+from spacar.symbolic.derivatives import partial_velocity
+from spacar.symbolic.description import Description
 from spacar.symbolic.fields import Field
+from spacar.symbolic.frames import omega
 from spacar.symbolic.parts import Beam, RigidBody
 from spacar.symbolic.shapes import X, integral
 from spacar.symbolic.transform import DirectionCosines
 from spacar.symbolic.units import TIME, HeldScalar
 from spacar.symbolic.vectors import ZERO, Vector, cross, dot
-
-if TYPE_CHECKING:
-    from spacar.symbolic.equations import Derivation
-    from spacar.symbolic.system import System
 
 
 @dataclass(frozen=True)
@@ -50,7 +48,7 @@ class Wrench:
 class HeldDerivation:
     """The steps of the held derivation for one system, each usable alone."""
 
-    def __init__(self, system: System, recurrence: bool = True) -> None:
+    def __init__(self, system: Description, recurrence: bool = True) -> None:
         self.system = system
         self.recurrence = recurrence
         self.accelerations = list(system.accelerations.values())
@@ -179,10 +177,8 @@ def damping_force(beam: Beam, f: Field, psi: sp.Expr) -> sp.Expr:
     return integral(2 * beam.damping * u_t * weight, X, beam.length)
 
 
-def derive_held(system: System, recurrence: bool = True) -> Derivation:
+def derive_held(system: Description, recurrence: bool = True) -> Derivation:
     """Mass matrix and right-hand side for all speeds of the system, and the held equations."""
-    from spacar.symbolic.equations import Derivation
-
     steps = HeldDerivation(system, recurrence)
     wrenches = steps.wrenches()
     field_speeds = [s for beam in system.beams for s in beam.speeds]
@@ -210,14 +206,14 @@ def derive_held(system: System, recurrence: bool = True) -> Derivation:
     return Derivation(mass, T.T * (E0 - I * t), steps.table, cosines, steps.values, complete)
 
 
-def _boundary_terms(system: System, held: dict[sp.Expr, sp.Expr], speed: sp.Expr) -> sp.Expr:
+def _boundary_terms(system: Description, held: dict[sp.Expr, sp.Expr], speed: sp.Expr) -> sp.Expr:
     coordinate = {s: q for beam in system.beams for q, s in zip(beam.coordinates, beam.speeds, strict=True)}.get(speed)
     if coordinate is None:
         return sp.S.Zero
     return sp.Add(*(held[p.speed] * p.gradient[coordinate] for p in system.pseudo if coordinate in p.gradient))
 
 
-def _finisher(system: System, steps: HeldDerivation, cosines: DirectionCosines) -> Callable[[sp.Expr], sp.Expr]:
+def _finisher(system: Description, steps: HeldDerivation, cosines: DirectionCosines) -> Callable[[sp.Expr], sp.Expr]:
     """Dots to cosines, pseudo-coordinates and -speeds to field values, the result a memory read."""
     field_speed = {q: s for beam in system.beams for q, s in zip(beam.coordinates, beam.speeds, strict=True)}
     values: dict[sp.Expr, sp.Expr] = {}
@@ -240,7 +236,7 @@ def _named(steps: HeldDerivation, symbol: sp.Expr, value: sp.Expr) -> sp.Expr:
     return steps.table.read(value, name=str(symbol.func)) if steps.recurrence else value
 
 
-def _pseudo_relations(system: System, finish: Callable[[sp.Expr], sp.Expr]) -> tuple[sp.Matrix, sp.Matrix]:
+def _pseudo_relations(system: Description, finish: Callable[[sp.Expr], sp.Expr]) -> tuple[sp.Matrix, sp.Matrix]:
     """T and t of (ṡ, dφ̇, ṡ') = T (ṡ, dφ̇) + t."""
     n = len(system.speeds)
     T, t = sp.eye(n).row_insert(n, sp.zeros(len(system.pseudo), n)), sp.zeros(n + len(system.pseudo), 1)

@@ -8,10 +8,12 @@ expressions of the state are differentiated too (feedback). Source: `symbolic.md
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import sympy as sp
 
-from spacar.symbolic.program import Assignments, NameSource, Program, share
+from spacar.symbolic.ordered import Assignments, OrderedProgram
+from spacar.symbolic.sharing import NameSource, share
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +45,7 @@ class Gradients:
     rows: list[list[sp.Expr]]
 
 
-def gradients(program: Program, expressions: list[sp.Expr], constant: tuple[sp.Symbol, ...] = ()) -> Gradients:
+def gradients(program: OrderedProgram, expressions: list[sp.Expr], constant: tuple[sp.Symbol, ...] = ()) -> Gradients:
     """Forward chain rule through the inputs and the step of a program; `step` is extended by the derivatives.
 
     `constant` are symbols in the expressions that do not depend on the state.
@@ -83,13 +85,14 @@ def _plain(slope: sp.Expr) -> sp.Expr:
     return slope.replace(sp.Heaviside, lambda x, *_: (1 + sp.sign(x)) / 2)
 
 
-def _names(program: Program, constant: tuple[sp.Symbol, ...]) -> NameSource:
+def _names(program: OrderedProgram, constant: tuple[sp.Symbol, ...]) -> NameSource:
     assigned = [s for s, _ in [*program.once, *program.step]]
     return NameSource([*program.parameters, *program.state, *program.inputs, *assigned, *constant])
 
 
-def make_jacobian(program: Program) -> Jacobian:
-    """Differentiate g = f − I a and q̇ with respect to the state, then share common subexpressions."""
+@lru_cache(maxsize=16)
+def jacobian_of(program: OrderedProgram) -> Jacobian:
+    """Differentiate g = f − I a and q̇ with respect to the state, then share common subexpressions; once a program."""
     accelerations = program.accelerations
     n, upper = program.n, iter(program.mass)
     I = sp.zeros(n, n)

@@ -7,15 +7,13 @@ the derivatives of f − I a + Jᵀ λ, so that K0 has the part of the curved co
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from spacar.errors import UsageError
 from spacar.symbolic.closure import Manifold
-
-if TYPE_CHECKING:
-    from spacar.symbolic.equations import Equations
+from spacar.symbolic.derivation import DerivedEquations
+from spacar.symbolic.program import make_program
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +33,7 @@ class Linearized:
         return values[np.argsort(abs(values))]
 
 
-def linearize(eq: Equations, values: dict[str, float], point: dict[str, float]) -> Linearized:
+def linearize(eq: DerivedEquations, values: dict[str, float], point: dict[str, float]) -> Linearized:
     """Derivatives of f(q, s) − I(q) a at `point` (states by name, others zero) with a the accelerations there.
 
     Inputs with a law are differentiated with it. Raises UsageError when the coordinates do not correspond to the
@@ -45,7 +43,7 @@ def linearize(eq: Equations, values: dict[str, float], point: dict[str, float]) 
         eq.kinematics[q] != s for q, s in zip(eq.coordinates, eq.speeds, strict=True)
     ):
         raise UsageError("M0, C0, K0 need every speed to be the derivative of its coordinate")
-    program = eq.program()
+    program = make_program(eq, {})
     f = program.function(values)
     names = [str(s.func) for s in (*eq.coordinates, *eq.speeds)]
     y = [float(point.get(name, 0.0)) for name in names]

@@ -6,25 +6,24 @@ The format: `symbolic.md`, section 7; the keys: `tables.py`.
 
 from __future__ import annotations
 
-import difflib
 import math
-import sys
-from importlib import import_module
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import sympy as sp
 
-from spacar.errors import InputError, Message, UsageError
+from spacar.errors import UsageError
 from spacar.symbolic.constraints import check_constraints
 from spacar.symbolic.expressions import read_expression
-from spacar.symbolic.names import control_character, is_name, is_output
+from spacar.symbolic.frames import Frame
+from spacar.symbolic.model_file import ModelFile, label_of
+from spacar.symbolic.names import is_name, is_output
 from spacar.symbolic.parts import Point, Section
 from spacar.symbolic.script import Model, read_script
 from spacar.symbolic.shapes import FAMILIES, X
 from spacar.symbolic.system import System
-from spacar.symbolic.tables import KINDS, REFERENCES, SINGLE, TABLES, Key
-from spacar.symbolic.units import TIME, Frame
+from spacar.symbolic.tables import KINDS, REFERENCES, TABLES
+from spacar.symbolic.units import TIME
 from spacar.symbolic.vectors import ZERO, Vector
 
 
@@ -41,117 +40,38 @@ def read_model(path: Path | str) -> Model:
     return read_script(path) if path.suffix == ".py" else _Reader(path).read()
 
 
-class _Reader:
-    """One reading of one file; `place` is where the reader is, for messages."""
+class _Reader(ModelFile):
+    """From the tables of one file to a system."""
 
     def __init__(self, path: Path) -> None:
-        self.path, self.place = path, ""
+        super().__init__(path)
         self.guess: dict[str, float] = {}
-        self.claimed: list[tuple[str, str]] = []
         self.scalars: dict[str, sp.Expr] = {"t": TIME}
         self.frames: dict[str, Frame | Section] = {}
         self.points: dict[str, Point] = {}
 
-    def fail(self, text: str, code: str = "input") -> NoReturn:
-        raise InputError([Message("error", self.path.name, None, self.place, text, code)])
-
     def read(self) -> Model:
-        tables = self._toml()
-        for name in tables:
-            if (name not in TABLES and name not in SINGLE) or name == "coordinate":
-                known = [*(t for t in TABLES if t != "coordinate"), "parameters", "coordinates", "outputs"]
-                near = difflib.get_close_matches(name, known, n=1)
-                self.fail(f"unknown table '{name}'" + (f", did you mean '{near[0]}'?" if near else ""))
+        tables = self.tables()
         values = self._parameters(tables.get("parameters", {}))
-        system_table = self._single(tables, "system")
+        system_table = self.single(tables, "system")
         system = self.system = System(title=system_table.get("title", self.path.stem))
         start = self._coordinates(tables.get("coordinates", {}))
         self.place = "[system] gravity"
         system.gravity = self._vector(system_table.get("gravity", [0, 0, 0]), system.N)
-        start |= self._speeds(self._rows(tables, "speed"))
-        self._kinematics(self._rows(tables, "kinematic"))
+        start |= self._speeds(self.rows(tables, "speed"))
+        self._kinematics(self.rows(tables, "kinematic"))
         self.frames["N"], self.points["O"] = system.N, system.O
         self._resolve(tables)
         for table, make in (("body", self._body), ("force", self._force), ("torque", self._torque),
                             ("spring", self._spring), ("constraint", self._constraint),
                             ("close", self._close)):  # fmt: skip
-            for number, row in enumerate(self._rows(tables, table), 1):
-                self.place = _label(table, row, number)
-                self._guarded(make, row, number)
-        settings = self._single(tables, "simulate") | ({"guess": self.guess} if self.guess else {})
+            for number, row in enumerate(self.rows(tables, table), 1):
+                self.place = label_of(table, row, number)
+                self.guarded(make, row, number)
+        settings = self.single(tables, "simulate") | ({"guess": self.guess} if self.guess else {})
         outputs = self._outputs(tables.get("outputs", {}))
         declared = frozenset(tables.get("parameters", {}))
         return Model(self.path, system, values, start, settings, outputs, declared)
-
-    # -- text and types ----------------------------------------------------------------------------------------
-
-    def _toml(self) -> dict[str, Any]:
-        toml = import_module("tomllib" if sys.version_info >= (3, 11) else "tomli")
-        try:
-            tables: dict[str, Any] = toml.loads(self.path.read_text(encoding="utf-8"))
-        except ValueError as error:
-            self.fail(f"cannot read the file: {error}", "syntax")
-        except RecursionError:
-            self.fail("cannot read the file: its lists or tables are nested too deep", "syntax")
-        if (text := control_character(tables)) is not None:
-            self.fail(f"{text!r} holds a control character", "syntax")
-        return tables
-
-    def _single(self, tables: dict[str, Any], name: str) -> dict[str, Any]:
-        self.place = f"[{name}]"
-        row = tables.get(name, {})
-        if not isinstance(row, dict):
-            self.fail(f"must be one table, written [{name}]")
-        return self._checked(row, TABLES[name])
-
-    def _rows(self, tables: dict[str, Any], name: str) -> list[dict[str, Any]]:
-        rows = tables.get(name, [])
-        self.place = f"[[{name}]]"
-        if not isinstance(rows, list) or not all(isinstance(r, dict) for r in rows):
-            self.fail(f"must be an array of tables, written [[{name}]]")
-        for number, row in enumerate(rows, 1):
-            self.place = _label(name, row, number)
-            self._checked(row, TABLES[name])
-        return rows
-
-    def _checked(self, row: dict[str, Any], keys: dict[str, Key]) -> dict[str, Any]:
-        for key in row:
-            if key not in keys:
-                near = difflib.get_close_matches(key, keys, n=1)
-                self.fail(
-                    f"unknown key '{key}', "
-                    + (f"did you mean '{near[0]}'?" if near else f"expected one of {', '.join(keys)}")
-                )
-        for key, rule in keys.items():
-            if key not in row:
-                if rule.required:
-                    self.fail(f"key '{key}' is missing ({rule.help})")
-                continue
-            words, types = KINDS[rule.kind]
-            if not isinstance(row[key], types) or (isinstance(row[key], bool) and rule.kind != "flag"):
-                self.fail(f"key '{key}' must be {words}, not {row[key]!r}")
-        return row
-
-    def _guarded(self, make: Any, *arguments: Any) -> None:
-        """Errors of the library with the place in front."""
-        try:
-            make(*arguments)
-        except InputError:
-            raise
-        except UsageError as error:
-            self.fail(str(error), error.code)
-
-    def _claim(self, name: str, place: str) -> None:
-        if not is_name(name):
-            self.fail(f"'{name}' is not a name (letters, digits and _)")
-        # programs keep q1 and a parameter Q1 apart (the paper has both); within one kind such pairs are slips
-        for known, where in self.claimed:
-            alike = known.lower() == name.lower() and _kind_of(where) == _kind_of(place)
-            if known == name or alike:
-                self.place = place
-                same = "the same name" if known == name else f"'{known}', which differs only in case,"
-                self.fail(f"the name '{name}' is already used: {same} stands in {where}", "name")
-        self.claimed.append((name, place))
 
     def expression(self, value: Any, extra: dict[str, sp.Expr] | None = None) -> sp.Expr:
         if isinstance(value, bool) or not isinstance(value, (str, int, float)):
@@ -179,7 +99,7 @@ class _Reader:
         values: dict[str, float] = {}
         for name, value in table.items():
             self.place = f"[parameters] {name}"
-            self._claim(name, self.place)
+            self.claim(name, self.place)
             self.scalars[name] = sp.Symbol(name, real=True)
             if value == "":
                 continue  # a value must come from --set
@@ -197,14 +117,14 @@ class _Reader:
             self.place = f"[coordinates] {name}"
             if not isinstance(row, dict):
                 self.fail(f'must be a table such as {{ speed = "s", start = 0.0 }}, not {row!r}')
-            self._checked(row, TABLES["coordinate"])
-            self._claim(name, self.place)
+            self.checked(row, TABLES["coordinate"])
+            self.claim(name, self.place)
             self.scalars[name] = self.system.coordinate(name)
             for key, what in (("start", start), ("guess", self.guess)):
                 if key in row:
                     what[name] = float(row[key])
             if "speed" in row:
-                self._claim(row["speed"], self.place)
+                self.claim(row["speed"], self.place)
                 speed = self.scalars[row["speed"]] = self.system.speed(row["speed"])
                 self.system.kinematic(self.scalars[name], speed)
                 if "speed_start" in row:
@@ -215,7 +135,7 @@ class _Reader:
         start = {}
         for row in rows:
             place = f"[[speed]] {row['name']}"
-            self._claim(row["name"], place)
+            self.claim(row["name"], place)
             self.scalars[row["name"]] = self.system.speed(row["name"])
             if "start" in row:
                 start[row["name"]] = float(row["start"])
@@ -239,21 +159,21 @@ class _Reader:
     def _resolve(self, tables: dict[str, Any]) -> None:
         """Make frames, points and beams as soon as what they refer to exists."""
         makers = {"frame": self._frame, "point": self._point, "beam": self._beam}
-        waiting = [(table, n, row) for table in makers for n, row in enumerate(self._rows(tables, table), 1)]
+        waiting = [(table, n, row) for table in makers for n, row in enumerate(self.rows(tables, table), 1)]
         for table, n, row in waiting:
-            self.place = _label(table, row, n)
-            self._claim(row["name"], self.place)
+            self.place = label_of(table, row, n)
+            self.claim(row["name"], self.place)
         names = {f"{row['name']}.tip" if table == "beam" else row["name"] for table, _, row in waiting}
         while waiting:
             ready = [item for item in waiting if not self._missing(*item)]
             for table, n, row in ready:
-                self.place = _label(table, row, n)
-                self._guarded(makers[table], row)
+                self.place = label_of(table, row, n)
+                self.guarded(makers[table], row)
             waiting = [item for item in waiting if item not in ready]
             if not ready and waiting:
                 unknown = [(item, [r for r in self._missing(*item) if r not in names]) for item in waiting]
                 (table, n, row), missing = next((u for u in unknown if u[1]), (waiting[0], []))
-                self.place = _label(table, row, n)
+                self.place = label_of(table, row, n)
                 if missing:
                     self.fail(f"refers to {missing}, which is not defined")
                 self.fail(f"refers to {self._missing(table, n, row)}, which depends on it in a cycle")
@@ -334,7 +254,7 @@ class _Reader:
     # -- bodies, loads, constraints ----------------------------------------------------------------------------
 
     def _body(self, row: dict[str, Any], number: int) -> None:
-        self._claim(row["name"], self.place)
+        self.claim(row["name"], self.place)
         mass, point = self.expression(row["mass"]), self.point_of(row, "at")
         if "frame" not in row:
             self.system.particle(row["name"], point, mass)
@@ -357,7 +277,7 @@ class _Reader:
         total = ZERO
         for i in acting:
             name = stem if len(acting) == 1 else f"{stem}_{i}"
-            self._claim(name, place)
+            self.claim(name, place)
             total += self.system.input(name, laws[i - 1]) * frame[i]
         return total
 
@@ -424,15 +344,3 @@ class _Reader:
                 self.fail(f"{name!r} is not a name for an output (letters, digits, blanks and _.+-()[])", "name")
             result[name] = self.expression(value, names)
         return result
-
-
-def _label(table: str, row: dict[str, Any], number: int) -> str:
-    """[[beam]] link2, or [[torque]] 2 for a table without a name."""
-    name = row.get("name") if table in REFERENCES or table == "body" else None
-    return f"[[{table}]] {name if isinstance(name, str) else number}"
-
-
-def _kind_of(place: str) -> str:
-    """Names of one kind must differ in more than case: parameters, geometry, or states and inputs."""
-    table = place.strip("[").split("]")[0]
-    return table if table == "parameters" else "geometry" if table in (*REFERENCES, "body") else "scalar"

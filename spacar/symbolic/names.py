@@ -10,12 +10,10 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from spacar.errors import UsageError
-
-if TYPE_CHECKING:
-    from spacar.symbolic.program import Program
+from spacar.symbolic.ordered import OrderedProgram
 
 LONGEST = 200
 OUTPUT = re.compile(r"\w[\w .+\-()\[\]]*")  # also a part of file names: no separators
@@ -42,7 +40,7 @@ def escaped(text: str) -> str:
     return "".join(c if c.isalnum() or c in SHOWN else f"<U+{ord(c):04X}>" for c in text)
 
 
-def check_names(program: Program) -> None:
+def check_names(program: OrderedProgram) -> None:
     """UsageError unless everything that generated text takes from the model is a name."""
     symbols = [*program.parameters, *program.state, *program.inputs]
     symbols += [s for s, _ in (*program.once, *program.step)]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import sympy as sp
 
 from spacar.symbolic.fields import Field, Foreshortening
-from spacar.symbolic.units import Frame
+from spacar.symbolic.frames import Frame
 from spacar.symbolic.vectors import Dyad, Vector
 
 

@@ -15,7 +15,7 @@ from sympy.core.function import AppliedUndef
 from sympy.printing.latex import LatexPrinter
 from sympy.printing.str import StrPrinter
 
-from spacar.symbolic.units import TIME, HeldCross, HeldScalar, Key, Unit
+from spacar.symbolic.units import TIME, HeldCross, HeldScalar, Key, Unit, unit_latex
 
 _CROSS = {"text": " >< ", "unicode": " × ", "latex": r" \times "}
 _SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
@@ -94,12 +94,6 @@ def symbol_latex(name: str) -> str:
     return f"{latex_head}_{{{tail.strip('_').replace('_', ',')}}}" if tail else latex_head
 
 
-def unit_latex(u: Unit) -> str:
-    head = re.fullmatch(r"(\D*)(.*)", u.frame.symbol)
-    assert head is not None
-    return rf"\hat{{{head[1]}}}_{{{head[2]}{u.index}}}"
-
-
 def unit_unicode(u: Unit) -> str:
     symbol = u.frame.symbol
     return symbol[0] + "\u0302" + (symbol[1:] + str(u.index)).translate(_SUBSCRIPTS)
@@ -156,7 +150,7 @@ def unicode(value: Any) -> str:
 def latex(value: Any) -> str:
     """LaTeX of a scalar, vector or dyad.
 
-    >>> from spacar.symbolic.units import Frame
+    >>> from spacar.symbolic.frames import Frame
     >>> N, B = Frame("N", "n"), Frame("B1", "b1")
     >>> print(latex(N[1] ^ B[2]))
     \\hat{n}_{1} \\times \\hat{b}_{12}

@@ -1,210 +1,72 @@
-"""From equations to an ordered program: assignments done once per run, assignments done at every step, results.
-
-Parameter-only factors move to the `once` part, then `sympy.cse` runs on definitions and results together; no Z is
-ever inlined. Source: `symbolic.md`, sections 4.2 and 5.
-"""
+"""From equations to an ordered program, and what a program can do: run, be written, be compiled."""
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Callable, Iterable
+import os
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import sympy as sp
-from sympy.core.function import AppliedUndef
 
 from spacar.errors import UsageError
 from spacar.symbolic.collect import definition_order
+from spacar.symbolic.compiled import CompiledFunction
+from spacar.symbolic.constraints import ConstraintRows
+from spacar.symbolic.derivation import DerivedEquations
+from spacar.symbolic.emit import emit
+from spacar.symbolic.jacobian import Jacobian, jacobian_of
+from spacar.symbolic.ordered import Constrained, OrderedProgram, plain_symbols
+from spacar.symbolic.run import make_function, simulate
+from spacar.symbolic.sharing import NameSource, share
 from spacar.symbolic.transform import DirectionCosines
 from spacar.symbolic.units import TIME
 
-if TYPE_CHECKING:
-    from spacar.symbolic.constraints import ConstraintRows
-    from spacar.symbolic.equations import Equations
-
-Assignments = tuple[tuple[sp.Symbol, sp.Expr], ...]
-
 
 @dataclass(frozen=True, eq=False)
-class Constrained:
-    """The constraints of a program, m rows: `matrix` J (m·n, row by row), `bias` γ, `velocity` e, `forces` λ (m each).
-
-    `position` g of the rows `closed`; `turning` ∂q̇/∂s (row by row), which turns displacements into coordinates.
-    """
-
-    names: tuple[str, ...]
-    matrix: tuple[sp.Expr, ...]
-    bias: tuple[sp.Expr, ...]
-    velocity: tuple[sp.Expr, ...]
-    forces: tuple[sp.Symbol, ...]
-    position: tuple[sp.Expr, ...]
-    closed: tuple[int, ...]
-    turning: tuple[sp.Expr, ...]
+class Program(OrderedProgram):
+    """A program with what can be done with it."""
 
     @property
-    def equations(self) -> list[sp.Expr]:
-        """J and γ."""
-        return [*self.matrix, *self.bias]
-
-    @property
-    def residual(self) -> list[sp.Expr]:
-        """e and g."""
-        return [*self.velocity, *self.position]
-
-
-@dataclass(frozen=True, eq=False)
-class Program:
-    """An evaluation order for I, f, q̇ and named outputs.
-
-    `parameters` p, `coordinates` and `speeds` (the state is y = (q, s)), `inputs` {symbol: expression or None};
-    `once` reads p; `step` reads p, once, y and inputs. `mass` holds the upper triangle row by row, `rhs` f, `rates`
-    q̇, all short expressions in the assigned symbols. Outputs may read the `accelerations` ṡ and the forces of the
-    `constraints`; `fields` are the states of beam fields. `seconds` is the time of the derivation.
-    """
-
-    title: str
-    parameters: tuple[sp.Symbol, ...]
-    coordinates: tuple[sp.Symbol, ...]
-    speeds: tuple[sp.Symbol, ...]
-    inputs: dict[sp.Symbol, sp.Expr | None]
-    once: Assignments
-    step: Assignments
-    mass: tuple[sp.Expr, ...]
-    rhs: tuple[sp.Expr, ...]
-    rates: tuple[sp.Expr, ...]
-    outputs: dict[str, sp.Expr]
-    accelerations: tuple[sp.Symbol, ...] = ()
-    constraints: Constrained | None = None
-    fields: tuple[sp.Symbol, ...] = ()
-    positive: tuple[tuple[str, sp.Symbol, bool], ...] = ()
-    seconds: float = 0.0
-
-    @property
-    def n(self) -> int:
-        """Number of speeds, the size of I."""
-        return len(self.speeds)
-
-    @property
-    def m(self) -> int:
-        """Number of constraints."""
-        return len(self.constraints.names) if self.constraints else 0
-
-    @property
-    def unknowns(self) -> tuple[sp.Symbol, ...]:
-        """ṡ and λ, what a step solves for."""
-        return self.accelerations + (self.constraints.forces if self.constraints else ())
-
-    @property
-    def system(self) -> list[sp.Expr]:
-        """I (upper triangle), f, J and γ."""
-        return [*self.mass, *self.rhs, *(self.constraints.equations if self.constraints else [])]
-
-    @property
-    def outputs_need_accelerations(self) -> bool:
-        solved = set(self.unknowns)
-        results = list(self.outputs.values())
-        return any(e.free_symbols & solved for e in [*results, *(e for _, e in self.order(results))])
-
-    @property
-    def state(self) -> tuple[sp.Symbol, ...]:
-        return self.coordinates + self.speeds
-
-    def counts(self) -> dict[str, int]:
-        """Operations per step and once per run for I and f (SymPy `count_ops`), outputs not counted."""
-        results = self.system
-        return {
-            "step": sum(_ops(e) for _, e in self.order(results)) + sum(_ops(e) for e in results),
-            "once": sum(_ops(e) for _, e in self.once),
-        }
-
-    def order(self, results: Iterable[sp.Expr]) -> Assignments:
-        """The step assignments that some results need, in order."""
-        definitions = dict(self.step)
-        return tuple((s, definitions[s]) for s in definition_order(definitions, results))
-
-    @cached_property
-    def digest(self) -> str:
-        """A short fingerprint of the equations, written into generated files."""
-        content = repr((self.parameters, self.state, self.inputs, self.once, self.step, self.system, self.rates))
-        return hashlib.sha256(content.encode()).hexdigest()[:16]
-
-    @cached_property
-    def jacobian(self) -> Any:
+    def jacobian(self) -> Jacobian:
         """The program of ∂g/∂y, see `jacobian.py`."""
-        from spacar.symbolic.jacobian import make_jacobian
+        return jacobian_of(self)
 
-        return make_jacobian(self)
-
-    def evaluate(self, values: dict[str, Any], digits: int = 30) -> dict[str, Any]:
-        """I, f, q̇ and outputs with many digits (SymPy numbers); `values` names parameters, states, inputs."""
-        known: dict[sp.Symbol, sp.Expr] = {}
-        for s in [*self.parameters, *self.state, *self.inputs]:
-            if s.name in values:
-                known[s] = sp.Float(values[s.name], digits + 10)
-        for s, expression in self.inputs.items():
-            if s not in known and expression is not None:
-                known[s] = sp.N(expression.xreplace(known), digits + 10)
-
-        def number(expression: sp.Expr) -> sp.Expr:
-            return sp.N(expression.xreplace(known), digits + 10)
-
-        for s, expression in [*self.once, *self.step]:
-            known[s] = number(expression)
-        upper = iter(number(e) for e in self.mass)
-        I = sp.zeros(self.n, self.n)
-        for i in range(self.n):
-            for j in range(i, self.n):
-                I[i, j] = I[j, i] = next(upper)
-        f = sp.Matrix([number(e) for e in self.rhs])
-        if self.outputs_need_accelerations:
-            known |= self._solved(I, f, number)
-        return {
-            "mass": I, "rhs": f, "rates": [number(e) for e in self.rates],
-            "outputs": {name: number(e) for name, e in self.outputs.items()},
-        }  # fmt: skip
-
-    def _solved(self, I: sp.Matrix, f: sp.Matrix, number: Callable[[sp.Expr], sp.Expr]) -> dict[sp.Symbol, sp.Expr]:
-        """ṡ and λ in many digits."""
-        if self.constraints is None:
-            return dict(zip(self.accelerations, I.LUsolve(f), strict=True))
-        J = sp.Matrix(self.m, self.n, [number(e) for e in self.constraints.matrix])
-        g = sp.Matrix([number(e) for e in self.constraints.bias])
-        both = sp.BlockMatrix([[I, -J.T], [J, sp.zeros(self.m)]]).as_explicit()
-        return dict(zip(self.unknowns, both.LUsolve(f.col_join(-g)), strict=True))
-
-    def function(self, values: dict[str, float], jacobian: bool = True) -> Any:
+    def function(
+        self,
+        values: dict[str, float],
+        jacobian: bool = True,
+        feeds: Mapping[str, Callable[..., float]] | None = None,
+    ) -> Any:
         """f(t, y) -> ẏ and f.jac(t, y) in Python for parameter values; see `run.py`."""
-        from spacar.symbolic.run import make_function
+        return make_function(self, values, jacobian, feeds)
 
-        return make_function(self, values, jacobian)
+    def compile(
+        self, values: dict[str, float], feeds: Mapping[str, Callable[..., float]] | None = None
+    ) -> CompiledFunction:
+        """The same function in C, compiled here: f(t, y), f.jac, f.outputs; give it to `simulate(function=...)`.
+
+        `feeds`: functions of (t, y) for inputs without law. Raises AnalysisError when there is no C compiler.
+        """
+        return CompiledFunction(self, values, feeds)
 
     def simulate(self, values: dict[str, float], start: dict[str, float], **options: Any) -> Any:
         """Integrate the motion; see `run.simulate`."""
-        from spacar.symbolic.run import simulate
-
         return simulate(self, values, start, **options)
 
     def text(self, language: str, jacobian: bool = False) -> str:
         """Source text in python, c, fortran or latex, with a header: what an exported file holds."""
-        from spacar.symbolic.emit import emit
-
         return emit(self, language, jacobian)
 
     def code(self, language: str, jacobian: bool = False) -> str:
         """The same without header, to be executed or compiled here: only names and numbers come from the model."""
-        from spacar.symbolic.emit import emit
-
         return emit(self, language, jacobian, headed=False)
 
     def write(self, path: Any, language: str, jacobian: bool = False) -> None:
         """Write the source text to a file; an existing one is replaced as a whole."""
-        from os import getpid
-        from pathlib import Path
-
         target = Path(path)
-        side = target.with_name(f".{target.name}.{getpid()}")
+        side = target.with_name(f".{target.name}.{os.getpid()}")
         try:
             side.write_text(self.text(language, jacobian), encoding="utf-8")
             side.replace(target)
@@ -212,28 +74,7 @@ class Program:
             side.unlink(missing_ok=True)
 
 
-def _ops(expression: sp.Expr) -> int:
-    return int(sp.count_ops(expression))
-
-
-def plain_symbols(expressions: Iterable[Any]) -> dict[sp.Basic, sp.Symbol]:
-    """Functions of time and symbols of any assumption to real symbols of the same name.
-
-    UsageError when a function of time and a symbol have one name: a parameter named like a coordinate.
-    """
-    rule: dict[sp.Basic, sp.Symbol] = {}
-    moving: dict[str, bool] = {}
-    for e in expressions:
-        for a in e.atoms(AppliedUndef, sp.Symbol):
-            if a != TIME:
-                name = a.name if isinstance(a, sp.Symbol) else str(a.func)
-                if moving.setdefault(name, isinstance(a, AppliedUndef)) != isinstance(a, AppliedUndef):
-                    raise UsageError(f"{name} is a function of time and also a parameter: rename one of them", "name")
-                rule[a] = sp.Symbol(name, real=True)
-    return rule
-
-
-def make_program(eq: Equations, outputs: dict[str, Any]) -> Program:
+def make_program(eq: DerivedEquations, outputs: dict[str, Any]) -> Program:
     """Order, share and split the assignments of `eq`; see the module."""
     values = {name: eq.scalar(v) for name, v in outputs.items()}
     n, c = len(eq.speeds), eq.constraints
@@ -321,7 +162,7 @@ def _timeless(expressions: Iterable[sp.Expr], rule: dict[sp.Basic, sp.Symbol]) -
     return (e.xreplace(rule) for e in expressions)
 
 
-def _signs(eq: Equations, parameters: list[sp.Symbol]) -> tuple[tuple[str, sp.Symbol, bool], ...]:
+def _signs(eq: DerivedEquations, parameters: list[sp.Symbol]) -> tuple[tuple[str, sp.Symbol, bool], ...]:
     """Parameters that must be positive (lengths, True) or not negative (masses, stiffnesses, False)."""
     rows: dict[sp.Symbol, tuple[str, bool]] = {}
     system = eq.system
@@ -330,98 +171,3 @@ def _signs(eq: Equations, parameters: list[sp.Symbol]) -> tuple[tuple[str, sp.Sy
         rows[beam.length] = ("length", True)
     rows |= {body.mass: ("mass", False) for body in system.bodies}
     return tuple((what, s, strict) for s, (what, strict) in rows.items() if s in parameters)
-
-
-class NameSource:
-    """New names that differ from all known ones in more than case: w1, w2, …"""
-
-    def __init__(self, symbols: Iterable[sp.Symbol]) -> None:
-        self.taken = {s.name.lower() for s in symbols}
-        self.number: dict[str, int] = {}
-
-    def __call__(self, prefix: str = "w") -> sp.Symbol:
-        while True:
-            self.number[prefix] = self.number.get(prefix, 0) + 1
-            name = f"{prefix}{self.number[prefix]}"
-            if name.lower() not in self.taken:
-                self.taken.add(name.lower())
-                return sp.Symbol(name, real=True)
-
-
-def share(
-    definitions: dict[sp.Symbol, sp.Expr], results: list[sp.Expr], constants: set[sp.Symbol], names: NameSource
-) -> tuple[Assignments, Assignments, list[sp.Expr]]:
-    """Split into once and step, share common subexpressions in both; returns (once, step, results)."""
-    once: dict[sp.Symbol, sp.Expr] = {}
-    step: dict[sp.Symbol, sp.Expr] = {}
-    hoist = Hoist(set(constants), once, names)
-    for symbol, expression in definitions.items():
-        if expression.free_symbols <= hoist.constants:
-            once[symbol] = expression
-            hoist.constants.add(symbol)
-        else:
-            step[symbol] = hoist(expression)
-    results = [hoist(e) for e in results]
-    step, results = _common(step, results, names)
-    needed = (
-        set().union(*(e.free_symbols for e in [*step.values(), *results])) & once.keys() if step or results else set()
-    )
-    once, _ = _common(once, [], names, keep=needed)
-    return tuple(once.items()), tuple(step.items()), results
-
-
-def _common(
-    definitions: dict[sp.Symbol, sp.Expr], results: list[sp.Expr], names: NameSource, keep: Iterable[sp.Symbol] = ()
-) -> tuple[dict[sp.Symbol, sp.Expr], list[sp.Expr]]:
-    shared, rewritten = sp.cse([*definitions.values(), *results], symbols=iter(names, None), order="none")
-    everything = dict(shared)
-    everything |= dict(zip(definitions, rewritten, strict=False))
-    results = rewritten[len(definitions) :]
-    alias: dict[sp.Symbol, sp.Expr] = {}
-    kept = set(keep)
-    for s in definition_order(everything, [*results, *kept]):
-        everything[s] = everything[s].xreplace(alias)
-        if s not in kept and (everything[s].is_Atom or (-everything[s]).is_Atom):
-            alias[s] = everything[s]
-    results = [e.xreplace(alias) for e in results]
-    order = definition_order(everything, [*results, *sorted(kept, key=str)])
-    return {s: everything[s] for s in order if s not in alias}, list(results)
-
-
-class Hoist:
-    """Move every maximal part of an expression that depends on constants only into `once`."""
-
-    def __init__(
-        self, constants: set[sp.Symbol], once: dict[sp.Symbol, sp.Expr], names: Callable[[str], sp.Symbol]
-    ) -> None:
-        self.constants, self.once, self.names = constants, once, names
-        self._known: dict[sp.Expr, sp.Symbol] = {}
-
-    def __call__(self, expression: sp.Expr) -> sp.Expr:
-        if not isinstance(expression, sp.Expr):  # a condition of a Piecewise
-            return expression
-        if not expression.args or not expression.free_symbols & self.constants:
-            return expression
-        if expression.free_symbols <= self.constants:
-            return self._constant(expression)
-        if isinstance(expression, (sp.Mul, sp.Add)):
-            is_sum = isinstance(expression, sp.Add)
-            fixed = [a for a in expression.args if a.free_symbols <= self.constants and not (a.is_number and is_sum)]
-            moving = [self(a) for a in expression.args if a not in fixed]
-            if any(not a.is_number for a in fixed):
-                return expression.func(self._constant(expression.func(*fixed)), *moving)
-            return expression.func(*fixed, *moving)
-        return expression.func(*map(self, expression.args))
-
-    def _constant(self, expression: sp.Expr) -> sp.Expr:
-        """A number, a constant, or plus or minus a constant made for the expression."""
-        if expression.is_Atom or (-expression).is_Atom:
-            return expression
-        if -expression in self._known:
-            return -self._known[-expression]
-        if expression not in self._known:
-            symbol = self.names("c")
-            self._known[expression] = symbol
-            self.once[symbol] = expression
-            self.constants.add(symbol)
-        return self._known[expression]

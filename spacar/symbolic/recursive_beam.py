@@ -14,17 +14,13 @@ Two products replace all cross products under the integral: ∫ρ p × q = vee(�
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import sympy as sp
 
 from spacar.symbolic.fields import Field
 from spacar.symbolic.moments import BeamMoments, swing, vee
 from spacar.symbolic.parts import Beam
+from spacar.symbolic.recursion import Recursion, Sums
 from spacar.symbolic.shapes import X, integral, product_integral
-
-if TYPE_CHECKING:
-    from spacar.symbolic.recursive import Recursion, Sums
 
 _E1 = sp.Matrix([1, 0, 0])
 

@@ -18,7 +18,8 @@ import numpy as np
 
 from spacar.errors import AnalysisError, UsageError
 from spacar.symbolic.closure import Manifold, integrate
-from spacar.symbolic.program import Program
+from spacar.symbolic.emit import emit
+from spacar.symbolic.ordered import OrderedProgram
 
 INTEGRATORS = {"gear": "LSODA", "bdf": "BDF", "radau": "Radau", "dop853": "DOP853"}
 LOOSEST = 1e-2
@@ -59,7 +60,7 @@ class Run:
         )
 
 
-def check_values(program: Program, values: Mapping[str, float]) -> dict[str, float]:
+def check_values(program: OrderedProgram, values: Mapping[str, float]) -> dict[str, float]:
     """The parameter values as floats. UsageError for one that is missing, not finite, or of the wrong sign."""
     result: dict[str, float] = {}
     for s in program.parameters:
@@ -77,7 +78,7 @@ def check_values(program: Program, values: Mapping[str, float]) -> dict[str, flo
     return result
 
 
-def check_feeds(program: Program, feeds: Mapping[str, Callable[..., float]] | None) -> None:
+def check_feeds(program: OrderedProgram, feeds: Mapping[str, Callable[..., float]] | None) -> None:
     """UsageError when an input has neither a law nor a function."""
     missing = [s.name for s, e in program.inputs.items() if e is None and s.name not in (feeds or {})]
     if missing:
@@ -85,7 +86,7 @@ def check_feeds(program: Program, feeds: Mapping[str, Callable[..., float]] | No
 
 
 def make_function(
-    program: Program,
+    program: OrderedProgram,
     values: Mapping[str, float],
     jacobian: bool = True,
     feeds: Mapping[str, Callable[..., float]] | None = None,
@@ -94,14 +95,14 @@ def make_function(
     numbers = check_values(program, values)
     check_feeds(program, feeds)
     space: dict[str, Any] = {}
-    exec(compile(program.code("python", jacobian), "<equations of motion>", "exec"), space)
+    exec(compile(emit(program, "python", jacobian, headed=False), "<equations of motion>", "exec"), space)
     rhs, jac = space["make_rhs"](numbers, feeds)
     rhs.jac = jac
     return rhs
 
 
 def simulate(
-    program: Program,
+    program: OrderedProgram,
     values: Mapping[str, float],
     start: Mapping[str, float] | None = None,
     *,

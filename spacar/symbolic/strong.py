@@ -10,19 +10,16 @@ section 3.3.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import sympy as sp
 
 from spacar.errors import UsageError
+from spacar.symbolic.derivation import DerivedEquations
 from spacar.symbolic.derivatives import dvdt
 from spacar.symbolic.parts import Beam
 from spacar.symbolic.shapes import X
 from spacar.symbolic.units import TIME
 from spacar.symbolic.vectors import dot
-
-if TYPE_CHECKING:
-    from spacar.symbolic.equations import Equations
 
 
 @dataclass(frozen=True)
@@ -34,7 +31,7 @@ class StrongForm:
     natural: tuple[tuple[sp.Expr, sp.Expr], ...]
 
 
-def strong_form(eq: Equations, beam: Beam, name: str = "u") -> StrongForm:
+def strong_form(eq: DerivedEquations, beam: Beam, name: str = "u") -> StrongForm:
     """Field equation of the bending field `name` in vector notation, with held boundary terms.
 
     Raises UsageError for recursive equations (they keep no vectors) and for fields that are not bending fields.

@@ -1,30 +1,23 @@
 """A multibody system as it is written on paper: coordinates, frames, points, bodies, beams, loads, constraints.
 
-`System.derive` turns it into equations of motion (`held.py`, `recursive.py`). Everything that is put in or comes out
+`System.derive` turns it into equations of motion (`equations.py`). Everything that is put in or comes out
 is public; the vectors module works without it. Source: `symbolic.md`, sections 3 and 6.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
-
-import sympy as sp
+from typing import Any
 
 from spacar.errors import UsageError
-from spacar.symbolic.derivatives import dvdt, omega, set_omega
-from spacar.symbolic.expressions import read_expression
-from spacar.symbolic.parts import Beam, Constraint, Load, Point, Pseudo, RigidBody, Section, Spring
-from spacar.symbolic.units import TIME, Frame
-from spacar.symbolic.vectors import ZERO, Dyad, Vector
-
-if TYPE_CHECKING:
-    from spacar.symbolic.equations import Equations
-
-_INERTIA = ((1, 1), (2, 2), (3, 3), (1, 2), (2, 3), (3, 1))
+from spacar.symbolic.beams import make_beam, make_section
+from spacar.symbolic.description import Description
+from spacar.symbolic.equations import Equations, derive
+from spacar.symbolic.frames import Frame
+from spacar.symbolic.parts import Beam, Point, Section
+from spacar.symbolic.units import TIME
 
 
-class System:
+class System(Description):
     """A system in the inertial frame `N` with origin `O`.
 
     `gravity` is a vector, or its three measure numbers in N [m/s²] as expressions or texts (`("0", "-g", "0")`).
@@ -38,174 +31,8 @@ class System:
     (Matrix([[L**2*m]]), Matrix([[-L*g*m*cos(q(t))]]))
     """
 
-    def __init__(self, gravity: Any = (0, 0, 0), title: str = "") -> None:
-        self.title = title
-        self.names: dict[str, str] = {}
-        self.N = Frame("N", "n")
-        self.O = Point("O", None, ZERO, ZERO)
-        self.coordinates: list[sp.Expr] = []
-        self.speeds: list[sp.Expr] = []
-        self.rates: dict[sp.Basic, sp.Expr] = {}
-        self.accelerations: dict[sp.Expr, sp.Symbol] = {}
-        self.pseudo: list[Pseudo] = []
-        self.inputs: dict[sp.Symbol, sp.Expr | None] = {}
-        self.bodies: list[RigidBody] = []
-        self.beams: list[Beam] = []
-        self.loads: list[Load] = []
-        self.springs: list[Spring] = []
-        self.constraints: list[Constraint] = []
-        self.gravity = gravity if isinstance(gravity, Vector) else self.vector(gravity, self.N)
-
-    # -- names and scalars -------------------------------------------------------------------------------------
-
-    def claim(self, name: str, what: str) -> None:
-        """Reserve a name. Programs may not distinguish case, so names that differ only in case are refused."""
-        other = self.names.get(name.lower())
-        if other is not None:
-            raise UsageError(
-                f"the name of {what} is already that of {other} (names must differ in more than case)", "name"
-            )
-        self.names[name.lower()] = what
-
-    def expression(self, value: Any) -> sp.Expr:
-        """A scalar from a number, an expression, or a text in which unknown names are parameters."""
-        if isinstance(value, str):
-            known = {str(f.func): f for f in [*self.coordinates, *self.speeds]}
-            known |= {
-                s.name: s for s in [*self.inputs, *self.accelerations.values(), *(c.force for c in self.constraints)]
-            }
-            known |= {str(f.func): f for p in self.pseudo for f in (p.coordinate, p.speed)} | {"t": TIME}
-            value = read_expression(value, known, unknown=lambda name: sp.Symbol(name, real=True))
-        return sp.sympify(value).xreplace(self.rates)
-
-    def vector(self, components: Sequence[Any], frame: Frame) -> Vector:
-        """A vector from three measure numbers in a frame."""
-        if isinstance(components, str) or not hasattr(components, "__len__") or len(components) != 3:
-            raise UsageError(f"a vector needs a list of 3 measure numbers, not {components!r}")
-        return sum((self.expression(c) * frame[i] for i, c in enumerate(components, 1)), ZERO)
-
-    def parameters(self, names: str) -> tuple[sp.Symbol, ...]:
-        """Real symbols of constant parameters, from names separated by blanks.
-
-        Raises UsageError for the name of time, or of a coordinate, speed or input.
-        """
-        moving = {str(f.func): "a coordinate or speed" for f in [*self.coordinates, *self.speeds]}
-        moving |= {s.name: "an input" for s in self.inputs} | {"t": "time"}
-        for name in names.split():
-            if name in moving:
-                raise UsageError(f"parameter {name}: this is the name of {moving[name]}", "name")
-        return tuple(sp.Symbol(name, real=True) for name in names.split())
-
-    def coordinate(self, name: str, speed: str | None = None) -> Any:
-        """A generalized coordinate q(t); with `speed` the pair (q, s) with q̇ = s, else give `kinematic` later."""
-        self.claim(name, f"coordinate {name}")
-        q = sp.Function(name, real=True)(TIME)
-        self.coordinates.append(q)
-        if speed is None:
-            return q
-        s = self.speed(speed)
-        self.kinematic(q, s)
-        return q, s
-
-    def speed(self, name: str) -> sp.Expr:
-        """A generalized speed s(t) that need not be the derivative of a coordinate."""
-        self.claim(name, f"speed {name}")
-        s = sp.Function(name, real=True)(TIME)
-        self.speeds.append(s)
-        self.accelerations[s] = sp.Symbol(f"{name}_dot", real=True)
-        self.rates[s.diff(TIME)] = self.accelerations[s]
-        return s
-
-    def kinematic(self, coordinate: sp.Expr, rate: Any) -> None:
-        """The kinematic equation q̇ = rate(q, s)."""
-        self.rates[coordinate.diff(TIME)] = self.expression(rate)
-
-    def input(self, name: str, expression: Any = None) -> sp.Symbol:
-        """An input (force, torque, prescribed value): a symbol of its own in the equations.
-
-        `expression` (state, time, parameters) feeds it in simulations; without it a function must be given there.
-        """
-        self.claim(name, f"input {name}")
-        symbol = sp.Symbol(name, real=True)
-        self.inputs[symbol] = None if expression is None else self.expression(expression)
-        return symbol
-
-    @property
-    def time(self) -> sp.Symbol:
-        """The symbol of time t."""
-        return TIME
-
-    @property
-    def field_speeds(self) -> dict[sp.Expr, sp.Expr]:
-        """{φ_k: dφ_k} of all beams."""
-        return {q: s for beam in self.beams for q, s in zip(beam.coordinates, beam.speeds, strict=True)}
-
-    def pseudo_values(self) -> dict[sp.Expr, sp.Expr]:
-        """Pseudo-coordinates and pseudo-speeds as values of the assumed fields."""
-        speeds = self.field_speeds
-        values = {p.coordinate: p.value for p in self.pseudo}
-        return values | {p.speed: p.rate(speeds) for p in self.pseudo}
-
-    def ddt(self, frame: Frame, value: Any) -> Any:
-        """Time derivative from `frame` with the kinematic equations put in: q̇ -> speeds, ṡ -> acceleration symbols."""
-        return dvdt(frame, value).xreplace(self.rates)
-
-    # -- frames and points -------------------------------------------------------------------------------------
-
-    def frame(self, name: str, parent: Frame | Section, axis: int, angle: Any, symbol: str | None = None) -> Frame:
-        """A frame turned about axis 1, 2 or 3 of its parent (a frame or a beam section) by `angle` [rad]."""
-        base = parent.frame if isinstance(parent, Section) else parent
-        if axis not in (1, 2, 3):
-            raise UsageError(f"frame {name}: axis must be 1, 2 or 3, not {axis!r}")
-        turned = base.turned(name, axis, self.expression(angle), symbol)
-        set_omega(base, turned, omega(base, turned).xreplace(self.rates))
-        return turned
-
-    def point(self, name: str, base: Point, offset: Vector = ZERO, velocity: Vector | None = None) -> Point:
-        """The point at `offset` from `base`; `velocity` in N may be given when the constraints of speeds are known."""
-        _demand_vector(f"point {name}: offset", offset)
-        if velocity is not None:
-            _demand_vector(f"point {name}: velocity", velocity)
-        offset = offset.xreplace(self.rates)
-        if velocity is not None:
-            return Point(name, base, offset, velocity.xreplace(self.rates), given=True)
-        return Point(name, base, offset, base.velocity + self.ddt(self.N, offset))
-
-    # -- bodies ------------------------------------------------------------------------------------------------
-
-    def particle(self, name: str, point: Point, mass: Any) -> RigidBody:
-        """A mass point."""
-        return self._add_body(RigidBody(name, point, self.expression(mass)))
-
-    def rigid_body(self, name: str, frame: Frame | Section, at: Point, mass: Any, inertia: Any = None) -> RigidBody:
-        """A rigid body with mass centre `at`, fixed in `frame`.
-
-        `inertia`: central inertia dyad, or (I11, I22, I33[, I12, I23, I31]) in `frame` [kg m²].
-        """
-        frame = frame.frame if isinstance(frame, Section) else frame
-        if not isinstance(inertia, Dyad):
-            if inertia is not None and (isinstance(inertia, str) or not hasattr(inertia, "__len__")):
-                raise UsageError(f"body {name}: inertia must be a dyad or 3 or 6 numbers, not {inertia!r}", "inertia")
-            numbers = [self.expression(value) for value in (() if inertia is None else inertia)]
-            if len(numbers) not in (0, 3, 6):
-                raise UsageError(f"body {name}: inertia needs 3 or 6 numbers, not {len(numbers)}", "inertia")
-            dyad = Dyad()
-            for (i, j), value in zip(_INERTIA, numbers, strict=False):
-                dyad += (frame[i] | frame[j]) * value
-                if i != j:
-                    dyad += (frame[j] | frame[i]) * value
-            inertia = dyad
-        return self._add_body(RigidBody(name, at, self.expression(mass), frame, inertia))
-
-    def _add_body(self, body: RigidBody) -> RigidBody:
-        self.claim(body.name, f"body {body.name}")
-        self.bodies.append(body)
-        return body
-
     def beam(self, name: str, frame: Frame | Section, root: Point, length: Any, mass: Any, **properties: Any) -> Beam:
         """A beam along axis 1 of `frame` from `root`; the properties are those of `beams.make_beam`."""
-        from spacar.symbolic.beams import make_beam
-
         beam = make_beam(
             self, name, frame.frame if isinstance(frame, Section) else frame, root, length, mass, **properties
         )
@@ -214,80 +41,7 @@ class System:
 
     def section(self, beam: Beam, x: Any) -> Section:
         """The cross-section of a beam at x: a place for loads, bodies and frames between root and tip."""
-        from spacar.symbolic.beams import make_section
-
         return make_section(self, beam, self.expression(x))
-
-    # -- loads and constraints ---------------------------------------------------------------------------------
-
-    def force(self, point: Point, vector: Vector) -> None:
-        """A force on a point."""
-        _demand_vector("force", vector)
-        self.loads.append(Load(vector.xreplace(self.rates), point=point))
-
-    def torque(self, frame: Frame | Section, vector: Vector, reaction: Frame | Section | None = None) -> None:
-        """A torque on a frame, with the opposite torque on the frame `reaction`. A motor at a tip reacts on the tip."""
-        _demand_vector("torque", vector)
-        on, by = (f.frame if isinstance(f, Section) else f for f in (frame, reaction))
-        self.loads.append(Load(vector.xreplace(self.rates), frame=on, reaction=by))
-
-    def spring(self, a: Point, b: Point, stiffness: Any, length: Any = 0, damping: Any = 0) -> None:
-        """A linear spring with a damper between two points; `length` is the length without force."""
-        line = b.position - a.position
-        now = sp.sqrt(sp.expand(line & line))
-        stretching = (line & (b.velocity - a.velocity)) / now
-        k, rest, c = (self.expression(value) for value in (stiffness, length, damping))
-        self.springs.append(Spring(a, b, k, rest, c, now, stretching, line / now))
-
-    def constraint(self, expression: Any, name: str | None = None) -> sp.Symbol:
-        """A constraint expression = 0: linear in the speeds, or without speeds (a position constraint).
-
-        Time and prescribed coefficients may occur. Returns its force λ (the generalized forces are Jᵀ λ), a symbol for
-        outputs. The λ of a velocity component along e is the force along e. Raises UsageError when the expression
-        restricts nothing.
-        """
-        if isinstance(expression, Vector):
-            raise UsageError("a constraint is a scalar: take the component of the vector along a direction (&)")
-        name = name or f"constraint{len(self.constraints) + 1}"
-        e = self.expression(expression)
-        moving = [*self.speeds, *(p.speed for p in self.pseudo)]
-        position = None if e.has(*moving) else e
-        velocity = e if position is None else self.ddt(self.N, e)
-        if not velocity.has(*moving):
-            raise UsageError(f"{name}: {e} = 0 contains no coordinate or speed, so it constrains nothing", "constraint")
-        self.claim(name, f"constraint {name}")
-        force = sp.Symbol(f"{name}_force", real=True)
-        self.claim(force.name, f"force of constraint {name}")
-        self.constraints.append(Constraint(name, velocity, position, force))
-        return force
-
-    def close(self, a: Point, b: Point, directions: Any = None, name: str | None = None) -> tuple[sp.Symbol, ...]:
-        """Close a loop: points `a` and `b` coincide along `directions` (unit vectors; default all three of N).
-
-        Directions in which the points coincide in every configuration, as out of the plane of a planar mechanism, are
-        left out. Start values are assembled and the loop is kept closed by projection. Returns the forces of `b` on
-        `a`, one for each direction that is closed. Raises UsageError when nothing or nothing movable is to be closed.
-        """
-        from spacar.symbolic.transform import transform
-
-        name = name or f"close{sum('close' in c.name for c in self.constraints) + 1}"
-        wanted = [self.N[i] for i in (1, 2, 3)] if directions is None else directions
-        wanted = [wanted] if isinstance(wanted, Vector) else list(wanted)
-        gap = a.position - b.position
-        open_ones: list[tuple[int, sp.Expr]] = []
-        for number, direction in enumerate(wanted, 1):
-            if not isinstance(direction, Vector):
-                raise UsageError(f"{name}: a direction must be a vector such as N[1], not {direction!r}", "constraint")
-            distance = sp.expand(gap & direction)
-            if sp.expand(transform(distance)) == 0:
-                continue
-            open_ones.append((number, distance))
-        if not open_ones:
-            raise UsageError(f"{name}: the points coincide in every configuration already", "constraint")
-        return tuple(self.constraint(d, name if len(open_ones) == 1 else f"{name}_{number}") for number, d in open_ones)
-
-    def all_loads(self) -> list[Load]:
-        return [*self.loads, *(load for spring in self.springs for load in spring.loads())]
 
     # -- derivation --------------------------------------------------------------------------------------------
 
@@ -297,14 +51,7 @@ class System:
         `recurrence=False` derives held equations without Z variables. Raises UsageError for a coordinate without
         kinematic equation, an unknown strategy, dependent constraints.
         """
-        from spacar.symbolic.equations import derive
-
         for q in self.coordinates:
             if q.diff(TIME) not in self.rates:
                 raise UsageError(f"coordinate {q.func} has no kinematic equation: give it a speed or use kinematic()")
         return derive(self, strategy, recurrence)
-
-
-def _demand_vector(what: str, value: Any) -> None:
-    if not isinstance(value, Vector):
-        raise UsageError(f"{what} must be a vector such as 2*N[1], not {value!r}")

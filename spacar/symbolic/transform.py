@@ -14,7 +14,8 @@ from sympy.physics import vector as sympy_vector
 
 from spacar.errors import UsageError
 from spacar.symbolic.collect import ZTable
-from spacar.symbolic.units import TIME, Frame, HeldCross, HeldScalar, Key, Unit, UnitDot
+from spacar.symbolic.frames import Frame
+from spacar.symbolic.units import TIME, HeldCross, HeldScalar, Key, Unit, UnitDot
 from spacar.symbolic.vectors import ZERO, Vector
 
 

@@ -14,88 +14,22 @@ about a common axis share that unit vector, which is an identity and not a trans
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import re
 from dataclasses import dataclass, field
-from itertools import count
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import sympy as sp
 from sympy.physics.vector import dynamicsymbols
 
-if TYPE_CHECKING:
-    from spacar.symbolic.vectors import Vector
-
 TIME = dynamicsymbols._t
 """The symbol of time, the one of `sympy.physics.vector`, so that coordinates q(t) may be shared with SymPy."""
-
-_serials: Iterator[int] = count()
-
-
-@dataclass(frozen=True)
-class Rotation:
-    """A frame obtained by turning `parent` about its own axis `axis` (1, 2, 3) by `angle` [rad]."""
-
-    parent: Frame
-    axis: int
-    angle: sp.Expr
-
-
-class Frame:
-    """A set of three right-handed orthonormal unit vectors, `frame[1]`, `frame[2]`, `frame[3]`.
-
-    `symbol` is the letter of the unit vectors in print; families of frames may use `b1`, `b2`, … as symbols.
-
-    >>> N = Frame("N", "n")
-    >>> print(N[1] ^ N[2])
-    n3
-    """
-
-    def __init__(self, name: str, symbol: str | None = None) -> None:
-        self.name = name
-        self.symbol = symbol or name.lower()
-        self.serial = next(_serials)
-        self.rotation: Rotation | None = None
-        self.is_section = False  # the end section of a beam: turns on it are added to its own slope
-        self.relative: dict[Frame, Vector] = {}  # angular velocities of directly known neighbours
-        self.directions = {i: (self.serial, i) for i in (1, 2, 3)}
-
-    def __getitem__(self, i: int) -> Vector:
-        from spacar.symbolic.vectors import Vector
-
-        return Vector({self.unit(i): sp.S.One})
-
-    def unit(self, i: int) -> Unit:
-        """The key of unit vector `i`; ValueError unless i is 1, 2 or 3."""
-        if i not in (1, 2, 3):
-            raise ValueError(f"frame {self.name} has unit vectors 1, 2 and 3, not {i!r}")
-        return Unit(self, i)
-
-    def turned(self, name: str, axis: int, angle: Any, symbol: str | None = None) -> Frame:
-        """A new frame turned about `self[axis]` by `angle`, with its angular velocity and the shared axis.
-
-        >>> q = dynamicsymbols("q")
-        >>> N = Frame("N"); B = N.turned("B", 3, q)
-        >>> print(N[3] & B[3], N[3] & B[1], N[1] & B[1])
-        1 0 n1.b1
-        """
-        frame = Frame(name, symbol)
-        angle = sp.sympify(angle)
-        frame.rotation = Rotation(self, axis, angle)
-        frame.directions[axis] = self.directions[axis]
-        speed = frame[axis] * angle.diff(TIME)
-        frame.relative[self] = -speed
-        self.relative[frame] = speed
-        return frame
-
-    def __repr__(self) -> str:
-        return f"Frame({self.name!r})"
 
 
 @dataclass(frozen=True)
 class Unit:
     """Unit vector `index` of `frame`: the first kind of key."""
 
-    frame: Frame
+    frame: Any  # a `frames.Frame`, which stands above; here only its serial, symbol and directions are read
     index: int
     order: tuple[int, int] = field(init=False, compare=False)
 
@@ -125,6 +59,12 @@ class HeldCross:
         return f"{self.a} >< {self.b}"
 
 
+def unit_latex(u: Unit) -> str:
+    head = re.fullmatch(r"(\D*)(.*)", u.frame.symbol)
+    assert head is not None
+    return rf"\hat{{{head[1]}}}_{{{head[2]}{u.index}}}"
+
+
 Key = Unit | HeldCross
 Terms = list[tuple[int, Key]]  # a few keys with signs: what a cross product of two units gives
 
@@ -151,9 +91,8 @@ class HeldScalar(sp.Expr):
         return {TIME}
 
     def _eval_derivative(self, s: sp.Symbol) -> sp.Expr:
-        from spacar.symbolic.derivatives import held_rate
-
-        return held_rate(self) if s == TIME else sp.S.Zero
+        rate: sp.Expr = self.units[-1].frame.held_rate(self) if s == TIME else sp.S.Zero
+        return rate
 
     def _eval_derivative_n_times(self, s: sp.Symbol, n: Any) -> sp.Expr:
         result: sp.Expr = self
@@ -165,8 +104,6 @@ class HeldScalar(sp.Expr):
         return ".".join(str(u) for u in self.units)
 
     def _latex(self, printer: Any, exp: str | None = None) -> str:
-        from spacar.symbolic.printing import unit_latex
-
         return r"(" + r" \cdot ".join(unit_latex(u) for u in self.units) + ")" + (f"^{{{exp}}}" if exp else "")
 
 
@@ -182,13 +119,11 @@ class UnitTriple(HeldScalar):
         return f"[{a} {b} {c}]"
 
     def _latex(self, printer: Any, exp: str | None = None) -> str:
-        from spacar.symbolic.printing import unit_latex
-
         a, b, c = (unit_latex(u) for u in self.units)
         return rf"({a} \times {b} \cdot {c})" + (f"^{{{exp}}}" if exp else "")
 
 
-def local_index(u: Unit, frame: Frame) -> int | None:
+def local_index(u: Unit, frame: Any) -> int | None:
     """The index under which `frame` knows the direction of `u` as one of its own, else None."""
     if u.frame is frame:
         return u.index
@@ -216,7 +151,7 @@ def cross_units(a: Unit, b: Unit) -> Terms:
     return [(1, HeldCross(a, b))] if a.order < b.order else [(-1, HeldCross(b, a))]
 
 
-def _cross_in_frame(frame: Frame, i: int, j: int) -> Terms:
+def _cross_in_frame(frame: Any, i: int, j: int) -> Terms:
     return [] if i == j else [((1 if (j - i) % 3 == 1 else -1), frame.unit(6 - i - j))]
 
 

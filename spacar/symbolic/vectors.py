@@ -14,7 +14,8 @@ from typing import Any
 
 import sympy as sp
 
-from spacar.symbolic.units import Frame, Key, Unit, cross_keys, dot_keys
+from spacar.symbolic.printing import combination_text, latex
+from spacar.symbolic.units import Key, Unit, cross_keys, dot_keys
 
 
 def _scalar(value: Any) -> sp.Expr:
@@ -102,15 +103,11 @@ class _Combination:
         return set().union(*(c.atoms(*types) for c in self.terms.values()))
 
     def __str__(self) -> str:
-        from spacar.symbolic.printing import combination_text
-
         return combination_text(self)
 
     __repr__ = __str__
 
     def _repr_latex_(self) -> str:
-        from spacar.symbolic.printing import latex
-
         return f"${latex(self)}$"
 
 
@@ -118,6 +115,7 @@ class Vector(_Combination):
     """A vector: unit vectors and held cross products of any frames with scalar coefficients.
 
     >>> x, y = sp.symbols("x y")
+    >>> from spacar.symbolic.frames import Frame
     >>> N, B = Frame("N"), Frame("B")
     >>> v = x * N[1] + y * B[2]
     >>> print(v)
@@ -140,13 +138,14 @@ class Vector(_Combination):
         ((key, sign),) = unit.terms.items()
         return self.terms.get(key, sp.S.Zero) / sign
 
-    def frames(self) -> set[Frame]:
+    def frames(self) -> set[Any]:
         return {u.frame for key in self.terms for u in ((key,) if isinstance(key, Unit) else (key.a, key.b))}
 
 
 class Dyad(_Combination):
     """A sum of ordered pairs of keys.
 
+    >>> from spacar.symbolic.frames import Frame
     >>> N, B = Frame("N", "n"), Frame("B", "b")
     >>> print((B[1] | N[1]) ^ B[1])
     b1 (n1 >< b1)

@@ -55,15 +55,17 @@ def command(
 
     spacar plot crank 'x[6,1]' 'xdd[6,1]' 'sig[1,1]'
 
+    Results of spacar symbolic have states, inputs and outputs by their names: spacar plot manipulator q1 'q4 - q1'
+
     Without --output the picture is NAME_plot.png beside the result.
     """
     from spacar_drawing.expressions import evaluate, warnings
     from spacar_drawing.files import check_name, save
     from spacar_drawing.history import csv_text, history_figure
-    from spacar_drawing.source import open_source
+    from spacar_drawing.named_source import open_plotted
     from spacar_formats.safety import write_text
 
-    source = open_source(file, stale_ok)
+    source = open_plotted(file, stale_ok)
     curves = [evaluate(source, text) for text in expressions]
     across = evaluate(source, against)
     for warning in warnings([*curves, across]):

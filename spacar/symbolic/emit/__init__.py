@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from importlib import import_module
-from typing import TYPE_CHECKING
 
 from spacar.errors import UsageError
 from spacar.symbolic.emit.header import header
 from spacar.symbolic.names import check_names
-
-if TYPE_CHECKING:
-    from spacar.symbolic.program import Program
+from spacar.symbolic.ordered import OrderedProgram
 
 LANGUAGES = {"python": ".py", "c": ".c", "fortran": ".f90", "latex": ".tex"}
 """Languages and the endings of their files."""
 
 
-def emit(program: Program, language: str, jacobian: bool = False, headed: bool = True) -> str:
+def emit(program: OrderedProgram, language: str, jacobian: bool = False, headed: bool = True) -> str:
     """Self-contained source text; `headed` with what the file says about itself, for files that are exported.
 
     Text that this process executes or compiles has no header: it holds names and numbers only. UsageError for an

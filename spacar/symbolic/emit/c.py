@@ -11,7 +11,7 @@ from __future__ import annotations
 from spacar.symbolic.emit import solvers
 from spacar.symbolic.emit.routines import Routine, compiled_routines
 from spacar.symbolic.emit.scalars import C, Writer
-from spacar.symbolic.program import Program
+from spacar.symbolic.ordered import OrderedProgram
 
 _PREAMBLE = """\
 #include <math.h>
@@ -117,7 +117,7 @@ int jac(double t, const double *c, const double *p, const double *y, double *u, 
 """
 
 
-def source(program: Program, jacobian: bool, head: list[str]) -> str:
+def source(program: OrderedProgram, jacobian: bool, head: list[str]) -> str:
     """The C file as text."""
     once, routines = compiled_routines(program, jacobian)
     sizes = {
@@ -131,7 +131,7 @@ def source(program: Program, jacobian: bool, head: list[str]) -> str:
     return "\n".join([*parts, *_solving(program, jacobian)])
 
 
-def _solving(program: Program, jacobian: bool) -> list[str]:
+def _solving(program: OrderedProgram, jacobian: bool) -> list[str]:
     """What solves for accelerations, with or without constraints."""
     tied = program.m > 0
     filled = ", J_, h" if tied else ""
@@ -154,7 +154,7 @@ def _solving(program: Program, jacobian: bool) -> list[str]:
     return parts
 
 
-def _function(program: Program, r: Routine) -> str:
+def _function(program: OrderedProgram, r: Routine) -> str:
     w = Writer(C, r.known)
     arguments = ", ".join(
         "double t" if a == "t" else f"{'' if a in r.changed else 'const '}double *{a}" for a in r.arguments

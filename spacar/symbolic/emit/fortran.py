@@ -10,12 +10,12 @@ import textwrap
 
 from spacar.symbolic.emit.routines import Routine, compiled_routines
 from spacar.symbolic.emit.scalars import FORTRAN, Writer
-from spacar.symbolic.program import Program
+from spacar.symbolic.ordered import OrderedProgram
 
 _WIDTH = 120
 
 
-def source(program: Program, jacobian: bool, head: list[str]) -> str:
+def source(program: OrderedProgram, jacobian: bool, head: list[str]) -> str:
     """The Fortran module as text."""
     once, routines = compiled_routines(program)
     n = program.n

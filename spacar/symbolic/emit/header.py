@@ -5,10 +5,10 @@ from __future__ import annotations
 
 from spacar import __version__
 from spacar.symbolic.names import escaped
-from spacar.symbolic.program import Program
+from spacar.symbolic.ordered import OrderedProgram
 
 
-def header(program: Program) -> list[str]:
+def header(program: OrderedProgram) -> list[str]:
     """Comment lines without comment signs, shorter than 110 characters."""
     counts = program.counts()
     lines = [

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from spacar.symbolic.ordered import OrderedProgram
 from spacar.symbolic.printing import latex, symbol_latex
-from spacar.symbolic.program import Program
 
 
-def source(program: Program, jacobian: bool, head: list[str]) -> str:
+def source(program: OrderedProgram, jacobian: bool, head: list[str]) -> str:
     """Definitions and entries, one aligned equation each, for \\input into a document with amsmath."""
     lines = [f"% {line}".rstrip() for line in head]
     rows = [(symbol_latex(s.name), latex(e)) for s, e in [*program.once, *program.step]]

@@ -12,15 +12,16 @@ import sympy as sp
 
 from spacar.symbolic.emit import solvers
 from spacar.symbolic.emit.scalars import PYTHON, Writer
-from spacar.symbolic.program import Assignments, Program
+from spacar.symbolic.jacobian import jacobian_of
+from spacar.symbolic.ordered import Assignments, OrderedProgram
 
 UNROLLED = 12  # beyond this size NumPy solves faster than unrolled code
 
 
-def source(program: Program, jacobian: bool, head: list[str]) -> str:
+def source(program: OrderedProgram, jacobian: bool, head: list[str]) -> str:
     """The module as text."""
     w = Writer(PYTHON, [*program.parameters, *program.state, *program.inputs])
-    once = program.jacobian.once if jacobian else program.once
+    once = jacobian_of(program).once if jacobian else program.once
     lines = ['"""', *head, '"""', ""] if head else []
     lines += [
         "from math import acos, asin, atan, atan2, cos, cosh, exp, log, sin, sinh, sqrt, tan, tanh",
@@ -73,22 +74,22 @@ def _assign(w: Writer, assignments: Assignments, indent: int) -> list[str]:
     return [f"{' ' * indent}{w.add(s)} = {w(e)}" for s, e in assignments]
 
 
-def _routine(w: Writer, program: Program, name: str, arguments: str, body: list[str]) -> list[str]:
+def _routine(w: Writer, program: OrderedProgram, name: str, arguments: str, body: list[str]) -> list[str]:
     unpack = f"        ({_tuple(w, program.state)}) = y" if program.state else ""
     return ["", f"    def {name}({arguments}):", unpack, *body, ""]
 
 
-def _inputs(w: Writer, program: Program) -> list[str]:
+def _inputs(w: Writer, program: OrderedProgram) -> list[str]:
     return [f"        {w.add(s)} = {f'{_feed(w, s)}(t, y)' if e is None else w(e)}" for s, e in program.inputs.items()]
 
 
-def _accel(w: Writer, program: Program) -> list[str]:
+def _accel(w: Writer, program: OrderedProgram) -> list[str]:
     given = [f"        ({_tuple(w, program.inputs)}) = u"] if program.inputs else []
     body = _assign(w, program.order([*program.mass, *program.rhs]), 8)
     return [*given, *body, f"        return ({_tuple(w, program.mass)}), ({_tuple(w, program.rhs)})"]
 
 
-def _outputs(w: Writer, program: Program) -> list[str]:
+def _outputs(w: Writer, program: OrderedProgram) -> list[str]:
     results = list(program.outputs.values())
     lines = _inputs(w, program)
     if program.outputs_need_accelerations:
@@ -101,12 +102,12 @@ def _outputs(w: Writer, program: Program) -> list[str]:
     return [*lines, f"        return ({_tuple(w, results)})"]
 
 
-def _unknowns(w: Writer, program: Program) -> list[str]:
+def _unknowns(w: Writer, program: OrderedProgram) -> list[str]:
     lines = [f"        {w.add(s)} = a_{i}" for i, s in enumerate(program.accelerations)]
     return lines + [f"        {w.add(s)} = force_{i}" for i, s in enumerate(program.unknowns[program.n :])]
 
 
-def _rhs(w: Writer, program: Program) -> list[str]:
+def _rhs(w: Writer, program: OrderedProgram) -> list[str]:
     needed = program.order([*program.system, *program.rates])
     lines = [*_inputs(w, program), *_assign(w, needed, 8), *_solve(w, program)]
     accelerations = "".join(f"a_{i}, " for i in range(program.n))
@@ -119,14 +120,14 @@ def _array(w: Writer, entries: object, columns: int) -> str:
     return "[" + ", ".join(f"[{', '.join(row)}]" for row in rows) + "]"
 
 
-def _full(program: Program) -> list[sp.Expr]:
+def _full(program: OrderedProgram) -> list[sp.Expr]:
     """I row by row."""
     n, upper = program.n, iter(program.mass)
     entry = {(i, j): next(upper) for i in range(n) for j in range(i, n)}
     return [entry[min(i, j), max(i, j)] for i in range(n) for j in range(n)]
 
 
-def _solve(w: Writer, program: Program) -> list[str]:
+def _solve(w: Writer, program: OrderedProgram) -> list[str]:
     """I a = f by LDLᵀ without pivoting: I is positive definite, a pivot that is not positive is an error."""
     n, c = program.n, program.constraints
     unknowns = "".join(f"a_{i}, " for i in range(n))
@@ -160,8 +161,8 @@ def _solve(w: Writer, program: Program) -> list[str]:
     return lines
 
 
-def _jac(w: Writer, program: Program) -> list[str]:
-    J = program.jacobian
+def _jac(w: Writer, program: OrderedProgram) -> list[str]:
+    J = jacobian_of(program)
     lines = [*_rhs(w, program)[:-1], *_unknowns(w, program)]
     done = {s for s, _ in program.order([*program.system, *program.rates])}
     lines += _assign(w, tuple((s, e) for s, e in J.step if s not in done or dict(program.step).get(s) != e), 8)
@@ -174,7 +175,7 @@ def _jac(w: Writer, program: Program) -> list[str]:
     return [*lines, f"        return np.vstack(({_array(w, J.drates, size)}, low))"]
 
 
-def _manifold(w: Writer, program: Program) -> list[str]:
+def _manifold(w: Writer, program: OrderedProgram) -> list[str]:
     c = program.constraints
     assert c is not None
     needed = program.order([*program.mass, *c.matrix, *c.residual, *c.turning])

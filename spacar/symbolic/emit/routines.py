@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import sympy as sp
 
 from spacar.symbolic.collect import definition_order
-from spacar.symbolic.program import Assignments, Program
+from spacar.symbolic.jacobian import jacobian_of
+from spacar.symbolic.ordered import Assignments, OrderedProgram
 from spacar.symbolic.units import TIME
 
 Results = tuple[tuple[str, int, sp.Expr], ...]
@@ -39,12 +40,12 @@ class Routine:
         return any(TIME in e.free_symbols for e in [*(e for _, e in self.body), *(e for _, _, e in self.results)])
 
 
-def compiled_routines(program: Program, jacobian: bool = False) -> tuple[Assignments, list[Routine]]:
+def compiled_routines(program: OrderedProgram, jacobian: bool = False) -> tuple[Assignments, list[Routine]]:
     """The once assignments, and the routines once, step, feed, rates, outputs, manifold and (on request) slopes.
 
     With constraints the step also gives J and h = γ, and `manifold` the residuals e, g and ∂q̇/∂s. `a` holds ṡ and λ.
     """
-    once = program.jacobian.once if jacobian else program.once
+    once = jacobian_of(program).once if jacobian else program.once
     places = _places(program, once)
     n, ny = program.n, len(program.state)
     upper = iter(program.mass)
@@ -89,7 +90,7 @@ def compiled_routines(program: Program, jacobian: bool = False) -> tuple[Assignm
         body = program.order(e for _, _, e in results)
         routines.append(routine("manifold", (*given, "res", "turn"), ("res", "turn"), body, results))
     if jacobian:
-        J = program.jacobian
+        J = jacobian_of(program)
         entries = [*J.drates, *J.dg, *J.dh]
         results = tuple(("J", k, e) for k, e in enumerate(entries))
         assert len(entries) == (ny + program.m) * ny
@@ -99,7 +100,7 @@ def compiled_routines(program: Program, jacobian: bool = False) -> tuple[Assignm
     return once, routines
 
 
-def _places(program: Program, once: Assignments) -> dict[sp.Symbol, tuple[str, int]]:
+def _places(program: OrderedProgram, once: Assignments) -> dict[sp.Symbol, tuple[str, int]]:
     places = {s: ("p", i) for i, s in enumerate(program.parameters)}
     places |= {s: ("a", i) for i, s in enumerate(program.unknowns)}
     places |= {s: ("c", i) for i, (s, _) in enumerate(once)}

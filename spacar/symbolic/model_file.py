@@ -1,0 +1,114 @@
+"""One reading of a TOML model file: its tables, the types of their keys, the names they claim.
+
+Errors name the file, the table, the key, and what was expected. The keys: `tables.py`; what they mean: `model.py`.
+"""
+
+from __future__ import annotations
+
+import difflib
+import sys
+from importlib import import_module
+from pathlib import Path
+from typing import Any, NoReturn
+
+from spacar.errors import InputError, Message, UsageError
+from spacar.symbolic.names import control_character, is_name
+from spacar.symbolic.tables import KINDS, REFERENCES, SINGLE, TABLES, Key
+
+
+class ModelFile:
+    """The file; `place` is where its reader is, for messages, `claimed` the names with their places."""
+
+    def __init__(self, path: Path) -> None:
+        self.path, self.place = path, ""
+        self.claimed: list[tuple[str, str]] = []
+
+    def fail(self, text: str, code: str = "input") -> NoReturn:
+        raise InputError([Message("error", self.path.name, None, self.place, text, code)])
+
+    # -- text and types ----------------------------------------------------------------------------------------
+
+    def tables(self) -> dict[str, Any]:
+        toml = import_module("tomllib" if sys.version_info >= (3, 11) else "tomli")
+        try:
+            tables: dict[str, Any] = toml.loads(self.path.read_text(encoding="utf-8"))
+        except ValueError as error:
+            self.fail(f"cannot read the file: {error}", "syntax")
+        except RecursionError:
+            self.fail("cannot read the file: its lists or tables are nested too deep", "syntax")
+        if (text := control_character(tables)) is not None:
+            self.fail(f"{text!r} holds a control character", "syntax")
+        for name in tables:
+            if (name not in TABLES and name not in SINGLE) or name == "coordinate":
+                known = [*(t for t in TABLES if t != "coordinate"), "parameters", "coordinates", "outputs"]
+                near = difflib.get_close_matches(name, known, n=1)
+                self.fail(f"unknown table '{name}'" + (f", did you mean '{near[0]}'?" if near else ""))
+        return tables
+
+    def single(self, tables: dict[str, Any], name: str) -> dict[str, Any]:
+        self.place = f"[{name}]"
+        row = tables.get(name, {})
+        if not isinstance(row, dict):
+            self.fail(f"must be one table, written [{name}]")
+        return self.checked(row, TABLES[name])
+
+    def rows(self, tables: dict[str, Any], name: str) -> list[dict[str, Any]]:
+        rows = tables.get(name, [])
+        self.place = f"[[{name}]]"
+        if not isinstance(rows, list) or not all(isinstance(r, dict) for r in rows):
+            self.fail(f"must be an array of tables, written [[{name}]]")
+        for number, row in enumerate(rows, 1):
+            self.place = label_of(name, row, number)
+            self.checked(row, TABLES[name])
+        return rows
+
+    def checked(self, row: dict[str, Any], keys: dict[str, Key]) -> dict[str, Any]:
+        for key in row:
+            if key not in keys:
+                near = difflib.get_close_matches(key, keys, n=1)
+                self.fail(
+                    f"unknown key '{key}', "
+                    + (f"did you mean '{near[0]}'?" if near else f"expected one of {', '.join(keys)}")
+                )
+        for key, rule in keys.items():
+            if key not in row:
+                if rule.required:
+                    self.fail(f"key '{key}' is missing ({rule.help})")
+                continue
+            words, types = KINDS[rule.kind]
+            if not isinstance(row[key], types) or (isinstance(row[key], bool) and rule.kind != "flag"):
+                self.fail(f"key '{key}' must be {words}, not {row[key]!r}")
+        return row
+
+    def guarded(self, make: Any, *arguments: Any) -> None:
+        """Errors of the library with the place in front."""
+        try:
+            make(*arguments)
+        except InputError:
+            raise
+        except UsageError as error:
+            self.fail(str(error), error.code)
+
+    def claim(self, name: str, place: str) -> None:
+        if not is_name(name):
+            self.fail(f"'{name}' is not a name (letters, digits and _)")
+        # programs keep q1 and a parameter Q1 apart (the paper has both); within one kind such pairs are slips
+        for known, where in self.claimed:
+            alike = known.lower() == name.lower() and _kind_of(where) == _kind_of(place)
+            if known == name or alike:
+                self.place = place
+                same = "the same name" if known == name else f"'{known}', which differs only in case,"
+                self.fail(f"the name '{name}' is already used: {same} stands in {where}", "name")
+        self.claimed.append((name, place))
+
+
+def label_of(table: str, row: dict[str, Any], number: int) -> str:
+    """[[beam]] link2, or [[torque]] 2 for a table without a name."""
+    name = row.get("name") if table in REFERENCES or table == "body" else None
+    return f"[[{table}]] {name if isinstance(name, str) else number}"
+
+
+def _kind_of(place: str) -> str:
+    """Names of one kind must differ in more than case: parameters, geometry, or states and inputs."""
+    table = place.strip("[").split("]")[0]
+    return table if table == "parameters" else "geometry" if table in (*REFERENCES, "body") else "scalar"

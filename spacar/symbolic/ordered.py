@@ -1,0 +1,183 @@
+"""An ordered program as data: assignments done once per run, assignments done at every step, results.
+
+Source: `symbolic.md`, section 5.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+
+from spacar.errors import UsageError
+from spacar.symbolic.collect import definition_order
+from spacar.symbolic.units import TIME
+
+Assignments = tuple[tuple[sp.Symbol, sp.Expr], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Constrained:
+    """The constraints of a program, m rows: `matrix` J (m·n, row by row), `bias` γ, `velocity` e, `forces` λ (m each).
+
+    `position` g of the rows `closed`; `turning` ∂q̇/∂s (row by row), which turns displacements into coordinates.
+    """
+
+    names: tuple[str, ...]
+    matrix: tuple[sp.Expr, ...]
+    bias: tuple[sp.Expr, ...]
+    velocity: tuple[sp.Expr, ...]
+    forces: tuple[sp.Symbol, ...]
+    position: tuple[sp.Expr, ...]
+    closed: tuple[int, ...]
+    turning: tuple[sp.Expr, ...]
+
+    @property
+    def equations(self) -> list[sp.Expr]:
+        """J and γ."""
+        return [*self.matrix, *self.bias]
+
+    @property
+    def residual(self) -> list[sp.Expr]:
+        """e and g."""
+        return [*self.velocity, *self.position]
+
+
+@dataclass(frozen=True, eq=False)
+class OrderedProgram:
+    """An evaluation order for I, f, q̇ and named outputs.
+
+    `parameters` p, `coordinates` and `speeds` (the state is y = (q, s)), `inputs` {symbol: expression or None};
+    `once` reads p; `step` reads p, once, y and inputs. `mass` holds the upper triangle row by row, `rhs` f, `rates`
+    q̇, all short expressions in the assigned symbols. Outputs may read the `accelerations` ṡ and the forces of the
+    `constraints`; `fields` are the states of beam fields. `seconds` is the time of the derivation.
+    """
+
+    title: str
+    parameters: tuple[sp.Symbol, ...]
+    coordinates: tuple[sp.Symbol, ...]
+    speeds: tuple[sp.Symbol, ...]
+    inputs: dict[sp.Symbol, sp.Expr | None]
+    once: Assignments
+    step: Assignments
+    mass: tuple[sp.Expr, ...]
+    rhs: tuple[sp.Expr, ...]
+    rates: tuple[sp.Expr, ...]
+    outputs: dict[str, sp.Expr]
+    accelerations: tuple[sp.Symbol, ...] = ()
+    constraints: Constrained | None = None
+    fields: tuple[sp.Symbol, ...] = ()
+    positive: tuple[tuple[str, sp.Symbol, bool], ...] = ()
+    seconds: float = 0.0
+
+    @property
+    def n(self) -> int:
+        """Number of speeds, the size of I."""
+        return len(self.speeds)
+
+    @property
+    def m(self) -> int:
+        """Number of constraints."""
+        return len(self.constraints.names) if self.constraints else 0
+
+    @property
+    def unknowns(self) -> tuple[sp.Symbol, ...]:
+        """ṡ and λ, what a step solves for."""
+        return self.accelerations + (self.constraints.forces if self.constraints else ())
+
+    @property
+    def system(self) -> list[sp.Expr]:
+        """I (upper triangle), f, J and γ."""
+        return [*self.mass, *self.rhs, *(self.constraints.equations if self.constraints else [])]
+
+    @property
+    def outputs_need_accelerations(self) -> bool:
+        solved = set(self.unknowns)
+        results = list(self.outputs.values())
+        return any(e.free_symbols & solved for e in [*results, *(e for _, e in self.order(results))])
+
+    @property
+    def state(self) -> tuple[sp.Symbol, ...]:
+        return self.coordinates + self.speeds
+
+    def counts(self) -> dict[str, int]:
+        """Operations per step and once per run for I and f (SymPy `count_ops`), outputs not counted."""
+        results = self.system
+        return {
+            "step": sum(_ops(e) for _, e in self.order(results)) + sum(_ops(e) for e in results),
+            "once": sum(_ops(e) for _, e in self.once),
+        }
+
+    def order(self, results: Iterable[sp.Expr]) -> Assignments:
+        """The step assignments that some results need, in order."""
+        definitions = dict(self.step)
+        return tuple((s, definitions[s]) for s in definition_order(definitions, results))
+
+    @cached_property
+    def digest(self) -> str:
+        """A short fingerprint of the equations, written into generated files."""
+        content = repr((self.parameters, self.state, self.inputs, self.once, self.step, self.system, self.rates))
+        return hashlib.sha256(content.encode()).hexdigest()[:16]
+
+    def evaluate(self, values: dict[str, Any], digits: int = 30) -> dict[str, Any]:
+        """I, f, q̇ and outputs with many digits (SymPy numbers); `values` names parameters, states, inputs."""
+        known: dict[sp.Symbol, sp.Expr] = {}
+        for s in [*self.parameters, *self.state, *self.inputs]:
+            if s.name in values:
+                known[s] = sp.Float(values[s.name], digits + 10)
+        for s, expression in self.inputs.items():
+            if s not in known and expression is not None:
+                known[s] = sp.N(expression.xreplace(known), digits + 10)
+
+        def number(expression: sp.Expr) -> sp.Expr:
+            return sp.N(expression.xreplace(known), digits + 10)
+
+        for s, expression in [*self.once, *self.step]:
+            known[s] = number(expression)
+        upper = iter(number(e) for e in self.mass)
+        I = sp.zeros(self.n, self.n)
+        for i in range(self.n):
+            for j in range(i, self.n):
+                I[i, j] = I[j, i] = next(upper)
+        f = sp.Matrix([number(e) for e in self.rhs])
+        if self.outputs_need_accelerations:
+            known |= self._solved(I, f, number)
+        return {
+            "mass": I, "rhs": f, "rates": [number(e) for e in self.rates],
+            "outputs": {name: number(e) for name, e in self.outputs.items()},
+        }  # fmt: skip
+
+    def _solved(self, I: sp.Matrix, f: sp.Matrix, number: Callable[[sp.Expr], sp.Expr]) -> dict[sp.Symbol, sp.Expr]:
+        """ṡ and λ in many digits."""
+        if self.constraints is None:
+            return dict(zip(self.accelerations, I.LUsolve(f), strict=True))
+        J = sp.Matrix(self.m, self.n, [number(e) for e in self.constraints.matrix])
+        g = sp.Matrix([number(e) for e in self.constraints.bias])
+        both = sp.BlockMatrix([[I, -J.T], [J, sp.zeros(self.m)]]).as_explicit()
+        return dict(zip(self.unknowns, both.LUsolve(f.col_join(-g)), strict=True))
+
+
+def _ops(expression: sp.Expr) -> int:
+    return int(sp.count_ops(expression))
+
+
+def plain_symbols(expressions: Iterable[Any]) -> dict[sp.Basic, sp.Symbol]:
+    """Functions of time and symbols of any assumption to real symbols of the same name.
+
+    UsageError when a function of time and a symbol have one name: a parameter named like a coordinate.
+    """
+    rule: dict[sp.Basic, sp.Symbol] = {}
+    moving: dict[str, bool] = {}
+    for e in expressions:
+        for a in e.atoms(AppliedUndef, sp.Symbol):
+            if a != TIME:
+                name = a.name if isinstance(a, sp.Symbol) else str(a.func)
+                if moving.setdefault(name, isinstance(a, AppliedUndef)) != isinstance(a, AppliedUndef):
+                    raise UsageError(f"{name} is a function of time and also a parameter: rename one of them", "name")
+                rule[a] = sp.Symbol(name, real=True)
+    return rule

@@ -1,0 +1,291 @@
+"""The recursion of strategy `recursive`: what is known of frames and points, body by body, in Z variables.
+
+For each joint (c, s of its angle), W_r, V_r partial (angular) velocities, w, a0, al0 angular velocity and bias
+accelerations, all turned into the new frame: W_r += ∂rate/∂s_r e, w += rate e, al0 += w × rate e + bias e.
+To a point at r(t):  V_r += W_r × r + ∂ṙ/∂s_r,  a0 += al0 × r + w × (w × r) + 2 w × ṙ + r̈_bias.  Gravity enters once
+as base acceleration −g. Rigid body: I_rk += m V_r·V_k + W_r·(J W_k), f_r −= m V_r·a0 + W_r·(J al0 + w × J w).
+Beams: `recursive_beam.py`. Source: `symbolic.md`, section 4.4.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+import sympy as sp
+
+from spacar.symbolic.collect import ZTable, gather_scalars
+from spacar.symbolic.derivatives import rate
+from spacar.symbolic.description import Description
+from spacar.symbolic.frames import Frame, omega
+from spacar.symbolic.parts import Load, Point, RigidBody
+from spacar.symbolic.transform import DirectionCosines, merged_rotation
+from spacar.symbolic.units import HeldScalar, Unit
+from spacar.symbolic.vectors import Vector
+
+Column: TypeAlias = Any  # sympy Matrix of three measure numbers
+NOTHING = sp.zeros(3, 1)
+
+
+@dataclass(frozen=True)
+class Turning:
+    """A frame in its own components: partial angular velocities {speed: column}, angular velocity and its bias rate."""
+
+    partials: dict[sp.Expr, Column]
+    velocity: Column
+    bias: Column
+
+
+@dataclass(frozen=True)
+class Moving:
+    """A point: partial velocities and bias acceleration (−g included) in the components of `frame`."""
+
+    frame: Frame
+    partials: dict[sp.Expr, Column]
+    bias: Column
+
+
+@dataclass
+class Sums:
+    """Upper triangle of I and f while they are added up."""
+
+    speeds: list[sp.Expr]
+    mass: dict[tuple[int, int], list[sp.Expr]] = field(default_factory=dict)
+    force: dict[int, list[sp.Expr]] = field(default_factory=dict)
+
+    def add_mass(self, r: sp.Expr, k: sp.Expr, value: sp.Expr) -> None:
+        i, j = sorted((self.speeds.index(r), self.speeds.index(k)))
+        if value != 0:
+            self.mass.setdefault((i, j), []).append(value)
+
+    def add_force(self, r: sp.Expr, value: sp.Expr) -> None:
+        if value != 0:
+            self.force.setdefault(self.speeds.index(r), []).append(value)
+
+
+class Recursion:
+    """The state of the recursion for one system: what is known of every frame and point."""
+
+    def __init__(self, system: Description) -> None:
+        self.system = system
+        self.table = ZTable(forbidden=system.accelerations.values())
+        self.cosines = DirectionCosines(self.table)
+        self.at_rest = dict.fromkeys(system.accelerations.values(), sp.S.Zero)
+        self.field_speed = {q: s for b in system.beams for q, s in zip(b.coordinates, b.speeds, strict=True)}
+        self.values: dict[sp.Expr, sp.Expr] = {}
+        self.slopes: dict[sp.Expr, dict[sp.Expr, sp.Expr]] = {}
+        self.slope_rates: dict[sp.Symbol, sp.Expr] = {}
+        for p in system.pseudo:
+            gradient = {self.field_speed[q]: self.read(g) for q, g in p.gradient.items()}
+            speed = sp.Add(*(g * s for s, g in gradient.items()))
+            bias = sp.Add(
+                *(
+                    g.diff(q) * self.field_speed[r] * s
+                    for r, g in p.gradient.items()
+                    for q, s in self.field_speed.items()
+                )
+            )
+            self.values[p.coordinate] = self.table.read(gather_scalars(p.value), name=str(p.coordinate.func))
+            self.values[p.speed] = self.table.read(speed, name=str(p.speed.func))
+            self.slopes[p.speed] = gradient
+            self.slope_rates[system.accelerations[p.speed]] = self.read(bias)
+        self.frames = {system.N: Turning({}, NOTHING, NOTHING)}
+        gravity = self.cosines.components(system.gravity, system.N)
+        self.points: dict[tuple[Point, Frame], Moving] = {
+            (system.O, system.N): Moving(system.N, {}, (-gravity).applyfunc(self.read))
+        }
+
+    # -- scalars -----------------------------------------------------------------------------------------------
+
+    def read(self, expression: sp.Expr) -> sp.Expr:
+        """A memory read of a scalar: dots become cosines, pseudo-coordinates field values."""
+        held = expression.atoms(HeldScalar)
+        if held:
+            expression = expression.xreplace({atom: self.cosines.value(atom) for atom in sorted(held, key=str)})
+        return self.table.read(expression.xreplace(self.values))
+
+    def reads(self, column: Column) -> Column:
+        return column.applyfunc(self.read)
+
+    def partials(self, expression: sp.Expr) -> dict[sp.Expr, sp.Expr]:
+        """∂expression/∂(every speed), pseudo-speeds resolved into field speeds."""
+        result = {s: self.read(expression.diff(s)) for s in self.system.speeds if expression.has(s)}
+        for p, gradient in self.slopes.items():
+            if expression.has(p):
+                factor = self.read(expression.diff(p))
+                for s, g in gradient.items():
+                    result[s] = result.get(s, sp.S.Zero) + factor * g
+        return result
+
+    def bias(self, expression: sp.Expr) -> sp.Expr:
+        """Time derivative of a velocity expression with all accelerations of independent speeds zero."""
+        derivative = rate(expression).xreplace(self.system.rates).xreplace(self.slope_rates).xreplace(self.at_rest)
+        return self.read(derivative)
+
+    # -- frames ------------------------------------------------------------------------------------------------
+
+    def turn(self, frame: Frame) -> tuple[Frame, sp.Matrix]:
+        """The base of a frame and the matrix that brings components in the base into the frame."""
+        base, _, _ = merged_rotation(frame)
+        return base, self.cosines.matrix(base, frame).xreplace(self.values).T
+
+    def frame(self, frame: Frame) -> Turning:
+        """Angular motion of a frame, in its own components."""
+        if frame not in self.frames:
+            if frame.rotation is None:
+                self.frames[frame] = self._free_frame(frame)
+            else:
+                self.frames[frame] = self._jointed_frame(frame)
+        return self.frames[frame]
+
+    def _jointed_frame(self, frame: Frame) -> Turning:
+        base, R = self.turn(frame)
+        _, axis, _ = merged_rotation(frame)
+        parent = self.frame(base)
+        spin = sp.Add(*omega(base, frame).terms.values())
+        e = sp.Matrix([sp.Integer(i == axis) for i in (1, 2, 3)])
+        turned = {r: self.reads(R * W) for r, W in parent.partials.items()}
+        w0 = self.reads(R * parent.velocity)
+        for r, value in self.partials(spin).items():
+            turned[r] = self.reads(turned.get(r, NOTHING) + value * e)
+        speed = self.read(spin) * e
+        al0 = self.reads(R * parent.bias + w0.cross(speed) + self.bias(spin) * e)
+        return Turning(turned, self.reads(w0 + speed), al0)
+
+    def _free_frame(self, frame: Frame) -> Turning:
+        """A frame of which only the angular velocity is known, in its own components."""
+        w = self.cosines.components(omega(self.system.N, frame), frame)
+        partials: dict[sp.Expr, Column] = {}
+        for i, component in enumerate(w):
+            for r, value in self.partials(component).items():
+                partials.setdefault(r, sp.zeros(3, 1))[i] = value
+        return Turning(partials, self.reads(w), w.applyfunc(self.bias))
+
+    # -- points ------------------------------------------------------------------------------------------------
+
+    def point(self, point: Point, frame: Frame) -> Moving:
+        """Motion of a point, in the components of `frame`."""
+        if (point, frame) not in self.points:
+            home = self._home(point)
+            if (point, home) not in self.points:
+                self.points[point, home] = self._own(point, home)
+            self.points[point, frame] = self._express(self.points[point, home], frame)
+        return self.points[point, frame]
+
+    def _home(self, point: Point) -> Frame:
+        """The frame in which a point is easiest to describe: that of its offset."""
+        if point is self.system.O:
+            return self.system.N
+        frames = (point.velocity if point.given else point.offset).frames()
+        if frames:
+            return max(frames, key=lambda f: f.serial)
+        return self.system.N if point.base is None else self._home(point.base)
+
+    def _own(self, point: Point, home: Frame) -> Moving:
+        if point.given:
+            return self._given(point, home)
+        assert point.base is not None
+        here = self.point(point.base, self._home(point.base))
+        pieces: dict[Frame, Column] = {}
+        for key, c in point.offset.terms.items():
+            frame = key.frame if isinstance(key, Unit) else home
+            pieces[frame] = pieces.get(frame, NOTHING) + self.cosines.components(Vector({key: c}), frame)
+        for frame in sorted(pieces, key=lambda f: f.serial):
+            here = self._shift(self._express(here, frame), pieces[frame])
+        return self._express(here, home)
+
+    def _shift(self, here: Moving, offset: Column) -> Moving:
+        """From a point to another at `offset`, in the components of the same frame."""
+        turning = self.frame(here.frame)
+        velocity = offset.applyfunc(lambda c: rate(c).xreplace(self.system.rates))
+        r, rdot = self.reads(offset), self.reads(velocity)
+        partials = dict(here.partials)
+        for s, W in turning.partials.items():
+            partials[s] = self.reads(partials.get(s, NOTHING) + W.cross(r))
+        for i, component in enumerate(velocity):
+            for s, value in self.partials(component).items():
+                column = sp.Matrix(partials.get(s, NOTHING))
+                column[i] = self.read(column[i] + value)
+                partials[s] = column
+        w, al0 = turning.velocity, turning.bias
+        wr = self.reads(w.cross(r))
+        own = velocity.applyfunc(self.bias)
+        return Moving(
+            here.frame, partials, self.reads(here.bias + al0.cross(r) + w.cross(wr) + 2 * w.cross(rdot) + own)
+        )
+
+    def _given(self, point: Point, home: Frame) -> Moving:
+        """A point whose velocity in N was given."""
+        v = self.cosines.components(point.velocity, home)
+        partials: dict[sp.Expr, Column] = {}
+        for i, component in enumerate(v):
+            for s, value in self.partials(component).items():
+                partials.setdefault(s, sp.zeros(3, 1))[i] = value
+        gravity = self.cosines.components(self.system.gravity, home)
+        w = self.frame(home).velocity
+        own = v.applyfunc(self.bias)
+        return Moving(home, partials, self.reads(own + w.cross(self.reads(v)) - gravity.xreplace(self.values)))
+
+    def _express(self, here: Moving, frame: Frame) -> Moving:
+        if here.frame is frame:
+            return here
+        if frame.rotation is not None and _is_ancestor(here.frame, frame):
+            base, R = self.turn(frame)
+            here = self._express(here, base)
+        else:
+            R = self.cosines.matrix(frame, here.frame).xreplace(self.values)
+        return Moving(frame, {s: self.reads(R * V) for s, V in here.partials.items()}, self.reads(R * here.bias))
+
+    # -- bodies and loads --------------------------------------------------------------------------------------
+
+    def body(self, body: RigidBody, sums: Sums) -> None:
+        frame = body.frame or self._home(body.point)
+        at = self.point(body.point, frame)
+        m = body.mass
+        for r, V in at.partials.items():
+            mV = self.reads(m * V)
+            for k, U in at.partials.items():
+                if sums.speeds.index(k) >= sums.speeds.index(r):
+                    sums.add_mass(r, k, mV.dot(U))
+            sums.add_force(r, -mV.dot(at.bias))
+        if body.frame is None or not body.inertia:
+            return
+        turning = self.frame(frame)
+        J = self._inertia(body, frame)
+        torque = J * turning.bias + turning.velocity.cross(self.reads(J * turning.velocity))
+        torque = self.reads(torque)
+        for r, W in turning.partials.items():
+            JW = self.reads(J * W)
+            for k, U in turning.partials.items():
+                if sums.speeds.index(k) >= sums.speeds.index(r):
+                    sums.add_mass(r, k, JW.dot(U))
+            sums.add_force(r, -W.dot(torque))
+
+    def _inertia(self, body: RigidBody, frame: Frame) -> sp.Matrix:
+        J = sp.zeros(3, 3)
+        for (p, q), c in body.inertia.terms.items():
+            left, right = (self.cosines.components(Vector({k: 1}), frame) for k in (p, q))
+            J += c * left * right.T
+        return J.applyfunc(self.read)
+
+    def load(self, load: Load, sums: Sums) -> None:
+        """Generalized forces of a force at a point, or of a torque and its reaction."""
+        targets: list[tuple[Frame, dict[sp.Expr, Column], int]] = []
+        if load.point is not None:
+            home = self._home(load.point)
+            targets.append((home, self.point(load.point, home).partials, 1))
+        for frame, sign in ((load.frame, 1), (load.reaction, -1)):
+            if frame is not None:
+                targets.append((frame, self.frame(frame).partials, sign))
+        for frame, partials, sign in targets:
+            vector = self.reads(self.cosines.components(load.vector, frame))
+            for r, column in partials.items():
+                sums.add_force(r, sign * column.dot(vector))
+
+
+def _is_ancestor(ancestor: Frame, frame: Frame) -> bool:
+    while frame.rotation is not None:
+        frame, _, _ = merged_rotation(frame)
+        if frame is ancestor:
+            return True
+    return False
