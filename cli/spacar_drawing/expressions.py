@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from spacar import expressions
 from spacar.errors import UsageError
-from spacar.expressions import Dimensions, Unit
+from spacar.expressions import NONE, Dimensions, Unit
+from spacar_drawing.named_source import named_values
 
 if TYPE_CHECKING:
     from spacar_drawing.source import Source
@@ -47,18 +48,23 @@ class _Variables:
 
 def evaluate(source: Source, text: str) -> Curve:
     """The values of an expression at all steps, with its unit. Raises UsageError with the reason."""
-    if source.named and text.strip() != "t":
-        return _named(source, text.strip())
+    if source.named:
+        found, name = named_values(source, text)
+        return _shown(source, Curve(text.strip(), found, NONE, name))
     scene = source.scene
     dimensions = Dimensions(scene.planar, scene.analysis.stationary, frozenset(scene.position_nodes), scene.keywords)
     expression = expressions.parse(text)
     values, unit = expressions.evaluate(expression, _Variables(source), dimensions)
     if np.iscomplexobj(values):
         raise UsageError(f"'{text}' is complex; plot its abs(), real() or imag()", "plot.complex")
-    if not np.isfinite(values).any():
-        raise UsageError(f"'{text}' is nowhere a finite number", "plot.finite")
-    every = np.broadcast_to(np.asarray(values, float), (source.steps,))
-    return Curve(expression.text, every, unit, expression.variable)
+    return _shown(source, Curve(expression.text, values, unit, expression.variable))
+
+
+def _shown(source: Source, curve: Curve) -> Curve:
+    """The curve with a value at every step. Raises UsageError when none of them can be shown."""
+    if not np.isfinite(curve.values).any():
+        raise UsageError(f"'{curve.text}' is nowhere a finite number", "plot.finite")
+    return replace(curve, values=np.broadcast_to(np.asarray(curve.values, float), (source.steps,)))
 
 
 def warnings(curves: Sequence[Curve]) -> list[str]:
@@ -69,13 +75,3 @@ def warnings(curves: Sequence[Curve]) -> list[str]:
         if bad:
             found.append(f"'{curve.text}' is not a finite number at {bad} of {np.size(curve.values)} steps")
     return found
-
-
-def _named(source: Source, text: str) -> Curve:
-    """A quantity of a symbolic result, by its name: its unit is that of the model, which nobody stated."""
-    if text not in source.named:
-        raise UsageError(f"'{text}' is none of t, {', '.join(source.named)}", "plot.name")
-    values = np.asarray(source.named[text], float)
-    if not np.isfinite(values).any():
-        raise UsageError(f"'{text}' is nowhere a finite number", "plot.finite")
-    return Curve(text, values, expressions.NONE, text)

@@ -13,10 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.kinematics.kinematics import largest
-from spacar.mechanism.mechanism import Array
+from spacar.stationary.contract import Tangent
 from spacar.stationary.equations import Equations, Given, Point
-from spacar.stationary.newton import Corrections, Demand, Tangent, correction
+from spacar.stationary.newton import Corrections, Demand, correction
 
 At = Callable[[float], tuple[Equations, Tangent, Given]]  # puts the loads of a place on the evaluator
 DISTANCE = 0.5  # of the two evaluations of the derivative

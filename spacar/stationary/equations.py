@@ -25,10 +25,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.saddle_point import free_coordinates
 from spacar.kinematics.kinematics import largest
-from spacar.mechanism.mechanism import Array, UserForces
+from spacar.mechanism.mechanism import UserForces
 from spacar.stationary.flexibility import Flexibility
 
 EPS = float(np.finfo(float).eps)

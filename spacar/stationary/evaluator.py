@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from spacar.arrays import Array
 from spacar.dynamics.dynamics import Dynamics
-from spacar.mechanism.mechanism import Array, Mechanism
+from spacar.mechanism.mechanism import Mechanism
+from spacar.stationary.contract import Tangent
 from spacar.stationary.equations import Equations, Given
 from spacar.stationary.flexibility import Flexibility
 from spacar.stationary.loading import WITHOUT_N0, LoadLevel, SteadyDrive, loads_at, with_flow
 from spacar.stationary.moving import MovingTangent
-from spacar.stationary.newton import Tangent
 from spacar.stationary.resting import RestingTangent
 from spacar.stationary.tangent import SparseTangent
 

@@ -11,8 +11,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from spacar.arrays import Array, Index
 from spacar.dynamics.dynamics import Dynamics
-from spacar.mechanism.mechanism import Array, Batch, Index
+from spacar.mechanism.mechanism import Batch
 
 
 class Flexibility:

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.linear_systems import SingularMatrixError
 from spacar.linearization.contractions import (
     geometric_stiffness,
@@ -27,7 +28,6 @@ from spacar.linearization.contractions import (
     scatter,
 )
 from spacar.linearization.matrices import load_gradient
-from spacar.mechanism.mechanism import Array
 from spacar.stationary.equations import Equations, Point
 
 

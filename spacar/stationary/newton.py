@@ -19,15 +19,16 @@ iteration.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.errors import AnalysisError
 from spacar.kinematics.kinematics import LARGEST_JUMP, largest
 from spacar.linear_systems import SingularMatrixError
-from spacar.mechanism.mechanism import Array
+from spacar.stationary.contract import SPREAD, Astray, Tangent
 from spacar.stationary.equations import FLOOR, Equations, Given, Point
+from spacar.stationary.singular import minimum_norm
 
 FORCES = 1e-9  # out-of-balance work / work of the forces in it
 LENGTHS = 1e-11  # incompatibility / model length, or rad
@@ -36,25 +37,6 @@ PASSING_FORCES, PASSING_LENGTHS, PASSING_CORRECTION = 1e-4, 1e-7, 1e-3  # at a s
 FIRST_RATIO, LATER_RATIO, LINEAR_RATIO = 0.6, 0.75, 0.98  # of two corrections, at most
 SINGULAR = 1e14  # displacement under forces of the size of the stiffness: 1/(50 eps), no digit is left
 NO_DIGITS = 1e-4  # a correction of which rounding makes as much, in model lengths or rad: the matrix is singular
-SPREAD = 10.0  # the signs of the rounding errors are not known: factor between one sample and their largest effect
-
-
-class Tangent(Protocol):
-    """The matrix of the corrections; unknowns x_F, then sigma / size."""
-
-    @property
-    def exact(self) -> bool: ...
-    @property
-    def symmetric(self) -> bool: ...
-    def factor(self, point: Point) -> None: ...
-    def solve(self, right: Array) -> Array: ...
-    def along(self, dx: Array) -> Array: ...
-    def dense(self) -> Array: ...
-    def sign(self) -> float: ...
-
-
-class Astray(Exception):
-    """The iteration does not converge, or not to a neighbouring state."""
 
 
 @dataclass(frozen=True)
@@ -189,8 +171,6 @@ def newton(q: Equations, tangent: Tangent, x: Array, sigma: Array, given: Given,
 def _correct(q: Equations, tangent: Tangent, p: Point, dx: Array, first: bool) -> tuple[Array, float]:
     """The correction, of minimum norm where the matrix is singular; at an iterate, which satisfies the constraints to
     first order only, what is not in the range of the matrix is left to the next correction."""
-    from spacar.stationary.singular import minimum_norm
-
     try:
         z, noise = correction(q, tangent, p, dx)
         if np.isfinite(z).all():

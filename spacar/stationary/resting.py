@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.linear_systems import System
 from spacar.linear_systems.inertia import Inertia
 from spacar.linearization.contractions import geometric_blocks
-from spacar.mechanism.mechanism import Array
 from spacar.stationary.equations import Point
 from spacar.stationary.tangent import STATIC, SparseTangent
 

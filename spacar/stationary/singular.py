@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.kinematics.kinematics import largest
 from spacar.linear_systems import SingularMatrixError
-from spacar.mechanism.mechanism import Array
+from spacar.stationary.contract import SPREAD, Astray, Tangent
 from spacar.stationary.equations import EPS, Equations, Point
-from spacar.stationary.newton import SPREAD, Astray, Tangent
 
 LARGEST = 2000  # unknowns: the singular value decomposition takes ten seconds there
 IN_RANGE = 1e-8  # relative: half of the digits of a matrix that is singular to working precision

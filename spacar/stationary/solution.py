@@ -7,10 +7,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.dynamics.dynamics import Dynamics
 from spacar.errors import AnalysisError, Report
 from spacar.linear_systems import SingularMatrixError
-from spacar.mechanism.mechanism import Array, Mechanism
+from spacar.mechanism.mechanism import Mechanism
 from spacar.stationary.equations import Given, Motion, Point
 from spacar.stationary.evaluator import Evaluator
 from spacar.stationary.loading import LoadLevel, SteadyDrive, loads_at

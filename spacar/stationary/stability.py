@@ -16,11 +16,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.linear_systems import SingularMatrixError
-from spacar.mechanism.mechanism import Array
+from spacar.stationary.contract import Tangent
 from spacar.stationary.equations import Equations, Point
 from spacar.stationary.moving import MovingTangent
-from spacar.stationary.newton import Tangent, correction
+from spacar.stationary.newton import correction
 from spacar.stationary.resting import RestingTangent
 
 CRITICAL = float(np.sqrt(np.finfo(float).eps))  # of the model: rounding takes half of the digits of the position

@@ -19,11 +19,12 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from spacar.arrays import Array, Index
 from spacar.dynamics.dynamics import Dynamics
 from spacar.dynamics.forces import moment_gradient
 from spacar.linear_systems import SingularMatrixError, System, assemble
 from spacar.linearization.contractions import configuration_of, geometric_blocks
-from spacar.mechanism.mechanism import Array, Batch, Index
+from spacar.mechanism.mechanism import Batch
 from spacar.stationary.flexibility import Flexibility
 
 SINGULAR = 1e14  # displacements under a load of the size of the stiffness above which it counts as singular

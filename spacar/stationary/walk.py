@@ -18,14 +18,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.errors import AnalysisError, Report
 from spacar.kinematics.kinematics import largest
 from spacar.linear_systems import SingularMatrixError
-from spacar.mechanism.mechanism import Array
+from spacar.stationary.contract import Astray, Tangent
 from spacar.stationary.equations import Equations, Given, Point
 from spacar.stationary.evaluator import Evaluator
 from spacar.stationary.loading import LoadLevel, loads_grow
-from spacar.stationary.newton import Astray, Converged, Demand, Tangent, newton
+from spacar.stationary.newton import Converged, Demand, newton
 from spacar.stationary.singular import FreeMotion
 from spacar.stationary.stability import Stability, critical_motion, stability
 from spacar.stationary.turning import LimitPoint, around

@@ -1,0 +1,28 @@
+"""What the iteration needs of a tangent, and how it gives up."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from spacar.arrays import Array
+from spacar.stationary.equations import Point
+
+SPREAD = 10.0  # the signs of the rounding errors are not known: factor between one sample and their largest effect
+
+
+class Tangent(Protocol):
+    """The matrix of the corrections; unknowns x_F, then sigma / size."""
+
+    @property
+    def exact(self) -> bool: ...
+    @property
+    def symmetric(self) -> bool: ...
+    def factor(self, point: Point) -> None: ...
+    def solve(self, right: Array) -> Array: ...
+    def along(self, dx: Array) -> Array: ...
+    def dense(self) -> Array: ...
+    def sign(self) -> float: ...
+
+
+class Astray(Exception):
+    """The iteration does not converge, or not to a neighbouring state."""
