@@ -20,6 +20,7 @@ COUNTS = ("NX", "NE", "NDOF", "NDDOF", "NKDOF", "NKDDOF", "NNOM", "NU", "NY", "N
 ROWS = ("LE", "LN", "RXYZ", "RQ", "DR0", "STIF", "EDAMP", "RL0", "KDEF")  # a row, or a number, for every element
 COLUMNS = {"LNP": 4, "LE": 6, "LN": 4, "RXYZ": 9, "RQ": 9, "NXP": 5, "NEP": 5}
 FINITE, LARGEST = ("RXYZ", "RQ", "RL0", "DR0"), 1e100
+BY_POSITION = {"K0", "N0", "G0"}
 SQUARE = ("M0", "C0", "D0", "K0", "N0", "G0")
 
 
@@ -118,7 +119,10 @@ class _Tables:
         sizes = {ident: (self.steps[ident].rows, self.steps[ident].cols) for ident in SQUARE if ident in self.steps}
         for ident, size in sizes.items():
             self.require(size[0] <= size[1] or not size[0] * size[1], f"{ident} is {size[0]} x {size[1]}")
-            self.require(len(set(sizes.values())) == 1, f"{ident} has another size than the matrices beside it")
+            # non-holonomic: K0, N0, G0 have columns for more positions than there are velocities (M0, C0)
+            beside = {s for other, s in sizes.items() if (other in BY_POSITION) == (ident in BY_POSITION)}
+            rows = {s[0] for s in sizes.values()}
+            self.require(len(beside) == len(rows) == 1, f"{ident} has another size than the matrices beside it")
         if "EIGVAL" in self.steps:
             self.require(self.steps["EIGVAL"].cols == 2, "EIGVAL does not have two columns")
             n = self.steps["EIGVAL"].rows

@@ -3,7 +3,9 @@
 At a dead point the position may still solve D(x) = e to rounding, but velocities and reactions are not determined:
 numbers would come out, of any size. There the position itself is known to the square root of the rounding only, so the
 limit on the reciprocal condition of the scaled matrix V[E, U] is the one of the diagnosis, sqrt(eps), times sqrt(|x|/L)
-far from the origin, where rounding is larger by |x|/L. Euler parameters as dynamic coordinates end at a rotation of 180
+far from the origin, where rounding is larger by |x|/L. The condition is that of the 1-norm: of n unknowns that move
+together the inverse is larger by sqrt(n) than in the 2-norm, which is what the position error shifts, so the limit of
+large systems falls with sqrt(n). Euler parameters as dynamic coordinates end at a rotation of 180
 degrees.
 
 A dynamic degree of freedom that passes a singular position between two stored steps shows in the sign of the
@@ -20,6 +22,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.errors import AnalysisError, Report
 from spacar.kinematics.diagnosis import ZERO, scaled_difference_matrix
+from spacar.linear_systems import DENSE_LIMIT
 from spacar.linear_systems.condition import reciprocal_condition
 from spacar.linear_systems.dense import DenseSystem
 from spacar.mechanism.numbering import Numbering
@@ -39,7 +42,8 @@ class PositionMatrix:
         self.rows = 1.0 / k.mechanism.deformation_scale[k.E]
         self.columns = k.scale[k.U]
         far = np.abs(k.mechanism.x0 / k.scale).max(initial=1.0)
-        self.zero = ZERO * float(np.sqrt(far))  # a reciprocal condition that is zero to rounding
+        large = max(1.0, len(k.U) / DENSE_LIMIT)
+        self.zero = ZERO * float(np.sqrt(far / large))  # a reciprocal condition that is zero to rounding
         # of systems in dense storage, where the determinant costs nothing
         self.has_determinant = bool(len(k.U)) and isinstance(k.velocity_system, DenseSystem)
 

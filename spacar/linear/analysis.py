@@ -13,7 +13,6 @@ from spacar.errors import AnalysisError
 from spacar.forward.motion import motion
 from spacar.frame import Frame
 from spacar.kinematics.condition import condition_number
-from spacar.kinematics.diagnosis import ZERO
 from spacar.kinematics.output import TransferOutput
 from spacar.kinematics.regularity import Regularity
 from spacar.linear.buckling import NO_STRESS, BucklingModes, buckling_modes, directional_compliances
@@ -138,7 +137,7 @@ def _is_dead_point(run: Run, solver: StationarySolver, level: LoadLevel, t: floa
     do not depend on them and are computed all the same. Raises AnalysisError where the sparse tangent does not apply.
     """
     matrix = solver.dynamics.position_matrix()
-    if not len(matrix.columns) or (solver.solution.determined and matrix.rcond() > ZERO):
+    if not len(matrix.columns) or (solver.solution.determined and matrix.rcond() > matrix.zero):
         return False
     if not (reducible and solver.sparse):
         Regularity(matrix, run.report).check(t)
