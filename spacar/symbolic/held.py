@@ -28,6 +28,7 @@ from spacar.symbolic.derivatives import partial_velocity
 from spacar.symbolic.description import Description
 from spacar.symbolic.fields import Field
 from spacar.symbolic.frames import omega
+from spacar.symbolic.moments import Form, Integrals, collected
 from spacar.symbolic.parts import Beam, RigidBody
 from spacar.symbolic.shapes import X, integral
 from spacar.symbolic.transform import DirectionCosines
@@ -45,6 +46,39 @@ class Wrench:
     torque: Vector
 
 
+@dataclass(frozen=True)
+class Part:
+    """vector · factor · form(x), the vector without x, the factor an acceleration symbol or one."""
+
+    vector: Vector
+    factor: sp.Expr
+    form: Form
+
+
+def beam_functions(beam: Beam, accelerations: dict[sp.Expr, sp.Symbol]) -> dict[sp.Basic, list[tuple[sp.Expr, Form]]]:
+    """x, u, u_t, u_tt and the shortening w, w_t, w_tt as [(1 or an acceleration, {monomial: function of x})]."""
+    one = sp.S.One
+    found: dict[sp.Basic, list[tuple[sp.Expr, Form]]] = {X: [(one, {one: X})]}
+    for f in beam.fields:
+        found[f.function] = [(one, dict(zip(f.coordinates, f.shapes, strict=True)))]
+        found[f.function.diff(TIME)] = [(one, dict(zip(f.speeds, f.shapes, strict=True)))]
+        found[f.function.diff(TIME, 2)] = [
+            (accelerations[s], {one: psi}) for s, psi in zip(f.speeds, f.shapes, strict=True)
+        ]
+    if beam.shortening:
+        w, S = beam.shortening.function, beam.shortening.kernel(X)
+        speed = dict(zip(beam.coordinates, beam.speeds, strict=True))
+        found[w] = [(one, collected((p * q, value / 2) for (p, q), value in S.items()))]
+        found[w.diff(TIME)] = [(one, collected((q * speed[p], value) for (p, q), value in S.items()))]
+        own = [(one, collected((speed[p] * speed[q], value) for (p, q), value in S.items()))]
+        own += [
+            (accelerations[speed[p]], collected((q, value) for (first, q), value in S.items() if first is p))
+            for p in {first: None for first, _ in S}
+        ]
+        found[w.diff(TIME, 2)] = own
+    return found
+
+
 class HeldDerivation:
     """The steps of the held derivation for one system, each usable alone."""
 
@@ -55,7 +89,8 @@ class HeldDerivation:
         self.table = ZTable(forbidden=self.accelerations)
         self.values: dict[sp.Expr, sp.Expr] = {}
         self._accelerations_of: dict[Vector, Vector] = {}
-        self._relative: dict[Beam, Vector] = {}
+        self._relative: dict[Beam, list[Part]] = {}
+        self._integrals: dict[Beam, Integrals] = {}
 
     # -- Z variables -------------------------------------------------------------------------------------------
 
@@ -84,21 +119,44 @@ class HeldDerivation:
 
     def beam(self, beam: Beam) -> Wrench:
         """∫ρ(g − a) dx and ∫ r × ρ(g − a) dx of a beam about its root; the section's own inertia in twist."""
-        mass = beam.mass * beam.length
         g, root = self.system.gravity, self.acceleration(beam.root.velocity)
-        r, relative = self.assumed(beam, beam.offset), self.relative_acceleration(beam)
-        moment = self.remember(self.integrate(beam, r * beam.mass))
-        force = self.remember(self.integrate(beam, relative * -beam.mass)) + (g - root) * mass
-        torque = self.remember(self.integrate(beam, cross(r, relative) * -beam.mass)) + cross(moment, g - root)
+        whole, place, relative = self.integrals(beam), self.split(beam, beam.offset), self.relative_acceleration(beam)
+        moment = self.remember(sum((p.vector * whole.integral(p.form) for p in place), ZERO))
+        inertia = sum((a.vector * (a.factor * whole.integral(a.form)) for a in relative), ZERO)
+        spin = sum(
+            (cross(p.vector, a.vector) * (a.factor * whole.integral(p.form, a.form)) for p in place for a in relative),
+            ZERO,
+        )
+        force = self.remember(-inertia) + (g - root) * (beam.mass * beam.length)
+        torque = self.remember(-spin) + cross(moment, g - root)
         torque -= self.integrate(beam, self.section_momentum_rate(beam))
         return Wrench(beam.root.velocity, force, omega(self.system.N, beam.frame), torque)
 
-    def relative_acceleration(self, beam: Beam) -> Vector:
-        """Acceleration in N of the mass point x relative to the root, the field put in."""
+    def integrals(self, beam: Beam) -> Integrals:
+        """The integrals along a beam, memory reads when recurrence is on."""
+        if beam not in self._integrals:
+            read = self.table.read if self.recurrence else lambda expression: expression
+            self._integrals[beam] = Integrals(read, beam)
+        return self._integrals[beam]
+
+    def relative_acceleration(self, beam: Beam) -> list[Part]:
+        """Acceleration in N of the mass point x relative to the root, in parts."""
         if beam not in self._relative:
             N = self.system.N
-            self._relative[beam] = self.assumed(beam, self.system.ddt(N, self.system.ddt(N, beam.offset)))
+            self._relative[beam] = self.split(beam, self.system.ddt(N, self.system.ddt(N, beam.offset)))
         return self._relative[beam]
+
+    def split(self, beam: Beam, value: Vector) -> list[Part]:
+        """A vector that is linear in x and in the field symbols u(x, t), u_t, u_tt, with the assumed fields put in."""
+        known = beam_functions(beam, self.system.accelerations)
+        mark = {symbol: sp.Dummy() for symbol in known}
+        marked = value.xreplace(mark)
+        parts = []
+        for symbol, dummy in mark.items():
+            direction = marked.map(lambda c, dummy=dummy: c.diff(dummy))
+            if direction:
+                parts += [Part(direction, factor, form) for factor, form in known[symbol]]
+        return parts
 
     def section_momentum_rate(self, beam: Beam) -> Vector:
         """d/dt of the polar momentum ρ_p (w·b1 + θ_t) b1 of a section."""
@@ -146,19 +204,23 @@ class HeldDerivation:
 
     def weak(self, beam: Beam) -> dict[sp.Expr, sp.Expr]:
         """The integral of formula (B) for every field speed of the beam."""
-        root, relative = self.acceleration(beam.root.velocity), self.relative_acceleration(beam)
-        density = (self.system.gravity - root) * beam.mass, relative * -beam.mass
-        shortening = beam.shortening.gradient(X) if beam.shortening else {}
+        pull = self.system.gravity - self.acceleration(beam.root.velocity)
+        relative, whole = self.relative_acceleration(beam), self.integrals(beam)
+        kernel = beam.shortening.kernel(X) if beam.shortening else {}
+        b1 = beam.frame[1]
         result: dict[sp.Expr, sp.Expr] = {}
         for f in beam.fields:
             for q, s, psi in zip(f.coordinates, f.speeds, f.shapes, strict=True):
-                move = beam.frame[f.direction] * (0 if f.kind == "twist" else psi) - beam.frame[1] * shortening.get(
-                    q, 0
+                move = [] if f.kind == "twist" else [(beam.frame[f.direction], {sp.S.One: psi})]
+                if drawn := collected((p, value) for (first, p), value in kernel.items() if first is q):
+                    move.append((-b1, drawn))
+                moment = self.remember(sum((e * whole.integral(form) for e, form in move), ZERO))
+                parts = [dot(moment, pull)]
+                inner = -sp.Add(
+                    *(dot(e, a.vector) * a.factor * whole.integral(form, a.form) for e, form in move for a in relative)
                 )
-                parts = [dot(self.remember(self.integrate(beam, move * beam.mass)), density[0] / beam.mass)]
-                inner = integral(dot(move, density[1]), X, beam.length)
                 if f.kind == "twist":
-                    inner -= integral(psi * dot(beam.frame[1], self.section_momentum_rate(beam)), X, beam.length)
+                    inner -= integral(psi * dot(b1, self.section_momentum_rate(beam)), X, beam.length)
                 inner -= f.strain_energy(beam.length).diff(q) + damping_force(beam, f, psi)
                 parts.append(
                     read_scalar(inner, self.table, self.accelerations) if self.recurrence else gather_scalars(inner)

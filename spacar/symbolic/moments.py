@@ -28,7 +28,30 @@ def swing(C: sp.Matrix) -> sp.Matrix:
     return sp.eye(3) * C.trace() - C
 
 
-class BeamMoments:
+class Integrals:
+    """∫ρ a b dx of one beam as memory reads, every pair of functions of x integrated once."""
+
+    def __init__(self, read: Callable[[sp.Expr], sp.Expr], beam: Beam) -> None:
+        self.read, self.beam = read, beam
+        self._pairs: dict[tuple[sp.Expr, sp.Expr], sp.Expr] = {}
+
+    def integral(self, a: Form, b: Form = _UNIT) -> sp.Expr:
+        """∫ρ a b dx as a memory read."""
+        parts: dict[sp.Expr, list[sp.Expr]] = {}
+        for m, f in a.items():
+            for n, g in b.items():
+                parts.setdefault(m * n, []).append(self._pair(f, g))
+        terms = [self.read(sp.Add(*values)) * m for m, values in parts.items()]
+        return self.read(sp.factor_terms(sp.Add(*terms)))
+
+    def _pair(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
+        if (f, g) not in self._pairs:
+            value = self.beam.mass * product_integral(f, g, X, self.beam.length)
+            self._pairs[f, g] = self._pairs[g, f] = value
+        return self._pairs[f, g]
+
+
+class BeamMoments(Integrals):
     """Moments of one beam as Z variables, with r(x) = (x + e − w, u, w) and η_k = ∂r/∂φ_k.
 
     m, S0 = ∫ρ r, A = ∫ρ r rᵀ, B = ∫ρ r_t rᵀ; per coordinate q: S[q] = ∫ρ η, H[q] = ∫ρ η rᵀ, D[q] = ∫ρ η r_tᵀ;
@@ -36,8 +59,7 @@ class BeamMoments:
     """
 
     def __init__(self, read: Callable[[sp.Expr], sp.Expr], beam: Beam) -> None:
-        self.read, self.beam = read, beam
-        self._pairs: dict[tuple[sp.Expr, sp.Expr], sp.Expr] = {}
+        super().__init__(read, beam)
         self.modes = [
             (f, q, s, psi) for f in beam.fields for q, s, psi in zip(f.coordinates, f.speeds, f.shapes, strict=True)
         ]
@@ -71,21 +93,6 @@ class BeamMoments:
             self.F, self.G = self.column(r_tt), self.product(r_tt, self.r)
             self.E = {q: self.integral(forms[0], r_tt[0]) for q, forms in self.eta.items()}
 
-    def integral(self, a: Form, b: Form = _UNIT) -> sp.Expr:
-        """∫ρ a b dx as a memory read."""
-        parts: dict[sp.Expr, list[sp.Expr]] = {}
-        for m, f in a.items():
-            for n, g in b.items():
-                parts.setdefault(m * n, []).append(self._pair(f, g))
-        terms = [self.read(sp.Add(*values)) * m for m, values in parts.items()]
-        return self.read(sp.factor_terms(sp.Add(*terms)))
-
-    def _pair(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
-        if (f, g) not in self._pairs:
-            value = self.beam.mass * product_integral(f, g, X, self.beam.length)
-            self._pairs[f, g] = self._pairs[g, f] = value
-        return self._pairs[f, g]
-
     def column(self, a: Forms) -> sp.Matrix:
         """∫ρ a dx."""
         return sp.Matrix([self.integral(component) for component in a])
@@ -102,10 +109,16 @@ class BeamMoments:
         return matrix.applyfunc(self.read)
 
 
+def collected(terms: Iterable[tuple[sp.Expr, sp.Expr]]) -> Form:
+    """(monomial, function of x) with the functions of equal monomials added."""
+    parts: dict[sp.Expr, list[sp.Expr]] = {}
+    for monomial, value in terms:
+        parts.setdefault(monomial, []).append(value)
+    return {m: total for m, values in parts.items() if (total := sp.Add(*values)) != 0}
+
+
 def _form(terms: Iterable[tuple[int, sp.Expr, sp.Expr]]) -> Forms:
     """(component, monomial, function of x) collected."""
-    parts: tuple[dict[sp.Expr, list[sp.Expr]], ...] = ({}, {}, {})
-    for i, monomial, value in terms:
-        parts[i - 1].setdefault(monomial, []).append(value)
-    first, second, third = ({m: v for m, f in part.items() if (v := sp.Add(*f)) != 0} for part in parts)
+    rows = list(terms)
+    first, second, third = (collected((m, value) for i, m, value in rows if i == k) for k in (1, 2, 3))
     return first, second, third
