@@ -28,6 +28,7 @@ from spacar.stationary.tangent import SparseTangent
 from spacar.stream import Run
 
 LARGE = 600  # dynamic degrees of freedom; above, no dense matrices are formed
+LOST = 1e-6  # chosen: relative error of the matrices that a user shall know of
 
 
 def forward(run: Run) -> Iterator[Frame]:
@@ -113,6 +114,7 @@ def stationary(run: Run, reducible: bool = True) -> Iterator[Solution]:
         dynamics, state = solver.dynamics, solver.solution
         if "condition" not in run.header:
             run.header["condition"] = condition_number(dynamics.kinematics)
+            _say_lost_digits(run, reduced)
         limits = limits or Limits(dynamics, run.report)
         convected = dynamics.forces.inertia(dynamics.sweep, dynamics.xd)
         frame = dynamics.complete(
@@ -130,6 +132,19 @@ def stationary(run: Run, reducible: bool = True) -> Iterator[Solution]:
         L = linearize(dynamics, state.xdd, state.sigma)
         _store_matrices(frame, L, dynamics)
         yield Solution(output.add(frame, dynamics.kinematics), dynamics, L, None)
+
+
+def _say_lost_digits(run: Run, reduced: bool) -> None:
+    """W^T M W and its kin have entries up to cond^2 larger than their smallest eigenvalues ask for: eps cond^2 of the
+    eigenvalues may be rounding. The sparse pencil, which keeps all coordinates, does not lose them."""
+    condition = run.header["condition"]
+    lost = float(np.finfo(float).eps) * condition**2
+    if lost > LOST and np.isfinite(condition) and not reduced:
+        run.report.add(
+            f"warning: the degrees of freedom hardly determine the configuration (condition number {condition:.2g}): up"
+            f" to {min(lost, 1.0):.1g} of the linearized equations may be rounding; choose other degrees of freedom"
+            " (`spacar 0`)"
+        )
 
 
 def _is_dead_point(run: Run, solver: StationarySolver, level: LoadLevel, t: float, reducible: bool) -> bool:

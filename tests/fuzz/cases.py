@@ -180,7 +180,7 @@ def _words(rng: random.Random, seed: int, results: dict[str, bytes]) -> Case:
         words.append(rng.choice(("check", "export", "nothing")))
     for k in range(max(0, count + rng.choice((0, 0, 0, 0, -1, 1)))):
         words.append(rng.choice(NAMES if k == 0 or rng.random() < 0.2 else VALUES))
-    for _ in range(rng.randrange(4)):
+    for _ in range(rng.randrange(4) if options else 0):
         option = rng.choice(options)
         words += (
             [option[:-1]] if option.endswith("!") else [option, rng.choice(VALUES if rng.random() < 0.8 else NAMES)]
