@@ -105,6 +105,7 @@ def test_tumbling_about_the_intermediate_axis() -> None:
     np.testing.assert_allclose(np.linalg.norm(lam, axis=1), 1.0, atol=1e-14)
 
 
+@pytest.mark.slow
 def test_fast_heavy_top() -> None:
     """Spin 40 rad/s, tilted by 0.5 rad, with an inclined push: precession and nutation; angles to 400 rad."""
     m, arm, J = 2.0, 0.3, np.array([0.05, 0.05, 0.02])

@@ -210,7 +210,7 @@ def rigid_rod():
 
 @pytest.mark.parametrize(("code", "EI", "step", "tolerance"), [
     # elastic deflection of the order m g l^3 / (50 EI): 2e-4 for the first
-    (853, 1e3, None, 4e-4), (0, 1e3, None, 4e-4),
+    pytest.param(853, 1e3, None, 4e-4, marks=pytest.mark.slow), (0, 1e3, None, 4e-4),
     # implicit: order 3 with steps of 5 ms; the fast motion is damped away
     (430, 1e8, 0.005, 1e-6), (430, 1e12, 0.005, 1e-6), (330, 1e8, 0.005, 1e-5), (330, 1e12, 0.005, 1e-5),
 ])  # fmt: skip

@@ -198,6 +198,7 @@ def test_an_exception_inside_the_writer_marks_the_file_stopped(tmp_path):
         assert (file.state, file.steps) == (2, 1)
 
 
+@pytest.mark.slow
 def test_a_hundred_thousand_steps_need_no_memory_and_one_of_them_is_read_alone(tmp_path):
     x = np.arange(10.0)
     tracemalloc.start()

@@ -145,7 +145,7 @@ def test_nodes_that_meet() -> None:
     assert "t = 2" in str(error)
 
 
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-5])
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4, pytest.param(1e-5, marks=pytest.mark.slow)])
 def test_an_integration_that_is_reflected_at_a_dead_point_stops(tolerance: float) -> None:
     """A diagonal as degree of freedom is longest where two bars are in line, t = 0.7815; beyond, it gets shorter again.
 

@@ -117,6 +117,7 @@ def test_stored_load_levels_are_counted_without_being_made(kind, initial, additi
     assert stored_levels(settings) == sum(level.store for level in load_program(settings))
 
 
+@pytest.mark.slow
 def test_simulations_that_stay_in_memory_have_a_largest_number_of_times(tmp_path):
     model(tmp_path, "robotsim")
     text = (DATA / "robotsim.sim").read_text().replace("step = 0.01", "step = 1e-12")

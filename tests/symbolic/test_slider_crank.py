@@ -58,6 +58,7 @@ def refined(number):
     return "\n".join([*lines, "END", "END", ""])
 
 
+@pytest.mark.slow
 def test_against_beam_elements_of_the_core(driven):
     """Nodes 6 (middle of the rod) and 8 (block) of mode 1.
 
