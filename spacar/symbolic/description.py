@@ -6,7 +6,7 @@ derivation. Source: `symbolic.md`, sections 3 and 6.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import sympy as sp
@@ -55,14 +55,15 @@ class Description:
             )
         self.names[name.lower()] = what
 
-    def expression(self, value: Any) -> sp.Expr:
-        """A scalar from a number, an expression, or a text in which unknown names are parameters."""
+    def expression(self, value: Any, names: Mapping[str, sp.Expr] | None = None) -> sp.Expr:
+        """A scalar from a number, an expression, or a text in which names other than known `names` are parameters."""
         if isinstance(value, str):
             known = {str(f.func): f for f in [*self.coordinates, *self.speeds]}
             known |= {
                 s.name: s for s in [*self.inputs, *self.accelerations.values(), *(c.force for c in self.constraints)]
             }
-            known |= {str(f.func): f for p in self.pseudo for f in (p.coordinate, p.speed)} | {"t": TIME}
+            known |= {str(f.func): f for p in self.pseudo for f in (p.coordinate, p.speed)}
+            known |= {"t": TIME, **(names or {})}
             value = read_expression(value, known, unknown=lambda name: sp.Symbol(name, real=True))
         return sp.sympify(value).xreplace(self.rates)
 

@@ -226,7 +226,9 @@ class _Reader(ModelFile):
             if key in row:
                 self.place = f"{place} {key}"
                 value = row[key]
-                options[key] = tuple(map(self.expression, value)) if isinstance(value, list) else self.expression(value)
+                names = {} if key in ("length", "damping") else {"x": X}
+                values = [self.expression(v, names) for v in (value if isinstance(value, list) else [value])]
+                options[key] = tuple(values) if isinstance(value, list) else values[0]
         for key in ("field", "twist", "stretch"):
             if key in row:
                 self.place = f"{place} {key}"
