@@ -208,7 +208,8 @@ class _Reader(ModelFile):
         parent = self.frame_of(row, "parent")
         place = self.place
         self.place = f"{place} angle"
-        angle = self.expression(row["angle"])
+        value = row["angle"]
+        angle: Any = [self.expression(a) for a in value] if isinstance(value, list) else self.expression(value)
         self.place = place
         if not is_name(row.get("symbol", "b")):
             self.fail(f"key 'symbol' must be a name (letters, digits and _), not {row['symbol']!r}")
