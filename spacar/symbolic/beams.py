@@ -49,10 +49,12 @@ def make_beam(
     shapes, or expressions in x; () for none) then one each or one for both. damping: γ [N s] of the paper, in every
     bending field, with its natural boundary condition unless damping_boundary=False. foreshortening: None means yes
     for default shapes and no for shapes that are written out, as in the paper. twist, GJ [N m²], polar moment of
-    inertia per length [kg m]; stretch, EA [N]. Raises UsageError for shapes that violate the conditions at the root.
+    inertia per length [kg m]; stretch, EA [N]. mass, EI, GJ, EA and polar may depend on x (a tapered beam). Raises
+    UsageError for shapes that violate the conditions at the root.
     """
     system.claim(name, f"beam {name}")
-    length, mass, polar, damping = (system.expression(v) for v in (length, mass, polar, damping))
+    length, damping = system.expression(length), system.expression(damping)
+    mass, polar = (along(system, value) for value in (mass, polar))
     directions = (bends,) if isinstance(bends, int) else tuple(bends)
     if not directions or not set(directions) <= {2, 3} or len(set(directions)) != len(directions):
         raise UsageError(f"beam {name}: bends must be 2, 3 or both, not {bends!r}")
@@ -71,7 +73,7 @@ def make_beam(
             pairs.append(system.coordinate(f"phi{number}_{k}", speed=f"dphi{number}_{k}"))
         coordinates, speeds = zip(*pairs, strict=True)
         function = field_function(f"{letter}{number}")
-        made.append(Field(letter, kind, direction, function, shapes, coordinates, speeds, system.expression(stiffness)))
+        made.append(Field(letter, kind, direction, function, shapes, coordinates, speeds, along(system, stiffness)))
 
     fields = field if len(directions) == 2 and isinstance(field, (tuple, list)) and len(field) == 2 else None
     stiffnesses = EI if isinstance(EI, (tuple, list)) else (EI,) * len(directions)
@@ -92,6 +94,11 @@ def make_beam(
     beam = Beam(name, frame, root, length, mass, polar, damping, damping_boundary, tuple(made), shortening, offset)
     make_section(system, beam, length)
     return beam
+
+
+def along(system: Description, value: Any) -> sp.Expr:
+    """A property that may depend on x, the coordinate along the beam."""
+    return system.expression(value, {"x": X}).xreplace({sp.Symbol("x"): X})
 
 
 def make_section(system: Description, beam: Beam, x: sp.Expr) -> Section:

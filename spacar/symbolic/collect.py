@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any, TypeVar
 
 import sympy as sp
+from sympy.utilities.iterables import sift
 
 from spacar.symbolic.derivatives import Recurrence
 from spacar.symbolic.units import HeldScalar, Unit
@@ -143,8 +144,13 @@ def gather_dots(value: Value) -> Value:
     """
 
     def collect(c: sp.Expr) -> sp.Expr:
-        held = sorted(c.atoms(HeldScalar), key=str)
-        return sp.collect(sp.expand(c), held, func=sp.factor_terms) if held else c
+        if not c.has(HeldScalar):
+            return c
+        parts: dict[sp.Expr, list[sp.Expr]] = {}
+        for term in sp.Add.make_args(sp.expand(c)):
+            held, scalars = sift(sp.Mul.make_args(term), lambda f: f.has(HeldScalar), binary=True)
+            parts.setdefault(sp.Mul(*held), []).append(sp.Mul(*scalars))
+        return sp.Add(*(dots * sp.factor_terms(sp.Add(*coefficients)) for dots, coefficients in parts.items()))
 
     return _each(value, collect)
 

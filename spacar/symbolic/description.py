@@ -6,7 +6,8 @@ derivation. Source: `symbolic.md`, sections 3 and 6.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 import sympy as sp
@@ -55,14 +56,15 @@ class Description:
             )
         self.names[name.lower()] = what
 
-    def expression(self, value: Any) -> sp.Expr:
-        """A scalar from a number, an expression, or a text in which unknown names are parameters."""
+    def expression(self, value: Any, names: Mapping[str, sp.Expr] | None = None) -> sp.Expr:
+        """A scalar from a number, an expression, or a text in which names other than known `names` are parameters."""
         if isinstance(value, str):
             known = {str(f.func): f for f in [*self.coordinates, *self.speeds]}
             known |= {
                 s.name: s for s in [*self.inputs, *self.accelerations.values(), *(c.force for c in self.constraints)]
             }
-            known |= {str(f.func): f for p in self.pseudo for f in (p.coordinate, p.speed)} | {"t": TIME}
+            known |= {str(f.func): f for p in self.pseudo for f in (p.coordinate, p.speed)}
+            known |= {"t": TIME, **(names or {})}
             value = read_expression(value, known, unknown=lambda name: sp.Symbol(name, real=True))
         return sp.sympify(value).xreplace(self.rates)
 
@@ -140,14 +142,35 @@ class Description:
 
     # -- frames and points -------------------------------------------------------------------------------------
 
-    def frame(self, name: str, parent: Frame | Section, axis: int, angle: Any, symbol: str | None = None) -> Frame:
-        """A frame turned about axis 1, 2 or 3 of its parent (a frame or a beam section) by `angle` [rad]."""
+    def frame(
+        self, name: str, parent: Frame | Section, axis: int | str, angle: Any, symbol: str | None = None
+    ) -> Frame:
+        """A frame turned about axis 1, 2 or 3 of its parent (a frame or a beam section) by `angle` [rad].
+
+        A sequence as "321" or "zyx" turns about axes that move along, by as many angles: yaw, pitch and roll.
+        """
         base = parent.frame if isinstance(parent, Section) else parent
+        if isinstance(axis, str):
+            return self._sequence(name, base, axis, angle, symbol)
         if axis not in (1, 2, 3):
             raise UsageError(f"frame {name}: axis must be 1, 2 or 3, not {axis!r}")
         turned = base.turned(name, axis, self.expression(angle), symbol)
         set_omega(base, turned, omega(base, turned).xreplace(self.rates))
         return turned
+
+    def _sequence(self, name: str, base: Frame, axes: str, angles: Any, symbol: str | None) -> Frame:
+        """Turns one after the other; the frames between are NAME_1, NAME_2."""
+        numbers = [int(a) for a in axes.lower().translate(str.maketrans("xyz", "123")) if a in "123"]
+        if not numbers or len(numbers) != len(axes) or any(a == b for a, b in pairwise(numbers)):
+            raise UsageError(f"frame {name}: axis must be 1, 2, 3 or a sequence such as '321' or 'zyx', not {axes!r}")
+        if len(numbers) == 1 and (isinstance(angles, str) or not hasattr(angles, "__len__")):
+            return self.frame(name, base, numbers[0], angles, symbol)
+        if isinstance(angles, str) or not hasattr(angles, "__len__") or len(angles) != len(numbers):
+            raise UsageError(f"frame {name}: the sequence {axes} needs a list of {len(numbers)} angles, not {angles!r}")
+        for k, (number, angle) in enumerate(zip(numbers, angles, strict=True), 1):
+            last = k == len(numbers)
+            base = self.frame(name if last else f"{name}_{k}", base, number, angle, symbol if last else None)
+        return base
 
     def point(self, name: str, base: Point, offset: Vector = ZERO, velocity: Vector | None = None) -> Point:
         """The point at `offset` from `base`; `velocity` in N may be given when the constraints of speeds are known."""

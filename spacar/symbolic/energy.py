@@ -38,7 +38,7 @@ def potential_energy(eq: DerivedEquations) -> sp.Expr:
         if beam.shortening:
             rule[beam.shortening.function] = beam.shortening.value(X)
         offset: Vector = beam.offset.xreplace(rule).map(lambda c, beam=beam: integral(c * beam.mass, X, beam.length))
-        weight = dot(system.gravity, position(system, beam.root)) * beam.mass * beam.length
+        weight = dot(system.gravity, position(system, beam.root)) * beam.total_mass
         total -= weight + dot(system.gravity, offset)
         total += sp.Add(*(f.strain_energy(beam.length) for f in beam.fields))
     return eq.scalar(total)

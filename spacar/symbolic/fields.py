@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from spacar.symbolic.shapes import X, product_integral, running_integral
+from spacar.symbolic.shapes import X, running_integral, weighted_integral
 from spacar.symbolic.units import TIME
 
 
@@ -59,8 +59,8 @@ class Field:
         """∫ energy density dx of the assumed field [J]."""
         n = self.order
         pairs = [(q, psi.diff(X, n)) for q, psi in zip(self.coordinates, self.shapes, strict=True)]
-        total = [p * q * product_integral(f, g, X, length) for p, f in pairs for q, g in pairs]
-        return self.stiffness * sp.Add(*total) / 2
+        total = [p * q * weighted_integral(self.stiffness, f, g, X, length) for p, f in pairs for q, g in pairs]
+        return sp.Add(*total) / 2
 
     def substitution(self, accelerations: dict[sp.Expr, sp.Symbol]) -> dict[sp.Basic, sp.Expr]:
         """u, u_t, u_tt and their derivatives to x in terms of φ, dφ and the acceleration symbols."""

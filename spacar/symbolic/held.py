@@ -127,7 +127,7 @@ class HeldDerivation:
             (cross(p.vector, a.vector) * (a.factor * whole.integral(p.form, a.form)) for p in place for a in relative),
             ZERO,
         )
-        force = self.remember(-inertia) + (g - root) * (beam.mass * beam.length)
+        force = self.remember(-inertia) + (g - root) * beam.total_mass
         torque = self.remember(-spin) + cross(moment, g - root)
         torque -= self.integrate(beam, self.section_momentum_rate(beam))
         return Wrench(beam.root.velocity, force, omega(self.system.N, beam.frame), torque)

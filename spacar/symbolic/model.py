@@ -208,7 +208,8 @@ class _Reader(ModelFile):
         parent = self.frame_of(row, "parent")
         place = self.place
         self.place = f"{place} angle"
-        angle = self.expression(row["angle"])
+        value = row["angle"]
+        angle: Any = [self.expression(a) for a in value] if isinstance(value, list) else self.expression(value)
         self.place = place
         if not is_name(row.get("symbol", "b")):
             self.fail(f"key 'symbol' must be a name (letters, digits and _), not {row['symbol']!r}")
@@ -226,7 +227,9 @@ class _Reader(ModelFile):
             if key in row:
                 self.place = f"{place} {key}"
                 value = row[key]
-                options[key] = tuple(map(self.expression, value)) if isinstance(value, list) else self.expression(value)
+                names = {} if key in ("length", "damping") else {"x": X}
+                values = [self.expression(v, names) for v in (value if isinstance(value, list) else [value])]
+                options[key] = tuple(values) if isinstance(value, list) else values[0]
         for key in ("field", "twist", "stretch"):
             if key in row:
                 self.place = f"{place} {key}"

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable
 import sympy as sp
 
 from spacar.symbolic.parts import Beam
-from spacar.symbolic.shapes import X, product_integral
+from spacar.symbolic.shapes import X, weighted_integral
 
 Form = dict[sp.Expr, sp.Expr]
 Forms = tuple[Form, Form, Form]
@@ -46,7 +46,7 @@ class Integrals:
 
     def _pair(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
         if (f, g) not in self._pairs:
-            value = self.beam.mass * product_integral(f, g, X, self.beam.length)
+            value = weighted_integral(self.beam.mass, f, g, X, self.beam.length)
             self._pairs[f, g] = self._pairs[g, f] = value
         return self._pairs[f, g]
 
@@ -77,7 +77,7 @@ class BeamMoments(Integrals):
             (i, monomial * self.speed[q], value)
             for q, forms in self.eta.items() for i, form in enumerate(forms, 1) for monomial, value in form.items()
         )  # fmt: skip
-        self.m = read(beam.mass * beam.length)
+        self.m = read(beam.total_mass)
         self.S = {q: self.column(forms) for q, forms in self.eta.items()}
         self.H = {q: self.product(forms, self.r) for q, forms in self.eta.items()}
         self.D = {q: self.product(forms, r_t) for q, forms in self.eta.items()}

@@ -8,6 +8,7 @@ import sympy as sp
 
 from spacar.symbolic.fields import Field, Foreshortening
 from spacar.symbolic.frames import Frame
+from spacar.symbolic.shapes import X, integral
 from spacar.symbolic.vectors import Dyad, Vector
 
 
@@ -90,6 +91,11 @@ class Beam:
     @property
     def tip(self) -> Section:
         return self.sections[self.length]
+
+    @property
+    def total_mass(self) -> sp.Expr:
+        """∫ρ dx [kg]."""
+        return integral(self.mass, X, self.length)
 
     @property
     def bending(self) -> tuple[Field, ...]:

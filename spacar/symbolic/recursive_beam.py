@@ -20,7 +20,7 @@ from spacar.symbolic.fields import Field
 from spacar.symbolic.moments import BeamMoments, swing, vee
 from spacar.symbolic.parts import Beam
 from spacar.symbolic.recursion import Recursion, Sums
-from spacar.symbolic.shapes import X, integral, product_integral
+from spacar.symbolic.shapes import X, integral, product_integral, weighted_integral
 
 _E1 = sp.Matrix([1, 0, 0])
 
@@ -76,7 +76,7 @@ def _elastic(b: BeamMoments, f: Field, psi: sp.Expr) -> sp.Expr:
     """Σ_j φ_j ∫EI ψ''ψ_j'' + dφ_j ∫2γ ψ'ψ_j' of one shape, the integrals from Z (see `held.damping_force`)."""
     beam, n, terms = b.beam, f.order, []
     for q, s, other in zip(f.coordinates, f.speeds, f.shapes, strict=True):
-        stiffness = f.stiffness * product_integral(psi.diff(X, n), other.diff(X, n), X, beam.length)
+        stiffness = weighted_integral(f.stiffness, psi.diff(X, n), other.diff(X, n), X, beam.length)
         terms.append(b.read(stiffness) * q)
         if f.kind == "bending" and beam.damping != 0:
             pair = (psi.diff(X), other.diff(X)) if beam.damping_boundary else (-psi, other.diff(X, 2))
@@ -90,7 +90,7 @@ def _section_inertia(recursion: Recursion, b: BeamMoments, sums: Sums) -> None:
     if beam.polar == 0:
         return
     turning = recursion.frame(beam.frame)
-    total = b.read(beam.polar * beam.length)
+    total = b.read(integral(beam.polar, X, beam.length))
     shapes = [(s, psi) for f, _, s, psi in b.modes if f.kind == "twist"]
     first = {s: b.read(integral(beam.polar * psi, X, beam.length)) for s, psi in shapes}
     W, w, al0 = turning.partials, turning.velocity, turning.bias

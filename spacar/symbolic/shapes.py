@@ -158,6 +158,13 @@ def product_integral(f: sp.Expr, g: sp.Expr, x: sp.Symbol, L: sp.Expr) -> sp.Exp
     return a[0] * b[0] * L * _unit_integral(a[1] * b[1])
 
 
+def weighted_integral(weight: sp.Expr, f: sp.Expr, g: sp.Expr, x: sp.Symbol, L: sp.Expr) -> sp.Expr:
+    """∫ weight f g dx from 0 to L; the weight may depend on x (a tapered beam)."""
+    if weight.has(x):
+        return product_integral(sp.expand(weight * f), g, x, L)
+    return weight * product_integral(f, g, x, L)
+
+
 def running_integral(f: sp.Expr, g: sp.Expr, x: sp.Symbol, L: sp.Expr, end: sp.Expr) -> sp.Expr:
     """∫ f g dx from 0 to `end`, for polynomials by the dimensionless primitive."""
     a, b = _dimensionless(sp.sympify(f), x, L), _dimensionless(sp.sympify(g), x, L)

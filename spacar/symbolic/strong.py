@@ -47,11 +47,11 @@ def strong_form(eq: DerivedEquations, beam: Beam, name: str = "u") -> StrongForm
     direction = beam.frame[found.direction]
     inertia = beam.mass * dot(acceleration - system.gravity, direction)
     damping = 2 * beam.damping
-    equation = EI * u.diff(X, 4) + sp.expand(inertia) - damping * u.diff(X, 2, TIME)
+    equation = (EI * u.diff(X, 2)).diff(X, 2) + sp.expand(inertia) - damping * u.diff(X, 2, TIME)
     letters = f"{beam.name}_{name}"
     E = {str(s.func): e for s, e in eq.held_by_speed.items()}
     natural = (
         (EI * u.diff(X, 2), E[f"{letters}xt"]),
-        (-EI * u.diff(X, 3) + damping * u.diff(X, TIME), E[f"{letters}t"]),
+        (-(EI * u.diff(X, 2)).diff(X) + damping * u.diff(X, TIME), E[f"{letters}t"]),
     )
     return StrongForm(equation, (u, u.diff(X)), natural)

@@ -27,6 +27,8 @@ KINDS: dict[str, tuple[str, Any]] = {
     "shapes": ('a number of default shapes, a family ("pinned 3") or a list of expressions in x', (int, str, list)),
     "axes": ("2, 3 or [2, 3]", (int, list)),
     "stiffness": ("an expression, or one for each bending direction", (str, int, float, list)),
+    "turn": ('1, 2, 3 or a sequence such as "321"', (int, str)),
+    "angles": ("an expression, or a list of them for a sequence", (str, int, float, list)),
     "list": ("a list", list),
     "table": ("a table", dict),
 }
@@ -63,8 +65,8 @@ TABLES: dict[str, dict[str, Key]] = {
     "frame": {
         "name": _NAME,
         "parent": _key("name", "frame or section"),
-        "axis": _key("integer", "axis of the parent, 1 to 3"),
-        "angle": _key("expression", "angle [rad]"),
+        "axis": _key("turn", "axis of the parent, 1 to 3, or a sequence of moving axes"),
+        "angle": _key("angles", "angle [rad], a list for a sequence"),
         "symbol": _may("text", "letter of its unit vectors"),
     },
     "point": {
@@ -78,8 +80,8 @@ TABLES: dict[str, dict[str, Key]] = {
         "frame": _key("name", "frame, axis 1 along the beam"),
         "root": _key("name", "point"),
         "length": _key("expression", "length [m]"),
-        "mass": _key("expression", "mass per length [kg/m]"),
-        "EI": _may("stiffness", "bending stiffness [N m²]"),
+        "mass": _key("expression", "mass per length [kg/m], may depend on x"),
+        "EI": _may("stiffness", "bending stiffness [N m²], may depend on x"),
         "bends": _may("axes", "unit vectors of deflection"),
         "field": _may("shapes", "assumed field"),
         "damping": _may("expression", "γ [N s]"),

@@ -85,7 +85,7 @@ ERRORS = {
     "missing key": ([('length = "L"\n', "")], "[[beam]] link1: key 'length' is missing (length [m])"),
     "unknown key": ([('damping = "gam"', 'dampng = "gam"')], "unknown key 'dampng', did you mean 'damping'?"),
     "unknown table": ([("[[torque]]", "[[torqe]]")], "unknown table 'torqe', did you mean 'torque'?"),
-    "wrong type": ([("axis = 3", 'axis = "z"')], "key 'axis' must be an integer, not 'z'"),
+    "wrong type": ([("axis = 3", "axis = 3.5")], "key 'axis' must be 1, 2, 3 or a sequence such as \"321\", not 3.5"),
     "vector": ([('["0", "-g", "0"]', '["0", "-g"]')], "[system] gravity: must be a list of 3 expressions, not 2"),
     "frame": ([('parent = "link1.tip"', 'parent = "link9.tip"')], "[[frame]] B2: refers to ['link9.tip'], which is not defined"),
     "beam root": ([('root = "link1.tip"', 'root = "link9.tip"')], "[[beam]] link2: refers to ['link9.tip'], which is not defined"),
