@@ -72,8 +72,10 @@ def picture(source: Source, extras: Extras, numbers: Sequence[int], nodes: Seque
     if title is None:
         title = step_text(source, numbers[-1])
         if len(numbers) > 1:
-            first, last = source.time(numbers[0]), source.time(numbers[-1])
-            title = f"{source.scene.title}   {len(numbers)} steps, t = {first:.4g} to {last:.4g} s"
+            span = f"t = {source.time(numbers[0]):.4g} to {source.time(numbers[-1]):.4g} s"
+            if source.scene.analysis.stationary:
+                span = f"load steps {numbers[0]} to {numbers[-1]}"
+            title = f"{source.scene.title}   {len(numbers)} steps, {span}"
     return draw_steps(
         source.scene,
         configurations(source, numbers),

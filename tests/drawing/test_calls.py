@@ -45,3 +45,9 @@ def test_what_does_not_exist_is_said(result, tmp_path):
         result.draw(steps="9")
     with pytest.raises(UsageError, match="ends in"):
         result.draw(tmp_path / "crank.txt")
+
+
+def test_several_load_steps_are_no_times(result):
+    bent = spacar.run(7, DATA / "plbeam5.dat")
+    assert "t = " not in bent.draw(steps="all").axes[0].get_title(loc="left")
+    assert "t = 0 to" in result.draw(steps="all").axes[0].get_title(loc="left")
