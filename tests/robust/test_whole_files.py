@@ -16,7 +16,7 @@ from spacar_formats import safety
 
 from spacar.errors import UsageError
 
-from .processes import done, model, start, until
+from .processes import done, model, until
 
 HOUSE = Path(__file__).resolve().parents[2]
 WRITES = {"write_text", "write_bytes", "savefig", "savez", "save", "savemat", "tofile"}
@@ -91,17 +91,25 @@ def test_a_full_disk_leaves_the_old_file_and_no_other(results, words):
     target.unlink()
 
 
+# A disk that takes a minute: the side file is complete, and not yet in its place.
+NEVER_ON_DISK = """
+import os, sys, time
+os.fsync = lambda file: time.sleep(60)
+from spacar_cli.main import main
+main(sys.argv[1:])
+"""
+
+
 @pytest.mark.parametrize("kind", ["svg", "html"])
 def test_a_kill_leaves_the_old_file_and_the_next_run_cleans_up(results, kind):
     words = OUTPUTS[kind]
     target = results / words[-1]
     target.write_text("old")
-    process = start(results, *words)
+    process = subprocess.Popen([sys.executable, "-c", NEVER_ON_DISK, *words], cwd=results, stdin=subprocess.DEVNULL)
     until(lambda: list(results.glob(".*spacar-side*")), process)
     process.kill()
     process.wait()
-    if not list(results.glob(".*spacar-side*")):  # it was quicker than the kill
-        pytest.skip("the file was complete before the kill")
+    assert list(results.glob(".*spacar-side*"))
     assert target.read_text() == "old"
     assert done(results, *words)[0] == 0
     assert not list(results.glob(".*spacar-side*"))
