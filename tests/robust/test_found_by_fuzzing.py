@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import shutil
+from pathlib import Path
+
 import numpy as np
 import pytest
-from spacar_formats.sbf import SbfWriter
+from spacar_formats.sbf import SbfError, SbfWriter
+from spacar_formats.vibration import modes_of_stored_matrices
 
 import spacar
 from spacar.deck import parse_deck
-from spacar.errors import AnalysisError
+from spacar.errors import AnalysisError, Report
 from spacar.simulation.reduction import tracked_modes
 
+from .processes import DATA
 from .test_one_sentence import is_one_sentence, run
 
 
@@ -78,3 +83,25 @@ def test_a_time_varying_system_without_a_step(tmp_path):
         assert status == 2
         assert is_one_sentence(err)
         assert "empty.ltv holds no step" in err
+
+
+class DamagedMatrices:
+    path = Path("lever.sbm")
+
+    def has(self, ident):
+        return False
+
+    def get(self, ident, step):
+        return np.full((1, 1), np.inf)
+
+
+def test_stored_matrices_that_are_not_finite():
+    with pytest.raises(SbfError, match=r"lever\.sbm is damaged: a matrix of step 3 holds numbers that are not finite"):
+        modes_of_stored_matrices(DamagedMatrices(), 3, Report())
+
+
+def test_a_nominal_result_without_a_name(tmp_path):
+    shutil.copy(DATA / "crank.dat", tmp_path)
+    status, _, err = run(3, tmp_path / "crank.dat", "--setpoints", ".")
+    assert status == 2
+    assert is_one_sentence(err)
