@@ -9,7 +9,7 @@ function check = checksbf(file)
 % listed, and that is an error (spacar:damaged) in both forms. FILE with or without extension.
 %
 % See also getfrsbf, repinsbf.
-  [d, fid, guard] = sbf_directory(result_file(file, {'sbd', 'sbm', 'ltv'}));
+  [d, fid, guard] = sbf_directory(result_file(file, {'sbd', 'sbm', 'ltv'}), true);
   states = {'being written, or killed while writing', 'complete', 'stopped early'};
   damage = {};
   if d.steps < d.committed

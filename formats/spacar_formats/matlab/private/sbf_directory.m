@@ -1,11 +1,12 @@
-function [d, fid, guard] = sbf_directory(file)
+function [d, fid, guard] = sbf_directory(file, anew)
 % Open a result file and read what is in front of its steps (docs/reference/files.md section 8).
 %
 % d: file, kind ('sbd', 'sbm', 'ltv'), state (0 being written, 1 complete, 2 stopped early), committed, steps, data
 % (first byte of the steps), stride, and for every variable a row of names, type (1 integer, 2 real, 3 text), rows, cols,
 % offset (in the file; of a step variable in its step), isstep. fid is open as long as guard lives.
 % The checksums of preamble and directory are verified when the directory is read. It is kept for the next call, and the
-% 64 bytes of the preamble, with the checksum of the directory among them, tell whether the file is still that one.
+% 64 bytes of the preamble, with the checksum of the directory among them, tell whether the file is still that one; with
+% ANEW it is read and verified in any case.
 % Throws spacar:notFound, spacar:damaged.
   persistent known
   if isempty(known), known = struct('file', {}, 'preamble', {}, 'directory', {}); end
@@ -18,7 +19,7 @@ function [d, fid, guard] = sbf_directory(file)
   preamble(14) = 0;  % the only byte that no checksum covers
   k = find(strcmp({known.file}, file), 1);
   if isempty(k), k = numel(known) + 1; end
-  if k > numel(known) || ~isequal(known(k).preamble, preamble)
+  if nargin > 1 && anew || k > numel(known) || ~isequal(known(k).preamble, preamble)
     found = parse(fid, file, preamble, state);
     if numel(known) > 100, known = known([]); k = 1; end
     known(k) = struct('file', file, 'preamble', preamble, 'directory', found);
