@@ -4,7 +4,7 @@
 """
 
 from spacar.symbolic import shapes
-from spacar.symbolic.collect import ZTable
+from spacar.symbolic.collect import ZTable, gather_dots, gather_scalars, gather_vectors
 from spacar.symbolic.derivatives import dvdt, partial_velocity
 from spacar.symbolic.frames import Frame, omega, set_omega
 from spacar.symbolic.printing import latex, text, unicode
@@ -24,6 +24,9 @@ __all__ = [
     "dot",
     "dvdt",
     "from_sympy",
+    "gather_dots",
+    "gather_scalars",
+    "gather_vectors",
     "latex",
     "omega",
     "outer",
