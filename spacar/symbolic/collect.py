@@ -14,7 +14,7 @@ from sympy.utilities.iterables import sift
 
 from spacar.symbolic.derivatives import Recurrence
 from spacar.symbolic.splitting import LinearSplit, common_factors
-from spacar.symbolic.units import HeldScalar, Unit
+from spacar.symbolic.unit_vectors import HeldScalar, Unit
 from spacar.symbolic.vectors import Dyad, Vector
 
 Value = TypeVar("Value", sp.Expr, Vector, Dyad)
@@ -75,9 +75,9 @@ def read_measure_numbers(vector: Vector, table: ZTable, accelerations: Iterable[
 
     With t1 = −q ṡ − 2 s v: the measure number becomes Z1 − q ṡ.
 
-    >>> q, s, v, sdot = sp.symbols("q s v sdot"); from spacar.symbolic.frames import Frame
+    >>> q, s, v, sdot = sp.symbols("q s v sdot"); from spacar.symbolic.reference_frames import ReferenceFrame
     >>> table = ZTable(forbidden=[sdot])
-    >>> print(read_measure_numbers((-q * sdot - 2 * s * v) * Frame("B")[1], table, [sdot]))
+    >>> print(read_measure_numbers((-q * sdot - 2 * s * v) * ReferenceFrame("B")[1], table, [sdot]))
     (Z1 - q*sdot) b1
     """
     return vector.map(lambda c: read_scalar(c, table, accelerations))
@@ -87,9 +87,7 @@ def read_scalar(expression: sp.Expr, table: ZTable, accelerations: Iterable[sp.S
     """Coefficient of every acceleration and the rest become Z variables: Σ Z_j a_j + Z_0."""
     accelerations = list(accelerations)
     coefficients, rest = split_linear(expression, accelerations)
-    parts = [
-        table.read(gather_scalars(c)) * a for a, c in zip(accelerations, coefficients, strict=True) if c != 0
-    ]
+    parts = [table.read(gather_scalars(c)) * a for a, c in zip(accelerations, coefficients, strict=True) if c != 0]
     return sp.Add(*parts, table.read(gather_scalars(rest)))
 
 
@@ -103,8 +101,8 @@ def split_linear(expression: sp.Expr, symbols: Iterable[sp.Basic]) -> tuple[list
 def gather_vectors(value: Value) -> Value:
     """One measure number per direction, common factors in front; shared axes of turned frames are merged.
 
-    >>> from spacar.symbolic.frames import Frame
-    >>> q, a, b = sp.symbols("q a b"); N = Frame("N"); B = N.turned("B", 3, q)
+    >>> from spacar.symbolic.reference_frames import ReferenceFrame
+    >>> q, a, b = sp.symbols("q a b"); N = ReferenceFrame("N"); B = N.turned("B", 3, q)
     >>> print(gather_vectors(a * N[3] + (a * b + a) * B[3]))
     a*(b + 2) b3
     """
@@ -123,8 +121,8 @@ def gather_vectors(value: Value) -> Value:
 def gather_dots(value: Value) -> Value:
     """Collect on the held dots and triple products.
 
-    >>> from spacar.symbolic.frames import Frame
-    >>> a, b = sp.symbols("a b"); N, B = Frame("N"), Frame("B"); d = N[1] & B[1]
+    >>> from spacar.symbolic.reference_frames import ReferenceFrame
+    >>> a, b = sp.symbols("a b"); N, B = ReferenceFrame("N"), ReferenceFrame("B"); d = N[1] & B[1]
     >>> gather_dots(a * d + b * d)
     (a + b)*n1.b1
     """

@@ -10,9 +10,9 @@ from collections.abc import Callable, Iterable
 
 import sympy as sp
 
-from spacar.symbolic.parts import Beam
-from spacar.symbolic.shapes import X, weighted_integral
+from spacar.symbolic.beam_shapes import X, weighted_integral
 from spacar.symbolic.splitting import common_factors
+from spacar.symbolic.system_parts import Beam
 
 Form = dict[sp.Expr, sp.Expr]
 Forms = tuple[Form, Form, Form]

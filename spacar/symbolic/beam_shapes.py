@@ -15,7 +15,7 @@ from typing import Any
 import sympy as sp
 
 from spacar.errors import UsageError
-from spacar.symbolic.units import TIME
+from spacar.symbolic.unit_vectors import TIME
 
 X = sp.Symbol("x", real=True)
 """The coordinate along a beam [m]."""
