@@ -53,6 +53,21 @@ def elements(n: Numbering) -> list[str]:
     return [*lines, ""]
 
 
+def measures(mechanism: Mechanism) -> list[str]:
+    """Which beams and tubes are measured by angles (ADEFORM), which by sines."""
+    rows = []
+    for name, text in (("angle", "angles, fourth order in the length of the elements"), ("", "sines, second order")):
+        numbers = [
+            int(i)
+            for b in mechanism.batches
+            if b.family.measure == name and getattr(ELEMENT_TYPES.get(b.family.keyword), "angle_family", "")
+            for i in b.family.numbers
+        ]
+        if numbers:
+            rows.append([text, " ".join(map(str, sorted(numbers)))])
+    return ["Deformations of beams and tubes", "", *table(["measured by", "elements"], rows), ""] if rows else []
+
+
 def nodes(n: Numbering) -> list[str]:
     """Coordinates of every node with their numbers in x (array lnp) and classes."""
     letters, _ = class_letters(n)
