@@ -218,3 +218,4 @@ POSITION = integer("position node", "position node")
 ORIENTATION = integer("orientation node", "orientation node")
 COORDINATE = integer("coordinate number", "coordinate")
 MODE = integer("mode number", "mode")
+SURPLUS = "Surplus zeros are ignored; a surplus value that is not zero is an error."  # a note of some rows
