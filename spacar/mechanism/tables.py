@@ -16,7 +16,7 @@ from spacar.mechanism.numbering import Numbering
 
 # Statements whose values behind the element number are rows of a table: name of the table, keyword, width.
 PARAMETERS = (("estiff", "ESTIFF", 6), ("edamp", "EDAMP", 6), ("em", "EM", 9), ("esig", "ESIG", 6))
-# Table kdform (files.md section 4.2) by measure and LDEFORM.
+# Table kdform (files.md section 4) by measure and LDEFORM.
 KDFORM = {("", True): 0, ("", False): 1, ("angle", False): 2, ("angle", True): 3}
 
 

@@ -24,6 +24,7 @@ DYNAMICS = (
     "INPUTX", "INPUTE", "STARTDX", "STARTDE", "USERINP",
     "DELXF", "DELGRAV", "DELOMF", "DELESIG", "DELINPX", "DELINPE",
 )  # fmt: skip
+MEASURED = tuple(t.keyword for t in ELEMENT_TYPES.values() if t.angle_family)
 
 
 def class_letters(n: Numbering) -> tuple[list[str], list[str]]:
@@ -60,7 +61,7 @@ def measures(mechanism: Mechanism) -> list[str]:
         numbers = [
             int(i)
             for b in mechanism.batches
-            if b.family.measure == name and getattr(ELEMENT_TYPES.get(b.family.keyword), "angle_family", "")
+            if b.family.measure == name and b.family.keyword in MEASURED
             for i in b.family.numbers
         ]
         if numbers:
