@@ -12,7 +12,7 @@ from spacar_drawing.mechanism_picture import Extras
 from spacar_drawing.settings import ALL, DIMENSIONS, Section, Settings
 
 from spacar.errors import UsageError
-from spacar_cli.parameters import Real, Whole
+from spacar_cli.number_types import Real, Whole
 
 OUTPUT = click.option(
     "--output",

@@ -17,9 +17,9 @@ from spacar_drawing.mode_shapes import (
     suitable_factor,
     vibration_modes,
 )
-from spacar_drawing.moving import Moving
+from spacar_drawing.moving_figure import Moving
+from spacar_drawing.picture_source import Source, open_source
 from spacar_drawing.redundancy import redundancy
-from spacar_drawing.source import Source, open_source
 
 from spacar.arrays import Array
 from spacar.errors import UsageError
@@ -173,7 +173,7 @@ def _constraints(source: Source, choices: Choices, step: int) -> list[str]:
 
 
 def _stresses(source: Source, choices: Choices, step: int, stress: str | None, diagram: str | None) -> list[str]:
-    from spacar_drawing.steps import step_text
+    from spacar_drawing.step_pictures import step_text
     from spacar_drawing.stress_picture import diagram_still, stress_still
 
     if stress and diagram:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from spacar_formats.safety import replacing
 
 from spacar.errors import AnalysisError, UsageError
-from spacar_drawing.moving import Moving, Pictures
+from spacar_drawing.moving_figure import Moving, Pictures
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

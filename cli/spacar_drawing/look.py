@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from spacar.arrays import Array
+from spacar_drawing.drawn_shapes import Colour
 from spacar_drawing.placement import pin_joints, places_of_hinges
 from spacar_drawing.scene import Pose, Scene, positions
 from spacar_drawing.settings import Settings
-from spacar_drawing.shapes import Colour
 
 FLEXIBLE, RIGID, TRUSS, SPRING = "#2f74b5", "#3c4a57", "#5d6d7a", "#3d8b5f"
 HINGE, BELT, PULLEY, WHEEL, SCREW = "#c2703d", "#6b4a2b", "#c9d2da", "#4a5560", "#8a97a3"

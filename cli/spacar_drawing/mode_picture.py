@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spacar.arrays import Array
+from spacar_drawing.drawn_shapes import Colour, Line, Shape
 from spacar_drawing.look import DRIVE, GHOST, Look, look_of
 from spacar_drawing.mechanism_picture import (
     Extras,
@@ -19,12 +20,11 @@ from spacar_drawing.mechanism_picture import (
     series_bounds,
 )
 from spacar_drawing.mode_shapes import ModeShape, displaced
-from spacar_drawing.moving import Pictures
+from spacar_drawing.moving_figure import Pictures
 from spacar_drawing.paint import paint
 from spacar_drawing.redundancy import Redundancy
 from spacar_drawing.scene import Pose, Scene
 from spacar_drawing.settings import Settings
-from spacar_drawing.shapes import Colour, Line, Shape
 from spacar_drawing.stage import new_figure
 
 if TYPE_CHECKING:

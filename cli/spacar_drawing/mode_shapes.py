@@ -23,7 +23,7 @@ from spacar.errors import UsageError
 from spacar_drawing.scene import Scene
 
 if TYPE_CHECKING:
-    from spacar_drawing.source import Source
+    from spacar_drawing.picture_source import Source
 
 SAME = 1e-6  # eigenvalues that differ less, relative to the largest, belong to one pair
 

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from spacar import expressions
 from spacar.arrays import Array
 from spacar.errors import UsageError
+from spacar_drawing.picture_source import Source, open_source
 from spacar_drawing.scene import Scene
 from spacar_drawing.settings import Settings
-from spacar_drawing.source import Source, open_source
 
 GROUPS = {"Q": "QNAME", "S": "SNAME", "U": "UNAME", "Y": "YNAME"}
 

@@ -13,18 +13,18 @@ import numpy as np
 
 import spacar
 from spacar.errors import UsageError
-from spacar_drawing.expressions import Curve, evaluate
+from spacar_drawing.curves import Curve, evaluate
 from spacar_drawing.history import axis_text, history_figure
 from spacar_drawing.mechanism_picture import Extras, draw_steps
-from spacar_drawing.moving import evenly
+from spacar_drawing.moving_figure import evenly
 from spacar_drawing.report_style import STYLE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from spacar_drawing.mode_shapes import ModeShape
+    from spacar_drawing.picture_source import Source
     from spacar_drawing.scene import Scene
-    from spacar_drawing.source import Source
 
 MOST_CURVES = 12
 MOST_MODES = 4

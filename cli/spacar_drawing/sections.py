@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacar.arrays import Array
+from spacar_drawing.drawn_shapes import disc_outline
 from spacar_drawing.settings import Section
-from spacar_drawing.shapes import disc_outline
 
 
 def rectangle(w: float, h: float) -> Array:

@@ -9,13 +9,13 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.errors import UsageError
+from spacar_drawing.drawn_shapes import Faces, Label, Line, Shape, merge_bounds
+from spacar_drawing.element_pictures import beam_line, body
 from spacar_drawing.look import look_of
 from spacar_drawing.mechanism_picture import Extras, camera_of, mechanism_shapes, series_bounds
 from spacar_drawing.paint import paint
-from spacar_drawing.parts import beam_line, body
 from spacar_drawing.scene import Element, Pose, Scene
 from spacar_drawing.settings import Settings
-from spacar_drawing.shapes import Faces, Label, Line, Shape, merge_bounds
 from spacar_drawing.stage import INK, new_figure
 from spacar_drawing.stresses import QUANTITIES, STRESSES, along, resultants
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from spacar.errors import UsageError
 from spacar_drawing.camera import Camera
-from spacar_drawing.moving import Moving, Pictures
+from spacar_drawing.moving_figure import Moving, Pictures
 from spacar_drawing.stage import furnish
 
 if TYPE_CHECKING:
@@ -146,7 +146,7 @@ class LivePlot:
 
     def start(self, run: Run) -> None:
         from matplotlib.widgets import Button
-        from spacar_formats.sinks.header import sbd_header
+        from spacar_formats.sinks.result_header import sbd_header
 
         from spacar_drawing.mechanism_picture import camera_of
         from spacar_drawing.scene import Scene
@@ -185,9 +185,9 @@ class LivePlot:
             raise KeyboardInterrupt
 
     def _draw(self, frame: Frame) -> None:
+        from spacar_drawing.drawn_shapes import merge_bounds
         from spacar_drawing.look import look_of
         from spacar_drawing.mechanism_picture import Extras, mechanism_shapes
-        from spacar_drawing.shapes import merge_bounds
 
         if self._moving is None:
             self._look = look_of(self._scene, frame.x[None], self._settings)

@@ -11,7 +11,7 @@ import numpy as np
 
 from spacar_formats.locate import notes, result_path
 from spacar_formats.sbf import SbfFile
-from spacar_formats.sbf.layout import COMPLETE, KINDS, STOPPED, TYPE_NAMES, Record
+from spacar_formats.sbf.record_layout import COMPLETE, KINDS, STOPPED, TYPE_NAMES, Record
 
 STATES = {COMPLETE: "complete", STOPPED: "stopped early"}
 SHOWN = 6  # values of a header variable that are listed

@@ -106,24 +106,24 @@ def _spasim(s: _Section) -> Block:
 
 def _stored_vector(kind: str) -> Callable[[_Section], Block]:
     def make(s: _Section) -> Block:
-        from spacar.simulation import setpoints
+        from spacar.simulation import setpoint_blocks
 
         data, interpolation, hold = s.stored()
-        block: Block = getattr(setpoints, kind)(data, s.name, interpolation, hold)
+        block: Block = getattr(setpoint_blocks, kind)(data, s.name, interpolation, hold)
         return block
 
     return make
 
 
 def _times_m0(s: _Section) -> Block:
-    from spacar.simulation.setpoints import TimesM0
+    from spacar.simulation.setpoint_blocks import TimesM0
 
     data, interpolation, hold = s.stored()
     return TimesM0(data, s.name, s.integer("size") if s.values["size"] else None, interpolation, hold)
 
 
 def _ltv(s: _Section) -> Block:
-    from spacar.simulation.setpoints import Ltv
+    from spacar.simulation.setpoint_blocks import Ltv
 
     data, interpolation, hold = s.stored()
     return Ltv(data, s.name, interpolation, hold, s.integer("modes") if s.values["modes"] else None)

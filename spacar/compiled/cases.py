@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.compiled.model import Model
+from spacar.compiled.compiled_model import Model
 from spacar.compiled.numbers import Numbers
 from spacar.errors import AnalysisError
 from spacar.kinematics import Kinematics

@@ -3,8 +3,8 @@ documentation."""
 
 from spacar.deck.deck import Deck, parse_deck, read_deck
 from spacar.deck.echo import echo
+from spacar.deck.keyword_table import ELEMENT_TYPES, KEYWORDS, Block, ElementType
 from spacar.deck.statement import Statement
-from spacar.deck.table import ELEMENT_TYPES, KEYWORDS, Block, ElementType
 
 __all__ = [
     "ELEMENT_TYPES",

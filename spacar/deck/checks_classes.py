@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from spacar.deck.scene import Classes, Scene
+from spacar.deck.check_material import Classes, Scene
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
 

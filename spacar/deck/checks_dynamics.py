@@ -3,8 +3,8 @@ loading."""
 
 from __future__ import annotations
 
+from spacar.deck.check_material import Scene
 from spacar.deck.checks_references import at_least, one_of, positive
-from spacar.deck.scene import Scene
 from spacar.deck.statement import Statement
 from spacar.deck.table_solvers import INTEGRATOR_ALIASES, INTEGRATORS, alias_note
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import asin, degrees, hypot
 
-from spacar.deck.scene import Scene
+from spacar.deck.check_material import Scene
 from spacar.deck.statement import Statement
 from spacar.deck.table_types import ElementType
 

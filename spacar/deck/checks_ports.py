@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from spacar.deck.check_material import Scene
 from spacar.deck.checks_references import keyword_of
 from spacar.deck.findings import ranges
-from spacar.deck.scene import Scene
 from spacar.deck.statement import Statement
 
 

@@ -3,10 +3,10 @@ refer."""
 
 from __future__ import annotations
 
+from spacar.deck.check_material import Scene
 from spacar.deck.findings import Findings, alternatives
-from spacar.deck.scene import Scene
+from spacar.deck.keyword_table import KEYWORDS
 from spacar.deck.statement import Statement
-from spacar.deck.table import KEYWORDS
 from spacar.deck.table_types import Block, Keyword
 
 _STARTS = ("STARTDX", "STARTDE")  # generators write zero start values for everything

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from spacar.deck.findings import alternatives
-from spacar.deck.table import ELEMENT_TYPES, KEYWORDS
+from spacar.deck.keyword_table import ELEMENT_TYPES, KEYWORDS
 from spacar.deck.table_types import Block, Keyword, Parameter, Variant
 
 _HEADINGS = {

@@ -8,8 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from spacar.deck.findings import Findings
+from spacar.deck.keyword_table import ALIASES, KEYWORDS, NAMES, TAKES_NAME, Block, blocks_of
 from spacar.deck.lexer import Source, Word
-from spacar.deck.table import ALIASES, KEYWORDS, NAMES, TAKES_NAME, Block, blocks_of
 
 _NOT_NUMBERS = ("NAN", "INF", "INFINITY")
 _SUGGESTIONS = 40

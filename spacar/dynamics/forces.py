@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.kinematics.sweep import Sweep
+from spacar.kinematics.element_sweep import Sweep
 from spacar.mechanism.mechanism import Loads, Mechanism, UserForces
 
 

@@ -17,7 +17,7 @@ from spacar.kinematics.regularity import Regularity
 
 if TYPE_CHECKING:
     from spacar.dynamics.evaluator import Evaluator
-    from spacar.kinematics.sweep import Sweep
+    from spacar.kinematics.element_sweep import Sweep
 
 # A pull above this part of the largest normal force seen: a chosen bound, above the rounding of a difference of forces
 # (eps times their ratio, up to 1e6), far below what matters to a contact.

@@ -14,7 +14,6 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.elements import beam_strain as strain_of
-from spacar.elements.base import ElementGroup, Family, GeometryError, Trouble
 from spacar.elements.beam_inertia import (
     LineConstants,
     LineState,
@@ -24,7 +23,8 @@ from spacar.elements.beam_inertia import (
     line_mass,
     line_state,
 )
-from spacar.elements.frames import chord_frames, chords, rows, section_tensor
+from spacar.elements.family import ElementGroup, Family, GeometryError, Trouble
+from spacar.elements.local_frames import chord_frames, chords, rows, section_tensor
 from spacar.elements.rotation import _CROSS, expand, rotate
 
 LARGE_ANGLE = np.pi / 4  # bending or twist of one element beyond this is computed with an error above 10 %

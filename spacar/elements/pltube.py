@@ -23,7 +23,7 @@ import numpy as np
 from spacar.arrays import Array
 
 from . import chord
-from .base import ElementGroup, GeometryError
+from .family import ElementGroup, GeometryError
 from .plbeam import BeamConfiguration, PlanarBeam
 
 # integrals over the element (10): N'N'^T times 30, and NN'^T times 60

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from spacar.errors import UsageError
-from spacar.expressions.units import DEGREE, NONE, RAD, Unit
+from spacar.expressions.expression_units import DEGREE, NONE, RAD, Unit
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ from spacar.integrators import METHODS, EvenTimes, integrate
 from spacar.integrators.problem import Jacobian, Output
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.kinematics.regularity import DeadPoints, HalfTurns
-from spacar.linearization.jacobian import state_jacobian
+from spacar.linearization.state_jacobian import state_jacobian
 from spacar.mechanism.mechanism import Settings
 
 # Position tolerance of intermediate states / tolerance of a step. The velocity has an error of this order, which the

@@ -25,8 +25,8 @@ from spacar.errors import InputError, Message, Report
 from spacar.integrators import EvenTimes
 from spacar.inverse.paths import BadPath, Path, arc, change, straight, turn
 from spacar.inverse.profile import IllegalProfile, Profile, make_profile
-from spacar.mechanism.inertia import symmetric
 from spacar.mechanism.layout import Batch
+from spacar.mechanism.lumped_inertia import symmetric
 from spacar.mechanism.mechanism import Drive, DriveState, Mechanism
 from spacar.mechanism.numbering import Numbering
 

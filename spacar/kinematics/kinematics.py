@@ -39,10 +39,10 @@ from functools import partial
 import numpy as np
 
 from spacar.arrays import Array, Index
+from spacar.kinematics.element_sweep import Sweep
 from spacar.kinematics.failure import Unplaced, count_failure, position_failure, singular_failure
-from spacar.kinematics.sweep import Sweep
 from spacar.linear_systems import SingularMatrixError, System, assemble
-from spacar.linear_systems.condition import reciprocal_condition
+from spacar.linear_systems.reciprocal_condition import reciprocal_condition
 from spacar.mechanism.mechanism import Mechanism
 
 CONVERGED = 1e-11  # largest scaled correction that ends Newton's iteration: the relative error of velocities

@@ -60,7 +60,7 @@ def released(deck: Deck, pairs: list[tuple[int, int]]) -> Deck:
 
 
 def _diagnose(deck: Deck) -> Diagnosis:
-    from spacar.kinematics.sweep import Sweep
+    from spacar.kinematics.element_sweep import Sweep
     from spacar.mechanism import build
 
     mechanism = build(deck, 0)

@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.kinematics.sweep import Sweep
+from spacar.kinematics.element_sweep import Sweep
 from spacar.mechanism.mechanism import Mechanism
 
 ZERO = float(np.sqrt(np.finfo(float).eps))

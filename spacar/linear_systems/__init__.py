@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.linear_systems.base import SingularMatrixError, System
 from spacar.linear_systems.dense import DenseSystem
+from spacar.linear_systems.linear_system import SingularMatrixError, System
 
 __all__ = ["DENSE_LIMIT", "SingularMatrixError", "System", "assemble"]
 

@@ -11,8 +11,8 @@ from collections.abc import Callable
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.elements.base import Family
-from spacar.kinematics.sweep import Sweep
+from spacar.elements.family import Family
+from spacar.kinematics.element_sweep import Sweep
 from spacar.mechanism.layout import Batch
 
 

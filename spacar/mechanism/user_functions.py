@@ -27,7 +27,7 @@ from spacar.deck import Deck, Statement
 from spacar.errors import AnalysisError, InputError, Message
 from spacar.mechanism.mechanism import DriveState, Polynomial, Settings, UserForces, UserSignal
 from spacar.mechanism.numbering import Numbering
-from spacar.mechanism.places import placed
+from spacar.mechanism.placed_vectors import placed
 from spacar.modes import find_mode
 
 STATEMENTS = {"USERSIG": "forces and stresses", "USERINP": "prescribed motion", "USERTRAJ": "trajectory"}

@@ -16,8 +16,8 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.kinematics.kinematics import largest
 from spacar.stationary.contract import Tangent
-from spacar.stationary.equations import Equations, Given, Point
 from spacar.stationary.newton import Corrections, Demand, correction
+from spacar.stationary.stationary_equations import Equations, Given, Point
 
 At = Callable[[float], tuple[Equations, Tangent, Given]]  # puts the loads of a place on the evaluator
 DISTANCE = 0.5  # of the two evaluations of the derivative

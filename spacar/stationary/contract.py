@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Protocol
 
 from spacar.arrays import Array
-from spacar.stationary.equations import Point
+from spacar.stationary.stationary_equations import Point
 
 SPREAD = 10.0  # the signs of the rounding errors are not known: factor between one sample and their largest effect
 

@@ -27,8 +27,8 @@ from spacar.errors import AnalysisError
 from spacar.kinematics.kinematics import LARGEST_JUMP, largest
 from spacar.linear_systems import SingularMatrixError
 from spacar.stationary.contract import SPREAD, Astray, Tangent
-from spacar.stationary.equations import FLOOR, Equations, Given, Point
 from spacar.stationary.singular import minimum_norm
+from spacar.stationary.stationary_equations import FLOOR, Equations, Given, Point
 
 FORCES = 1e-9  # out-of-balance work / work of the forces in it
 LENGTHS = 1e-11  # incompatibility / model length, or rad

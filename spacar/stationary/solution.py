@@ -8,15 +8,15 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError, Report
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
-from spacar.stationary.equations import Given, Motion, Point
-from spacar.stationary.evaluator import Evaluator
+from spacar.stationary.level_evaluator import Evaluator
 from spacar.stationary.loading import LoadLevel, SteadyDrive, loads_at
 from spacar.stationary.newton import LENGTHS
 from spacar.stationary.stability import Stability, critical_motion
+from spacar.stationary.stationary_equations import Given, Motion, Point
 from spacar.stationary.tangent import SparseTangent
 from spacar.stationary.walk import Walk
 

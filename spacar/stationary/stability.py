@@ -19,10 +19,10 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.linear_systems import SingularMatrixError
 from spacar.stationary.contract import Tangent
-from spacar.stationary.equations import Equations, Point
-from spacar.stationary.moving import MovingTangent
+from spacar.stationary.moving_tangent import MovingTangent
 from spacar.stationary.newton import correction
-from spacar.stationary.resting import RestingTangent
+from spacar.stationary.resting_tangent import RestingTangent
+from spacar.stationary.stationary_equations import Equations, Point
 
 CRITICAL = float(np.sqrt(np.finfo(float).eps))  # of the model: rounding takes half of the digits of the position
 BLOCK = 6  # vectors

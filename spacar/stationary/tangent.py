@@ -20,7 +20,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.forces import moment_gradient
 from spacar.linear_systems import SingularMatrixError, System, assemble
 from spacar.linearization.contractions import configuration_of, geometric_blocks

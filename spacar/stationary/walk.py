@@ -26,12 +26,12 @@ from spacar.errors import AnalysisError, Report
 from spacar.kinematics.kinematics import largest
 from spacar.linear_systems import SingularMatrixError
 from spacar.stationary.contract import Astray, Tangent
-from spacar.stationary.equations import Equations, Given, Point
-from spacar.stationary.evaluator import Evaluator
+from spacar.stationary.level_evaluator import Evaluator
 from spacar.stationary.loading import LoadLevel, loads_grow
 from spacar.stationary.newton import Converged, Demand, newton
 from spacar.stationary.singular import FreeMotion
 from spacar.stationary.stability import Stability, critical_motion, stability
+from spacar.stationary.stationary_equations import Equations, Given, Point
 from spacar.stationary.turning import LimitPoint, around
 
 SMALLEST_PART = 1.0 / 1024.0

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from spacar.deck.keyword_table import KEYWORDS
 from spacar.deck.reference import markdown
-from spacar.deck.table import KEYWORDS
 from spacar.deck.table_types import Block
 
 PAGE = Path(__file__).parents[2] / "docs" / "keywords.md"

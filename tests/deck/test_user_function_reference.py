@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from spacar.deck.table import KEYWORDS
+from spacar.deck.keyword_table import KEYWORDS
 from spacar.deck.table_types import Block
 
 

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 from spacar_drawing.mechanism_picture import Extras, draw_steps
-from spacar_drawing.moving import evenly
-from spacar_drawing.source import Source, source_of_result
+from spacar_drawing.moving_figure import evenly
+from spacar_drawing.picture_source import Source, source_of_result
 
 import spacar
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import click
 
 from spacar.deck.findings import alternatives
-from spacar.deck.table import ALIASES, KEYWORDS, blocks_of
+from spacar.deck.keyword_table import ALIASES, KEYWORDS, blocks_of
 from spacar.deck.table_types import Block, Keyword, Variant
 from spacar.errors import UsageError
 from spacar_cli.environment import Environment

@@ -7,7 +7,7 @@ import json
 import click
 
 from spacar.errors import UsageError
-from spacar_cli.parameters import Whole
+from spacar_cli.number_types import Whole
 
 
 def _refuse(word: str) -> None:
