@@ -96,7 +96,7 @@ class Result:
     @cached_property
     def tables(self) -> dict[str, Any]:
         """Sizes, tables and parameters of the model by their names in the result files, without a step axis."""
-        from spacar.mechanism.model_tables import model_tables
+        from spacar.mechanism.result_tables import model_tables
 
         return model_tables(self.mechanism)
 

@@ -37,7 +37,7 @@ def without_collection() -> Iterator[None]:
         gc.enable()
 
 
-class Program(click.Group):
+class CommandGroup(click.Group):
     """A group whose commands are the modes (`1`, `-1`, ...) and the rows of the table, imported on demand."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
@@ -83,7 +83,7 @@ class Program(click.Group):
 
 
 @click.group(
-    cls=Program,
+    cls=CommandGroup,
     no_args_is_help=False,
     context_settings=HELP,
     epilog="`spacar MODE --help` and `spacar COMMAND --help` list the options. --debug, anywhere, shows the "

@@ -15,7 +15,7 @@ from spacar.expressions import NONE, Dimensions, Unit
 from spacar_drawing.named_source import named_values
 
 if TYPE_CHECKING:
-    from spacar_drawing.picture_source import Source
+    from spacar_drawing.picture_source import PictureSource
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Curve:
 class _Variables:
     """The variables of a source as the language reads them."""
 
-    source: Source
+    source: PictureSource
 
     @property
     def lnp(self) -> NDArray[np.int64]:
@@ -46,7 +46,7 @@ class _Variables:
         return self.source.get(name)
 
 
-def evaluate(source: Source, text: str) -> Curve:
+def evaluate(source: PictureSource, text: str) -> Curve:
     """The values of an expression at all steps, with its unit. Raises UsageError with the reason."""
     if source.named:
         found, name = named_values(source, text)
@@ -60,7 +60,7 @@ def evaluate(source: Source, text: str) -> Curve:
     return _shown(source, Curve(expression.text, values, unit, expression.variable))
 
 
-def _shown(source: Source, curve: Curve) -> Curve:
+def _shown(source: PictureSource, curve: Curve) -> Curve:
     """The curve with a value at every step. Raises UsageError when none of them can be shown."""
     if not np.isfinite(curve.values).any():
         raise UsageError(f"'{curve.text}' is nowhere a finite number", "plot.finite")

@@ -10,7 +10,7 @@ from spacar.errors import UsageError
 from spacar.result import Result
 from spacar_drawing.files import FILM_DPI, film, save
 from spacar_drawing.mechanism_picture import Extras
-from spacar_drawing.picture_source import Source, open_source, source_of_result
+from spacar_drawing.picture_source import PictureSource, open_source, source_of_result
 from spacar_drawing.step_pictures import chosen_steps, picture, series
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ DPI = 150.0
 MOST_FRAMES = 150
 
 
-def source_of(result: Result | str | Path) -> Source:
+def source_of(result: Result | str | Path) -> PictureSource:
     """A result in memory, or the `.sbd` of a name. Raises UsageError when there is none."""
     return source_of_result(result) if isinstance(result, Result) else open_source(result)
 

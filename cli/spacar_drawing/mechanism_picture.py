@@ -16,7 +16,7 @@ from spacar_drawing.element_pictures import element_shapes
 from spacar_drawing.look import Look, look_of
 from spacar_drawing.paint import paint
 from spacar_drawing.scene import ROUND, Pose, Scene
-from spacar_drawing.settings import Settings
+from spacar_drawing.settings import PictureSettings
 from spacar_drawing.stage import new_figure
 from spacar_drawing.supports import node_marks, number_labels, support_shapes, trace_lines
 
@@ -93,7 +93,7 @@ def series_bounds(scene: Scene, xs: Array, look: Look, extras: Extras, most: int
 def draw_steps(
     scene: Scene,
     xs: Array,
-    settings: Settings,
+    settings: PictureSettings,
     extras: Extras = Extras(),
     *,
     every_step: Array | None = None,

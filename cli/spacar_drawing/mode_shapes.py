@@ -23,7 +23,7 @@ from spacar.errors import UsageError
 from spacar_drawing.scene import Scene
 
 if TYPE_CHECKING:
-    from spacar_drawing.picture_source import Source
+    from spacar_drawing.picture_source import PictureSource
 
 SAME = 1e-6  # eigenvalues that differ less, relative to the largest, belong to one pair
 
@@ -79,7 +79,7 @@ def dynamic_columns(header: Any) -> NDArray[np.int64]:
     return np.r_[xi : xi + xd, xi + xd + ei : ndof, ndof : ndof + nk]
 
 
-def open_matrices(source: Source) -> Any:
+def open_matrices(source: PictureSource) -> Any:
     """The `.sbm` file beside a `.sbd` result. UsageError when there is none, or when it belongs to another input."""
     from pathlib import Path
 
@@ -94,7 +94,7 @@ def open_matrices(source: Source) -> Any:
     return file
 
 
-def vibration_modes(source: Source, matrices: Any, step: int) -> list[ModeShape]:
+def vibration_modes(source: PictureSource, matrices: Any, step: int) -> list[ModeShape]:
     """All vibration modes of a step, in the order of the module. Raises UsageError when dx is missing."""
 
     def get(name: str) -> Array:
@@ -163,7 +163,7 @@ def eigenmodes(get: Any) -> tuple[NDArray[np.complex128], NDArray[np.complex128]
     return values, vectors
 
 
-def buckling_modes(source: Source, matrices: Any, step: int) -> list[ModeShape]:
+def buckling_modes(source: PictureSource, matrices: Any, step: int) -> list[ModeShape]:
     """All buckling modes of a step with a finite load multiplier."""
     multipliers = np.ravel(matrices.get("lmult", step)).astype(float)
     vectors = np.atleast_2d(np.asarray(matrices.get("bmode", step), float)).reshape(-1, len(multipliers))

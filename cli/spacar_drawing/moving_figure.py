@@ -24,7 +24,7 @@ Pictures = Callable[[int], tuple[Sequence[Shape], str]]  # frame number from 0 -
 
 
 @dataclass
-class Moving:
+class MovingFigure:
     """A figure and the artists of the frame that it shows now. `still` shapes stay in every frame."""
 
     figure: Figure
@@ -33,7 +33,7 @@ class Moving:
     artists: list[Any] = field(default_factory=list)
 
     @classmethod
-    def create(cls, bounds: tuple[Array, Array], camera: Camera, still: Sequence[Shape] = ()) -> Moving:
+    def create(cls, bounds: tuple[Array, Array], camera: Camera, still: Sequence[Shape] = ()) -> MovingFigure:
         figure, axes = new_figure(bounds, camera, " ")
         paint(axes, camera, still)
         return cls(figure, axes, camera)

@@ -12,7 +12,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.errors import UsageError
 from spacar_drawing.scene import Scene
-from spacar_drawing.settings import Settings, read_settings
+from spacar_drawing.settings import PictureSettings, read_settings
 
 if TYPE_CHECKING:
     from spacar.result import Result
@@ -25,11 +25,11 @@ NEEDED = (
 
 
 @dataclass(frozen=True)
-class Source:
+class PictureSource:
     """A result to be drawn. `read(name, k)` gives a variable of step k (from 1), or of all (k None, step first)."""
 
     scene: Scene
-    settings: Settings
+    settings: PictureSettings
     steps: int
     name: str  # of the result, for messages
     input: Path | None  # the input file beside the result, if there is one
@@ -59,7 +59,7 @@ class Source:
         return float(np.ravel(self.get("t", k))[0])
 
 
-def open_source(name: str | Path, stale_ok: bool = False) -> Source:
+def open_source(name: str | Path, stale_ok: bool = False) -> PictureSource:
     """The `.sbd` result of this name (extension optional), with the settings of the input file beside it.
 
     Raises UsageError when there is no result, when it has no steps, or when the input file has changed since (unless
@@ -104,7 +104,7 @@ def open_source(name: str | Path, stale_ok: bool = False) -> Source:
         return flat if cols == 1 else flat.reshape(-1, cols, rows).transpose(0, 2, 1)
 
     header = dict(file.header.items())
-    return Source(
+    return PictureSource(
         Scene.of_header(header, stem),
         read_settings(beside),
         file.steps,
@@ -116,7 +116,7 @@ def open_source(name: str | Path, stale_ok: bool = False) -> Source:
     )
 
 
-def source_of_result(result: Result, settings: Settings | None = None) -> Source:
+def source_of_result(result: Result, settings: PictureSettings | None = None) -> PictureSource:
     """The same of a Result in memory (tests, scripts, live window)."""
     from spacar_formats.sinks.result_header import sbd_header
 
@@ -140,4 +140,4 @@ def source_of_result(result: Result, settings: Settings | None = None) -> Source
         return np.array(values if k is None else values[0], float)
 
     title = Path(result.mechanism.deck.source).stem
-    return Source(Scene.of_header(header, title), settings, len(frames), title, None, read, header)
+    return PictureSource(Scene.of_header(header, title), settings, len(frames), title, None, read, header)

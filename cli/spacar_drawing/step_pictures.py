@@ -21,8 +21,8 @@ from spacar_drawing.mechanism_picture import (
     outline_shapes,
     series_bounds,
 )
-from spacar_drawing.moving_figure import Moving, Pictures, evenly
-from spacar_drawing.picture_source import Source
+from spacar_drawing.moving_figure import MovingFigure, Pictures, evenly
+from spacar_drawing.picture_source import PictureSource
 from spacar_drawing.supports import trace_lines
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 SAMPLES = 60  # configurations that decide the range of an animation
 
 
-def chosen_steps(source: Source, steps: str | None, strobe: int | None, moving: bool) -> list[int]:
+def chosen_steps(source: PictureSource, steps: str | None, strobe: int | None, moving: bool) -> list[int]:
     """Step numbers from 1. Raises UsageError for steps that do not exist."""
     from spacar_formats.getfrsbf import step_numbers
 
@@ -51,14 +51,14 @@ def chosen_steps(source: Source, steps: str | None, strobe: int | None, moving: 
     return numbers
 
 
-def configurations(source: Source, numbers: Sequence[int]) -> Array:
+def configurations(source: PictureSource, numbers: Sequence[int]) -> Array:
     """(steps, nx) coordinates, reading only these steps."""
     if len(numbers) == source.steps:
         return source.x()
     return np.stack([source.x(k) for k in numbers])
 
 
-def step_text(source: Source, k: int) -> str:
+def step_text(source: PictureSource, k: int) -> str:
     """What stands above the picture of a step."""
     t = source.time(k)
     if source.scene.analysis.stationary:
@@ -66,7 +66,9 @@ def step_text(source: Source, k: int) -> str:
     return f"{source.scene.title}   t = {t:.6g} s" if source.steps > 1 else source.scene.title
 
 
-def picture(source: Source, extras: Extras, numbers: Sequence[int], nodes: Sequence[int], initial: bool) -> Figure:
+def picture(
+    source: PictureSource, extras: Extras, numbers: Sequence[int], nodes: Sequence[int], initial: bool
+) -> Figure:
     """The steps `numbers` in one figure, with paths of `nodes` and, if `initial`, the outline of the first step."""
     title = extras.title
     if title is None:
@@ -91,7 +93,7 @@ def picture(source: Source, extras: Extras, numbers: Sequence[int], nodes: Seque
 class Series:
     """The steps `numbers` to be shown one after the other in one view; `still` shapes stay in all of them."""
 
-    source: Source
+    source: PictureSource
     extras: Extras
     numbers: Sequence[int]
     camera: Camera
@@ -109,12 +111,14 @@ class Series:
         shapes, title = self.pictures(i)
         return [*self.still, *shapes], title
 
-    def moving(self) -> Moving:
+    def moving(self) -> MovingFigure:
         """A figure for them, with what stays already in it."""
-        return Moving.create(self.bounds, self.camera, self.still)
+        return MovingFigure.create(self.bounds, self.camera, self.still)
 
 
-def series(source: Source, extras: Extras, numbers: Sequence[int], nodes: Sequence[int], initial: bool) -> Series:
+def series(
+    source: PictureSource, extras: Extras, numbers: Sequence[int], nodes: Sequence[int], initial: bool
+) -> Series:
     """The steps as a series, with room for all of them and for the paths of `nodes`."""
     scene = source.scene
     sample = configurations(source, [numbers[i] for i in evenly(0, len(numbers) - 1, SAMPLES)])

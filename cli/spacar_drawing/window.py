@@ -11,7 +11,7 @@ import numpy as np
 
 from spacar.errors import UsageError
 from spacar_drawing.camera import Camera
-from spacar_drawing.moving_figure import Moving, Pictures
+from spacar_drawing.moving_figure import MovingFigure, Pictures
 from spacar_drawing.stage import furnish
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ def slider_window(
     from matplotlib.widgets import Button, Slider
 
     figure = open_window(title)
-    moving = Moving(figure, furnish(figure, bounds, camera, " ", FOOT), camera)
+    moving = MovingFigure(figure, furnish(figure, bounds, camera, " ", FOOT), camera)
     slider = Slider(
         figure.add_axes((0.18, 0.03, 0.62, 0.03)),
         "step ",
@@ -161,7 +161,7 @@ class LivePlot:
         )
         self._button.on_clicked(self._abort)
         self._figure.canvas.mpl_connect("close_event", self._abort)
-        self._moving: Moving | None = None
+        self._moving: MovingFigure | None = None
         if _on_screen():
             import matplotlib.pyplot as plt
 
@@ -208,7 +208,8 @@ class LivePlot:
         self._bounds = low - room, high + room
         if self._moving is not None:
             self._moving.axes.remove()
-        self._moving = Moving(self._figure, furnish(self._figure, self._bounds, self._camera, " ", FOOT), self._camera)
+        axes = furnish(self._figure, self._bounds, self._camera, " ", FOOT)
+        self._moving = MovingFigure(self._figure, axes, self._camera)
 
     def finish(self, error: BaseException | None) -> None:
         """Leave the last picture on the screen until the user closes it, except after an abort."""

@@ -30,7 +30,7 @@ REQUIRED = object()
 
 
 @dataclass(frozen=True)
-class Model:
+class SimulationModel:
     """A diagram with the times and options of its simulation; warnings about the results it reads."""
 
     diagram: Diagram
@@ -181,7 +181,7 @@ def load_function(path: Path, error: Callable[[str], UsageError]) -> Callable[..
     return function
 
 
-def read_model(path: Path) -> Model:
+def read_model(path: Path) -> SimulationModel:
     """Read, check and connect. Raises UsageError (file, keys, signals), InputError (the mechanism)."""
     parser = configparser.ConfigParser(allow_no_value=True, delimiters=("=",), inline_comment_prefixes=("#", "%"))
     parser.optionxform = str  # type: ignore[assignment,method-assign]
@@ -215,7 +215,7 @@ def read_model(path: Path) -> Model:
     options: dict[str, Any] = {key: s.number(key) for key in SETTINGS[3:] if s.values[key] is not None}
     if s.values["method"] is not None:
         options["method"] = s.text("method")
-    return Model(diagram, times, options, tuple(dict.fromkeys(warnings)))
+    return SimulationModel(diagram, times, options, tuple(dict.fromkeys(warnings)))
 
 
 def _block(path: Path, name: str, values: Mapping[str, str | None]) -> tuple[Block, list[str]]:

@@ -14,7 +14,7 @@ from typing import TypeVar
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.compiled.compiled_model import Model
+from spacar.compiled.compiled_model import CompiledModel
 from spacar.compiled.numbers import of_one
 from spacar.dynamics.array_evaluator import Dynamics, component_name
 from spacar.dynamics.loaded_mechanism import LoadedMechanism, Placement
@@ -64,7 +64,7 @@ class CompiledDynamics:
         self.numbering, self.n_positions = general.numbering, general.n_positions
         k = general.kinematics
         scales, self.polynomial = (k.scale, mechanism.deformation_scale), isinstance(general.drive, Polynomial)
-        self.solver = Model(self.numbering, of_one(general), scales, len(k.E), self.polynomial)
+        self.solver = CompiledModel(self.numbering, of_one(general), scales, len(k.E), self.polynomial)
         self.state = self.solver.state()
         self._y, self._out = np.zeros((2, 2 * self.numbering.nddof))
         self._addresses = self._y.ctypes.data, self._out.ctypes.data

@@ -56,8 +56,8 @@ class State:
         self.c.known = 0
 
 
-class Model:
-    """One `Model` in C. `scales` (nx,), (ne,): sizes of what is in x and e; `n_equations`: given deformations."""
+class CompiledModel:
+    """One `Model` of model.c. `scales` (nx,), (ne,): sizes of what is in x and e; `n_equations`: given deformations."""
 
     def __init__(
         self, numbering: Numbering, numbers: Numbers, scales: tuple[Array, Array], n_equations: int, polynomial: bool

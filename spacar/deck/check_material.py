@@ -9,7 +9,7 @@ from spacar.deck.findings import Findings
 from spacar.deck.mode_blocks import Purpose, facts
 from spacar.deck.outline import Outline
 from spacar.deck.statement import Statement
-from spacar.deck.table_types import Block
+from spacar.deck.table_types import BlockKind
 
 CLASS_KEYWORDS = {"node": ("FIX", "INPUTX", "DYNX", "KINX"), "element": ("RLSE", "INPUTE", "DYNE", "KINE")}
 Classes = dict[tuple[int, int], tuple[str, Statement]]
@@ -17,13 +17,13 @@ Classes = dict[tuple[int, int], tuple[str, Statement]]
 
 
 @dataclass(slots=True, eq=False)
-class Scene:
+class CheckMaterial:
     """The material of the checks; `findings` receives the messages of the block that is being checked."""
 
     statements: tuple[Statement, ...]
     outline: Outline
     mode: Purpose
-    third: Block | None
+    third: BlockKind | None
     findings: Findings
     coordinates: Classes = field(default_factory=dict)
     deformations: Classes = field(default_factory=dict)

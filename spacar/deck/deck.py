@@ -12,7 +12,7 @@ from spacar.deck.deck_reader import NOT_UTF8, Span, read_text
 from spacar.deck.lexer import visualization_of
 from spacar.deck.mode_blocks import Purpose
 from spacar.deck.statement import Statement, Value
-from spacar.deck.table_types import Block
+from spacar.deck.table_types import BlockKind
 from spacar.errors import Message, UsageError
 
 
@@ -34,7 +34,7 @@ class Deck:
     visualization: tuple[str, ...] = ()
     messages: tuple[Message, ...] = ()
     mode: Purpose = None
-    third: Block | None = None
+    third: BlockKind | None = None
     spans: dict[int, Span] = field(default_factory=dict, repr=False)
 
     def __repr__(self) -> str:

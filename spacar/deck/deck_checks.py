@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from spacar.deck.check_material import Scene
+from spacar.deck.check_material import CheckMaterial
 from spacar.deck.checks_classes import classify
 from spacar.deck.checks_dynamics import check_dynamics
 from spacar.deck.checks_elements import check_elements
@@ -14,18 +14,18 @@ from spacar.deck.findings import Findings
 from spacar.deck.mode_blocks import Purpose
 from spacar.deck.outline import Outline
 from spacar.deck.statement import Statement
-from spacar.deck.table_types import Block
+from spacar.deck.table_types import BlockKind
 
 
 def check(
     statements: tuple[Statement, ...],
     outline: Outline,
     mode: Purpose,
-    third: Block | None,
+    third: BlockKind | None,
     findings: dict[int, Findings],
 ) -> None:
     """Run all checks; the messages of block b go to `findings[b]`."""
-    scene = Scene(statements, outline, mode, third, findings[1])
+    scene = CheckMaterial(statements, outline, mode, third, findings[1])
     check_elements(scene)
     check_geometry(scene)
     classify(scene)
@@ -36,14 +36,14 @@ def check(
     check_classes(scene, 2)
     check_dynamics(scene)
     scene.findings = findings[3]
-    if third is Block.TRAJECTORY:
+    if third is BlockKind.TRAJECTORY:
         check_trajectories(scene)
     elif third is not None:
         check_classes(scene, 3)
     check_ports(scene)
 
 
-def _check_output_level(scene: Scene) -> None:
+def _check_output_level(scene: CheckMaterial) -> None:
     for s in scene.of("OUTLEVEL"):
         for i, most in enumerate((15, 3)[: len(s.values)]):
             if not -1 <= s.integer(i) <= most:

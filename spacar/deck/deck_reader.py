@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from spacar.deck.arguments import read_statement
 from spacar.deck.deck_checks import check
 from spacar.deck.findings import Findings
-from spacar.deck.keyword_table import KEYWORDS, Block, blocks_of
-from spacar.deck.lexer import LONGEST_LINE, Source, integer_of, scan
+from spacar.deck.keyword_table import KEYWORDS, BlockKind, blocks_of
+from spacar.deck.lexer import LONGEST_LINE, SourceText, integer_of, scan
 from spacar.deck.mode_blocks import Purpose, third_block, uses
 from spacar.deck.outline import Outline
 from spacar.deck.splitter import Raw, split, third_kind
@@ -30,7 +30,7 @@ class Contents:
     statements: tuple[Statement, ...]
     visualization: tuple[str, ...] | None
     messages: tuple[Message, ...]
-    third: Block | None
+    third: BlockKind | None
     spans: dict[int, Span]
 
 
@@ -46,7 +46,7 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
     skipped = {block: Findings(source) for block in (2, 3) if not uses(mode, block)}
     for raw in parts.statements:
         if raw.keyword in ELEMENT_TYPES:
-            statement = read_statement(raw, KEYWORDS[raw.keyword, Block.KINEMATICS], outline, findings)
+            statement = read_statement(raw, KEYWORDS[raw.keyword, BlockKind.KINEMATICS], outline, findings)
             if statement is None:
                 _remember_broken(raw, outline)
             else:
@@ -57,7 +57,7 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
             _remember_broken(raw, outline)
     for raw in parts.statements:
         if raw.keyword not in ELEMENT_TYPES:
-            kind = {1: Block.KINEMATICS, 2: Block.DYNAMICS}.get(raw.block, third)
+            kind = {1: BlockKind.KINEMATICS, 2: BlockKind.DYNAMICS}.get(raw.block, third)
             into = skipped.get(raw.block, findings)
             keyword = KEYWORDS.get((raw.keyword, kind)) if kind is not None else None
             if keyword is None:
@@ -79,7 +79,7 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
     return Contents(statements, scanned.visualization, tuple(findings.messages), third, parts.spans)
 
 
-def _lexical(text: str, source: Source, findings: Findings) -> None:
+def _lexical(text: str, source: SourceText, findings: Findings) -> None:
     if source.long_lines:
         first, count = source.long_lines[0], len(source.long_lines)
         text_ = (
@@ -126,7 +126,7 @@ def _number(raw: Raw) -> int:
     return (integer_of(raw.words[0].text) if raw.words else None) or 0
 
 
-def _wrong_kind(raw: Raw, kind: Block | None, findings: Findings) -> None:
+def _wrong_kind(raw: Raw, kind: BlockKind | None, findings: Findings) -> None:
     here = kind.value if kind is not None else _NAMES[3]
     other = ", ".join(b.value for b in blocks_of(raw.keyword))
     findings.add(

@@ -5,12 +5,12 @@ from __future__ import annotations
 
 from spacar.deck import table_dynamics, table_elements, table_io, table_kinematics, table_loads, table_solvers
 from spacar.deck.table_elements import ELEMENT_TYPES
-from spacar.deck.table_types import Block, ElementType, Keyword
+from spacar.deck.table_types import BlockKind, ElementType, Keyword
 
 _TABLES = (table_elements, table_kinematics, table_dynamics, table_loads, table_solvers, table_io)
 _ROWS = tuple(row for table in _TABLES for row in table.KEYWORDS)
 
-KEYWORDS: dict[tuple[str, Block], Keyword] = {(k.name, k.block): k for k in _ROWS}
+KEYWORDS: dict[tuple[str, BlockKind], Keyword] = {(k.name, k.block): k for k in _ROWS}
 """Every keyword of every kind of block."""
 
 ALIASES: dict[str, str] = {alias: k.name for k in _ROWS for alias in k.aliases}
@@ -26,9 +26,9 @@ for _row in _ROWS:
     NAMES[_row.block.number][_row.name] = _row.most
 
 
-def blocks_of(name: str) -> tuple[Block, ...]:
+def blocks_of(name: str) -> tuple[BlockKind, ...]:
     """The kinds of block in which a keyword may stand, in the order of the file."""
-    return tuple(block for block in Block if (name, block) in KEYWORDS)
+    return tuple(block for block in BlockKind if (name, block) in KEYWORDS)
 
 
 __all__ = [
@@ -37,7 +37,7 @@ __all__ = [
     "KEYWORDS",
     "NAMES",
     "TAKES_NAME",
-    "Block",
+    "BlockKind",
     "ElementType",
     "Keyword",
     "blocks_of",

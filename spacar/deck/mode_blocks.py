@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from spacar import modes
-from spacar.deck.table_types import Block
+from spacar.deck.table_types import BlockKind
 
 Purpose = int | str | None
 """A mode number, "simulation" for the controlled simulation, or None for checking a file without a mode."""
@@ -14,12 +14,12 @@ def facts(mode: Purpose) -> modes.Mode | None:
     return modes.MODES.get(mode) if isinstance(mode, int) else None
 
 
-def third_block(mode: Purpose) -> Block | None:
+def third_block(mode: Purpose) -> BlockKind | None:
     """Kind of the third block in this mode, None when the mode does not use it or is not known."""
     if mode == "simulation":
-        return Block.SIMULATION
+        return BlockKind.SIMULATION
     row = facts(mode)
-    return None if row is None or row.third is None else Block[row.third.upper()]
+    return None if row is None or row.third is None else BlockKind[row.third.upper()]
 
 
 def uses(mode: Purpose, block: int) -> bool:

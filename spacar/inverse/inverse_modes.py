@@ -18,7 +18,7 @@ from spacar.frame import Frame
 from spacar.inverse.along import Along
 from spacar.inverse.nominal import Nominal, check_same_mechanism
 from spacar.inverse.ports import NominalInputs, Ports, rigidified
-from spacar.inverse.trajectory import Program, loaded, program
+from spacar.inverse.trajectory import TrajectoryProgram, loaded, program
 from spacar.kinematics.constraint_condition import condition_number
 from spacar.kinematics.output import TransferOutput
 from spacar.mechanism.mechanism import Mechanism
@@ -99,7 +99,7 @@ def _require_prescribed(mechanism: Mechanism) -> None:
         raise UsageError(text, "inverse.dynamic")
 
 
-def _placed(work: Program, mechanism: Mechanism) -> Iterator[tuple[Dynamics, float]]:
+def _placed(work: TrajectoryProgram, mechanism: Mechanism) -> Iterator[tuple[Dynamics, float]]:
     """An evaluator near the configuration of every output time; trajectories with extra loads have their
     own.
     """

@@ -15,7 +15,7 @@ from spacar.mechanism.layout import Layout, Place
 from spacar.mechanism.mechanism import Mechanism
 
 
-class Sweep:
+class ElementSweep:
     """Evaluation of all batches at the current configuration."""
 
     def __init__(self, mechanism: Mechanism) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from spacar.frame import Frame
 from spacar.kinematics.constraint_condition import ESTIMATED_FROM, condition_number
 from spacar.kinematics.diagnosis import ZERO, Diagnosis, diagnose
-from spacar.kinematics.element_sweep import Sweep
+from spacar.kinematics.element_sweep import ElementSweep
 from spacar.kinematics.kinematics import Kinematics
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
@@ -20,7 +20,7 @@ def check(run: Run) -> Iterator[Frame]:
     """One frame with `bigd`; the diagnosis goes to the report and, as a record, to header['diagnosis']."""
     mechanism = run.mechanism
     n = mechanism.numbering
-    sweep = Sweep(mechanism)
+    sweep = ElementSweep(mechanism)
     sweep.strain(mechanism.x0)
     V = sweep.gradient()
     diagnosis = _large_and_regular(mechanism) or diagnose(mechanism, V)

@@ -81,7 +81,7 @@ def state_space_matrices(run: Run) -> Iterator[Frame]:
 
 
 @dataclass(frozen=True)
-class Solution:
+class LinearizedSolution:
     """A stored stationary solution with its linearization L, or for large systems the sparse tangent instead."""
 
     frame: Frame
@@ -90,7 +90,7 @@ class Solution:
     tangent: SparseTangent | None
 
 
-def stationary(run: Run, reducible: bool = True) -> Iterator[Solution]:
+def stationary(run: Run, reducible: bool = True) -> Iterator[LinearizedSolution]:
     """The stored stationary solutions. `reducible`: no dense matrices for large systems unless OUTLEVEL asks."""
     mechanism, settings = run.mechanism, run.mechanism.settings
     n = mechanism.numbering
@@ -127,11 +127,11 @@ def stationary(run: Run, reducible: bool = True) -> Iterator[Solution]:
         if reduced or singular:
             tangent = solver.sparse_tangent()
             tangent.sigma = state.sigma
-            yield Solution(frame, dynamics, None, tangent)
+            yield LinearizedSolution(frame, dynamics, None, tangent)
             continue
         L = linearize(dynamics, state.xdd, state.sigma)
         _store_matrices(frame, L, dynamics)
-        yield Solution(output.add(frame, dynamics.kinematics), dynamics, L, None)
+        yield LinearizedSolution(output.add(frame, dynamics.kinematics), dynamics, L, None)
 
 
 def _say_lost_digits(run: Run, reduced: bool) -> None:
@@ -176,7 +176,7 @@ def _store_matrices(frame: Frame, L: Linearization, dynamics: Dynamics) -> None:
     frame.matrices["bk0"] = L.bk0[np.ix_(s, s)]
 
 
-def _store_vibration(run: Run, solution: Solution) -> None:
+def _store_vibration(run: Run, solution: LinearizedSolution) -> None:
     if not run.mechanism.numbering.nddof:
         run.report.add("no dynamic degrees of freedom: there are no eigenvalues")
         return
@@ -190,7 +190,7 @@ def _store_vibration(run: Run, solution: Solution) -> None:
     store["eigvre"], store["eigvim"] = modes.vectors.real, modes.vectors.imag
 
 
-def _store_buckling(run: Run, solution: Solution, required: bool = True) -> None:
+def _store_buckling(run: Run, solution: LinearizedSolution, required: bool = True) -> None:
     """Compliances, load multipliers, modes. Not `required`: where there are no multipliers they are nan, and why is
     said.
     """

@@ -15,7 +15,7 @@ class SingularMatrixError(ArithmeticError):
         self.position = position
 
 
-class System(Protocol):
+class LinearSystem(Protocol):
     """Factor once, solve often. All arrays are in the caller's numbering, whatever the storage does inside."""
 
     n: int

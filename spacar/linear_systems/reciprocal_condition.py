@@ -10,12 +10,12 @@ from __future__ import annotations
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.linear_systems.linear_system import SingularMatrixError, System
+from spacar.linear_systems.linear_system import LinearSystem, SingularMatrixError
 
 ITERATIONS = 5
 
 
-def reciprocal_condition(system: System, norm: float, row_scale: Array, column_scale: Array) -> float:
+def reciprocal_condition(system: LinearSystem, norm: float, row_scale: Array, column_scale: Array) -> float:
     """1/(|B| |B^-1|) in the 1-norm of B = diag(row_scale) A diag(column_scale), both (n,); `norm` is |B|.
 
     `system` is A, factored. Usually within a factor of three of the exact value and never smaller. 0 when singular.

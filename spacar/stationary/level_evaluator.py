@@ -10,11 +10,11 @@ from spacar.stationary.flexibility import Flexibility
 from spacar.stationary.loading import WITHOUT_N0, LoadLevel, SteadyDrive, loads_at, with_flow
 from spacar.stationary.moving_tangent import MovingTangent
 from spacar.stationary.resting_tangent import RestingTangent
-from spacar.stationary.stationary_equations import Equations, Given
+from spacar.stationary.stationary_equations import Given, StationaryEquations
 from spacar.stationary.tangent import SparseTangent
 
 
-class Evaluator:
+class LevelEvaluator:
     """`dynamics`, `equations`, `tangent` under the loads of the last level that was loaded.
 
     `y` (state vector) holds the kinematic values and the rates that non-holonomic systems keep; `hold` fades out the
@@ -41,7 +41,7 @@ class Evaluator:
     def _renew(self) -> None:
         flexibility = Flexibility(self.dynamics)
         rates = self.y[self.dynamics.n_positions :]
-        self.equations = Equations(self.dynamics, flexibility, self.moving, rates)
+        self.equations = StationaryEquations(self.dynamics, flexibility, self.moving, rates)
         self.sparse: SparseTangent | None = None
         self.tangent: Tangent
         if self.plain:

@@ -28,7 +28,7 @@ from spacar.linearization.contractions import (
     scatter,
 )
 from spacar.linearization.matrices import load_gradient
-from spacar.stationary.stationary_equations import Equations, Point
+from spacar.stationary.stationary_equations import Iterate, StationaryEquations
 
 
 class MovingTangent:
@@ -36,11 +36,11 @@ class MovingTangent:
 
     symmetric = False
 
-    def __init__(self, equations: Equations, without_n0: bool) -> None:
+    def __init__(self, equations: StationaryEquations, without_n0: bool) -> None:
         self.q, self.exact = equations, not without_n0
         self.full = np.zeros((0, 0))  # all columns x, then sigma / size
 
-    def factor(self, point: Point) -> None:
+    def factor(self, point: Iterate) -> None:
         """Form the matrix. Raises SingularMatrixError when the velocities are not determined."""
         q = self.q
         d, sweep, C = q.d, q.d.sweep, q.flexibility
@@ -95,7 +95,7 @@ class MovingTangent:
         return float(np.linalg.slogdet(self._square)[0])
 
 
-def _rates(q: Equations, V: Array, point: Point) -> tuple[Array, Array, Array, Array]:
+def _rates(q: StationaryEquations, V: Array, point: Iterate) -> tuple[Array, Array, Array, Array]:
     """Z (nx, nx), d(ed)/dx (ne, nx), Y, d(edd)/dx."""
     sweep, k, motion = q.d.sweep, q.d.kinematics, point.motion
     assert motion is not None

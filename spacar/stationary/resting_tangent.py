@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.linear_systems import System
+from spacar.linear_systems import LinearSystem
 from spacar.linear_systems.matrix_inertia import Inertia
 from spacar.linearization.contractions import geometric_blocks
-from spacar.stationary.stationary_equations import Point
+from spacar.stationary.stationary_equations import Iterate
 from spacar.stationary.tangent import STATIC, SparseTangent
 
 SYMMETRIC = 1e-12  # relative: rounding of the element blocks
@@ -21,12 +21,12 @@ class RestingTangent:
 
     def __init__(self, sparse: SparseTangent) -> None:
         self.t = sparse
-        self._system: System | None = None
+        self._system: LinearSystem | None = None
         self._inertia: Inertia | None = None
         loading = sparse.parts["load"], sparse.parts["moment"]
         self._unsymmetric = [p for p in loading if len(p.keep)]
 
-    def factor(self, point: Point) -> None:
+    def factor(self, point: Iterate) -> None:
         """Raises SingularMatrixError."""
         self.t.sigma = point.sigma
         self._system = self.t.factor_static()

@@ -16,7 +16,7 @@ geometric stiffness and spoil the next correction (Magisano, Leonetti, Garcea, C
 In steady motion v and a are those of the configuration: V v = ed, V a = -H(v, v) on the fixed, prescribed and dynamic
 rows, with the prescribed rates and, for holonomic systems, no rates of the dynamic degrees of freedom.
 Non-holonomic: kinematic coordinates and deformations are given too; their equations take the place of those that slips
-do not have, and the stress of a slip that is a degree of freedom is free (`Point.slip` says what it lacks).
+do not have, and the stress of a slip that is a degree of freedom is free (`Iterate.slip` says what it lacks).
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class Given:
 
 
 @dataclass(frozen=True)
-class Point:
+class Iterate:
     """A state and how far it is from a solution.
 
     right (nf + ne,) the right-hand side of the correction, rounding the size of its rounding errors;
@@ -83,7 +83,7 @@ class Point:
         return bool(np.isfinite(self.right).all())
 
 
-class Equations:
+class StationaryEquations:
     """Residual of one evaluator under its present loads. `rates` (nddof,): those that non-holonomic systems keep.
 
     `held` (nx,): forces that hold a start state that is no equilibrium, zero else.
@@ -147,7 +147,7 @@ class Equations:
             offset += np.where(self.active, user.sigma, 0.0)
         return offset
 
-    def point(self, x: Array, sigma: Array, given: Given) -> Point:
+    def point(self, x: Array, sigma: Array, given: Given) -> Iterate:
         """Evaluate at x (nx,), sigma (ne,); leaves the sweep there. Raises SingularMatrixError as `motion`."""
         d, sweep, C = self.d, self.d.sweep, self.flexibility
         sweep.strain(x)
@@ -180,12 +180,12 @@ class Equations:
         lengths = np.bincount(sweep.v_rows, entries * size[sweep.v_columns], self.ne) * (C.coupled != 0.0)
         right = np.concatenate((force[self.F], -C.size * gap))
         rounding = FLOOR * np.concatenate((forces[self.F], C.size * lengths))
-        return Point(
+        return Iterate(
             x, sigma, right, rounding, largest(force[self.F]), largest((force * self.scale)[self.F]), work_size,
             largest(gap / self.e_scale), bool((np.abs(right) <= rounding).all()), slip, motion, user,
         )  # fmt: skip
 
-    def balanced(self, p: Point) -> Array:
+    def balanced(self, p: Iterate) -> Array:
         """sigma (ne,) of the point with those of the rows fixed, prescribed and dynamic from the equilibrium of the
         other coordinates. Raises SingularMatrixError where the degrees of freedom do not determine the configuration.
         """

@@ -10,7 +10,7 @@ from spacar_drawing.element_pictures import PARTS
 from spacar_drawing.scene import ROUND
 
 from spacar.compiled.element_parameters import SUPPORTED, kinds
-from spacar.deck import ELEMENT_TYPES, KEYWORDS, Block
+from spacar.deck import ELEMENT_TYPES, KEYWORDS, BlockKind
 from spacar.deck.table_dynamics import MASS_FORMS
 from spacar.elements import family_of
 
@@ -46,7 +46,7 @@ def test_family(kind):
 
 
 def forms(statement, kind):
-    return [v for v in KEYWORDS[statement, Block.DYNAMICS].variants if kind.keyword in v.types]
+    return [v for v in KEYWORDS[statement, BlockKind.DYNAMICS].variants if kind.keyword in v.types]
 
 
 @every_type

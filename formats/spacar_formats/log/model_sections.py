@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from spacar.deck import ELEMENT_TYPES, Statement
 from spacar.deck.keyword_table import KEYWORDS
-from spacar.deck.table_types import Block, Keyword, Variant
+from spacar.deck.table_types import BlockKind, Keyword, Variant
 from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import CLASSES, Numbering
 from spacar_formats.log.text_layout import real, table
@@ -97,12 +97,12 @@ def dynamics(mechanism: Mechanism) -> list[str]:
     """Inertia, stiffness, damping, loads and prescribed motion as the input gives them, the total mass."""
     lines = []
     for name in DYNAMICS:
-        lines += statements(mechanism, name, Block.DYNAMICS)
+        lines += statements(mechanism, name, BlockKind.DYNAMICS)
     mass, centre = total_mass(mechanism)
     return [*lines, f"Total mass: {real(mass)} kg", *centre, ""]
 
 
-def statements(mechanism: Mechanism, name: str, block: Block) -> list[str]:
+def statements(mechanism: Mechanism, name: str, block: BlockKind) -> list[str]:
     """All statements of one keyword as tables, one for every form of the statement that occurs."""
     keyword = KEYWORDS.get((name, block))
     if keyword is None:

@@ -6,7 +6,7 @@ from collections.abc import Container
 from typing import Any
 
 import spacar
-from spacar.mechanism.model_tables import counts, model_tables
+from spacar.mechanism.result_tables import counts, model_tables
 from spacar.stream import Run
 from spacar_formats.sbf.variable_names import identifier
 from spacar_formats.signal_names import state_names
