@@ -4,7 +4,7 @@ documentation."""
 from spacar.deck.deck import Deck, parse_deck, read_deck
 from spacar.deck.echo import echo
 from spacar.deck.statement import Statement
-from spacar.deck.table import ELEMENT_TYPES, KEYWORDS, Block, ElementType
+from spacar.deck.table import ELEMENT_TYPES, KEYWORDS, Block, ElementType, coordinates_of
 
 __all__ = [
     "ELEMENT_TYPES",
@@ -13,6 +13,7 @@ __all__ = [
     "Deck",
     "ElementType",
     "Statement",
+    "coordinates_of",
     "echo",
     "parse_deck",
     "read_deck",

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from spacar.deck import table_dynamics, table_elements, table_io, table_kinematics
 from spacar.deck.table_elements import ELEMENT_TYPES
-from spacar.deck.table_types import Block, ElementType, Keyword
+from spacar.deck.table_types import Block, ElementType, Keyword, coordinates_of
 
 _ROWS = (*table_elements.KEYWORDS, *table_kinematics.KEYWORDS, *table_dynamics.KEYWORDS, *table_io.KEYWORDS)
 
@@ -40,4 +40,5 @@ __all__ = [
     "ElementType",
     "Keyword",
     "blocks_of",
+    "coordinates_of",
 ]

@@ -21,8 +21,19 @@ from spacar.deck.table_types import (
     vector,
 )
 
-P, O = "position", "orientation"
+P, O, W = "position", "orientation", "warping"
 _BEAM = ((P, O, P, O), ("p position node", "p orientation node", "q position node", "q orientation node"))
+_WARPED = (
+    (P, O, W, P, O, W),
+    (
+        "p position node",
+        "p orientation node",
+        "p warping node",
+        "q position node",
+        "q orientation node",
+        "q warping node",
+    ),
+)
 _BAR = ((P, P), ("p position node", "q position node"))
 _JOINT = ((O, O), ("p orientation node", "q orientation node"))
 _BODY = ((P, O, P), ("p position node", "p orientation node", "q position node"))
@@ -44,6 +55,7 @@ _BEND3 = (
     ("bending at p in the x'y' plane", "m"),
     ("bending at q in the x'y' plane", "m"),
 )
+_WARPING = (("warping at p", "m"), ("warping at q", "m"))
 _STRETCH = (("elongation", "m"),)
 _TURN = (("relative rotation", "rad"),)
 _MISALIGNED = (("misalignment about y'", "rad"), ("misalignment about z'", "rad"))
@@ -95,6 +107,11 @@ _K4 = (
 _K9 = (
     "Positive radius: the belt runs on the left of that pulley when looking from p to q; opposite "
     "signs: crossed belt or gears."
+)
+_K10 = (
+    "A warping node has one coordinate, the twist rate of the section in rad/m, zero at the start. It is a dynamic degree "
+    "of freedom unless FIX (clamped section), INPUTX or KINX says otherwise; modes 7 and 8 are always calculable. Fix "
+    "both warping nodes of a rigid one."
 )
 _SIX = "With six arguments the sixth is the coupling f and the direction is the default one."
 
@@ -265,6 +282,29 @@ _ALL = (
         axial=True,
         quadratic=True,
         split=((3, 4), (5, 6)),
+    ),
+    _type(
+        "BEAMW",
+        "spatial beam with warping",
+        18,
+        False,
+        _WARPED,
+        (*_BEND3, *_WARPING),
+        (*_Y3, _COUPLING),
+        (10, 11),
+        stiffness=(2, 3, 4, 4, 5, 5, 8, 8),
+        length="always",
+        direction=(8, 3, "plane"),
+        notes=(_K1, _K2, _K10),
+        family="beam_warping:BeamWithWarping",
+        shape="beam",
+        coefficients="spatial beam with warping",
+        mass="spatial beam with warping",
+        statements=("LDEFORM",),
+        axial=True,
+        quadratic=True,
+        split=((3, 4), (5, 6)),
+        released=(7, 8),
     ),
     _type(
         "TRUSS",
