@@ -53,7 +53,7 @@ def _converted(name: str, value: Any, kind: str) -> Any:
 
 def integrator(code: int, subject: str = "integrator type") -> tuple[int, str | None]:
     """The integration method of this code, and the note on an alias (the sentence of INTEGRAT). Raises UsageError."""
-    from spacar.deck.table_dynamics import INTEGRATOR_ALIASES, INTEGRATORS, alias_note
+    from spacar.deck.table_solvers import INTEGRATOR_ALIASES, INTEGRATORS, alias_note
 
     if code in INTEGRATOR_ALIASES:
         return INTEGRATOR_ALIASES[code], alias_note(code)

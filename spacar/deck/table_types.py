@@ -6,7 +6,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-
 COORDINATES = {"position": (2, 3), "orientation": (1, 4), "warping": (0, 1)}
 """Number of coordinates of a node by its role, in planar and in spatial models."""
 
@@ -238,3 +237,4 @@ POSITION = integer("position node", "position node")
 ORIENTATION = integer("orientation node", "orientation node")
 COORDINATE = integer("coordinate number", "coordinate")
 MODE = integer("mode number", "mode")
+SURPLUS = "Surplus zeros are ignored; a surplus value that is not zero is an error."  # a note of some rows

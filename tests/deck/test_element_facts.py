@@ -20,7 +20,8 @@ SIZES = {(True, "position"): 2, (True, "orientation"): 1, (False, "position"): 3
 SIZES[False, "warping"] = 1
 # Where elements may be named: their rows, their parameters in C, and checks of one element's own numbers.
 NAMED = {
-    "spacar/deck/table_elements.py",
+    "spacar/deck/planar_types.py",
+    "spacar/deck/spatial_types.py",
     "spacar/compiled/parameters.py",
     "spacar/deck/checks_geometry.py",
     "cli/spacar_drawing/machine_parts.py",
