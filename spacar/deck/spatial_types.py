@@ -82,8 +82,8 @@ _K4 = (
 )
 _K10 = (
     "A warping node has one coordinate, the twist rate of the section in rad/m, zero at the start. It is a dynamic "
-    "degree of freedom unless FIX (clamped section), INPUTX or KINX says otherwise; modes 7 and 8 are always calculable. Fix "
-    "both warping nodes of a rigid one."
+    "degree of freedom unless FIX (clamped section), INPUTX or KINX says otherwise; modes 7 and 8 are always "
+    "calculable. Fix both warping nodes of a rigid one."
 )
 _SIX = "With six arguments the sixth is the coupling f and the direction is the default one."
 
