@@ -41,7 +41,7 @@ class Element:
 class Scene:
     """A mechanism to be drawn.
 
-    keywords  one per element number ("": unused);  lnp (nodes, 4), le (elements, 6; 8), ln (elements, 4; 6) as in the file
+    keywords  one per element number ("": unused);  lnp (nodes, 4), le (elements, 6; 8), ln (elements, 4; 6) as filed
     frame_p, frame_q  (elements, 3, 3) rows x', y', z' of the start frames, zero where none exists
     length    (elements,) undeformed length [m];  data (elements, k) radii, pitch;  stiffness, damping (elements, 6)
     quadratic (elements,) 1 where the strains have second order terms
@@ -104,9 +104,9 @@ class Scene:
         for i, keyword in enumerate(self.keywords):
             kind = ELEMENT_TYPES.get(keyword)
             if kind is not None:
-                nodes = [0 if c is None else int(self.ln[i, c]) for c in kind.ends]
+                p, p_turn, q, q_turn = (0 if c is None else int(self.ln[i, c]) for c in kind.ends)
                 warping = tuple(int(self.ln[i, c]) for c in kind.warping)
-                found.append(Element(i + 1, keyword, kind.shape, *nodes, warping=warping))
+                found.append(Element(i + 1, keyword, kind.shape, p, p_turn, q, q_turn, warping))
         return tuple(found)
 
     @cached_property

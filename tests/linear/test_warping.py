@@ -15,6 +15,7 @@ from warped_bars import bar
 import spacar
 from spacar.deck import parse_deck
 from spacar.errors import AnalysisError
+from spacar.studies.models import refine
 
 DATA = Path(__file__).parents[2] / "data"
 STRIP = {"EA": 5.25e6, "GIt": 0.1672087158, "EIy": 0.109375, "EIz": 1093.75, "ECw": 2.278645833e-5}  # 50 x 0.5 mm
@@ -149,3 +150,45 @@ def test_overconstraints_are_those_of_beam():
         list(found)
         diagnosis = found.header["diagnosis"]
         assert (diagnosis.over, diagnosis.under) == (over, 0)
+
+
+def strip(mode, n=2):
+    return bar(n, mode, STRIP, length=0.3, mass=STRIP_MASS, loads=[("TIMESTEP", 1e-5, 1)] if mode in (1, 4) else ())
+
+
+def test_state_matrices_have_the_frequencies_of_mode_7():
+    """Modes 9 and 4 (at rest): omega of the state matrix [0 I; -M^-1 K 0], not balanced: 1e-6 of the low ones."""
+    omega = 2 * np.pi * spacar.run(7, strip(7)).frequencies[-1][:4]
+    for mode in (9, 4):
+        r = spacar.run(mode, strip(mode))
+        M, K = r["m0"][0], r["k0"][0]
+        found = np.sqrt(np.sort(np.linalg.eigvals(np.linalg.solve(M, K)).real)[:4])
+        np.testing.assert_allclose(found, omega, rtol=1e-6)
+
+
+def test_a_refined_strip_is_the_finer_model():
+    """New warping nodes; the same frequencies as the deck written with four elements."""
+    finer = 2 * np.pi * spacar.run(7, refine(strip(7), 2)).frequencies[-1][:4]
+    np.testing.assert_allclose(finer, 2 * np.pi * spacar.run(7, strip(7, 4)).frequencies[-1][:4], rtol=1e-8)
+
+
+def test_torsional_vibration_in_time():
+    """Mode 1: started in the shape of its first mode with amplitude 1e-4, the end turns as cos(omega t); rtol 1e-9."""
+    shaft = {"EA": 0.0, "GIt": 1.0, "ECw": 0.25}
+    mass = (1.0, 1.0, 0.0, 0.0, 0.0, 0.1)
+    options = {"dynamic": (2,), "mass": mass}
+    r = spacar.run(7, bar(2, 7, shaft, **options))
+    n = r.mechanism.numbering
+    K, M = r["k0"][-1], r["m0"][-1]
+    squares, shapes = np.linalg.eig(np.linalg.solve(M, K))
+    k = int(np.argmin(squares))
+    omega, shape = np.sqrt(squares[k]), 1e-4 * shapes[:, k] / np.abs(shapes[:, k]).max()
+    starts = []
+    for value, place in zip(shape, np.r_[n.q_x, n.q_e], strict=True):
+        x = len(starts) < len(n.q_x)
+        owner = n.x_owner(int(place)) if x else n.e_owner(int(place))
+        starts.append(("STARTDX" if x else "STARTDE", *owner, float(value)))
+    period = 2 * np.pi / omega
+    loads = [*starts, ("TIMESTEP", period, 8), ("INTEGRAT", 853), ("ERROR", 1e-13, 1e-9)]
+    turned = spacar.run(1, bar(2, 1, shaft, loads=loads, **options)).node(8, 2)
+    np.testing.assert_allclose(turned / turned[0], np.cos(np.linspace(0, 2 * np.pi, 9)), atol=1e-6)
