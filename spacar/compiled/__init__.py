@@ -24,6 +24,7 @@ both. README.md tells users the same.
 """
 
 from spacar.compiled.dynamics import CompiledDynamics
-from spacar.compiled.model import why_not
+from spacar.compiled.library import level
+from spacar.compiled.model import why_general, why_not
 
-__all__ = ["CompiledDynamics", "why_not"]
+__all__ = ["CompiledDynamics", "level", "why_general", "why_not"]

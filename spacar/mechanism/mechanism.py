@@ -133,7 +133,7 @@ class Settings:
     follow_path: int = 0  # 1: beyond limit points of the loading
     log_level: int = 0
     sbd_level: int | None = None  # None: the default of the mode
-    compiled: bool = False  # right-hand side in C (spacar.compiled); an option of the run, not of the deck
+    compiled: bool = True  # equations in C where that is possible (spacar.compiled); of the run, not of the deck
 
     def with_options(self, **options: Any) -> Settings:
         return replace(self, **{k: v for k, v in options.items() if v is not None})

@@ -164,7 +164,7 @@ def _settings(run: Run) -> list[str]:
     third = echo(mechanism.deck, 3) if mode.third else []
     lines += [*third, "", *steps.definitions(mechanism)] if third else []
     if mode.integrated:
-        lines += steps.integration(mechanism)
+        lines += steps.integration(mechanism, run.header.get("engine"))
     if mode.stationary:
         lines += steps.iteration(mechanism)
     if run.nominal is not None:
