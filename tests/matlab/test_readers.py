@@ -16,7 +16,7 @@ from spacar_formats.mex import FOLDER
 from spacar_formats.sbf import SbfFile, SbfWriter
 
 from .models import BENT, TRANSFER
-from .octave import DATA, analyse, need, run_octave
+from .octave import DATA, PROGRAM, analyse, need, run_octave
 
 RESULTS = (
     "plbeam5.sbd", "bent.sbd", "bent.sbm", "robotinv.sbd", "robotinv.ltv", "robotinvlin.sbm", "robotinvlin.ltv",
@@ -47,7 +47,7 @@ calls = {@() getfrsbf('robotinv.sbd', 'nothing'), @() getfrsbf('robotinv.sbd', '
          @() getss('robotinv'), @() stressbeam('robotinv', 1, 1, [], struct( ...
          'CrossSection', 'circ', 'Dimensions', 1)), ...
          @() stressbeam('bent', 1, 1, [], struct('CrossSection', 'oval', ...
-         'Dimensions', 1)), @() loadsbm('robotinv')};
+         'Dimensions', 1)), @() loadsbm('robotinv'), @() spacar(1, 'nowhere')};
 for k = 1:numel(calls)
   try, calls{k}(); catch e, out.texts{k} = [e.identifier, '|', e.message]; end
 end
@@ -124,8 +124,9 @@ def folder(tmp_path_factory):
 @pytest.fixture(scope="module")
 def octave(folder):
     names = ", ".join(f"'{name}'" for name in RESULTS)
-    script = f"names = {{{names}}}; lengths = [{' '.join(map(str, LENGTHS))}];\n{SCRIPT}"
-    return run_octave(script, folder, FOLDER)
+    lengths = " ".join(map(str, LENGTHS))
+    start = f"setenv('SPACAR_COMMAND', '{PROGRAM}'); names = {{{names}}}; lengths = [{lengths}];"
+    return run_octave(start + SCRIPT, folder, FOLDER)
 
 
 def same(got: object, value: np.ndarray | list[str]) -> bool:
@@ -160,6 +161,7 @@ def test_errors_say_what_callers_look_for(octave):
         ("spacar:step", "has one value"), ("spacar:notFound", "absent.sbd not found"),
         ("spacar:damaged", "is not a SPACAR binary file"), ("spacar:id", "mode 2 has no linearized"),
         ("spacar:element", "no beam"), ("spacar:section", "oval"), ("spacar:notFound", "robotinv.sbm not found"),
+        ("spacar:input", "nowhere.dat: no such file"),
     )  # fmt: skip
     for text, (identifier, words) in zip(octave["texts"], expected, strict=True):
         assert text.startswith(f"{identifier}|"), text
