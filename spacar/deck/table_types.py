@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 
-class Block(Enum):
+class BlockKind(Enum):
     """A kind of input block. The third block of a file has one of the last three kinds."""
 
     KINEMATICS = "kinematics block"
@@ -79,7 +79,7 @@ class Keyword:
     """
 
     name: str
-    block: Block
+    block: BlockKind
     help: str
     variants: tuple[Variant, ...]
     unique: int | None = None

@@ -225,9 +225,9 @@ def _require_splittable(deck: Deck, split: dict[int, dict[int, str]]) -> None:
 
 def _elements_of_port(s: Statement) -> set[Value]:
     """Elements that a statement of the third block is about: OUTE, INPUTS ... port, element, mode; TRE element, ..."""
-    from spacar.deck.table import KEYWORDS, Block
+    from spacar.deck.keyword_table import KEYWORDS, BlockKind
 
-    for block in Block:
+    for block in BlockKind:
         keyword = KEYWORDS.get((s.keyword, block)) if block.number == 3 else None
         if keyword is not None:
             parameters = keyword.variants[0].parameters
