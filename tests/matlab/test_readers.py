@@ -7,8 +7,8 @@ import zlib
 
 import numpy as np
 import pytest
-from spacar_drawing.settings import Section
-from spacar_drawing.source import open_source
+from spacar_drawing.picture_source import open_source
+from spacar_drawing.settings import SectionShape
 from spacar_drawing.stresses import resultants, section_points, stress_field
 from spacar_formats.getss import getss
 from spacar_formats.loadsbd import loadsbd, loadsbm
@@ -93,6 +93,16 @@ for k = 1:9:numel(bytes)
     out.noticed(k) = strcmp(e.identifier, 'spacar:damaged');
   end
 end
+addpath('shims');
+out.table = table([1; 2], {'x'; 'y'}, 'VariableNames', {'number', 'word'});
+out.year = str2double(datestr(datetime, 'yyyy'));
+try, datetime(2020, 1, 1); catch e, out.date = e.message; end
+fault = struct('message', 'what happened', 'identifier', 'a:b', 'stack', struct('file', '', 'name', 'n', 'line', 1));
+try, error(fault); catch e, out.thrown = [e.identifier, '|', e.message]; end
+try, error('c:d', 'number %d', 5); catch e, out.passed = [e.identifier, '|', e.message]; end
+warning('on', 'all'); warning backtrace on
+out.remarks = warning('query', 'Octave:language-extension').state;
+out.user = username();
 out.lines_of_help = numel(strfind(help('spacar'), sprintf('\\n')));
 """
 
@@ -114,6 +124,7 @@ def folder(tmp_path_factory):
     for name, header in (("one", {"NX": 2}), ("two", {"NY": 1, "NX": 2})):
         with SbfWriter(made / f"{name}.sbd", "sbd", header, {"T": (1, 1), "X": (2, 1)}) as out:
             out.append({"T": 0.0, "X": [1.0, -2.5] if name == "one" else [7.0, 8.0]})
+    shutil.copytree(FOLDER / "octave", made / "shims")
     pieces = made / "pieces"
     pieces.mkdir()
     for name in ("sbf_crc32.m", "quoted_word.m"):
@@ -195,7 +206,7 @@ def test_state_space(folder, octave):
 def test_stresses_are_those_of_the_pictures(folder, octave, shape):
     """The other program for the same formulas: the field of `spacar visual --stress`, to rounding."""
     k = list(SECTIONS).index(shape)
-    section = Section(SECTIONS[shape], DIMENSIONS[shape])
+    section = SectionShape(SECTIONS[shape], DIMENSIONS[shape])
     for name, element, step, got in (("bent", 2, 4, "stress"), ("plbeam5", 3, 1, "planar")):
         source = open_source(folder / name)
         beam, sig, e = source.scene.elements[element - 1], source.get("sig", step), source.get("e", step)
@@ -255,6 +266,18 @@ def test_names_reach_the_program_as_they_stand(octave):
     assert windows == '"C:\\Program Files\\my model\\\\"'
     assert share == '"\\\\host\\a b\\x.dat"'
     assert posix == "'it'\\''s $HOME `a` \"b\"'"
+
+
+def test_what_octave_lacks(octave):
+    """The sub-folder octave: as much of MATLAB as front-ends use, and what is not there is refused."""
+    rows = [line.split() for line in octave["table"].splitlines()]
+    assert rows == [["number", "word"], ["1", "x"], ["2", "y"]]
+    assert octave["year"] > 2024
+    assert "only the present time" in octave["date"]
+    assert octave["thrown"] == "a:b|what happened"
+    assert octave["passed"] == "c:d|number 5"
+    assert octave["remarks"] == "off"
+    assert np.size(octave["user"]) <= 1
 
 
 def test_help(octave):
