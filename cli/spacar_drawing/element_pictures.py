@@ -44,7 +44,11 @@ def beam_line(scene: Scene, pose: Pose, e: Element, n: int) -> tuple[Array, Arra
     else:
         points = ends[0] + np.linspace(0.0, 1.0, n)[:, None] * (ends[1] - ends[0])
     y = frame_p[1] if frame_p[1].any() else Z
-    y, z = section_axes(points, y, frame_q[1] if frame_q[1].any() else y)
+    slopes = None
+    if e.warping:
+        p, q = scene.length[e.number - 1] * pose.rate[[n - 1 for n in e.warping]]
+        slopes = float(p), float(q)
+    y, z = section_axes(points, y, frame_q[1] if frame_q[1].any() else y, slopes)
     return points, y, z
 
 

@@ -59,6 +59,7 @@ SUPPORTED: dict[str, tuple[str, Callable[[Family], Array]]] = {
     "PLPINBOD": ("plpinbod", _plpinbod),
     "PLRBEAM": ("plpinbod", _plpinbod),
     "BEAM": ("beam", _beam),
+    "BEAMW": ("beamw", _beam),
     "TRUSS": ("truss", _length),
     "HINGE": ("hinge", _frame),
     "PINBODY": ("pinbody", _pinbody),

@@ -3,7 +3,7 @@ documentation."""
 
 from spacar.deck.deck import Deck, parse_deck, read_deck
 from spacar.deck.echo import echo
-from spacar.deck.keyword_table import ELEMENT_TYPES, KEYWORDS, BlockKind, ElementType
+from spacar.deck.keyword_table import ELEMENT_TYPES, KEYWORDS, BlockKind, ElementType, coordinates_of
 from spacar.deck.statement import Statement
 
 __all__ = [
@@ -13,6 +13,7 @@ __all__ = [
     "Deck",
     "ElementType",
     "Statement",
+    "coordinates_of",
     "echo",
     "parse_deck",
     "read_deck",

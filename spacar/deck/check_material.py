@@ -45,5 +45,8 @@ class CheckMaterial:
     def class_of(self, what: str, number: int, index: int) -> tuple[str, Statement | None]:
         """Class of a coordinate ("node") or deformation ("element") and the statement that gave it."""
         if what == "node":
-            return self.coordinates.get((number, index), ("calculable", None))
+            default = "dynamic" if self.outline.roles.get(number) == "warping" else "calculable"
+            return self.coordinates.get((number, index), (default, None))
+        if number in self.outline.types and index in self.outline.types[number].released:
+            return "calculable", None
         return self.deformations.get((number, index), ("fixed", None))

@@ -28,10 +28,27 @@ def classify(scene: CheckMaterial) -> None:
             indices = s.integers(1) or outline.independent(number)
             _put(scene, s, "coordinate", indices, COORDINATE_CLASSES[s.keyword], scene.coordinates)
         elif s.keyword in DEFORMATION_CLASSES:
-            indices = s.integers(1) or tuple(range(1, outline.modes(number) + 1))
+            indices = s.integers(1) or outline.classed(number)
+            indices = _without_released(scene, s, indices)
             _put(scene, s, "mode", indices, DEFORMATION_CLASSES[s.keyword], scene.deformations)
     _check_euler_parameters(scene)
     _check_kinematic(scene)
+
+
+def _without_released(scene: CheckMaterial, s: Statement, indices: tuple[int, ...]) -> tuple[int, ...]:
+    """The modes that the statement can give a class to; others are an error, except for RLSE, which says what holds."""
+    number = s.integer(0)
+    released = scene.outline.types[number].released
+    if s.keyword != "RLSE":
+        for place, index in enumerate(s.integers(1), 1):
+            if index in released:
+                kind = scene.outline.types[number]
+                text = (
+                    f"mode {index} ({kind.modes[index - 1][0]}) of the {kind.keyword} is always calculable: it follows "
+                    "from its warping node; to prescribe warping give FIX or INPUTX for that node"
+                )
+                scene.findings.error(s, place, text, "released-mode")
+    return tuple(i for i in indices if i not in released)
 
 
 def _put(

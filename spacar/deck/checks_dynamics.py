@@ -18,6 +18,7 @@ def check_dynamics(scene: CheckMaterial) -> None:
             _check_signs(scene, s)
             _check_settings(scene, s)
     _check_stiffness(scene)
+    _check_warping(scene)
     _check_preload(scene)
     _check_moments(scene)
     _check_additional(scene)
@@ -41,7 +42,8 @@ def _check_signs(scene: CheckMaterial, s: Statement) -> None:
             last = 3  # then follow flow rate, shape factor, end condition
         elif s.keyword == "EM":
             last = 5  # a product of inertia may be negative
-        for i in range(1, min(last, len(s.values))):
+        rest = (6,) if s.keyword == "EM" and len(s.values) == 7 and last == 5 else ()
+        for i in (*range(1, min(last, len(s.values))), *rest):
             if s.real(i) < 0.0:
                 findings.warning(s, i, f"negative {what} {s.real(i):g}", "negative")
     elif s.keyword == "MEE" and len(s.values) == 3 and s.real(2) < 0.0:
@@ -112,6 +114,23 @@ def _check_stiffness(scene: CheckMaterial) -> None:
         names = ", ".join(f"{m} ({kind.modes[m - 1][0]})" for m in modes)
         text = f"no stiffness for mode {names} of the {kind.keyword}: it moves freely"
         scene.findings.information(by, None, text, "no-stiffness")
+
+
+def _check_warping(scene: CheckMaterial) -> None:
+    """A warping node that neither a stiffness nor a class holds makes the stiffness matrix singular."""
+    given = {s.integer(0): s for s in scene.of("ESTIFF", block=2)}
+    held: dict[int, bool] = {}
+    for number, kind in scene.outline.types.items():
+        for place in kind.warping:
+            node = scene.outline.elements[number].integer(1 + place)
+            torsion = (kind.stiffness[kind.released[0] - 1], kind.stiffness[1])
+            stiff = number in given and any(given[number].real(p - 1) for p in torsion)
+            held[node] = held.get(node, False) or stiff
+    for node, is_held in held.items():
+        if not is_held and scene.class_of("node", node, 1)[0] == "dynamic" and not scene.doubtful("node", node):
+            by = scene.outline.users[node]
+            text = f"nothing holds the twist rate of warping node {node}: FIX {node}, or give ESTIFF a GIt or ECw"
+            scene.findings.warning(by, None, text, "free-warping")
 
 
 def _check_preload(scene: CheckMaterial) -> None:

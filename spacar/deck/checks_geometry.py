@@ -47,6 +47,11 @@ def _positions(scene: CheckMaterial) -> dict[int, Vector]:
             text = f"node {node} is an orientation node; initial orientations cannot be chosen"
             scene.findings.error(s, 0, text, "orientation-given")
             continue
+        if scene.outline.roles.get(node) == "warping":
+            if any(place):
+                text = f"node {node} is a warping node; its coordinate is zero at the start"
+                scene.findings.error(s, 1, text, "warping-given")
+            continue
         if node in given:
             line = given[node].line
             if positions[node] == place:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from spacar.deck import table_dynamics, table_elements, table_io, table_kinematics, table_loads, table_solvers
 from spacar.deck.table_elements import ELEMENT_TYPES
-from spacar.deck.table_types import BlockKind, ElementType, Keyword
+from spacar.deck.table_types import BlockKind, ElementType, Keyword, coordinates_of
 
 _TABLES = (table_elements, table_kinematics, table_dynamics, table_loads, table_solvers, table_io)
 _ROWS = tuple(row for table in _TABLES for row in table.KEYWORDS)
@@ -41,4 +41,5 @@ __all__ = [
     "ElementType",
     "Keyword",
     "blocks_of",
+    "coordinates_of",
 ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from spacar.deck.table_elements import types_with
+from spacar.deck.table_elements import ELEMENT_TYPES, types_with
 from spacar.deck.table_types import (
     ELEMENT,
     NODE,
@@ -20,7 +20,7 @@ _BODIES2, _BODIES3 = types_with("ORPINBOD", planar=True), types_with("ORPINBOD",
 _K5 = (
     "Without coordinate numbers: all independent coordinates of the node (x1, x2, x3; the planar angle; lambda1, "
     "lambda2, lambda3). Coordinates are numbered 1 2 3 for positions, 1 for an angle, 1 2 3 4 for lambda0 ... "
-    "lambda3."
+    "lambda3, 1 for a warping node."
 )
 _K6 = "Without mode numbers: all modes of the element."
 _DEFAULT_X = "A coordinate without FIX, INPUTX, DYNX or KINX is calculable."
@@ -33,12 +33,14 @@ def _coordinates() -> tuple[Variant, ...]:
         form((NODE, more, more), *span(1, 3), space="planar"),
         form((NODE, more, more, more), *span(1, 4), space="spatial", role="position"),
         form((NODE, more, more, more, more), *span(1, 5), space="spatial", role="orientation"),
+        form((NODE, more), 1, 2, space="spatial", role="warping"),
     )
 
 
 def _modes() -> tuple[Variant, ...]:
     more = integer("mode number", "mode")
-    return (form((ELEMENT, *(more,) * 6), *span(1, 7)),)
+    most = max(len(t.modes) for t in ELEMENT_TYPES.values())
+    return (form((ELEMENT, *(more,) * most), *span(1, 1 + most)),)
 
 
 def _class(name: str, text: str, of: str, note: str = "") -> Keyword:

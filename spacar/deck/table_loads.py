@@ -31,6 +31,7 @@ def _force(text: str) -> tuple[Variant, ...]:
         form((NODE, real(f"{text}moment", "N m")), 2, space="planar", role="orientation"),
         form((NODE, *dual), 2, 3, 5, space="spatial", role="orientation"),
         form((NODE, *vector(f"{text}moment", "Mx My Mz", "N m")), 4, space="spatial", role="orientation"),
+        form((NODE, real(f"{text}bimoment", "N m^2")), 2, role="warping"),
     )
 
 

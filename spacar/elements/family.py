@@ -43,7 +43,7 @@ class ElementGroup:
     nonlinear    (n,) bool, False where LDEFORM switches the second order strain terms off
     directions   per element the ORPINBOD or ORTUBE values, or None
     projections  per element the DRPINBOD values, or None
-    em, estiff, edamp   (n, 9), (n, 6), (n, 6): values of EM, ESTIFF, EDAMP from position 2 on, zero where not given
+    em, estiff, edamp   (n, 9), (n, 7), (n, 7): values of EM, ESTIFF, EDAMP from position 2 on, zero where not given
                  (EM position 5 of tubes, the flow shape factor, is already 1 by default)
     elastic      (n_deformations, n) bool, False where a deformation is fixed or prescribed; None: all True
     """
@@ -154,6 +154,13 @@ class Family:
 
         J has the components along the global axes in the start configuration. The mechanism sums all tensors of a
         node (elements and XM) and evaluates one rigid body there. [kg m^2]
+        """
+        return ()
+
+    def lumped_inertia(self) -> tuple[tuple[int, Array], ...]:
+        """Constant inertia that belongs to single coordinates of nodes: (local row, (n,)) each.
+
+        The mechanism adds it to the XM of the node. [kg m^4 for a twist rate]
         """
         return ()
 

@@ -185,7 +185,8 @@ def _store_vibration(run: Run, solution: LinearizedSolution) -> None:
         modes = _sparse_vibration(run, solution.tangent)
     else:
         assert solution.L is not None
-        modes = vibration_modes(solution.L, *chosen_rows(solution.L, solution.dynamics), run.report)
+        rows = chosen_rows(solution.L, solution.dynamics)
+        modes = vibration_modes(solution.L, *rows, run.report, run.mechanism.numbering.twist_rates)
     store = solution.frame.matrices
     store["eigval"] = np.column_stack((modes.values.real, modes.values.imag))
     store["eigvre"], store["eigvim"] = modes.vectors.real, modes.vectors.imag

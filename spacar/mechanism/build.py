@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.deck import ELEMENT_TYPES, Deck
+from spacar.deck import ELEMENT_TYPES, Deck, coordinates_of
 from spacar.errors import InputError, Message
 from spacar.mechanism import inputs, lumped_inertia
 from spacar.mechanism.element_batches import element_batches, node_batches
@@ -74,25 +74,31 @@ def element_list(deck: Deck) -> list[tuple[int, str, tuple[int, ...]]]:
 def classes(
     deck: Deck, elements: list[tuple[int, str, tuple[int, ...]]]
 ) -> tuple[dict[tuple[int, int], str], dict[tuple[int, int], str]]:
-    """Classes of coordinates and deformations that statements give (input-language.md 4.2, notes k5 and k6)."""
+    """Classes of coordinates and deformations that statements give (input-language.md 4.2, notes k5 and k6), and those
+    that differ from the defaults without a statement: warping coordinates are dynamic, the deformations that belong to
+    them calculable (theory-warping.md section 1)."""
     kinds = {n: role for _, k, nodes in elements for n, role in zip(nodes, ELEMENT_TYPES[k].nodes, strict=True)}
     keyword = {n: k for n, k, _ in elements}
     planar = ELEMENT_TYPES[elements[0][1]].planar
-    independent = {
-        "position": (1, 2) if planar else (1, 2, 3),
-        "orientation": (1,) if planar else (2, 3, 4),
-    }
+    independent = {role: tuple(range(1, 1 + coordinates_of(role, planar))) for role in set(kinds.values())}
+    if not planar:
+        independent["orientation"] = (2, 3, 4)  # lambda0 follows from the normalization
     x_class: dict[tuple[int, int], str] = {}
     for s in deck.of(*X_STATEMENTS, block=1):
         node, *which = (int(v) for v in s.values)
         if node in kinds:
             for coordinate in which or independent[kinds[node]]:
                 x_class[node, coordinate] = X_STATEMENTS[s.keyword]
+    for node, role in kinds.items():
+        if role == "warping":
+            x_class.setdefault((node, 1), "dynamic")
     e_class: dict[tuple[int, int], str] = {}
     for s in deck.of(*E_STATEMENTS, block=1):
         element, *which = (int(v) for v in s.values)
-        for mode in which or range(1, len(ELEMENT_TYPES[keyword[element]].modes) + 1):
+        for mode in which or ELEMENT_TYPES[keyword[element]].classed:
             e_class[element, mode] = E_STATEMENTS[s.keyword]
+    for element, word, _ in elements:
+        e_class.update({(element, mode): "calculable" for mode in ELEMENT_TYPES[word].released})
     return x_class, e_class
 
 

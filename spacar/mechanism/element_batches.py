@@ -8,13 +8,13 @@ from collections.abc import Iterable
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.deck import ELEMENT_TYPES, Deck
+from spacar.deck import ELEMENT_TYPES, Deck, coordinates_of
 from spacar.elements import ElementGroup, Family, GeometryError, family_of
 from spacar.errors import InputError, Message
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.numbering import Numbering
 
-PARAMETERS = {"EM": 9, "ESTIFF": 6, "EDAMP": 6}
+PARAMETERS = {"EM": 9, "ESTIFF": 7, "EDAMP": 7}
 SHAPE_FACTOR = 3  # column of EM with the flow shape factor of tubes, 1 unless given
 
 
@@ -43,9 +43,8 @@ def element_batches(deck: Deck, numbering: Numbering, x0: Array, beams: str = ""
         names = [int(s.values[0]) for s in statements]
         numbers = np.array(names, np.int64)
         first = 1 + len(kind.nodes)
-        size = {"position": 2 if kind.planar else 3, "orientation": 1 if kind.planar else 4}
         nodes = np.array([s.values[1:first] for s in statements], np.int64)
-        used = [4 * k + i for k, role in enumerate(kind.nodes) for i in range(size[role])]
+        used = [4 * k + i for k, role in enumerate(kind.nodes) for i in range(coordinates_of(role, kind.planar))]
         x = np.ascontiguousarray(numbering.lnp[nodes - 1].reshape(len(nodes), -1)[:, used].T) - 1
         e = np.ascontiguousarray(numbering.le[numbers - 1, : len(kind.modes)].T) - 1
         em = _rows(tables["EM"], names, PARAMETERS["EM"])

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.deck import Deck
+from spacar.deck import Deck, coordinates_of
 from spacar.elements import Family
 from spacar.elements.lumped import LumpedMass
 from spacar.mechanism.layout import Batch
@@ -21,9 +21,8 @@ def lumped(deck: Deck, numbering: Numbering, batches: list[Batch]) -> list[tuple
     tensors: dict[int, Array] = {}
     for s in deck.of("XM", block=2):
         node, values = int(s.values[0]), [float(v) for v in s.values[1:]]
-        if numbering.kind[node] == "position" or numbering.planar:
-            size = 1 if numbering.kind[node] == "orientation" else (2 if numbering.planar else 3)
-            for coordinate in range(1, size + 1):
+        if numbering.planar or numbering.kind[node] != "orientation":
+            for coordinate in range(1, coordinates_of(numbering.kind[node], numbering.planar) + 1):
                 masses[numbering.x_index(node, coordinate)] = node, values[0]
         else:
             tensors[node] = symmetric(np.array(values))
@@ -32,6 +31,10 @@ def lumped(deck: Deck, numbering: Numbering, batches: list[Batch]) -> list[tuple
             for k in range(batch.family.n):
                 node, _ = numbering.x_owner(int(batch.x[row, k]))
                 tensors[node] = tensors.get(node, np.zeros((3, 3))) + J[k]
+        for row, J in batch.family.lumped_inertia():
+            for place, value in zip(batch.x[row].tolist(), J.tolist(), strict=True):
+                node, mass = masses.get(place, (numbering.x_owner(place)[0], 0.0))
+                masses[place] = node, mass + value
     rotors = [(int(s.values[0]), np.array([float(v) for v in s.values[1:]])) for s in deck.of("XGYRO", block=2)]
     result: list[tuple[Family, Index]] = []
     if masses:

@@ -186,9 +186,13 @@ class Mechanism:
 
     @cached_property
     def scale(self) -> Array:
-        """(nx,) typical size of every coordinate: `length` for positions, 1 for angles and Euler parameters."""
-        scale = np.ones(self.numbering.nx)
-        scale[self.numbering.positions] = self.length
+        """(nx,) typical size of every coordinate: `length` for positions, 1 for angles and Euler parameters, 1/length
+        for twist rates."""
+        n = self.numbering
+        scale = np.ones(n.nx)
+        scale[n.positions] = self.length
+        if n.warped:
+            scale[[n.x_index(node.number, 1) for node in n.nodes if node.kind == "warping"]] = 1.0 / self.length
         return scale
 
     @cached_property

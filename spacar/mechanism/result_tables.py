@@ -18,6 +18,7 @@ from spacar.mechanism.numbering import Numbering
 PARAMETERS = (("estiff", "ESTIFF", 6), ("edamp", "EDAMP", 6), ("em", "EM", 9), ("esig", "ESIG", 6))
 # Table kdform (files.md section 4) by measure and LDEFORM.
 KDFORM = {("", True): 0, ("", False): 1, ("angle", False): 2, ("angle", True): 3}
+WIDER = {"estiff": 7, "edamp": 7, "esig": 8, "einit": 8}  # in a model with warping (theory-warping.md section 7)
 
 
 def model_tables(mechanism: Mechanism) -> dict[str, Any]:
@@ -25,15 +26,16 @@ def model_tables(mechanism: Mechanism) -> dict[str, Any]:
 
     ndof nddof nkdof nkddof nx ne (numbers); nxp nep (5,); lnp (nodes, 4), le (elements, 6), ln (elements, 4), it
     (1, elements); kdform rl0 [m] (elements,); rxyz rxyzq (elements, 9); dr0 (elements, k) [m]; estiff edamp esig einit
-    (elements, 6), em (elements, 9).
+    (elements, 6), em (elements, 9). With warping le (elements, 8), ln (elements, 6) and the widths of WIDER.
     """
     n = mechanism.numbering
     tables = counts(n) | {"nx": n.nx, "ne": n.ne, "nxp": n.nxp, "nep": n.nep}
     tables |= {"lnp": n.lnp, "le": n.le, "ln": n.ln, "it": n.it.reshape(1, -1)}
     tables |= _elements(mechanism)
+    wider = WIDER if n.warped else {}
     for name, keyword, width in PARAMETERS:
-        tables[name] = _parameters(mechanism, keyword, width)
-    return tables | {"einit": _initial_deformations(mechanism)}
+        tables[name] = _parameters(mechanism, keyword, wider.get(name, width))
+    return tables | {"einit": _initial_deformations(mechanism, wider.get("einit", 6))}
 
 
 def counts(n: Numbering) -> dict[str, int]:
@@ -71,9 +73,9 @@ def _parameters(mechanism: Mechanism, keyword: str, width: int) -> Array:
     return table
 
 
-def _initial_deformations(mechanism: Mechanism) -> Array:
-    """(highest element, 6): start values of prescribed and dynamic deformations, zero elsewhere."""
-    table = np.zeros((len(mechanism.numbering.le), 6))
+def _initial_deformations(mechanism: Mechanism, width: int) -> Array:
+    """(highest element, width): start values of prescribed and dynamic deformations, zero elsewhere."""
+    table = np.zeros((len(mechanism.numbering.le), width))
     for s in mechanism.deck.of("INPUTE", "STARTDE", block=2):
         if len(s.values) > 2:
             table[int(s.values[0]) - 1, int(s.values[1]) - 1] = s.values[2]

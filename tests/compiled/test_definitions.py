@@ -18,7 +18,7 @@ from spacar.compiled.definitions import DEFINITIONS  # noqa: E402
 from spacar.compiled.element_parameters import SUPPORTED, kinds  # noqa: E402
 
 DATA = Path(__file__).parents[2] / "data"
-SOURCES = ["crankfl", "fourbar", "finger", "trike2", "cardan", "robotsim", "trike3v", "lateral4"]
+SOURCES = ["crankfl", "fourbar", "finger", "trike2", "cardan", "robotsim", "trike3v", "lateral4", "crosshingew"]
 
 
 def batches():

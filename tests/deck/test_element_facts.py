@@ -17,6 +17,7 @@ from spacar.elements import family_of
 HOUSE = Path(__file__).resolve().parents[2]
 TYPES = [t for t in ELEMENT_TYPES.values() if t.supported]
 SIZES = {(True, "position"): 2, (True, "orientation"): 1, (False, "position"): 3, (False, "orientation"): 4}
+SIZES[False, "warping"] = 1
 # Where elements may be named: their rows, their parameters in C, and checks of one element's own numbers.
 NAMED = {
     "spacar/deck/planar_types.py",
@@ -59,6 +60,7 @@ def test_forms_of_stiffness_damping_mass_and_preload(kind):
     assert len(mass) == (1 if kind.mass else 0)
     (preload,) = forms("ESIG", kind)
     assert preload.counts[-1] == 1 + len(kind.modes)
+    assert not kind.released or all(len(kind.stiffness) >= m for m in (2, *kind.released))
     if kind.coefficients == "modes" and kind.stiffness:
         assert kind.stiffness == tuple(range(2, 2 + len(kind.modes)))
 
@@ -92,8 +94,9 @@ def test_facts_agree_with_the_modes(kind):
 
 @every_type
 def test_ends(kind):
-    """Every node is at one end, with its role."""
-    assert sorted(p for p in kind.ends if p is not None) == list(range(len(kind.nodes)))
+    """Every node is at one end, with its role; warping nodes are listed apart, one for each released deformation."""
+    assert sorted(p for p in (*kind.ends, *kind.warping) if p is not None) == list(range(len(kind.nodes)))
+    assert len(kind.warping) == len(kind.released)
     for place, role in zip(kind.ends, ("position", "orientation") * 2, strict=True):
         assert place is None or kind.nodes[place] == role
 
@@ -106,6 +109,7 @@ def test_the_ends_of_the_types_of_the_reference():
         (None, 0, None, 1): "PLTOR HINGE",
         (0, 1, 2, None): "PLRBEAM PLPINBOD RBEAM PINBODY WHEEL TWHEEL",
         (0, 1, None, 2): "PLWHEEL",
+        (0, 1, 3, 4): "BEAMW",
     }
     for ends, words in expected.items():
         assert {ELEMENT_TYPES[word].ends for word in words.split()} == {ends}

@@ -61,8 +61,8 @@ def group(
         directions=(None,) * n if directions is None else tuple(directions),
         projections=(None,) * n if projections is None else tuple(projections),
         em=table(em, 9),
-        estiff=table(estiff, 6),
-        edamp=table(edamp, 6),
+        estiff=table(estiff, 7),
+        edamp=table(edamp, 7),
     )
 
 
