@@ -15,12 +15,12 @@ from spacar_formats.loadsbd import loadsbd, loadsbm
 from spacar_formats.mex import FOLDER
 from spacar_formats.sbf import SbfFile, SbfWriter
 
-from .models import BENT, TRANSFER
+from .models import BENT, TRANSFER, WARPED
 from .octave import DATA, PROGRAM, analyse, need, run_octave
 
 RESULTS = (
     "plbeam5.sbd", "bent.sbd", "bent.sbm", "robotinv.sbd", "robotinv.ltv", "robotinvlin.sbm", "robotinvlin.ltv",
-    "transfer.ltv", "trike2.sbd",
+    "transfer.ltv", "trike2.sbd", "warped.sbd",
 )  # fmt: skip
 LENGTHS = (4, 5, 31, 32, 33, 60, 64, 65, 1000, 4097)
 SECTIONS = {"rect": "RECT", "circ": "CIRC", "recthol": "RECTHOL", "circhol": "CIRCHOL"}
@@ -68,6 +68,10 @@ for k = 1:4
   out.planar{k} = a{1};
 end
 s = struct('CrossSection', 'rect', 'Dimensions', [0.05 0.0002]);
+[a, b] = stressbeam('warped', 1, 1, struct('warping', true), s); out.warped = a{1};
+out.y_warped = b.y; out.z_warped = b.z;
+a = stressbeam('warped', 1, 1, [], s); out.not_warped = a{1};
+out.warped_lines = getfield(spavisual('warped'), 'Lines');
 [a, b, c, out.outline] = stressbeam('bent.sbd', [2 1], 4, struct('exterior', true), s);
 [a, b, c, out.empty] = stressbeam('bent.sbd', [], 1, [], []);
 h = spavisual('bent');
@@ -121,6 +125,8 @@ def folder(tmp_path_factory):
     for mode, name in ((7, "plbeam5"), (2, "robotinv"), (3, "robotinvlin"), (9, "transfer"), (10, "bent")):
         analyse(mode, made / f"{name}.dat")
     analyse(7, made / "trike2.dat")
+    (made / "warped.dat").write_text(WARPED)
+    analyse(7, made / "warped.dat")
     for name, header in (("one", {"NX": 2}), ("two", {"NY": 1, "NX": 2})):
         with SbfWriter(made / f"{name}.sbd", "sbd", header, {"T": (1, 1), "X": (2, 1)}) as out:
             out.append({"T": 0.0, "X": [1.0, -2.5] if name == "one" else [7.0, 8.0]})
@@ -219,6 +225,30 @@ def test_stresses_are_those_of_the_pictures(folder, octave, shape):
         found, expected = np.sort(found, axis=0), np.sort(expected, axis=0)
         np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-11 * expected.max())
     np.testing.assert_allclose(np.sort(octave["y"][k]), np.sort(section_points(section)[0]), atol=1e-16)
+
+
+def test_stress_of_a_bimoment(folder, octave):
+    """A bar under torque, clamped with its warping at p: 36 |B|/(w t)^2 at the corners there, B = l0^2 sigma7
+    (theory-warping.md section 5), about M sqrt(ECw/GIt) in so long a bar; nothing along the axes."""
+    with SbfFile(folder / "warped.sbd") as file:
+        sig, le = np.asarray(file.get("sig")).ravel(), np.asarray(file.header["LE"])
+        B = float(np.ravel(file.header["RL0"])[0]) ** 2 * sig[le[0, 6] - 1]
+    assert abs(B) == pytest.approx(0.001 * np.sqrt(1.458333e-6 / 0.0093098), rel=0.2)  # two elements
+    y, z = octave["y_warped"], octave["z_warped"]
+    corner = np.isclose(np.abs(y), 0.025) & np.isclose(np.abs(z), 0.0001)
+    axes = (np.abs(y) < 1e-12) | (np.abs(z) < 1e-12)
+    assert corner.sum() == 4
+    expected = 36 * abs(B) / (0.05 * 0.0002) ** 2 / 1e6
+    found, without = octave["warped"], octave["not_warped"]
+    np.testing.assert_allclose(found[corner, 0], np.hypot(expected, without[corner, 0]), rtol=1e-9)
+    np.testing.assert_allclose(found[axes], without[axes], rtol=1e-12)
+
+
+def test_warping_nodes_are_not_drawn(folder, octave):
+    """The bar turns, its axis stays: a straight line of two parts."""
+    lines = octave["warped_lines"]
+    assert np.isnan(lines[0]).sum() == 2
+    np.testing.assert_allclose(np.nanmax(np.abs(lines), axis=1), [0.1, 0, 0], atol=1e-9)
 
 
 def test_extremes_of_stress(octave):
