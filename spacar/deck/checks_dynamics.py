@@ -6,7 +6,7 @@ from __future__ import annotations
 from spacar.deck.checks_references import at_least, one_of, positive
 from spacar.deck.scene import Scene
 from spacar.deck.statement import Statement
-from spacar.deck.table_dynamics import INTEGRATOR_ALIASES, INTEGRATORS, alias_note
+from spacar.deck.table_solvers import INTEGRATOR_ALIASES, INTEGRATORS, alias_note
 
 _ADDITIONAL = ("DELXF", "DELGRAV", "DELOMF", "DELESIG", "DELINPX", "DELINPE")
 

@@ -3,11 +3,12 @@ file."""
 
 from __future__ import annotations
 
-from spacar.deck import table_dynamics, table_elements, table_io, table_kinematics
+from spacar.deck import table_dynamics, table_elements, table_io, table_kinematics, table_loads, table_solvers
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.deck.table_types import Block, ElementType, Keyword
 
-_ROWS = (*table_elements.KEYWORDS, *table_kinematics.KEYWORDS, *table_dynamics.KEYWORDS, *table_io.KEYWORDS)
+_TABLES = (table_elements, table_kinematics, table_dynamics, table_loads, table_solvers, table_io)
+_ROWS = tuple(row for table in _TABLES for row in table.KEYWORDS)
 
 KEYWORDS: dict[tuple[str, Block], Keyword] = {(k.name, k.block): k for k in _ROWS}
 """Every keyword of every kind of block."""

@@ -114,7 +114,8 @@ class ElementType:
     vector, with the role plane (a vector in the x'y' plane, not parallel to pq), axis (any direction) or
     spin (not parallel to pq).
 
-    `family` is "module:Class" in `spacar.elements`, empty for a type that is not supported. `shape` says what
+    `family` is "module:Class" in `spacar.elements`, empty for a type that is not supported, `angle_family` that of
+    the angle measure (ADEFORM) of types that have one. `shape` says what
     the element is like: beam, truss, hinge, body, or a shape of its own; pictures are chosen by it.
     `coefficients` and `mass` name the forms of ESTIFF, EDAMP and of EM in `table_dynamics` (one per mode; no EM).
     `statements` are those of both blocks that apply to some types only. `axial`: mode 1 is the change of the
@@ -138,6 +139,7 @@ class ElementType:
     direction: tuple[int, int, str] | None = None
     notes: tuple[str, ...] = ()
     family: str = ""
+    angle_family: str = ""
     shape: str = ""
     coefficients: str = "modes"
     mass: str = ""
@@ -216,3 +218,4 @@ POSITION = integer("position node", "position node")
 ORIENTATION = integer("orientation node", "orientation node")
 COORDINATE = integer("coordinate number", "coordinate")
 MODE = integer("mode number", "mode")
+SURPLUS = "Surplus zeros are ignored; a surplus value that is not zero is an error."  # a note of some rows

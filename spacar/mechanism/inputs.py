@@ -8,7 +8,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
-from spacar.deck.table_dynamics import INTEGRATOR_ALIASES
+from spacar.deck.table_solvers import INTEGRATOR_ALIASES
 from spacar.mechanism.mechanism import Batch, Drive, DriveState, Loads, Polynomial, Settings, Start, UserSignal
 from spacar.mechanism.numbering import Numbering
 

@@ -99,6 +99,9 @@ class Equations:
         self.nf, self.ne = len(self.F), n.ne
         self.flexibility = flexibility
         self.scale, self.e_scale = m.scale, m.deformation_scale
+        # an angle enters by directions, whose components are of size one: l (phi - beta) is known to eps l at phi = 0
+        self.least = np.ones(n.nx)
+        self.least[n.positions] = 0.0
         self.rest = np.zeros(n.nx)
         self.held = np.zeros(n.nx)
         first = dynamics.law.first
@@ -173,7 +176,8 @@ class Equations:
         entries = np.abs(sweep.v_entries)
         forces = np.bincount(sweep.v_columns, entries * np.abs(sigma)[sweep.v_rows], d.numbering.nx)
         forces = forces + np.abs(applied) + np.abs(inertia)
-        lengths = np.bincount(sweep.v_rows, entries * np.abs(x)[sweep.v_columns], self.ne) * (C.coupled != 0.0)
+        size = np.maximum(np.abs(x), self.least)
+        lengths = np.bincount(sweep.v_rows, entries * size[sweep.v_columns], self.ne) * (C.coupled != 0.0)
         right = np.concatenate((force[self.F], -C.size * gap))
         rounding = FLOOR * np.concatenate((forces[self.F], C.size * lengths))
         return Point(

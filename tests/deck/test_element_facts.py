@@ -19,7 +19,8 @@ TYPES = [t for t in ELEMENT_TYPES.values() if t.supported]
 SIZES = {(True, "position"): 2, (True, "orientation"): 1, (False, "position"): 3, (False, "orientation"): 4}
 # Where elements may be named: their rows, their parameters in C, and checks of one element's own numbers.
 NAMED = {
-    "spacar/deck/table_elements.py",
+    "spacar/deck/planar_types.py",
+    "spacar/deck/spatial_types.py",
     "spacar/compiled/parameters.py",
     "spacar/deck/checks_geometry.py",
     "cli/spacar_drawing/machine_parts.py",

@@ -20,7 +20,7 @@ TEXTS = {b.name: b.text for b in blocks(HOUSE / "docs" / "developer.md") if b.na
 FOLDERS = ("spacar", "formats/spacar_formats", "cli/spacar_cli", "cli/spacar_drawing")
 # text of the guide -> file, line behind which a row is put
 ROWS = {
-    "table-row": ("spacar/deck/table_elements.py", "_ALL = (\n"),
+    "table-row": ("spacar/deck/planar_types.py", "PLANAR = (\n"),
     "definition-row": ("spacar/compiled/definitions.py", "DEFINITIONS = (\n"),
     "parameters-row": (
         "spacar/compiled/parameters.py",

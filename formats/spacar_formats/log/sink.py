@@ -138,7 +138,8 @@ def _kinematics(run: Run) -> list[str]:
     lines = [f"SHA-256 of the input file: {deck.sha256}", *heading("Kinematics"), *echo(deck, 1), ""]
     if deck.messages:
         lines += ["Messages about the input", "", *(f"{m} [{m.code}]" for m in deck.messages), ""]
-    return [*lines, *model.elements(n), *model.nodes(n), *model.degrees_of_freedom(n)]
+    parts = model.elements(n), model.measures(run.mechanism), model.nodes(n), model.degrees_of_freedom(n)
+    return [*lines, *(line for part in parts for line in part)]
 
 
 def _condition(run: Run) -> list[str]:
