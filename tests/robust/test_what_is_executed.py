@@ -176,7 +176,10 @@ def test_a_wrong_cc_is_a_sentence(tmp_path, cc, found):
 def test_a_truncated_library_no_longer_ends_the_process(tmp_path):
     """The bus error of the issue: half of the real library in the cache."""
     model(tmp_path)
-    environment = {**ENVIRONMENT, "XDG_CACHE_HOME": str(tmp_path)}
+    program = tmp_path / "quick"
+    program.write_text('#!/bin/sh\nexec cc "$@" -O0\n')  # the last level of optimization counts
+    program.chmod(0o755)
+    environment = {**ENVIRONMENT, "XDG_CACHE_HOME": str(tmp_path), "CC": str(program)}
     assert done(tmp_path, 1, "crank", "--compiled", env=environment)[0] == 0
     (path,) = (tmp_path / "spacar").glob("*.so")
     whole = path.stat().st_size
