@@ -31,5 +31,6 @@ COMMANDS = {
     "ltv": "response of a time-varying linear system (.ltv)",
     "mrltv": "modal reduction of a .ltv system",
     "spacntrl": "fold feedback into a .ltv system",
+    "matlab": "the folder with the files for MATLAB and Octave",
     "symbolic": "equations of motion of a model file by computer algebra",
 }

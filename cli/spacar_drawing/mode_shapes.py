@@ -17,9 +17,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from spacar_formats.vibration import modes_of_stored_matrices
 
 from spacar.arrays import Array
-from spacar.errors import UsageError
+from spacar.errors import Report, UsageError
 from spacar_drawing.scene import Scene
 
 if TYPE_CHECKING:
@@ -104,7 +105,8 @@ def vibration_modes(source: PictureSource, matrices: Any, step: int) -> list[Mod
         values = get("eigval") @ np.array([1.0, 1.0j])
         vectors = get("eigvre") + 1j * get("eigvim")
     else:
-        values, vectors = eigenmodes(get)
+        found = modes_of_stored_matrices(matrices, step, Report())
+        values, vectors = found.values, found.vectors
     motion = source.get("dx", step)[:, dynamic_columns(source.header)]
     n = motion.shape[1]
     order = _order(values)
@@ -145,22 +147,6 @@ def _pair(a: complex, b: complex, largest: float) -> bool:
     return min(abs(a - b), abs(a - np.conj(b)), abs(a + b), abs(a + np.conj(b))) < 1e-3 * SAME * largest + SAME * abs(
         a
     ) or (abs(a) < SAME * largest and abs(b) < SAME * largest)
-
-
-def eigenmodes(get: Any) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-    """Eigenvalues (n,) and state vectors (states, n) of the state matrix of the stored matrices."""
-    from scipy.linalg import eig, solve
-
-    M, K, Q = get("m0"), get("k0") + get("n0") + get("g0"), get("c0") + get("d0")
-    n, k = len(M), K.shape[1]
-    A = np.zeros((k + n, k + n))
-    try:
-        A[:k, :k], A[:k, k:] = get("bk0"), get("ak0")
-    except UsageError:
-        A[:k, k:] = np.eye(k, n)
-    A[k:] = -solve(M, np.hstack((K, Q)))
-    values, vectors = eig(A)
-    return values, vectors
 
 
 def buckling_modes(source: PictureSource, matrices: Any, step: int) -> list[ModeShape]:

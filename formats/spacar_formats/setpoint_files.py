@@ -32,7 +32,7 @@ def find_setpoints(source: Path, name: str | None = None) -> Nominal:
     """
     if name is not None:
         given = Path(name)
-        paths = [given if given.suffix == ".sbd" else given.with_name(f"{given.name}.sbd")]
+        paths = [given if given.suffix == ".sbd" else given.parent / f"{given.name}.sbd"]
     else:
         stem = source.stem
         paths = [source.with_name(f"{stem[:length]}.sbd") for length in range(len(stem) - 1, 0, -1)]

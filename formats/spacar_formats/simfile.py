@@ -189,6 +189,9 @@ def read_model(path: Path) -> SimulationModel:
         parser.read_string(path.read_text(encoding="utf-8"), path.name)
     except OSError as cause:
         raise UsageError(f"{path}: {cause.strerror}", "files.not-readable") from None
+    except AttributeError:  # of configparser: an indented line continues the value of a name that has none
+        text = f"{path.name} is no model of a simulation: an indented line follows a name without a value"
+        raise UsageError(text, "simulation.model-file") from None
     except (configparser.Error, UnicodeDecodeError) as cause:
         reason = str(cause).replace("\n", " ")
         raise UsageError(f"{path.name} is no model of a simulation: {reason}", "simulation.model-file") from None

@@ -23,6 +23,9 @@ from spacar.mechanism.numbering import Numbering
 def why_not(mechanism: Mechanism) -> str | None:
     """Why this mechanism cannot be compiled, or None."""
     missing = sorted({b.family.keyword for b in mechanism.batches if b.family.keyword not in (*SUPPORTED, "XM")})
+    angle = sorted({b.family.keyword for b in mechanism.batches if b.family.measure})
+    if angle:
+        return f"there is no compiled form of {', '.join(angle)} in the angle measure (ADEFORM, --beams angle)"
     if missing:
         return f"there is no compiled form of {', '.join(missing)}"
     if mechanism.user_signal is not None:

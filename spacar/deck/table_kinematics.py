@@ -76,6 +76,19 @@ KEYWORDS = (
         (form((ELEMENT,), types=types_with("LDEFORM")),),
     ),
     Keyword(
+        "ADEFORM",
+        BlockKind.KINEMATICS,
+        "measure the deformations of a beam or tube by angles: elements of fourth order",
+        (form((integer("element number", "element", 0),), types=types_with("ADEFORM")),),
+        unique=1,
+        notes=(
+            "Without element number: all beams and tubes of the file. --beams angle and --beams sine replace it.",
+            "Recommended for new models: results converge with the fourth power of the element length, with the sine "
+            "measure, the default, with the second (theory-beam-order4.md). Digits of the published examples belong to "
+            "the sine measure.",
+        ),
+    ),
+    Keyword(
         "ORPINBOD",
         BlockKind.KINEMATICS,
         "measuring directions of a pinbody or rigid beam",

@@ -114,7 +114,8 @@ class ElementType:
     vector, with the role plane (a vector in the x'y' plane, not parallel to pq), axis (any direction) or
     spin (not parallel to pq).
 
-    `family` is "module:Class" in `spacar.elements`, empty for a type that is not supported. `shape` says what
+    `family` is "module:Class" in `spacar.elements`, empty for a type that is not supported, `angle_family` that of
+    the angle measure (ADEFORM) of types that have one. `shape` says what
     the element is like: beam, truss, hinge, body, or a shape of its own; pictures are chosen by it.
     `coefficients` and `mass` name the forms of ESTIFF, EDAMP and of EM in `table_dynamics` (one per mode; no EM).
     `statements` are those of both blocks that apply to some types only. `axial`: mode 1 is the change of the
@@ -138,6 +139,7 @@ class ElementType:
     direction: tuple[int, int, str] | None = None
     notes: tuple[str, ...] = ()
     family: str = ""
+    angle_family: str = ""
     shape: str = ""
     coefficients: str = "modes"
     mass: str = ""

@@ -45,6 +45,7 @@ class ElementGroup:
     projections  per element the DRPINBOD values, or None
     em, estiff, edamp   (n, 9), (n, 6), (n, 6): values of EM, ESTIFF, EDAMP from position 2 on, zero where not given
                  (EM position 5 of tubes, the flow shape factor, is already 1 by default)
+    elastic      (n_deformations, n) bool, False where a deformation is fixed or prescribed; None: all True
     """
 
     keyword: str
@@ -57,6 +58,7 @@ class ElementGroup:
     em: Array
     estiff: Array
     edamp: Array
+    elastic: NDArray[np.bool_] | None = None
 
     @property
     def n(self) -> int:
@@ -90,6 +92,7 @@ class Family:
     constant_gradient: bool = False  # V does not depend on x: H, H1, T, Hs vanish and are not called
     constant_mass: bool = False  # M does not depend on x and h = 0
     has_mass: bool = False
+    measure: ClassVar[str] = ""  # "angle": the deformations of ADEFORM (theory-beam-order4.md)
 
     keyword: str
     numbers: NDArray[np.int64]

@@ -48,11 +48,16 @@ class PlanarTube(PlanarBeam):
         for j in np.flatnonzero(~np.isin(condition, (0, 1, 2, 3))):
             raise GeometryError(int(j), f"PLTUBE: end condition {condition[j]:g} (EM) is not 0, 1, 2 or 3")
         self.jet_p, self.jet_q = np.isin(condition, (1, 3)), np.isin(condition, (2, 3))
-        self._set(group, l0, np.arctan2(u0[1], u0[0]) + alpha, tube + fluid, J)
-        b0 = self.signed * np.sin(alpha)
+        length, b0 = self._start(l0, alpha)
+        self._set(group, length, np.arctan2(u0[1], u0[0]) + alpha, tube + fluid, J)
+        b0 = self.signed * b0
         Q0 = 0.5 * ((self.A2 * b0 + self.B * b0[::-1]) * b0).sum(0)
-        self.start = np.stack((Q0, *b0))
+        self.start = np.stack((l0 - length + Q0, *b0))
         self._set_flow()
+
+    def _start(self, chord_length: Array, alpha: Array) -> tuple[Array, Array]:
+        """Undeformed length (n,) [m] and b/L at the start (end, n) of tubes with the start angles alpha (end, n)."""
+        return chord_length, np.sin(alpha)
 
     def _set_flow(self) -> None:
         """A and C (4, 4, n) of F = A y' + C y."""

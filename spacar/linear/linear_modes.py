@@ -16,11 +16,12 @@ from spacar.kinematics.constraint_condition import condition_number
 from spacar.kinematics.output import TransferOutput
 from spacar.kinematics.regularity import Regularity
 from spacar.linear.buckling import NO_STRESS, BucklingModes, buckling_modes, directional_compliances
-from spacar.linear.eigen import vibration_modes
+from spacar.linear.eigen import Modes, vibration_modes
 from spacar.linear.idle_inputs import IdleInputs
 from spacar.linear.linearization_signals import linearization_signals
 from spacar.linear.lowest import WANTED, lowest_buckling, lowest_vibration, sparse_compliances
 from spacar.linear.state_space import Signal, chosen_rows, has_feedthrough, state_space
+from spacar.linear_systems import SingularMatrixError
 from spacar.linearization.matrices import Linearization, linearize
 from spacar.stationary import LoadLevel, StationarySolver, load_program
 from spacar.stationary.loading import stored_levels
@@ -181,13 +182,24 @@ def _store_vibration(run: Run, solution: LinearizedSolution) -> None:
         run.report.add("no dynamic degrees of freedom: there are no eigenvalues")
         return
     if solution.tangent is not None:
-        modes = lowest_vibration(solution.tangent, run.report)
+        modes = _sparse_vibration(run, solution.tangent)
     else:
         assert solution.L is not None
         modes = vibration_modes(solution.L, *chosen_rows(solution.L, solution.dynamics), run.report)
     store = solution.frame.matrices
     store["eigval"] = np.column_stack((modes.values.real, modes.values.imag))
     store["eigvre"], store["eigvim"] = modes.vectors.real, modes.vectors.imag
+
+
+def _sparse_vibration(run: Run, tangent: SparseTangent) -> Modes:
+    try:
+        return lowest_vibration(tangent, run.report)
+    except SingularMatrixError as error:
+        text = "no frequencies, they are stored as nan: stiffness and mass together are singular in this configuration"
+        run.report.add(f"warning: {text} ({error})")
+        n = run.mechanism.numbering.nddof
+        wanted, unknown = 2 * min(WANTED, n), complex(np.nan, np.nan)
+        return Modes(np.full(wanted, unknown), np.full((2 * n, wanted), unknown), n)
 
 
 def _store_buckling(run: Run, solution: LinearizedSolution, required: bool = True) -> None:

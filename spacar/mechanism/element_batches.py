@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable
 
 import numpy as np
@@ -17,18 +18,28 @@ PARAMETERS = {"EM": 9, "ESTIFF": 6, "EDAMP": 6}
 SHAPE_FACTOR = 3  # column of EM with the flow shape factor of tubes, 1 unless given
 
 
-def element_batches(deck: Deck, numbering: Numbering, x0: Array) -> list[Batch]:
-    """One batch per element keyword. Raises InputError with the line of the element whose geometry is impossible."""
+def element_batches(deck: Deck, numbering: Numbering, x0: Array, beams: str = "") -> list[Batch]:
+    """One batch per element keyword and measure; `beams` is the measure of all beams and tubes, instead of ADEFORM.
+
+    Raises InputError with the line of the element whose geometry is impossible.
+    """
     tables = {name: _table(deck, name, width) for name, width in PARAMETERS.items()}
     linear = {int(s.values[0]) for s in deck.of("LDEFORM", block=1)}
+    angles = by_angles(deck, beams)
+    first_elastic = numbering.e_class["input"].stop
     directions = {int(s.values[0]): _reals(s.values[1:]) for s in deck.of("ORPINBOD", "ORTUBE", block=1)}
     projections = {int(s.values[0]): _reals(s.values[1:]) for s in deck.of("DRPINBOD", block=1)}
     present = set(numbering.keyword.values())
     batches, messages = [], []
-    for keyword, kind in ELEMENT_TYPES.items():
+    for keyword, angle in itertools.product(ELEMENT_TYPES, (False, True)):
         if keyword not in present:
             continue
-        statements = sorted(deck.of(keyword, block=1), key=lambda s: s.values[0])
+        kind = ELEMENT_TYPES[keyword]
+        statements = sorted(
+            (s for s in deck.of(keyword, block=1) if (s.values[0] in angles) == angle), key=lambda s: s.values[0]
+        )
+        if not statements:
+            continue
         names = [int(s.values[0]) for s in statements]
         numbers = np.array(names, np.int64)
         first = 1 + len(kind.nodes)
@@ -53,9 +64,10 @@ def element_batches(deck: Deck, numbering: Numbering, x0: Array) -> list[Batch]:
             em=em,
             estiff=_rows(tables["ESTIFF"], names, PARAMETERS["ESTIFF"]),
             edamp=_rows(tables["EDAMP"], names, PARAMETERS["EDAMP"]),
+            elastic=e >= first_elastic,
         )
         try:
-            family = family_of(kind.family)(group)  # type: ignore[call-arg]
+            family = family_of(kind.angle_family if angle else kind.family)(group)  # type: ignore[call-arg]
         except GeometryError as error:
             bad = statements[error.index]
             text = f"element {bad.values[0]}: {error}"
@@ -65,6 +77,17 @@ def element_batches(deck: Deck, numbering: Numbering, x0: Array) -> list[Batch]:
     if messages:
         raise InputError(messages)
     return batches
+
+
+def by_angles(deck: Deck, beams: str = "") -> set[int]:
+    """Numbers of the elements in the angle measure: those of ADEFORM, or with `beams` ("angle", "sine") all or none."""
+    measured = [int(s.values[0]) for s in deck.of(*ELEMENT_TYPES, block=1) if ELEMENT_TYPES[s.keyword].angle_family]
+    given = deck.of("ADEFORM", block=1)
+    if beams:
+        return set(measured) if beams == "angle" else set()
+    if any(not s.values for s in given):
+        return set(measured)
+    return {int(s.values[0]) for s in given}
 
 
 def node_batches(numbering: Numbering, families: Iterable[tuple[Family, Array]]) -> list[Batch]:

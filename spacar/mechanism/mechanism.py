@@ -134,6 +134,7 @@ class SolverSettings:
     log_level: int = 0
     sbd_level: int | None = None  # None: the default of the mode
     compiled: bool = False  # right-hand side in C (spacar.compiled); an option of the run, not of the deck
+    beams: str = ""  # "angle" or "sine": measure of all beams and tubes instead of ADEFORM; an option of the run
 
     def with_options(self, **options: Any) -> SolverSettings:
         return replace(self, **{k: v for k, v in options.items() if v is not None})

@@ -16,6 +16,8 @@ from spacar.mechanism.numbering import Numbering
 
 # Statements whose values behind the element number are rows of a table: name of the table, keyword, width.
 PARAMETERS = (("estiff", "ESTIFF", 6), ("edamp", "EDAMP", 6), ("em", "EM", 9), ("esig", "ESIG", 6))
+# Table kdform (files.md section 4) by measure and LDEFORM.
+KDFORM = {("", True): 0, ("", False): 1, ("angle", False): 2, ("angle", True): 3}
 
 
 def model_tables(mechanism: Mechanism) -> dict[str, Any]:
@@ -50,7 +52,7 @@ def _elements(mechanism: Mechanism) -> dict[str, Array]:
     for family in elements:
         here = family.numbers - 1
         if ELEMENT_TYPES[family.keyword].quadratic:
-            kdform[here] = [int(i) not in linear for i in family.numbers]
+            kdform[here] = [KDFORM[family.measure, int(i) in linear] for i in family.numbers]
         length[here] = family.length
         for table, value in ((frame_p, family.frame_p), (frame_q, family.frame_q)):
             if value is not None:

@@ -1,6 +1,7 @@
 """Python functions beside the input file: USERSIG (forces and stresses) and USERINP, USERTRAJ (prescribed motion).
 
-Signatures (input-language.md notes d5 and d12; index arrays 0-based, -1 for "does not exist", which `placed_vectors` refuses):
+Signatures (input-language.md notes d5 and d12; index arrays 0-based, -1 for "does not exist", which `placed_vectors`
+refuses):
 
     time, sig, f = name(t, ne, le, e, ep, nx, lnp, x, xp)     rows: number, mode or coordinate, value[, k, d]
     t, e, x = name(t, step)                                   rows: number, mode or coordinate, value, rate, acc.

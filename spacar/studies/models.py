@@ -115,8 +115,8 @@ def _beam(s: Statement) -> tuple[int, ...]:
 
 def _kinematic(s: Statement, split: dict[int, dict[int, str]], parts: dict[int, list[int]]) -> Iterable[Row]:
     """Rows of a statement of the kinematics block that is no split beam."""
-    if s.keyword == "LDEFORM" and s.values[0] in parts:
-        return [("LDEFORM", part) for part in parts[s.integer(0)]]
+    if s.keyword in ("LDEFORM", "ADEFORM") and s.values and s.values[0] in parts:
+        return [(s.keyword, part) for part in parts[s.integer(0)]]
     if s.keyword not in CLASSES or s.values[0] not in parts:
         return [(s.keyword, *s.values)]
     number = s.integer(0)

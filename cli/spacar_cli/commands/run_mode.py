@@ -14,7 +14,7 @@ from spacar.calls import frames
 from spacar.deck import Deck
 from spacar.errors import SpacarError, UsageError
 from spacar.modes import Mode, find_mode
-from spacar.options import integrator
+from spacar.options import BEAMS, integrator
 from spacar.stream import Outcome, Run, Sink
 from spacar_cli import releasing
 from spacar_cli.environment import Environment
@@ -47,6 +47,11 @@ def command_of_mode(word: str) -> click.Command:
             help="Folder for the log and the results.",
         )
     )
+    text = (
+        "Measure of the deformations of all beams and tubes, instead of ADEFORM: angle is of fourth order in the "
+        "element length, sine of second."
+    )
+    params.append(click.Option(["--beams"], type=click.Choice(BEAMS), help=text))
     if mode.integrated:
         for flag, field, kind, text in OVERRIDES:
             switch = {"is_flag": True, "flag_value": True, "default": None} if kind is bool else {"type": kind}
@@ -183,6 +188,7 @@ def _ill_defined(run: Run) -> bool:
 def _flags(overrides: dict[str, Any], setpoints: str | None) -> dict[str, Any]:
     """The given options under their names on the command line, for the log."""
     given = {flag: overrides[field] for flag, field, *_ in OVERRIDES if field in overrides}
+    given |= {"--beams": overrides["beams"]} if "beams" in overrides else {}
     return given | ({"--setpoints": setpoints} if setpoints else {})
 
 

@@ -24,6 +24,7 @@ DYNAMICS = (
     "INPUTX", "INPUTE", "STARTDX", "STARTDE", "USERINP",
     "DELXF", "DELGRAV", "DELOMF", "DELESIG", "DELINPX", "DELINPE",
 )  # fmt: skip
+MEASURED = tuple(t.keyword for t in ELEMENT_TYPES.values() if t.angle_family)
 
 
 def class_letters(n: Numbering) -> tuple[list[str], list[str]]:
@@ -51,6 +52,21 @@ def elements(n: Numbering) -> list[str]:
         pairs = ", ".join(f"{row + 1} (node {node})" for node, row in n.normalization.tolist())
         lines += ["", f"  normalization of Euler parameters, fixed deformations: {pairs}"]
     return [*lines, ""]
+
+
+def measures(mechanism: Mechanism) -> list[str]:
+    """Which beams and tubes are measured by angles (ADEFORM), which by sines."""
+    rows = []
+    for name, text in (("angle", "angles, fourth order in the length of the elements"), ("", "sines, second order")):
+        numbers = [
+            int(i)
+            for b in mechanism.batches
+            if b.family.measure == name and b.family.keyword in MEASURED
+            for i in b.family.numbers
+        ]
+        if numbers:
+            rows.append([text, " ".join(map(str, sorted(numbers)))])
+    return ["Deformations of beams and tubes", "", *table(["measured by", "elements"], rows), ""] if rows else []
 
 
 def nodes(n: Numbering) -> list[str]:

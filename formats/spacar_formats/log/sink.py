@@ -139,7 +139,11 @@ def _kinematics(run: Run) -> list[str]:
     lines = [f"SHA-256 of the input file: {deck.sha256}", *heading("Kinematics"), *echo(deck, 1), ""]
     if deck.messages:
         lines += ["Messages about the input", "", *(f"{m} [{m.code}]" for m in deck.messages), ""]
-    return [*lines, *model_sections.elements(n), *model_sections.nodes(n), *model_sections.degrees_of_freedom(n)]
+    parts = (
+        model_sections.elements(n), model_sections.measures(run.mechanism), model_sections.nodes(n),
+        model_sections.degrees_of_freedom(n),
+    )  # fmt: skip
+    return [*lines, *(line for part in parts for line in part)]
 
 
 def _condition(run: Run) -> list[str]:

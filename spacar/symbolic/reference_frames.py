@@ -16,7 +16,7 @@ from typing import Any
 import sympy as sp
 
 from spacar.errors import UsageError
-from spacar.symbolic.units import TIME, HeldScalar, Unit, UnitDot
+from spacar.symbolic.unit_vectors import TIME, HeldScalar, Unit, UnitDot
 from spacar.symbolic.vectors import ZERO, Vector, cross, dot
 
 _serials: Iterator[int] = count()
@@ -26,17 +26,17 @@ _serials: Iterator[int] = count()
 class Rotation:
     """A frame obtained by turning `parent` about its own axis `axis` (1, 2, 3) by `angle` [rad]."""
 
-    parent: Frame
+    parent: ReferenceFrame
     axis: int
     angle: sp.Expr
 
 
-class Frame:
+class ReferenceFrame:
     """A set of three right-handed orthonormal unit vectors, `frame[1]`, `frame[2]`, `frame[3]`.
 
     `symbol` is the letter of the unit vectors in print; families of frames may use `b1`, `b2`, … as symbols.
 
-    >>> N = Frame("N", "n")
+    >>> N = ReferenceFrame("N", "n")
     >>> print(N[1] ^ N[2])
     n3
     """
@@ -47,7 +47,7 @@ class Frame:
         self.serial = next(_serials)
         self.rotation: Rotation | None = None
         self.is_section = False  # the end section of a beam: turns on it are added to its own slope
-        self.relative: dict[Frame, Vector] = {}  # angular velocities of directly known neighbours
+        self.relative: dict[ReferenceFrame, Vector] = {}  # angular velocities of directly known neighbours
         self.directions = {i: (self.serial, i) for i in (1, 2, 3)}
 
     def __getitem__(self, i: int) -> Vector:
@@ -59,16 +59,16 @@ class Frame:
             raise ValueError(f"frame {self.name} has unit vectors 1, 2 and 3, not {i!r}")
         return Unit(self, i)
 
-    def turned(self, name: str, axis: int, angle: Any, symbol: str | None = None) -> Frame:
+    def turned(self, name: str, axis: int, angle: Any, symbol: str | None = None) -> ReferenceFrame:
         """A new frame turned about `self[axis]` by `angle`, with its angular velocity and the shared axis.
 
         >>> from sympy.physics.vector import dynamicsymbols
         >>> q = dynamicsymbols("q")
-        >>> N = Frame("N"); B = N.turned("B", 3, q)
+        >>> N = ReferenceFrame("N"); B = N.turned("B", 3, q)
         >>> print(N[3] & B[3], N[3] & B[1], N[1] & B[1])
         1 0 n1.b1
         """
-        frame = Frame(name, symbol)
+        frame = ReferenceFrame(name, symbol)
         angle = sp.sympify(angle)
         frame.rotation = Rotation(self, axis, angle)
         frame.directions[axis] = self.directions[axis]
@@ -82,13 +82,13 @@ class Frame:
         return held_rate(atom)
 
     def __repr__(self) -> str:
-        return f"Frame({self.name!r})"
+        return f"ReferenceFrame({self.name!r})"
 
 
-def set_omega(base: Frame, frame: Frame, omega: Vector) -> Vector:
+def set_omega(base: ReferenceFrame, frame: ReferenceFrame, omega: Vector) -> Vector:
     """Define the angular velocity of `frame` relative to `base` (which may rotate itself); returns it.
 
-    >>> s = sp.symbols("s1:4"); N, B = Frame("N"), Frame("B")
+    >>> s = sp.symbols("s1:4"); N, B = ReferenceFrame("N"), ReferenceFrame("B")
     >>> print(set_omega(N, B, s[0] * N[1] + s[1] * N[2] + s[2] * N[3]))
     s1 n1 + s2 n2 + s3 n3
     """
@@ -97,12 +97,12 @@ def set_omega(base: Frame, frame: Frame, omega: Vector) -> Vector:
     return omega
 
 
-def omega(base: Frame, frame: Frame) -> Vector:
+def omega(base: ReferenceFrame, frame: ReferenceFrame) -> Vector:
     """Angular velocity of `frame` relative to `base`, summed along the shortest chain of known pairs.
 
     Raises UsageError when no chain connects the two frames.
     """
-    reached: dict[Frame, Vector] = {base: ZERO}
+    reached: dict[ReferenceFrame, Vector] = {base: ZERO}
     waiting = deque([base])
     while waiting:
         here = waiting.popleft()
@@ -115,7 +115,7 @@ def omega(base: Frame, frame: Frame) -> Vector:
     raise UsageError(f"no angular velocity is known between frames {base.name} and {frame.name}")
 
 
-def unit_rate(frame: Frame, u: Unit) -> Vector:
+def unit_rate(frame: ReferenceFrame, u: Unit) -> Vector:
     return ZERO if u.frame is frame else cross(omega(frame, u.frame), Vector({u: 1}))
 
 

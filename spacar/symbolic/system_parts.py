@@ -6,18 +6,18 @@ from dataclasses import dataclass, field
 
 import sympy as sp
 
+from spacar.symbolic.beam_shapes import X, integral
 from spacar.symbolic.fields import Field, Foreshortening
-from spacar.symbolic.frames import Frame
-from spacar.symbolic.shapes import X, integral
+from spacar.symbolic.reference_frames import ReferenceFrame
 from spacar.symbolic.vectors import Dyad, Vector
 
 
 @dataclass(frozen=True, eq=False)
-class Point:
+class GeometricPoint:
     """A point at `offset` from `base`. `velocity` (in N) was given by the user when `given` is set."""
 
     name: str
-    base: Point | None
+    base: GeometricPoint | None
     offset: Vector
     velocity: Vector
     given: bool = False
@@ -52,13 +52,13 @@ class Pseudo:
 
 
 @dataclass(frozen=True, eq=False)
-class Section(Point):
+class CrossSection(GeometricPoint):
     """A cross-section of a beam: a point with a frame of its own, and the values of the fields there.
 
     `u`, `w` deflections, `slope`, `slope_w` their derivatives to x, `twist`, `stretch`; zero when there is no field.
     """
 
-    frame: Frame = field(default_factory=lambda: Frame("section"))
+    frame: ReferenceFrame = field(default_factory=lambda: ReferenceFrame("section"))
     values: dict[str, sp.Expr] = field(default_factory=dict)
 
     def __getattr__(self, name: str) -> sp.Expr:
@@ -76,8 +76,8 @@ class Beam:
     """
 
     name: str
-    frame: Frame
-    root: Point
+    frame: ReferenceFrame
+    root: GeometricPoint
     length: sp.Expr
     mass: sp.Expr
     polar: sp.Expr
@@ -86,10 +86,10 @@ class Beam:
     fields: tuple[Field, ...]
     shortening: Foreshortening | None
     offset: Vector
-    sections: dict[sp.Expr, Section] = field(default_factory=dict)
+    sections: dict[sp.Expr, CrossSection] = field(default_factory=dict)
 
     @property
-    def tip(self) -> Section:
+    def tip(self) -> CrossSection:
         return self.sections[self.length]
 
     @property
@@ -118,9 +118,9 @@ class RigidBody:
     """A rigid body or particle: mass [kg] at its mass centre `point`, central inertia dyad [kg m²] (0: particle)."""
 
     name: str
-    point: Point
+    point: GeometricPoint
     mass: sp.Expr
-    frame: Frame | None = None
+    frame: ReferenceFrame | None = None
     inertia: Dyad = field(default_factory=Dyad)
 
 
@@ -129,17 +129,17 @@ class Load:
     """A force [N] at a point, or a torque [N m] on a frame with its reaction on another frame (or None)."""
 
     vector: Vector
-    point: Point | None = None
-    frame: Frame | None = None
-    reaction: Frame | None = None
+    point: GeometricPoint | None = None
+    frame: ReferenceFrame | None = None
+    reaction: ReferenceFrame | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class Spring:
     """A linear spring and damper between two points: force k (l − l0) + c l̇ along the line that joins them."""
 
-    a: Point
-    b: Point
+    a: GeometricPoint
+    b: GeometricPoint
     stiffness: sp.Expr
     rest: sp.Expr
     damping: sp.Expr

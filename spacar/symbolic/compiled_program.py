@@ -17,9 +17,9 @@ import numpy as np
 from spacar.errors import AnalysisError, UsageError
 from spacar.native.store import TRY
 from spacar.symbolic.emit import emit
-from spacar.symbolic.jacobian import jacobian_of
 from spacar.symbolic.ordered import OrderedProgram
-from spacar.symbolic.run import check_feeds, check_values
+from spacar.symbolic.program_jacobian import jacobian_of
+from spacar.symbolic.simulated_motion import check_feeds, check_values
 
 
 def compiler() -> str | None:

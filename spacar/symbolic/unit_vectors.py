@@ -29,7 +29,7 @@ TIME = dynamicsymbols._t
 class Unit:
     """Unit vector `index` of `frame`: the first kind of key."""
 
-    frame: Any  # a `frames.Frame`, which stands above; here only its serial, symbol and directions are read
+    frame: Any  # a `ReferenceFrame`, which stands above; here only its serial, symbol and directions are read
     index: int
     order: tuple[int, int] = field(init=False, compare=False)
 

@@ -50,7 +50,7 @@ TABLES: dict[str, dict[str, Key]] = {
     "simulate": {
         "time": _may("number", "end of the simulation [s]"),
         "steps": _may("integer", "number of output steps"),
-        "integrator": _may("text", "gear, bdf, radau or dop853"),
+        "integrator": _may("text", "lsoda, radau or dop853"),
         "rtol": _may("number", "relative tolerance"),
         "atol": _may("number", "absolute tolerance of all states"),
     },

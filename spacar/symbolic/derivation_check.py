@@ -24,14 +24,14 @@ from spacar.symbolic.collect import definition_order
 from spacar.symbolic.derivation import DerivedEquations
 from spacar.symbolic.energy import kinetic_energy, potential_energy, power
 from spacar.symbolic.ordered import plain_symbols
-from spacar.symbolic.units import TIME
+from spacar.symbolic.unit_vectors import TIME
 
 LARGEST = 1e-12
 """30 digits leave 1e-28 in equations that are right; a wrong term is of order one."""
 
 
 @dataclass(frozen=True)
-class Check:
+class DerivationCheck:
     """`energy_error`: |d(T + V)/dt − power| over the largest part, None when the system has no energy.
 
     `constraint_error`: largest of |de/dt| and |dg/dt − e| over their parts, None without constraints. `positive`: the
@@ -62,7 +62,7 @@ class Check:
             )
 
 
-def check(eq: DerivedEquations, digits: int = 30, seed: int = 1) -> Check:
+def check(eq: DerivedEquations, digits: int = 30, seed: int = 1) -> DerivationCheck:
     """Evaluate at a random state and random positive parameters with `digits` digits."""
     import mpmath  # type: ignore[import-untyped]
 
@@ -98,7 +98,7 @@ def check(eq: DerivedEquations, digits: int = 30, seed: int = 1) -> Check:
         try:
             solution = mpmath.lu_solve(both, right)
         except ZeroDivisionError:
-            return Check(None, False, None, "the mass matrix is singular")
+            return DerivationCheck(None, False, None, "the mass matrix is singular")
         step = mpmath.mpf(10) ** -digits
         speeds = [point[str(s)] for s in evaluate.speeds]
         motion = dict(zip([*evaluate.coordinates, *evaluate.speeds], [*here["rates"], *solution[:n]], strict=True))
@@ -124,7 +124,7 @@ def check(eq: DerivedEquations, digits: int = 30, seed: int = 1) -> Check:
         for at, dg in zip(c.position if c else (), slope("g"), strict=True):
             parts = [here["J"][at * n + i] * speeds[i] for i in range(n)] + [here["e"][at]]
             errors.append(float(abs(dg - here["e"][at]) / max(map(abs, parts))))
-    return Check(energy_error, positive, max(errors) if errors else None, note)
+    return DerivationCheck(energy_error, positive, max(errors) if errors else None, note)
 
 
 def _positive(M: np.ndarray, J: np.ndarray) -> bool:

@@ -9,32 +9,32 @@ from typing import Any
 import sympy as sp
 
 from spacar.errors import UsageError
-from spacar.symbolic.checks import Check, check
 from spacar.symbolic.collect import definition_order, gather_scalars
 from spacar.symbolic.constraints import check_constraints, constraint_rows
 from spacar.symbolic.derivation import DerivedEquations
+from spacar.symbolic.derivation_check import DerivationCheck, check
 from spacar.symbolic.description import Description
 from spacar.symbolic.energy import kinetic_energy, potential_energy
 from spacar.symbolic.held import derive_held
 from spacar.symbolic.linearize import Linearized, linearize
-from spacar.symbolic.program import Program, make_program
+from spacar.symbolic.program import EquationProgram, make_program
 from spacar.symbolic.recursive import derive_recursive
 from spacar.symbolic.strong import StrongForm, strong_form
 from spacar.symbolic.transform import transform
-from spacar.symbolic.units import HeldScalar
+from spacar.symbolic.unit_vectors import HeldScalar
 
 STRATEGIES = ("held", "recursive")
 
 
 @dataclass(frozen=True, eq=False)
-class Equations(DerivedEquations):
+class SymbolicEquations(DerivedEquations):
     """Derived equations with what follows from them: energies, programs, linearization, checks, strong form."""
 
     def energy(self) -> tuple[sp.Expr, sp.Expr]:
         """Kinetic and potential energy [J] (gravity, strain, springs); see `energy.py`."""
         return kinetic_energy(self), potential_energy(self)
 
-    def program(self, outputs: dict[str, Any] | None = None) -> Program:
+    def program(self, outputs: dict[str, Any] | None = None) -> EquationProgram:
         """The ordered program that evaluates the equations and the named outputs."""
         return make_program(self, outputs or {})
 
@@ -42,8 +42,8 @@ class Equations(DerivedEquations):
         """M0, C0, K0 at a point; see `linearize.py`."""
         return linearize(self, values, point or {})
 
-    def check(self, digits: int = 30) -> Check:
-        """Energy balance and constraints at a random state; see `checks.py`."""
+    def check(self, digits: int = 30) -> DerivationCheck:
+        """Energy balance and constraints at a random state; see `derivation_check.py`."""
         return check(self, digits)
 
     def strong_form(self, beam: Any, name: str = "u") -> StrongForm:
@@ -51,7 +51,7 @@ class Equations(DerivedEquations):
         return strong_form(self, beam, name)
 
 
-def derive(system: Description, strategy: str, recurrence: bool = True) -> Equations:
+def derive(system: Description, strategy: str, recurrence: bool = True) -> SymbolicEquations:
     """Derive by one of `STRATEGIES`; the constraints are added afterwards, in the same way for both."""
     start = time.perf_counter()
     check_constraints(system)
@@ -82,7 +82,7 @@ def derive(system: Description, strategy: str, recurrence: bool = True) -> Equat
     places = constraints.position.values() if constraints else []
     needed = [*derivation.mass_matrix, *derivation.rhs, *kinematics.values(), *rows, *places]
     order = definition_order(table.definitions, needed)
-    return Equations(
+    return SymbolicEquations(
         system=system,
         strategy=strategy,
         coordinates=tuple(system.coordinates),

@@ -1,6 +1,6 @@
 """Simulation of a generated program.
 
-`gear` is LSODA (variable order, switching between Adams and BDF) with the exact generated Jacobian; a Jacobian by
+`lsoda` (variable order, switching between Adams and BDF) has the exact generated Jacobian, as `radau` has; one by
 finite differences is not offered, because its noise stalls stiff integrators (`symbolic.md`, section 8.6). A relative
 tolerance above 1e-2 is refused: a stiff method may then step over an unstable fast mode without notice. The
 eigenvalue with the largest real part at the end of the run is reported for the same reason.
@@ -21,7 +21,7 @@ from spacar.symbolic.closure import Manifold, integrate
 from spacar.symbolic.emit import emit
 from spacar.symbolic.ordered import OrderedProgram
 
-INTEGRATORS = {"gear": "LSODA", "bdf": "BDF", "radau": "Radau", "dop853": "DOP853"}
+INTEGRATORS = {"lsoda": "LSODA", "radau": "Radau", "dop853": "DOP853"}
 LOOSEST = 1e-2
 TIGHTEST_SCALED = 1e-10  # below this fraction of its scale a state at rest under load is rounding noise
 MOST_STEPS = 100_000_000
@@ -29,7 +29,7 @@ MOST_EVALUATIONS = 1_000_000  # stiff runs need 1e3 to 1e5; more means that the 
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class SimulatedMotion:
     """A simulated motion.
 
     time (m,) [s]; state (m, len(y)) in the order of `names`; inputs (m, len(u)); outputs {name: (m,)};
@@ -109,7 +109,7 @@ def simulate(
     guess: Mapping[str, float] | None = None,
     t_end: float,
     steps: int = 1000,
-    integrator: str = "gear",
+    integrator: str = "lsoda",
     rtol: float = 1e-8,
     atol: float | Mapping[str, float] | None = None,
     feeds: Mapping[str, Callable[..., float]] | None = None,
@@ -117,7 +117,7 @@ def simulate(
     at: np.ndarray | None = None,
     progress: Callable[[float], None] | None = None,
     limit: int = MOST_EVALUATIONS,
-) -> Run:
+) -> SimulatedMotion:
     """Integrate from `start` (states by name, others zero or `guess`) to t_end [s] with `steps` equal output steps.
 
     With constraints the states of `start` are kept and the others, beginning at `guess`, are assembled so that loops
@@ -184,7 +184,7 @@ def simulate(
         free = manifold.tangent(float(times[-1]), y[-1])
         A = free.T @ A @ free
     eigenvalues = np.linalg.eigvals(A) if A.size else np.zeros(1)
-    return Run(
+    return SimulatedMotion(
         names, times, y, inputs, tuple(s.name for s in program.inputs),
         dict(zip(program.outputs, outputs.T, strict=True)), statistics,
         complex(eigenvalues[np.argmax(eigenvalues.real)]), tuple(manifold.notes) if manifold else (),

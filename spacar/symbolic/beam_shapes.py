@@ -8,13 +8,14 @@ and their integrals are numbers found by quadrature to 30 digits (`symbolic.md`,
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
 import sympy as sp
 
 from spacar.errors import UsageError
-from spacar.symbolic.units import TIME
+from spacar.symbolic.unit_vectors import TIME
 
 X = sp.Symbol("x", real=True)
 """The coordinate along a beam [m]."""
@@ -136,18 +137,41 @@ def shape_functions(field: Any, x: sp.Symbol, L: sp.Expr, clamped: int) -> tuple
     return result
 
 
+Powers = tuple[tuple[int, Fraction], ...]
+"""A polynomial in x/L with rational coefficients: (exponent, coefficient)."""
+
+
 @lru_cache(maxsize=4096)
-def _dimensionless(f: sp.Expr, x: sp.Symbol, L: sp.Expr) -> tuple[sp.Expr, sp.Poly] | None:
-    """(c, p) with f(x) = c p(x/L) and rational coefficients in p; None when f is no such polynomial."""
-    xi = sp.Symbol("xi")
-    if not f.is_polynomial(x):
-        return None
-    whole = sp.Poly(sp.expand(f.xreplace({x: L * xi})), xi)
-    scale = whole.LC()
-    ratios = {powers: sp.cancel(c / scale) for powers, c in whole.terms()}
+def _dimensionless(f: sp.Expr, x: sp.Symbol, L: sp.Expr) -> tuple[sp.Expr, Powers] | None:
+    """(c, p) with f(x) = c p(x/L), p(ξ) = … + ξ^n with rational coefficients; None when f is no such polynomial."""
+    rows: dict[int, list[sp.Expr]] = {}
+    for term in sp.Add.make_args(sp.expand(f)):
+        coefficient, power = term.as_independent(x, as_Add=False)
+        base, n = power.as_base_exp()
+        if power == 1:
+            n = sp.S.Zero
+        elif base != x or not (n.is_Integer and n > 0):
+            return None
+        rows.setdefault(int(n), []).append(coefficient * L**n)
+    sums = {n: sp.Add(*terms) for n, terms in rows.items()}
+    scale = sums[max(sums)]
+    ratios = {n: c / scale if scale != 0 else c for n, c in sums.items()}
+    ratios = {n: r if r.is_Rational else sp.cancel(r) for n, r in ratios.items()}
     if not all(r.is_Rational for r in ratios.values()):
         return None
-    return scale, sp.Poly(ratios, xi, domain="QQ")
+    return scale, tuple((n, Fraction(int(r.p), int(r.q))) for n, r in sorted(ratios.items()))
+
+
+def _product(a: Powers, b: Powers) -> Powers:
+    total: dict[int, Fraction] = {}
+    for n, c in a:
+        for m, d in b:
+            total[n + m] = total.get(n + m, Fraction(0)) + c * d
+    return tuple(total.items())
+
+
+def _rational(value: Fraction) -> sp.Rational:
+    return sp.Rational(value.numerator, value.denominator)
 
 
 def product_integral(f: sp.Expr, g: sp.Expr, x: sp.Symbol, L: sp.Expr) -> sp.Expr:
@@ -155,7 +179,8 @@ def product_integral(f: sp.Expr, g: sp.Expr, x: sp.Symbol, L: sp.Expr) -> sp.Exp
     a, b = _dimensionless(sp.sympify(f), x, L), _dimensionless(sp.sympify(g), x, L)
     if a is None or b is None:
         return integral(f * g, x, L)
-    return a[0] * b[0] * L * _unit_integral(a[1] * b[1])
+    number = sum((c * d / (n + m + 1) for n, c in a[1] for m, d in b[1]), Fraction(0))
+    return _rational(number) * a[0] * b[0] * L
 
 
 def weighted_integral(weight: sp.Expr, f: sp.Expr, g: sp.Expr, x: sp.Symbol, L: sp.Expr) -> sp.Expr:
@@ -170,8 +195,8 @@ def running_integral(f: sp.Expr, g: sp.Expr, x: sp.Symbol, L: sp.Expr, end: sp.E
     a, b = _dimensionless(sp.sympify(f), x, L), _dimensionless(sp.sympify(g), x, L)
     if a is None or b is None:
         return integral(f * g, x, end)
-    primitive = (a[1] * b[1]).integrate()
-    return a[0] * b[0] * L * primitive.as_expr().subs(primitive.gen, end / L).expand()
+    primitive = sp.Add(*(_rational(c / (n + 1)) * (end / L) ** (n + 1) for n, c in _product(a[1], b[1])))
+    return a[0] * b[0] * L * primitive
 
 
 def integral(integrand: sp.Expr, x: sp.Symbol, L: sp.Expr) -> sp.Expr:

@@ -63,10 +63,10 @@ def read_expression(
         raise UsageError(f"cannot read expression '{text}' ({reason})", "syntax") from None
     except (RecursionError, MemoryError):
         raise UsageError(f"cannot read expression: nested deeper than {MAX_DEPTH}", "syntax") from None
-    return _Reader(text.strip(), known, unknown).read(tree.body, 0)
+    return _ExpressionReader(text.strip(), known, unknown).read(tree.body, 0)
 
 
-class _Reader:
+class _ExpressionReader:
     def __init__(self, text: str, known: Mapping[str, sp.Expr], unknown: Callable[[str], sp.Expr] | None) -> None:
         self.text, self.known, self.unknown = text, known, unknown
 

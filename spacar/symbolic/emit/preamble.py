@@ -4,7 +4,7 @@ any text of the model. Text that is executed or compiled in this process has no 
 from __future__ import annotations
 
 from spacar import __version__
-from spacar.symbolic.names import escaped
+from spacar.symbolic.name_rules import escaped
 from spacar.symbolic.ordered import OrderedProgram
 
 

@@ -1,7 +1,7 @@
-"""Model files: TOML text (or a small Python script) to a `System` with parameter values, start and settings.
+"""Model files: TOML text (or a small Python script) to a `MultibodySystem` with parameter values, start and settings.
 
-Errors name the file, the table, the key, and what was expected; expressions are read by `expressions.py`.
-The format: `symbolic.md`, section 7; the keys: `tables.py`.
+Errors name the file, the table, the key, and what was expected; expressions are read by `scalar_reader.py`.
+The format: `symbolic.md`, section 7; the keys: `model_tables.py`.
 """
 
 from __future__ import annotations
@@ -13,21 +13,21 @@ from typing import Any
 import sympy as sp
 
 from spacar.errors import UsageError
+from spacar.symbolic.beam_shapes import FAMILIES, X
 from spacar.symbolic.constraints import check_constraints
-from spacar.symbolic.expressions import read_expression
-from spacar.symbolic.frames import Frame
 from spacar.symbolic.model_file import ModelFile, label_of
-from spacar.symbolic.names import is_name, is_output
-from spacar.symbolic.parts import Point, Section
-from spacar.symbolic.script import Model, read_script
-from spacar.symbolic.shapes import FAMILIES, X
-from spacar.symbolic.system import System
-from spacar.symbolic.tables import KINDS, REFERENCES, TABLES
-from spacar.symbolic.units import TIME
+from spacar.symbolic.model_tables import KINDS, REFERENCES, TABLES
+from spacar.symbolic.name_rules import is_name, is_output
+from spacar.symbolic.reference_frames import ReferenceFrame
+from spacar.symbolic.scalar_reader import read_expression
+from spacar.symbolic.script import SymbolicModel, read_script
+from spacar.symbolic.system import MultibodySystem
+from spacar.symbolic.system_parts import CrossSection, GeometricPoint
+from spacar.symbolic.unit_vectors import TIME
 from spacar.symbolic.vectors import ZERO, Vector
 
 
-def read_model(path: Path | str) -> Model:
+def read_model(path: Path | str) -> SymbolicModel:
     """Read NAME.toml, or run NAME.py, which must define `system` and may define values, start, settings, outputs.
 
     Raises InputError (one message, the first that is found) or UsageError when there is no such file.
@@ -37,24 +37,24 @@ def read_model(path: Path | str) -> Model:
         path = path.with_suffix(".toml")
     if not path.is_file():
         raise UsageError(f"{path}: there is no such model file", "file")
-    return read_script(path) if path.suffix == ".py" else _Reader(path).read()
+    return read_script(path) if path.suffix == ".py" else _TomlReader(path).read()
 
 
-class _Reader(ModelFile):
+class _TomlReader(ModelFile):
     """From the tables of one file to a system."""
 
     def __init__(self, path: Path) -> None:
         super().__init__(path)
         self.guess: dict[str, float] = {}
         self.scalars: dict[str, sp.Expr] = {"t": TIME}
-        self.frames: dict[str, Frame | Section] = {}
-        self.points: dict[str, Point] = {}
+        self.frames: dict[str, ReferenceFrame | CrossSection] = {}
+        self.points: dict[str, GeometricPoint] = {}
 
-    def read(self) -> Model:
+    def read(self) -> SymbolicModel:
         tables = self.tables()
         values = self._parameters(tables.get("parameters", {}))
         system_table = self.single(tables, "system")
-        system = self.system = System(title=system_table.get("title", self.path.stem))
+        system = self.system = MultibodySystem(title=system_table.get("title", self.path.stem))
         start = self._coordinates(tables.get("coordinates", {}))
         self.place = "[system] gravity"
         system.gravity = self._vector(system_table.get("gravity", [0, 0, 0]), system.N)
@@ -71,7 +71,7 @@ class _Reader(ModelFile):
         settings = self.single(tables, "simulate") | ({"guess": self.guess} if self.guess else {})
         outputs = self._outputs(tables.get("outputs", {}))
         declared = frozenset(tables.get("parameters", {}))
-        return Model(self.path, system, values, start, settings, outputs, declared)
+        return SymbolicModel(self.path, system, values, start, settings, outputs, declared)
 
     def expression(self, value: Any, extra: dict[str, sp.Expr] | None = None) -> sp.Expr:
         if isinstance(value, bool) or not isinstance(value, (str, int, float)):
@@ -85,7 +85,7 @@ class _Reader(ModelFile):
         except UsageError as error:
             self.fail(str(error), error.code)
 
-    def _vector(self, values: list[Any], frame: Frame) -> Vector:
+    def _vector(self, values: list[Any], frame: ReferenceFrame) -> Vector:
         if len(values) != 3:
             self.fail(f"must be a list of 3 expressions, not {len(values)}")
         return sum((self.expression(v) * frame[i] for i, v in enumerate(values, 1)), ZERO)
@@ -187,7 +187,7 @@ class _Reader(ModelFile):
                 missing.append(name)
         return missing
 
-    def frame_of(self, row: dict[str, Any], key: str, default: Frame | None = None) -> Any:
+    def frame_of(self, row: dict[str, Any], key: str, default: ReferenceFrame | None = None) -> Any:
         name = row.get(key)
         if name is None and default is not None:
             return default
@@ -195,14 +195,14 @@ class _Reader(ModelFile):
             self.fail(f"{key} refers to ['{name}'], which is not defined")
         return self.frames[name]
 
-    def point_of(self, row: dict[str, Any], key: str) -> Point:
+    def point_of(self, row: dict[str, Any], key: str) -> GeometricPoint:
         if row[key] not in self.points:
             self.fail(f"{key} refers to ['{row[key]}'], which is not defined")
         return self.points[row[key]]
 
-    def components_in(self, row: dict[str, Any]) -> Frame:
+    def components_in(self, row: dict[str, Any]) -> ReferenceFrame:
         frame = self.frame_of(row, "in", self.system.N)
-        return frame.frame if isinstance(frame, Section) else frame
+        return frame.frame if isinstance(frame, CrossSection) else frame
 
     def _frame(self, row: dict[str, Any]) -> None:
         parent = self.frame_of(row, "parent")
@@ -326,7 +326,7 @@ class _Reader(ModelFile):
                 kinds.append(("a", system.ddt(system.N, point.velocity)))
             for letter, vector in kinds:
                 names |= {f"{name}.{letter}{axis}": vector & system.N[i] for i, axis in enumerate("xyz", 1)}
-            if isinstance(point, Section):
+            if isinstance(point, CrossSection):
                 names |= {f"{name}.{key}": value for key, value in point.values.items()}
         if accelerations:
             names |= {f"{s.func}_dot": system.accelerations[s] for s in system.speeds}
