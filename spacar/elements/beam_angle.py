@@ -16,7 +16,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.elements import beam_angle_strain as strain_of
-from spacar.elements.base import ElementGroup, Trouble
+from spacar.elements.base import ElementGroup, Internal, Trouble
 from spacar.elements.beam import COLLAPSED, SpatialBeam
 from spacar.elements.beam_inertia import LineConstants, LineState, line_state
 from spacar.elements.rotation import expand
@@ -44,6 +44,8 @@ class SpatialAngleBeam(SpatialBeam):
         EA, GIt, EIy, EIz, *shear = group.estiff.T
         elastic = np.ones(self.n, bool) if group.elastic is None else group.elastic[1:].all(0)
         gradient = elastic & group.nonlinear & (GIt > 0.0)
+        twisted = group.nonlinear & (GIt > 0.0) & (group.elastic is None or group.elastic[1])
+        self._twisting = np.where(twisted, 3.0 * GIt / self.length, np.inf)
         torsion = np.where(gradient, GIt, 1.0)
         Phi = 12.0 * np.array(shear) / self.length**2
         self.angles = strain_of.AngleConstants(
@@ -75,6 +77,12 @@ class SpatialAngleBeam(SpatialBeam):
 
     def geometric_stiffness(self, c: Any, sigma: Array, out: Array) -> None:
         strain_of.hessian(c.strain, sigma, out)
+
+    def internal(self, c: Any, sigma: Array) -> Internal:
+        """The twist gradient A_x: stiffness 3 GIt/l0, coupling l0 [(s5 + s6) dpsi_y - (s3 + s4) dpsi_z]/4 (section 2.2)."""
+        _, psi_y, psi_z = strain_of.rotation_rows(c.strain)
+        coupling = 0.25 * self.length * ((sigma[4] + sigma[5]) * psi_y - (sigma[2] + sigma[3]) * psi_z)
+        return Internal(coupling, self._twisting, self.angles.ratio.any(0))
 
     def troubles(self, c: Any, e: Array, sigma: Array) -> list[Trouble]:
         """Collapsed length; too large rotations of the ends to each other, and of the chord."""

@@ -292,6 +292,15 @@ def derivative_of_rows(c: AngleState, v: Array, order: int, out: Array) -> None:
     rows(c, order * local.c[order], out)
 
 
+def rotation_rows(c: AngleState) -> Array:
+    """dpsi/dx, (3, 14, n)."""
+    Dy = inner_rows(c.inner)
+    local = Dy[1:4] * c.G[0] + (c.inner.y[1:4] * c.G[1])[:, None] * Dy[0]
+    out = np.zeros((3, 14, *local.shape[2:]), local.dtype)
+    rows(c, local, out)
+    return out
+
+
 def hessian(c: AngleState, sigma: Array, out: Array) -> None:
     """sum_k sigma_k d2(e_k) (14, 14, n)."""
     y = c.inner.y
