@@ -82,7 +82,7 @@ class SpatialAngleBeam(SpatialBeam):
         """The twist gradient A_x: stiffness 3 GIt/l0, coupling l0 [(s5 + s6) dpsi_y - (s3 + s4) dpsi_z]/4 (section 2.2)."""
         _, psi_y, psi_z = strain_of.rotation_rows(c.strain)
         coupling = 0.25 * self.length * ((sigma[4] + sigma[5]) * psi_y - (sigma[2] + sigma[3]) * psi_z)
-        return Internal(coupling, self._twisting, self.angles.ratio.any(0))
+        return Internal(coupling, self._twisting, np.asarray(self.angles.ratio.any(0)))
 
     def troubles(self, c: Any, e: Array, sigma: Array) -> list[Trouble]:
         """Collapsed length; too large rotations of the ends to each other, and of the chord."""

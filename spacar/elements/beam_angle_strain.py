@@ -32,7 +32,7 @@ from spacar.arrays import Array
 from spacar.elements.rotation import _DIRECTOR
 from spacar.elements.taylor import Taylor, angle, composed, contracted, root, stacked
 
-SERIES = 0.1  # of 1 - c: below it the power series of G, above it the closed form (relative error of both below 1e-13)
+SERIES = 0.2  # of 1 - c: below it the power series of G, above it the closed form (relative error of both below 1e-13)
 _PSI, _TY, _TZ = slice(0, 3), 3, 4
 
 
