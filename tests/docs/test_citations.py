@@ -134,6 +134,6 @@ def test_every_page_of_the_reference_is_in_its_index():
 
 
 def test_planned_pages_say_so_first():
-    for name in ("theory-warping.md", "theory-beam-order4.md"):
+    for name in ("theory-warping.md",):
         head = (REFERENCE / name).read_text(encoding="utf-8")[:400]
         assert "Not implemented" in head
