@@ -13,16 +13,16 @@ LARGEST = {"rtol": 1.0, "n_steps": 10**15}  # an error of 100 %; times that stil
 
 
 def checked_options(options: dict[str, Any]) -> tuple[dict[str, Any], list[str]]:
-    """The options as `Settings` takes them, None left out, and what the log must say about them.
+    """The options as `SolverSettings` takes them, None left out, and what the log must say about them.
 
     Raises UsageError for an unknown option, a value of the wrong type, one that is not positive or not finite where it
     must be, and an integration method that does not exist.
     """
     from dataclasses import fields
 
-    from spacar.mechanism import Settings
+    from spacar.mechanism import SolverSettings
 
-    types = {f.name: str(f.type).removesuffix(" | None") for f in fields(Settings)}
+    types = {f.name: str(f.type).removesuffix(" | None") for f in fields(SolverSettings)}
     found, notes = {}, []
     for name, value in options.items():
         if name not in types:

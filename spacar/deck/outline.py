@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from spacar.deck.findings import ranges
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
-from spacar.deck.table_types import ElementType
+from spacar.deck.table_types import ElementType, coordinates_of
 
 
 @dataclass(slots=True, eq=False)
@@ -32,13 +32,15 @@ class Outline:
 
     def coordinates(self, node: int) -> int:
         """Number of coordinates of a node that exists."""
-        if self.roles[node] == "position":
-            return 2 if self.space == "planar" else 3
-        return 1 if self.space == "planar" else 4
+        return coordinates_of(self.roles[node], self.space == "planar")
 
     def modes(self, element: int) -> int:
         """Number of deformation modes of an element that exists."""
         return len(self.types[element].modes)
+
+    def classed(self, element: int) -> tuple[int, ...]:
+        """Modes of an element that exists to which a statement without mode numbers gives a class."""
+        return self.types[element].classed if element in self.types else ()
 
     def independent(self, node: int) -> tuple[int, ...]:
         """Coordinates that a statement without coordinate numbers means: all, but of Euler parameters not

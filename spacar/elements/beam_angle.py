@@ -16,7 +16,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.elements import beam_angle_strain as strain_of
-from spacar.elements.base import ElementGroup, Internal, Trouble
+from spacar.elements.family import ElementGroup, Internal, Trouble
 from spacar.elements.beam import COLLAPSED, SpatialBeam
 from spacar.elements.beam_inertia import LineConstants, LineState, line_state
 from spacar.elements.rotation import expand
@@ -41,7 +41,7 @@ class SpatialAngleBeam(SpatialBeam):
 
     def _build(self, group: ElementGroup, frame_p: Array, frame_q: Array, f1: Array) -> None:
         super()._build(group, frame_p, frame_q, f1)
-        EA, GIt, EIy, EIz, *shear = group.estiff.T
+        _, GIt, EIy, EIz, *shear = group.estiff.T
         elastic = np.ones(self.n, bool) if group.elastic is None else group.elastic[1:].all(0)
         gradient = elastic & group.nonlinear & (GIt > 0.0)
         twisted = group.nonlinear & (GIt > 0.0) & (group.elastic is None or group.elastic[1])
@@ -79,7 +79,10 @@ class SpatialAngleBeam(SpatialBeam):
         strain_of.hessian(c.strain, sigma, out)
 
     def internal(self, c: Any, sigma: Array) -> Internal:
-        """The twist gradient A_x: stiffness 3 GIt/l0, coupling l0 [(s5 + s6) dpsi_y - (s3 + s4) dpsi_z]/4 (section 2.2)."""
+        """The twist gradient A_x (section 2.6): stiffness 3 GIt/l0, coupling
+
+        l0 [(s5 + s6) dpsi_y - (s3 + s4) dpsi_z]/4.
+        """
         _, psi_y, psi_z = strain_of.rotation_rows(c.strain)
         coupling = 0.25 * self.length * ((sigma[4] + sigma[5]) * psi_y - (sigma[2] + sigma[3]) * psi_z)
         return Internal(coupling, self._twisting, np.asarray(self.angles.ratio.any(0)))

@@ -16,7 +16,8 @@ and all deformations are functions of
     e2 = l0 M_x,   e3, e4 = l0 (M_y -+ A_y)/2,   e5, e6 = l0 (M_z -+ A_z)/2
 
 alpha, beta = EIy/GIt, EIz/GIt; b = B less its start value. Of the twist gradient A_x = P/D, eliminated, M contains the
-part that leaves W = (EIy M_y^2 + EIz M_z^2)/(2 l0) the energy with A_x (section 2.2). LDEFORM: M = psi, A = t, e1 = l - l0.
+part that leaves W = (EIy M_y^2 + EIz M_z^2)/(2 l0) the energy with A_x (section 2.2). LDEFORM: M = psi, A = t,
+e1 = l - l0.
 
 Everything is written once, for arrays and for power series (`taylor`): the latter give the second and third
 derivatives. Order of the local coordinates: L_p (4), L_q (4), d (3).

@@ -1,7 +1,7 @@
 """Other models of the same mechanism: finer beams, rigid beams, beams without the non-linear strain terms.
 
-`refine` splits every flexible beam (PLBEAM, BEAM) into n equal ones along its chord. With xi = s/l on the parent and
-h = l/n, the deformations e_p, e_q of a bending pair (slopes relative to the chord times l, e_q with the opposite
+`refine` splits every flexible beam (PLBEAM, BEAM, BEAMW) into n equal ones along its chord. With xi = s/l on the
+parent and h = l/n, the deformations e_p, e_q of a bending pair (slopes relative to the chord times l, e_q with the opposite
 sign: pure bending is e_q = e_p) belong to the cubic
 
     w/l = e_p/l (xi - 2 xi^2 + xi^3) - e_q/l (xi^3 - xi^2)        (clamped cubic; theory-planar.md, beam)
@@ -9,7 +9,8 @@ sign: pure bending is e_q = e_p) belong to the cubic
 and those of a part follow from its end slopes relative to its own chord, times h. Elongation is divided by n,
 torsion (twist times length) by n^2. A preload (sigma_p, sigma_q) is a bending moment that runs linearly from sigma_p
 l to sigma_q l, so a part has m(xi_i)/h and m(xi_i+1)/h; the normal force is the same in all parts, the torsional
-preload (moment divided by the length) is multiplied by n.
+preload (moment divided by the length) is multiplied by n, that of warping (bimoment divided by l^2) by n^2 and linear
+along the beam. Twist rates at the new nodes are new dynamic degrees of freedom.
 
 Limits: start values and prescribed deformations are split by this linear theory, exact for small deformations. Both
 modes of a bending pair must be of one class. A released deformation (RLSE) that carries stiffness becomes dynamic in
@@ -44,8 +45,9 @@ def beam_modes(deck: Deck) -> dict[int, dict[int, str]]:
     for s in deck.of(*CLASSES, block=1):
         number, *which = s.integers()
         if number in beams:
-            every = range(1, len(ELEMENT_TYPES[beams[number]].modes) + 1)
-            modes.setdefault(number, {}).update(dict.fromkeys(which or every, s.keyword))
+            every = ELEMENT_TYPES[beams[number]].classed
+            known = [m for m in which or every if m in every]
+            modes.setdefault(number, {}).update(dict.fromkeys(known, s.keyword))
     return modes
 
 
@@ -88,17 +90,19 @@ def refine(deck: Deck, n: int) -> Deck:
         if s.block != 1:
             continue
         if s.keyword in BEAMS and s.integer(0) in split:
-            number, p, angle_p, q, angle_q = _beam(s)
+            number, kind = s.integer(0), ELEMENT_TYPES[s.keyword]
             parts[number] = [number, *range(top_element + 1, top_element + n)]
             top_element += n - 1
-            inner = [(top_node + 2 * i + 1, top_node + 2 * i + 2) for i in range(n - 1)]
-            top_node += 2 * (n - 1)
-            ends = [(p, angle_p), *inner, (q, angle_q)]
+            half = len(kind.nodes) // 2  # position, orientation(, warping) at each end
+            inner = [tuple(range(top_node + half * i + 1, top_node + half * (i + 1) + 1)) for i in range(n - 1)]
+            top_node += half * (n - 1)
+            nodes = tuple(s.integer(i) for i in range(1, 1 + 2 * half))
+            ends = [nodes[:half], *inner, nodes[half:]]
             for part, a, b in zip(parts[number], ends, ends[1:], strict=False):
-                kinematics.append((s.keyword, part, *a, *b, *s.values[5:]))
-            x_p, x_q = (position.get(node, np.zeros(3)) for node in (p, q))
-            size = 2 if ELEMENT_TYPES[s.keyword].planar else 3
-            for i, (node, _) in enumerate(inner, 1):
+                kinematics.append((s.keyword, part, *a, *b, *s.values[1 + 2 * half :]))
+            x_p, x_q = (position.get(node, np.zeros(3)) for node in (nodes[0], nodes[half]))
+            size = 2 if kind.planar else 3
+            for i, (node, *_) in enumerate(inner, 1):
                 kinematics.append(("X", node, *(x_p + (i / n) * (x_q - x_p))[:size].tolist()))
     for s in deck.statements:
         if s.block == 1 and not (s.keyword in BEAMS and s.values[0] in split):
@@ -109,10 +113,6 @@ def refine(deck: Deck, n: int) -> Deck:
     return Deck.build(kinematics, dynamics, third, mode=deck.mode, source=f"{deck.source} x {n}", path=deck.path)
 
 
-def _beam(s: Statement) -> tuple[int, ...]:
-    return tuple(s.integer(i) for i in range(5))
-
-
 def _kinematic(s: Statement, split: dict[int, dict[int, str]], parts: dict[int, list[int]]) -> Iterable[Row]:
     """Rows of a statement of the kinematics block that is no split beam."""
     if s.keyword in ("LDEFORM", "ADEFORM") and s.values and s.values[0] in parts:
@@ -121,6 +121,7 @@ def _kinematic(s: Statement, split: dict[int, dict[int, str]], parts: dict[int, 
         return [(s.keyword, *s.values)]
     number = s.integer(0)
     modes = s.integers(1) or tuple(m for m, c in split[number].items() if c == s.keyword)
+    modes = tuple(m for m in modes if m in split[number])  # without those that are released in any case
     if s.keyword != "RLSE":
         return [(s.keyword, part, *modes) for part in parts[number]]
     *others, last = parts[number]
@@ -151,9 +152,11 @@ def _split_preload(keyword: str, sigma: tuple[float, ...], n: int) -> np.ndarray
     if TORSION[keyword] is not None:
         table[:, 1] *= n
     xi = np.arange(n + 1) / n
-    for p, q in PAIRS[keyword]:
-        m = sigma[p - 1] * (1.0 - xi) + sigma[q - 1] * xi  # moment / l
-        table[:, p - 1], table[:, q - 1] = n * m[:-1], n * m[1:]
+    warping = ELEMENT_TYPES[keyword].released
+    for p, q in (*PAIRS[keyword], *([warping] if warping else [])):
+        m = sigma[p - 1] * (1.0 - xi) + sigma[q - 1] * xi  # moment / l, bimoment / l^2
+        factor = n**2 if p in warping else n
+        table[:, p - 1], table[:, q - 1] = factor * m[:-1], factor * m[1:]
     return table
 
 
@@ -225,9 +228,9 @@ def _require_splittable(deck: Deck, split: dict[int, dict[int, str]]) -> None:
 
 def _elements_of_port(s: Statement) -> set[Value]:
     """Elements that a statement of the third block is about: OUTE, INPUTS ... port, element, mode; TRE element, ..."""
-    from spacar.deck.table import KEYWORDS, Block
+    from spacar.deck.keyword_table import KEYWORDS, BlockKind
 
-    for block in Block:
+    for block in BlockKind:
         keyword = KEYWORDS.get((s.keyword, block)) if block.number == 3 else None
         if keyword is not None:
             parameters = keyword.variants[0].parameters
@@ -253,7 +256,19 @@ def rigid(deck: Deck) -> Deck:
             return False
         return s.keyword not in ("ESTIFF", "EDAMP", "ESIG", "LDEFORM") or s.values[0] in free
 
-    return _with(deck, [s for s in deck.statements if keep(s)], (), "rigid")
+    held = [("FIX", node) for node in _free_warping(deck, stiff - free)]
+    return _with(deck, [s for s in deck.statements if keep(s)], held, "rigid")
+
+
+def _free_warping(deck: Deck, rigid: set[int]) -> list[int]:
+    """Warping nodes that only rigid beams use and no statement gives a class to: they must be fixed."""
+    used: dict[int, bool] = {}
+    for s in deck.of(*ELEMENT_TYPES, block=1):
+        for place in ELEMENT_TYPES[s.keyword].warping:
+            node = s.integer(1 + place)
+            used[node] = used.get(node, True) and s.integer(0) in rigid
+    given = {s.values[0] for s in deck.of("FIX", "INPUTX", "DYNX", "KINX", block=1)}
+    return [node for node, only in used.items() if only and node not in given]
 
 
 def linear_strain(deck: Deck) -> Deck:
