@@ -16,8 +16,9 @@ from spacar.errors import UsageError
 from spacar_drawing.scene import Scene
 
 if TYPE_CHECKING:
-    from spacar_drawing.source import Source
     from spacar_formats.sbf import SbfFile
+
+    from spacar_drawing.source import Source
 
 GROUPS = {"Q": "QNAME", "S": "SNAME", "U": "UNAME", "Y": "YNAME"}
 

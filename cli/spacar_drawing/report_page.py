@@ -89,7 +89,7 @@ def key_curves(source: Source) -> list[Curve]:
 
 
 def named_freedoms(source: Source) -> list[str]:
-    """The coordinates of a result of `spacar symbolic` that are not amplitudes of fields; all when there is no other."""
+    """Coordinates of a result of `spacar symbolic` that are not amplitudes of fields; all when there is no other."""
     names = _texts(source, "QNAME")
     return [name for name in names if not name.startswith("phi")] or names
 

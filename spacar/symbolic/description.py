@@ -13,13 +13,24 @@ from typing import Any
 import sympy as sp
 
 from spacar.errors import UsageError
+from spacar.symbolic.beam_shapes import X
 from spacar.symbolic.derivatives import dvdt
 from spacar.symbolic.model_names import ModelNames
 from spacar.symbolic.reference_frames import Attitude, ReferenceFrame, omega, set_omega
 from spacar.symbolic.scalar_reader import read_expression, read_number
-from spacar.symbolic.system_parts import Beam, Constraint, CrossSection, GeometricPoint, Load, Pseudo, RigidBody, Spring
+from spacar.symbolic.system_parts import (
+    Beam,
+    Constraint,
+    CrossSection,
+    DistributedLoad,
+    GeometricPoint,
+    Load,
+    Pseudo,
+    RigidBody,
+    Spring,
+)
 from spacar.symbolic.transform import transform
-from spacar.symbolic.unit_vectors import TIME
+from spacar.symbolic.unit_vectors import TIME, Key
 from spacar.symbolic.vectors import ZERO, Dyad, Vector
 
 _INERTIA = ((1, 1), (2, 2), (3, 3), (1, 2), (2, 3), (3, 1))
@@ -45,6 +56,7 @@ class Description:
         self.bodies: list[RigidBody] = []
         self.beams: list[Beam] = []
         self.loads: list[Load] = []
+        self.distributed_loads: list[DistributedLoad] = []
         self.springs: list[Spring] = []
         self.constraints: list[Constraint] = []
         self.gravity = gravity if isinstance(gravity, Vector) else self.vector(gravity, self.N)
@@ -276,6 +288,20 @@ class Description:
         _demand_vector("torque", vector)
         on, by = (f.frame if isinstance(f, CrossSection) else f for f in (frame, reaction))
         self.loads.append(Load(vector.xreplace(self.rates), frame=on, reaction=by))
+
+    def distributed(self, beam: Beam, vector: Vector) -> None:
+        """A force per length [N/m] on the middle line of a beam; its measure numbers may depend on `x` along the beam,
+        as polynomials, and on states and time. Source: (B) of `held.py`, f."""
+        _demand_vector(f"load on beam {beam.name}", vector)
+        parts: dict[sp.Expr, dict[Key, list[sp.Expr]]] = {}
+        for key, c in vector.xreplace(self.rates).terms.items():
+            for term in sp.Add.make_args(sp.expand(c)):
+                factor, along = term.as_independent(X, as_Add=False)
+                if not along.is_polynomial(X):
+                    raise UsageError(f"load on beam {beam.name}: {along} is not a polynomial in x", "field")
+                parts.setdefault(along, {}).setdefault(key, []).append(factor)
+        loads = ((Vector({k: sp.Add(*c) for k, c in terms.items()}), along) for along, terms in parts.items())
+        self.distributed_loads.append(DistributedLoad(beam, tuple(loads)))
 
     def spring(self, a: GeometricPoint, b: GeometricPoint, stiffness: Any, length: Any = 0, damping: Any = 0) -> None:
         """A linear spring with a damper between two points; `length` is the length without force."""

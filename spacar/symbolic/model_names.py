@@ -1,8 +1,8 @@
 """The names that an expression of a system may use, one set for model files and Python.
 
 Coordinates, speeds, inputs and time `t`; of points `P.x`, `P.vx`, … in N; of sections the field values `B.tip.u`,
-`.slope`, `.w`, `.slope_w`, `.twist`, `.stretch`; for outputs also accelerations `P.ax` and `SPEED_dot` and the forces of
-constraints. Quantities of points are computed when they are asked for.
+`.slope`, `.w`, `.slope_w`, `.twist`, `.stretch`; for outputs also accelerations `P.ax` and `SPEED_dot` and the forces
+of constraints. Quantities of points are computed when they are asked for.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ AXES = "xyz"
 
 
 class ModelNames(Mapping[str, sp.Expr]):
-    """Names of a description, with `more` of the caller; `outputs`: also what is known after the equations are solved."""
+    """Names of a description, with `more` of the caller; `outputs`: also what is known only when equations are solved."""
 
     def __init__(self, system: Description, more: Mapping[str, sp.Expr], outputs: bool) -> None:
         self.system, self.outputs = system, outputs

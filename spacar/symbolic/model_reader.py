@@ -64,8 +64,8 @@ class _TomlReader(ModelFile):
         self._kinematics(self.rows(tables, "kinematic"))
         self.frames["N"], self.points["O"] = system.N, system.O
         self._resolve(tables)
-        for table, make in (("body", self._body), ("force", self._force), ("torque", self._torque),
-                            ("spring", self._spring), ("constraint", self._constraint),
+        for table, make in (("body", self._body), ("force", self._force), ("distributed", self._distributed),
+                            ("torque", self._torque), ("spring", self._spring), ("constraint", self._constraint),
                             ("close", self._close)):  # fmt: skip
             for number, row in enumerate(self.rows(tables, table), 1):
                 self.place = label_of(table, row, number)
@@ -83,10 +83,10 @@ class _TomlReader(ModelFile):
         except UsageError as error:
             self.fail(str(error), error.code)
 
-    def _vector(self, values: list[Any], frame: ReferenceFrame) -> Vector:
+    def _vector(self, values: list[Any], frame: ReferenceFrame, names: dict[str, sp.Expr] | None = None) -> Vector:
         if len(values) != 3:
             self.fail(f"must be a list of 3 expressions, not {len(values)}")
-        return sum((self.expression(v) * frame[i] for i, v in enumerate(values, 1)), ZERO)
+        return sum((self.expression(v, names) * frame[i] for i, v in enumerate(values, 1)), ZERO)
 
     # -- scalars -----------------------------------------------------------------------------------------------
 
@@ -314,6 +314,14 @@ class _TomlReader(ModelFile):
     def _force(self, row: dict[str, Any], number: int) -> None:
         point = self.point_of(row, "at")
         self.system.force(point, self._load(row, number, "force"))
+
+    def _distributed(self, row: dict[str, Any], number: int) -> None:
+        beam = next((b for b in self.system.beams if b.name == row["beam"]), None)
+        if beam is None:
+            self.fail(f"beam refers to ['{row['beam']}'], which is not defined")
+        frame = self.components_in(row)
+        self.place += " vector"
+        self.system.distributed(beam, self._vector(row["vector"], frame, {"x": X}))
 
     def _torque(self, row: dict[str, Any], number: int) -> None:
         frame = self.frame_of(row, "frame")

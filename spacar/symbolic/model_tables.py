@@ -115,6 +115,11 @@ TABLES: dict[str, dict[str, Key]] = {
         "vector": _key("vector", "force [N]"),
         "in": _IN,
     },
+    "distributed": {
+        "beam": _key("name", "beam"),
+        "vector": _key("vector", "force per length [N/m], may depend on x"),
+        "in": _IN,
+    },
     "torque": {
         "name": _may("name", "input"),
         "frame": _key("name", "frame or section"),

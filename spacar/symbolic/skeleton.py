@@ -1,7 +1,7 @@
-"""What a system looks like: its points, the lines between them and the middle lines of its beams, as nodes and elements.
+"""What a system looks like: points, lines between them and middle lines of beams, as nodes and elements.
 
-The tables are those of a result of the numeric core (reference/files.md, sections 3 and 4), so that `draw`, `visual` and
-`report` work on results of this part: a line of fixed direction in a frame is a rigid beam with the orientation of the
+The tables are those of a result of the numeric core (reference/files.md, sections 3 and 4), so that `draw` and `report`
+work on results of this part: a line of fixed direction in a frame is a rigid beam with the orientation of the
 frame, a beam is `PIECES` flexible ones along its deflected middle line, a spring a truss. Points that do not move in N
 are supports. Points of which only the velocity is known have no place and are left out.
 """
