@@ -24,7 +24,7 @@ AXES = "xyz"
 
 
 class ModelNames(Mapping[str, sp.Expr]):
-    """Names of a description, with `more` of the caller; `outputs`: also what is known only when equations are solved."""
+    """Names of a description, with `more` of the caller; `outputs`: also what only solved equations give."""
 
     def __init__(self, system: Description, more: Mapping[str, sp.Expr], outputs: bool) -> None:
         self.system, self.outputs = system, outputs
