@@ -87,7 +87,9 @@ HEADER = ("model", "integration", "error", "wall time [s]", "right-hand sides", 
     metavar="CODES",
     help="Two methods whose agreement makes the reference; 595,553 for stiff models.",
 )
-@click.option("--compiled", is_flag=True, help="Right-hand side in C (needs a C compiler), in mode 1.")
+@click.option(
+    "--compiled/--general", default=None, help="Equations in C (default where that is possible), or in NumPy."
+)
 @click.option(
     "--output",
     "-o",
@@ -115,7 +117,7 @@ def command(
     target: float,
     repeats: int,
     judges: str,
-    compiled: bool,
+    compiled: bool | None,
     output: Path | None,
     plot: Path | None,
     jobs: int,
@@ -146,11 +148,8 @@ def command(
     source = input_file(file)
     options = {k: v for k, v in (("duration", duration), ("n_steps", n_steps)) if v is not None}
     number, deck = _deck(source, mode, options)
-    if compiled:
-        from spacar.compiled.library import library
-
-        library()  # without a compiler nothing is run
-        options["compiled"] = True
+    if compiled is not None:
+        options["compiled"] = compiled
     chosen = tuple(map(quantity, variables)) or default_variables(number, deck)
     trade = Trade(number, deck, chosen, repeats, options)
     meshes = _whole(elements, "--elements")

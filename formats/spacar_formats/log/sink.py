@@ -166,7 +166,7 @@ def _settings(run: Run) -> list[str]:
     third = echo(mechanism.deck, 3) if mode.third else []
     lines += [*third, "", *step_sections.definitions(mechanism)] if third else []
     if mode.integrated:
-        lines += step_sections.integration(mechanism)
+        lines += step_sections.integration(mechanism, run.header.get("engine"))
     if mode.stationary:
         lines += step_sections.iteration(mechanism)
     if run.nominal is not None:

@@ -87,8 +87,8 @@ def transfer_functions(run: Run, frame: Frame) -> list[str]:
     return lines
 
 
-def integration(mechanism: Mechanism) -> list[str]:
-    """Name of the integrator and its accuracy settings."""
+def integration(mechanism: Mechanism, engine: tuple[str, str] | None = None) -> list[str]:
+    """Name of the integrator and its accuracy settings; which engine evaluates, on what level or why."""
     from spacar.integrators import METHODS
 
     s = mechanism.settings
@@ -101,6 +101,8 @@ def integration(mechanism: Mechanism) -> list[str]:
         lines.append("No TIMESTEP: only the initial state is analysed")
     else:
         lines.append(f"Duration {real(s.duration)} s in {s.n_steps} output steps")
+    if engine is not None:
+        lines.append(f"Engine: {engine[0]} ({engine[1]})")
     return [*lines, ""]
 
 
