@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -239,8 +240,6 @@ def _as_json(
     run: Run | None,
     done: releasing.Done | None = None,
 ) -> str:
-    import json
-
     report: dict[str, Any] = {
         "mode": mode.number,
         "analysis": mode.title,

@@ -11,6 +11,7 @@ from typing import Any
 import click
 
 from spacar.errors import UsageError
+from spacar.modes import find_mode
 from spacar_cli.environment import Environment
 from spacar_cli.input_files import input_file
 from spacar_cli.number_types import POSITIVE, TOLERANCE, Whole
@@ -94,7 +95,6 @@ def command(
     there yet.
     """
     from spacar.deck import read_deck
-    from spacar.modes import find_mode
     from spacar.studies import assignments as parameters
     from spacar.studies.quantities import quantity
     from spacar.studies.sweep import DONE, Study, sweep

@@ -5,6 +5,7 @@ from __future__ import annotations
 from spacar.arrays import Array
 from spacar.deck.keyword_table import KEYWORDS
 from spacar.frame import Frame
+from spacar.integrators import METHODS
 from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
 from spacar.stream import Run
@@ -89,8 +90,6 @@ def transfer_functions(run: Run, frame: Frame) -> list[str]:
 
 def integration(mechanism: Mechanism, engine: tuple[str, str] | None = None) -> list[str]:
     """Name of the integrator and its accuracy settings; which engine evaluates, on what level or why."""
-    from spacar.integrators import METHODS
-
     s = mechanism.settings
     method = METHODS.get(s.integrator)
     lines = [f"Integrator: INTEGRAT {s.integrator}, {method.name if method else 'unknown'}"]
