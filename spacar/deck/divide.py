@@ -105,11 +105,14 @@ def _elements_of_port(s: Statement) -> set[Value]:
     return set()
 
 
-def divided(statements: Sequence[Statement], pieces: Mapping[int, int]) -> list[Statement]:
-    """The statements of the model with `pieces[element]` beams in the place of the element; limits see above."""
+def divided(
+    statements: Sequence[Statement], pieces: Mapping[int, int]
+) -> tuple[list[Statement], dict[int, list[int]]]:
+    """The statements of the model with `pieces[element]` beams in the place of the element, and the numbers of the
+    beams that each of these elements became; limits see above."""
     pieces = {number: n for number, n in pieces.items() if n > 1}
     if not pieces:
-        return list(statements)
+        return list(statements), {}
     elements = {s.integer(0): s for s in statements if s.block == 1 and s.keyword in ELEMENT_TYPES}
     top_node = max(s.integer(k) for s in elements.values() for k in range(1, 1 + len(ELEMENT_TYPES[s.keyword].nodes)))
     top_element = max(elements)
@@ -143,7 +146,7 @@ def divided(statements: Sequence[Statement], pieces: Mapping[int, int]) -> list[
         if s.block == 2:
             found += _dynamic(s, parts, keywords)
     found += _motions(statements, parts, keywords)
-    return found + [s for s in statements if s.block == 3]
+    return found + [s for s in statements if s.block == 3], parts
 
 
 def made(origin: Statement, *values: Value, keyword: str = "", block: int = 0) -> Statement:

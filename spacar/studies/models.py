@@ -44,7 +44,7 @@ def refine(deck: Deck, n: int) -> Deck:
             raise UsageError(text, "study.refine")
         raise UsageError(f"beam {number} cannot be split: {reason}", "study.refine")
     blocks: list[list[Row]] = [[], [], []]
-    for s in divided(deck.statements, dict.fromkeys(split, n)):
+    for s in divided(deck.statements, dict.fromkeys(split, n))[0]:
         blocks[s.block - 1].append((s.keyword, *s.values))
     return Deck.build(*blocks, mode=deck.mode, source=f"{deck.source} x {n}", path=deck.path)
 

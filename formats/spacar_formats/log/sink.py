@@ -20,6 +20,7 @@ from spacar.modes import Mode
 from spacar.stream import Run
 from spacar_formats.log import linear, model, steps
 from spacar_formats.log.layout import heading, real, table
+from spacar_formats.log.sections import beam_sections
 from spacar_formats.safety import backup_path
 
 NOTICE = "Licensed under the Apache License, version 2.0; provided without warranty of any kind."
@@ -138,6 +139,7 @@ def _kinematics(run: Run) -> list[str]:
     lines = [f"SHA-256 of the input file: {deck.sha256}", *heading("Kinematics"), *echo(deck, 1), ""]
     if deck.messages:
         lines += ["Messages about the input", "", *(f"{m} [{m.code}]" for m in deck.messages), ""]
+    lines += beam_sections(deck)
     return [*lines, *model.elements(n), *model.nodes(n), *model.degrees_of_freedom(n)]
 
 
