@@ -12,16 +12,16 @@ from spacar_cli.symbolic_text import description, equations_text
 if TYPE_CHECKING:
     from spacar_formats.claim import Claim
 
-    from spacar.symbolic.equations import Equations
-    from spacar.symbolic.program import Program
-    from spacar.symbolic.run import Run
-    from spacar.symbolic.script import Model
+    from spacar.symbolic.program import EquationProgram
+    from spacar.symbolic.script import SymbolicModel
+    from spacar.symbolic.simulated_motion import SimulatedMotion
+    from spacar.symbolic.symbolic_equations import SymbolicEquations
 
-DEFAULTS: dict[str, Any] = {"time": 1.0, "steps": 1000, "integrator": "gear", "rtol": 1e-8, "atol": None}
+DEFAULTS: dict[str, Any] = {"time": 1.0, "steps": 1000, "integrator": "lsoda", "rtol": 1e-8, "atol": None}
 
 
 def simulate_model(
-    model: Model,
+    model: SymbolicModel,
     strategy: str,
     changes: dict[str, float],
     wishes: dict[str, Any],
@@ -47,7 +47,7 @@ def simulate_model(
 
 
 def _simulate(
-    model: Model,
+    model: SymbolicModel,
     strategy: str,
     values: dict[str, float],
     start: dict[str, float],
@@ -84,7 +84,7 @@ def _simulate(
     return [*summary, "written: " + ", ".join(path.name for path in written)]
 
 
-def _changed(model: Model, changes: dict[str, float]) -> tuple[dict[str, float], dict[str, float]]:
+def _changed(model: SymbolicModel, changes: dict[str, float]) -> tuple[dict[str, float], dict[str, float]]:
     values, start = dict(model.values), dict(model.start)
     states = {str(s.func) for s in [*model.system.coordinates, *model.system.speeds]}
     symbols = model.parameter_names()
@@ -98,16 +98,18 @@ def _changed(model: Model, changes: dict[str, float]) -> tuple[dict[str, float],
     return values, start
 
 
-def _compiled(program: Program, values: dict[str, float]) -> tuple[Any, str]:
+def _compiled(program: EquationProgram, values: dict[str, float]) -> tuple[Any, str]:
     """The compiled function, or None with the reason when there is no compiler."""
-    from spacar.symbolic.compiled import CompiledFunction, compiler
+    from spacar.symbolic.compiled_program import CompiledFunction, compiler
 
     if compiler() is None:
         return None, "generated Python (no C compiler was found)"
     return CompiledFunction(program, values), f"C, compiled by {compiler()}"
 
 
-def _summary(eq: Equations, program: Program, run: Run, note: str, checked: str) -> list[str]:
+def _summary(
+    eq: SymbolicEquations, program: EquationProgram, run: SimulatedMotion, note: str, checked: str
+) -> list[str]:
     counts, s, e = program.counts(), run.statistics, run.eigenvalue
     last = ", ".join(f"{name} = {run[name][-1]:.12g}" for name in [*run.names, *run.outputs])
     return [
@@ -123,7 +125,7 @@ def _summary(eq: Equations, program: Program, run: Run, note: str, checked: str)
     ]
 
 
-def write_sbd(claim: Claim, model: Model, run: Run) -> None:
+def write_sbd(claim: Claim, model: SymbolicModel, run: SimulatedMotion) -> None:
     """The result container: time, q, s, u (inputs), y (outputs); names in the texts QNAME, SNAME, UNAME, YNAME."""
     from spacar_formats.sbf import SbfWriter
 
@@ -153,8 +155,8 @@ def write_sbd(claim: Claim, model: Model, run: Run) -> None:
 
 def _write_log(
     path: Path,
-    model: Model,
-    eq: Equations,
+    model: SymbolicModel,
+    eq: SymbolicEquations,
     values: dict[str, float],
     start: dict[str, float],
     summary: list[str],

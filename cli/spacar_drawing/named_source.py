@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 from spacar import expressions
 from spacar.arrays import Array
 from spacar.errors import UsageError
+from spacar_drawing.picture_source import PictureSource, open_source
 from spacar_drawing.scene import Scene
-from spacar_drawing.settings import Settings
-from spacar_drawing.source import Source, open_source
+from spacar_drawing.settings import PictureSettings
 
 GROUPS = {"Q": "QNAME", "S": "SNAME", "U": "UNAME", "Y": "YNAME"}
 
 
-def open_plotted(name: str | Path, stale_ok: bool = False) -> Source:
+def open_plotted(name: str | Path, stale_ok: bool = False) -> PictureSource:
     """The `.sbd` of this name for curves: one of a mode as `open_source` gives it, or one of `spacar symbolic`.
 
     Raises UsageError when there is no result or when it has no steps.
@@ -52,7 +52,8 @@ def open_plotted(name: str | Path, stale_ok: bool = False) -> Source:
 
     header = dict(file.header.items())
     stem = file.path.name.removesuffix(".part").removesuffix(".bak").removesuffix(".sbd")
-    return Source(_nothing(stem), Settings(), file.steps, str(file.path), None, read, header, file.complete, named)
+    said = PictureSettings()
+    return PictureSource(_nothing(stem), said, file.steps, str(file.path), None, read, header, file.complete, named)
 
 
 class _Names(ast.NodeTransformer):
@@ -89,7 +90,7 @@ def _coordinate(i: int) -> ast.expr:
 class _Columns:
     """The quantities as coordinates 1 of nodes 1, 2, ...; none has deformations."""
 
-    source: Source
+    source: PictureSource
 
     @property
     def lnp(self) -> NDArray[np.int64]:
@@ -103,7 +104,7 @@ class _Columns:
         return np.column_stack(list(self.source.named.values())) if name == "x" else self.source.get(name)
 
 
-def named_values(source: Source, text: str) -> tuple[Array, str]:
+def named_values(source: PictureSource, text: str) -> tuple[Array, str]:
     """(steps,) values of an expression of named quantities, or of a name that is none (`T + V`), and the name if it is
     a single one. Units are those of the model, which nobody stated. Raises UsageError."""
     text, names = text.strip(), list(source.named)

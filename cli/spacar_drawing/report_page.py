@@ -13,25 +13,25 @@ import numpy as np
 
 import spacar
 from spacar.errors import UsageError
-from spacar_drawing.expressions import Curve, evaluate
+from spacar_drawing.curves import Curve, evaluate
 from spacar_drawing.history import axis_text, history_figure
 from spacar_drawing.mechanism_picture import Extras, draw_steps
-from spacar_drawing.moving import evenly
+from spacar_drawing.moving_figure import evenly
 from spacar_drawing.report_style import STYLE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from spacar_drawing.mode_shapes import ModeShape
+    from spacar_drawing.picture_source import PictureSource
     from spacar_drawing.scene import Scene
-    from spacar_drawing.source import Source
 
 MOST_CURVES = 12
 MOST_MODES = 4
 DPI = 120
 
 
-def report_page(source: Source, expressions: Sequence[str] = (), log_lines: int = 120, view: str = "iso") -> str:
+def report_page(source: PictureSource, expressions: Sequence[str] = (), log_lines: int = 120, view: str = "iso") -> str:
     """The page of a result. Raises UsageError for an expression that cannot be evaluated."""
     scene = source.scene
     extras = Extras(view=view, title="")
@@ -56,7 +56,7 @@ def report_page(source: Source, expressions: Sequence[str] = (), log_lines: int 
     )
 
 
-def key_curves(source: Source) -> list[Curve]:
+def key_curves(source: PictureSource) -> list[Curve]:
     """What a reader wants to see first: in inverse dynamics the stresses and motions of the hinges; else the degrees of
     freedom that the analysis found, what the prescribed ones need as driving forces or stresses, and the coordinates
     that move most."""
@@ -119,7 +119,7 @@ def freedoms(scene: Scene) -> list[tuple[str, str, str]]:
     return [(text, words, kind) for _, text, words, kind in sorted(found, key=lambda f: f[0])]
 
 
-def _summary(source: Source) -> str:
+def _summary(source: PictureSource) -> str:
     header, scene = source.header, source.scene
     mode = scene.analysis
     words: dict[str, str] = {}
@@ -140,7 +140,7 @@ def _summary(source: Source) -> str:
     return warning + _table(rows, head=None, klass="facts")
 
 
-def _steps(source: Source) -> str:
+def _steps(source: PictureSource) -> str:
     if source.scene.analysis.stationary or source.steps == 1:
         return str(source.steps)
     return f"{source.steps}, t = {source.time(1):.6g} to {source.time(source.steps):.6g} s"
@@ -151,7 +151,7 @@ def _text(header: object, name: str) -> str:
     return str(value[0]) if len(value) else ""
 
 
-def _model(source: Source, extras: Extras) -> str:
+def _model(source: PictureSource, extras: Extras) -> str:
     from dataclasses import replace
 
     scene = source.scene
@@ -171,7 +171,7 @@ def _model(source: Source, extras: Extras) -> str:
     return out
 
 
-def _freedoms(source: Source) -> str:
+def _freedoms(source: PictureSource) -> str:
     found = freedoms(source.scene)
     counts = {kind: sum(f[2] == kind for f in found) for kind in ("input", "dynamic", "kinematic")}
     words = {"input": "prescribed", "dynamic": "dynamic", "kinematic": "kinematic"}
@@ -183,7 +183,7 @@ def _freedoms(source: Source) -> str:
     return f"<h2>Degrees of freedom</h2><p>{text}.</p>{table}"
 
 
-def _results(source: Source, curves: Sequence[Curve]) -> str:
+def _results(source: PictureSource, curves: Sequence[Curve]) -> str:
     """Start, end and extremes of the curves; of a single step the values."""
     if not curves:
         return ""
@@ -209,7 +209,7 @@ def _results(source: Source, curves: Sequence[Curve]) -> str:
     return "<h2>Key results</h2>" + _table(rows, head, "numbers")
 
 
-def _plots(source: Source, curves: Sequence[Curve]) -> str:
+def _plots(source: PictureSource, curves: Sequence[Curve]) -> str:
     if not curves:
         return ""
     across = evaluate(source, "t")
@@ -217,7 +217,7 @@ def _plots(source: Source, curves: Sequence[Curve]) -> str:
     return "<h2>Plots</h2>" + _figure(figure, ", ".join(c.text for c in curves) + " over time.")
 
 
-def _modes(source: Source, extras: Extras) -> str:
+def _modes(source: PictureSource, extras: Extras) -> str:
     """Tables and pictures of vibration and buckling modes; a sentence where the result has none."""
     from spacar_drawing.look import SYMBOL, look_of
     from spacar_drawing.mode_picture import mode_still
@@ -258,7 +258,7 @@ def _vibration_row(mode: ModeShape) -> tuple[str, ...]:
     return str(mode.number), _number(real), _number(omega), _number(omega / (2 * np.pi)), ratio
 
 
-def _constraints(source: Source, extras: Extras) -> str:
+def _constraints(source: PictureSource, extras: Extras) -> str:
     from spacar_drawing.look import SYMBOL, look_of
     from spacar_drawing.mode_picture import constraint_still
     from spacar_drawing.redundancy import redundancy
@@ -273,7 +273,7 @@ def _constraints(source: Source, extras: Extras) -> str:
     )
 
 
-def _log(source: Source, lines: int) -> str:
+def _log(source: PictureSource, lines: int) -> str:
     path = Path(source.name).parent / f"{source.scene.title}.log"
     if not lines or not path.is_file():
         return ""

@@ -44,7 +44,7 @@ class Scene:
     keywords  one per element number ("": unused);  lnp (nodes, 4), le (elements, 6; 8), ln (elements, 4; 6) as filed
     frame_p, frame_q  (elements, 3, 3) rows x', y', z' of the start frames, zero where none exists
     length    (elements,) undeformed length [m];  data (elements, k) radii, pitch;  stiffness, damping (elements, 6)
-    quadratic (elements,) 1 where the strains have second order terms
+    quadratic (elements,) measure of the strains and whether they have second order terms, table kdform (files.md 4)
     nxp, nep  (5,) coordinates and deformations per class
     """
 

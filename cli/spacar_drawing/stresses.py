@@ -21,7 +21,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar_drawing.scene import Element, Scene
 from spacar_drawing.sections import moments, rectangle_twist_stress
-from spacar_drawing.settings import Section
+from spacar_drawing.settings import SectionShape
 
 GRID = 15  # points across a section in each direction
 RESULTANTS = {
@@ -55,15 +55,17 @@ class Resultants:
 def planar_end_moments(scene: Scene, e: Element, s: Array, deformation: Array) -> tuple[float, float]:
     """Internal moments EI w'' at p and q [N m] of stresses s and deformations (6,) (theory-planar.md 3.1 (3) to (5)).
 
-    The strain e2 = l0 sin a_p gives cos a_p (for a curved tube the angles are counted from the start).
+    The strain e2 = l0 sin a_p gives cos a_p (for a curved tube the angles are counted from the start); in the angle
+    measure it is l0 a_p, and 1 stands for the cosine (theory-beam-order4.md 1).
     """
     i = e.number - 1
     l0 = float(scene.length[i])
     e2, e3 = deformation[1], deformation[2]
     Phi = 12.0 * float(scene.stiffness[i, 2]) / l0**2
-    scale = float(scene.quadratic[i]) / (60.0 * l0 * (1.0 + Phi) ** 2)
+    measure = int(scene.quadratic[i])  # kdform: 0, 1 sines without and with Q; 2, 3 angles with and without Q
+    scale = float(measure in (1, 2)) / (60.0 * l0 * (1.0 + Phi) ** 2)
     A, B = (4 + 5 * Phi + 2.5 * Phi**2) * scale, (2 + 10 * Phi + 5 * Phi**2) * scale
-    cosine = np.sqrt(np.maximum(1.0 - (deformation[1:3] / l0) ** 2, 0.0))
+    cosine = np.sqrt(np.maximum(1.0 - (deformation[1:3] / l0) ** 2, 0.0)) if measure < 2 else np.ones(2)
     p = -l0 * cosine[0] * (s[1] + (2 * A * e2 + B * e3) * s[0])
     q = -l0 * cosine[1] * (s[2] + (2 * A * e3 + B * e2) * s[0])
     return float(p), float(q)
@@ -94,7 +96,7 @@ def resultants(scene: Scene, e: Element, sig: Array, e_values: Array, n: int) ->
     )
 
 
-def section_points(section: Section) -> tuple[Array, Array]:
+def section_points(section: SectionShape) -> tuple[Array, Array]:
     """Places y, z (m,) [m] over a section."""
     if section.shape in ("RECT", "RECTHOL"):
         w, h = section.dims[:2]
@@ -109,7 +111,7 @@ def section_points(section: Section) -> tuple[Array, Array]:
     return (r * np.cos(a)).ravel(), (r * np.sin(a)).ravel()
 
 
-def stress_field(section: Section, r: Resultants) -> tuple[Array, Array]:
+def stress_field(section: SectionShape, r: Resultants) -> tuple[Array, Array]:
     """Normal stress and shear stress, each (places along the element, points of the section) [N/m^2]."""
     m = moments(section)
     if m is None:
@@ -139,7 +141,7 @@ def stress_field(section: Section, r: Resultants) -> tuple[Array, Array]:
     return normal, np.hypot(tau_y, tau_z)
 
 
-def along(quantity: str, r: Resultants, section: Section | None) -> Array | None:
+def along(quantity: str, r: Resultants, section: SectionShape | None) -> Array | None:
     """(n,) a quantity of QUANTITIES along an element; None when it needs a cross-section that is not given."""
     if quantity in RESULTANTS:
         value: Array = getattr(r, quantity)

@@ -8,9 +8,9 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar_drawing import look as paint
+from spacar_drawing.drawn_shapes import Faces, Label, Line, Mark, Shape, circle, normal_pair, solid
 from spacar_drawing.look import Look, middle
 from spacar_drawing.scene import ROUND, Pose, Scene
-from spacar_drawing.shapes import Faces, Label, Line, Mark, Shape, circle, normal_pair, solid
 
 X, Y, Z = np.eye(3)
 

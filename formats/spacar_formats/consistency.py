@@ -11,7 +11,7 @@ import numpy as np
 
 from spacar.modes import MODES
 from spacar_formats.sbf import SbfError, SbfFile
-from spacar_formats.sbf.layout import INTEGER, TEXT
+from spacar_formats.sbf.record_layout import INTEGER, TEXT
 
 COORDINATES = ("X", "XD", "XDD", "FX", "FXGRAV", "FXT")
 DEFORMATIONS = ("E", "ED", "EDD", "SIG")

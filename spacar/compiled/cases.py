@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.compiled.model import Model
+from spacar.compiled.compiled_model import CompiledModel
 from spacar.compiled.numbers import Numbers
 from spacar.errors import AnalysisError
 from spacar.kinematics import Kinematics
@@ -30,7 +30,7 @@ class CompiledCases:
         of = np.minimum(np.arange(-(-self.n_cases // LANES) * LANES), self.n_cases - 1).reshape(-1, LANES)
         kinematics = Kinematics(mechanism)
         scales, equations = (kinematics.scale, mechanism.deformation_scale), len(kinematics.E)
-        self.models = [Model(n, numbers.take(cases), scales, equations, polynomial=True) for cases in of]
+        self.models = [CompiledModel(n, numbers.take(cases), scales, equations, polynomial=True) for cases in of]
         self.states = [model.state() for model in self.models]
         self.shown = [model.state() for model in self.models]
         self.y0 = np.ascontiguousarray(start[of].transpose(0, 2, 1)).ravel()

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from spacar.compiled.parameters import LEFT
+from spacar.compiled.element_parameters import LEFT
 
 
 @dataclass(frozen=True)

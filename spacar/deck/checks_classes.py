@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from spacar.deck.scene import Classes, Scene
+from spacar.deck.check_material import CheckMaterial, Classes
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
 
@@ -17,7 +17,7 @@ _DONE = {
 }
 
 
-def classify(scene: Scene) -> None:
+def classify(scene: CheckMaterial) -> None:
     """Fill the classes of the scene; one thing in two classes is an error, twice in one class a warning."""
     outline = scene.outline
     for s in scene.statements:
@@ -35,7 +35,7 @@ def classify(scene: Scene) -> None:
     _check_kinematic(scene)
 
 
-def _without_released(scene: Scene, s: Statement, indices: tuple[int, ...]) -> tuple[int, ...]:
+def _without_released(scene: CheckMaterial, s: Statement, indices: tuple[int, ...]) -> tuple[int, ...]:
     """The modes that the statement can give a class to; others are an error, except for RLSE, which says what holds."""
     number = s.integer(0)
     released = scene.outline.types[number].released
@@ -52,7 +52,7 @@ def _without_released(scene: Scene, s: Statement, indices: tuple[int, ...]) -> t
 
 
 def _put(
-    scene: Scene, s: Statement, noun: str, indices: tuple[int, ...], name: str, classes: Classes
+    scene: CheckMaterial, s: Statement, noun: str, indices: tuple[int, ...], name: str, classes: Classes
 ) -> None:
     number = s.integer(0)
     again: dict[int, list[int]] = {}
@@ -76,7 +76,7 @@ def _listed(numbers: list[int]) -> str:
     return f"{', '.join(map(str, numbers[:-1]))} and {numbers[-1]}"
 
 
-def _check_euler_parameters(scene: Scene) -> None:
+def _check_euler_parameters(scene: CheckMaterial) -> None:
     """At most three of the four Euler parameters of a node can be given: the normalization gives the
     fourth."""
     for node, role in scene.outline.roles.items():
@@ -94,7 +94,7 @@ def _check_euler_parameters(scene: Scene) -> None:
             scene.findings.error(last, None, text, "normalization")
 
 
-def _check_kinematic(scene: Scene) -> None:
+def _check_kinematic(scene: CheckMaterial) -> None:
     if not scene.outline.complete or any(t.slips for t in scene.outline.types.values()):
         return
     wheels = ", ".join(t.keyword for t in ELEMENT_TYPES.values() if t.slips)

@@ -3,15 +3,15 @@ loading."""
 
 from __future__ import annotations
 
+from spacar.deck.check_material import CheckMaterial
 from spacar.deck.checks_references import at_least, one_of, positive
-from spacar.deck.scene import Scene
 from spacar.deck.statement import Statement
 from spacar.deck.table_solvers import INTEGRATOR_ALIASES, INTEGRATORS, alias_note
 
 _ADDITIONAL = ("DELXF", "DELGRAV", "DELOMF", "DELESIG", "DELINPX", "DELINPE")
 
 
-def check_dynamics(scene: Scene) -> None:
+def check_dynamics(scene: CheckMaterial) -> None:
     """Everything that concerns the dynamics block beyond single statements."""
     for s in scene.statements:
         if s.block == 2:
@@ -26,7 +26,7 @@ def check_dynamics(scene: Scene) -> None:
         _check_motion(scene)
 
 
-def _check_signs(scene: Scene, s: Statement) -> None:
+def _check_signs(scene: CheckMaterial, s: Statement) -> None:
     """Negative masses, stiffnesses, dampings; inertia tensors that no body can have."""
     findings = scene.findings
     if (s.keyword == "XM" and len(s.values) > 2) or (
@@ -50,7 +50,7 @@ def _check_signs(scene: Scene, s: Statement) -> None:
         findings.warning(s, 2, f"negative mass {s.real(2):g}", "negative")
 
 
-def check_tensor(scene: Scene, s: Statement) -> None:
+def check_tensor(scene: CheckMaterial, s: Statement) -> None:
     """Warn when the inertia tensor of XM or TRM is not positive semi-definite (all principal minors not
     negative)."""
     xx, xy, xz, yy, yz, zz = s.reals(1, 6)
@@ -66,7 +66,7 @@ def check_tensor(scene: Scene, s: Statement) -> None:
         scene.findings.warning(s, 1, text, "tensor")
 
 
-def _check_settings(scene: Scene, s: Statement) -> None:
+def _check_settings(scene: CheckMaterial, s: Statement) -> None:
     """Ranges of single values."""
     findings = scene.findings
     if s.keyword == "TIMESTEP":
@@ -96,7 +96,7 @@ def _check_settings(scene: Scene, s: Statement) -> None:
         one_of(findings, s, 5, (0, 1, 2, 3), "end condition")
 
 
-def _check_stiffness(scene: Scene) -> None:
+def _check_stiffness(scene: CheckMaterial) -> None:
     """Dynamic deformations of beams and trusses without stiffness move freely: meant for measuring
     elements."""
     stiff = {s.integer(0): s for s in scene.of("ESTIFF", block=2)}
@@ -116,7 +116,7 @@ def _check_stiffness(scene: Scene) -> None:
         scene.findings.information(by, None, text, "no-stiffness")
 
 
-def _check_warping(scene: Scene) -> None:
+def _check_warping(scene: CheckMaterial) -> None:
     """A warping node that neither a stiffness nor a class holds makes the stiffness matrix singular."""
     given = {s.integer(0): s for s in scene.of("ESTIFF", block=2)}
     held: dict[int, bool] = {}
@@ -133,7 +133,7 @@ def _check_warping(scene: Scene) -> None:
             scene.findings.warning(by, None, text, "free-warping")
 
 
-def _check_preload(scene: Scene) -> None:
+def _check_preload(scene: CheckMaterial) -> None:
     """The stress of a fixed deformation is whatever keeps it fixed: a preload on it changes nothing. The same holds
     for a prescribed one, except in mode 3, where prescribed deformations are the degrees of freedom."""
     acts = scene.analysis is None or scene.analysis.takes_setpoints
@@ -158,7 +158,7 @@ def _check_preload(scene: Scene) -> None:
                 scene.findings.warning(s, modes[0], text, "preload-lost")
 
 
-def _check_moments(scene: Scene) -> None:
+def _check_moments(scene: CheckMaterial) -> None:
     """Which reading of the numbers of XF on Euler parameters was used."""
     for s in scene.of("XF", "DELXF", block=2):
         node = s.integer(0)
@@ -179,7 +179,7 @@ def _check_moments(scene: Scene) -> None:
             scene.findings.warning(s, 1, text, "moment")
 
 
-def _check_additional(scene: Scene) -> None:
+def _check_additional(scene: CheckMaterial) -> None:
     """ITERSTEP types 2 and 3 apply the additional loading, types 0 and 1 do not."""
     step = next(iter(scene.of("ITERSTEP")), None)
     kind = int(step.real(4)) if step is not None else 0
@@ -193,7 +193,7 @@ def _check_additional(scene: Scene) -> None:
         scene.findings.warning(loads[0], None, text, "additional-loading")
 
 
-def _check_motion(scene: Scene) -> None:
+def _check_motion(scene: CheckMaterial) -> None:
     """Prescribed coordinates and deformations without a time function."""
     if scene.of("USERINP"):
         return

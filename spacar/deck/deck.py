@@ -8,12 +8,12 @@ from functools import cached_property
 from importlib import import_module
 from pathlib import Path
 
+from spacar.deck.deck_reader import NOT_UTF8, Span, read_text
 from spacar.deck.lexer import visualization_of
-from spacar.deck.modes import Purpose
-from spacar.deck.reader import NOT_UTF8, Span, read_text
+from spacar.deck.mode_blocks import Purpose
 from spacar.deck.section_block import BeamSection
 from spacar.deck.statement import Statement, Value
-from spacar.deck.table_types import Block
+from spacar.deck.table_types import BlockKind
 from spacar.errors import Message, UsageError
 
 
@@ -37,7 +37,7 @@ class Deck:
     visualization: tuple[str, ...] = ()
     messages: tuple[Message, ...] = ()
     mode: Purpose = None
-    third: Block | None = None
+    third: BlockKind | None = None
     spans: dict[int, Span] = field(default_factory=dict, repr=False)
     shorthand: tuple[Statement, ...] = ()
     sections: tuple[BeamSection, ...] = ()
@@ -97,7 +97,7 @@ class Deck:
 
     def to_text(self) -> str:
         """Canonical text, one statement a line, that reads back to the same statements."""
-        from spacar.deck.writer import write
+        from spacar.deck.deck_writer import write
 
         return write(self.statements, self.visualization)
 
@@ -121,7 +121,7 @@ class Deck:
 
     def with_value(self, statement: Statement, position: int, value: Value) -> Deck:
         """A new deck in which argument `position` (from 1) of the statement has another `value`; see `set`."""
-        from spacar.deck.writer import splice
+        from spacar.deck.deck_writer import splice
 
         self.require_written(statement)
         text = splice(self.text, statement, position, value)
@@ -153,7 +153,7 @@ class Deck:
         kinematics, dynamics, third   statements of the three blocks;  mode   as `read_deck`
         source   its name in messages;  path   where it would stand: functions of the user are looked for beside it
         """
-        from spacar.deck.writer import write_rows
+        from spacar.deck.deck_writer import write_rows
 
         return parse(write_rows([kinematics, dynamics, third]), source, mode, path=path)
 

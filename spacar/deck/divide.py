@@ -24,10 +24,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 
+from spacar.deck.keyword_table import KEYWORDS
 from spacar.deck.statement import Statement, Value
-from spacar.deck.table import KEYWORDS
 from spacar.deck.table_elements import ELEMENT_TYPES
-from spacar.deck.table_types import Block
+from spacar.deck.table_types import BlockKind
 
 PAIRS = {t.keyword: t.split for t in ELEMENT_TYPES.values() if t.split}  # bending modes at p and q
 BEAMS = tuple(PAIRS)
@@ -97,7 +97,7 @@ def obstacles(
 
 def _elements_of_port(s: Statement) -> set[Value]:
     """Elements that a statement of the third block is about: OUTE, INPUTS ... port, element, mode; TRE element, ..."""
-    for block in Block:
+    for block in BlockKind:
         keyword = KEYWORDS.get((s.keyword, block)) if block.number == 3 else None
         if keyword is not None:
             parameters = keyword.variants[0].parameters

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from spacar.deck.sections import SHAPES
+from spacar.deck.cross_section import SHAPES
 from spacar.deck.statement import Value
 from spacar.deck.table_types import ElementType, Parameter
 

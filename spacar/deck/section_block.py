@@ -6,10 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 
-from spacar.deck.divide import PAIRS, divided, made, obstacles, stiffness_modes
-from spacar.deck.findings import Findings, alternatives
-from spacar.deck.outline import Outline
-from spacar.deck.sections import (
+from spacar.deck.cross_section import (
     LEAST,
     MATERIALS,
     SHAPES,
@@ -21,6 +18,9 @@ from spacar.deck.sections import (
     spatial_rows,
     warping_rows,
 )
+from spacar.deck.divide import PAIRS, divided, made, obstacles, stiffness_modes
+from spacar.deck.findings import Findings, alternatives
+from spacar.deck.outline import Outline
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.deck.table_sections import KEYWORDS
@@ -54,7 +54,7 @@ class Expansion:
 
 
 @dataclass(frozen=True)
-class _Section:
+class _GivenSection:
     shape: str
     dims: tuple[float, ...]
 
@@ -96,7 +96,7 @@ def expand(statements: Sequence[Statement], outline: Outline, findings: Findings
     return Expansion(tuple(full), _outline_of(full, outline), tuple(found), tuple(drawn))
 
 
-def _sections(statements: Sequence[Statement], findings: Findings) -> dict[str, _Section]:
+def _sections(statements: Sequence[Statement], findings: Findings) -> dict[str, _GivenSection]:
     """Sections by name in small letters."""
     _once(statements, findings)
     found = {}
@@ -126,7 +126,7 @@ def _sections(statements: Sequence[Statement], findings: Findings) -> dict[str, 
         elif wrong:
             findings.error(s, 2, wrong, "section")
         else:
-            found[name.casefold()] = _Section(word, dims)
+            found[name.casefold()] = _GivenSection(word, dims)
     return found
 
 
@@ -160,11 +160,11 @@ def _once(statements: Sequence[Statement], findings: Findings) -> None:
 def _use(
     s: Statement,
     plain: Sequence[Statement],
-    sections: Mapping[str, _Section],
+    sections: Mapping[str, _GivenSection],
     materials: Mapping[str, Material],
     outline: Outline,
     findings: Findings,
-) -> tuple[_Section, Material, SectionConstants] | None:
+) -> tuple[_GivenSection, Material, SectionConstants] | None:
     """Section, material and constants of a BEAMSEC; None after an error."""
     number = s.integer(0)
     kind = outline.types.get(number)
@@ -191,7 +191,7 @@ def _use(
             return None
         found.append(thing)
     section, material = found
-    assert isinstance(section, _Section)
+    assert isinstance(section, _GivenSection)
     assert isinstance(material, Material)
     return section, material, SHAPES[section.shape].constants(*section.dims, material.nu)
 

@@ -11,7 +11,7 @@ from spacar.deck.table_types import (
     NODE,
     ORIENTATION,
     SURPLUS,
-    Block,
+    BlockKind,
     ElementType,
     Keyword,
     Parameter,
@@ -23,7 +23,7 @@ from spacar.deck.table_types import (
     vector,
 )
 
-_D = Block.DYNAMICS
+_D = BlockKind.DYNAMICS
 
 # -- inertia -----------------------------------------------------------------------------------------------
 

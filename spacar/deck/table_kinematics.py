@@ -6,7 +6,7 @@ from spacar.deck.table_elements import ELEMENT_TYPES, types_with
 from spacar.deck.table_types import (
     ELEMENT,
     NODE,
-    Block,
+    BlockKind,
     Keyword,
     Variant,
     form,
@@ -46,7 +46,7 @@ def _modes() -> tuple[Variant, ...]:
 def _class(name: str, text: str, of: str, note: str = "") -> Keyword:
     variants = _coordinates() if of == "node" else _modes()
     notes = (_K5, _DEFAULT_X) if of == "node" else (_K6, _DEFAULT_E)
-    return Keyword(name, Block.KINEMATICS, text, variants, notes=(*notes, note) if note else notes)
+    return Keyword(name, BlockKind.KINEMATICS, text, variants, notes=(*notes, note) if note else notes)
 
 
 _WHEELS = "Only for mechanisms with wheels: its rate is not an independent velocity."
@@ -55,7 +55,7 @@ _X1, _X2, _X3 = (real(f"coordinate {c}", "m", 0.0) for c in ("x1", "x2", "x3"))
 KEYWORDS = (
     Keyword(
         "X",
-        Block.KINEMATICS,
+        BlockKind.KINEMATICS,
         "position of a node in the reference configuration",
         (
             form((NODE, _X1, _X2), 2, 3, space="planar", components=True),
@@ -73,13 +73,26 @@ KEYWORDS = (
     _class("KINE", "deformations that are kinematic configuration coordinates", "element", _WHEELS),
     Keyword(
         "LDEFORM",
-        Block.KINEMATICS,
+        BlockKind.KINEMATICS,
         "leave out the non-linear terms in the strains of a beam",
         (form((ELEMENT,), types=types_with("LDEFORM")),),
     ),
     Keyword(
+        "ADEFORM",
+        BlockKind.KINEMATICS,
+        "measure the deformations of a beam or tube by angles: elements of fourth order",
+        (form((integer("element number", "element", 0),), types=types_with("ADEFORM")),),
+        unique=1,
+        notes=(
+            "Without element number: all beams and tubes of the file. --beams angle and --beams sine replace it.",
+            "Recommended for new models: results converge with the fourth power of the element length, with the sine "
+            "measure, the default, with the second (theory-beam-order4.md). Digits of the published examples belong to "
+            "the sine measure.",
+        ),
+    ),
+    Keyword(
         "ORPINBOD",
-        Block.KINEMATICS,
+        BlockKind.KINEMATICS,
         "measuring directions of a pinbody or rigid beam",
         (
             form((ELEMENT, *vector("direction of x',", "x y")), 3, types=_BODIES2),
@@ -106,7 +119,7 @@ KEYWORDS = (
     ),
     Keyword(
         "DRPINBOD",
-        Block.KINEMATICS,
+        BlockKind.KINEMATICS,
         "undeformed projections of xq - xp on the directions of a pinbody or rigid beam",
         (
             form(
@@ -133,7 +146,7 @@ KEYWORDS = (
     ),
     Keyword(
         "ORTUBE",
-        Block.KINEMATICS,
+        BlockKind.KINEMATICS,
         "initial tangents and end direction of a curved spatial tube",
         (
             form(
@@ -150,7 +163,7 @@ KEYWORDS = (
     ),
     Keyword(
         "OUTLEVEL",
-        Block.KINEMATICS,
+        BlockKind.KINEMATICS,
         "amount of output in the log and in the .sbd file (sums of flags, -1: everything)",
         (form((integer("level of the log"), integer("level of the .sbd file", default=0))),),
         unique=0,

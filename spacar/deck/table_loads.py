@@ -10,7 +10,7 @@ from spacar.deck.table_types import (
     MODE,
     NODE,
     SURPLUS,
-    Block,
+    BlockKind,
     Keyword,
     Parameter,
     Variant,
@@ -19,7 +19,7 @@ from spacar.deck.table_types import (
     vector,
 )
 
-_D = Block.DYNAMICS
+_D = BlockKind.DYNAMICS
 
 
 def _force(text: str) -> tuple[Variant, ...]:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from spacar.deck.sections import MATERIALS, SHAPES
-from spacar.deck.table_types import ELEMENT, Block, Keyword, Parameter, form, integer, real
+from spacar.deck.cross_section import MATERIALS, SHAPES
+from spacar.deck.table_types import ELEMENT, BlockKind, Keyword, Parameter, form, integer, real
 
-_K = Block.KINEMATICS
+_K = BlockKind.KINEMATICS
 UNITS = {"m": 1.0, "mm": 1e-3}
 _NAME = "A name starts with a letter; capitals and small letters are the same."
 _dims = tuple(real(f"dimension {k} (see below)", "", None if k == 1 else 0.0) for k in range(1, 8))

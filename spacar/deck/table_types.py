@@ -15,7 +15,7 @@ def coordinates_of(role: str, planar: bool) -> int:
     return COORDINATES[role][0 if planar else 1]
 
 
-class Block(Enum):
+class BlockKind(Enum):
     """A kind of input block. The third block of a file has one of the last three kinds."""
 
     KINEMATICS = "kinematics block"
@@ -87,7 +87,7 @@ class Keyword:
     """
 
     name: str
-    block: Block
+    block: BlockKind
     help: str
     variants: tuple[Variant, ...]
     unique: int | None = None
@@ -122,7 +122,8 @@ class ElementType:
     vector, with the role plane (a vector in the x'y' plane, not parallel to pq), axis (any direction) or
     spin (not parallel to pq).
 
-    `family` is "module:Class" in `spacar.elements`, empty for a type that is not supported. `shape` says what
+    `family` is "module:Class" in `spacar.elements`, empty for a type that is not supported, `angle_family` that of
+    the angle measure (ADEFORM) of types that have one. `shape` says what
     the element is like: beam, truss, hinge, body, or a shape of its own; pictures are chosen by it.
     `coefficients` and `mass` name the forms of ESTIFF, EDAMP and of EM in `table_dynamics` (one per mode; no EM).
     `statements` are those of both blocks that apply to some types only. `axial`: mode 1 is the change of the
@@ -147,6 +148,7 @@ class ElementType:
     direction: tuple[int, int, str] | None = None
     notes: tuple[str, ...] = ()
     family: str = ""
+    angle_family: str = ""
     shape: str = ""
     coefficients: str = "modes"
     mass: str = ""

@@ -13,10 +13,10 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.elements import warping_strain as strain_of
-from spacar.elements.base import ElementGroup, Trouble
-from spacar.elements.beam import BeamConfiguration, SpatialBeam
+from spacar.elements.beam import SpatialBeam, SpatialBeamConfiguration
 from spacar.elements.beam_inertia import LineConstants, LineState, line_state
 from spacar.elements.beam_strain import BeamConstants, put
+from spacar.elements.family import ElementGroup, Trouble
 from spacar.elements.rotation import expand
 
 _BEAM = np.array([0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14])  # coordinates that a BEAM has too
@@ -135,8 +135,8 @@ class BeamWithWarping(SpatialBeam):
         return super().troubles(_of_beam(c), e, sigma)
 
 
-def _of_beam(c: WarpingConfiguration) -> BeamConfiguration:
-    return BeamConfiguration(c.strain.beam, c.line)
+def _of_beam(c: WarpingConfiguration) -> SpatialBeamConfiguration:
+    return SpatialBeamConfiguration(c.strain.beam, c.line)
 
 
 def _product(Q: Array, e: Array) -> Array:

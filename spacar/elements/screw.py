@@ -17,8 +17,8 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.elements import hinge as turning
 from spacar.elements import pinbody as sliding
-from spacar.elements.base import ElementGroup, Family, GeometryError
-from spacar.elements.frames import axis_frame, rows
+from spacar.elements.family import ElementGroup, Family, GeometryError
+from spacar.elements.local_frames import axis_frame, rows
 from spacar.elements.rotation import expand, relative_parameters
 
 

@@ -19,9 +19,9 @@ from typing import NamedTuple
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.elements.base import ElementGroup, Family, GeometryError, Trouble
-from spacar.elements.frames import rows, stack, unit
+from spacar.elements.family import ElementGroup, Family, GeometryError, Trouble
 from spacar.elements.hinge import diagonal
+from spacar.elements.local_frames import rows, stack, unit
 from spacar.elements.rotation import cross, director_tensor, expand, global_matrix
 
 _einsum = np.einsum

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.forces import StressLaw
 from spacar.errors import Report, UsageError
 from spacar.forward.driver import at_time

@@ -25,8 +25,8 @@ from spacar.errors import InputError, Message, Report
 from spacar.integrators import EvenTimes
 from spacar.inverse.paths import BadPath, Path, arc, change, straight, turn
 from spacar.inverse.profile import IllegalProfile, Profile, make_profile
-from spacar.mechanism.inertia import symmetric
 from spacar.mechanism.layout import Batch
+from spacar.mechanism.lumped_inertia import symmetric
 from spacar.mechanism.mechanism import Drive, DriveState, Mechanism
 from spacar.mechanism.numbering import Numbering
 
@@ -81,7 +81,7 @@ class TrajectoryDrive:
 
 
 @dataclass(frozen=True)
-class Program:
+class TrajectoryProgram:
     """What mode 2 runs through: the motion and its trajectories; as long as it has output times."""
 
     drive: Drive
@@ -105,7 +105,7 @@ class Program:
         return rests
 
 
-def program(mechanism: Mechanism, report: Report) -> Program:
+def program(mechanism: Mechanism, report: Report) -> TrajectoryProgram:
     """The motion of all TRAJECT statements and its output times.
 
     Raises InputError for an illegal velocity profile or path, with the line of the statement, and without a TRAJECT.
@@ -128,7 +128,7 @@ def program(mechanism: Mechanism, report: Report) -> Program:
     user = deck.last("USERTRAJ", block=3)
     if user is not None:
         drive = _user_drive(mechanism, user, legs[0])
-    return Program(drive, tuple(legs))
+    return TrajectoryProgram(drive, tuple(legs))
 
 
 def groups(deck: Deck) -> list[tuple[int, tuple[Statement, ...]]]:

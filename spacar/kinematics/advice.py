@@ -42,7 +42,7 @@ rows."""
 
 
 @dataclass(frozen=True)
-class Part:
+class OverconstraintPart:
     """A deformation in an over-constraint: share (of 1 over all), and the effect of its release."""
 
     element: int
@@ -155,7 +155,7 @@ def _keyword(deck: Deck, element: int) -> str:
     return next(s.keyword for s in deck.of(*ELEMENT_TYPES, block=1) if s.integer(0) == element)
 
 
-def paste_lines(deck: Deck, parts: list[Part]) -> list[str]:
+def paste_lines(deck: Deck, parts: list[OverconstraintPart]) -> list[str]:
     """Lines for the input file that release these deformations, those that do not keep the physics with a comment."""
     changed, rest = edits(deck, [(p.element, p.mode) for p in parts])
     lines = []

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from spacar.deck import Deck
 from spacar.deck.lexer import split_lines
-from spacar.kinematics.advice import KEEPS, Edit, Part, edits
+from spacar.kinematics.advice import KEEPS, Edit, OverconstraintPart, edits
 from spacar.kinematics.diagnosis import Diagnosis, diagnose
 
 ROUNDS = 3
@@ -24,7 +24,7 @@ class Release:
     flexible deformation can take away."""
 
     deck: Deck
-    parts: tuple[Part, ...]
+    parts: tuple[OverconstraintPart, ...]
     diagnosis: Diagnosis
 
     @property
@@ -37,7 +37,7 @@ def release(deck: Deck) -> Release:
 
     Raises InputError when the deck is wrong. A deck without over-constraints comes back as it is.
     """
-    parts: list[Part] = []
+    parts: list[OverconstraintPart] = []
     found = _diagnose(deck)
     for _ in range(ROUNDS):
         chosen = [p for p in found.advice if p.effect in KEEPS]
@@ -60,11 +60,11 @@ def released(deck: Deck, pairs: list[tuple[int, int]]) -> Deck:
 
 
 def _diagnose(deck: Deck) -> Diagnosis:
-    from spacar.kinematics.sweep import Sweep
+    from spacar.kinematics.element_sweep import ElementSweep
     from spacar.mechanism import build
 
     mechanism = build(deck, 0)
-    sweep = Sweep(mechanism)
+    sweep = ElementSweep(mechanism)
     sweep.strain(mechanism.x0)
     return diagnose(mechanism, sweep.gradient())
 

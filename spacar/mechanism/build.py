@@ -10,8 +10,8 @@ import numpy as np
 from spacar.arrays import Array, Index
 from spacar.deck import ELEMENT_TYPES, Deck, coordinates_of
 from spacar.errors import InputError, Message
-from spacar.mechanism import inertia, inputs
-from spacar.mechanism.batches import element_batches, node_batches
+from spacar.mechanism import inputs, lumped_inertia
+from spacar.mechanism.element_batches import element_batches, node_batches
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.mechanism import Mechanism, Start
 from spacar.mechanism.numbering import Numbering, number
@@ -35,8 +35,8 @@ def build(deck: Deck, mode: int = 1, **options: Any) -> Mechanism:
         x_class, e_class = _prescribed(x_class), _prescribed(e_class)
     numbering = number(elements, x_class, e_class)
     x0 = reference_configuration(deck, numbering)
-    batches = element_batches(deck, numbering, x0)
-    batches += node_batches(numbering, inertia.lumped(deck, numbering, batches))
+    batches = element_batches(deck, numbering, x0, options.get("beams") or "")
+    batches += node_batches(numbering, lumped_inertia.lumped(deck, numbering, batches))
     loads = inputs.loads(deck, numbering, batches)
     levels = analysis.stationary or analysis.takes_setpoints  # load steps, computed here or linearized about
     stiffness, damping = _constitutive(batches)
@@ -51,7 +51,7 @@ def build(deck: Deck, mode: int = 1, **options: Any) -> Mechanism:
         drive=inputs.drive(deck, numbering, x0),
         start=inputs.start(deck, numbering, x0) if not analysis.takes_setpoints else Start(*6 * (np.zeros(0),)),
         user_signal=inputs.user_signal(deck, numbering),
-        deformation_inertia=inertia.deformation_inertia(deck, numbering),
+        deformation_inertia=lumped_inertia.deformation_inertia(deck, numbering),
         stiffness=stiffness,
         damping=damping,
         settings=inputs.settings(deck).with_options(**options),

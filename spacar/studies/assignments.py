@@ -25,13 +25,13 @@ from typing import overload
 import numpy as np
 
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
-from spacar.deck.table import KEYWORDS, Block
+from spacar.deck.keyword_table import KEYWORDS, BlockKind
 from spacar.deck.table_types import Parameter
 from spacar.errors import UsageError
 
 TARGET = re.compile(r"([A-Za-z]\w*)((?:[.\s]+(?:\d+|\*))*)\s*(?:\[\s*([^\[\]]+?)\s*\])?")
 MOST_VALUES = 1_000_000
-BY_NUMBER = {block.number: block for block in Block if block.number < 3}
+BY_NUMBER = {block.number: block for block in BlockKind if block.number < 3}
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ class Axis:
 def change(deck: Deck, settings: Sequence[Setting], numbers: Sequence[float]) -> Deck:
     """The deck with a number at all places of each setting, read and checked once. Raises UsageError, InputError."""
     from spacar.deck.deck import parse
-    from spacar.deck.writer import splice
+    from spacar.deck.deck_writer import splice
 
     edits: dict[tuple[int, int], tuple[Statement, int, float | int]] = {}
     later = []
@@ -120,7 +120,7 @@ def setting(text: str) -> Setting:
             form = "KEYWORD.NUMBER[WHICH], for instance ESTIFF.3[EI] or INPUTX.2.1[start rate]"
             raise UsageError(f"cannot read '{part.strip()}': expected {form}", "study.set")
         keyword = match[1].upper()
-        if all((keyword, block) not in KEYWORDS for block in Block):
+        if all((keyword, block) not in KEYWORDS for block in BlockKind):
             raise UsageError(f"'{match[1]}' is not a keyword of the input language; see `spacar keywords`", "study.set")
         words = match[2].replace(".", " ").split()
         if "*" in words and words != ["*"]:

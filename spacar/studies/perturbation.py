@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from spacar.deck import Deck
-from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import UsageError
 from spacar.mechanism import build
 from spacar.result import Result

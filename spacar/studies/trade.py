@@ -26,10 +26,10 @@ from spacar.integrators.methods import METHODS
 from spacar.modes import find_mode
 from spacar.options import integrator
 from spacar.result import Result
-from spacar.studies.extrapolation import extrapolate
 from spacar.studies.models import linear_strain, refine, rigid
 from spacar.studies.perturbation import perturbation, require_perturbation
 from spacar.studies.quantities import Quantity, quantity
+from spacar.studies.richardson import extrapolate
 from spacar.studies.rows import Row, key
 from spacar.studies.sweep import explain
 

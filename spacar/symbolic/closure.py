@@ -23,7 +23,7 @@ from spacar.errors import AnalysisError, UsageError
 from spacar.symbolic.ordered import OrderedProgram
 
 ITERATIONS = 60
-DRIFT = {"DOP853": 0.1, "Radau": 0.1, "LSODA": 10.0, "BDF": 10.0}
+DRIFT = {"DOP853": 0.1, "Radau": 0.1, "LSODA": 10.0}
 """Correction, in tolerances, from which a run restarts at the projected state; dear for multistep methods."""
 NEARLY = 1e-3  # largest relative change of given start values that is taken as their rounding
 
@@ -208,7 +208,7 @@ def _null_space(A: np.ndarray) -> np.ndarray:
 
 
 @dataclass
-class Solution:
+class ProjectedSolution:
     """What `solve_ivp` gives, of an integration in pieces."""
 
     t: np.ndarray
@@ -227,7 +227,7 @@ def integrate(
     y0: np.ndarray,
     method: str,
     options: Mapping[str, Any],
-) -> Solution:
+) -> ProjectedSolution:
     """Integrate and keep to the constraints: outputs are projected, and so is the state when it has drifted."""
     from scipy import integrate as scipy_integrate
 
@@ -238,7 +238,7 @@ def integrate(
     while solver.status == "running":
         message = solver.step()
         if solver.status == "failed":
-            return Solution(
+            return ProjectedSolution(
                 times[:count], np.array(found).T, False, f"{message}. ", nfev + solver.nfev, njev, projections
             )
         if count < len(times) and times[count] <= solver.t:
@@ -250,6 +250,6 @@ def integrate(
         drift = np.max(np.abs(state - solver.y) / (atol + rtol * np.abs(state)))
         if drift > DRIFT[method] and solver.status == "running":
             nfev, njev, projections = nfev + solver.nfev, njev + solver.njev, projections + 1
-            first = {} if method in ("LSODA", "BDF") else {"first_step": min(solver.h_abs, abs(times[-1] - solver.t))}
+            first = {} if method == "LSODA" else {"first_step": min(solver.h_abs, abs(times[-1] - solver.t))}
             solver = make(f, solver.t, state, float(times[-1]), **options, **first)
-    return Solution(times, np.array(found).T, True, "", nfev + solver.nfev, njev + solver.njev, projections)
+    return ProjectedSolution(times, np.array(found).T, True, "", nfev + solver.nfev, njev + solver.njev, projections)

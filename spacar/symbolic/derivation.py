@@ -12,7 +12,7 @@ from spacar.symbolic.collect import ZTable
 from spacar.symbolic.constraints import ConstraintRows
 from spacar.symbolic.description import Description
 from spacar.symbolic.transform import DirectionCosines, transform
-from spacar.symbolic.units import HeldScalar
+from spacar.symbolic.unit_vectors import HeldScalar
 
 
 @dataclass(frozen=True)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import sympy as sp
 
 from spacar.errors import UsageError
+from spacar.symbolic.beam_shapes import X, integral
 from spacar.symbolic.derivation import DerivedEquations
 from spacar.symbolic.description import Description
-from spacar.symbolic.frames import omega
 from spacar.symbolic.held import damping_force
-from spacar.symbolic.parts import Point
-from spacar.symbolic.shapes import X, integral
+from spacar.symbolic.reference_frames import omega
+from spacar.symbolic.system_parts import GeometricPoint
 from spacar.symbolic.vectors import Vector, dot
 
 
@@ -44,9 +44,9 @@ def potential_energy(eq: DerivedEquations) -> sp.Expr:
     return eq.scalar(total)
 
 
-def position(system: Description, point: Point) -> Vector:
+def position(system: Description, point: GeometricPoint) -> Vector:
     """Position from the origin. UsageError for a point of which only the velocity is known, under gravity."""
-    here: Point | None = point
+    here: GeometricPoint | None = point
     while here is not None and system.gravity:
         if here.given and here.base is system.O and not here.offset:
             raise UsageError(f"point {here.name} has no position: potential energy is unknown")

@@ -1,6 +1,6 @@
 """One reading of a TOML model file: its tables, the types of their keys, the names they claim.
 
-Errors name the file, the table, the key, and what was expected. The keys: `tables.py`; what they mean: `model.py`.
+Errors name the file, the table, the key, and what was expected. Keys: `model_tables.py`; meaning: `model_reader.py`.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from spacar.errors import InputError, Message, UsageError
-from spacar.symbolic.names import control_character, is_name
-from spacar.symbolic.tables import KINDS, REFERENCES, SINGLE, TABLES, Key
+from spacar.symbolic.model_tables import KINDS, REFERENCES, SINGLE, TABLES, Key
+from spacar.symbolic.name_rules import control_character, is_name
 
 
 class ModelFile:

@@ -10,8 +10,9 @@ from collections.abc import Callable, Iterable
 
 import sympy as sp
 
-from spacar.symbolic.parts import Beam
-from spacar.symbolic.shapes import X, weighted_integral
+from spacar.symbolic.beam_shapes import X, weighted_integral
+from spacar.symbolic.splitting import common_factors
+from spacar.symbolic.system_parts import Beam
 
 Form = dict[sp.Expr, sp.Expr]
 Forms = tuple[Form, Form, Form]
@@ -42,7 +43,7 @@ class Integrals:
             for n, g in b.items():
                 parts.setdefault(m * n, []).append(self._pair(f, g))
         terms = [self.read(sp.Add(*values)) * m for m, values in parts.items()]
-        return self.read(sp.factor_terms(sp.Add(*terms)))
+        return self.read(common_factors(sp.Add(*terms)))
 
     def _pair(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
         if (f, g) not in self._pairs:

@@ -16,7 +16,7 @@ from sympy.core.function import AppliedUndef
 
 from spacar.errors import UsageError
 from spacar.symbolic.collect import definition_order
-from spacar.symbolic.units import TIME
+from spacar.symbolic.unit_vectors import TIME
 
 Assignments = tuple[tuple[sp.Symbol, sp.Expr], ...]
 

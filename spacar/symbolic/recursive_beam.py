@@ -16,11 +16,11 @@ from __future__ import annotations
 
 import sympy as sp
 
+from spacar.symbolic.beam_shapes import X, integral, product_integral, weighted_integral
 from spacar.symbolic.fields import Field
 from spacar.symbolic.moments import BeamMoments, swing, vee
-from spacar.symbolic.parts import Beam
 from spacar.symbolic.recursion import Recursion, Sums
-from spacar.symbolic.shapes import X, integral, product_integral, weighted_integral
+from spacar.symbolic.system_parts import Beam
 
 _E1 = sp.Matrix([1, 0, 0])
 

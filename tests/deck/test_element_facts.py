@@ -6,11 +6,11 @@ import ast
 from pathlib import Path
 
 import pytest
-from spacar_drawing.parts import PARTS
+from spacar_drawing.element_pictures import PARTS
 from spacar_drawing.scene import ROUND
 
-from spacar.compiled.parameters import SUPPORTED, kinds
-from spacar.deck import ELEMENT_TYPES, KEYWORDS, Block
+from spacar.compiled.element_parameters import SUPPORTED, kinds
+from spacar.deck import ELEMENT_TYPES, KEYWORDS, BlockKind
 from spacar.deck.table_dynamics import MASS_FORMS
 from spacar.elements import family_of
 
@@ -22,7 +22,7 @@ SIZES[False, "warping"] = 1
 NAMED = {
     "spacar/deck/planar_types.py",
     "spacar/deck/spatial_types.py",
-    "spacar/compiled/parameters.py",
+    "spacar/compiled/element_parameters.py",
     "spacar/deck/checks_geometry.py",
     "cli/spacar_drawing/machine_parts.py",
 }
@@ -47,7 +47,7 @@ def test_family(kind):
 
 
 def forms(statement, kind):
-    return [v for v in KEYWORDS[statement, Block.DYNAMICS].variants if kind.keyword in v.types]
+    return [v for v in KEYWORDS[statement, BlockKind.DYNAMICS].variants if kind.keyword in v.types]
 
 
 @every_type

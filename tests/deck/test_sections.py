@@ -9,9 +9,9 @@ import pytest
 
 import spacar
 from spacar.deck import parse_deck
+from spacar.deck.cross_section import MATERIALS, SHAPES, rectangle_torsion
 from spacar.deck.divide import divided
 from spacar.deck.length_unit import metres
-from spacar.deck.sections import MATERIALS, SHAPES, rectangle_torsion
 from spacar.errors import InputError, UsageError
 
 

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.elements.base import ElementGroup, Family
+from spacar.elements.family import ElementGroup, Family
 
 STEP = 1e-30
 TOLERANCE = 1e-12

@@ -12,8 +12,8 @@ import pytest
 
 from spacar.deck import Deck
 from spacar.errors import UsageError
-from spacar.studies.extrapolation import extrapolate
 from spacar.studies.quantities import quantity
+from spacar.studies.richardson import extrapolate
 from spacar.studies.trade import (
     Job,
     Trade,

@@ -15,8 +15,8 @@ import pytest
 import sympy as sp
 
 from spacar.errors import AnalysisError, UsageError
-from spacar.symbolic import System, shapes
-from spacar.symbolic.compiled import CompiledFunction, compiler
+from spacar.symbolic import MultibodySystem, beam_shapes
+from spacar.symbolic.compiled_program import CompiledFunction, compiler
 
 VALUES = {"g": 9.81, "L1": 0.15, "m": 0.05, "rho": 0.2, "L": 0.3, "EI": 0.5, "GJ": 0.4, "EA": 30.0, "j": 1e-5}
 NODES = 10  # exact to degree 19; the integrands reach 12
@@ -150,7 +150,7 @@ def rates(kind, rod):
 
 @cache
 def model(kind, spatial, shortening, strategy):
-    S = System(gravity=("0", "-g", "0"))
+    S = MultibodySystem(gravity=("0", "-g", "0"))
     q1, w1 = S.coordinate("q1", speed="w1")
     q2, _ = S.coordinate("q2", speed="w2")
     L1, m, rho, L, EI = S.parameters("L1 m rho L EI")
@@ -168,7 +168,7 @@ def model(kind, spatial, shortening, strategy):
         rho,
         EI=EI,
         bends=(2, 3) if spatial else 2,
-        field=shapes.monomial(2, 3),
+        field=beam_shapes.monomial(2, 3),
         foreshortening=shortening,
     )
     S.particle("block", rod.tip, m)
@@ -263,7 +263,7 @@ def test_energy_of_the_closed_slider_crank(strategy, shortening):
 
 
 def four_bar():
-    S = System(gravity=(0, "-g", 0))
+    S = MultibodySystem(gravity=(0, "-g", 0))
     B, tips = S.O, []
     at = S.O
     for k, length in enumerate(("a", "b", "c"), 1):
@@ -362,7 +362,7 @@ def test_linearized_closed_loop_against_the_time_series():
 
 def test_position_constraint_in_words():
     """sin(a) − 1/2 = 0 holds the angle at 30 degrees: no motion, the force balances gravity."""
-    S = System(gravity=(0, "-g", 0))
+    S = MultibodySystem(gravity=(0, "-g", 0))
     a, _ = S.coordinate("a", speed="w")
     x, _ = S.coordinate("x", speed="v")
     A = S.frame("A", S.N, 3, a)

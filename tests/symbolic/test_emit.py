@@ -12,8 +12,8 @@ import pytest
 import sympy as sp
 
 from spacar.errors import AnalysisError, UsageError
-from spacar.symbolic import System
-from spacar.symbolic.compiled import CompiledFunction, compiler
+from spacar.symbolic import MultibodySystem
+from spacar.symbolic.compiled_program import CompiledFunction, compiler
 from spacar.symbolic.emit.scalars import FORTRAN, PYTHON, C, Writer
 
 COMPILERS = {
@@ -170,7 +170,7 @@ def test_scalars_are_written_as_they_are_meant(language):
 
 def test_massless_chain_names_its_coordinate():
     """A pivot that is not positive ends the run with the speed's name."""
-    S = System()
+    S = MultibodySystem()
     q, _ = S.coordinate("q", speed="s")
     r, _ = S.coordinate("r", speed="v")
     m, L = S.parameters("m L")

@@ -16,7 +16,7 @@ import pytest
 from spacar_cli.environment import Environment
 from spacar_cli.main import main
 
-from spacar.symbolic.model import read_model
+from spacar.symbolic.model_reader import read_model
 
 DATA = Path(__file__).parents[2] / "data" / "symbolic"
 BASE = (DATA / "manipulator.toml").read_text()
@@ -125,9 +125,9 @@ def test_wrong_models_are_refused_in_one_line(model, name):
 
 
 SCRIPTS = {
-    "frames": ("from spacar.symbolic import *\nomega(Frame('N'), Frame('Q'))\n", "no angular velocity is known between frames N and Q"),
+    "frames": ("from spacar.symbolic import *\nomega(ReferenceFrame('N'), ReferenceFrame('Q'))\n", "no angular velocity is known between frames N and Q"),
     "sum": ("from spacar.symbolic import *\nFrame('N')[1] + 1\n", "TypeError: cannot add a vector and 1"),
-    "product": ("from spacar.symbolic import *\nN = Frame('N')\nN[1]*N[2]\n", "TypeError: product of vectors: use dot (&), cross (^) or outer (|), not *"),
+    "product": ("from spacar.symbolic import *\nN = ReferenceFrame('N')\nN[1]*N[2]\n", "TypeError: product of vectors: use dot (&), cross (^) or outer (|), not *"),
     "none": ("x = 1\n", "the script must define `system`"),
 }  # fmt: skip
 

@@ -14,8 +14,8 @@ pytest.importorskip("sympy")
 from spacar_cli.main import main
 
 from spacar.errors import UsageError
-from spacar.symbolic import System
-from spacar.symbolic.compiled import compiler
+from spacar.symbolic import MultibodySystem
+from spacar.symbolic.compiled_program import compiler
 
 MODEL = """
 [system]
@@ -107,7 +107,7 @@ def test_an_unknown_name_is_answered_with_the_known_ones(result, text):
 
 @pytest.mark.skipif(compiler() is None, reason="no C compiler")
 def test_compile_is_one_call_and_gives_the_same_numbers():
-    S = System(gravity=("0", "-g", "0"))
+    S = MultibodySystem(gravity=("0", "-g", "0"))
     q, _ = S.coordinate("q", speed="s")
     m, L = S.parameters("m L")
     B = S.frame("B", S.N, 3, q)

@@ -7,11 +7,11 @@ import pytest
 
 pytest.importorskip("sympy")
 
-from spacar.symbolic import System
+from spacar.symbolic import MultibodySystem
 
 
-def chain(n: int) -> System:
-    S = System(gravity=("0", "-g", "0"))
+def chain(n: int) -> MultibodySystem:
+    S = MultibodySystem(gravity=("0", "-g", "0"))
     frame, end = S.N, S.O
     for i in range(1, n + 1):
         q, _ = S.coordinate(f"q{i}", speed=f"s{i}")

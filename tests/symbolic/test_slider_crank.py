@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.symbolic.compiled import CompiledFunction, compiler
-from spacar.symbolic.model import read_model
+from spacar.symbolic.compiled_program import CompiledFunction, compiler
+from spacar.symbolic.model_reader import read_model
 
 DATA = Path(__file__).parents[2] / "data"
 

@@ -9,7 +9,7 @@ import click
 from spacar.errors import UsageError
 from spacar_cli.drawing_options import OUTPUT
 from spacar_cli.environment import Environment
-from spacar_cli.parameters import Real, Whole
+from spacar_cli.number_types import Real, Whole
 
 
 @click.command("bode")
@@ -73,7 +73,7 @@ def command(
         if not output:
             return
     from spacar_drawing.files import check_name, save
-    from spacar_drawing.linear import bode_figure
+    from spacar_drawing.frequency_pictures import bode_figure
 
     targets = output or (path.with_name(f"{path.name.split('.ltv')[0]}_bode.png"),)
     for target in targets:

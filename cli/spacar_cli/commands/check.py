@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from spacar_cli.environment import Environment
-from spacar_cli.parameters import Whole
+from spacar_cli.number_types import Whole
 from spacar_cli.status import ExitStatus, tell_error, tell_messages
 
 
@@ -31,7 +31,7 @@ def command(environment: Environment, file: Path, mode: int | None, expand: bool
     from spacar.mechanism import build
     from spacar.mechanism.user_functions import listed_functions, without_functions
     from spacar.modes import find_mode
-    from spacar_cli.source import input_file
+    from spacar_cli.input_files import input_file
 
     number = None if mode is None else find_mode(mode).number
     source = input_file(file)

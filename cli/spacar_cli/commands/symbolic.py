@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from spacar.errors import SpacarError, UsageError
-from spacar_cli.parameters import Real, Whole
+from spacar_cli.number_types import Real, Whole
 
 if TYPE_CHECKING:
-    from spacar.symbolic.equations import Equations
-    from spacar.symbolic.script import Model
+    from spacar.symbolic.script import SymbolicModel
+    from spacar.symbolic.symbolic_equations import SymbolicEquations
 
 MODEL = click.argument("model", type=click.Path(path_type=Path))
 STRATEGY = click.Choice(["held", "recursive"])
@@ -30,16 +30,16 @@ def command() -> None:
     """
 
 
-def _read(path: Path) -> Model:
+def _read(path: Path) -> SymbolicModel:
     """The model; UsageError without SymPy."""
     if find_spec("sympy") is None:
         raise UsageError('spacar symbolic needs SymPy: pip install "spacar[symbolic]"', "sympy")
-    from spacar.symbolic.model import read_model
+    from spacar.symbolic.model_reader import read_model
 
     return read_model(path)
 
 
-def _derived(model: Model, strategy: str) -> Equations:
+def _derived(model: SymbolicModel, strategy: str) -> SymbolicEquations:
     """The equations, checked; errors of the derivation are errors of the model. The check is printed on stderr."""
     try:
         eq = model.system.derive(strategy)
@@ -122,7 +122,7 @@ def _setting(ctx: click.Context, parameter: click.Parameter, values: tuple[str, 
 )
 @click.option("--time", type=Real(), help="End of the simulation [s].")
 @click.option("--steps", type=Whole(), help="Number of output steps.")
-@click.option("--integrator", type=click.Choice(["gear", "bdf", "radau", "dop853"]), help="Default gear.")
+@click.option("--integrator", type=click.Choice(["lsoda", "radau", "dop853"]), help="Default lsoda.")
 @click.option("--rtol", type=Real(), help="Relative tolerance (default 1e-8).")
 @click.option("--atol", type=Real(), help="Absolute tolerance (default: rtol times the scale of each state).")
 @click.option("--strategy", type=STRATEGY, default="recursive", show_default=True)

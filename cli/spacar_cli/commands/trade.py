@@ -13,8 +13,8 @@ import click
 from spacar.errors import UsageError
 from spacar.modes import MODES, Mode, find_mode
 from spacar_cli.environment import Environment
-from spacar_cli.parameters import POSITIVE, Whole
-from spacar_cli.source import input_file
+from spacar_cli.input_files import input_file
+from spacar_cli.number_types import POSITIVE, Whole
 from spacar_cli.status import ExitStatus, tell
 from spacar_cli.studying import common, counted, say_table
 

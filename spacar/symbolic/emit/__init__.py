@@ -6,8 +6,8 @@ from collections.abc import Callable
 from importlib import import_module
 
 from spacar.errors import UsageError
-from spacar.symbolic.emit.header import header
-from spacar.symbolic.names import check_names
+from spacar.symbolic.emit.preamble import header
+from spacar.symbolic.name_rules import check_names
 from spacar.symbolic.ordered import OrderedProgram
 
 LANGUAGES = {"python": ".py", "c": ".c", "fortran": ".f90", "latex": ".tex"}
