@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 
 from spacar.deck.cross_section import (
     LEAST,
@@ -51,6 +50,13 @@ class Expansion:
     outline: Outline
     sections: tuple[BeamSection, ...]
     visualization: tuple[str, ...]
+
+
+def _nearest(word: str, known: Iterable[str], cutoff: float) -> str:
+    """The known word that looks most like it, "" without one."""
+    from difflib import get_close_matches
+
+    return next(iter(get_close_matches(word, list(known), 1, cutoff)), "")
 
 
 @dataclass(frozen=True)
@@ -105,8 +111,8 @@ def _sections(statements: Sequence[Statement], findings: Findings) -> dict[str, 
         shape = SHAPES.get(word)
         dims = s.reals(2, len(s.values) - 2)
         if shape is None:
-            near = get_close_matches(word, SHAPES, 1, 0.5)
-            nearest = f"; nearest: {near[0]}" if near else ""
+            near = _nearest(word, SHAPES, 0.5)
+            nearest = f"; nearest: {near}" if near else ""
             text = f"there is no shape '{s.values[1]}'{nearest}; shapes: {', '.join(SHAPES)}"
             findings.error(s, 1, text, "section")
             continue
@@ -185,8 +191,8 @@ def _use(
         name = str(s.values[place])
         thing = table.get(name.casefold())
         if thing is None:
-            near = get_close_matches(name.casefold(), table, 1, 0.6)
-            known = f"; nearest: {near[0]}" if near else f"; known: {', '.join(table) or 'none'}"
+            near = _nearest(name.casefold(), table, 0.6)
+            known = f"; nearest: {near}" if near else f"; known: {', '.join(table) or 'none'}"
             findings.error(s, place, f"there is no {noun} '{name}'{known}", "section")
             return None
         found.append(thing)
