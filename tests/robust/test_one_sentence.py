@@ -190,8 +190,14 @@ READERS = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("words", READERS, ids=[w[0] for w in READERS])
-@pytest.mark.parametrize("ident", ["LNP", "LE", "LN", "NX", "NE", "NXP", "NEP", "MODE", "NDOF", "IT", "KDEF"])
+IDENTS = ["LNP", "LE", "LN", "NX", "NE", "NXP", "NEP", "MODE", "NDOF", "IT", "KDEF"]
+LONG = {("report", ident) for ident in ("LE", "LN", "NDOF", "IT", "KDEF")} | {("visual", "IT"), ("visual", "KDEF")}
+
+
+@pytest.mark.parametrize(("ident", "words"), [
+    pytest.param(ident, words, id=f"{ident}-{words[0]}", marks=[pytest.mark.slow] * ((words[0], ident) in LONG))
+    for ident in IDENTS for words in READERS
+])  # fmt: skip
 def test_forged_indices(results, tmp_path, monkeypatch, ident, words):
     monkeypatch.chdir(tmp_path)
     rng = np.random.default_rng(7)
