@@ -11,6 +11,6 @@ are `draw`, `animate`, `plot` and `report`; methods of `Result` call them. No wi
 True
 """
 
-from spacar_drawing.calls import animate, draw, inline_picture, plot, report
+from spacar_drawing.drawing_calls import animate, draw, inline_picture, plot, report
 
 __all__ = ["animate", "draw", "inline_picture", "plot", "report"]

@@ -13,10 +13,12 @@ Motion: dx times the vector in the columns of the dynamic and kinematic degrees 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from spacar_formats.locate import open_result
 from spacar_formats.vibration import modes_of_stored_matrices
 
 from spacar.arrays import Array
@@ -24,7 +26,7 @@ from spacar.errors import Report, UsageError
 from spacar_drawing.scene import Scene
 
 if TYPE_CHECKING:
-    from spacar_drawing.source import Source
+    from spacar_drawing.picture_source import PictureSource
 
 SAME = 1e-6  # eigenvalues that differ less, relative to the largest, belong to one pair
 
@@ -80,12 +82,8 @@ def dynamic_columns(header: Any) -> NDArray[np.int64]:
     return np.r_[xi : xi + xd, xi + xd + ei : ndof, ndof : ndof + nk]
 
 
-def open_matrices(source: Source) -> Any:
+def open_matrices(source: PictureSource) -> Any:
     """The `.sbm` file beside a `.sbd` result. UsageError when there is none, or when it belongs to another input."""
-    from pathlib import Path
-
-    from spacar_formats.locate import open_result
-
     name = Path(source.name)
     kept = name.name.replace(".sbd", ".sbm")
     file = open_result(name.with_name(kept), "sbm")
@@ -95,7 +93,7 @@ def open_matrices(source: Source) -> Any:
     return file
 
 
-def vibration_modes(source: Source, matrices: Any, step: int) -> list[ModeShape]:
+def vibration_modes(source: PictureSource, matrices: Any, step: int) -> list[ModeShape]:
     """All vibration modes of a step, in the order of the module. Raises UsageError when dx is missing."""
 
     def get(name: str) -> Array:
@@ -149,7 +147,7 @@ def _pair(a: complex, b: complex, largest: float) -> bool:
     ) or (abs(a) < SAME * largest and abs(b) < SAME * largest)
 
 
-def buckling_modes(source: Source, matrices: Any, step: int) -> list[ModeShape]:
+def buckling_modes(source: PictureSource, matrices: Any, step: int) -> list[ModeShape]:
     """All buckling modes of a step with a finite load multiplier."""
     multipliers = np.ravel(matrices.get("lmult", step)).astype(float)
     vectors = np.atleast_2d(np.asarray(matrices.get("bmode", step), float)).reshape(-1, len(multipliers))

@@ -7,15 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacar.arrays import Array
-from spacar_drawing.settings import Section
-from spacar_drawing.shapes import disc_outline
+from spacar_drawing.drawn_shapes import disc_outline
+from spacar_drawing.settings import SectionShape
 
 
 def rectangle(w: float, h: float) -> Array:
     return 0.5 * np.array([[w, h], [-w, h], [-w, -h], [w, -h]])
 
 
-def outline(section: Section, n: int = 20) -> Array | None:
+def outline(section: SectionShape, n: int = 20) -> Array | None:
     """(k, 2) outer contour; None for LINE."""
     if section.shape in ("RECT", "RECTHOL"):
         return rectangle(*section.dims[:2])
@@ -24,7 +24,7 @@ def outline(section: Section, n: int = 20) -> Array | None:
     return None
 
 
-def hole(section: Section, n: int = 20) -> Array | None:
+def hole(section: SectionShape, n: int = 20) -> Array | None:
     """(k, 2) inner contour; None when the section is full."""
     if section.shape == "RECTHOL":
         return rectangle(*section.dims[2:4])
@@ -33,7 +33,7 @@ def hole(section: Section, n: int = 20) -> Array | None:
     return None
 
 
-def breadth(section: Section | None) -> float:
+def breadth(section: SectionShape | None) -> float:
     """Width along y' [m]: what a planar picture shows; 0 for LINE and for no section."""
     return section.dims[0] if section is not None and section.dims else 0.0
 
@@ -48,7 +48,7 @@ class Moments:
     It: float
 
 
-def moments(section: Section) -> Moments | None:
+def moments(section: SectionShape) -> Moments | None:
     """Area and second moments; It of a rectangle by the series of later-versions.md, of a hollow rectangle by
     Bredt's formula with the wall between the two rectangles. None for LINE."""
     d = section.dims

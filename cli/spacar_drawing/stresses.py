@@ -21,7 +21,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar_drawing.scene import Element, Scene
 from spacar_drawing.sections import moments, rectangle_twist_stress
-from spacar_drawing.settings import Section
+from spacar_drawing.settings import SectionShape
 
 GRID = 15  # points across a section in each direction
 RESULTANTS = {
@@ -96,7 +96,7 @@ def resultants(scene: Scene, e: Element, sig: Array, e_values: Array, n: int) ->
     )
 
 
-def section_points(section: Section) -> tuple[Array, Array]:
+def section_points(section: SectionShape) -> tuple[Array, Array]:
     """Places y, z (m,) [m] over a section."""
     if section.shape in ("RECT", "RECTHOL"):
         w, h = section.dims[:2]
@@ -111,7 +111,7 @@ def section_points(section: Section) -> tuple[Array, Array]:
     return (r * np.cos(a)).ravel(), (r * np.sin(a)).ravel()
 
 
-def stress_field(section: Section, r: Resultants) -> tuple[Array, Array]:
+def stress_field(section: SectionShape, r: Resultants) -> tuple[Array, Array]:
     """Normal stress and shear stress, each (places along the element, points of the section) [N/m^2]."""
     m = moments(section)
     if m is None:
@@ -141,7 +141,7 @@ def stress_field(section: Section, r: Resultants) -> tuple[Array, Array]:
     return normal, np.hypot(tau_y, tau_z)
 
 
-def along(quantity: str, r: Resultants, section: Section | None) -> Array | None:
+def along(quantity: str, r: Resultants, section: SectionShape | None) -> Array | None:
     """(n,) a quantity of QUANTITIES along an element; None when it needs a cross-section that is not given."""
     if quantity in RESULTANTS:
         value: Array = getattr(r, quantity)

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from spacar.compiled.parameters import LEFT
+from spacar.compiled.element_parameters import LEFT
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,8 @@ def frame(p: dict) -> tuple[list, list, list]:
     return tuple([p[f"{axis}{k}"] for k in range(3)] for axis in ("fx", "fy", "fz"))  # type: ignore[return-value]
 
 
-def beam_strain(x: list, p: dict) -> list:
+def beam_raw(x: list, p: dict) -> list:
+    """The deformations of a spatial beam without second order terms."""
     xp, lp, xq, lq = x[:3], x[3:7], x[7:10], x[10:14]
     ex, ey, ez = frame(p)
     d = [b - a for a, b in zip(xp, xq, strict=True)]
@@ -116,7 +117,12 @@ def beam_strain(x: list, p: dict) -> list:
     e2 = 2 * l0 * dot(lp, lq) * relative(lp, lq, ex)
     e3, e4 = -l0 * dot(n, rotated(lp, ez)), l0 * dot(n, rotated(lq, ez))
     e5, e6 = l0 * dot(n, rotated(lp, ey)), -l0 * dot(n, rotated(lq, ey))
-    k = p["second"]
+    return [e1, e2, e3, e4, e5, e6]
+
+
+def beam_strain(x: list, p: dict) -> list:
+    e1, e2, e3, e4, e5, e6 = beam_raw(x, p)
+    k, l0 = p["second"], p["l0"]
     return [
         e1 + k * ((2 * (e3**2 + e4**2 + e5**2 + e6**2) + e3 * e4 + e5 * e6) / (30 * l0) + p["f"] * e2**2 / (2 * l0**3)),
         e2 + k * (e4 * e5 - e3 * e6) / l0,
@@ -141,6 +147,41 @@ def beam_guard(x: list, p: dict) -> list:
     axes = [[rotated(lam, c) for c in frame(p)] for lam in (lp, lq)]
     twist = (dot(axes[0][1], axes[1][1]) + dot(axes[0][2], axes[1][2])) / 2
     return [dot(d, axes[0][0]) / l, dot(d, axes[1][0]) / l, twist, l / p["l0"] + LEFT]
+
+
+def without_warping(x: list) -> list:
+    """The coordinates of a beam among those of a beam with warping."""
+    return [*x[:7], *x[8:15]]
+
+
+def beamw_strain(x: list, p: dict) -> list:
+    """theory-warping.md section 3."""
+    raw = beam_raw(without_warping(x), p)
+    k, l0 = p["second"], p["l0"]
+    e1, e2, e3, e4, e5, e6 = raw
+    e7, e8 = e2 - l0**2 * x[7], l0**2 * x[15] - e2
+    bent = (2 * (e3**2 + e4**2 + e5**2 + e6**2) + e3 * e4 + e5 * e6) / (30 * l0)
+    twisted = e2**2 + (2 * e7**2 + e7 * e8 + 2 * e8**2) / 15
+    both = (e4 * e5 - e3 * e6) / l0
+    y, z = e5 + e6, e3 + e4
+    return [
+        e1 + k * (bent + p["f"] * twisted / (2 * l0**3)),
+        e2 + k * both,
+        e3 + k * (e2 * y / 6 - e5 * e7 / 10 - e8 * y / 30) / l0,
+        e4 + k * (-e2 * y / 6 - e6 * e8 / 10 - e7 * y / 30) / l0,
+        e5 + k * (-e2 * z / 6 + e3 * e7 / 10 + e8 * z / 30) / l0,
+        e6 + k * (e2 * z / 6 + e4 * e8 / 10 + e7 * z / 30) / l0,
+        e7 + k * both,
+        e8 - k * both,
+    ]
+
+
+def beamw_line(x: list, p: dict) -> tuple[list, sp.Matrix]:
+    return beam_line(without_warping(x), p)
+
+
+def beamw_guard(x: list, p: dict) -> list:
+    return beam_guard(without_warping(x), p)
 
 
 def hinge_strain(x: list, p: dict) -> list:
@@ -178,6 +219,7 @@ DEFINITIONS = (
     Definition("pltor", 2, (), pltor_strain),
     Definition("plpinbod", 5, ("a0", "b0", "d0", "a1", "b1", "d1"), plpinbod_strain),
     Definition("beam", 14, ("l0", *FRAME, "f", "second", "unit"), beam_strain, beam_line, guard=beam_guard),
+    Definition("beamw", 16, ("l0", *FRAME, "f", "second", "unit"), beamw_strain, beamw_line, guard=beamw_guard),
     Definition("truss", 6, ("l0",), truss_strain, guard=truss_guard),
     Definition("hinge", 8, FRAME, hinge_strain, turns=0),
     Definition("pinbody", 10, (*FRAME, "r0", "r1", "r2"), pinbody_strain),

@@ -25,7 +25,7 @@ import sympy as sp
 from sympy.printing.c import C99CodePrinter
 
 from spacar.compiled.definitions import DEFINITIONS, Definition
-from spacar.compiled.parameters import kinds
+from spacar.compiled.element_parameters import kinds
 
 Program = list[tuple[sp.Symbol, sp.Expr]]
 

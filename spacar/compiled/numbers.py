@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.compiled.parameters import SUPPORTED, kinds
-from spacar.dynamics.dynamics import Dynamics
+from spacar.compiled.element_parameters import SUPPORTED, kinds
+from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.forces import StressLaw, gravity_field
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.mechanism import Drive, Mechanism, Polynomial

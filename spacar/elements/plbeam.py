@@ -33,7 +33,7 @@ import numpy as np
 from spacar.arrays import Array
 
 from . import chord
-from .base import ElementGroup, Family, Trouble
+from .family import ElementGroup, Family, Trouble
 
 # integral of N N^T over the element, times 420 (10)
 CUBIC_MASS = np.array([[156.0, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]])
@@ -51,7 +51,7 @@ class Bend(NamedTuple):
     b3: Array
 
 
-class BeamConfiguration(NamedTuple):
+class PlanarBeamConfiguration(NamedTuple):
     """What is known at one x: end tangents `t` (end, component, n), the same turned by +90 degrees."""
 
     l: Array
@@ -110,7 +110,7 @@ class PlanarBeam(Family):
         b, b_prime = sine * self.signed, cosine * self.signed
         return Bend(b, b_prime, -b, -b_prime)
 
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> BeamConfiguration:
+    def strain(self, x: Array, near: Array, e: Array, V: Array) -> PlanarBeamConfiguration:
         d = x[3:5] - x[0:2]
         d0, d1 = d
         l = np.sqrt(d0 * d0 + d1 * d1)
@@ -146,23 +146,23 @@ class PlanarBeam(Family):
             normals = np.empty_like(t)
             np.negative(t1, out=normals[:, 0])
             normals[:, 1] = t0
-        return BeamConfiguration(l, u, t, normals, bend, Q_b)
+        return PlanarBeamConfiguration(l, u, t, normals, bend, Q_b)
 
-    def _rates(self, c: BeamConfiguration, v: Array) -> tuple[Array, Array, Array, Array, Array]:
+    def _rates(self, c: PlanarBeamConfiguration, v: Array) -> tuple[Array, Array, Array, Array, Array]:
         """l', beta', H_beta(v,v) and, per end, alpha_v and H_b(v,v)."""
         l_rate, beta_rate = chord.rates(c.l, c.u, v[3:5] - v[0:2])
         H_beta = (-2.0 * l_rate) * beta_rate / c.l
         alpha_v = v[2::3] - beta_rate
         return l_rate, beta_rate, H_beta, alpha_v, c.bend.b2 * (alpha_v * alpha_v) - c.bend.b1 * H_beta
 
-    def convective_strain(self, c: BeamConfiguration, v: Array, out: Array) -> None:
+    def convective_strain(self, c: PlanarBeamConfiguration, v: Array, out: Array) -> None:
         _, beta_rate, _, alpha_v, H_b = self._rates(c, v)
         b_rate = c.bend.b1 * alpha_v
         bend = c.Q_b * H_b + b_rate * (self.A2 * b_rate + self.B * b_rate[::-1])
         out[0] = c.l * (beta_rate * beta_rate) + bend[0] + bend[1]
         out[1:] = H_b
 
-    def _alpha(self, c: BeamConfiguration) -> Array:
+    def _alpha(self, c: PlanarBeamConfiguration) -> Array:
         """Rows alpha, (end, 6, n)."""
         g = chord.row(chord.normal(c.u) / c.l, 6)
         alpha = np.stack((-g, -g))
@@ -170,7 +170,7 @@ class PlanarBeam(Family):
         alpha[1, 5] += 1.0
         return alpha
 
-    def _b_rows(self, c: BeamConfiguration, v: Array) -> tuple[Array, Array, Array, Array]:
+    def _b_rows(self, c: PlanarBeamConfiguration, v: Array) -> tuple[Array, Array, Array, Array]:
         """D b and H1_b as rows (end, 6, n); b' and Q_b' (end, n)."""
         l_rate, beta_rate, _, alpha_v, _ = self._rates(c, v)
         alpha = self._alpha(c)
@@ -179,14 +179,14 @@ class PlanarBeam(Family):
         b_rate = c.bend.b1 * alpha_v
         return c.bend.b1[:, None] * alpha, H1_b, b_rate, self.A2 * b_rate + self.B * b_rate[::-1]
 
-    def gradient_rate(self, c: BeamConfiguration, v: Array, out: Array) -> None:
+    def gradient_rate(self, c: PlanarBeamConfiguration, v: Array, out: Array) -> None:
         D_b, H1_b, _, Q_b_rate = self._b_rows(c, v)
         _, beta_rate = chord.rates(c.l, c.u, v[3:5] - v[0:2])
         out[0] = (c.Q_b[:, None] * H1_b + Q_b_rate[:, None] * D_b).sum(0)
         out[0] += chord.row(chord.length_gradient_rate(c.u, beta_rate), 6)
         out[1:] = H1_b
 
-    def rate_gradient(self, c: BeamConfiguration, v: Array, out: Array) -> None:
+    def rate_gradient(self, c: PlanarBeamConfiguration, v: Array, out: Array) -> None:
         l_rate, beta_rate, H_beta, alpha_v, H_b = self._rates(c, v)
         D_b, H1_b, _, Q_b_rate = self._b_rows(c, v)
         alpha = self._alpha(c)
@@ -200,7 +200,7 @@ class PlanarBeam(Family):
         out[0] += chord.row(chord.length_rate_gradient(c.l, c.u, l_rate, beta_rate), 6)
         out[1:] = T_b
 
-    def geometric_stiffness(self, c: BeamConfiguration, sigma: Array, out: Array) -> None:
+    def geometric_stiffness(self, c: PlanarBeamConfiguration, sigma: Array, out: Array) -> None:
         g_u, g_n = chord.row(c.u, 6), chord.row(chord.normal(c.u), 6)
         alpha = self._alpha(c)
         s = sigma[1:] + c.Q_b * sigma[0]
@@ -227,7 +227,7 @@ class PlanarBeam(Family):
         return S
 
     # -- inertia -------------------------------------------------------------------------------------------
-    def mass(self, c: BeamConfiguration, out: Array) -> None:
+    def mass(self, c: PlanarBeamConfiguration, out: Array) -> None:
         out[...] = self._constant
         N = c.normals
         assert N is not None
@@ -238,7 +238,7 @@ class PlanarBeam(Family):
         dot = N[0] * N[1]
         out[2, 5] = out[5, 2] = (dot[0] + dot[1]) * self._cross
 
-    def _line_acceleration(self, c: BeamConfiguration, v: Array, a: Array | None) -> Array:
+    def _line_acceleration(self, c: PlanarBeamConfiguration, v: Array, a: Array | None) -> Array:
         """y'' (4, 2, n): the accelerations of x_p, l0 t_p, x_q, l0 t_q."""
         y = np.zeros((4, 2, *v.shape[1:]), c.t.dtype)
         omega = v[2::3]
@@ -250,12 +250,12 @@ class PlanarBeam(Family):
         np.multiply(turn, self.length, out=y[1::2])
         return y
 
-    def _line_force(self, c: BeamConfiguration, v: Array, a: Array | None) -> Array:
+    def _line_force(self, c: PlanarBeamConfiguration, v: Array, a: Array | None) -> Array:
         """Force dual to y, (4, 2, n)."""
         y = self._line_acceleration(c, v, a) * self.unit
         return (CUBIC_MASS @ y.reshape(4, -1)).reshape(y.shape)
 
-    def _project(self, c: BeamConfiguration, F: Array) -> Array:
+    def _project(self, c: PlanarBeamConfiguration, F: Array) -> Array:
         """Force dual to x, (6, n), of a force F (4, 2, n) dual to y."""
         out = np.empty((6, *F.shape[2:]), F.dtype)
         out[0:2], out[3:5] = F[0], F[2]
@@ -264,13 +264,13 @@ class PlanarBeam(Family):
         np.multiply(moment[:, 0] + moment[:, 1], self.length, out=out[2::3])
         return out
 
-    def inertia_force(self, c: BeamConfiguration, v: Array, a: Array | None) -> Array:
+    def inertia_force(self, c: PlanarBeamConfiguration, v: Array, a: Array | None) -> Array:
         out = self._project(c, self._line_force(c, v, a))
         if a is not None:
             out[2::3] += self.lumped * a[2::3]
         return out
 
-    def inertia_gradient(self, c: BeamConfiguration, v: Array, a: Array) -> tuple[Array, Array]:
+    def inertia_gradient(self, c: PlanarBeamConfiguration, v: Array, a: Array) -> tuple[Array, Array]:
         assert c.normals is not None
         omega, spin = v[2::3, None], a[2::3, None]
         turned = -self.length * (c.t * spin + c.normals * omega**2)
@@ -283,7 +283,7 @@ class PlanarBeam(Family):
         """Force (4, 2, end, n) of the accelerations z (end, 2, n) of one tangent at a time."""
         return CUBIC_MASS[:, 1::2, None][:, None] * (self.unit * z.swapaxes(0, 1))
 
-    def _angle_columns(self, c: BeamConfiguration, F: Array) -> Array:
+    def _angle_columns(self, c: PlanarBeamConfiguration, F: Array) -> Array:
         """(6, 6, n): columns phi_p, phi_q of the forces F (4, 2, end of the angle, n), zero elsewhere."""
         out = np.zeros((6, 6, *F.shape[3:]), F.dtype)
         blocks = out.reshape(2, 3, 2, 3, *F.shape[3:])
@@ -292,14 +292,14 @@ class PlanarBeam(Family):
         blocks[:, 2, :, 2] = self.length * (c.normals[:, :, None] * F[1::2]).sum(1)
         return out
 
-    def _add_rotation(self, c: BeamConfiguration, by_x: Array, F: Array) -> None:
+    def _add_rotation(self, c: PlanarBeamConfiguration, by_x: Array, F: Array) -> None:
         """The part of d(Y^T F)/dx where Y turns with the ends: -l0 t.F on the diagonal of the angles."""
         turn = self.length * (c.t * F[1::2]).sum(1)
         by_x[2, 2] -= turn[0]
         by_x[5, 5] -= turn[1]
 
     # -- limits --------------------------------------------------------------------------------------------
-    def troubles(self, c: BeamConfiguration, e: Array, sigma: Array) -> list[Trouble]:
+    def troubles(self, c: PlanarBeamConfiguration, e: Array, sigma: Array) -> list[Trouble]:
         """End rotations to the chord beyond 60 degrees (warning) and `fatal_angle`; vanishing length."""
         found = chord.short_troubles(c.l, self.length)
         cosine, sine = (c.t * c.u).sum(1), c.t[:, 1] * c.u[0] - c.t[:, 0] * c.u[1]

@@ -23,8 +23,8 @@ import numpy as np
 from spacar.arrays import Array
 
 from . import chord
-from .base import ElementGroup, GeometryError
-from .plbeam import BeamConfiguration, PlanarBeam
+from .family import ElementGroup, GeometryError
+from .plbeam import PlanarBeam, PlanarBeamConfiguration
 
 # integrals over the element (10): N'N'^T times 30, and NN'^T times 60
 STRETCH = np.array([[36.0, 3, -36, 3], [3, 4, -3, -1], [-36, -3, 36, -3], [3, -1, -3, 4]])
@@ -82,12 +82,12 @@ class PlanarTube(PlanarBeam):
         other._set_flow()
         return other
 
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> BeamConfiguration:
+    def strain(self, x: Array, near: Array, e: Array, V: Array) -> PlanarBeamConfiguration:
         c = super().strain(x, near, e, V)
         e -= self.start
         return c
 
-    def _line_force(self, c: BeamConfiguration, v: Array, a: Array | None) -> Array:
+    def _line_force(self, c: PlanarBeamConfiguration, v: Array, a: Array | None) -> Array:
         F = super()._line_force(c, v, a)
         if not self.flows:
             return F
@@ -99,7 +99,7 @@ class PlanarTube(PlanarBeam):
         rate[1::2] = c.normals * (self.length * v[2::3])[:, None]
         return F + (self._A[:, :, None] * rate + self._C[:, :, None] * y).sum(1)
 
-    def inertia_gradient(self, c: BeamConfiguration, v: Array, a: Array) -> tuple[Array, Array]:
+    def inertia_gradient(self, c: PlanarBeamConfiguration, v: Array, a: Array) -> tuple[Array, Array]:
         by_x, by_v = super().inertia_gradient(c, v, a)
         if self.flows:
             assert c.normals is not None
@@ -109,7 +109,7 @@ class PlanarTube(PlanarBeam):
             by_v += self._flow_columns(c, self._A, swing)
         return by_x, by_v
 
-    def _flow_columns(self, c: BeamConfiguration, K: Array, z: Array, positions: bool = True) -> Array:
+    def _flow_columns(self, c: PlanarBeamConfiguration, K: Array, z: Array, positions: bool = True) -> Array:
         """Derivative of Y^T K y (6, 6, n): z (end, 2, n) is that of the tangents of y to their angles."""
         out = self._angle_columns(c, K[:, None, 1::2] * z.swapaxes(0, 1))
         if positions:

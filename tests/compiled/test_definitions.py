@@ -15,10 +15,10 @@ sp = pytest.importorskip("sympy")
 
 from spacar.compiled import generate  # noqa: E402
 from spacar.compiled.definitions import DEFINITIONS  # noqa: E402
-from spacar.compiled.parameters import SUPPORTED, kinds  # noqa: E402
+from spacar.compiled.element_parameters import SUPPORTED, kinds  # noqa: E402
 
 DATA = Path(__file__).parents[2] / "data"
-SOURCES = ["crankfl", "fourbar", "finger", "trike2", "cardan", "robotsim", "trike3v", "lateral4"]
+SOURCES = ["crankfl", "fourbar", "finger", "trike2", "cardan", "robotsim", "trike3v", "lateral4", "crosshingew"]
 
 
 def batches():

@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from spacar.deck import Deck, echo, parse_deck, read_deck
-from spacar.deck.table import KEYWORDS
+from spacar.deck.keyword_table import KEYWORDS
 from spacar.errors import InputError
 
 DATA = Path(__file__).parents[2] / "data"

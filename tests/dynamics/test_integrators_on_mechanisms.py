@@ -14,7 +14,7 @@ from spacar.deck import read_deck
 from spacar.dynamics import Dynamics
 from spacar.errors import AnalysisError
 from spacar.integrators import METHODS
-from spacar.linearization.jacobian import state_jacobian
+from spacar.linearization.state_jacobian import state_jacobian
 from spacar.mechanism import build
 
 DATA = Path(__file__).parents[2] / "data"

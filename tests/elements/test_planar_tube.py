@@ -8,7 +8,7 @@ import scipy.linalg
 import scipy.optimize
 import sympy
 
-from spacar.elements.base import GeometryError
+from spacar.elements.family import GeometryError
 from spacar.elements.plbeam import PlanarBeam
 from spacar.elements.pltube import PlanarTube
 from tests.elements.derivatives import (

@@ -15,7 +15,7 @@ import pytest
 from spacar_cli.environment import Environment
 from spacar_cli.main import main
 from spacar_formats.sbf import SbfFile
-from spacar_formats.sbf.layout import PREAMBLE, directory_crc
+from spacar_formats.sbf.record_layout import PREAMBLE, directory_crc
 
 from spacar.deck import parse_deck
 from spacar.errors import LONGEST_LINE, InputError, UsageError, shown

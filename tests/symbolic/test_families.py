@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 
 pytest.importorskip("sympy")
 
-from spacar.symbolic import MultibodySystem
+from spacar.symbolic import MultibodySystem, beam_shapes
 
 UNIT = {"L": 1.0, "rho": 1.0, "EI": 1.0}
 

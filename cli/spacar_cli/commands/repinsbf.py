@@ -8,7 +8,7 @@ import click
 
 from spacar.errors import UsageError
 from spacar_cli.environment import Environment
-from spacar_cli.parameters import Whole
+from spacar_cli.number_types import Whole
 
 
 def _refuse(word: str) -> None:

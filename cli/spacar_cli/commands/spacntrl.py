@@ -9,7 +9,7 @@ import click
 
 from spacar.errors import UsageError
 from spacar_cli.environment import Environment
-from spacar_cli.parameters import Real
+from spacar_cli.number_types import Real
 from spacar_cli.status import tell
 
 
