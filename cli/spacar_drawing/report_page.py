@@ -186,8 +186,8 @@ def _model(source: Source, extras: Extras) -> str:
 
 def _freedoms(source: Source) -> str:
     if source.named:
-        words = [(title, ", ".join(_texts(source, ident)) or "none") for title, ident in _NAMED]
-        return "<h2>Quantities</h2>" + _table(words, head=None, klass="facts")
+        facts = [(title, ", ".join(_texts(source, ident)) or "none") for title, ident in _NAMED]
+        return "<h2>Quantities</h2>" + _table(facts, head=None, klass="facts")
     found = freedoms(source.scene)
     counts = {kind: sum(f[2] == kind for f in found) for kind in ("input", "dynamic", "kinematic")}
     words = {"input": "prescribed", "dynamic": "dynamic", "kinematic": "kinematic"}
