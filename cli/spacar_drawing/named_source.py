@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from spacar_formats.locate import open_result
 
 from spacar import expressions
 from spacar.arrays import Array
@@ -26,8 +27,6 @@ def open_plotted(name: str | Path, stale_ok: bool = False) -> PictureSource:
 
     Raises UsageError when there is no result or when it has no steps.
     """
-    from spacar_formats.locate import open_result
-
     wanted = Path(name)
     symbolic = wanted.with_suffix("") if wanted.suffix.lower() in (".toml", ".py") else wanted
     try:

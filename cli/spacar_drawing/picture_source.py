@@ -8,11 +8,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from spacar_formats.locate import open_result, stale_note
+from spacar_formats.sinks.result_header import sbd_header
 
 from spacar.arrays import Array
 from spacar.errors import UsageError
+from spacar.modes import find_mode
+from spacar.stream import Run
 from spacar_drawing.scene import Scene
-from spacar_drawing.settings import PictureSettings, read_settings
+from spacar_drawing.settings import PictureSettings, parse_settings, read_settings
 
 if TYPE_CHECKING:
     from spacar.result import Result
@@ -65,8 +69,6 @@ def open_source(name: str | Path, stale_ok: bool = False) -> PictureSource:
     Raises UsageError when there is no result, when it has no steps, or when the input file has changed since (unless
     `stale_ok`). The file stays open as long as the Source lives; only what is asked for is read.
     """
-    from spacar_formats.locate import open_result, stale_note
-
     wanted = Path(name)
     if wanted.suffix.lower() in (".dat", ".sbm", ".ltv"):
         wanted = wanted.with_suffix("")
@@ -118,17 +120,10 @@ def open_source(name: str | Path, stale_ok: bool = False) -> PictureSource:
 
 def source_of_result(result: Result, settings: PictureSettings | None = None) -> PictureSource:
     """The same of a Result in memory (tests, scripts, live window)."""
-    from spacar_formats.sinks.result_header import sbd_header
-
-    from spacar.modes import find_mode
-    from spacar.stream import Run
-
     header = sbd_header(Run(find_mode(result.mode), result.mechanism))
     frames: Sequence[Any] = result.frames
     names = {"t": "t", "fxt": "fxtot"}
     if settings is None:
-        from spacar_drawing.settings import parse_settings
-
         settings = parse_settings(result.mechanism.deck.visualization)
 
     def read(variable: str, k: int | None) -> Array | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import io
 from collections.abc import Sequence
+from dataclasses import replace
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,11 +13,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import spacar
+from spacar.deck import ELEMENT_TYPES
 from spacar.errors import UsageError
 from spacar_drawing.curves import Curve, evaluate
 from spacar_drawing.history import axis_text, history_figure
+from spacar_drawing.look import SYMBOL, look_of
 from spacar_drawing.mechanism_picture import Extras, draw_steps
+from spacar_drawing.mode_picture import constraint_still, mode_still
+from spacar_drawing.mode_shapes import buckling_modes, open_matrices, suitable_factor, vibration_modes
 from spacar_drawing.moving_figure import evenly
+from spacar_drawing.redundancy import redundancy
 from spacar_drawing.report_style import STYLE
 
 if TYPE_CHECKING:
@@ -92,8 +98,6 @@ def _is_spatial_rotation(scene: Scene, text: str) -> bool:
 
 def freedoms(scene: Scene) -> list[tuple[str, str, str]]:
     """(expression, description, class) of every degree of freedom and kinematic coordinate, in the order of q."""
-    from spacar.deck import ELEMENT_TYPES
-
     found: list[tuple[int, str, str, str]] = []
     rank = {"input": 0, "dynamic": 1, "kinematic": 4}
     for node, row in enumerate(scene.lnp, 1):
@@ -152,8 +156,6 @@ def _text(header: object, name: str) -> str:
 
 
 def _model(source: PictureSource, extras: Extras) -> str:
-    from dataclasses import replace
-
     scene = source.scene
     k = source.steps if scene.analysis.stationary else 1
     numbered = draw_steps(
@@ -219,10 +221,6 @@ def _plots(source: PictureSource, curves: Sequence[Curve]) -> str:
 
 def _modes(source: PictureSource, extras: Extras) -> str:
     """Tables and pictures of vibration and buckling modes; a sentence where the result has none."""
-    from spacar_drawing.look import SYMBOL, look_of
-    from spacar_drawing.mode_picture import mode_still
-    from spacar_drawing.mode_shapes import buckling_modes, open_matrices, suitable_factor, vibration_modes
-
     out = ""
     rows: list[tuple[str, ...]]
     analysis = source.scene.analysis
@@ -259,10 +257,6 @@ def _vibration_row(mode: ModeShape) -> tuple[str, ...]:
 
 
 def _constraints(source: PictureSource, extras: Extras) -> str:
-    from spacar_drawing.look import SYMBOL, look_of
-    from spacar_drawing.mode_picture import constraint_still
-    from spacar_drawing.redundancy import redundancy
-
     x = source.x(1)
     extent = look_of(source.scene, x[None], source.settings).size / SYMBOL
     found = redundancy(source.scene, source.get("bigd", 1), extent)

@@ -26,6 +26,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
+from spacar.deck.keyword_table import KEYWORDS, BlockKind
 from spacar.deck.statement import Value
 from spacar.errors import UsageError
 
@@ -228,8 +229,6 @@ def _require_splittable(deck: Deck, split: dict[int, dict[int, str]]) -> None:
 
 def _elements_of_port(s: Statement) -> set[Value]:
     """Elements that a statement of the third block is about: OUTE, INPUTS ... port, element, mode; TRE element, ..."""
-    from spacar.deck.keyword_table import KEYWORDS, BlockKind
-
     for block in BlockKind:
         keyword = KEYWORDS.get((s.keyword, block)) if block.number == 3 else None
         if keyword is not None:

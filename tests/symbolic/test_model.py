@@ -173,7 +173,7 @@ def test_wrong_models_in_a_real_process(model, name):
     assert "Traceback" not in done.stderr
 
 
-@pytest.mark.parametrize("name", SCRIPTS)
+@pytest.mark.parametrize("name", ["frames", *(pytest.param(n, marks=pytest.mark.slow) for n in SCRIPTS if n != "frames")])
 def test_wrong_scripts_in_a_real_process(model, name):
     text, message = SCRIPTS[name]
     done = process("symbolic", "check", model(text=text, name="manip.py"))
