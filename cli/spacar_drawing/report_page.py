@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 MOST_CURVES = 12
 MOST_MODES = 4
 DPI = 120
+_NAMED = (("Coordinates", "QNAME"), ("Speeds", "SNAME"), ("Inputs", "UNAME"), ("Outputs", "YNAME"))
 
 
 def report_page(source: PictureSource, expressions: Sequence[str] = (), log_lines: int = 120, view: str = "iso") -> str:
@@ -42,7 +43,7 @@ def report_page(source: PictureSource, expressions: Sequence[str] = (), log_line
     scene = source.scene
     extras = Extras(view=view, title="")
     parts = [_summary(source), _model(source, extras), _freedoms(source)]
-    if not scene.analysis.forces:
+    if not source.named and not scene.analysis.forces:
         parts.append(_constraints(source, extras))
     if scene.analysis.stationary:
         parts.append(_modes(source, extras))
@@ -66,6 +67,8 @@ def key_curves(source: PictureSource) -> list[Curve]:
     """What a reader wants to see first: in inverse dynamics the stresses and motions of the hinges; else the degrees of
     freedom that the analysis found, what the prescribed ones need as driving forces or stresses, and the coordinates
     that move most."""
+    if source.named:
+        return [evaluate(source, name) for name in named_freedoms(source) + _texts(source, "YNAME")][:MOST_CURVES]
     scene = source.scene
     found = freedoms(scene)
     if scene.analysis.gives_setpoints or scene.analysis.takes_setpoints:
@@ -89,6 +92,16 @@ def key_curves(source: PictureSource) -> list[Curve]:
         ranked = sorted((m for m in moves if m[0] > 1e-9 * (1.0 + largest)), key=lambda m: -m[0])[:3]
         texts += [text for _, text in ranked if text not in texts]
     return [evaluate(source, text) for text in texts[:MOST_CURVES]]
+
+
+def named_freedoms(source: PictureSource) -> list[str]:
+    """Coordinates of a result of `spacar symbolic` that are not amplitudes of fields; all when there is no other."""
+    names = _texts(source, "QNAME")
+    return [name for name in names if not name.startswith("phi")] or names
+
+
+def _texts(source: PictureSource, name: str) -> list[str]:
+    return [str(text) for text in source.header.get(name, [])]
 
 
 def _is_spatial_rotation(scene: Scene, text: str) -> bool:
@@ -131,7 +144,7 @@ def _summary(source: PictureSource) -> str:
         words[e.keyword] = str(int(words.get(e.keyword, "0")) + 1)
     rows = [
         ("Input", _text(header, "SOURCE")),
-        ("Analysis", f"mode {mode.number}: {mode.title}"),
+        ("Analysis", "spacar symbolic simulate" if source.named else f"mode {mode.number}: {mode.title}"),
         ("Program", _text(header, "VERSION")),
         ("Elements", ", ".join(f"{n} {k}" for k, n in words.items())),
         ("Nodes", f"{len(scene.position_nodes)} for positions, {len(scene.orientation_nodes)} for orientations"),
@@ -174,6 +187,9 @@ def _model(source: PictureSource, extras: Extras) -> str:
 
 
 def _freedoms(source: PictureSource) -> str:
+    if source.named:
+        facts = [(title, ", ".join(_texts(source, ident)) or "none") for title, ident in _NAMED]
+        return "<h2>Quantities</h2>" + _table(facts, head=None, klass="facts")
     found = freedoms(source.scene)
     counts = {kind: sum(f[2] == kind for f in found) for kind in ("input", "dynamic", "kinematic")}
     words = {"input": "prescribed", "dynamic": "dynamic", "kinematic": "kinematic"}

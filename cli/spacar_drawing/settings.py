@@ -59,10 +59,22 @@ class PictureSettings:
 
 
 def read_settings(source: Path) -> PictureSettings:
-    """The settings in the input file or, when it has no section, in NAME.spv beside it; defaults without either."""
+    """The settings in the input file or, when it has no section, in NAME.spv beside it; defaults without either.
+
+    Sections of beams that the file gives with BEAMSEC come first.
+    """
     lines: Sequence[str] = ()
     if source.is_file():
-        lines = scan(source.read_text("utf-8", "replace")).visualization or ()
+        scanned = scan(source.read_text("utf-8", "replace"))
+        lines = scanned.visualization or ()
+        if any(word.text.upper() == "BEAMSEC" for word in scanned.words):
+            from spacar.deck import read_deck
+            from spacar.errors import InputError
+
+            try:
+                return parse_settings(read_deck(source).visualization)
+            except InputError:  # the file was changed since; without its sections
+                pass
     beside = source.with_suffix(".spv")
     if not lines and beside.is_file():
         lines = visualization_of(beside.read_text("utf-8", "replace"))

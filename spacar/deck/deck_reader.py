@@ -12,9 +12,11 @@ from spacar.deck.keyword_table import KEYWORDS, BlockKind, blocks_of
 from spacar.deck.lexer import LONGEST_LINE, SourceText, integer_of, scan
 from spacar.deck.mode_blocks import Purpose, third_block, uses
 from spacar.deck.outline import Outline
+from spacar.deck.section_block import WORDS, Expansion, expand
 from spacar.deck.splitter import Raw, split, third_kind
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
+from spacar.deck.table_sections import UNITS
 from spacar.errors import InputError, Message
 
 NOT_UTF8 = re.compile("[\ud800-\udfff]")
@@ -25,13 +27,16 @@ _NAMES = {2: "dynamics block", 3: "third block"}
 @dataclass(frozen=True)
 class Contents:
     """What a text says. `visualization`: lines of that section, None without one; `third`: kind of the third block;
-    `spans`: where each block begins and ends (line, column)."""
+    `spans`: where each block begins and ends (line, column); `shorthand`: UNITS, SECTION, MATERIAL and BEAMSEC, which
+    `expansion` replaces."""
 
     statements: tuple[Statement, ...]
     visualization: tuple[str, ...] | None
     messages: tuple[Message, ...]
     third: BlockKind | None
     spans: dict[int, Span]
+    shorthand: tuple[Statement, ...]
+    expansion: Expansion
 
 
 def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
@@ -41,7 +46,7 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
     _lexical(text, scanned, findings)
     parts = split(scanned, findings)
     third = third_kind(parts.statements, third_block(mode))
-    outline = Outline()
+    outline = Outline(metre=_metre(parts.statements, findings))
     read: dict[int, Statement] = {}
     skipped = {block: Findings(source) for block in (2, 3) if not uses(mode, block)}
     for raw in parts.statements:
@@ -70,13 +75,30 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
                 outline.broken.add((raw.keyword, _number(raw)))
                 outline.broken_blocks.add(raw.block)
     statements = tuple([read[id(raw)] for raw in parts.statements if id(raw) in read])
+    expansion = expand(statements, outline, findings)
+    statements, outline = expansion.statements, expansion.outline
     check(statements, outline, mode, third, {block: skipped.get(block, findings) for block in (1, 2, 3)})
     for block, found in skipped.items():
         _report_skipped(block, parts.statements, mode, found, findings)
     findings.messages.sort(key=lambda m: m.line or 0)
     if findings.errors:
         raise InputError(findings.messages)
-    return Contents(statements, scanned.visualization, tuple(findings.messages), third, parts.spans)
+    shorthand = tuple([s for s in read.values() if s.keyword in WORDS])
+    return Contents(
+        statements, scanned.visualization, tuple(findings.messages), third, parts.spans, shorthand, expansion
+    )
+
+
+def _metre(raws: list[Raw], findings: Findings) -> float:
+    """Length of the unit of length in metres, from UNITS."""
+    for raw in raws:
+        if raw.keyword == "UNITS" and raw.words:
+            word = raw.words[0]
+            if word.text.lower() in UNITS:
+                return UNITS[word.text.lower()]
+            text = f"there is no unit of length '{word.text}'; expected {' or '.join(UNITS)}"
+            findings.add("error", word.line, "UNITS", text, "units")
+    return 1.0
 
 
 def _lexical(text: str, source: SourceText, findings: Findings) -> None:

@@ -3,11 +3,19 @@ file."""
 
 from __future__ import annotations
 
-from spacar.deck import table_dynamics, table_elements, table_io, table_kinematics, table_loads, table_solvers
+from spacar.deck import (
+    table_dynamics,
+    table_elements,
+    table_io,
+    table_kinematics,
+    table_loads,
+    table_sections,
+    table_solvers,
+)
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.deck.table_types import BlockKind, ElementType, Keyword, coordinates_of
 
-_TABLES = (table_elements, table_kinematics, table_dynamics, table_loads, table_solvers, table_io)
+_TABLES = (table_elements, table_kinematics, table_sections, table_dynamics, table_loads, table_solvers, table_io)
 _ROWS = tuple(row for table in _TABLES for row in table.KEYWORDS)
 
 KEYWORDS: dict[tuple[str, BlockKind], Keyword] = {(k.name, k.block): k for k in _ROWS}
@@ -16,8 +24,12 @@ KEYWORDS: dict[tuple[str, BlockKind], Keyword] = {(k.name, k.block): k for k in 
 ALIASES: dict[str, str] = {alias: k.name for k in _ROWS for alias in k.aliases}
 """Older names of keywords."""
 
-TAKES_NAME = frozenset(k.name for k in _ROWS if k.variants[0].parameters[0].kind == "name")
-"""Keywords whose argument is one word, whatever it looks like."""
+NAME_PLACES = {
+    k.name: places
+    for k in _ROWS
+    if (places := frozenset(i for i, p in enumerate(k.variants[0].parameters) if p.kind == "name"))
+}
+"""Keyword -> its arguments (from 0) that are one word, whatever it looks like."""
 
 NAMES: dict[int, dict[str, int]] = {number: {} for number in (1, 2, 3)}
 """For each block number the keywords that may stand there, with the largest number of arguments of any
@@ -36,7 +48,7 @@ __all__ = [
     "ELEMENT_TYPES",
     "KEYWORDS",
     "NAMES",
-    "TAKES_NAME",
+    "NAME_PLACES",
     "BlockKind",
     "ElementType",
     "Keyword",

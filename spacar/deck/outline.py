@@ -18,7 +18,7 @@ class Outline:
     `space` is planar, spatial or "" (no element). `complete` is false when some element statement could not
     be read, so that nodes may be missing here; `broken` holds keyword and first number of the other
     statements that could not be read, `broken_blocks` their blocks: what follows from their absence is not
-    reported then.
+    reported then. `metre` is the unit of length of the file in metres.
     """
 
     elements: dict[int, Statement] = field(default_factory=dict)
@@ -29,6 +29,7 @@ class Outline:
     complete: bool = True
     broken: set[tuple[str, int]] = field(default_factory=set)
     broken_blocks: set[int] = field(default_factory=set)
+    metre: float = 1.0
 
     def coordinates(self, node: int) -> int:
         """Number of coordinates of a node that exists."""

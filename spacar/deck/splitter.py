@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from spacar.deck.findings import Findings
-from spacar.deck.keyword_table import ALIASES, KEYWORDS, NAMES, TAKES_NAME, BlockKind, blocks_of
+from spacar.deck.keyword_table import ALIASES, KEYWORDS, NAME_PLACES, NAMES, BlockKind, blocks_of
 from spacar.deck.lexer import SourceText, Word
 
 _NOT_NUMBERS = ("NAN", "INF", "INFINITY")
@@ -68,7 +68,7 @@ class _Splitter:
             word = self.words[i]
             name = word.text.upper()
             name = ALIASES.get(name, name)
-            if self._wants_name():
+            if self._wants_name(word):
                 self._append(word)
             elif name == "END":
                 step = self._end(i)
@@ -100,9 +100,12 @@ class _Splitter:
         assert self.current is not None
         self.current.words.append(word)
 
-    def _wants_name(self) -> bool:
+    def _wants_name(self, word: Word) -> bool:
+        """Whether the word is a name; behind other arguments a name stands on their line, else it was left out."""
         current = self.current
-        return current is not None and not current.words and current.keyword in TAKES_NAME
+        if current is None or len(current.words) not in NAME_PLACES.get(current.keyword, ()):
+            return False
+        return not (current.words and word.first)
 
     def _argument(self, word: Word) -> None:
         if self.current is not None:

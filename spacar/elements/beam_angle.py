@@ -16,9 +16,9 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.elements import beam_angle_strain as strain_of
-from spacar.elements.family import ElementGroup, Internal, Trouble
 from spacar.elements.beam import COLLAPSED, SpatialBeam
 from spacar.elements.beam_inertia import LineConstants, LineState, line_state
+from spacar.elements.family import ElementGroup, Internal, Trouble
 from spacar.elements.rotation import expand
 from spacar.elements.tube import SpatialTube
 

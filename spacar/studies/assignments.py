@@ -94,6 +94,7 @@ def change(deck: Deck, settings: Sequence[Setting], numbers: Sequence[float]) ->
                 if position > len(statement.values):
                     later.append((target, position, value))
                     continue
+                deck.require_written(statement)
                 place = (statement.lines[position - 1], statement.columns[position - 1])
                 if place in edits:
                     raise UsageError(f"{statement.subject}: argument {position} is set twice", "study.set")

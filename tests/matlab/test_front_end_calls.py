@@ -76,6 +76,13 @@ out.reduced = mrltv('robot_3', 2);
 gains = @(step) diag([100 200 300]) + step * [0 1 2; 3 4 5; 6 7 8] * (step > 0);
 out.controlled = spacntrl('robot_3', gains);
 try, spacntrl('robot_3', @(step) 1); catch e, out.gain = e.message; end
+spacar_build('built here');
+out.built = {exist(fullfile('built here', 'spacar.mex'), 'file'), exist('octave_script.m', 'file'), ...
+             numel(dir('built here'))};
+home = getenv('HOME'); setenv('HOME', pwd());
+out.home = getfrsbf('~/robot.sbd', 'tdef'); out.home_status = spacar(0, '~/transfer.dat');
+setenv('HOME', home);
+spavisual('robot', 'picture.png');
 setenv('SPACAR_COMMAND', '/nowhere/spacar');
 try, spacar(0, 'robot'); catch e, out.nowhere = [e.identifier, '|', e.message]; end
 """
@@ -215,6 +222,22 @@ def test_a_table_of_gains_has_the_right_size(folder, octave, tmp_path, capsys):
     table.write_text("a,b\n")
     assert main(["spacntrl", str(folder / "robot_3"), "--kp", str(table)]) == 2
     assert main(["spacntrl", str(folder / "robot_3"), "--kp", str(tmp_path / "none.csv")]) == 2
+
+
+def test_octave_builds_the_mex_file_itself(octave):
+    """Into a folder with a blank, from one with a quote, which the compiler of Octave does not take."""
+    assert octave["built"][0] in (2, 3)
+    assert octave["built"][1] == 2
+    assert octave["built"][2] == 3  # with . and ..
+
+
+def test_the_home_folder(octave):
+    assert octave["home"] == 12
+    assert octave["home_status"] == 0
+
+
+def test_a_picture_of_the_program(folder, octave):
+    assert (folder / "picture.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_the_copy_knows_its_program(folder, octave):

@@ -82,6 +82,11 @@ addpath('pieces');
 for k = 1:numel(lengths), out.crc(k) = sbf_crc32(uint8(mod((1:lengths(k)) * 37 + 11, 256))); end
 out.words = {quoted_word('C:\\Program Files\\my model\\', true), quoted_word('\\\\host\\a b\\x.dat', true), ...
              quoted_word('it''s $HOME `a` "b"', false)};
+lastwarn('', ''); v = getfrsbf('stopped.sbd', 'x'); [out.stopped, out.stopped_id] = lastwarn();
+bytes = fread(fopen('robotinv.sbd', 'r'), [1, Inf], 'uint8=>uint8'); fclose('all');
+fid = fopen('cut.sbd', 'w'); fwrite(fid, bytes(1:end - 20)); fclose(fid);
+lastwarn('', ''); out.cut_steps = getfrsbf('cut.sbd', 'tdef'); out.cut = lastwarn();
+c = checksbf('cut'); out.cut_damage = c.damage;
 copyfile('one.sbd', 'changing.sbd');
 out.before = getfrsbf('changing.sbd', 'x');
 copyfile('two.sbd', 'changing.sbd');
@@ -130,6 +135,9 @@ def folder(tmp_path_factory):
     for name, header in (("one", {"NX": 2}), ("two", {"NY": 1, "NX": 2})):
         with SbfWriter(made / f"{name}.sbd", "sbd", header, {"T": (1, 1), "X": (2, 1)}) as out:
             out.append({"T": 0.0, "X": [1.0, -2.5] if name == "one" else [7.0, 8.0]})
+    stopped = SbfWriter(made / "stopped.sbd", "sbd", {"NX": 2}, {"T": (1, 1), "X": (2, 1)})
+    stopped.append({"T": 0.0, "X": [1.0, -2.5]})
+    stopped.close(complete=False)
     shutil.copytree(FOLDER / "octave", made / "shims")
     pieces = made / "pieces"
     pieces.mkdir()
@@ -289,6 +297,14 @@ def test_a_file_that_was_replaced_is_read_anew(octave):
     """The directory is kept between calls: another file under the same name has another one."""
     np.testing.assert_array_equal(octave["before"], [1.0, -2.5])
     np.testing.assert_array_equal(octave["after"], [7.0, 8.0])
+
+
+def test_incomplete_results_are_told(octave):
+    assert octave["stopped_id"] == "spacar:incomplete"
+    assert octave["stopped"].endswith("stopped.sbd is incomplete: stopped after step 1")
+    assert octave["cut_steps"] == 11
+    assert octave["cut"].endswith("stopped after step 11")
+    assert "it has 11 of the 12 steps" in octave["cut_damage"]
 
 
 def test_names_reach_the_program_as_they_stand(octave):

@@ -126,7 +126,7 @@ def test_wrong_models_are_refused_in_one_line(model, name):
 
 SCRIPTS = {
     "frames": ("from spacar.symbolic import *\nomega(ReferenceFrame('N'), ReferenceFrame('Q'))\n", "no angular velocity is known between frames N and Q"),
-    "sum": ("from spacar.symbolic import *\nFrame('N')[1] + 1\n", "TypeError: cannot add a vector and 1"),
+    "sum": ("from spacar.symbolic import *\nReferenceFrame('N')[1] + 1\n", "TypeError: cannot add a vector and 1"),
     "product": ("from spacar.symbolic import *\nN = ReferenceFrame('N')\nN[1]*N[2]\n", "TypeError: product of vectors: use dot (&), cross (^) or outer (|), not *"),
     "none": ("x = 1\n", "the script must define `system`"),
 }  # fmt: skip

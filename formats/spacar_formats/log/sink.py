@@ -20,6 +20,7 @@ from spacar.frame import Frame
 from spacar.modes import Mode
 from spacar.stream import Run
 from spacar_formats.log import linear_sections, model_sections, step_sections
+from spacar_formats.log.section_tables import beam_sections
 from spacar_formats.log.text_layout import heading, real, table
 from spacar_formats.safety import backup_path
 
@@ -138,6 +139,7 @@ def _kinematics(run: Run) -> list[str]:
     lines = [f"SHA-256 of the input file: {deck.sha256}", *heading("Kinematics"), *echo(deck, 1), ""]
     if deck.messages:
         lines += ["Messages about the input", "", *(f"{m} [{m.code}]" for m in deck.messages), ""]
+    lines += beam_sections(deck)
     lines += [*model_sections.elements(n), *model_sections.measures(run.mechanism)]
     return [*lines, *model_sections.nodes(n), *model_sections.degrees_of_freedom(n)]
 
