@@ -157,7 +157,7 @@ SHAPES = {
         (("flange b along y'", 1), ("height h along z'", 1), ("web tw", 1), ("flange tf", 1)),
         i_section,
         _web,
-        None,
+        lambda b, h, tw, tf: ("I", (b, h, tw, tf)),
     ),
     "CUSTOM": Shape(
         "constants as given",
