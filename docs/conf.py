@@ -34,7 +34,7 @@ smartquotes = False  # x' is an axis, not an apostrophe
 # what the left column shows: title -> pages
 CONTENTS = {
     "Start": ("/README", "tutorial", "gallery"),
-    "Use": ("keywords", "drawing", "python", "simulation", "studies", "symbolic/tutorial"),
+    "Use": ("keywords", "drawing", "python", "matlab", "simulation", "studies", "symbolic/tutorial"),
     "Understand": ("theory", "theory-linear", "symbolic/theory", "decisions", "performance"),
     "Reference": (
         "reference/index", "reference/theory-system", "reference/theory-planar", "reference/theory-spatial",

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from numbers import Integral, Real
 from typing import Any
 
+from spacar.deck.table_solvers import INTEGRATOR_ALIASES, INTEGRATORS, alias_note
 from spacar.errors import UsageError
+from spacar.mechanism import SolverSettings
 
 POSITIVE = ("atol", "rtol", "step", "duration", "n_steps")
 BEAMS = ("angle", "sine")  # measures of the deformations of beams and tubes
@@ -18,10 +21,6 @@ def checked_options(options: dict[str, Any]) -> tuple[dict[str, Any], list[str]]
     Raises UsageError for an unknown option, a value of the wrong type, one that is not positive or not finite where it
     must be, and an integration method that does not exist.
     """
-    from dataclasses import fields
-
-    from spacar.mechanism import SolverSettings
-
     types = {f.name: str(f.type).removesuffix(" | None") for f in fields(SolverSettings)}
     found, notes = {}, []
     for name, value in options.items():
@@ -58,8 +57,6 @@ def _converted(name: str, value: Any, kind: str) -> Any:
 
 def integrator(code: int, subject: str = "integrator type") -> tuple[int, str | None]:
     """The integration method of this code, and the note on an alias (the sentence of INTEGRAT). Raises UsageError."""
-    from spacar.deck.table_solvers import INTEGRATOR_ALIASES, INTEGRATORS, alias_note
-
     if code in INTEGRATOR_ALIASES:
         return INTEGRATOR_ALIASES[code], alias_note(code)
     if code not in INTEGRATORS:

@@ -16,6 +16,7 @@ from spacar.arrays import Array
 from spacar.errors import SpacarError, UsageError
 from spacar.expressions.result_places import ELEMENT, NODE, place
 from spacar.frame import Frame, StoredFrames
+from spacar.mechanism.result_tables import model_tables
 
 if TYPE_CHECKING:
     from spacar.mechanism import Mechanism
@@ -100,8 +101,6 @@ class Result:
     @cached_property
     def tables(self) -> dict[str, Any]:
         """Sizes, tables and parameters of the model by their names in the result files, without a step axis."""
-        from spacar.mechanism.result_tables import model_tables
-
         return model_tables(self.mechanism)
 
     @property

@@ -11,9 +11,6 @@ from spacar_cli.command_table import COMMANDS
 HOUSE = Path(__file__).resolve().parents[1]
 FILES = [p for room in ("spacar", "formats", "cli") for p in sorted((HOUSE / room).rglob("*.py"))]
 COMMAND_ROOM = HOUSE / "cli" / "spacar_cli" / "commands"
-# Of spacar/symbolic, until that room is renamed.
-LEFT_CLASSES = {"Frame", "Run", "_Reader"}
-LEFT_FILES = {"expressions", "compiled"}
 
 
 def place(path: Path) -> str:
@@ -26,7 +23,7 @@ def test_no_class_name_stands_twice():
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.ClassDef):
                 found[node.name].append(place(path))
-    twice = {name: files for name, files in found.items() if len(files) > 1 and name not in LEFT_CLASSES}
+    twice = {name: files for name, files in found.items() if len(files) > 1}
     assert not twice
 
 
@@ -50,4 +47,4 @@ def test_no_file_has_the_name_of_another_folder():
         for folder in folders
         if path.stem == folder.name and path.parent != folder and path.parent != COMMAND_ROOM
     ]
-    assert not [name for name in both if Path(name).stem not in LEFT_FILES]
+    assert not both

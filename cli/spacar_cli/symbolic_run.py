@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from spacar.symbolic.program import EquationProgram
     from spacar.symbolic.script import SymbolicModel
     from spacar.symbolic.simulated_motion import SimulatedMotion
+    from spacar.symbolic.skeleton import Picture
     from spacar.symbolic.symbolic_equations import SymbolicEquations
 
 DEFAULTS: dict[str, Any] = {"time": 1.0, "steps": 1000, "integrator": "lsoda", "rtol": 1e-8, "atol": None}
@@ -37,6 +38,10 @@ def simulate_model(
     """
     from spacar_formats.claim import Claim
 
+    if compiled:
+        from spacar.symbolic.compiled_program import compiler
+
+        compiler()  # a CC that cannot be used is told before anything is written
     values, start = _changed(model, changes)
     log, sbd = (model.path.with_suffix(ending) for ending in (".log", ".sbd"))
     claim = Claim(sbd, wait)
@@ -58,6 +63,8 @@ def _simulate(
     log: Path,
     claim: Claim,
 ) -> list[str]:
+    from spacar.symbolic.skeleton import picture
+
     settings = DEFAULTS | model.settings | {key: value for key, value in wishes.items() if value is not None}
     try:
         eq = model.system.derive(strategy)
@@ -74,7 +81,7 @@ def _simulate(
         kind = AnalysisError if isinstance(error, AnalysisError) else UsageError
         raise kind(f"{model.path.name}: {error}", error.code) from None
     summary = _summary(eq, program, run, note, str(checked))
-    write_sbd(claim, model, run)
+    write_sbd(claim, model, run, picture(model.system, run, values))
     _write_log(log, model, eq, values, start, summary, show)
     written = [log, claim.final]
     if plot:
@@ -102,9 +109,10 @@ def _compiled(program: EquationProgram, values: dict[str, float]) -> tuple[Any, 
     """The compiled function, or None with the reason when there is no compiler."""
     from spacar.symbolic.compiled_program import CompiledFunction, compiler
 
-    if compiler() is None:
+    words = compiler()
+    if words is None:
         return None, "generated Python (no C compiler was found)"
-    return CompiledFunction(program, values), f"C, compiled by {compiler()}"
+    return CompiledFunction(program, values), f"C, compiled by {' '.join(words)}"
 
 
 def _summary(
@@ -125,8 +133,11 @@ def _summary(
     ]
 
 
-def write_sbd(claim: Claim, model: SymbolicModel, run: SimulatedMotion) -> None:
-    """The result container: time, q, s, u (inputs), y (outputs); names in the texts QNAME, SNAME, UNAME, YNAME."""
+def write_sbd(claim: Claim, model: SymbolicModel, run: SimulatedMotion, seen: Picture | None) -> None:
+    """The result container: time, q, s, u (inputs), y (outputs); names in the texts QNAME, SNAME, UNAME, YNAME.
+
+    `seen` adds the nodes and elements of a picture, with X.
+    """
     from spacar_formats.sbf import SbfWriter
 
     nq = len(model.system.coordinates)
@@ -137,7 +148,11 @@ def write_sbd(claim: Claim, model: SymbolicModel, run: SimulatedMotion) -> None:
     }
     columns = [run.outputs[name] for name in run.outputs]
     header: dict[str, Any] = {"TITLE": model.system.title or model.path.stem, "KIND": "symbolic"}
+    header |= {"VERSION": f"spacar {spacar.__version__}", "SOURCE": model.path.name, "SHA256": model.sha256}
     shapes: dict[str, tuple[int, int]] = {"T": (1, 1)}
+    if seen is not None:
+        header |= seen.header
+        shapes["X"] = (seen.x.shape[1], 1)
     for letter, (names, _) in groups.items():
         if names:
             header[f"{letter}NAME"] = list(names)
@@ -149,7 +164,8 @@ def write_sbd(claim: Claim, model: SymbolicModel, run: SimulatedMotion) -> None:
     with SbfWriter(claim.part, "sbd", header, shapes, claim.open()) as writer:
         for k, t in enumerate(run.time):
             step: dict[str, Any] = {"T": t} | {a: rows[k] for a, (names, rows) in groups.items() if names}
-            writer.append(step | ({"Y": [c[k] for c in columns]} if columns else {}))
+            step |= {"Y": [c[k] for c in columns]} if columns else {}
+            writer.append(step | ({"X": seen.x[k]} if seen is not None else {}))
     claim.publish()
 
 

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from base64 import b64encode
 from collections.abc import Sequence
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spacar.errors import UsageError
 from spacar.result import Result
+from spacar_drawing.curves import evaluate
 from spacar_drawing.files import FILM_DPI, film, save
+from spacar_drawing.history import history_figure
 from spacar_drawing.mechanism_picture import Extras
 from spacar_drawing.picture_source import PictureSource, open_source, source_of_result
+from spacar_drawing.report_page import report_page
 from spacar_drawing.step_pictures import chosen_steps, picture, series
 
 if TYPE_CHECKING:
@@ -73,8 +78,6 @@ def report(
 
     Raises UsageError for an expression that cannot be evaluated.
     """
-    from spacar_drawing.report_page import report_page
-
     return report_page(source_of(result), expressions, log_lines, view)
 
 
@@ -89,9 +92,6 @@ def plot(
 
     Raises UsageError for an expression that cannot be evaluated, and for a file that cannot be written.
     """
-    from spacar_drawing.curves import evaluate
-    from spacar_drawing.history import history_figure
-
     if not expressions:
         raise UsageError("nothing to plot: give at least one expression, for instance 'x[6,1]'", "plot.nothing")
     source = source_of(result)
@@ -121,9 +121,6 @@ def stress(
 
 def inline_picture(result: Result) -> str:
     """The first step, or the last load step, as an HTML image that holds its data."""
-    from base64 import b64encode
-    from io import BytesIO
-
     data = BytesIO()
     draw(result).savefig(data, format="png", dpi=80)
     return f'<img alt="mechanism" src="data:image/png;base64,{b64encode(data.getvalue()).decode()}">'

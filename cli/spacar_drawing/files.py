@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import subprocess
 from collections.abc import Callable, Iterator
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -40,8 +41,6 @@ def check_name(path: Path, film: bool = True) -> str:
 
 def save(figure: Figure, path: Path, dpi: float = 150.0) -> None:
     """Write a figure as png, svg or pdf; the same figure gives the same bytes. Raises UsageError."""
-    from io import BytesIO
-
     import matplotlib
 
     ending, picture = check_name(path, film=False), BytesIO()

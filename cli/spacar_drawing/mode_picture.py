@@ -19,7 +19,7 @@ from spacar_drawing.mechanism_picture import (
     outline_shapes,
     series_bounds,
 )
-from spacar_drawing.mode_shapes import ModeShape, displaced
+from spacar_drawing.mode_shapes import ModeShape, displaced, suitable_factor
 from spacar_drawing.moving_figure import Pictures
 from spacar_drawing.paint import paint
 from spacar_drawing.redundancy import Redundancy
@@ -120,7 +120,6 @@ def constraint_still(
 
 def _step_for(scene: Scene, motion: Array, extent: float) -> float:
     mode = ModeShape(0, "buckling", 1.0 + 0j, np.zeros(0, complex), motion.astype(complex))
-    from spacar_drawing.mode_shapes import suitable_factor
 
     return suitable_factor(scene, mode, extent)
 

@@ -13,10 +13,12 @@ Motion: dx times the vector in the columns of the dynamic and kinematic degrees 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from spacar_formats.locate import open_result
 from spacar_formats.vibration import modes_of_stored_matrices
 
 from spacar.arrays import Array
@@ -82,10 +84,6 @@ def dynamic_columns(header: Any) -> NDArray[np.int64]:
 
 def open_matrices(source: PictureSource) -> Any:
     """The `.sbm` file beside a `.sbd` result. UsageError when there is none, or when it belongs to another input."""
-    from pathlib import Path
-
-    from spacar_formats.locate import open_result
-
     name = Path(source.name)
     kept = name.name.replace(".sbd", ".sbm")
     file = open_result(name.with_name(kept), "sbm")

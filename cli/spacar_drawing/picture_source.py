@@ -8,11 +8,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from spacar_formats.locate import open_result, stale_note
+from spacar_formats.sinks.result_header import sbd_header
 
 from spacar.arrays import Array
 from spacar.errors import UsageError
+from spacar.modes import find_mode
+from spacar.stream import Run
+from spacar_drawing.named_source import named_columns, nothing
 from spacar_drawing.scene import Scene
-from spacar_drawing.settings import PictureSettings, read_settings
+from spacar_drawing.settings import PictureSettings, parse_settings, read_settings
 
 if TYPE_CHECKING:
     from spacar.result import Result
@@ -59,26 +64,22 @@ class PictureSource:
         return float(np.ravel(self.get("t", k))[0])
 
 
-def open_source(name: str | Path, stale_ok: bool = False) -> PictureSource:
+def open_source(name: str | Path, stale_ok: bool = False, drawn: bool = True) -> PictureSource:
     """The `.sbd` result of this name (extension optional), with the settings of the input file beside it.
 
-    Raises UsageError when there is no result, when it has no steps, or when the input file has changed since (unless
+    A result of `spacar symbolic` has its quantities in `named`; with `drawn=False` it may be without nodes. Raises
+    UsageError when there is no result, when it has no steps, or when the input file has changed since (unless
     `stale_ok`). The file stays open as long as the Source lives; only what is asked for is read.
     """
-    from spacar_formats.locate import open_result, stale_note
-
     wanted = Path(name)
-    if wanted.suffix.lower() in (".dat", ".sbm", ".ltv"):
+    if wanted.suffix.lower() in (".dat", ".sbm", ".ltv", ".toml", ".py"):
         wanted = wanted.with_suffix("")
     file = open_result(wanted, "sbd")
-    if "symbolic" in file.header.get("KIND", ""):
-        raise UsageError(
-            f"{file.path} is a result of spacar symbolic, which has quantities by name but no nodes and elements to "
-            "draw: use spacar plot",
-            "draw.symbolic",
-        )
+    symbolic = "symbolic" in file.header.get("KIND", "")
     missing = [ident for ident in NEEDED if not file.has(ident)]
-    if missing:
+    if missing and symbolic and drawn:
+        raise UsageError(f"{file.path} has no points that could be drawn: use spacar plot", "draw.symbolic")
+    if missing and not symbolic:
         raise UsageError(f"{file.path} has no {missing[0]}: it is not the result of a mode", "draw.missing")
     note = stale_note(file)
     if note and not stale_ok:
@@ -87,8 +88,8 @@ def open_source(name: str | Path, stale_ok: bool = False) -> PictureSource:
         raise UsageError(f"{file.path} contains no steps: the run stopped before the first one", "draw.empty")
     stem = file.path.name.removesuffix(".part").removesuffix(".bak").removesuffix(".sbd")
     source = file.header.get("SOURCE")
-    named = source[0].replace("\0", "") if isinstance(source, list) and source else f"{stem}.dat"
-    beside = file.path.parent / Path(named).name
+    origin = source[0].replace("\0", "") if isinstance(source, list) and source else f"{stem}.dat"
+    beside = None if symbolic else file.path.parent / Path(origin).name
     shapes = {i.lower(): (r.rows, r.cols) for i, r in file.step_records.items()}
 
     def read(variable: str, k: int | None) -> Array | None:
@@ -105,30 +106,24 @@ def open_source(name: str | Path, stale_ok: bool = False) -> PictureSource:
 
     header = dict(file.header.items())
     return PictureSource(
-        Scene.of_header(header, stem),
-        read_settings(beside),
+        nothing(stem) if missing else Scene.of_header(header, stem),
+        PictureSettings() if beside is None else read_settings(beside),
         file.steps,
         str(file.path),
-        beside if beside.is_file() else None,
+        beside if beside is not None and beside.is_file() else None,
         read,
         header,
         file.complete,
+        named_columns(file),
     )
 
 
 def source_of_result(result: Result, settings: PictureSettings | None = None) -> PictureSource:
     """The same of a Result in memory (tests, scripts, live window)."""
-    from spacar_formats.sinks.result_header import sbd_header
-
-    from spacar.modes import find_mode
-    from spacar.stream import Run
-
     header = sbd_header(Run(find_mode(result.mode), result.mechanism))
     frames: Sequence[Any] = result.frames
     names = {"t": "t", "fxt": "fxtot"}
     if settings is None:
-        from spacar_drawing.settings import parse_settings
-
         settings = parse_settings(result.mechanism.deck.visualization)
 
     def read(variable: str, k: int | None) -> Array | None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.deck.cross_section import SHAPES, rectangle_torsion
+from spacar.deck.cross_section import pictured_constants, rectangle_torsion
 from spacar_drawing.drawn_shapes import disc_outline
 from spacar_drawing.settings import SectionShape
 
@@ -63,12 +63,9 @@ class Moments:
 
 def moments(section: SectionShape) -> Moments | None:
     """The constants that beams of this section are computed with (sections.md section 2). None for LINE."""
-    word, dims = section.shape, section.dims
-    if word == "CIRCHOL":
-        word, dims = "TUBE", (dims[0], 0.5 * (dims[0] - dims[1]))
-    if word not in SHAPES:
+    c = pictured_constants(section.shape, section.dims)
+    if c is None:
         return None
-    c = SHAPES[word].constants(*dims, 0.3)  # Poisson's ratio is in the shear coefficients only
     return Moments(c.A, c.Iy, c.Iz, c.It, c.Cw)
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from spacar_formats.getfrsbf import step_numbers
 
 from spacar.arrays import Array
 from spacar.errors import UsageError
@@ -33,8 +34,6 @@ SAMPLES = 60  # configurations that decide the range of an animation
 
 def chosen_steps(source: PictureSource, steps: str | None, strobe: int | None, moving: bool) -> list[int]:
     """Step numbers from 1. Raises UsageError for steps that do not exist."""
-    from spacar_formats.getfrsbf import step_numbers
-
     if strobe:
         return evenly(1, source.steps, strobe)
     if steps is None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -130,8 +130,6 @@ def diagram_still(
 
 
 def _hiding(settings: PictureSettings, hidden: frozenset[int]) -> PictureSettings:
-    from dataclasses import replace
-
     return replace(settings, hidden=hidden)
 
 

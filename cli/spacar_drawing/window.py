@@ -8,10 +8,16 @@ import time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from spacar_formats.sinks.result_header import sbd_header
 
 from spacar.errors import UsageError
 from spacar_drawing.camera import Camera
+from spacar_drawing.drawn_shapes import merge_bounds
+from spacar_drawing.look import look_of
+from spacar_drawing.mechanism_picture import Extras, camera_of, mechanism_shapes
 from spacar_drawing.moving_figure import MovingFigure, Pictures
+from spacar_drawing.scene import Scene
+from spacar_drawing.settings import parse_settings
 from spacar_drawing.stage import furnish
 
 if TYPE_CHECKING:
@@ -146,11 +152,6 @@ class LivePlot:
 
     def start(self, run: Run) -> None:
         from matplotlib.widgets import Button
-        from spacar_formats.sinks.result_header import sbd_header
-
-        from spacar_drawing.mechanism_picture import camera_of
-        from spacar_drawing.scene import Scene
-        from spacar_drawing.settings import parse_settings
 
         deck = run.mechanism.deck
         self._scene = Scene.of_header(sbd_header(run), deck.source)
@@ -185,10 +186,6 @@ class LivePlot:
             raise KeyboardInterrupt
 
     def _draw(self, frame: Frame) -> None:
-        from spacar_drawing.drawn_shapes import merge_bounds
-        from spacar_drawing.look import look_of
-        from spacar_drawing.mechanism_picture import Extras, mechanism_shapes
-
         if self._moving is None:
             self._look = look_of(self._scene, frame.x[None], self._settings)
         shapes = mechanism_shapes(self._scene, frame.x, self._look, Extras())

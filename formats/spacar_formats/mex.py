@@ -1,4 +1,4 @@
-"""The files for MATLAB and Octave (`matlab/`), and a folder of them with the MEX file that the machine's compiler makes.
+"""The files for MATLAB and Octave (`matlab/`), and a folder of them with the MEX file that a compiler makes there.
 
 The MEX file goes to a folder of the user's choice together with copies of the .m files, because the folder of the
 package may be read-only and belongs to every MATLAB and Octave of the machine: put that folder on the path instead.
@@ -30,7 +30,7 @@ def build(target: Path) -> list[Path]:
     Raises UsageError when there is no compiler (nothing is written) or the folder cannot be written, AnalysisError when
     the compiler fails; the copies are then complete and work with the plain spacar.m.
     """
-    compilers = {name: path for name in COMPILERS if (path := shutil.which(name)) is not None}
+    compilers = {name: found for name in COMPILERS if (found := shutil.which(name)) is not None}
     if not compilers:
         raise UsageError(
             "neither mkoctfile (Octave; Debian: octave-dev) nor mex (MATLAB) is on the path; from within MATLAB or "
@@ -48,15 +48,15 @@ def build(target: Path) -> list[Path]:
     if program is not None:
         write_text(target / COMMAND, f"{program}\n")
     made, failures = [], []
-    for name, path in compilers.items():
+    for name, compiler in compilers.items():
         with tempfile.TemporaryDirectory() as side:
-            failure = _compile(path, COMPILERS[name], Path(side))
-            found = sorted(Path(side).glob("spacar.mex*"))
-            for file in found:
+            failure = _compile(compiler, COMPILERS[name], Path(side))
+            for file in sorted(Path(side).glob("spacar.mex*")):
                 _copy(file, target / file.name)
                 made.append(target / file.name)
-            if not found:
-                failures.append(failure or f"{path} wrote no MEX file")
+                failure = None
+            if failure is not None:
+                failures.append(failure)
     if not made:
         raise AnalysisError(f"the MEX file could not be built: {'; '.join(failures)}", "matlab.compiler")
     return made
@@ -76,8 +76,8 @@ def _program() -> Path | None:
     return next((p.absolute() for p in places if p.stem == "spacar" and p.is_file()), None)
 
 
-def _compile(compiler: str, words: tuple[str, ...], folder: Path) -> str:
-    """What went wrong, empty when nothing did. `mex` may also be a program of TeX: it gets no input and some time."""
+def _compile(compiler: str, words: tuple[str, ...], folder: Path) -> str | None:
+    """What went wrong if there is no MEX file. `mex` may also be a program of TeX: it gets no input and some time."""
     shutil.copyfile(FOLDER / SOURCE, folder / SOURCE)
     try:
         done = subprocess.run(
@@ -88,4 +88,4 @@ def _compile(compiler: str, words: tuple[str, ...], folder: Path) -> str:
     if done.returncode:
         said = (done.stderr + done.stdout).decode("utf-8", "replace").strip()
         return f"{compiler}: {said[-400:] or f'status {done.returncode}'}"
-    return ""
+    return f"{compiler} wrote no MEX file"

@@ -12,7 +12,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.compiled.element_parameters import GUARD, SUPPORTED
-from spacar.compiled.library import CBatch, CSpec, CState, library
+from spacar.compiled.library import GENERAL, CBatch, CSpec, CState, engine, switched_off, unavailable
 from spacar.compiled.numbers import Numbers
 from spacar.dynamics.saddle_point import free_coordinates
 from spacar.kinematics.kinematics import LARGEST_JUMP
@@ -20,8 +20,17 @@ from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
 
 
+def why_general(mechanism: Mechanism) -> str | None:
+    """Why a run of this mechanism takes the general path, or None: then it is compiled."""
+    if not mechanism.settings.compiled:
+        return "--general or compiled=False asks for it"
+    if switched_off():
+        return f"the environment variable {GENERAL} asks for it"
+    return unavailable() or why_not(mechanism)
+
+
 def why_not(mechanism: Mechanism) -> str | None:
-    """Why this mechanism cannot be compiled, or None."""
+    """Why there is no compiled form of this mechanism, or None."""
     missing = sorted({b.family.keyword for b in mechanism.batches if b.family.keyword not in (*SUPPORTED, "XM")})
     angle = sorted({b.family.keyword for b in mechanism.batches if b.family.measure})
     if angle:
@@ -69,15 +78,15 @@ class CompiledModel:
         self.numbers = numbers
         self.polynomial = polynomial
         self.cases = numbers.x0.shape[-1]
-        self.library = library(self.cases)
+        self.engine = engine(self.cases)
         self._alive: list[Any] = []  # arrays that C points into
         # contiguous copies are made first, as a motion that is no polynomial is written into them
         self.x_motion, self.e_motion = np.ascontiguousarray(numbers.x_motion), np.ascontiguousarray(numbers.e_motion)
         spec = self._spec(numbers, scales, n_equations)
-        self.handle = ctypes.c_void_p(self.library.spacar_begin(ctypes.addressof(spec)))
+        self.handle = ctypes.c_void_p(self.engine.begin(ctypes.addressof(spec)))
         if not self.handle:
             raise MemoryError("no memory for the compiled model")
-        weakref.finalize(self, self.library.spacar_end, self.handle)
+        weakref.finalize(self, self.engine.end, self.handle)
         self.forces = np.zeros((2, numbering.nx, self.cases))
         self.gravity, self.total = self.forces
         self._forces_at = self.gravity.ctypes.data, self.total.ctypes.data
@@ -136,16 +145,16 @@ class CompiledModel:
     # -- calls; y, out, K are C-contiguous with the cases last ----------------------------------------------------
     def rhs(self, state: State, t: float, y: int, out: int, converged: float) -> int:
         """Time derivative of the state at the address y into out; a negative number when that is not possible."""
-        status: int = self.library.spacar_rhs(self.handle, state.address, t, y, out, converged, LARGEST_JUMP)
+        status: int = self.engine.rhs(self.handle, state.address, t, y, out, converged, LARGEST_JUMP)
         return status
 
     def evaluate(self, state: State, t: float, y: Array, converged: float) -> int:
         """Everything that a frame has (gravity and total forces are in the model); negative when not possible."""
-        status: int = self.library.spacar_evaluate(
+        status: int = self.engine.evaluate(
             self.handle, state.address, t, y.ctypes.data, converged, LARGEST_JUMP, 1
         )
         if status >= 0:
-            self.library.spacar_complete(self.handle, state.address, *self._forces_at)
+            self.engine.complete(self.handle, state.address, *self._forces_at)
         return status
 
     def stages(
@@ -156,37 +165,38 @@ class CompiledModel:
 
         c, a, y and K are addresses.
         """
-        reached: int = self.library.spacar_stages(
+        reached: int = self.engine.stages(
             self.handle, state.address, done, n, c, a, t, h, *window, y, K, stride, converged, LARGEST_JUMP
         )
         return reached
 
     def places(self) -> tuple[Array, Array]:
         """Rows and columns of the entries of V."""
-        count = self.library.spacar_gradient(self.handle, None, None, None)
+        count = self.engine.gradient(self.handle, None, None, None)
         rows, columns = np.zeros((2, count), np.int32)
-        self.library.spacar_gradient(self.handle, rows.ctypes.data, columns.ctypes.data, None)
+        self.engine.gradient(self.handle, rows.ctypes.data, columns.ctypes.data, None)
         return rows, columns
 
     def gradient(self, out: Array) -> None:
         """Values of the entries of V at the last evaluated state, (n, cases)."""
-        self.library.spacar_gradient(self.handle, None, None, out.ctypes.data)
+        self.engine.gradient(self.handle, None, None, out.ctypes.data)
 
     def determinant(self) -> tuple[Array, Array]:
         """Signs and logarithms of det V[E, U] at the last evaluated state, (cases,) each."""
-        self.library.spacar_determinant(self.handle, *self._determinant_at)
-        return self._determinant[0], self._determinant[1]
+        self.engine.determinant(self.handle, *self._determinant_at)
+        mantissa, exponent = self._determinant  # of the inverse
+        return np.sign(mantissa), -(np.log(np.abs(mantissa)) + np.log(2.0) * exponent)
 
     def rcond(self, rows: Array, columns: Array) -> float:
         """Smallest reciprocal condition of the cases' rows * V[E, U] * columns at the last evaluated state, 1-norm."""
-        return float(self.library.spacar_rcond(self.handle, rows.ctypes.data, columns.ctypes.data))
+        return float(self.engine.rcond(self.handle, rows.ctypes.data, columns.ctypes.data))
 
     def in_range(self, state: State) -> bool:
         """Whether all elements are surely in the range of their theory at a state."""
-        return bool(self.library.spacar_guard(self.handle, state.x.ctypes.data) > GUARD)
+        return bool(self.engine.guard(self.handle, state.x.ctypes.data) > GUARD)
 
     def reduced_mass(self) -> Array | None:
         """Of the degrees of freedom at the last evaluated state, (nddof, nddof, cases), where it was needed."""
         n = self.numbering.nddof
         out = np.zeros((n, n, self.cases))
-        return out if self.library.spacar_reduced_mass(self.handle, out.ctypes.data) else None
+        return out if self.engine.reduced_mass(self.handle, out.ctypes.data) else None

@@ -9,6 +9,7 @@ from importlib import import_module
 from pathlib import Path
 
 from spacar.deck.deck_reader import NOT_UTF8, Span, read_text
+from spacar.deck.deck_writer import splice, write, write_rows
 from spacar.deck.lexer import visualization_of
 from spacar.deck.mode_blocks import Purpose
 from spacar.deck.section_block import BeamSection
@@ -97,8 +98,6 @@ class Deck:
 
     def to_text(self) -> str:
         """Canonical text, one statement a line, that reads back to the same statements."""
-        from spacar.deck.deck_writer import write
-
         return write(self.statements, self.visualization)
 
     def set(
@@ -121,8 +120,6 @@ class Deck:
 
     def with_value(self, statement: Statement, position: int, value: Value) -> Deck:
         """A new deck in which argument `position` (from 1) of the statement has another `value`; see `set`."""
-        from spacar.deck.deck_writer import splice
-
         self.require_written(statement)
         text = splice(self.text, statement, position, value)
         return parse(text, self.source, self.mode, path=self.path, visualization=self.visualization)
@@ -153,8 +150,6 @@ class Deck:
         kinematics, dynamics, third   statements of the three blocks;  mode   as `read_deck`
         source   its name in messages;  path   where it would stand: functions of the user are looked for beside it
         """
-        from spacar.deck.deck_writer import write_rows
-
         return parse(write_rows([kinematics, dynamics, third]), source, mode, path=path)
 
 

@@ -22,7 +22,7 @@ Duties of a family
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,6 +82,14 @@ class Trouble:
     fatal: bool
 
 
+class Internal(NamedTuple):
+    """An unknown a inside every element: the strain energy contains stiffness a^2/2 + a coupling.dx."""
+
+    coupling: Array  # (n_coordinates, n) proportional to the stresses
+    stiffness: Array  # (n,) infinite where the element has no such unknown
+    eliminated: NDArray[np.bool_]  # (n,) whether the deformations follow it; else it is zero in them
+
+
 class Family:
     """Base class: a family without strain, stiffness or mass. Subclasses override what they have."""
 
@@ -129,6 +137,10 @@ class Family:
 
     def geometric_stiffness(self, c: Configuration, sigma: Array, out: Array) -> None:
         """Write Hs(sigma), (n_coordinates, n_coordinates, n); row = force, column = coordinate."""
+
+    def internal(self, c: Configuration, sigma: Array) -> Internal | None:
+        """The unknown inside every element that is not a coordinate, at the stresses sigma; None without."""
+        return None
 
     # -- stresses -----------------------------------------------------------------------------------------------
     def stiffness(self) -> tuple[Array, Array]:

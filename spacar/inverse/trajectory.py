@@ -27,7 +27,7 @@ from spacar.inverse.paths import BadPath, Path, arc, change, straight, turn
 from spacar.inverse.profile import IllegalProfile, Profile, make_profile
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.lumped_inertia import symmetric
-from spacar.mechanism.mechanism import Drive, DriveState, Mechanism
+from spacar.mechanism.mechanism import Drive, DriveState, Mechanism, Polynomial
 from spacar.mechanism.numbering import Numbering
 
 NAMES = {k.name for k in TRAJECTORIES}
@@ -143,7 +143,6 @@ def groups(deck: Deck) -> list[tuple[int, tuple[Statement, ...]]]:
 
 
 def _user_drive(mechanism: Mechanism, statement: Statement, leg: Leg) -> Drive:
-    from spacar.mechanism.mechanism import Polynomial
     from spacar.mechanism.user_functions import UserDrive, load_function
 
     x, e = np.zeros((len(leg.x), 3)), np.zeros((len(leg.e), 3))

@@ -14,6 +14,7 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
+from spacar.deck.checks_references import keyword_of
 from spacar.kinematics.self_stress import redundancies
 from spacar.mechanism.mechanism import Mechanism
 
@@ -104,8 +105,6 @@ def effects(mechanism: Mechanism, rows: Index, x: Array | None) -> tuple[Array, 
 
 def _named(deck: Deck) -> set[tuple[int, int]]:
     """(element, mode) that statements of the later blocks name as dynamic: start values, inputs, references."""
-    from spacar.deck.checks_references import keyword_of
-
     found = set()
     for s in deck.statements:
         if s.block == 1:

@@ -18,6 +18,7 @@ from spacar.kinematics.regularity import Regularity
 from spacar.linear.buckling import NO_STRESS, BucklingModes, buckling_modes, directional_compliances
 from spacar.linear.eigen import Modes, vibration_modes
 from spacar.linear.idle_inputs import IdleInputs
+from spacar.linear.internal_unknowns import buckling_matrices, internal_unknowns
 from spacar.linear.linearization_signals import linearization_signals
 from spacar.linear.lowest import WANTED, lowest_buckling, lowest_vibration, sparse_compliances
 from spacar.linear.state_space import Signal, chosen_rows, has_feedthrough, state_space
@@ -29,6 +30,10 @@ from spacar.stationary.tangent import SparseTangent
 from spacar.stream import Run
 
 LARGE = 600  # dynamic degrees of freedom; above, no dense matrices are formed
+NO_TWIST_GRADIENT = (
+    "warning: load multipliers of large systems leave out the twist gradient of beams in the angle measure, so they"
+    " converge with order 2 in the length of the elements; OUTLEVEL 0 1 asks for the dense matrices, that contain it"
+)
 LOST = 1e-6  # chosen: relative error of the matrices that a user shall know of
 
 
@@ -220,13 +225,14 @@ def _store_buckling(run: Run, solution: LinearizedSolution, required: bool = Tru
         frame.xcompl = directional_compliances(L, dynamic, run.report)
     try:
         if tangent is not None:
+            if internal_unknowns(solution.dynamics, tangent.sigma)[1].size:
+                run.report.add(NO_TWIST_GRADIENT)
             modes = lowest_buckling(tangent, run.report)
             if not len(modes.multipliers):
                 run.report.add(NO_STRESS)
         else:
             assert L is not None
-            block = np.ix_(dynamic, dynamic)
-            modes = buckling_modes(L.k0[block], L.g0[block], run.report)
+            modes = buckling_modes(*buckling_matrices(solution.dynamics, L, dynamic), run.report).first(len(dynamic))
     except AnalysisError as error:
         if required:
             raise

@@ -133,7 +133,7 @@ class SolverSettings:
     follow_path: int = 0  # 1: beyond limit points of the loading
     log_level: int = 0
     sbd_level: int | None = None  # None: the default of the mode
-    compiled: bool = False  # right-hand side in C (spacar.compiled); an option of the run, not of the deck
+    compiled: bool = True  # equations in C where that is possible (spacar.compiled); of the run, not of the deck
     beams: str = ""  # "angle" or "sine": measure of all beams and tubes instead of ADEFORM; an option of the run
 
     def with_options(self, **options: Any) -> SolverSettings:

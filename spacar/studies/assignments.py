@@ -25,6 +25,8 @@ from typing import overload
 import numpy as np
 
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
+from spacar.deck.deck import parse
+from spacar.deck.deck_writer import splice
 from spacar.deck.keyword_table import KEYWORDS, BlockKind
 from spacar.deck.table_types import Parameter
 from spacar.errors import UsageError
@@ -83,9 +85,6 @@ class Axis:
 
 def change(deck: Deck, settings: Sequence[Setting], numbers: Sequence[float]) -> Deck:
     """The deck with a number at all places of each setting, read and checked once. Raises UsageError, InputError."""
-    from spacar.deck.deck import parse
-    from spacar.deck.deck_writer import splice
-
     edits: dict[tuple[int, int], tuple[Statement, int, float | int]] = {}
     later = []
     for given, number in zip(settings, numbers, strict=True):

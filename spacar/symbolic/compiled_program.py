@@ -15,16 +15,27 @@ from typing import Any
 import numpy as np
 
 from spacar.errors import AnalysisError, UsageError
-from spacar.native.store import TRY
+from spacar.native import store
 from spacar.symbolic.emit import emit
 from spacar.symbolic.ordered import OrderedProgram
 from spacar.symbolic.program_jacobian import jacobian_of
 from spacar.symbolic.simulated_motion import check_feeds, check_values
 
 
-def compiler() -> str | None:
-    """The C compiler: $CC, cc or gcc; None when there is none."""
-    return next((c for c in (os.environ.get("CC"), "cc", "gcc") if c and shutil.which(c)), None)
+def compiler() -> list[str] | None:
+    """The words that call the C compiler: those of CC, else cc or gcc; None when CC is not set and there is none.
+
+    Raises UsageError for a CC that is empty, cannot be read, or names a program that is not there.
+    """
+    if "CC" not in os.environ:
+        return next(([c] for c in ("cc", "gcc") if shutil.which(c)), None)
+    try:
+        return store.compiler()
+    except UsageError as error:
+        if error.code != "compiled.no-compiler":
+            raise
+        text = f"the C compiler that the environment variable CC names, '{os.environ['CC']}', was not found"
+        raise UsageError(f"{text}: unset CC, or name one that is there", error.code) from None
 
 
 class CompiledFunction:
@@ -124,14 +135,14 @@ def _build(text: str, tied: bool) -> Any:
     source, library = Path(folder.name) / "equations.c", Path(folder.name) / "equations.so"
     source.write_text(text, encoding="utf-8")
     done = subprocess.run(
-        [cc, "-std=c99", "-O2", "-shared", "-fPIC", "-o", str(library), str(source), "-lm"],
+        [*cc, "-std=c99", "-O2", "-shared", "-fPIC", "-o", str(library), str(source), "-lm"],
         capture_output=True, text=True, errors="replace", check=False,
     )  # fmt: skip
     if done.returncode:
-        raise AnalysisError(f"{cc} could not compile the generated file: {done.stderr.splitlines()[:1]}", "compiler")
-    tried = subprocess.run([sys.executable, "-I", "-c", TRY, str(library)], capture_output=True, check=False)
+        raise AnalysisError(f"{cc[0]} could not compile the generated file: {done.stderr.splitlines()[:1]}", "compiler")
+    tried = subprocess.run([sys.executable, "-I", "-c", store.TRY, str(library)], capture_output=True, check=False)
     if tried.returncode:  # a broken library would end this process
-        raise AnalysisError(f"{cc} wrote a library that cannot be loaded: run without --compile", "compiler")
+        raise AnalysisError(f"{cc[0]} wrote a library that cannot be loaded: run without --compile", "compiler")
     loaded = ctypes.CDLL(str(library))
     folder.cleanup()  # the loaded library stays mapped
     real, address = ctypes.c_double, ctypes.c_void_p

@@ -13,12 +13,24 @@ from typing import Any
 import sympy as sp
 
 from spacar.errors import UsageError
+from spacar.symbolic.beam_shapes import X
 from spacar.symbolic.derivatives import dvdt
-from spacar.symbolic.reference_frames import ReferenceFrame, omega, set_omega
-from spacar.symbolic.scalar_reader import read_expression
-from spacar.symbolic.system_parts import Beam, Constraint, CrossSection, GeometricPoint, Load, Pseudo, RigidBody, Spring
+from spacar.symbolic.model_names import ModelNames
+from spacar.symbolic.reference_frames import Attitude, ReferenceFrame, omega, set_omega
+from spacar.symbolic.scalar_reader import read_expression, read_number
+from spacar.symbolic.system_parts import (
+    Beam,
+    Constraint,
+    CrossSection,
+    DistributedLoad,
+    GeometricPoint,
+    Load,
+    Pseudo,
+    RigidBody,
+    Spring,
+)
 from spacar.symbolic.transform import transform
-from spacar.symbolic.unit_vectors import TIME
+from spacar.symbolic.unit_vectors import TIME, Key
 from spacar.symbolic.vectors import ZERO, Dyad, Vector
 
 _INERTIA = ((1, 1), (2, 2), (3, 3), (1, 2), (2, 3), (3, 1))
@@ -30,6 +42,7 @@ class Description:
     def __init__(self, gravity: Any = (0, 0, 0), title: str = "") -> None:
         self.title = title
         self.names: dict[str, str] = {}
+        self.parameters_declared: dict[str, sp.Symbol] | None = None
         self.N = ReferenceFrame("N", "n")
         self.O = GeometricPoint("O", None, ZERO, ZERO)
         self.coordinates: list[sp.Expr] = []
@@ -37,10 +50,13 @@ class Description:
         self.rates: dict[sp.Basic, sp.Expr] = {}
         self.accelerations: dict[sp.Expr, sp.Symbol] = {}
         self.pseudo: list[Pseudo] = []
+        self.quaternions: list[tuple[sp.Expr, ...]] = []
         self.inputs: dict[sp.Symbol, sp.Expr | None] = {}
+        self.points: list[GeometricPoint] = []
         self.bodies: list[RigidBody] = []
         self.beams: list[Beam] = []
         self.loads: list[Load] = []
+        self.distributed_loads: list[DistributedLoad] = []
         self.springs: list[Spring] = []
         self.constraints: list[Constraint] = []
         self.gravity = gravity if isinstance(gravity, Vector) else self.vector(gravity, self.N)
@@ -56,17 +72,21 @@ class Description:
             )
         self.names[name.lower()] = what
 
-    def expression(self, value: Any, names: Mapping[str, sp.Expr] | None = None) -> sp.Expr:
-        """A scalar from a number, an expression, or a text in which names other than known `names` are parameters."""
+    def expression(self, value: Any, names: Mapping[str, sp.Expr] | None = None, outputs: bool = False) -> sp.Expr:
+        """A scalar from a number, a SymPy expression, or a text; the one reader of model files and of Python.
+
+        The names of a text: `model_names.py`, and `names`. Others are parameters, or an error where parameters are
+        declared (`parameters_declared`). Decimal numbers are exact. Raises UsageError for anything that is no scalar.
+        """
         if isinstance(value, str):
-            known = {str(f.func): f for f in [*self.coordinates, *self.speeds]}
-            known |= {
-                s.name: s for s in [*self.inputs, *self.accelerations.values(), *(c.force for c in self.constraints)]
-            }
-            known |= {str(f.func): f for p in self.pseudo for f in (p.coordinate, p.speed)}
-            known |= {"t": TIME, **(names or {})}
-            value = read_expression(value, known, unknown=lambda name: sp.Symbol(name, real=True))
-        return sp.sympify(value).xreplace(self.rates)
+            unknown = None if self.parameters_declared is not None else _parameter
+            value = read_expression(value, ModelNames(self, names or {}, outputs), unknown)
+        elif isinstance(value, float):
+            value = read_number(value)
+        try:
+            return sp.sympify(value, strict=True).xreplace(self.rates)
+        except sp.SympifyError:
+            raise UsageError(f"{value!r} is no expression: give a number, a text or a SymPy expression") from None
 
     def vector(self, components: Sequence[Any], frame: ReferenceFrame) -> Vector:
         """A vector from three measure numbers in a frame."""
@@ -172,6 +192,37 @@ class Description:
             base = self.frame(name if last else f"{name}_{k}", base, number, angle, symbol if last else None)
         return base
 
+    def attitude(
+        self, name: str, parent: ReferenceFrame | CrossSection, quaternion: Any, speeds: Any, symbol: str | None = None
+    ) -> ReferenceFrame:
+        """A frame that may turn freely, by a quaternion (e0, e) and the angular velocity ω = Σ w_i b_i in its parent.
+
+        `quaternion` and `speeds` are letters of new coordinates `e0` … `e3` and speeds `w1` … `w3`, or those themselves
+        (4 and 3). Without singular position. The kinematic equations ė = ½ e∘(0, ω) keep |e|, and the direction
+        cosines are those of e/|e|: whatever an integration does to |e| changes nothing that moves.
+
+            R = 1 + (2/|e|²) (e0 ẽ + ẽ ẽ),   ẽ x = (e1, e2, e3) × x,   ė0 = −½ e·ω,   ė = ½ (e0 ω + e × ω)
+
+        Source: theory-spatial.md, section 1.
+        """
+        base = parent.frame if isinstance(parent, CrossSection) else parent
+        if isinstance(quaternion, str):
+            quaternion = [self.coordinate(f"{quaternion}{i}") for i in range(4)]
+        if isinstance(speeds, str):
+            speeds = [self.speed(f"{speeds}{i}") for i in (1, 2, 3)]
+        if len(quaternion) != 4 or len(speeds) != 3:
+            raise UsageError(f"frame {name}: a quaternion has 4 coordinates and 3 speeds")
+        e0, e, w = quaternion[0], sp.Matrix(quaternion[1:]), sp.Matrix(speeds)
+        for q, rate in zip(quaternion, [-e.dot(w) / 2, *((e0 * w + e.cross(w)) / 2)], strict=True):
+            self.kinematic(q, rate)
+        tilde = sp.Matrix([[0, -e[2], e[1]], [e[2], 0, -e[0]], [-e[1], e[0], 0]])
+        scale = 2 / (e0**2 + e.dot(e))
+        frame = ReferenceFrame(name, symbol)
+        frame.attitude = Attitude(base, sp.eye(3) + scale * (e0 * tilde + tilde * tilde))
+        set_omega(base, frame, sum((s * frame[i] for i, s in enumerate(speeds, 1)), ZERO))
+        self.quaternions.append(tuple(quaternion))
+        return frame
+
     def point(
         self, name: str, base: GeometricPoint, offset: Vector = ZERO, velocity: Vector | None = None
     ) -> GeometricPoint:
@@ -180,9 +231,12 @@ class Description:
         if velocity is not None:
             _demand_vector(f"point {name}: velocity", velocity)
         offset = offset.xreplace(self.rates)
-        if velocity is not None:
-            return GeometricPoint(name, base, offset, velocity.xreplace(self.rates), given=True)
-        return GeometricPoint(name, base, offset, base.velocity + self.ddt(self.N, offset))
+        if velocity is None:
+            made = GeometricPoint(name, base, offset, base.velocity + self.ddt(self.N, offset))
+        else:
+            made = GeometricPoint(name, base, offset, velocity.xreplace(self.rates), given=True)
+        self.points.append(made)
+        return made
 
     # -- bodies ------------------------------------------------------------------------------------------------
 
@@ -234,6 +288,20 @@ class Description:
         _demand_vector("torque", vector)
         on, by = (f.frame if isinstance(f, CrossSection) else f for f in (frame, reaction))
         self.loads.append(Load(vector.xreplace(self.rates), frame=on, reaction=by))
+
+    def distributed(self, beam: Beam, vector: Vector) -> None:
+        """A force per length [N/m] on the middle line of a beam; its measure numbers may depend on `x` along the beam,
+        as polynomials, and on states and time. Source: (B) of `held.py`, f."""
+        _demand_vector(f"load on beam {beam.name}", vector)
+        parts: dict[sp.Expr, dict[Key, list[sp.Expr]]] = {}
+        for key, c in vector.xreplace(self.rates).terms.items():
+            for term in sp.Add.make_args(sp.expand(c)):
+                factor, along = term.as_independent(X, as_Add=False)
+                if not along.is_polynomial(X):
+                    raise UsageError(f"load on beam {beam.name}: {along} is not a polynomial in x", "field")
+                parts.setdefault(along, {}).setdefault(key, []).append(factor)
+        loads = ((Vector({k: sp.Add(*c) for k, c in terms.items()}), along) for along, terms in parts.items())
+        self.distributed_loads.append(DistributedLoad(beam, tuple(loads)))
 
     def spring(self, a: GeometricPoint, b: GeometricPoint, stiffness: Any, length: Any = 0, damping: Any = 0) -> None:
         """A linear spring with a damper between two points; `length` is the length without force."""
@@ -292,6 +360,10 @@ class Description:
 
     def all_loads(self) -> list[Load]:
         return [*self.loads, *(load for spring in self.springs for load in spring.loads())]
+
+
+def _parameter(name: str) -> sp.Symbol:
+    return sp.Symbol(name, real=True)
 
 
 def _demand_vector(what: str, value: Any) -> None:

@@ -10,7 +10,7 @@ from spacar.symbolic.derivation import DerivedEquations
 from spacar.symbolic.description import Description
 from spacar.symbolic.held import damping_force
 from spacar.symbolic.reference_frames import omega
-from spacar.symbolic.system_parts import GeometricPoint
+from spacar.symbolic.system_parts import DistributedLoad, GeometricPoint
 from spacar.symbolic.vectors import Vector, dot
 
 
@@ -64,8 +64,22 @@ def power(eq: DerivedEquations) -> sp.Expr:
         for frame, sign in ((load.frame, 1), (load.reaction, -1)):
             if frame is not None:
                 total += sign * dot(load.vector, omega(system.N, frame))
+    for spread in system.distributed_loads:
+        total += _power_along(system, spread)
     for beam in system.beams:
         for f in beam.fields:
             for s, psi in zip(f.speeds, f.shapes, strict=True):
                 total -= s * damping_force(beam, f, psi)
     return eq.scalar(total)
+
+
+def _power_along(system: Description, load: DistributedLoad) -> sp.Expr:
+    """∫ f·v dx of a force per length."""
+    beam = load.beam
+    rule: dict[sp.Basic, sp.Expr] = {}
+    for f in beam.fields:
+        rule |= f.substitution(system.accelerations)
+    if beam.shortening:
+        rule |= beam.shortening.substitution(system.accelerations)
+    velocity = beam.root.velocity + system.ddt(system.N, beam.offset).xreplace(rule)
+    return integral(dot(load.vector, velocity), X, beam.length)

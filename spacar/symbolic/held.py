@@ -32,7 +32,7 @@ from spacar.symbolic.fields import Field
 from spacar.symbolic.moments import Form, Integrals, collected
 from spacar.symbolic.reference_frames import omega
 from spacar.symbolic.splitting import LinearSplit
-from spacar.symbolic.system_parts import Beam, RigidBody
+from spacar.symbolic.system_parts import Beam, DistributedLoad, RigidBody
 from spacar.symbolic.transform import DirectionCosines
 from spacar.symbolic.unit_vectors import TIME, HeldScalar
 from spacar.symbolic.vectors import ZERO, Vector, cross, dot
@@ -134,6 +134,21 @@ class HeldDerivation:
         torque -= self.integrate(beam, self.section_momentum_rate(beam))
         return Wrench(beam.root.velocity, force, omega(self.system.N, beam.frame), torque)
 
+    def distributed(self, load: DistributedLoad) -> Wrench:
+        """∫ f dx and ∫ r × f dx of a load about the root of its beam."""
+        beam, plain = load.beam, self.lengths(load.beam)
+        place = self.split(beam, beam.offset)
+        force = sum((v * plain.integral({sp.S.One: g}) for v, g in load.parts), ZERO)
+        torque = sum(
+            (cross(p.vector, v) * plain.integral(p.form, {sp.S.One: g}) for p in place for v, g in load.parts), ZERO
+        )
+        return Wrench(beam.root.velocity, force, omega(self.system.N, beam.frame), torque)
+
+    def lengths(self, beam: Beam) -> Integrals:
+        """The integrals along a beam without its mass."""
+        read = self.table.read if self.recurrence else lambda expression: expression
+        return Integrals(read, beam, sp.S.One)
+
     def integrals(self, beam: Beam) -> Integrals:
         """The integrals along a beam, memory reads when recurrence is on."""
         if beam not in self._integrals:
@@ -187,6 +202,7 @@ class HeldDerivation:
     def wrenches(self) -> list[Wrench]:
         N = self.system.N
         wrenches = [*map(self.body, self.system.bodies), *map(self.beam, self.system.beams)]
+        wrenches += map(self.distributed, self.system.distributed_loads)
         for load in self.system.all_loads():
             if load.point is not None:
                 wrenches.append(Wrench(load.point.velocity, load.vector, ZERO, ZERO))
@@ -225,6 +241,12 @@ class HeldDerivation:
                 if f.kind == "twist":
                     inner -= integral(psi * dot(b1, self.section_momentum_rate(beam)), X, beam.length)
                 inner -= f.strain_energy(beam.length).diff(q) + damping_force(beam, f, psi)
+                for load in self.system.distributed_loads:
+                    if load.beam is beam:
+                        parts += [
+                            dot(e, v) * self.lengths(beam).integral(form, {sp.S.One: g})
+                            for e, form in move for v, g in load.parts
+                        ]  # fmt: skip
                 parts.append(
                     read_scalar(inner, self.table, self.accelerations) if self.recurrence else gather_scalars(inner)
                 )

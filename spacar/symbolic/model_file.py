@@ -6,6 +6,7 @@ Errors name the file, the table, the key, and what was expected. Keys: `model_ta
 from __future__ import annotations
 
 import difflib
+import hashlib
 import sys
 from importlib import import_module
 from pathlib import Path
@@ -20,7 +21,7 @@ class ModelFile:
     """The file; `place` is where its reader is, for messages, `claimed` the names with their places."""
 
     def __init__(self, path: Path) -> None:
-        self.path, self.place = path, ""
+        self.path, self.place, self.sha256 = path, "", ""
         self.claimed: list[tuple[str, str]] = []
 
     def fail(self, text: str, code: str = "input") -> NoReturn:
@@ -31,7 +32,9 @@ class ModelFile:
     def tables(self) -> dict[str, Any]:
         toml = import_module("tomllib" if sys.version_info >= (3, 11) else "tomli")
         try:
-            tables: dict[str, Any] = toml.loads(self.path.read_text(encoding="utf-8"))
+            data = self.path.read_bytes()
+            self.sha256 = hashlib.sha256(data).hexdigest()
+            tables: dict[str, Any] = toml.loads(data.decode("utf-8").replace("\r\n", "\n"))
         except ValueError as error:
             self.fail(f"cannot read the file: {error}", "syntax")
         except RecursionError:

@@ -1,12 +1,11 @@
 """Model files: TOML text (or a small Python script) to a `MultibodySystem` with parameter values, start and settings.
 
-Errors name the file, the table, the key, and what was expected; expressions are read by `scalar_reader.py`.
+Errors name the file, the table, the key, and what was expected; expressions by `Description.expression`.
 The format: `symbolic.md`, section 7; the keys: `model_tables.py`.
 """
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,6 @@ from spacar.symbolic.model_file import ModelFile, label_of
 from spacar.symbolic.model_tables import KINDS, REFERENCES, TABLES
 from spacar.symbolic.name_rules import is_name, is_output
 from spacar.symbolic.reference_frames import ReferenceFrame
-from spacar.symbolic.scalar_reader import read_expression
 from spacar.symbolic.script import SymbolicModel, read_script
 from spacar.symbolic.system import MultibodySystem
 from spacar.symbolic.system_parts import CrossSection, GeometricPoint
@@ -46,7 +44,9 @@ class _TomlReader(ModelFile):
     def __init__(self, path: Path) -> None:
         super().__init__(path)
         self.guess: dict[str, float] = {}
-        self.scalars: dict[str, sp.Expr] = {"t": TIME}
+        self.symbols: dict[str, sp.Symbol] = {}
+        self.turning: dict[str, list[list[Any]]] = {}
+        self.scalars: dict[str, sp.Expr] = {}
         self.frames: dict[str, ReferenceFrame | CrossSection] = {}
         self.points: dict[str, GeometricPoint] = {}
 
@@ -55,15 +55,17 @@ class _TomlReader(ModelFile):
         values = self._parameters(tables.get("parameters", {}))
         system_table = self.single(tables, "system")
         system = self.system = MultibodySystem(title=system_table.get("title", self.path.stem))
+        system.parameters_declared = self.symbols
         start = self._coordinates(tables.get("coordinates", {}))
         self.place = "[system] gravity"
         system.gravity = self._vector(system_table.get("gravity", [0, 0, 0]), system.N)
         start |= self._speeds(self.rows(tables, "speed"))
+        start |= self._quaternions(self.rows(tables, "attitude"))
         self._kinematics(self.rows(tables, "kinematic"))
         self.frames["N"], self.points["O"] = system.N, system.O
         self._resolve(tables)
-        for table, make in (("body", self._body), ("force", self._force), ("torque", self._torque),
-                            ("spring", self._spring), ("constraint", self._constraint),
+        for table, make in (("body", self._body), ("force", self._force), ("distributed", self._distributed),
+                            ("torque", self._torque), ("spring", self._spring), ("constraint", self._constraint),
                             ("close", self._close)):  # fmt: skip
             for number, row in enumerate(self.rows(tables, table), 1):
                 self.place = label_of(table, row, number)
@@ -71,24 +73,20 @@ class _TomlReader(ModelFile):
         settings = self.single(tables, "simulate") | ({"guess": self.guess} if self.guess else {})
         outputs = self._outputs(tables.get("outputs", {}))
         declared = frozenset(tables.get("parameters", {}))
-        return SymbolicModel(self.path, system, values, start, settings, outputs, declared)
+        return SymbolicModel(self.path, system, values, start, settings, outputs, declared, self.sha256)
 
-    def expression(self, value: Any, extra: dict[str, sp.Expr] | None = None) -> sp.Expr:
+    def expression(self, value: Any, extra: dict[str, sp.Expr] | None = None, outputs: bool = False) -> sp.Expr:
         if isinstance(value, bool) or not isinstance(value, (str, int, float)):
             self.fail(f"must be {KINDS['expression'][0]}, not {value!r}")
-        if not isinstance(value, str):
-            if not math.isfinite(value):
-                self.fail(f"{value} is not a finite number")
-            return sp.Rational(str(value))
         try:
-            return read_expression(value, self.scalars | (extra or {})).xreplace(self.system.rates)
+            return self.system.expression(value, extra, outputs)
         except UsageError as error:
             self.fail(str(error), error.code)
 
-    def _vector(self, values: list[Any], frame: ReferenceFrame) -> Vector:
+    def _vector(self, values: list[Any], frame: ReferenceFrame, names: dict[str, sp.Expr] | None = None) -> Vector:
         if len(values) != 3:
             self.fail(f"must be a list of 3 expressions, not {len(values)}")
-        return sum((self.expression(v) * frame[i] for i, v in enumerate(values, 1)), ZERO)
+        return sum((self.expression(v, names) * frame[i] for i, v in enumerate(values, 1)), ZERO)
 
     # -- scalars -----------------------------------------------------------------------------------------------
 
@@ -100,7 +98,7 @@ class _TomlReader(ModelFile):
         for name, value in table.items():
             self.place = f"[parameters] {name}"
             self.claim(name, self.place)
-            self.scalars[name] = sp.Symbol(name, real=True)
+            self.symbols[name] = sp.Symbol(name, real=True)
             if value == "":
                 continue  # a value must come from --set
             if isinstance(value, bool) or not isinstance(value, (int, float)):
@@ -141,6 +139,34 @@ class _TomlReader(ModelFile):
                 start[row["name"]] = float(row["start"])
         return start
 
+    def _quaternions(self, rows: list[dict[str, Any]]) -> dict[str, float]:
+        """Coordinates and speeds of attitudes; their frames are made when their parents are known."""
+        start: dict[str, float] = {}
+        for number, row in enumerate(rows, 1):
+            self.place = label_of("attitude", row, number)
+            made = []
+            for key, indices, values, make in (
+                ("quaternion", (0, 1, 2, 3), "start", self.system.coordinate),
+                ("speed", (1, 2, 3), "speed_start", self.system.speed),
+            ):
+                names = [f"{row[key]}{i}" for i in indices]
+                for name in names:
+                    self.claim(name, self.place)
+                made.append([make(name) for name in names])
+                numbers = row.get(values, [])
+                wrong = [v for v in numbers if isinstance(v, bool) or not isinstance(v, (int, float))]
+                if wrong or len(numbers) not in (0, len(names)):
+                    self.fail(f"key '{values}' must be a list of {len(names)} numbers, not {numbers!r}")
+                start |= dict(zip(names, map(float, numbers), strict=False))
+            self.turning[row["name"]] = made
+        return start
+
+    def _attitude(self, row: dict[str, Any]) -> None:
+        quaternion, speeds = self.turning[row["name"]]
+        parent = self.frame_of(row, "parent")
+        made = self.system.attitude(row["name"], parent, quaternion, speeds, row.get("symbol"))
+        self.frames[row["name"]] = made
+
     def _kinematics(self, rows: list[dict[str, Any]]) -> None:
         for number, row in enumerate(rows, 1):
             self.place = f"[[kinematic]] {number} coordinate"
@@ -149,8 +175,9 @@ class _TomlReader(ModelFile):
                 self.fail(f"'{row['coordinate']}' is not a coordinate")
             self.place = f"[[kinematic]] {number} rate"
             self.system.kinematic(q, self.expression(row["rate"]))
+        turning = {q for quaternion, _ in self.turning.values() for q in quaternion}
         for q in self.system.coordinates:
-            if q.diff(TIME) not in self.system.rates:
+            if q not in turning and q.diff(TIME) not in self.system.rates:
                 self.place = f"[coordinates] {q.func}"
                 self.fail("the coordinate needs a speed, or a [[kinematic]] table")
 
@@ -158,7 +185,7 @@ class _TomlReader(ModelFile):
 
     def _resolve(self, tables: dict[str, Any]) -> None:
         """Make frames, points and beams as soon as what they refer to exists."""
-        makers = {"frame": self._frame, "point": self._point, "beam": self._beam}
+        makers = {"frame": self._frame, "attitude": self._attitude, "point": self._point, "beam": self._beam}
         waiting = [(table, n, row) for table in makers for n, row in enumerate(self.rows(tables, table), 1)]
         for table, n, row in waiting:
             self.place = label_of(table, row, n)
@@ -273,7 +300,7 @@ class _TomlReader(ModelFile):
         self.place = f"{place} vector"
         if len(row["vector"]) != 3:
             self.fail(f"must be a list of 3 expressions, not {len(row['vector'])}")
-        laws = [self.expression(v, self._names()) for v in row["vector"]]
+        laws = [self.expression(v) for v in row["vector"]]
         self.place = place
         stem = row.get("name", f"{kind}{number}")
         acting = [i for i, law in enumerate(laws, 1) if law != 0]
@@ -287,6 +314,14 @@ class _TomlReader(ModelFile):
     def _force(self, row: dict[str, Any], number: int) -> None:
         point = self.point_of(row, "at")
         self.system.force(point, self._load(row, number, "force"))
+
+    def _distributed(self, row: dict[str, Any], number: int) -> None:
+        beam = next((b for b in self.system.beams if b.name == row["beam"]), None)
+        if beam is None:
+            self.fail(f"beam refers to ['{row['beam']}'], which is not defined")
+        frame = self.components_in(row)
+        self.place += " vector"
+        self.system.distributed(beam, self._vector(row["vector"], frame, {"x": X}))
 
     def _torque(self, row: dict[str, Any], number: int) -> None:
         frame = self.frame_of(row, "frame")
@@ -304,7 +339,7 @@ class _TomlReader(ModelFile):
             direction = self._vector(row["direction"], self.components_in(row))
             expression = self.point_of(row, "point").velocity & direction
         else:
-            expression = self.expression(row["expression"], self._names())
+            expression = self.expression(row["expression"])
         self.system.constraint(expression, row.get("name"))
         check_constraints(self.system)
 
@@ -316,34 +351,16 @@ class _TomlReader(ModelFile):
         self.system.close(a, b, [frame[i] for i in axes], row.get("name"))
         check_constraints(self.system)
 
-    def _names(self, accelerations: bool = False) -> dict[str, sp.Expr]:
-        """Positions P.x, velocities P.vx and field values of all points; for outputs also P.ax, s_dot and forces."""
-        system = self.system
-        names: dict[str, sp.Expr] = {}
-        for name, point in self.points.items():
-            kinds = [("", point.position), ("v", point.velocity)]
-            if accelerations:
-                kinds.append(("a", system.ddt(system.N, point.velocity)))
-            for letter, vector in kinds:
-                names |= {f"{name}.{letter}{axis}": vector & system.N[i] for i, axis in enumerate("xyz", 1)}
-            if isinstance(point, CrossSection):
-                names |= {f"{name}.{key}": value for key, value in point.values.items()}
-        if accelerations:
-            names |= {f"{s.func}_dot": system.accelerations[s] for s in system.speeds}
-            names |= {c.force.name: c.force for c in system.constraints}
-        return names
-
     # -- outputs -----------------------------------------------------------------------------------------------
 
     def _outputs(self, table: Any) -> dict[str, sp.Expr]:
         self.place = "[outputs]"
         if not isinstance(table, dict):
             self.fail("must be one table, written [outputs]")
-        names = self._names(accelerations=True)
         result = {}
         for name, value in table.items():
             self.place = f"[outputs] {name}"
             if not is_output(name):
                 self.fail(f"{name!r} is not a name for an output (letters, digits, blanks and _.+-()[])", "name")
-            result[name] = self.expression(value, names)
+            result[name] = self.expression(value, outputs=True)
         return result

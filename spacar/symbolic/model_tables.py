@@ -69,6 +69,15 @@ TABLES: dict[str, dict[str, Key]] = {
         "angle": _key("angles", "angle [rad], a list for a sequence"),
         "symbol": _may("text", "letter of its unit vectors"),
     },
+    "attitude": {
+        "name": _NAME,
+        "parent": _key("name", "frame or section"),
+        "quaternion": _key("name", "letter of four coordinates: e makes e0, e1, e2, e3"),
+        "speed": _key("name", "letter of three speeds: w makes w1, w2, w3, the angular velocity in the frame [rad/s]"),
+        "start": _may("list", "quaternion at t = 0, scaled to length one (1, 0, 0, 0)"),
+        "speed_start": _may("list", "angular velocity at t = 0 [rad/s]"),
+        "symbol": _may("text", "letter of its unit vectors"),
+    },
     "point": {
         "name": _NAME,
         "base": _key("name", "point"),
@@ -106,6 +115,11 @@ TABLES: dict[str, dict[str, Key]] = {
         "vector": _key("vector", "force [N]"),
         "in": _IN,
     },
+    "distributed": {
+        "beam": _key("name", "beam"),
+        "vector": _key("vector", "force per length [N/m], may depend on x"),
+        "in": _IN,
+    },
     "torque": {
         "name": _may("name", "input"),
         "frame": _key("name", "frame or section"),
@@ -138,5 +152,5 @@ TABLES: dict[str, dict[str, Key]] = {
 """Arrays of tables `[[name]]`, except `[system]`, `[simulate]` and the rows of `[coordinates]` (`coordinate`)."""
 
 SINGLE = ("system", "simulate", "parameters", "coordinates", "outputs")
-REFERENCES = {"frame": ("parent",), "point": ("base", "in"), "beam": ("frame", "root")}
+REFERENCES = {"frame": ("parent",), "attitude": ("parent",), "point": ("base", "in"), "beam": ("frame", "root")}
 """What must exist before a frame, point or beam can be made; the order in the file is free."""

@@ -139,6 +139,7 @@ def make_program(eq: DerivedEquations, outputs: dict[str, Any]) -> EquationProgr
         constraints=_constrained(c, groups, tuple(unknowns[n:])) if c else None,
         fields=tuple(rule[s] for beam in eq.system.beams for s in (*beam.coordinates, *beam.speeds)),
         positive=_signs(eq, parameters),
+        quaternions=tuple(tuple(map(eq.coordinates.index, e)) for e in eq.system.quaternions),
         seconds=eq.seconds,
     )
 

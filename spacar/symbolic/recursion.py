@@ -132,7 +132,9 @@ class Recursion:
     def frame(self, frame: ReferenceFrame) -> FrameMotion:
         """Angular motion of a frame, in its own components."""
         if frame not in self.frames:
-            if frame.rotation is None:
+            if frame.attitude is not None:
+                self.frames[frame] = self._attitude_frame(frame)
+            elif frame.rotation is None:
                 self.frames[frame] = self._free_frame(frame)
             else:
                 self.frames[frame] = self._jointed_frame(frame)
@@ -151,6 +153,21 @@ class Recursion:
         speed = self.read(spin) * e
         al0 = self.reads(R * parent.bias + w0.cross(speed) + self.bias(spin) * e)
         return FrameMotion(turned, self.reads(w0 + speed), al0)
+
+    def _attitude_frame(self, frame: ReferenceFrame) -> FrameMotion:
+        """A frame of given direction cosines and angular velocity in its parent, in its own components."""
+        assert frame.attitude is not None
+        base = frame.attitude.parent
+        R, parent = self.cosines.matrix(frame, base).xreplace(self.values), self.frame(base)
+        relative = self.cosines.components(omega(base, frame), frame)
+        partials = {r: self.reads(R * W) for r, W in parent.partials.items()}
+        w0, spin = self.reads(R * parent.velocity), self.reads(relative)
+        for i, component in enumerate(relative):
+            for r, value in self.partials(component).items():
+                e = sp.Matrix([sp.Integer(i == k) for k in range(3)])
+                partials[r] = self.reads(partials.get(r, NOTHING) + value * e)
+        al0 = self.reads(R * parent.bias + w0.cross(spin) + relative.applyfunc(self.bias))
+        return FrameMotion(partials, self.reads(w0 + spin), al0)
 
     def _free_frame(self, frame: ReferenceFrame) -> FrameMotion:
         """A frame of which only the angular velocity is known, in its own components."""

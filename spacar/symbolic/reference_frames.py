@@ -31,6 +31,14 @@ class Rotation:
     angle: sp.Expr
 
 
+@dataclass(frozen=True)
+class Attitude:
+    """A frame whose direction cosines `matrix` (parent_i · frame_j) are given, not as a turn about an axis."""
+
+    parent: ReferenceFrame
+    matrix: sp.Matrix
+
+
 class ReferenceFrame:
     """A set of three right-handed orthonormal unit vectors, `frame[1]`, `frame[2]`, `frame[3]`.
 
@@ -46,6 +54,7 @@ class ReferenceFrame:
         self.symbol = symbol or name.lower()
         self.serial = next(_serials)
         self.rotation: Rotation | None = None
+        self.attitude: Attitude | None = None
         self.is_section = False  # the end section of a beam: turns on it are added to its own slope
         self.relative: dict[ReferenceFrame, Vector] = {}  # angular velocities of directly known neighbours
         self.directions = {i: (self.serial, i) for i in (1, 2, 3)}

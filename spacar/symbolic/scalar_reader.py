@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import ast
 import difflib
+import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -64,6 +65,13 @@ def read_expression(
     except (RecursionError, MemoryError):
         raise UsageError(f"cannot read expression: nested deeper than {MAX_DEPTH}", "syntax") from None
     return _ExpressionReader(text.strip(), known, unknown).read(tree.body, 0)
+
+
+def read_number(value: float) -> sp.Rational:
+    """The decimal number that Python shows for a float, exactly. UsageError when it is not finite."""
+    if not math.isfinite(value):
+        raise UsageError(f"{value} is not a finite number", "finite")
+    return sp.Rational(repr(float(value)))
 
 
 class _ExpressionReader:

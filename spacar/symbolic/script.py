@@ -6,6 +6,7 @@ A script is a program of the user and runs as such. A TOML file runs nothing: on
 
 from __future__ import annotations
 
+import hashlib
 import runpy
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -19,7 +20,10 @@ from spacar.symbolic.system import MultibodySystem
 
 @dataclass(frozen=True, eq=False)
 class SymbolicModel:
-    """A system with what a simulation needs: parameter `values`, `start`, `settings` of [simulate], `outputs`."""
+    """A system with what a simulation needs: parameter `values`, `start`, `settings` of [simulate], `outputs`.
+
+    `sha256` is that of the file when it was read.
+    """
 
     path: Path
     system: MultibodySystem
@@ -28,6 +32,7 @@ class SymbolicModel:
     settings: dict[str, Any] = field(default_factory=dict)
     outputs: dict[str, sp.Expr] = field(default_factory=dict)
     declared: frozenset[str] = frozenset()
+    sha256: str = ""
 
     def parameter_names(self) -> set[str]:
         """Parameters with a value, and those that were declared without one."""
@@ -36,6 +41,7 @@ class SymbolicModel:
 
 def read_script(path: Path) -> SymbolicModel:
     """Run the script; errors of any kind become one message with the line. Raises InputError."""
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()
     try:
         names = runpy.run_path(str(path), run_name="spacar_model")
     except SpacarError as error:
@@ -51,7 +57,7 @@ def read_script(path: Path) -> SymbolicModel:
     values, start, settings, outputs = (
         dict(names.get(key) or {}) for key in ("values", "start", "settings", "outputs")
     )
-    return SymbolicModel(path, system, values, start, settings, outputs)
+    return SymbolicModel(path, system, values, start, settings, outputs, sha256=digest)
 
 
 def _lines_of(error: BaseException, path: Path) -> list[int]:

@@ -148,6 +148,7 @@ def simulate(
     f = function or make_function(program, values, True, feeds)
     values_at_start = {**(guess or {}), **(start or {})}
     y0 = np.array([float(values_at_start.get(name, 0.0)) for name in names])
+    began_at = _unit_quaternions(program, y0, set(values_at_start))
     manifold = Manifold(program, f) if program.constraints else None
     times = np.linspace(0.0, t_end, steps + 1) if at is None else np.asarray(at, dtype=float)
     options: dict[str, Any] = {} if integrator == "dop853" else {"jac": lambda t, y: f.jac(t, y.tolist())}
@@ -177,6 +178,8 @@ def simulate(
         **({"projections": solution.projections} if manifold else {}),
     }  # fmt: skip
     y = solution.y.T
+    for places in program.quaternions:  # the motion does not depend on the length, which an integration lets drift
+        y[:, list(places)] /= np.linalg.norm(y[:, list(places)], axis=1, keepdims=True)
     outputs = np.array([f.outputs(t, row) for t, row in zip(times, y.tolist(), strict=True)]).reshape(len(times), -1)
     inputs = np.array([f.inputs(t, row) for t, row in zip(times, y.tolist(), strict=True)]).reshape(len(times), -1)
     A = np.asarray(f.jac(float(times[-1]), y[-1].tolist()))
@@ -187,8 +190,28 @@ def simulate(
     return SimulatedMotion(
         names, times, y, inputs, tuple(s.name for s in program.inputs),
         dict(zip(program.outputs, outputs.T, strict=True)), statistics,
-        complex(eigenvalues[np.argmax(eigenvalues.real)]), tuple(manifold.notes) if manifold else (),
+        complex(eigenvalues[np.argmax(eigenvalues.real)]), (*began_at, *(manifold.notes if manifold else ())),
     )  # fmt: skip
+
+
+def _unit_quaternions(program: OrderedProgram, y: np.ndarray, given: set[str]) -> list[str]:
+    """Scale the quaternions of a start to length one, (1, 0, 0, 0) when nothing is given; what was scaled, in words.
+
+    UsageError for a quaternion of which values are given and all are zero.
+    """
+    notes = []
+    for places in program.quaternions:
+        names = [program.state[k].name for k in places]
+        chosen = list(places)
+        if not given.intersection(names):
+            y[chosen[0]] = 1.0
+        length = float(np.linalg.norm(y[chosen]))
+        if length == 0.0:
+            raise UsageError(f"start: the quaternion {', '.join(names)} is zero: give a direction, such as 1, 0, 0, 0")
+        if abs(length - 1.0) > 1e-12:
+            notes.append(f"start        {', '.join(names)} were divided by their length {length:.12g}")
+        y[chosen] /= length
+    return notes
 
 
 def absolute_tolerance(

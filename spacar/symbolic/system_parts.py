@@ -9,7 +9,7 @@ import sympy as sp
 from spacar.symbolic.beam_shapes import X, integral
 from spacar.symbolic.fields import Field, Foreshortening
 from spacar.symbolic.reference_frames import ReferenceFrame
-from spacar.symbolic.vectors import Dyad, Vector
+from spacar.symbolic.vectors import ZERO, Dyad, Vector
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,6 +132,19 @@ class Load:
     point: GeometricPoint | None = None
     frame: ReferenceFrame | None = None
     reaction: ReferenceFrame | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class DistributedLoad:
+    """A force per length [N/m] on a beam: Σ vector · g(x) of `parts`, the vectors without x."""
+
+    beam: Beam
+    parts: tuple[tuple[Vector, sp.Expr], ...]
+
+    @property
+    def vector(self) -> Vector:
+        """The force per length as a function of x."""
+        return sum((v * g for v, g in self.parts), ZERO)
 
 
 @dataclass(frozen=True, eq=False)

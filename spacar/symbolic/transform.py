@@ -43,6 +43,8 @@ class DirectionCosines:
 
     def _from_parent(self, a: ReferenceFrame, b: ReferenceFrame) -> sp.Matrix:
         if a in (line := _ancestors(b)):
+            if b.attitude is not None:
+                return self._product(self.matrix(a, b.attitude.parent), b.attitude.matrix.applyfunc(self._read))
             base, axis, angle = merged_rotation(b, stop=a, everything=self.table is None)
             return self._product(self.matrix(a, base), self._turn(axis, angle))
         common = next((f for f in _ancestors(a) if f in line), None)
@@ -90,8 +92,8 @@ class DirectionCosines:
 
 def _ancestors(frame: ReferenceFrame) -> list[ReferenceFrame]:
     line = [frame]
-    while line[-1].rotation is not None:
-        line.append(line[-1].rotation.parent)
+    while (step := line[-1].rotation or line[-1].attitude) is not None:
+        line.append(step.parent)
     return line
 
 

@@ -169,6 +169,7 @@ def test_the_picture_of_the_guide(full_house):
     assert (full_house.home / "cam.png").stat().st_size > 1000
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 def test_the_compiled_form(full_house):
     """A cam that turns freely keeps its energy, and both paths give the same motion.

@@ -113,6 +113,7 @@ def peak_memory(folder: Path, steps: int) -> float:
     return float(done.stderr.split()[-1])
 
 
+@pytest.mark.slow  # test_output_steps_take_no_memory is the fast one
 def test_memory_of_the_program_does_not_grow_with_the_steps(tmp_path):
     """From 1,000 to 5,000 output steps; the result file grows by 7 MB, the program may not by 3 MB."""
     assert peak_memory(tmp_path, 5_000) - peak_memory(tmp_path, 1_000) <= 3.0

@@ -13,6 +13,7 @@ import pytest
 from scipy.io import loadmat
 from spacar_cli.main import main
 
+QUOTE = "'"
 DATA = Path(__file__).resolve().parents[2] / "data"
 PROGRAM = Path(sys.executable).parent / "spacar"
 
@@ -29,7 +30,7 @@ def run_octave(script: str, folder: Path, *path: Path) -> dict[str, Any]:
 
     The script runs in `folder` with `path` on Octave's path. What Octave prints is the field `printed`.
     """
-    lines = ["warning('off', 'Octave:shadowed-function');", *(f"addpath('{p}');" for p in path), "out = struct();"]
+    lines = ["out = struct();", *(f"addpath('{str(p).replace(QUOTE, 2 * QUOTE)}');" for p in path)]
     lines += [script, "save('-mat7-binary', 'octave_out.mat', '-struct', 'out');"]
     (folder / "octave_script.m").write_text("\n".join(lines), encoding="utf-8")
     done = subprocess.run(

@@ -77,7 +77,10 @@ def results(tmp_path_factory):
     return folder
 
 
-@pytest.mark.parametrize("words", OUTPUTS.values(), ids=OUTPUTS)
+@pytest.mark.parametrize("words", [
+    pytest.param(words, id=kind, marks=[pytest.mark.slow] * (kind in ("html", "gif", "plot")))
+    for kind, words in OUTPUTS.items()
+])  # fmt: skip
 def test_a_full_disk_leaves_the_old_file_and_no_other(results, words):
     target = results / words[-1]
     target.write_text("old")
@@ -100,7 +103,7 @@ main(sys.argv[1:])
 """
 
 
-@pytest.mark.parametrize("kind", ["svg", "html"])
+@pytest.mark.parametrize("kind", ["svg", pytest.param("html", marks=pytest.mark.slow)])
 def test_a_kill_leaves_the_old_file_and_the_next_run_cleans_up(results, kind):
     words = OUTPUTS[kind]
     target = results / words[-1]

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import csv
 import json
-import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from spacar.compiled.library import unavailable
 from spacar.deck import Deck
 from spacar.errors import UsageError
 from spacar.studies.quantities import quantity
@@ -265,11 +265,11 @@ def test_the_methods_of_the_reference_can_be_chosen(deck):
             reference_setups(trade, (1,), 1e-4, wrong)
 
 
-@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+@pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
 def test_compiled_runs_give_the_same_errors(call):
     words = ("trade", "robotsim", "--time", "0.1", "--steps", "2", "-t", "1e-3,1e-5", "-i", "155", "--json")
     errors = []
-    for more in ((), ("--compiled",)):
+    for more in (("--general",), ("--compiled",)):
         done = call(*words, *more)
         assert done.status == 0, done.err
         errors.append([row["error"] for row in json.loads(done.out)["settings"]])

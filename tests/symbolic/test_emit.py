@@ -147,7 +147,7 @@ def test_names_differ_in_more_than_case(programs):
     """q1 and Q1, Z and z: in no routine two names are equal without case."""
     for strategy in ("held", "recursive"):
         text = programs(strategy).text("fortran")
-        for routine in re.split(r"end subroutine", text):
+        for routine in re.split(r"end (?:subroutine|function)", text):
             declared = re.findall(r"real\(dp\) :: (.*)", routine)
             names = [n.strip().split("(")[0].lower() for line in declared for n in re.split(r",(?![^(]*\))", line)]
             assert len(names) == len(set(names))
@@ -185,4 +185,4 @@ def test_unknown_language_and_missing_jacobian(programs):
     with pytest.raises(UsageError, match="choose one of python"):
         programs("recursive").text("cobol")
     with pytest.raises(UsageError, match="Jacobian"):
-        programs("recursive").text("fortran", jacobian=True)
+        programs("recursive").text("latex", jacobian=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from pathlib import Path
 
 import click
@@ -60,8 +61,6 @@ def command(
     omega = frequencies(system, low and low * turn, high and high * turn, points)
     response = frequency_response(system, omega)
     if as_csv:
-        import csv
-
         writer = csv.writer(environment.stdout, lineterminator="\n")
         names = [f"{system.outputs[i]} / {system.inputs[j]}" for i, j in pairs]
         writer.writerow(["frequency [Hz]", *(f"{what} {n}" for n in names for what in ("amplitude", "phase [deg]"))])

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import dataclasses
+import json
 from pathlib import Path
 
 import click
 
+from spacar.errors import InputError
+from spacar.modes import find_mode
 from spacar_cli.environment import Environment
+from spacar_cli.input_files import input_file
 from spacar_cli.number_types import Whole
 from spacar_cli.status import ExitStatus, tell_error, tell_messages
 
@@ -26,12 +31,9 @@ def command(environment: Environment, file: Path, mode: int | None, expand: bool
     from spacar_drawing.settings_check import check_settings
 
     from spacar.deck import read_deck
-    from spacar.errors import InputError
     from spacar.kinematics.lost_stiffness import lost_stiffness
     from spacar.mechanism import build
     from spacar.mechanism.user_functions import listed_functions, without_functions
-    from spacar.modes import find_mode
-    from spacar_cli.input_files import input_file
 
     number = None if mode is None else find_mode(mode).number
     source = input_file(file)
@@ -61,9 +63,6 @@ def command(environment: Environment, file: Path, mode: int | None, expand: bool
     if expand and deck is not None and status is ExitStatus.DONE:
         environment.say(deck.to_text().rstrip("\n"))
     elif as_json:
-        import dataclasses
-        import json
-
         environment.say(json.dumps({"input": str(source), "messages": [dataclasses.asdict(m) for m in messages]}))
     else:
         found = (f"{severities.count(s)} {s}{'s' * (severities.count(s) != 1)}" for s in ("error", "warning"))

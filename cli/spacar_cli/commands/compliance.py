@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import click
 
 from spacar_cli.environment import Environment
@@ -31,8 +33,6 @@ def command(
         environment.tell(f"warning: {warning}")
     rows, columns = found.labels
     if as_json:
-        import json
-
         report = {
             "t": found.t,
             "position": found.position,

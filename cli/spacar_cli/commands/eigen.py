@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -60,13 +62,9 @@ def command(
         chosen = range(number, number + 1)
     rows = [row for k in chosen for row in _rows(k, found[k - 1], names, lowest)]
     if as_json:
-        import json
-
         keys = ("step", "mode", "real", "imag", "modulus", "frequency", "damping", "dof")
         environment.say(json.dumps([dict(zip(keys, row, strict=True)) for row in rows]))
     elif as_csv:
-        import csv
-
         writer = csv.writer(environment.stdout, lineterminator="\n")
         writer.writerow(HEADS)
         writer.writerows([*row[:2], *(repr(v) for v in row[2:7]), row[7]] for row in rows)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -30,7 +31,7 @@ OVERRIDES: tuple[tuple[str, str, Any, str], ...] = (
     ("--rtol", "rtol", TOLERANCE, "Relative error tolerance, instead of ERROR."),
     ("--integrator", "integrator", Whole(), "Integration method, instead of INTEGRAT."),
     ("--steps", "n_steps", Whole(min=1), "Number of output steps, instead of TIMESTEP."),
-    ("--compiled", "compiled", bool, "Right-hand side in C: faster, needs a C compiler."),
+    ("--compiled/--general", "compiled", bool, "Equations in C (default where that is possible) or in NumPy."),
     ("--time", "duration", POSITIVE, "Length of the time interval, instead of TIMESTEP [s]."),
 )
 
@@ -54,7 +55,7 @@ def command_of_mode(word: str) -> click.Command:
     params.append(click.Option(["--beams"], type=click.Choice(BEAMS), help=text))
     if mode.integrated:
         for flag, field, kind, text in OVERRIDES:
-            switch = {"is_flag": True, "flag_value": True, "default": None} if kind is bool else {"type": kind}
+            switch = {"is_flag": True, "default": None} if kind is bool else {"type": kind}
             params.append(click.Option([flag, field], help=text, **switch))
     if mode.takes_setpoints:
         params.append(
@@ -187,7 +188,11 @@ def _ill_defined(run: Run) -> bool:
 
 def _flags(overrides: dict[str, Any], setpoints: str | None) -> dict[str, Any]:
     """The given options under their names on the command line, for the log."""
-    given = {flag: overrides[field] for flag, field, *_ in OVERRIDES if field in overrides}
+    given: dict[str, Any] = {}
+    for flag, field, kind, _ in OVERRIDES:
+        if field in overrides:
+            yes, _, no = flag.partition("/")
+            given[no if kind is bool and not overrides[field] else yes] = True if kind is bool else overrides[field]
     given |= {"--beams": overrides["beams"]} if "beams" in overrides else {}
     return given | ({"--setpoints": setpoints} if setpoints else {})
 
@@ -235,8 +240,6 @@ def _as_json(
     run: Run | None,
     done: releasing.Done | None = None,
 ) -> str:
-    import json
-
     report: dict[str, Any] = {
         "mode": mode.number,
         "analysis": mode.title,
@@ -252,6 +255,8 @@ def _as_json(
         n = run.mechanism.numbering
         report |= {"ndof": n.ndof, "nddof": n.nddof, "nx": n.nx, "ne": n.ne, "information": run.report.lines}
         report["messages"] = [str(m) for m in run.mechanism.deck.messages]
+        if "engine" in run.header:
+            report["engine"], report["engine_note"] = run.header["engine"]
         diagnosis = run.header.get("diagnosis")
         if diagnosis is not None:
             report["constraints"] = releasing.as_record(diagnosis)

@@ -83,7 +83,7 @@ def derive(model: Path, strategy: str, show: str | None, form: str) -> None:
 @MODEL
 @click.option("--language", type=click.Choice(["python", "c", "fortran", "latex"]), required=True)
 @click.option("--strategy", type=STRATEGY, default="recursive", show_default=True, help="Readable or lean.")
-@click.option("--jacobian", is_flag=True, help="Also the exact Jacobian (python, c).")
+@click.option("--jacobian", is_flag=True, help="Also the exact Jacobian (python, c, fortran).")
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="File to write (default: MODEL with its ending).")
 def export(model: Path, language: str, strategy: str, jacobian: bool, output: Path | None) -> None:
     """Write the equations of MODEL as a self-contained program."""

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 import spacar
+from spacar.deck import echo
 from spacar.errors import AnalysisError, InputError, SpacarError, UsageError
 from spacar.frame import Frame
 from spacar.modes import Mode
@@ -134,8 +135,6 @@ def _title(mode: Mode, source: Path, options: Mapping[str, Any]) -> list[str]:
 
 
 def _kinematics(run: Run) -> list[str]:
-    from spacar.deck import echo
-
     deck, n = run.mechanism.deck, run.mechanism.numbering
     lines = [f"SHA-256 of the input file: {deck.sha256}", *heading("Kinematics"), *echo(deck, 1), ""]
     if deck.messages:
@@ -150,8 +149,6 @@ def _condition(run: Run) -> list[str]:
 
 
 def _dynamics(run: Run) -> list[str]:
-    from spacar.deck import echo
-
     deck, n = run.mechanism.deck, run.mechanism.numbering
     lines = [*heading("Dynamics"), *echo(deck, 2), "", *model_sections.counts(n)]
     return [*lines, *model_sections.dynamics(run.mechanism)] if run.mode.forces else lines
@@ -159,8 +156,6 @@ def _dynamics(run: Run) -> list[str]:
 
 def _settings(run: Run) -> list[str]:
     """How the analysis is done: third block, integrator or load steps, the nominal motion of mode 3."""
-    from spacar.deck import echo
-
     mechanism, mode = run.mechanism, run.mode
     if not mode.forces:
         return []
@@ -168,7 +163,7 @@ def _settings(run: Run) -> list[str]:
     third = echo(mechanism.deck, 3) if mode.third else []
     lines += [*third, "", *step_sections.definitions(mechanism)] if third else []
     if mode.integrated:
-        lines += step_sections.integration(mechanism)
+        lines += step_sections.integration(mechanism, run.header.get("engine"))
     if mode.stationary:
         lines += step_sections.iteration(mechanism)
     if run.nominal is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from spacar.arrays import Array
 from spacar.deck.keyword_table import KEYWORDS
 from spacar.frame import Frame
+from spacar.integrators import METHODS
 from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
 from spacar.stream import Run
@@ -87,10 +88,8 @@ def transfer_functions(run: Run, frame: Frame) -> list[str]:
     return lines
 
 
-def integration(mechanism: Mechanism) -> list[str]:
-    """Name of the integrator and its accuracy settings."""
-    from spacar.integrators import METHODS
-
+def integration(mechanism: Mechanism, engine: tuple[str, str] | None = None) -> list[str]:
+    """Name of the integrator and its accuracy settings; which engine evaluates, on what level or why."""
     s = mechanism.settings
     method = METHODS.get(s.integrator)
     lines = [f"Integrator: INTEGRAT {s.integrator}, {method.name if method else 'unknown'}"]
@@ -101,6 +100,8 @@ def integration(mechanism: Mechanism) -> list[str]:
         lines.append("No TIMESTEP: only the initial state is analysed")
     else:
         lines.append(f"Duration {real(s.duration)} s in {s.n_steps} output steps")
+    if engine is not None:
+        lines.append(f"Engine: {engine[0]} ({engine[1]})")
     return [*lines, ""]
 
 

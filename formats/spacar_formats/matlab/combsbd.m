@@ -12,6 +12,7 @@ function steps = combsbd(varargin)
   option = {};
   if ~isempty(words) && strcmp(words{end}, '-force'), option = {'--force'}; words(end) = []; end
   if numel(words) < 3, error('spacar:arguments', 'combsbd needs two or more files and the name of the output'); end
+  words = cellfun(@full_name, words, 'UniformOutput', false);
   text = call_spacar([{'combsbd'}, option, {'--'}, words]);
   if nargout > 0, steps = str2double(regexp(text, '(\d+) steps\s*$', 'tokens', 'once')); end
 end

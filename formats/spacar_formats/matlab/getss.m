@@ -29,7 +29,11 @@ function [A, B, C, D] = getss(file, step)
   fields = {'StateName', 'InputName', 'OutputName'};
   if exist('ss', 'file') || exist('ss', 'class')
     A = ss(A, b, c, feedthrough);
-    for n = 1:3, A.(fields{n}) = labels{n}; end
+    for n = 1:3
+      try  %#ok<TRYNC> (a toolbox whose systems have no such names)
+        A.(fields{n}) = labels{n};
+      end
+    end
   else
     A = struct('a', A, 'b', b, 'c', c, 'd', feedthrough);
     for n = 1:3, A.(fields{n}) = labels{n}; end

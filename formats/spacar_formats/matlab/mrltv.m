@@ -11,5 +11,5 @@ function output = mrltv(file, modes, quasistatic, output)
   words = {'mrltv', source, sprintf('%d', modes), '--quiet'};
   if nargin > 2 && ~isempty(quasistatic), words = [words, {'--quasi-static', sprintf('%d', quasistatic)}]; end
   if nargin < 4, output = regexprep(source, '\.ltv$', 'mr.ltv'); end
-  call_spacar([words, {'--output', char(output)}]);
+  call_spacar([words, {'--output', full_name(output)}]);
 end

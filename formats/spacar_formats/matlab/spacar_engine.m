@@ -12,7 +12,9 @@ function [message, identifier] = spacar_engine(mode, file)
   if ~ischar(file) && ~isa(file, 'string') || isempty(file)
     message = 'FILENAME must be a text'; identifier = 'spacar:arguments'; return
   end
-  [status, text] = run_spacar({sprintf('%d', mode), '--', char(file)});
+  file = char(file);
+  if strncmp(file, '~', 1), file = full_name(file); end
+  [status, text] = run_spacar({sprintf('%d', mode), '--', file});
   [errors, warnings] = engine_messages(text);
   for k = 1:numel(warnings), warning('spacar:engine', '%s', warnings{k}); end
   if status == 0, return, end

@@ -12,7 +12,7 @@ function handle = spavisual(file, picture)
   m = mechanism_tables(file);
   lines = mechanism_lines(m, m.x(:, end));
   [figure_, ~, ~] = mechanism_figure(m, lines);
-  if nargin > 1, call_spacar({'draw', m.file, '--output', char(picture)}); end
+  if nargin > 1, call_spacar({'draw', m.file, '--output', full_name(picture)}); end
   if nargout == 0, return, end
   if exist('OCTAVE_VERSION', 'builtin')
     label = struct('String', '');

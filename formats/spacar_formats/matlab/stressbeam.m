@@ -4,7 +4,8 @@ function [stress, coordinates, elements, extrema] = stressbeam(file, elements, s
 %   [stress, coordinates, elements, extrema] = stressbeam(file, elements, step, options, section)
 %
 % ELEMENTS: numbers of BEAM, BEAMW or PLBEAM elements. STEP: the stored step, from 1. OPTIONS.exterior: true for points of the
-% outline of the section only; OPTIONS may be []. SECTION(k), for element k or one for all:
+% outline of the section only; OPTIONS.warping: true adds the normal stress of the bimoment of a BEAMW with section rect;
+% OPTIONS may be []. SECTION(k), for element k or one for all:
 %   CrossSection  Dimensions [m]
 %   'rect'        [width thickness], the width along y', the direction that the input file gives
 %   'circ'        diameter
@@ -17,7 +18,8 @@ function [stress, coordinates, elements, extrema] = stressbeam(file, elements, s
 % Normal stress N/A - Mz y/Iz + My z/Iy; shear of the torque (circle T r/J, rectangle by Saint-Venant's series, hollow
 % rectangle by Bredt) and of the shear forces (parabola with the peak 3/2 Q/A, circle 4/3 Q/A, thin walls 2 Q/A); von
 % Mises sqrt(sigma^2 + 3 tau^2). Resultants: docs/reference/theory-spatial.md section 3.5, theory-planar.md section 3.1.
-% The same numbers as those of `spacar visual --stress`. A bimoment (BEAMW) adds nothing here.
+% The same numbers as those of `spacar visual --stress`. The torque of a BEAMW is the part with Saint-Venant's shear stress;
+% its bimoment B adds -144 B y z/(w t)^3, 36 |B|/(w t)^2 at the corners, when OPTIONS.warping says so.
 %
 % See also getfrsbf, spavisual.
   if nargin < 5, error('spacar:arguments', 'stressbeam needs a file, elements, a step, options and sections'); end
@@ -25,6 +27,7 @@ function [stress, coordinates, elements, extrema] = stressbeam(file, elements, s
   types = getfrsbf(file, 'it'); le = getfrsbf(file, 'le'); lengths = getfrsbf(file, 'rl0');
   sig = getfrsbf(file, 'sig', step); sig = [0; sig(:)];
   places = linspace(0, 1, 11);
+  warping = isstruct(options) && isfield(options, 'warping') && options.warping;
   exterior = isstruct(options) && isfield(options, 'exterior') && options.exterior;
   elements = elements(:)';
   if numel(section) == 1, section = repmat(section, 1, numel(elements)); end
@@ -50,6 +53,10 @@ function [stress, coordinates, elements, extrema] = stressbeam(file, elements, s
     end
     p = points;
     normal = p.one * (r.N / p.A) - p.y * (r.Mz / p.Iz) + p.z * (r.My / p.Iy);
+    if warping && types(n) == 18 && strcmpi(section(k).CrossSection, 'rect')
+      b = lengths(n) ^ 2 * sig(le(n, 7:8) + 1);
+      normal = normal - 144 / prod(section(k).Dimensions) ^ 3 * (p.y .* p.z) * (b(1) + (b(2) - b(1)) * places);
+    end
     tauy = p.ty * r.T + p.sy * r.Qy;
     tauz = p.tz * r.T + p.sz * r.Qz;
     mises = sqrt(normal .^ 2 + 3 * (tauy .^ 2 + tauz .^ 2)) / 1e6;

@@ -22,8 +22,8 @@ def emit(program: OrderedProgram, language: str, jacobian: bool = False, headed:
     """
     if language not in LANGUAGES:
         raise UsageError(f"unknown language {language!r}: choose one of {', '.join(LANGUAGES)}")
-    if jacobian and language not in ("python", "c"):
-        raise UsageError(f"a Jacobian is written in python and c, not in {language}")
+    if jacobian and language == "latex":
+        raise UsageError("a Jacobian is written in python, c and fortran, not in latex")
     check_names(program)
     source: Callable[..., str] = import_module(f"spacar.symbolic.emit.{language}").source
     return source(program, jacobian, header(program) if headed else [])

@@ -1,8 +1,16 @@
 function [figure_, axes_, line_] = mechanism_figure(m, lines)
 % A figure with one axes in it: the elements at the start in grey, LINES in blue, equal scales. Empty handles where there are
-% no graphics (Octave without a toolkit).
+% no graphics (Octave without a toolkit), and, with a warning, where they fail: a picture is no reason to lose an analysis.
   figure_ = []; axes_ = []; line_ = [];
   if exist('OCTAVE_VERSION', 'builtin') && isempty(available_graphics_toolkits()), return, end
+  try
+    [figure_, axes_, line_] = drawn(m, lines);
+  catch failure
+    warning('spacar:graphics', 'no figure: %s', failure.message);
+  end
+end
+
+function [figure_, axes_, line_] = drawn(m, lines)
   start = mechanism_lines(m, m.x(:, 1));
   [~, name] = fileparts(m.file);
   figure_ = figure('Name', name);

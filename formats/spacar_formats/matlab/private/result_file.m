@@ -1,10 +1,8 @@
 function file = result_file(name, kinds)
 % Full name of a result file that is given with or without extension; kinds: the extensions to try, in this order.
 % Throws spacar:notFound.
-  name = char(name);
-  if isempty(name), error('spacar:notFound', 'the name of a result file is empty'); end
-  absolute = any(name(1) == '/\~') || (numel(name) > 1 && name(2) == ':');
-  if ~absolute, name = fullfile(pwd(), name); end
+  if isempty(char(name)), error('spacar:notFound', 'the name of a result file is empty'); end
+  name = full_name(name);
   [~, ~, extension] = fileparts(name);
   with = cell(1, numel(kinds));
   for k = 1:numel(kinds), with{k} = [name, '.', kinds{k}]; end
