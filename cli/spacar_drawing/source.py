@@ -11,7 +11,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.errors import UsageError
-from spacar_drawing.named_source import named_columns, nothing
+from spacar_drawing.named_columns import named_columns, nothing
 from spacar_drawing.scene import Scene
 from spacar_drawing.settings import Settings, read_settings
 
