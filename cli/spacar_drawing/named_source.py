@@ -15,7 +15,7 @@ from spacar.arrays import Array
 from spacar.errors import UsageError
 
 if TYPE_CHECKING:
-    from spacar_drawing.source import Source
+    from spacar_drawing.picture_source import PictureSource
 
 
 class _Names(ast.NodeTransformer):
@@ -52,7 +52,7 @@ def _coordinate(i: int) -> ast.expr:
 class _Columns:
     """The quantities as coordinates 1 of nodes 1, 2, ...; none has deformations."""
 
-    source: Source
+    source: PictureSource
 
     @property
     def lnp(self) -> NDArray[np.int64]:
@@ -66,7 +66,7 @@ class _Columns:
         return np.column_stack(list(self.source.named.values())) if name == "x" else self.source.get(name)
 
 
-def named_values(source: Source, text: str) -> tuple[Array, str]:
+def named_values(source: PictureSource, text: str) -> tuple[Array, str]:
     """(steps,) values of an expression of named quantities, or of a name that is none (`T + V`), and the name if it is
     a single one. Units are those of the model, which nobody stated. Raises UsageError."""
     text, names = text.strip(), list(source.named)

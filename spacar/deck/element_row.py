@@ -6,7 +6,7 @@ from typing import Any
 
 from spacar.deck.table_types import ElementType, Parameter
 
-P, O = "position", "orientation"
+P, O, W = "position", "orientation", "warping"
 BEAM_NODES = ((P, O, P, O), ("p position node", "p orientation node", "q position node", "q orientation node"))
 BAR_NODES = ((P, P), ("p position node", "q position node"))
 JOINT_NODES = ((O, O), ("p orientation node", "q orientation node"))

@@ -15,6 +15,7 @@ from spacar.deck.element_row import (
     TURN,
     O,
     P,
+    W,
     element_type,
 )
 from spacar.deck.table_types import real, vector
@@ -22,6 +23,17 @@ from spacar.deck.table_types import real, vector
 _WHEEL = (
     (P, O, P),
     ("p position node (wheel centre)", "p orientation node (wheel)", "q position node (contact point)"),
+)
+_WARPED_NODES = (
+    (P, O, W, P, O, W),
+    (
+        "p position node",
+        "p orientation node",
+        "p warping node",
+        "q position node",
+        "q orientation node",
+        "q warping node",
+    ),
 )
 _BEND3 = (
     ("elongation", "m"),
@@ -31,6 +43,7 @@ _BEND3 = (
     ("bending at p in the x'y' plane", "m"),
     ("bending at q in the x'y' plane", "m"),
 )
+_WARPING = (("warping at p", "m"), ("warping at q", "m"))
 _MISALIGNED = (("misalignment about y'", "rad"), ("misalignment about z'", "rad"))
 _ROLL = (
     ("radial", "m"),
@@ -67,6 +80,11 @@ _K4 = (
     "Without direction the measuring directions start parallel to the global axes; with it x' is the line pq and the "
     "vector lies in the x'y' plane. ORPINBOD overrides."
 )
+_K10 = (
+    "A warping node has one coordinate, the twist rate of the section in rad/m, zero at the start. It is a dynamic "
+    "degree of freedom unless FIX (clamped section), INPUTX or KINX says otherwise; modes 7 and 8 are always "
+    "calculable. Fix both warping nodes of a rigid one."
+)
 _SIX = "With six arguments the sixth is the coupling f and the direction is the default one."
 
 SPATIAL = (
@@ -84,13 +102,37 @@ SPATIAL = (
         direction=(6, 3, "plane"),
         notes=(_K1, _K2, _SIX),
         family="beam:SpatialBeam",
+        angle_family="beam_angle:SpatialAngleBeam",
         shape="beam",
         coefficients="spatial beam",
         mass="spatial beam",
+        statements=("LDEFORM", "ADEFORM"),
+        axial=True,
+        quadratic=True,
+        split=((3, 4), (5, 6)),
+    ),
+    element_type(
+        "BEAMW",
+        "spatial beam with warping",
+        18,
+        False,
+        _WARPED_NODES,
+        (*_BEND3, *_WARPING),
+        (*_Y3, COUPLING),
+        (10, 11),
+        stiffness=(2, 3, 4, 4, 5, 5, 8, 8),
+        length="always",
+        direction=(8, 3, "plane"),
+        notes=(_K1, _K2, _K10),
+        family="beam_warping:BeamWithWarping",
+        shape="beam",
+        coefficients="spatial beam with warping",
+        mass="spatial beam with warping",
         statements=("LDEFORM",),
         axial=True,
         quadratic=True,
         split=((3, 4), (5, 6)),
+        released=(7, 8),
     ),
     element_type(
         "TRUSS",
@@ -203,10 +245,11 @@ SPATIAL = (
         direction=(6, 3, "plane"),
         notes=(_K1, _K2, _SIX),
         family="tube:SpatialTube",
+        angle_family="beam_angle:SpatialAngleTube",
         shape="beam",
         coefficients="spatial beam",
         mass="spatial tube",
-        statements=("ORTUBE", "DELOMF"),
+        statements=("ORTUBE", "DELOMF", "ADEFORM"),
         axial=True,
         quadratic=True,
     ),

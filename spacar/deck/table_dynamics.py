@@ -11,7 +11,7 @@ from spacar.deck.table_types import (
     NODE,
     ORIENTATION,
     SURPLUS,
-    Block,
+    BlockKind,
     ElementType,
     Keyword,
     Parameter,
@@ -23,7 +23,7 @@ from spacar.deck.table_types import (
     vector,
 )
 
-_D = Block.DYNAMICS
+_D = BlockKind.DYNAMICS
 
 # -- inertia -----------------------------------------------------------------------------------------------
 
@@ -34,6 +34,7 @@ XM_FORMS = (
     form(_MASS, 2, role="position"),
     form(_TURN, 2, space="planar", role="orientation"),
     form((NODE, *_TENSOR), *span(2, 7), space="spatial", role="orientation"),
+    form((NODE, real("warping inertia J", "kg m^4")), 2, role="warping"),
 )
 _PER_LENGTH = real("mass per length", "kg/m")
 _JS = vector("", "Jx'x' Jy'y' Jz'z' Jy'z'", "kg m", 0.0)
@@ -53,6 +54,10 @@ MASS_FORMS = {
     "bar": ((_PER_LENGTH,), (2,)),
     "planar beam": ((_PER_LENGTH, real("J per length", "kg m", 0.0)), (2, 3)),
     "spatial beam": ((_PER_LENGTH, *_JS), span(2, 6)),
+    "spatial beam with warping": (
+        (_PER_LENGTH, *_JS, real("warping inertia Jw per length", "kg m^3", 0.0)),
+        span(2, 7),
+    ),
     "belt": ((_PER_LENGTH, *_WOUND), span(2, 4)),
     "planar tube": ((*_FLOW, real("J per length", "kg m", 0.0)), span(2, 7)),
     "spatial tube": ((*_FLOW, *_JS), span(2, 10)),
@@ -90,7 +95,9 @@ def _coefficients(prefix: str, damping: bool) -> tuple[Variant, ...]:
             real("shear parameter EIy/(GAkz)", "m^2", 0.0),
             real("shear parameter EIz/(GAky)", "m^2", 0.0),
         )
+    unused = () if not damping else (real("not used", "", 0.0),) * 2
     forms = {"stretch": (stretch,), "planar beam": beam2, "spatial beam": beam3}
+    forms["spatial beam with warping"] = (*beam3, *unused, real(f"E{d}Cw", f"N m^4{s}", 0.0))
     forms |= {f"modes {n}": generic[:n] for n in range(1, 7)}
 
     def types(name: str) -> str:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 from spacar.deck.planar_types import PLANAR
 from spacar.deck.spatial_types import COUPLING, SPATIAL
-from spacar.deck.table_types import Block, ElementType, Keyword, form, integer
+from spacar.deck.table_types import BlockKind, ElementType, Keyword, form, integer
 
 _ALL = (*PLANAR, *SPATIAL)
 
@@ -38,7 +38,7 @@ def _statement(t: ElementType) -> Keyword:
         variants.append(form((*head, COUPLING), 6, space=space))
     modes = "; ".join(f"{i} {name} [{unit}]" for i, (name, unit) in enumerate(t.modes, 1))
     notes = (f"Deformation modes: {modes}.", *t.notes)
-    return Keyword(t.keyword, Block.KINEMATICS, f"{t.title} element", tuple(variants), notes=notes)
+    return Keyword(t.keyword, BlockKind.KINEMATICS, f"{t.title} element", tuple(variants), notes=notes)
 
 
 KEYWORDS = tuple(_statement(t) for t in _ALL)

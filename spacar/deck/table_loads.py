@@ -10,7 +10,7 @@ from spacar.deck.table_types import (
     MODE,
     NODE,
     SURPLUS,
-    Block,
+    BlockKind,
     Keyword,
     Parameter,
     Variant,
@@ -19,7 +19,7 @@ from spacar.deck.table_types import (
     vector,
 )
 
-_D = Block.DYNAMICS
+_D = BlockKind.DYNAMICS
 
 
 def _force(text: str) -> tuple[Variant, ...]:
@@ -31,6 +31,7 @@ def _force(text: str) -> tuple[Variant, ...]:
         form((NODE, real(f"{text}moment", "N m")), 2, space="planar", role="orientation"),
         form((NODE, *dual), 2, 3, 5, space="spatial", role="orientation"),
         form((NODE, *vector(f"{text}moment", "Mx My Mz", "N m")), 4, space="spatial", role="orientation"),
+        form((NODE, real(f"{text}bimoment", "N m^2")), 2, role="warping"),
     )
 
 

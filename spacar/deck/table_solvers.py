@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from spacar.deck.table_types import (
-    Block,
+    BlockKind,
     Keyword,
     form,
     integer,
@@ -11,7 +11,7 @@ from spacar.deck.table_types import (
     span,
 )
 
-_D = Block.DYNAMICS
+_D = BlockKind.DYNAMICS
 
 KEYWORDS = (
     Keyword(

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from spacar.errors import SpacarError, UsageError
-from spacar_cli.parameters import Real, Whole
+from spacar_cli.number_types import Real, Whole
 
 if TYPE_CHECKING:
     from spacar.symbolic.script import SymbolicModel
