@@ -13,8 +13,8 @@ import pytest
 pytest.importorskip("sympy")
 
 from spacar_cli.main import main
+from spacar_drawing.picture_source import open_source
 from spacar_drawing.scene import positions, rotations
-from spacar_drawing.source import open_source
 from spacar_formats.locate import open_result
 
 from spacar.errors import UsageError
