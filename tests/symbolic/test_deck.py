@@ -171,7 +171,7 @@ def test_what_is_written_is_a_model_and_a_program(folder):
     assert spacar("symbolic", "export", "crank.dat")[0] == 0  # its own file is replaced
     status, _, err = spacar("symbolic", "simulate", "crank.toml", "--steps", "4")
     assert status == 0, err
-    from spacar_drawing.source import open_source
+    from spacar_drawing.picture_source import open_source
 
     named = open_source("crank").named
     assert np.hypot(named["P3.x"], named["P3.y"]) == pytest.approx(np.full(5, 0.15), abs=1e-12)
