@@ -18,7 +18,7 @@ from spacar.compiled.model import Model
 from spacar.compiled.numbers import of_one
 from spacar.dynamics.dynamics import Dynamics, component_name
 from spacar.dynamics.mass_check import require_regular_mass
-from spacar.dynamics.model import LoadedMechanism, Placement
+from spacar.dynamics.model import LoadedMechanism, Moving, Placement
 from spacar.frame import Frame
 from spacar.kinematics.condition import of_gradient
 from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS
@@ -101,6 +101,17 @@ class CompiledDynamics:
     def placement(self) -> Placement:
         s = self.state
         return Placement(s.x[:, 0], s.xd[:, 0], s.e[:, 0], s.given_e[:, 0])
+
+    def moving(self) -> Moving | None:
+        s = self.state
+        if not s.c.known:  # what C could not do the general evaluator has done
+            same = np.array_equal(self.general.kinematics.x, s.x[:, 0])
+            return self.general.moving() if same else None
+        x, xd, xdd = s.of_x[:, :, 0].copy()
+        return Moving(float(s.c.t), x, xd, xdd, s.e[:, 0].copy())
+
+    def resume(self, at: Moving) -> None:
+        self.state.resume(at.t, np.stack((at.x, at.xd, at.xdd))[:, :, None], at.e[:, None])
 
     def _stand(self, at: Placement) -> None:
         """Go on from there, without the memory of earlier states."""

@@ -40,4 +40,4 @@ def test_levels_between_stored_ones_cost_no_count(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(walk, "stability", lambda *a: counts.append(counted(*a)) or counts[-1])
     report_of_column(120, 2.0, 10)
     assert [c.negative for c in counts] == [0, 0]
-    assert 3 * 120 * 2 > walk.LARGE
+    assert walk.LARGE < 3 * 120 * 2
