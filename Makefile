@@ -21,17 +21,21 @@ define environment
 	fi
 endef
 
-$(VENV)/.installed: pyproject.toml
+# The C text of the engine: an installation with another one builds it again.
+ENGINE := hatch_build.py $(wildcard spacar/compiled/*.c)
+
+$(VENV)/.installed: pyproject.toml $(ENGINE)
 	$(environment)
 	$(BIN)/python -m pip install --quiet -e .
+	@-$(BIN)/python -m spacar.compiled
 	@touch $@
 
-$(VENV)/.installed-dev: pyproject.toml
+$(VENV)/.installed-dev: pyproject.toml $(ENGINE)
 	$(environment)
 	$(BIN)/python -m pip install --quiet -e '.[test,dev,symbolic,control]'
 	@touch $@ $(VENV)/.installed
 
-$(VENV)/.installed-docs: pyproject.toml
+$(VENV)/.installed-docs: pyproject.toml $(ENGINE)
 	$(environment)
 	$(BIN)/python -m pip install --quiet -e '.[docs]'
 	@touch $@ $(VENV)/.installed
@@ -71,4 +75,4 @@ docs: $(VENV)/.installed-docs
 	@echo "pages: $(OUT)/site/index.html"
 
 clean:
-	rm -rf $(OUT) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(OUT) build dist wheels .pytest_cache .mypy_cache .ruff_cache .hypothesis

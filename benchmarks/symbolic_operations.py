@@ -16,18 +16,18 @@ from typing import Any
 
 import numpy as np
 
-from spacar.symbolic import System
-from spacar.symbolic.compiled import CompiledFunction, compiler
-from spacar.symbolic.model import read_model
+from spacar.symbolic import MultibodySystem
+from spacar.symbolic.compiled_program import CompiledFunction, compiler
+from spacar.symbolic.model_reader import read_model
 
 HERE = Path(__file__).parent
 MODEL = HERE.parent / "data" / "symbolic" / "manipulator.toml"
 REFERENCE = {"held, no Z": 2177, "held, Z": 915, "recursive": 402}
 
 
-def chain(n: int) -> System:
+def chain(n: int) -> MultibodySystem:
     """A spatial chain of n rigid links, two rotations per joint."""
-    S = System(gravity=("0", "0", "-g"))
+    S = MultibodySystem(gravity=("0", "0", "-g"))
     m, L, I1, I2 = S.parameters("m L I1 I2")
     frame, point = S.N, S.O
     for k in range(1, n + 1):
@@ -39,7 +39,7 @@ def chain(n: int) -> System:
     return S
 
 
-def count(system: System, strategy: str, recurrence: bool = True) -> dict[str, Any]:
+def count(system: MultibodySystem, strategy: str, recurrence: bool = True) -> dict[str, Any]:
     began = time.process_time()
     eq = system.derive(strategy, recurrence)
     derived = time.process_time() - began

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from spacar.arrays import Array
 from spacar.errors import UsageError
+from spacar_drawing.drawn_shapes import Faces, Label, Line, Shape, merge_bounds
+from spacar_drawing.element_pictures import beam_line, body
 from spacar_drawing.look import look_of
 from spacar_drawing.mechanism_picture import Extras, camera_of, mechanism_shapes, series_bounds
 from spacar_drawing.paint import paint
-from spacar_drawing.parts import beam_line, body
 from spacar_drawing.scene import Element, Pose, Scene
-from spacar_drawing.settings import Settings
-from spacar_drawing.shapes import Faces, Label, Line, Shape, merge_bounds
+from spacar_drawing.settings import PictureSettings
 from spacar_drawing.stage import INK, new_figure
 from spacar_drawing.stresses import QUANTITIES, STRESSES, along, resultants
 
@@ -35,7 +35,7 @@ class Course:
     values: Array
 
 
-def courses(scene: Scene, sig: Array, e: Array, settings: Settings, quantity: str, n: int) -> list[Course]:
+def courses(scene: Scene, sig: Array, e: Array, settings: PictureSettings, quantity: str, n: int) -> list[Course]:
     """The quantity along every element that has it. Raises UsageError when no element has."""
     found = []
     for element in scene.elements:
@@ -56,8 +56,9 @@ def courses(scene: Scene, sig: Array, e: Array, settings: Settings, quantity: st
 
 
 def stress_still(
-    scene: Scene, x: Array, sig: Array, e: Array, settings: Settings, extras: Extras, quantity: str, note: str = ""
-) -> Figure:
+    scene: Scene, x: Array, sig: Array, e: Array, settings: PictureSettings, extras: Extras, quantity: str,
+    note: str = "",
+) -> Figure:  # fmt: skip
     """The mechanism with the quantity as colours along its beams, and a scale with the unit."""
     from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
@@ -88,8 +89,9 @@ def stress_still(
 
 
 def diagram_still(
-    scene: Scene, x: Array, sig: Array, e: Array, settings: Settings, extras: Extras, quantity: str, note: str = ""
-) -> Figure:
+    scene: Scene, x: Array, sig: Array, e: Array, settings: PictureSettings, extras: Extras, quantity: str,
+    note: str = "",
+) -> Figure:  # fmt: skip
     """The quantity as ordinates beside the beams, red where positive and blue where negative, extremes with numbers."""
     look = look_of(scene, x[None], settings)
     found = courses(scene, sig, e, settings, quantity, max(look.points, 17))
@@ -127,9 +129,7 @@ def diagram_still(
     return figure
 
 
-def _hiding(settings: Settings, hidden: frozenset[int]) -> Settings:
-    from dataclasses import replace
-
+def _hiding(settings: PictureSettings, hidden: frozenset[int]) -> PictureSettings:
     return replace(settings, hidden=hidden)
 
 

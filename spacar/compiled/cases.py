@@ -1,7 +1,8 @@
-"""Many cases of one mechanism in C, as the driver integrates them: LANES at a time in the lanes of a vector.
+"""Many cases of one mechanism in C, as the driver integrates them: as many at a time as a vector of the
+processor has lanes (2, 4 or 8).
 
-The state is made of blocks of LANES cases; a block has all components, each with its lanes, (blocks, components,
-LANES). The last block is filled up with copies of the last case. All cases share the steps.
+The state is made of blocks of that many cases; a block has all components, each with its lanes, (blocks, components,
+lanes). The last block is filled up with copies of the last case. All cases share the steps.
 """
 
 from __future__ import annotations
@@ -9,16 +10,15 @@ from __future__ import annotations
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.compiled.model import Model
+from spacar.compiled.compiled_model import CompiledModel
+from spacar.compiled.library import lanes_of_processor
 from spacar.compiled.numbers import Numbers
-from spacar.dynamics.model import Moving, unexplained
+from spacar.dynamics.loaded_mechanism import Moving, unexplained
 from spacar.errors import AnalysisError
 from spacar.kinematics import Kinematics
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.kinematics.regularity import HALF_TURN, HalfTurns
 from spacar.mechanism.mechanism import Mechanism
-
-LANES = 8  # doubles of the widest vectors of today; narrower machines do one after the other
 
 
 class CompiledCases:
@@ -28,22 +28,23 @@ class CompiledCases:
         n = mechanism.numbering
         self.n_cases, self.size = start.shape
         self.n_positions = self.size // 2
-        of = np.minimum(np.arange(-(-self.n_cases // LANES) * LANES), self.n_cases - 1).reshape(-1, LANES)
+        self.lanes = lanes = lanes_of_processor()
+        of = np.minimum(np.arange(-(-self.n_cases // lanes) * lanes), self.n_cases - 1).reshape(-1, lanes)
         kinematics = Kinematics(mechanism)
         scales, equations = (kinematics.scale, mechanism.deformation_scale), len(kinematics.E)
-        self.models = [Model(n, numbers.take(cases), scales, equations, polynomial=True) for cases in of]
+        self.models = [CompiledModel(n, numbers.take(cases), scales, equations, polynomial=True) for cases in of]
         self.states = [model.state() for model in self.models]
         self.shown = [model.state() for model in self.models]
         self.y0 = np.ascontiguousarray(start[of].transpose(0, 2, 1)).ravel()
         self.lambda0 = HalfTurns(n).lambda0
-        self.by_case = (len(of), self.size, LANES)
+        self.by_case = (len(of), self.size, lanes)
         self._accepted = [(state.x.copy(), state.e.copy()) for state in self.states]
         self._seen: list[tuple[Moving, Array] | None] = [None] * len(of)  # last accepted state, sign of the determinant
         self._scale = kinematics.scale[:, None]
         self._out = np.zeros_like(self.y0)
 
     def _addresses(self, array: Array) -> list[int]:
-        start, block = array.ctypes.data, 8 * self.size * LANES
+        start, block = array.ctypes.data, 8 * self.size * self.lanes
         return [start + k * block for k in range(len(self.models))]
 
     def rhs(self, t: float, y: Array, within: float = CONVERGED) -> Array:
@@ -75,9 +76,9 @@ class CompiledCases:
 
     def component_name(self, i: int) -> str:
         """Name of a component of the state, for messages."""
-        block, place = divmod(i, self.size * LANES)
-        component, lane = divmod(place, LANES)
-        return f"component {component} of case {min(block * LANES + lane, self.n_cases - 1) + 1}"
+        block, place = divmod(i, self.size * self.lanes)
+        component, lane = divmod(place, self.lanes)
+        return f"component {component} of case {min(block * self.lanes + lane, self.n_cases - 1) + 1}"
 
     def watch(self, t: float, y: Array) -> None:
         """Raises AnalysisError where a case comes to a dead point or half a turn, or its velocities jump (see

@@ -107,7 +107,7 @@ static inline void subtract_transposed(const Model *m, int r, real sigma, real *
 }
 
 /* Smallest guard of all elements and lanes at x; 1 when there are none. */
-double spacar_guard(const Model *m, const real *x)
+static double spacar_guard(const Model *m, const real *x)
 {
     real xe[MAX_X], g[MAX_GUARDS];
     double least = 1.0;

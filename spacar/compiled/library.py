@@ -1,32 +1,25 @@
-"""Compile the C text once per machine and load it.
+"""The compiled engine: the shared library that was built when spacar was installed (hatch_build.py), loaded with ctypes.
 
-The library is kept in $XDG_CACHE_HOME/spacar (or ~/.cache/spacar) under the digest of its text, of the compiler call
-and of the processor, so another version or machine never picks up a wrong one. CC names the compiler; default cc.
-What may be loaded from there: `store`.
+It lies in this package and nowhere else: nothing is compiled at run time, and no other place is looked at. `levels.c` has
+builds for several levels of the processor and says which one serves. In a clone the C text lies beside the library; a
+library of another text is not used.
 """
 
 from __future__ import annotations
 
 import ctypes
 import hashlib
-import platform
+import os
+import sys
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 from spacar.errors import UsageError
-from spacar.native.store import compiler, stored
 
-NATIVE = "-march=native"  # some compilers do not know it: then without
-FLAGS = (NATIVE, "-O3", "-fno-math-errno", "-fno-trapping-math", "-fPIC", "-shared", "-std=gnu11")
-PARTS = ("lanes.c", "kernels.c", "sparse.c", "elements.c", "motion.c", "state.c", "model.c")
 HERE = Path(__file__).parent
-NEEDED = tuple(
-    f"spacar_{name}"
-    for name in (
-        "begin", "end", "evaluate", "rhs", "stages", "complete", "gradient", "determinant", "reduced_mass", "guard",
-        "rcond",
-    )
-)  # fmt: skip
+NAME = {"win32": "engine.dll", "darwin": "engine.dylib"}.get(sys.platform, "engine.so")
+GENERAL = "SPACAR_GENERAL"  # environment variable: anything but empty or 0 switches the engine off
 
 DOUBLES = INTEGERS = ctypes.c_void_p  # addresses: typed pointers cost more to make than small models to evaluate
 
@@ -68,41 +61,104 @@ class CState(ctypes.Structure):
     ]  # fmt: skip
 
 
+POINTER, NUMBER, INTEGER = ctypes.c_void_p, ctypes.c_double, ctypes.c_int
+FUNCTIONS: dict[str, tuple[Any, ...]] = {  # in the order of the table in engine.c: result, arguments
+    "begin": (POINTER, POINTER),
+    "end": (None, POINTER),
+    "evaluate": (INTEGER, POINTER, POINTER, NUMBER, POINTER, NUMBER, NUMBER, INTEGER),
+    "rhs": (INTEGER, POINTER, POINTER, NUMBER, POINTER, POINTER, NUMBER, NUMBER),
+    "stages": (
+        INTEGER, POINTER, POINTER, INTEGER, INTEGER, POINTER, POINTER, NUMBER, NUMBER, NUMBER, NUMBER, POINTER, POINTER,
+        INTEGER, NUMBER, NUMBER,
+    ),
+    "complete": (None, POINTER, POINTER, POINTER, POINTER),
+    "gradient": (INTEGER, POINTER, POINTER, POINTER, POINTER),
+    "determinant": (None, POINTER, POINTER, POINTER),
+    "reduced_mass": (INTEGER, POINTER, POINTER),
+    "guard": (NUMBER, POINTER, POINTER),
+    "rcond": (NUMBER, POINTER, POINTER, POINTER),
+}  # fmt: skip
+
+
+class Engine:
+    """The functions of one build, for `lanes` cases at a time."""
+
+    def __init__(self, loaded: ctypes.CDLL, lanes: int) -> None:
+        self.lanes = lanes
+        addresses = loaded.spacar_functions(lanes)
+        for k, (name, (result, *arguments)) in enumerate(FUNCTIONS.items()):
+            setattr(self, name, ctypes.CFUNCTYPE(result, *arguments)(addresses[k]))
+
+    begin: Any
+    end: Any
+    evaluate: Any
+    rhs: Any
+    stages: Any
+    complete: Any
+    gradient: Any
+    determinant: Any
+    reduced_mass: Any
+    guard: Any
+    rcond: Any
+
+
 @lru_cache
-def library(lanes: int = 1) -> ctypes.CDLL:
-    """The loaded library for as many cases at a time. Raises UsageError when no compiler is found or it fails."""
-    text = b"".join((HERE / name).read_bytes() for name in PARTS)
-    words = compiler()
-    flags = (*FLAGS, f"-DLANES={lanes}")
-    digest = hashlib.sha256(text + " ".join((*words, *flags, _processor())).encode("utf-8", "replace")).hexdigest()[:16]
-    plain = tuple(flag for flag in flags if flag != NATIVE)
-    target = stored(f"rhs-{digest}.so", words, (flags, plain), text, NEEDED)
+def _loaded() -> ctypes.CDLL | str:
+    """The library, or why there is none."""
+    path = HERE / NAME
+    if not path.is_file():
+        return "the compiled engine was left out when spacar was installed (no C compiler)"
     try:
-        loaded = ctypes.CDLL(str(target))
-    except OSError as error:
-        raise UsageError(f"the compiled library cannot be loaded: {error}", "compiled.library") from None
-    pointer, number, integer = ctypes.c_void_p, ctypes.c_double, ctypes.c_int
-    loaded.spacar_begin.argtypes, loaded.spacar_begin.restype = [pointer], pointer
-    loaded.spacar_end.argtypes, loaded.spacar_end.restype = [pointer], None
-    loaded.spacar_evaluate.argtypes = [pointer, pointer, number, pointer, number, number, integer]
-    loaded.spacar_rhs.argtypes = [pointer, pointer, number, pointer, pointer, number, number]
-    loaded.spacar_stages.argtypes = [
-        pointer, pointer, integer, integer, pointer, pointer, number, number, number, number, pointer, pointer, integer,
-        number, number,
-    ]  # fmt: skip
-    loaded.spacar_complete.argtypes, loaded.spacar_complete.restype = [pointer] * 4, None
-    loaded.spacar_gradient.argtypes = [pointer] * 4
-    loaded.spacar_determinant.argtypes, loaded.spacar_determinant.restype = [pointer] * 3, None
-    loaded.spacar_reduced_mass.argtypes = [pointer] * 2
-    loaded.spacar_guard.argtypes, loaded.spacar_guard.restype = [pointer] * 2, number
-    loaded.spacar_rcond.argtypes, loaded.spacar_rcond.restype = [pointer] * 3, number
+        loaded = ctypes.CDLL(str(path))
+        loaded.spacar_source.restype = loaded.spacar_level.restype = ctypes.c_char_p
+        loaded.spacar_functions.restype = ctypes.POINTER(ctypes.c_void_p)
+        source = loaded.spacar_source().decode("ascii")
+    except (OSError, AttributeError) as error:
+        return f"the compiled engine cannot be loaded: {error}"
+    if (HERE / "engine.c").is_file() and source != source_digest():
+        return "the compiled engine was built from another C text: `make crank` or `python hatch_build.py` builds it"
     return loaded
 
 
-def _processor() -> str:
-    """What -march=native depends on."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-        return next(line for line in lines if line.startswith(("flags", "Features")))
-    except (OSError, StopIteration):
-        return f"{platform.machine()} {platform.processor()} {platform.node()}"
+def source_digest() -> str:
+    """Of the C text beside this module, as hatch_build.py makes it."""
+    text = hashlib.sha256()
+    for path in sorted(HERE.glob("*.c")):
+        text.update(path.read_bytes().replace(b"\r\n", b"\n"))
+    return text.hexdigest()[:16]
+
+
+def unavailable() -> str | None:
+    """Why the engine cannot be used on this machine, or None."""
+    found = _loaded()
+    return found if isinstance(found, str) else None
+
+
+def switched_off() -> bool:
+    """Whether the environment asks for the general path."""
+    return os.environ.get(GENERAL, "") not in ("", "0")
+
+
+def level() -> str:
+    """Of the processor, by which the build was chosen: 'x86-64-v3', ... Only where the engine is available."""
+    name: bytes = _ready().spacar_level()
+    return name.decode("ascii")
+
+
+def lanes_of_processor() -> int:
+    """How many cases `engine` evaluates at a time at most."""
+    count: int = _ready().spacar_lanes()
+    return count
+
+
+@lru_cache
+def engine(lanes: int = 1) -> Engine:
+    """The engine for one case or `lanes_of_processor`. Raises UsageError where it is not available."""
+    return Engine(_ready(), lanes)
+
+
+def _ready() -> ctypes.CDLL:
+    found = _loaded()
+    if isinstance(found, str):
+        raise UsageError(found, "compiled.unavailable")
+    return found

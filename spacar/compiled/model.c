@@ -167,7 +167,7 @@ static int assemble(Model *m)
     return status;
 }
 
-void spacar_end(Model *m)
+static void spacar_end(Model *m)
 {
     if (!m) return;
     sparse_end(&m->position);
@@ -182,7 +182,7 @@ void spacar_end(Model *m)
 }
 
 /* A model of a copy of `spec`, whose arrays must stay; NULL when there is no memory. */
-Model *spacar_begin(const Spec *spec)
+static Model *spacar_begin(const Spec *spec)
 {
     Model *m = cleared(1, sizeof(Model));
     if (!m) return NULL;
@@ -217,7 +217,7 @@ Model *spacar_begin(const Spec *spec)
 }
 
 /* The entries of V: rows, columns and values, each with room for all of them (n); their number. Only this when row is NULL. */
-int spacar_gradient(const Model *m, int *row, int *column, real *value)
+static int spacar_gradient(const Model *m, int *row, int *column, real *value)
 {
     for (int r = 0; row && r < m->s.ne; r++)
         for (int k = m->v_start[r]; k < m->v_start[r + 1]; k++) row[k] = r;
@@ -227,15 +227,15 @@ int spacar_gradient(const Model *m, int *row, int *column, real *value)
     return n;
 }
 
-/* Of the matrix of the position at the last evaluated state. */
-void spacar_determinant(const Model *m, double *sign, double *logarithm)
+/* Of the inverse of the matrix of the position at the last evaluated state: mantissa 2^exponent. */
+static void spacar_determinant(const Model *m, double *mantissa, double *exponent)
 {
-    determinant(&m->position, sign, logarithm);
+    determinant(&m->position, mantissa, exponent);
 }
 
 /* Reciprocal condition in the 1-norm of diag(row) A diag(column), A the matrix of the position at the last evaluated state:
    n solutions. The smallest of the lanes. */
-double spacar_rcond(Model *m, const double *row, const double *column)
+static double spacar_rcond(Model *m, const double *row, const double *column)
 {
     const Sparse *s = &m->position;
     const int n = s->n;
@@ -257,7 +257,7 @@ double spacar_rcond(Model *m, const double *row, const double *column)
 
 /* The reduced mass matrix (q, q) of the degrees of freedom at the last evaluated state, from its factors. 0 when the saddle-
    point form was used instead, which has none. */
-int spacar_reduced_mass(const Model *m, real *out)
+static int spacar_reduced_mass(const Model *m, real *out)
 {
     const int q = m->s.n_x_dynamic + m->s.n_e_dynamic, width = m->width;
     if (!m->reduced || !m->transfer_of) return 0;

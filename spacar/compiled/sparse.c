@@ -337,16 +337,21 @@ static void solve_transposed(const Sparse *s, const real *b, real *x)
     for (int k = 0; k < n; k++) x[s->row_order[k]] = y[k] * s->weight[s->row_order[k]];
 }
 
-/* Sign and logarithm of the determinant of the factored matrix, lane by lane (LANES each). */
-static void determinant(const Sparse *s, double *sign, double *logarithm)
+/* Inverse of the determinant of the factored matrix, lane by lane (LANES each): mantissa 2^exponent. Logarithms would take
+   longer than the factorization of a small matrix. */
+static void determinant(const Sparse *s, double *mantissa, double *exponent)
 {
     EACH_LANE {
-        sign[w] = s->even;
-        logarithm[w] = 0.0;
+        double product = s->even;
+        long power = 0;
         for (int k = 0; k < s->n; k++) {
-            const double inverse = LANE(s->inverse[k], w);
-            if (inverse < 0.0) sign[w] = -sign[w];
-            logarithm[w] -= log(fabs(inverse) * s->weight[s->row_order[k]]);
+            int part;
+            product = frexp(product * LANE(s->inverse[k], w), &part);
+            power += part;
+            product = frexp(product * s->weight[s->row_order[k]], &part);
+            power += part;
         }
+        mantissa[w] = product;
+        exponent[w] = power;
     }
 }

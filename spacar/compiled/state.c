@@ -72,7 +72,7 @@ static int evaluate(Model *m, State *at, double t, const real *y, double converg
 }
 
 /* The same; a state that is a jump away is reached in pieces, so that the mechanism stays on its branch. */
-int spacar_evaluate(Model *m, State *at, double t, const real *y, double converged, double jump, int want_stress)
+static int spacar_evaluate(Model *m, State *at, double t, const real *y, double converged, double jump, int want_stress)
 {
     const Spec *s = &m->s;
     const int a = s->n_x_dynamic, q = a + s->n_e_dynamic;
@@ -92,7 +92,7 @@ int spacar_evaluate(Model *m, State *at, double t, const real *y, double converg
 }
 
 /* Time derivative of y. */
-int spacar_rhs(Model *m, State *at, double t, const real *y, real *out, double converged, double jump)
+static int spacar_rhs(Model *m, State *at, double t, const real *y, real *out, double converged, double jump)
 {
     const Spec *s = &m->s;
     const int status = spacar_evaluate(m, at, t, y, converged, jump, 0);
@@ -110,7 +110,7 @@ int spacar_rhs(Model *m, State *at, double t, const real *y, real *out, double c
 /* Stages `from` ... n - 1 of an explicit Runge-Kutta step from (t, y): K_i = F(t + c_i h, y + h sum_j a_ij K_j), at times not
    outside of [earliest, latest]. Rows of K are `stride` apart. The number of the first stage that could not be
    evaluated, n when all could. */
-int spacar_stages(Model *m, State *at, int from, int n, const double *c, const double *a, double t, double h, double earliest,
+static int spacar_stages(Model *m, State *at, int from, int n, const double *c, const double *a, double t, double h, double earliest,
                   double latest, const real *y, real *K, int stride, double converged, double jump)
 {
     const int size = 2 * (m->s.n_x_dynamic + m->s.n_e_dynamic);
@@ -128,7 +128,7 @@ int spacar_stages(Model *m, State *at, int from, int n, const double *c, const d
 }
 
 /* What frames have besides: rates of all deformations, gravity M g and total forces M xdd + h + V^T sigma. */
-void spacar_complete(Model *m, State *at, real *gravity, real *total)
+static void spacar_complete(Model *m, State *at, real *gravity, real *total)
 {
     const Spec *s = &m->s;
     for (int r = 0; r < s->ne; r++) {

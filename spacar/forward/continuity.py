@@ -39,9 +39,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.arrays import Array
-from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.evaluator import Evaluator
-from spacar.dynamics.model import NOISE, Moving, unexplained
+from spacar.dynamics.loaded_mechanism import NOISE, Moving, unexplained
 from spacar.errors import AnalysisError, Report
 from spacar.kinematics.fold import fold
 from spacar.kinematics.regularity import PositionMatrix

@@ -25,8 +25,8 @@ from spacar.integrators import METHODS, EvenTimes, integrate
 from spacar.integrators.problem import Jacobian, Output
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.kinematics.regularity import HalfTurns
-from spacar.linearization.jacobian import state_jacobian
-from spacar.mechanism.mechanism import Settings
+from spacar.linearization.state_jacobian import state_jacobian
+from spacar.mechanism.mechanism import SolverSettings
 
 # Position tolerance of intermediate states / tolerance of a step. The velocity has an error of this order, which the
 # error estimate of the integrator must not see: with 853 and ERROR 1e-10 a position tolerance of 1e-11 made a
@@ -50,7 +50,7 @@ class Tolerances:
     position: float
 
     @classmethod
-    def of(cls, settings: Settings, divisor: float = 1.0) -> Tolerances:
+    def of(cls, settings: SolverSettings, divisor: float = 1.0) -> Tolerances:
         """Those of ERROR and INTEGRAT; `divisor`: how much smaller the norm of a step is than that of a case in it."""
         method = METHODS[settings.integrator]
         atol, rtol = method.step_error(settings.atol) / divisor, method.step_error(settings.rtol) / divisor
@@ -91,7 +91,7 @@ def integrand(
 
 
 def integrated(
-    evaluator: Integrable, y: Array, times: Times, settings: Settings, tolerances: Tolerances, *,
+    evaluator: Integrable, y: Array, times: Times, settings: SolverSettings, tolerances: Tolerances, *,
     breaks: Sequence[float] = (), watch: Watch | None = None, back: Callable[[], None] | None = None,
     jacobian: Jacobian | None = None,
 ) -> Iterator[Output]:  # fmt: skip
@@ -106,7 +106,7 @@ def integrated(
 
 
 def frames(
-    evaluator: Evaluator, y: Array, times: Times, settings: Settings, report: Report, *,
+    evaluator: Evaluator, y: Array, times: Times, settings: SolverSettings, report: Report, *,
     watch: Watched | None = None, divisor: float = 1.0, moved_by: Integrable | None = None,
 ) -> Iterator[tuple[Evaluator, Frame]]:  # fmt: skip
     """Frames of the motion that starts with y, and the evaluator that stands there.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.evaluator import Evaluator
 from spacar.forward.driver import frames, watched
 from spacar.frame import Frame
@@ -34,16 +34,12 @@ def motion(run: Run) -> Iterator[tuple[Evaluator, Frame]]:
 
 
 def chosen(run: Run) -> Evaluator:
-    """The NumPy evaluator, or the compiled one when the run asks for it and the mechanism allows it."""
-    if not run.mechanism.settings.compiled:
-        return Dynamics(run.mechanism)
-    from spacar.compiled import CompiledDynamics, why_not
+    """The compiled evaluator where that is possible, else that of NumPy; the header says which, and why."""
+    from spacar.compiled import CompiledDynamics, level, why_general
 
-    reason = why_not(run.mechanism)
-    if reason:
-        run.report.add(f"warning: not compiled: {reason}")
-        return Dynamics(run.mechanism)
-    return CompiledDynamics(run.mechanism)
+    reason = why_general(run.mechanism)
+    run.header["engine"] = ("compiled", level()) if reason is None else ("general", reason)
+    return CompiledDynamics(run.mechanism) if reason is None else Dynamics(run.mechanism)
 
 
 def output_times(run: Run) -> Sequence[float]:

@@ -20,16 +20,16 @@ from __future__ import annotations
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.kinematics.sweep import Sweep
-from spacar.linear_systems import System
-from spacar.linear_systems.condition import smallest
+from spacar.kinematics.element_sweep import ElementSweep
+from spacar.linear_systems import LinearSystem
+from spacar.linear_systems.reciprocal_condition import smallest
 
 EPS = float(np.finfo(float).eps)
 
 
 def is_single_root(
-    sweep: Sweep, system: System, rows: Index, columns: Index, row_scale: Array, column_scale: Array, norm: float,
-    rounding: float,
+    sweep: ElementSweep, system: LinearSystem, rows: Index, columns: Index, row_scale: Array, column_scale: Array,
+    norm: float, rounding: float,
 ) -> bool:  # fmt: skip
     """At the configuration of the sweep. `system` is D' with these rows of e and columns of x, factored; `norm` the
     size of its scaled matrix, `rounding` delta of the scaled residual.
@@ -39,7 +39,7 @@ def is_single_root(
 
 
 def fold(
-    sweep: Sweep, system: System, rows: Index, columns: Index, row_scale: Array, column_scale: Array
+    sweep: ElementSweep, system: LinearSystem, rows: Index, columns: Index, row_scale: Array, column_scale: Array
 ) -> tuple[float, Array, Array, float]:
     """s, u, w, c at the configuration of the sweep."""
     s, u, w = smallest(system, row_scale, column_scale)

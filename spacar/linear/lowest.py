@@ -24,7 +24,7 @@ from spacar.linear import backward_error
 from spacar.linear.buckling import SINGULAR_K0, BucklingModes, order_of
 from spacar.linear.eigen import Modes, arranged
 from spacar.linear.subspace import NOTHING, SPARE, SUFFICIENT, Operator, dominant, real_vectors
-from spacar.linear_systems import SingularMatrixError, System
+from spacar.linear_systems import LinearSystem, SingularMatrixError
 from spacar.stationary.tangent import STATIC, SparseTangent
 
 WANTED = 20  # modes
@@ -93,7 +93,7 @@ def lowest_buckling(tangent: SparseTangent, report: Report, wanted: int = WANTED
     return BucklingModes(multipliers[order], modes / np.linalg.norm(modes, axis=0))
 
 
-def _shifted(tangent: SparseTangent) -> tuple[float, System]:
+def _shifted(tangent: SparseTangent) -> tuple[float, LinearSystem]:
     """K0 + s G0 for K0 singular, and s > 0: (K0 + s G0) v = -(lambda - s) G0 v. Raises AnalysisError."""
     for shift in SHIFTS:
         try:

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.linalg.lapack import dgbtrf, dgbtrs
 
 from spacar.arrays import Array, Index
-from spacar.linear_systems.base import SingularMatrixError
+from spacar.linear_systems.linear_system import SingularMatrixError
 
 
 class BandedSystem:

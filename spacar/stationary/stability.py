@@ -19,10 +19,10 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.linear_systems import SingularMatrixError
 from spacar.stationary.contract import Tangent
-from spacar.stationary.equations import Equations, Point
-from spacar.stationary.moving import MovingTangent
+from spacar.stationary.moving_tangent import MovingTangent
 from spacar.stationary.newton import correction
-from spacar.stationary.resting import RestingTangent
+from spacar.stationary.resting_tangent import RestingTangent
+from spacar.stationary.stationary_equations import Iterate, StationaryEquations
 
 CRITICAL = float(np.sqrt(np.finfo(float).eps))  # of the model: rounding takes half of the digits of the position
 BLOCK = 6  # vectors
@@ -54,7 +54,7 @@ class Stability:
         return f"{self.negative} negative eigenvalue{'s' * (self.negative != 1)}"
 
 
-def stability(q: Equations, tangent: Tangent, p: Point, noise: float) -> Stability | None:
+def stability(q: StationaryEquations, tangent: Tangent, p: Iterate, noise: float) -> Stability | None:
     """At the point where the sweep is, which is known up to `noise`.
 
     None when it cannot be told (slips, a cyclic coordinate in steady motion).
@@ -77,7 +77,7 @@ def stability(q: Equations, tangent: Tangent, p: Point, noise: float) -> Stabili
     return Stability(int(sign < 0.0), 0, False)
 
 
-def _regular(q: Equations, tangent: Tangent, p: Point) -> bool:
+def _regular(q: StationaryEquations, tangent: Tangent, p: Iterate) -> bool:
     try:
         tangent.factor(p)
         correction(q, tangent, p, np.zeros_like(p.x))
@@ -86,7 +86,7 @@ def _regular(q: Equations, tangent: Tangent, p: Point) -> bool:
     return True
 
 
-def critical_motion(q: Equations, tangent: Tangent, p: Point, negative: bool) -> str:
+def critical_motion(q: StationaryEquations, tangent: Tangent, p: Iterate, negative: bool) -> str:
     """'node 5 y' that moves most in the critical motion; '' if that cannot be told."""
     try:
         tangent.factor(p)
@@ -98,7 +98,7 @@ def critical_motion(q: Equations, tangent: Tangent, p: Point, negative: bool) ->
     return q.d.numbering.x_name(int(q.F[np.argmax(np.abs(x))]))
 
 
-def _nearest_zero(q: Equations, tangent: Tangent, negative: bool) -> Array | None:
+def _nearest_zero(q: StationaryEquations, tangent: Tangent, negative: bool) -> Array | None:
     """Scaled eigenvector (nf,)."""
     n, nf, scale = q.nf + q.ne, q.nf, q.scale[q.F]
     k = min(BLOCK, nf)

@@ -26,12 +26,12 @@ from spacar.errors import AnalysisError, Report
 from spacar.kinematics.kinematics import largest
 from spacar.linear_systems import SingularMatrixError
 from spacar.stationary.contract import Astray, Tangent
-from spacar.stationary.equations import Equations, Given, Point
-from spacar.stationary.evaluator import Evaluator
+from spacar.stationary.level_evaluator import LevelEvaluator
 from spacar.stationary.loading import LoadLevel, loads_grow
 from spacar.stationary.newton import Converged, Demand, newton
 from spacar.stationary.singular import FreeMotion
 from spacar.stationary.stability import Stability, critical_motion, stability
+from spacar.stationary.stationary_equations import Given, Iterate, StationaryEquations
 from spacar.stationary.turning import LimitPoint, around
 
 SMALLEST_PART = 1.0 / 1024.0
@@ -57,7 +57,7 @@ class Walk:
     level.
     """
 
-    def __init__(self, evaluator: Evaluator, point: Point, known: bool, report: Report) -> None:
+    def __init__(self, evaluator: LevelEvaluator, point: Iterate, known: bool, report: Report) -> None:
         self.evaluator, self.point, self.report = evaluator, point, report
         self.level = LoadLevel(0.0, 0.0)
         self.path = [Known(0.0, point.x, point.sigma)]
@@ -178,7 +178,7 @@ class Walk:
         sigma = sum(w * k.sigma for w, k in zip(weights, known, strict=True))
         return Known(path, np.asarray(x), np.asarray(sigma))
 
-    def _moved(self, before: Point) -> float:
+    def _moved(self, before: Iterate) -> float:
         return largest((self.point.x - before.x) / self.evaluator.equations.scale)
 
     # -- critical states ------------------------------------------------------------------------------------------
@@ -227,7 +227,7 @@ class Walk:
         """Along the path by arc length to the target; the number of iterations."""
         e = self.evaluator
 
-        def at(p: float) -> tuple[Equations, Tangent, Given]:
+        def at(p: float) -> tuple[StationaryEquations, Tangent, Given]:
             given = e.load(origin.towards(target, p))
             return e.equations, e.tangent, given
 

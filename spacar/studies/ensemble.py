@@ -10,12 +10,12 @@ All cases share the steps. The error norm of a step is never smaller than the la
 method 0 is a sum over the state, that of the Runge-Kutta methods a mean, whose tolerance is therefore divided by
 sqrt(N). So every case is at least as accurate as alone; one demanding case makes all of its batch take small steps.
 
-With `compiled`, the copies only give the numbers: C evaluates one mechanism for eight cases at a time, in the lanes of
-the processor's vectors (spacar.compiled.cases), and every case keeps the tolerance.
+Where the mechanism has a compiled form, the copies only give the numbers: C evaluates one mechanism for several cases at
+a time, in the lanes of the processor's vectors (spacar.compiled.cases), and every case keeps the tolerance.
 
 Not for: modes other than 1, user functions, wheels and other slips, implicit methods (dense Jacobian), cases whose
-statements, settings or GRAVITY differ. An error in one case ends the batch; `spacar.studies.batches` then runs its
-cases one by one.
+statements, settings or GRAVITY differ. An error in one case ends the batch; `spacar.studies.batched_cases` then
+runs its cases one by one.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
-from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError, Report, UsageError
 from spacar.forward.driver import Tolerances, frames, integrated, watched, work
 from spacar.frame import Frame, StoredFrames
@@ -57,13 +57,7 @@ def why_not(deck: Deck, **options: Any) -> str:
         return "nothing is integrated"
     if METHODS[settings.integrator].needs_jacobian:
         return "implicit methods need a dense Jacobian"
-    if not settings.compiled:
-        return ""
-    from spacar.compiled import why_not as not_compiled
-
-    if settings.integrator in WITHOUT_LANES:
-        return f"method {settings.integrator} is not for compiled batches"
-    return not_compiled(mechanism) or ""
+    return ""
 
 
 def alike(a: Deck, *others: Deck) -> bool:
@@ -94,6 +88,8 @@ def ensemble(decks: Sequence[Deck], times: np.ndarray | None = None, **options: 
         raise UsageError(
             f"the cases cannot be run together: {reason or 'they differ in more than numbers'}", "study.batch"
         )
+    from spacar.compiled import why_general
+
     single = build(first, 1, **options)
     together = build(copies(decks), 1, **options)
     settings = single.settings
@@ -101,7 +97,7 @@ def ensemble(decks: Sequence[Deck], times: np.ndarray | None = None, **options: 
         assert settings.duration is not None
         times = np.linspace(0.0, settings.duration, settings.n_steps + 1)
     x_of, e_of = _places(single, together, len(decks), _stride(first))
-    if settings.compiled:
+    if settings.integrator not in WITHOUT_LANES and why_general(single) is None:
         return _in_lanes(single, together, times, x_of, e_of)
     found: list[list[Frame]] = [[] for _ in decks]
     for frame in _frames(together, times, x_of):

@@ -1,12 +1,12 @@
 """Compiled batches: every case is its single run, and what cannot be followed together is refused."""
 
-import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import spacar
+from spacar.compiled.library import unavailable
 from spacar.deck import read_deck
 from spacar.errors import AnalysisError, UsageError
 from spacar.studies.assignments import change, setting
@@ -15,7 +15,7 @@ from spacar.studies.ensemble import E_FIELDS, X_FIELDS, ensemble, why_not
 DATA = Path(__file__).parents[2] / "data"
 TOLERANCE = 1e-8
 
-pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
 
 
 def compare(decks, options, variables=(*X_FIELDS, *E_FIELDS)):
@@ -31,7 +31,7 @@ def compare(decks, options, variables=(*X_FIELDS, *E_FIELDS)):
     return found
 
 
-@pytest.mark.parametrize("code", [0, 155, 853])
+@pytest.mark.parametrize("code", [0, *(pytest.param(c, marks=pytest.mark.slow) for c in (155, 853))])
 def test_a_batch_is_its_single_runs(code):
     """Nine cases are two blocks, the second one filled up; masses and lengths differ."""
     base = read_deck(DATA / "robotsim.dat", 1)
@@ -74,7 +74,6 @@ def test_a_case_near_a_dead_point_ends_the_batch():
     ("name", "options", "why"),
     [
         ("trike2", {}, "wheels|user functions"),
-        ("robotsim", {"integrator": 225}, "method 225"),
         ("robotsim", {"integrator": 430}, "implicit"),
     ],
 )

@@ -8,7 +8,7 @@ import pytest
 from spacar import Deck
 from spacar.kinematics.fold import is_single_root
 from spacar.kinematics.kinematics import ROUNDING, Kinematics
-from spacar.linear_systems.condition import smallest
+from spacar.linear_systems.reciprocal_condition import smallest
 from spacar.mechanism import build
 
 R, L = 0.15, 0.35

@@ -12,11 +12,10 @@ import pytest
 from spacar_cli.environment import Environment
 from spacar_cli.main import main
 
-from spacar.compiled import library
 from spacar.errors import UsageError
 from spacar.native import store
 
-from .processes import DATA, ENVIRONMENT, done, model
+from .processes import ENVIRONMENT, done, model
 
 DECK = """PLBEAM 1 1 2 3 4
 X 3 1. 0.
@@ -164,37 +163,25 @@ def test_what_a_compiler_wrote_is_tried_before_it_is_stored(cache, tmp_path, mon
 
 
 @pytest.mark.parametrize(("cc", "found"), [("", "CC is empty"), ("  ", "CC is empty"), ("cc 'x", "cannot read")])
-def test_a_wrong_cc_is_a_sentence(tmp_path, cc, found):
+def test_a_wrong_cc_is_a_sentence(monkeypatch, cc, found):
+    monkeypatch.setenv("CC", cc)
+    with pytest.raises(UsageError, match=found):
+        store.compiler()
+
+
+def test_a_run_starts_no_compiler_and_writes_no_library(tmp_path):
+    """The engine comes with the package: whatever CC is and whatever lies in the cache, nothing of it is used."""
     model(tmp_path)
-    status, _, err = done(tmp_path, 1, "crank", "--compiled", env={**ENVIRONMENT, "CC": cc})
-    assert status == 2
-    assert found in err
-    assert "internal" not in err
-
-
-@compiled
-def test_a_truncated_library_no_longer_ends_the_process(tmp_path):
-    """The bus error of the issue: half of the real library in the cache."""
-    model(tmp_path)
-    environment = {**ENVIRONMENT, "XDG_CACHE_HOME": str(tmp_path)}
-    assert done(tmp_path, 1, "crank", "--compiled", env=environment)[0] == 0
-    (path,) = (tmp_path / "spacar").glob("*.so")
-    whole = path.stat().st_size
-    with open(path, "r+b") as file:
-        file.truncate(whole // 2)
-    assert done(tmp_path, 1, "crank", "--compiled", env=environment)[0] == 0
-    assert path.stat().st_size == whole
-
-
-def test_the_names_that_are_tried_are_those_that_are_used():
-    text = (DATA.parent / "spacar" / "compiled" / "library.py").read_text()
-    used = {word.split(".")[0] for word in text.split("loaded.")[1:]}
-    assert {name.split(",")[0] for name in used} == set(library.NEEDED)
+    cache = tmp_path / "cache" / "spacar"
+    cache.mkdir(parents=True)
+    environment = {**ENVIRONMENT, "CC": "/no/such/compiler", "XDG_CACHE_HOME": str(tmp_path / "cache")}
+    assert done(tmp_path, 1, "crank", env=environment)[0] == 0
+    assert not list(cache.iterdir())
 
 
 def test_symbolic_scripts_run_and_toml_files_do_not(tmp_path):
     """A .py model is a program of the user; the page of promises says so."""
-    script = "open('RUN', 'w').close()\nfrom spacar.symbolic import System\nsystem = System()\n"
+    script = "open('RUN', 'w').close()\nfrom spacar.symbolic import MultibodySystem\nsystem = MultibodySystem()\n"
     (tmp_path / "m.py").write_text(script)
     program = [sys.executable, "-c", "import sys; from spacar_cli.main import main; sys.exit(main())"]
     subprocess.run([*program, "symbolic", "check", "m.py"], cwd=tmp_path, env=dict(os.environ), capture_output=True,

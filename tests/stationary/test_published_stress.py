@@ -8,7 +8,7 @@ import numpy as np
 import planar_models as models
 import pytest
 import rods
-from spacar_drawing.source import source_of_result
+from spacar_drawing.picture_source import source_of_result
 from spacar_drawing.stresses import along, resultants
 
 import spacar

@@ -1,6 +1,5 @@
 """Batches of cases are driven as single runs are: same tolerances of a case, same counters."""
 
-import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,6 +7,7 @@ import numpy as np
 import pytest
 
 import spacar
+from spacar.compiled.library import unavailable
 from spacar.deck import read_deck
 from spacar.forward.driver import ITERATED, POSITION, Tolerances
 from spacar.kinematics.kinematics import CONVERGED
@@ -15,7 +15,7 @@ from spacar.mechanism import build
 from spacar.studies.ensemble import ensemble
 
 ROBOT = Path(__file__).parents[2] / "data" / "robotsim.dat"
-compiled = pytest.param(True, marks=pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler"))
+compiled = pytest.param(True, marks=pytest.mark.skipif(unavailable() is not None, reason=str(unavailable())))
 
 
 @pytest.mark.parametrize("in_c", [False, compiled])

@@ -14,7 +14,6 @@ from pathlib import Path
 import pytest
 
 import spacar
-from spacar.compiled.library import library
 from spacar.studies.assignments import change, setting
 from spacar.studies.workers import Lost, run
 
@@ -193,14 +192,3 @@ def test_a_cluster(call):
     assert done.status == 0, done.err
     call(*CRANK, "-o", "near.csv")
     assert sorted((r["case"], r["x"]) for r in rows("far.csv")) == sorted((r["case"], r["x"]) for r in rows("near.csv"))
-
-
-def test_without_a_compiler_nothing_is_run(call, monkeypatch, tmp_path):
-    monkeypatch.setenv("CC", "no-such-compiler")
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    library.cache_clear()
-    for words in (("sweep", "robotsim", "--set", "XM.8=20,30", "-r", "x[8,1]@end"), ("trade", "robotsim")):
-        done = call(*words, "--time", "0.1", "--steps", "2", "--compiled")
-        assert done.status == 2
-        assert "no-such-compiler" in done.err
-    assert not Path("robotsim.sweep.csv").exists()

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import csv
 import json
-import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from spacar.compiled.library import unavailable
 from spacar.deck import Deck
 from spacar.errors import UsageError
-from spacar.studies.extrapolation import extrapolate
 from spacar.studies.quantities import quantity
+from spacar.studies.richardson import extrapolate
 from spacar.studies.trade import (
     Job,
     Trade,
@@ -204,6 +204,7 @@ def test_command_json(call, pendulum):
     assert found["reference"]["error"] < 1e-7
 
 
+@pytest.mark.slow
 def test_models_of_a_flexible_mechanism(call):
     """A rigid rod is a model with an error of its own, larger than that of integration."""
     done = call("trade", "crankfl", "--time", "0.002", "--steps", "2", "-i", "853", "-t", "1e-3",
@@ -265,11 +266,11 @@ def test_the_methods_of_the_reference_can_be_chosen(deck):
             reference_setups(trade, (1,), 1e-4, wrong)
 
 
-@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+@pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
 def test_compiled_runs_give_the_same_errors(call):
     words = ("trade", "robotsim", "--time", "0.1", "--steps", "2", "-t", "1e-3,1e-5", "-i", "155", "--json")
     errors = []
-    for more in ((), ("--compiled",)):
+    for more in (("--general",), ("--compiled",)):
         done = call(*words, *more)
         assert done.status == 0, done.err
         errors.append([row["error"] for row in json.loads(done.out)["settings"]])

@@ -11,9 +11,10 @@ from typing import Any
 import click
 
 from spacar.errors import UsageError
+from spacar.modes import find_mode
 from spacar_cli.environment import Environment
-from spacar_cli.parameters import POSITIVE, TOLERANCE, Whole
-from spacar_cli.source import input_file
+from spacar_cli.input_files import input_file
+from spacar_cli.number_types import POSITIVE, TOLERANCE, Whole
 from spacar_cli.status import ExitStatus, tell
 from spacar_cli.studying import common, counted
 
@@ -65,7 +66,9 @@ from spacar_cli.studying import common, counted
 @click.option("--atol", type=POSITIVE, help="Absolute error tolerance, instead of ERROR.")
 @click.option("--rtol", type=TOLERANCE, help="Relative error tolerance, instead of ERROR.")
 @click.option("--integrator", type=Whole(), help="Integration method, instead of INTEGRAT.")
-@click.option("--compiled", is_flag=True, help="Right-hand side in C, in a batch for eight cases at a time.")
+@click.option(
+    "--compiled/--general", default=None, help="Equations in C (default where that is possible), or in NumPy."
+)
 @common
 @click.pass_obj
 def command(
@@ -92,7 +95,6 @@ def command(
     there yet.
     """
     from spacar.deck import read_deck
-    from spacar.modes import find_mode
     from spacar.studies import assignments as parameters
     from spacar.studies.quantities import quantity
     from spacar.studies.sweep import DONE, Study, sweep
@@ -103,11 +105,7 @@ def command(
         raise UsageError("nothing to keep: give at least one --result, for instance 'x[6,1]@end'", "usage.sweep")
     number = find_mode(mode).number
     settings, cases = _cases(parameters, assignments, table_file, together)
-    given = {name: value for name, value in options.items() if value not in (None, False)}
-    if "compiled" in given:
-        from spacar.compiled.library import library
-
-        library()  # without a compiler nothing is run
+    given = {name: value for name, value in options.items() if value is not None}
     study = Study(number, read_deck(source, number), settings, tuple(map(quantity, results)), given)
     doubled = [c for c in study.columns if study.columns.count(c) > 1]
     if doubled:
@@ -148,7 +146,7 @@ def command(
 
 def _batches(study: Any, cases: Any, engine: Any, jobs: int, wanted: bool | None) -> Any:
     """What runs the cases in batches; None when they run one by one. Raises UsageError for a batch that cannot be."""
-    from spacar.studies.batches import in_batches, reason
+    from spacar.studies.batched_cases import in_batches, reason
 
     if wanted is False or study.mode != 1:
         return None

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 import math
+import tempfile
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -13,8 +16,8 @@ import click
 from spacar.errors import UsageError
 from spacar.modes import MODES, Mode, find_mode
 from spacar_cli.environment import Environment
-from spacar_cli.parameters import POSITIVE, Whole
-from spacar_cli.source import input_file
+from spacar_cli.input_files import input_file
+from spacar_cli.number_types import POSITIVE, Whole
 from spacar_cli.status import ExitStatus, tell
 from spacar_cli.studying import common, counted, say_table
 
@@ -87,7 +90,9 @@ HEADER = ("model", "integration", "error", "wall time [s]", "right-hand sides", 
     metavar="CODES",
     help="Two methods whose agreement makes the reference; 595,553 for stiff models.",
 )
-@click.option("--compiled", is_flag=True, help="Right-hand side in C (needs a C compiler), in mode 1.")
+@click.option(
+    "--compiled/--general", default=None, help="Equations in C (default where that is possible), or in NumPy."
+)
 @click.option(
     "--output",
     "-o",
@@ -115,7 +120,7 @@ def command(
     target: float,
     repeats: int,
     judges: str,
-    compiled: bool,
+    compiled: bool | None,
     output: Path | None,
     plot: Path | None,
     jobs: int,
@@ -146,11 +151,8 @@ def command(
     source = input_file(file)
     options = {k: v for k, v in (("duration", duration), ("n_steps", n_steps)) if v is not None}
     number, deck = _deck(source, mode, options)
-    if compiled:
-        from spacar.compiled.library import library
-
-        library()  # without a compiler nothing is run
-        options["compiled"] = True
+    if compiled is not None:
+        options["compiled"] = compiled
     chosen = tuple(map(quantity, variables)) or default_variables(number, deck)
     trade = Trade(number, deck, chosen, repeats, options)
     meshes = _whole(elements, "--elements")
@@ -240,8 +242,6 @@ def _rows(
     environment: Environment, trade: Any, wanted: list[Any], output: Path | None, jobs: int, quiet: bool
 ) -> list[Any]:
     """Rows of all setups: those of an earlier run of this study, and the others as they finish."""
-    import tempfile
-
     from spacar.studies.rows import Rows
     from spacar.studies.trade import Job, run_setup
     from spacar.studies.workers import Lost, run
@@ -293,9 +293,6 @@ def _document(entries: Any, ref: Any, target: float, best: Any) -> dict[str, Any
 
 def _write(path: Path, entries: Any, ref: Any, target: float, best: Any) -> None:
     """The whole table, complete or not at all."""
-    import csv
-    import io
-
     from spacar_formats.safety import write_text
 
     document = _document(entries, ref, target, best)

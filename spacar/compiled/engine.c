@@ -1,0 +1,14 @@
+/* One build of the engine, -DBUILD=name -DLANES=n: the table of its functions under that name. levels.c knows all builds. */
+#include "lanes.c"
+#include "kernels.c"
+#include "sparse.c"
+#include "elements.c"
+#include "motion.c"
+#include "state.c"
+#include "model.c"
+
+/* In the order of `FUNCTIONS` in library.py. */
+void *const BUILD[] = {
+    spacar_begin, spacar_end, spacar_evaluate, spacar_rhs, spacar_stages, spacar_complete, spacar_gradient,
+    spacar_determinant, spacar_reduced_mass, spacar_guard, spacar_rcond,
+};

@@ -1,0 +1,143 @@
+"""How the engine is built, loaded, chosen and switched off; what log and JSON say of it."""
+
+import importlib.util
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import spacar
+from spacar.compiled import library, why_general
+from spacar.errors import UsageError
+
+HOUSE = Path(__file__).parents[2]
+DATA = HOUSE / "data"
+here = pytest.mark.skipif(library.unavailable() is not None, reason=str(library.unavailable()))
+
+
+@pytest.fixture(scope="module")
+def recipe():
+    """The build hook as a module."""
+    spec = importlib.util.spec_from_file_location("hatch_build", HOUSE / "hatch_build.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture
+def elsewhere(tmp_path, monkeypatch):
+    """The package's folder is another one, without a library."""
+    monkeypatch.setattr(library, "HERE", tmp_path)
+    caches = library._loaded, library.engine
+    for cached in caches:
+        cached.cache_clear()
+    yield tmp_path
+    for cached in caches:
+        cached.cache_clear()
+
+
+def test_there_is_an_engine_where_there_is_a_compiler():
+    """Else every test below would be skipped and nobody would notice."""
+    if shutil.which(os.environ.get("CC", "cc")):
+        assert library.unavailable() is None
+
+
+@here
+def test_the_engine_is_that_of_the_text(recipe):
+    assert library.source_digest() == recipe.source_digest() == library._loaded().spacar_source().decode()
+
+
+@here
+def test_the_level_is_one_of_the_processor():
+    flags = Path("/proc/cpuinfo")
+    known = flags.read_text() if flags.exists() else ""
+    assert (library.level() == "x86-64-v4") <= ("avx512f" in known)
+    assert (library.level() == "x86-64-v3") <= ("avx2" in known)
+    assert library.lanes_of_processor() in (2, 4, 8)
+    assert library.engine(library.lanes_of_processor()).lanes == library.lanes_of_processor()
+
+
+def test_without_a_compiler_the_build_says_one_line_and_does_not_fail(tmp_path):
+    environment = {**os.environ, "CC": "no-such-compiler"}
+    house = tmp_path / "house"
+    (house / "spacar" / "compiled").mkdir(parents=True)
+    shutil.copy(HOUSE / "hatch_build.py", house)
+    done = subprocess.run([sys.executable, "hatch_build.py"], cwd=house, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0
+    assert done.stdout == (
+        "spacar: built without the compiled engine (no C compiler (no-such-compiler) was found):"
+        " runs take longer, results are the same\n"
+    )
+
+
+def test_a_compiler_that_fails_is_said_and_an_old_library_goes(tmp_path, monkeypatch, recipe):
+    script = tmp_path / "broken"
+    script.write_text("#!/bin/sh\necho out of licences >&2; exit 1\n")
+    script.chmod(0o755)
+    monkeypatch.setenv("CC", str(script))
+    (tmp_path / "engine.so").write_text("old")
+    assert "failed: out of licences" in recipe.build(tmp_path / "engine.so")
+    assert not (tmp_path / "engine.so").exists()
+
+
+@here
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("clang") is None, reason="no clang")
+def test_clang_builds_it_too(tmp_path, monkeypatch, recipe):
+    monkeypatch.setenv("CC", "clang")
+    assert recipe.build(tmp_path / "engine.so") is None
+
+
+def test_a_missing_library_is_a_reason(elsewhere):
+    assert "left out" in library.unavailable()
+    with pytest.raises(UsageError, match="left out"):
+        library.engine()
+    run = spacar.frames(1, DATA / "crank.dat")
+    assert len(list(run)) == 101
+    assert run.header["engine"] == ("general", library.unavailable())
+
+
+def test_a_broken_library_is_a_reason(elsewhere):
+    (elsewhere / library.NAME).write_bytes(b"garbage")
+    assert "cannot be loaded" in library.unavailable()
+
+
+@here
+def test_a_library_of_another_text_is_not_used(elsewhere):
+    shutil.copy(HOUSE / "spacar" / "compiled" / library.NAME, elsewhere)
+    library._loaded.cache_clear()
+    assert library.unavailable() is None  # an installation: no text beside it
+    library._loaded.cache_clear()
+    (elsewhere / "engine.c").write_text("/* changed */")
+    assert "another C text" in library.unavailable()
+
+
+@here
+def test_log_and_json_say_which_engine_and_why(tmp_path, monkeypatch):
+    program = [str(Path(sys.executable).parent / "spacar"), "1", str(DATA / "crank.dat"), "-o", str(tmp_path), "--json"]
+
+    def engine(*words, **variables):
+        environment = {k: v for k, v in os.environ.items() if k != library.GENERAL} | variables
+        done = subprocess.run([*program, *words], env=environment, capture_output=True, text=True, check=True)
+        said = json.loads(done.stdout)
+        assert f"Engine: {said['engine']} ({said['engine_note']})" in (tmp_path / "crank.log").read_text()
+        return said["engine"], said["engine_note"]
+
+    assert engine() == engine("--compiled") == ("compiled", library.level())
+    assert engine("--general") == ("general", "--general or compiled=False asks for it")
+    asked = ("general", "the environment variable SPACAR_GENERAL asks for it")
+    assert engine(SPACAR_GENERAL="1") == engine("--compiled", SPACAR_GENERAL="1") == asked
+    assert engine(SPACAR_GENERAL="0")[0] == engine(SPACAR_GENERAL="")[0] == "compiled"
+
+
+@here
+def test_the_environment_variable(monkeypatch):
+    mechanism = spacar.frames(1, DATA / "crank.dat").mechanism
+    monkeypatch.delenv(library.GENERAL, raising=False)
+    assert why_general(mechanism) is None
+    monkeypatch.setenv(library.GENERAL, "1")
+    assert "SPACAR_GENERAL" in why_general(mechanism)
