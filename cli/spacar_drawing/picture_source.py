@@ -15,7 +15,7 @@ from spacar.arrays import Array
 from spacar.errors import UsageError
 from spacar.modes import find_mode
 from spacar.stream import Run
-from spacar_drawing.named_source import named_columns, nothing
+from spacar_drawing.named_columns import named_columns, nothing
 from spacar_drawing.scene import Scene
 from spacar_drawing.settings import PictureSettings, parse_settings, read_settings
 

@@ -30,7 +30,7 @@ PIECES = 6
 
 
 @dataclass
-class _Line:
+class _SkeletonLine:
     """An element: `rigid`, `beam` or `spring`; nodes are places in the lists of positions and orientations."""
 
     kind: str
@@ -48,7 +48,7 @@ class _Parts:
     positions: list[sp.Matrix] = field(default_factory=list)
     fixed: list[bool] = field(default_factory=list)
     orientations: list[sp.Matrix] = field(default_factory=list)
-    lines: list[_Line] = field(default_factory=list)
+    lines: list[_SkeletonLine] = field(default_factory=list)
     _points: dict[GeometricPoint, int] = field(default_factory=dict)
     _frames: dict[ReferenceFrame, int] = field(default_factory=dict)
 
@@ -96,7 +96,7 @@ def skeleton(system: MultibodySystem) -> _Parts:
     for spring in system.springs:
         a, b = parts.point(spring.a), parts.point(spring.b)
         if a is not None and b is not None:
-            parts.lines.append(_Line("spring", (a, b)))
+            parts.lines.append(_SkeletonLine("spring", (a, b)))
     return parts
 
 
@@ -110,9 +110,9 @@ def _link(parts: _Parts, point: GeometricPoint, base: int, end: int) -> None:
         along = parts.cosines.components(point.offset, frame)
         if not along.atoms(AppliedUndef) and not along.has(TIME):
             turn = parts.orientation(frame)
-            parts.lines.append(_Line("rigid", (base, end), (turn, turn), along))
+            parts.lines.append(_SkeletonLine("rigid", (base, end), (turn, turn), along))
             return
-    parts.lines.append(_Line("bar", (base, end)))
+    parts.lines.append(_SkeletonLine("bar", (base, end)))
 
 
 def _middle_line(parts: _Parts, beam: Beam) -> None:
@@ -143,7 +143,7 @@ def _middle_line(parts: _Parts, beam: Beam) -> None:
     kind = "beam" if beam.fields else "rigid"
     for k in range(PIECES):
         ends, sections = (nodes[k], nodes[k + 1]), (turns[k], turns[k + 1])
-        parts.lines.append(_Line(kind, ends, sections, sp.Matrix([1, 0, 0])))
+        parts.lines.append(_SkeletonLine(kind, ends, sections, sp.Matrix([1, 0, 0])))
 
 
 def _turned(axis: int, angle: sp.Expr) -> sp.Matrix:

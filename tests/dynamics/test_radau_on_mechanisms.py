@@ -79,7 +79,7 @@ def test_energy_is_conserved(code: int) -> None:
 
 @pytest.mark.parametrize(("n", "codes"), [(8, (553,)), pytest.param(16, CODES, marks=pytest.mark.slow)])
 def test_unresolved_frequencies_do_not_limit_the_steps(n: int, codes: tuple[int, ...]) -> None:
-    """Sixteen elements, 15,000 rad/s: an explicit code needs 5,000 steps whatever the error asked for; eight a quarter."""
+    """Sixteen elements, 15,000 rad/s: an explicit code needs 5,000 steps whatever the error asked for."""
     reference, _ = run(cantilever(n), 595, 1e-4)
     for code in codes:
         found, work = run(cantilever(n), code, 3e-3)

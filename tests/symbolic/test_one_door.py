@@ -13,8 +13,8 @@ import pytest
 pytest.importorskip("sympy")
 
 from spacar_cli.main import main
+from spacar_drawing.picture_source import open_source
 from spacar_drawing.scene import positions, rotations
-from spacar_drawing.source import open_source
 from spacar_formats.locate import open_result
 
 from spacar.errors import UsageError
@@ -197,3 +197,21 @@ def test_compile_is_one_call_and_gives_the_same_numbers():
     assert np.allclose(run["q"], again["q"], atol=1e-9)
     with pytest.raises(UsageError, match="parameter L has no value"):
         program.compile({"g": 1.0, "m": 1.0})
+
+
+@pytest.mark.skipif(compiler() is None, reason="no C compiler")
+def test_many_states_in_one_call():
+    S = MultibodySystem(gravity=("0", "-g", "0"))
+    q, _ = S.coordinate("q", speed="s")
+    B = S.frame("B", S.N, 3, q)
+    S.particle("bob", S.point("P", S.O, S.expression("L") * B[1]), "m")
+    S.torque(B, (S.input("M") + S.input("D", "-d*s")) * S.N[3])
+    values, feeds = {"g": 9.81, "m": 2.0, "L": 0.5, "d": 0.1}, {"M": lambda t, y: 0.3 * t + y[0]}
+    f = S.derive("recursive").program().compile(values, feeds)
+    states = np.random.default_rng(1).uniform(-2, 2, (40, 2))
+    times = np.linspace(0, 1, 40)
+    assert np.array_equal(f.many(times, states), [f(t, y) for t, y in zip(times, states, strict=True)])
+    assert np.array_equal(f.many(0.5, states[:3]), [f(0.5, y) for y in states[:3]])
+    weightless = S.derive("recursive").program().compile(values | {"m": 0.0}, feeds)
+    with pytest.raises(ArithmeticError, match="at state 1"):
+        weightless.many(times, states)
