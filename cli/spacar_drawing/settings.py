@@ -16,7 +16,7 @@ from typing import Any
 
 from spacar.deck.lexer import number_of, scan, visualization_of
 
-DIMENSIONS = {"RECT": 2, "RECTHOL": 4, "CIRC": 1, "CIRCHOL": 2, "LINE": 0}
+DIMENSIONS = {"RECT": 2, "RECTHOL": 4, "CIRC": 1, "CIRCHOL": 2, "I": 4, "LINE": 0}
 ALL = 0  # the key of a setting that holds for all elements
 
 
