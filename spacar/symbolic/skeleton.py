@@ -163,17 +163,32 @@ class Picture:
 
 
 def picture(system: MultibodySystem, run: SimulatedMotion, values: Mapping[str, float]) -> Picture | None:
-    """The skeleton with numbers along a motion; None when there is nothing to be drawn."""
+    """The skeleton with numbers along a motion; None when there is nothing to be drawn.
+
+    A place may need a parameter that the equations do not, and that has no value: then there is no picture either.
+    """
     parts = skeleton(system)
+    known = {*values, *run.names, *run.input_names}
+    if not _parameters(parts) <= known:
+        return None
     places = _numbers(parts.positions, run, values).reshape(len(run.time), -1, 3)
     turns = _numbers(parts.orientations, run, values).reshape(len(run.time), -1, 3, 3)
     if not places.shape[1]:
         return None
     planar = not places[..., 2].any() and (not turns.size or bool(np.all(turns[..., 2, 2] == 1.0)))
+    if not (np.isfinite(places).all() and np.isfinite(turns).all()):
+        return None
     used = sorted({n for line in parts.lines for n in line.ends} | _masses(parts))
     if not used:
         return None
     return _tables(parts, places, turns, planar, used, _directions(parts, run, values))
+
+
+def _parameters(parts: _Parts) -> set[str]:
+    """Names in the expressions of a skeleton, time left out."""
+    rows = [*parts.positions, *parts.orientations, *(line.along for line in parts.lines if line.along is not None)]
+    atoms = set().union(*(row.atoms(AppliedUndef, sp.Symbol) for row in rows)) if rows else set()
+    return {str(a.func) if isinstance(a, AppliedUndef) else a.name for a in atoms if a != TIME}
 
 
 def _masses(parts: _Parts) -> set[int]:

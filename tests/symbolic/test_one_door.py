@@ -215,3 +215,17 @@ def test_many_states_in_one_call():
     weightless = S.derive("recursive").program().compile(values | {"m": 0.0}, feeds)
     with pytest.raises(ArithmeticError, match="at state 1"):
         weightless.many(times, states)
+
+
+def test_a_place_without_a_number_is_no_error(tmp_path, monkeypatch):
+    """A point that no equation needs, at a parameter that has no value: the motion is computed, nothing is drawn."""
+    monkeypatch.chdir(tmp_path)
+    point = '[[point]]\nname = "Q"\nbase = "P"\noffset = ["a", 0, 0]\nin = "B"\n'
+    text = MODEL.replace("[outputs]", f"{point}[outputs]").replace("g = 9.81", 'g = 9.81\na = ""')
+    (tmp_path / "m.toml").write_text(text)
+    status, _, err = spacar("symbolic", "simulate", "m.toml", "--steps", "2", "--time", "0.1")
+    assert status == 0, err
+    assert spacar("draw", "m")[0] == 2
+    status, _, err = spacar("symbolic", "simulate", "m.toml", "--steps", "2", "--time", "0.1", "--set", "a=0.2")
+    assert status == 0, err
+    assert spacar("draw", "m", "-o", "m.png")[0] == 0
