@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +18,17 @@ from spacar_drawing.scene import Scene
 if TYPE_CHECKING:
     from spacar_formats.sbf import SbfFile
 
-    from spacar_drawing.picture_source import PictureSource
-
 GROUPS = {"Q": "QNAME", "S": "SNAME", "U": "UNAME", "Y": "YNAME"}
+
+
+class NamedSource(Protocol):
+    """What is asked of a `PictureSource` here: `named` values (steps,) by name, and variables of the result."""
+
+    @property
+    def steps(self) -> int: ...
+    @property
+    def named(self) -> Mapping[str, Array]: ...
+    def get(self, name: str, k: int | None = None) -> Array: ...
 
 
 def named_columns(file: SbfFile) -> dict[str, Array]:
@@ -68,7 +76,7 @@ def _coordinate(i: int) -> ast.expr:
 class _Columns:
     """The quantities as coordinates 1 of nodes 1, 2, ...; none has deformations."""
 
-    source: PictureSource
+    source: NamedSource
 
     @property
     def lnp(self) -> NDArray[np.int64]:
@@ -82,7 +90,7 @@ class _Columns:
         return np.column_stack(list(self.source.named.values())) if name == "x" else self.source.get(name)
 
 
-def named_values(source: PictureSource, text: str) -> tuple[Array, str]:
+def named_values(source: NamedSource, text: str) -> tuple[Array, str]:
     """(steps,) values of an expression of named quantities, or of a name that is none (`T + V`), and the name if it is
     a single one. Units are those of the model, which nobody stated. Raises UsageError."""
     text, names = text.strip(), list(source.named)
