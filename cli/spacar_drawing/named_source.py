@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,33 +13,9 @@ from numpy.typing import NDArray
 from spacar import expressions
 from spacar.arrays import Array
 from spacar.errors import UsageError
-from spacar_drawing.scene import Scene
 
 if TYPE_CHECKING:
-    from spacar_formats.sbf import SbfFile
-
-GROUPS = {"Q": "QNAME", "S": "SNAME", "U": "UNAME", "Y": "YNAME"}
-
-
-class NamedSource(Protocol):
-    """What is asked of a `PictureSource` here: `named` values (steps,) by name, and variables of the result."""
-
-    @property
-    def steps(self) -> int: ...
-    @property
-    def named(self) -> Mapping[str, Array]: ...
-    def get(self, name: str, k: int | None = None) -> Array: ...
-
-
-def named_columns(file: SbfFile) -> dict[str, Array]:
-    """(steps,) by name: states, inputs and outputs of a result of `spacar symbolic`; of another result nothing."""
-    named: dict[str, Array] = {}
-    if "symbolic" in file.header.get("KIND", ""):
-        for letter, names in GROUPS.items():
-            if file.has(letter):
-                values = np.asarray(file.get(letter)).reshape(file.steps, -1)
-                named |= dict(zip((str(n) for n in file.header[names]), values.T, strict=True))
-    return named
+    from spacar_drawing.picture_source import PictureSource
 
 
 class _Names(ast.NodeTransformer):
@@ -76,7 +52,7 @@ def _coordinate(i: int) -> ast.expr:
 class _Columns:
     """The quantities as coordinates 1 of nodes 1, 2, ...; none has deformations."""
 
-    source: NamedSource
+    source: PictureSource
 
     @property
     def lnp(self) -> NDArray[np.int64]:
@@ -90,7 +66,7 @@ class _Columns:
         return np.column_stack(list(self.source.named.values())) if name == "x" else self.source.get(name)
 
 
-def named_values(source: NamedSource, text: str) -> tuple[Array, str]:
+def named_values(source: PictureSource, text: str) -> tuple[Array, str]:
     """(steps,) values of an expression of named quantities, or of a name that is none (`T + V`), and the name if it is
     a single one. Units are those of the model, which nobody stated. Raises UsageError."""
     text, names = text.strip(), list(source.named)
@@ -104,12 +80,3 @@ def named_values(source: NamedSource, text: str) -> tuple[Array, str]:
         expression = expressions.parse(ast.unparse(_Names(text, names).visit(tree)))
     values, _ = expressions.evaluate(expression, _Columns(source))
     return np.broadcast_to(np.asarray(values, float), (source.steps,)), "t" if text == "t" else ""
-
-
-def nothing(title: str) -> Scene:
-    """A moving scene without elements: mode 1 says that the steps are times."""
-    none, whole = np.zeros((0, 0)), np.zeros((0, 0), int)
-    return Scene(
-        planar=True, mode=1, title=title, keywords=(), lnp=whole, le=whole, ln=whole, frame_p=none, frame_q=none,
-        length=none, data=none, stiffness=none, damping=none, quadratic=whole, nxp=whole, nep=whole,
-    )  # fmt: skip

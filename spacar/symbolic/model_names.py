@@ -8,41 +8,23 @@ of constraints. Quantities of points are computed when they are asked for.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any, Protocol
+from typing import Any
 
 import sympy as sp
 
 from spacar.errors import UsageError
-from spacar.symbolic.reference_frames import ReferenceFrame
-from spacar.symbolic.system_parts import Beam, Constraint, CrossSection, GeometricPoint, Pseudo
+from spacar.symbolic.system_parts import CrossSection, GeometricPoint
 from spacar.symbolic.unit_vectors import TIME
 
 KINDS = ("", "v", "a")
 AXES = "xyz"
 
 
-class Named(Protocol):
-    """What is asked of a `Description` for its names."""
-
-    parameters_declared: dict[str, sp.Symbol] | None
-    N: ReferenceFrame
-    O: GeometricPoint
-    coordinates: list[sp.Expr]
-    speeds: list[sp.Expr]
-    accelerations: dict[sp.Expr, sp.Symbol]
-    pseudo: list[Pseudo]
-    inputs: dict[sp.Symbol, sp.Expr | None]
-    points: list[GeometricPoint]
-    beams: list[Beam]
-    constraints: list[Constraint]
-
-    def ddt(self, frame: ReferenceFrame, value: Any) -> Any: ...
-
-
 class ModelNames(Mapping[str, sp.Expr]):
     """Names of a description, with `more` of the caller; `outputs`: also what only solved equations give."""
 
-    def __init__(self, system: Named, more: Mapping[str, sp.Expr], outputs: bool) -> None:
+    # `system` is a Description, which stands above
+    def __init__(self, system: Any, more: Mapping[str, sp.Expr], outputs: bool) -> None:
         self.system, self.outputs = system, outputs
         self._scalars: dict[str, sp.Expr] = dict(system.parameters_declared or {})
         self._scalars |= {str(f.func): f for f in [*system.coordinates, *system.speeds]}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 from spacar_formats.log import LogSink
@@ -17,12 +17,15 @@ from spacar.errors import SpacarError, UsageError
 from spacar.modes import Mode, find_mode
 from spacar.options import BEAMS, integrator
 from spacar.stream import Outcome, Run, Sink
-from spacar_cli import releasing
+from spacar_cli import accuracy_options, releasing
 from spacar_cli.environment import Environment
 from spacar_cli.input_files import input_file, result_stem
 from spacar_cli.number_types import POSITIVE, TOLERANCE, Whole
 from spacar_cli.progress import Progress
 from spacar_cli.status import ExitStatus, tell, tell_error, tell_messages
+
+if TYPE_CHECKING:
+    from spacar_drawing.window import LivePlot
 
 STANDARD_INPUT, PIPED = "-", Path("stdin.dat")  # the name of the file, and where it would stand
 # Options of integrated modes that replace a number of the input file: flag, field of Settings, type, help.
@@ -40,7 +43,8 @@ def command_of_mode(word: str) -> click.Command:
     """The command for a word such as `1` or `-7`, with the options that this mode has. Raises UsageError."""
     mode = find_mode(int(word))
     releases = not mode.forces
-    params: list[click.Parameter] = [click.Argument(["file"], type=click.Path(path_type=Path), required=not releases)]
+    needed = not (releases or mode.integrated)  # there the word may have gone to an option
+    params: list[click.Parameter] = [click.Argument(["file"], type=click.Path(path_type=Path), required=needed)]
     params.append(
         click.Option(
             ["--output-dir", "-o"],
@@ -57,6 +61,7 @@ def command_of_mode(word: str) -> click.Command:
         for flag, field, kind, text in OVERRIDES:
             switch = {"is_flag": True, "default": None} if kind is bool else {"type": kind}
             params.append(click.Option([flag, field], help=text, **switch))
+        params += accuracy_options.options()
     if mode.takes_setpoints:
         params.append(
             click.Option(["--setpoints"], help="Result of mode 2 to linearize along, instead of the search by name.")
@@ -96,6 +101,7 @@ def run_mode(
     **options: Any,
 ) -> ExitStatus:
     """Run the analysis and report. Errors before the log exists are raised, others are told and logged."""
+    file, asked = accuracy_options.taken(file, options)
     if file is None:  # `spacar 0 --release FILE`: the word belongs to the argument
         if not release:
             raise UsageError("Missing argument 'FILE'.", "usage")
@@ -117,16 +123,17 @@ def run_mode(
             stem.with_name(f"{stem.name}.log"),
             mode,
             Path("standard input") if piped else source,
-            _flags(overrides, setpoints),
+            _flags(overrides, setpoints) | accuracy_options.flags(asked),
         )
     except BaseException:
         give_up(results)
         raise
     outcome = Outcome()
     run: Run | None = None
+    window: LivePlot | None = None
     try:
         begin(results)
-        run = frames(mode.number, model, **overrides)
+        run = frames(mode.number, model, **overrides, **asked)
         if mode.takes_setpoints:
             _set_nominal(run, source, setpoints)
         _check_timestep(run)
@@ -136,8 +143,8 @@ def run_mode(
         if plot:
             from spacar_drawing.window import LivePlot
 
-            show.append(LivePlot())
-        outcome = run.consume(*show, *results, log)
+            window = LivePlot()
+        outcome = run.consume(*show, *results, log, window=window)
     except (Exception, KeyboardInterrupt) as error:  # before the first step
         log.finish(error)
         outcome.error = error
@@ -164,6 +171,8 @@ def run_mode(
             environment.say(f"{source.name}: {mode.title}, {steps} in {outcome.seconds:.2f} s: {names}")
     if done is not None and not as_json:
         done.tell(environment, quiet)
+    if window is not None:
+        window.wait()
     return status
 
 
@@ -257,6 +266,8 @@ def _as_json(
         report["messages"] = [str(m) for m in run.mechanism.deck.messages]
         if "engine" in run.header:
             report["engine"], report["engine_note"] = run.header["engine"]
+        if "accuracy" in run.header:
+            report["accuracy"] = run.header["accuracy"].record()
         diagnosis = run.header.get("diagnosis")
         if diagnosis is not None:
             report["constraints"] = releasing.as_record(diagnosis)
