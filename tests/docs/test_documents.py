@@ -13,7 +13,7 @@ from tests.docs.documents import blocks, broken_links, run_document, same_line
 
 HOUSE = Path(__file__).resolve().parents[2]
 DOCS = HOUSE / "docs"
-PAGES = [HOUSE / "README.md", HOUSE / "CONTRIBUTING.md", HOUSE / "CHANGELOG.md", *sorted(DOCS.glob("*.md"))]
+PAGES = [HOUSE / "README.md", HOUSE / "CONTRIBUTING.md", HOUSE / "CHANGELOG.md", *sorted(DOCS.rglob("*.md"))]
 
 
 def test_tutorial(tmp_path):
