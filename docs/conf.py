@@ -34,8 +34,12 @@ smartquotes = False  # x' is an axis, not an apostrophe
 # what the left column shows: title -> pages
 CONTENTS = {
     "Start": ("/README", "tutorial", "gallery"),
-    "Use": ("keywords", "drawing", "python", "matlab", "simulation", "studies", "symbolic/tutorial"),
-    "Understand": ("theory", "theory-linear", "limits", "symbolic/theory", "decisions", "performance"),
+    "Use": (
+        "keywords", "drawing", "expressions", "python", "matlab", "simulation", "studies", "symbolic/tutorial",
+    ),
+    "Understand": (
+        "theory", "theory-linear", "limits", "symbolic/theory", "decisions", "performance", "promises",
+    ),
     "Reference": (
         "reference/index", "reference/theory-system", "reference/theory-planar", "reference/theory-spatial",
         "reference/input-language", "reference/files", "reference/messages", "reference/symbolic",

@@ -156,7 +156,8 @@ def make(folder: Path, chosen: list[str]) -> list[str]:
     before = os.getcwd()
     with tempfile.TemporaryDirectory() as name:
         os.chdir(name)
-        for model in (*DATA.glob("*.*"), *(DATA / "symbolic").glob("*.dat")):
+        folders = (DATA, DATA / "published")
+        for model in (*(p for f in folders for p in f.glob("*.*")), *(DATA / "symbolic").glob("*.dat")):
             shutil.copy(model, name)
         Path("square.dat").write_text(SQUARE)
         ran = set()

@@ -129,7 +129,9 @@ class Result:
         return getattr(frame, name, None)
 
     def node(self, number: int, coordinate: int, variable: str = "x") -> Array:
-        """(steps,) one coordinate (from 1) of a node; variable: x, xd, xdd, fx, fxgrav, fxtot, xcompl or xerr."""
+        """(steps,) one coordinate (from 1) of the node of this number; variable: x, xd, xdd, fx, fxgrav, fxtot,
+        xcompl or xerr.
+        """
         if variable not in X_VARIABLES:
             raise UsageError(
                 f"{variable} is no variable of nodes; these are {', '.join(X_VARIABLES)}", "result.variable"

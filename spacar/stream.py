@@ -74,15 +74,17 @@ class Run:
     def __iter__(self) -> Iterator[Frame]:
         module, _, name = (ACCURATE if self.accuracy else self.mode.analysis).partition(":")
         analysis: Callable[[Run], Iterator[Frame]] = getattr(import_module(module), name)
-        return self._with_lost_stresses(_without_warnings(analysis(self)))
+        return self._told(_without_warnings(analysis(self)))
 
-    def _with_lost_stresses(self, frames: Iterator[Frame]) -> Iterator[Frame]:
-        """The frames; what a user function asked for and could not act is reported however they end."""
-        try:
-            yield from frames
-        finally:
-            for line in getattr(self.mechanism.user_signal, "lost", {}).values():
-                self.report.add(line)
+    def _told(self, frames: Iterator[Frame]) -> Iterator[Frame]:
+        """The frames; stresses of a user function that cannot act are reported when the first frame has them."""
+        told: set[int] = set()
+        for frame in frames:
+            for row, sentence in frame.lost.items():
+                if row not in told:
+                    told.add(row)
+                    self.report.add(sentence)
+            yield frame
 
     def consume(self, *sinks: Sink, window: Sink | None = None) -> Outcome:
         """Hand every frame to every sink; however the run ends, finish the sinks with what ended it.

@@ -17,10 +17,12 @@ HEAVY = {
     "multiprocessing", "importlib", "difflib", "hashlib", "html", "msvcrt", "fcntl",
 }  # fmt: skip
 # Ours, for some models or runs only: the compiled path and symbolic models need extras, the others load SciPy,
-# a window, or the spatial elements, which a planar model never needs.
+# a window, or the spatial elements, which a planar model never needs. Who imports spacar_drawing mostly wants one
+# picture: curves, pages and numbers of stresses would bring in the linearized equations.
 LATE = {
     "spacar.compiled", "spacar.symbolic", "spacar.simulation", "spacar.linear_systems", "spacar.elements",
     "spacar.mechanism.user_functions", "spacar.kinematics.lost_stiffness", "spacar_drawing.window",
+    "spacar_drawing.report_page", "spacar_drawing.curves", "spacar_drawing.history", "spacar_drawing.stress_numbers",
 }  # fmt: skip
 
 

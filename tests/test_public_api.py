@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import spacar_drawing
 
 import spacar
 from spacar.deck.table_solvers import INTEGRATORS as LISTED
@@ -103,6 +104,22 @@ def test_parameters_of_functions_are_described(name):
     assert not described(function, inspect.getdoc(function) or "")
 
 
+@pytest.mark.parametrize("name", ["animate", "draw", "plot", "report", "stress"])
+def test_parameters_of_drawing_functions_are_described(name):
+    """Those of `animate` that `draw` has too are said there."""
+    text = inspect.getdoc(getattr(spacar_drawing, name)) or ""
+    if "Arguments as `draw`" in text:
+        text += inspect.getdoc(spacar_drawing.draw) or ""
+    assert not [p for p in described(getattr(spacar_drawing, name), text) if p not in ("result", "path")]
+
+
+def test_drawing_swallows_no_keyword_argument():
+    result = spacar.run(1, DATA / "crank.dat", duration=0.01, n_steps=2)
+    for call in (result.draw, result.plot, result.animate):
+        with pytest.raises(TypeError, match="unexpected keyword argument 'colour'"):
+            call("x.png", colour=1)
+
+
 @pytest.mark.parametrize("name", CLASSES)
 def test_methods_and_fields_of_classes_are_described(name):
     """Methods in their own text or that of the class, fields in that of the class."""
@@ -120,12 +137,6 @@ def test_methods_and_fields_of_classes_are_described(name):
     assert inspect.getdoc(cls)
     for field in getattr(cls, "__dataclass_fields__", {}):
         assert re.search(rf"\b{field}\b", text)
-
-
-@pytest.mark.parametrize("package", ["spacar", "formats/spacar_formats", "cli/spacar_cli"])
-def test_packages_are_typed(package):
-    """Type checkers of users read the hints only with this file (PEP 561)."""
-    assert (HOUSE / package / "py.typed").is_file()
 
 
 def test_input_errors_stay_input_errors():

@@ -10,12 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 from spacar.errors import UsageError
 from spacar.result import Result
-from spacar_drawing.curves import evaluate
 from spacar_drawing.files import FILM_DPI, film, save
-from spacar_drawing.history import history_figure
 from spacar_drawing.mechanism_picture import Extras
 from spacar_drawing.picture_source import PictureSource, open_source, source_of_result
-from spacar_drawing.report_page import report_page
 from spacar_drawing.step_pictures import chosen_steps, picture, series
 
 if TYPE_CHECKING:
@@ -78,6 +75,8 @@ def report(
 
     Raises UsageError for an expression that cannot be evaluated.
     """
+    from spacar_drawing.report_page import report_page
+
     return report_page(source_of(result), expressions, log_lines, view)
 
 
@@ -92,6 +91,9 @@ def plot(
 
     Raises UsageError for an expression that cannot be evaluated, and for a file that cannot be written.
     """
+    from spacar_drawing.curves import evaluate
+    from spacar_drawing.history import history_figure
+
     if not expressions:
         raise UsageError("nothing to plot: give at least one expression, for instance 'x[6,1]'", "plot.nothing")
     source = source_of(result)

@@ -14,7 +14,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from spacar.deck import read_deck
 from spacar.deck.lexer import number_of, scan, visualization_of
+from spacar.errors import InputError
 
 DIMENSIONS = {"RECT": 2, "RECTHOL": 4, "CIRC": 1, "CIRCHOL": 2, "I": 4, "LINE": 0}
 ALL = 0  # the key of a setting that holds for all elements
@@ -69,9 +71,6 @@ def read_settings(source: Path) -> PictureSettings:
         scanned = scan(source.read_text("utf-8", "replace"))
         lines = scanned.visualization or ()
         if any(word.text.upper() in ("BEAMSEC", "UNITS") for word in scanned.words):
-            from spacar.deck import read_deck
-            from spacar.errors import InputError
-
             try:
                 deck = read_deck(source)
                 return replace(parse_settings(deck.visualization), metre=deck.metre)
@@ -84,7 +83,7 @@ def read_settings(source: Path) -> PictureSettings:
 
 
 @dataclass(frozen=True)
-class _Line:
+class _SettingLine:
     """One line: its first word in capitals, the other words, and those of them that are numbers."""
 
     key: str
@@ -120,76 +119,76 @@ class _Reading:
         self.set(**{name: getattr(self.settings, name) | dict.fromkeys(elements, section)})
 
 
-def _heading(r: _Reading, line: _Line) -> None:
+def _heading(r: _Reading, line: _SettingLine) -> None:
     r.group, r.elements = line.key, line.integers or (ALL,)
     r.shape = "RECT"
 
 
-def _initial(r: _Reading, line: _Line) -> None:
+def _initial(r: _Reading, line: _SettingLine) -> None:
     r.group, r.elements = line.key, (ALL,)
 
 
-def _cross_type(r: _Reading, line: _Line) -> None:
+def _cross_type(r: _Reading, line: _SettingLine) -> None:
     if line.values:
         r.shape = line.values[0].upper()
         if r.shape == "LINE":
             r.section(SectionShape("LINE"), r.elements, r.group == "TRUSSPROPS")
 
 
-def _cross_dimensions(r: _Reading, line: _Line) -> None:
+def _cross_dimensions(r: _Reading, line: _SettingLine) -> None:
     dims = tuple(line.numbers[: DIMENSIONS.get(r.shape)])
     r.section(SectionShape(r.shape, dims), r.elements, r.group == "TRUSSPROPS")
 
 
-def _whole_section(r: _Reading, line: _Line) -> None:
+def _whole_section(r: _Reading, line: _SettingLine) -> None:
     found = statement_section(line.values)
     if found is not None:
         r.section(found[1], found[0], line.key == "TRUSSVIS")
 
 
-def _hinge(r: _Reading, line: _Line) -> None:
+def _hinge(r: _Reading, line: _SettingLine) -> None:
     if len(line.numbers) == 3:
         element, radius, length = line.numbers
         r.set(hinges=r.settings.hinges | {int(element): (radius, length)})
 
 
-def _colour(r: _Reading, line: _Line) -> None:
+def _colour(r: _Reading, line: _SettingLine) -> None:
     if len(line.numbers) == 3:
         r.set(colours=r.settings.colours | dict.fromkeys(r.elements, tuple(line.numbers)))
 
 
-def _initial_colour(r: _Reading, line: _Line) -> None:
+def _initial_colour(r: _Reading, line: _SettingLine) -> None:
     if r.group == "INITIAL" and len(line.numbers) == 3:
         r.set(initial_colour=tuple(line.numbers))
 
 
-def _opacity(r: _Reading, line: _Line) -> None:
+def _opacity(r: _Reading, line: _SettingLine) -> None:
     if line.numbers:
         r.set(opacities=r.settings.opacities | dict.fromkeys(r.elements, _unit(line.numbers[0])))
 
 
-def _hidden(r: _Reading, line: _Line) -> None:
+def _hidden(r: _Reading, line: _SettingLine) -> None:
     r.set(hidden=r.settings.hidden | set(line.integers))
 
 
-def _traces_wanted(r: _Reading, line: _Line) -> None:
+def _traces_wanted(r: _Reading, line: _SettingLine) -> None:
     if line.numbers:
         r.traces = bool(line.numbers[0])
 
 
-def _traces(r: _Reading, line: _Line) -> None:
+def _traces(r: _Reading, line: _SettingLine) -> None:
     r.set(traces=r.settings.traces + line.integers)
 
 
-def _step_line(r: _Reading, line: _Line) -> None:
+def _step_line(r: _Reading, line: _SettingLine) -> None:
     if line.numbers and line.numbers[0] > 0:
         r.set(step_line=line.numbers[0])
 
 
-def _one(name: str, kind: Callable[[float], Any]) -> Callable[[_Reading, _Line], None]:
+def _one(name: str, kind: Callable[[float], Any]) -> Callable[[_Reading, _SettingLine], None]:
     """A setting that is one number."""
 
-    def store(r: _Reading, line: _Line) -> None:
+    def store(r: _Reading, line: _SettingLine) -> None:
         if line.numbers:
             r.set(**{name: kind(line.numbers[0])})
 
@@ -201,7 +200,7 @@ def _unit(value: float) -> float:
 
 
 # First word of a line -> what it does.
-WORDS: dict[str, Callable[[_Reading, _Line], None]] = {
+WORDS: dict[str, Callable[[_Reading, _SettingLine], None]] = {
     **dict.fromkeys(("BEAMPROPS", "TRUSSPROPS", "GRAPHICS"), _heading),
     "INITIAL": _initial,
     "CROSSTYPE": _cross_type,
@@ -230,7 +229,7 @@ def parse_settings(lines: Iterable[str]) -> PictureSettings:
         words = _words(text)
         if words and words[0].upper() in WORDS:
             numbers = [v for v in map(number_of, words[1:]) if v is not None and abs(v) <= 1e100]
-            line = _Line(words[0].upper(), words[1:], numbers)
+            line = _SettingLine(words[0].upper(), words[1:], numbers)
             WORDS[line.key](reading, line)
     return reading.settings if reading.traces else replace(reading.settings, traces=())
 

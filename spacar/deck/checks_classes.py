@@ -86,10 +86,9 @@ def _check_euler_parameters(scene: CheckMaterial) -> None:
         if len(by) == 4:
             last = max(by, key=lambda s: s.line)
             text = (
-                f"all four Euler parameters of node {node} are given (lines "
-                f"{', '.join(str(n) for n in sorted({s.line for s in by}))}): over-determines their "
-                "normalization; "
-                "leave lambda0 (coordinate 1) calculable"
+                f"all four Euler parameters of node {node} are given (lines"
+                f" {', '.join(str(n) for n in sorted({s.line for s in by}))}): over-determines their normalization;"
+                " leave lambda0 (coordinate 1) calculable"
             )
             scene.findings.error(last, None, text, "normalization")
 

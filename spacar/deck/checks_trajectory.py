@@ -156,9 +156,8 @@ def _check_path(scene: CheckMaterial, s: Statement) -> None:
     if lacking:
         found = scene.class_of("node", number, lacking[0])[0]
         text = (
-            f"coordinate {lacking[0]} of node {number} is {found}; {s.keyword} moves all its "
-            "coordinates and needs "
-            f"INPUTX {number} {' '.join(map(str, needed))} in the kinematics block"
+            f"coordinate {lacking[0]} of node {number} is {found}; {s.keyword} moves all its coordinates and needs"
+            f" INPUTX {number} {' '.join(map(str, needed))} in the kinematics block"
         )
         scene.findings.error(s, 0, text, "path-class")
 

@@ -176,8 +176,7 @@ def _report_skipped(block: int, raws: list[Raw], mode: Purpose, found: Findings,
             "warning",
             line,
             "",
-            f"the skipped {name} has {len(errors)} error{'s' * (len(errors) > 1)}, the first at line "
-            f"{errors[0].line}: "
-            f"{errors[0].keyword}: {errors[0].text}",
+            f"the skipped {name} has {len(errors)} error{'s' * (len(errors) > 1)}, the first at line {errors[0].line}:"
+            f" {errors[0].keyword}: {errors[0].text}",
             "skipped-block",
         )

@@ -11,7 +11,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.dynamics.loaded_mechanism import LoadedMechanism, Moving, Placement
 from spacar.dynamics.mass_check import dynamic_mass, is_checked, require_regular_mass
-from spacar.dynamics.motion_equations import EquationsOfMotion
+from spacar.dynamics.motion_equations import Accelerations, EquationsOfMotion
 from spacar.frame import Frame
 from spacar.kinematics.constraint_condition import condition_number
 from spacar.kinematics.regularity import PositionMatrix
@@ -29,10 +29,6 @@ class Dynamics(EquationsOfMotion):
         self, mechanism: Mechanism, *, loads: Loads | None = None, drive: Drive | None = None, kind: str | None = None
     ) -> None:
         super().__init__(LoadedMechanism.of(mechanism, loads, drive), kind)
-
-    def reload(self, loads: Loads, drive: Drive) -> None:
-        """Put other loads and another prescribed motion on the same mechanism."""
-        self.use(LoadedMechanism.of(self.mechanism, loads, drive))
 
     # -- start --------------------------------------------------------------------------------------------------
     def start_values(self) -> Array:
@@ -62,24 +58,27 @@ class Dynamics(EquationsOfMotion):
     # -- frames -------------------------------------------------------------------------------------------------
     def frame(self, t: float, y: Array) -> Frame:
         """Everything that is stored of a state."""
-        xdd, sigma, convective = self.accelerate(t, self.place(t, y))
-        return self.complete(t, xdd, sigma, convective, self.convected)
+        return self.complete(t, self.accelerate(t, self.place(t, y)), self.convected)
 
-    def complete(self, t: float, xdd: Array, sigma: Array, convective: Array, convected: Array) -> Frame:
-        """Frame at the placed state; `convective` is H(xd,xd), `convected` is h minus gravity of moving families."""
+    def complete(self, t: float, found: Accelerations, convected: Array) -> Frame:
+        """Frame at the placed state; `convected` is h minus gravity of moving families."""
         sweep, x = self.sweep, self.kinematics.x
+        xdd, sigma, convective = found
         ed = sweep.rate(self.xd)
         edd = sweep.rate(xdd) + convective
         gravity = self.forces.gravity(sweep)
         applied = self.loads.force + self.forces.moments(x)
+        lost: dict[int, str] = {}
         if self.forces.user is not None:
-            applied += self.forces.user(t, sweep.e, ed, x, self.xd).force
+            user = self.forces.user(t, sweep.e, ed, x, self.xd)
+            applied += user.force
+            lost = user.lost
         total = sweep.mass_times(xdd) + convected + (gravity - self.forces.constant_gravity)
         stress = sigma + self.coupling.stress(edd) if self.coupling.present else sigma
         total += sweep.rate_transposed(stress)
         return Frame(
             t=t, x=x.copy(), xd=self.xd.copy(), xdd=xdd, e=sweep.e.copy(), ed=ed, edd=edd, sig=sigma,
-            fx=applied, fxgrav=gravity, fxtot=total,
+            fx=applied, fxgrav=gravity, fxtot=total, lost=lost,
         )  # fmt: skip
 
     # -- where it stands, and checks there ----------------------------------------------------------------------

@@ -17,6 +17,8 @@ Without degrees of freedom the accelerations follow from the second row alone, a
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from spacar.arrays import Array
@@ -29,6 +31,14 @@ from spacar.kinematics.kinematics import CONVERGED
 from spacar.kinematics.predictor import State, extrapolated
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Drive, DriveState, Loads, Mechanism, UserForces
+
+
+class Accelerations(NamedTuple):
+    """xdd (nx,); sigma (ne,) with multipliers; convective (ne,): H(xd, xd), so that edd = V xdd + convective."""
+
+    xdd: Array
+    sigma: Array
+    convective: Array
 
 
 class EquationsOfMotion:
@@ -109,8 +119,8 @@ class EquationsOfMotion:
         return drive
 
     # -- stresses, forces, motion -------------------------------------------------------------------------------
-    def accelerate(self, t: float, drive: DriveState) -> tuple[Array, Array, Array]:
-        """xdd (nx,), sigma (ne,) with multipliers, convective H(xd,xd) (ne,) at the placed state."""
+    def accelerate(self, t: float, drive: DriveState) -> Accelerations:
+        """At the placed state."""
         n, sweep = self.numbering, self.sweep
         convective = sweep.convective(self.xd)
         sigma, user = self.constitutive(t)
@@ -126,7 +136,7 @@ class EquationsOfMotion:
             inertia = sweep.mass_times(xdd) + self._coupling_force(xdd, convective)
             self.kinematics.reactions(inertia - force, sigma)
         self.last = (t, self.kinematics.x, self.xd, xdd)
-        return xdd, sigma, convective
+        return Accelerations(xdd, sigma, convective)
 
     def _solve(self, t: float, xdd: Array, sigma: Array, force: Array, strain: Array, convective: Array) -> None:
         """The saddle-point form: writes the free rows of xdd, whose others are given, and the multipliers in sigma."""

@@ -24,6 +24,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.forces import StressLaw
+from spacar.dynamics.loaded_mechanism import LoadedMechanism
 from spacar.errors import Report, UsageError
 from spacar.forward.driver import at_time
 from spacar.frame import Frame
@@ -117,8 +118,7 @@ class Along:
         size, t = self.difference
         if size > SAME_INPUT:
             self.report.add(
-                f"warning: the nominal inputs differ from those of {self.nominal.name} by {size:.3g} of"
-                " their size at"
+                f"warning: the nominal inputs differ from those of {self.nominal.name} by {size:.3g} of their size at"
                 f" t = {t:.9g}: masses, forces or extra loads (TRM, TRF) are not the same in both files"
             )
 
@@ -148,9 +148,8 @@ class Along:
         if off[worst] > SAME_POSITION:
             ours, theirs = frame.x[worst], self.nominal.x[k, self.x_columns][worst]
             text = (
-                f"the mechanism differs from that of {self.nominal.name}: at t = {frame.t:.9g}"
-                f" {n.x_name(worst)} is {ours:.9g} here,"
-                f" {theirs:.9g} there; compare the X, direction and INPUT statements of both files"
+                f"the mechanism differs from that of {self.nominal.name}: at t = {frame.t:.9g} {n.x_name(worst)} is"
+                f" {ours:.9g} here, {theirs:.9g} there; compare the X, direction and INPUT statements of both files"
             )
             raise UsageError(text, "files.different-mechanism")
 
@@ -175,7 +174,8 @@ class Along:
         if not force.any():
             return linearize(dynamics, frame.xdd, frame.sig, law=law, t=frame.t)
         usual = dynamics.model
-        dynamics.reload(replace(loads, force=loads.force + force), dynamics.drive)
+        pushed = replace(loads, force=loads.force + force)
+        dynamics.use(LoadedMechanism.of(dynamics.mechanism, pushed, dynamics.drive))
         try:
             return linearize(dynamics, frame.xdd, frame.sig, law=law, t=frame.t)
         finally:

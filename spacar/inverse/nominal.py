@@ -87,8 +87,7 @@ class Nominal:
     def with_warning(self, text: str) -> Nominal:
         return replace(self, warnings=(*self.warnings, text))
 
-    # -- in the numbering of another mechanism
-    # ----------------------------------------------------------------------
+    # -- in the numbering of another mechanism -----------------------------------------------------------------------
     def x_columns(self, n: Numbering) -> NDArray[np.int64]:
         """(nx,) columns of x here for the coordinates of a mechanism with the same nodes."""
         owners = np.array([n.x_owner(i) for i in range(n.nx)]) - 1

@@ -149,8 +149,7 @@ def turn(rows: Index, components: Index, start: Array, total: float, axis: Array
     path = TurnPath(rows, components, h, start, abs(total))
     if path.smallest_scalar <= 1e-6:
         raise BadPath(
-            "the rotation reaches half a turn from the reference orientation, where three prescribed Euler"
-            " parameters"
+            "the rotation reaches half a turn from the reference orientation, where three prescribed Euler parameters"
             " no longer determine the fourth; prescribe a hinge instead (INPUTE, TRE)"
         )
     return path

@@ -110,9 +110,8 @@ class NominalInputs:
         self.held, self.free = held, np.setdiff1d(np.arange(n.ndof), held)
         if len(ports.inputs) > (free := len(self.free)):
             report.add(
-                f"warning: {len(ports.inputs)} nominal inputs for {free} degrees of freedom: the smallest"
-                " inputs (minimum norm)"
-                " are stored"
+                f"warning: {len(ports.inputs)} nominal inputs for {free} degrees of freedom: the smallest inputs"
+                " (minimum norm) are stored"
             )
 
     def __call__(self, dynamics: Dynamics, frame: Frame) -> tuple[Array, Array]:
@@ -176,9 +175,8 @@ class NominalInputs:
         solution, _, rank, _ = np.linalg.lstsq(scaled, Q, rcond=RANK)
         if rank < min(rows, columns):
             raise AnalysisError(
-                f"the {columns} nominal inputs control only {rank} of {rows} degrees of freedom at t ="
-                f" {t:.9g}; two inputs do the"
-                " same, or the position is singular; choose other actuators (NOMS, NOMF)",
+                f"the {columns} nominal inputs control only {rank} of {rows} degrees of freedom at t = {t:.9g}; two"
+                " inputs do the same, or the position is singular; choose other actuators (NOMS, NOMF)",
                 "inverse.inputs",
             )
         if columns < rows:
@@ -192,7 +190,6 @@ class NominalInputs:
         rest, t = self.residual
         if rest > 0.0:
             self.report.add(
-                f"warning: {len(self.ports.inputs)} nominal inputs are fewer than the degrees of freedom and"
-                " cannot produce the"
-                f" motion; least squares, with the largest residual {rest:.4g} at t = {t:.9g}"
+                f"warning: {len(self.ports.inputs)} nominal inputs are fewer than the degrees of freedom and cannot"
+                f" produce the motion; least squares, with the largest residual {rest:.4g} at t = {t:.9g}"
             )

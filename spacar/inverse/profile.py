@@ -104,9 +104,9 @@ def make_profile(
 def _explanation(length: float, duration: float, rise: float, decline: float, speed: float, symmetric: bool) -> str:
     """The numbers of an impossible profile and the range of speeds that would be possible."""
     text = (
-        f"illegal velocity profile: path length {length:.9g}, time {duration:.9g} s, rise time {rise:.6g} s,"
-        f" speed {speed:.9g} give"
-        f" {duration - rise - decline:.6g} s of constant velocity and a decline time of {decline:.6g} s"
+        f"illegal velocity profile: path length {length:.9g}, time {duration:.9g} s, rise time {rise:.6g} s, speed"
+        f" {speed:.9g} give {duration - rise - decline:.6g} s of constant velocity and a decline time of {decline:.6g}"
+        " s"
     )
     if rise >= duration and not symmetric:
         return f"{text}; the rise time must be shorter than the total time"

@@ -52,16 +52,21 @@ def of_matrix(A: Array, values: Complex, vectors: Complex) -> Array:
     return np.minimum(plain, scaled)
 
 
-def warn(report: Report, eta: Array, values: Array, what: str) -> None:
-    """A warning about the worst of the pairs when rounding does not explain its error."""
-    limit = rounding(len(eta))
-    doubtful = ~(eta <= limit)
+def warn(
+    report: Report, error: Array, values: Array | Complex, what: str, limit: float | None = None,
+    advice: str = "the system is badly conditioned",
+) -> None:  # fmt: skip
+    """A warning about the worst pair when its error, eta or another relative residual, is above the limit.
+
+    Without `limit`: what rounding explains.
+    """
+    limit = rounding(len(error)) if limit is None else limit
+    doubtful = ~(error <= limit)
     if doubtful.any():
-        worst = int(np.argmax(np.where(np.isnan(eta), np.inf, eta)))
+        worst = int(np.argmax(np.where(np.isnan(error), np.inf, error)))
         report.add(
-            f"warning: {int(doubtful.sum())} of {len(eta)} {what} have fewer digits than usual; the worst one,"
-            f" {values[worst]:.6g}, is that of matrices which differ by {eta[worst]:.2g} of their size"
-            f" (rounding: {limit:.1g}); the system is badly conditioned"
+            f"warning: {int(doubtful.sum())} of {len(error)} {what} have fewer digits than usual; the worst one,"
+            f" {values[worst]:.6g}, has a relative residual of {error[worst]:.2g} (limit {limit:.1g}); {advice}"
         )
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.limits import Limits
+from spacar.dynamics.motion_equations import Accelerations
 from spacar.errors import AnalysisError
 from spacar.forward.motion import motion
 from spacar.frame import Frame
@@ -124,7 +125,7 @@ def stationary(run: Run, reducible: bool = True) -> Iterator[LinearizedSolution]
         limits = limits or Limits(dynamics, run.report)
         convected = dynamics.forces.inertia(dynamics.sweep, dynamics.xd)
         frame = dynamics.complete(
-            float(stored), state.xdd, state.sigma, state.convective, convected
+            float(stored), Accelerations(state.xdd, state.sigma, state.convective), convected
         )
         limits.check_elements(dynamics, frame)
         singular = _is_dead_point(run, solver, level, frame.t, reducible)

@@ -79,7 +79,9 @@ def lowest_buckling(tangent: SparseTangent, report: Report, wanted: int = WANTED
         # a double value is known to half of the digits
         real = np.abs(values.imag) <= np.sqrt(backward_error.rounding(len(vectors))) * np.abs(values)
         theta, x = values[real].real, vectors[:, real].real
-    lost = _check(operator, theta, x, "load multipliers", report)
+    with np.errstate(divide="ignore"):
+        multipliers = shift + 1.0 / theta
+    lost = _lost(operator, theta, x, multipliers, "load multipliers", report)
     theta[lost], x[:, lost] = np.nan, np.nan
     infinite = np.abs(theta) <= NOTHING * np.max(np.abs(theta[~lost]), initial=0.0)
     theta, x = theta[~infinite], x[:, ~infinite]
@@ -159,9 +161,9 @@ def _undamped(tangent: SparseTangent, s: float, wanted: int, report: Report) -> 
     theta, x = dominant(operator, operator(_random(tangent, wanted)), wanted)
     x = real_vectors(theta, x)
     theta = _rayleigh(x, tangent.times(("mass",), x), operator(x))
-    lost = _check(operator, theta, x, "eigenvalues", report)
-    theta[lost] = np.nan
-    return 1.0 / theta - s * s, x
+    squares = 1.0 / theta - s * s
+    squares[_lost(operator, theta, x, squares, "omega^2", report)] = np.nan
+    return squares, x
 
 
 def _quadratic(tangent: SparseTangent, s: float, wanted: int, report: Report) -> tuple[Array, Array]:
@@ -179,9 +181,9 @@ def _quadratic(tangent: SparseTangent, s: float, wanted: int, report: Report) ->
     theta, z = dominant(operator, operator(_random(tangent, 2 * wanted, 2)), 2 * wanted)
     if theta[-1].imag and not np.any(np.isclose(theta[:-1], theta[-1].conj(), rtol=1e-8)):
         theta, z = theta[:-1], z[:, :-1]  # half a pair
-    lost = _check(operator, theta, z, "eigenvalues", report)
-    theta[lost] = np.nan
-    return s + 1.0 / theta, z[:n]
+    values = s + 1.0 / theta
+    values[_lost(operator, theta, z, values, "eigenvalues", report)] = np.nan
+    return values, z[:n]
 
 
 def _rayleigh(x: Array, F: Array, Y: Array) -> Array:
@@ -217,18 +219,18 @@ def _degrees_of_freedom(tangent: SparseTangent, x: Array) -> Array:
     return np.vstack((x[n.x_class["dynamic"]], rates[n.e_class["dynamic"]]))
 
 
-def _check(operator: Operator, theta: Array, z: Array, what: str, report: Report) -> NDArray[np.bool_]:
-    """Pairs of which no digit is known. Warns about all with |op(z) - theta z| > SUFFICIENT |theta| |z|."""
+def _lost(
+    operator: Operator, theta: Array, z: Array, values: Array, what: str, report: Report
+) -> NDArray[np.bool_]:
+    """Pairs of which no digit is known. Warns about all with |op(z) - theta z| > SUFFICIENT |theta| |z|; `values`: what
+    theta stands for.
+    """
     image = operator(z.real) + 1j * operator(z.imag) if np.iscomplexobj(z) else operator(z)
     size = np.maximum(np.abs(theta), LEAST * np.max(np.abs(theta), initial=0.0)) * np.linalg.norm(z, axis=0)
     residual = np.linalg.norm(image - z * theta, axis=0) / np.where(size > 0.0, size, 1.0)
-    doubtful, lost = ~(residual <= SUFFICIENT), ~(residual <= NO_DIGIT)
-    if doubtful.any():
-        worst = int(np.argmax(np.where(np.isnan(residual), np.inf, residual)))
-        report.add(
-            f"warning: {int(doubtful.sum())} of the {len(theta)} {what} are not exact to working precision; the worst"
-            f" one is number {worst + 1} from below with the relative residual {residual[worst]:.2g} (limit"
-            f" {SUFFICIENT:g}); OUTLEVEL 0 1 asks for all of them"
-            + (f"; {int(lost.sum())} of which no digit is known are nan" if lost.any() else "")
-        )
+    lost = ~(residual <= NO_DIGIT)
+    advice = "OUTLEVEL 0 1 asks for all of them"
+    if lost.any():
+        advice += f"; {int(lost.sum())} of which no digit is known are nan"
+    backward_error.warn(report, residual, values, what, SUFFICIENT, advice)
     return np.asarray(lost)

@@ -30,8 +30,8 @@ def state_jacobian(
         before = max(t - h, 0.0)
         F_t = (evaluator.rhs(t + h, y, within) - evaluator.rhs(before, y, within)) / (t + h - before)
     dynamics = evaluator.settled()
-    xdd, sigma, _ = dynamics.accelerate(t, dynamics.place(t, y, within))
-    L = linearize(dynamics, xdd, sigma, t=t)
+    found = dynamics.accelerate(t, dynamics.place(t, y, within))
+    L = linearize(dynamics, found.xdd, found.sigma, t=t)
     return state_matrix(L, *chosen_rows(L, dynamics)), F_t
 
 

@@ -100,7 +100,8 @@ class Polynomial:
 class UserForces:
     """What USERSIG returned: stresses added to active rows, forces added to f, and their given stiffness and damping.
 
-    sigma (ne,), force (nx,), and diagonals k, d of both: positive k is +d sigma/de and -d f/dx.
+    sigma (ne,), force (nx,), and diagonals k, d of both: positive k is +d sigma/de and -d f/dx. `lost`: a sentence for
+    the report for every row of sigma that cannot act.
     """
 
     sigma: Array
@@ -109,6 +110,7 @@ class UserForces:
     sigma_d: Array
     force_k: Array
     force_d: Array
+    lost: dict[int, str] = field(default_factory=dict)
 
 
 UserSignal = Callable[[float, Array, Array, Array, Array], UserForces]  # t, e, ed, x, xd

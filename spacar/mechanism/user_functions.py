@@ -16,7 +16,7 @@ from __future__ import annotations
 import ast
 import importlib.util
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -180,7 +180,7 @@ def load_user_signal(deck: Deck, statement: Statement, numbering: Numbering) -> 
 
 @dataclass(frozen=True)
 class UserLaw:
-    """USERSIG as a function (t, e, ed, x, xd) -> UserForces; `lost` collects what could not act, each once."""
+    """USERSIG as a function (t, e, ed, x, xd) -> UserForces."""
 
     function: Callable[..., Any]
     name: str
@@ -188,20 +188,23 @@ class UserLaw:
     le: Index
     lnp: Index
     prescribed_act: bool  # along set-points the prescribed deformations are the degrees of freedom
-    lost: dict[int, str] = field(default_factory=dict)
 
     def __call__(self, t: float, e: Array, ed: Array, x: Array, xd: Array) -> UserForces:
         n = self.numbering
         e, ed = placed(e, "e"), placed(ed, "ep")
         x, xd = placed(x, "x"), placed(xd, "xp")
         sig, f = call(self.function, self.name, t, n.ne, self.le, e, ed, n.nx, self.lnp, x, xd)
-        result = UserForces(*(np.zeros(size) for size in (n.ne, n.nx) + 2 * (n.ne,) + 2 * (n.nx,)))
+        (sigma, k_e, d_e), (force, k_x, d_x) = np.zeros((3, n.ne)), np.zeros((3, n.nx))
+        result = UserForces(sigma, force, k_e, d_e, k_x, d_x)
         for k, row in enumerate(checked_rows(self.name, "sig", sig, (3, 5), t)):
             i = self._place(n.e_index, row, "sig", k, t)
             result.sigma[i] += row[2]
             result.sigma_k[i] += row[3]
             result.sigma_d[i] += row[4]
-            self._note_lost(i, row, t)
+            if row[2:].any() and (reason := self._without_effect(i)):
+                result.lost[i] = (
+                    f"warning: {self.name} at t = {t:.9g}: the stress of {n.e_name(i)} has no effect: {reason}"
+                )
         for k, row in enumerate(checked_rows(self.name, "f", f, (3, 5), t)):
             i = self._place(n.x_index, row, "f", k, t)
             result.force[i] += row[2]
@@ -218,15 +221,15 @@ class UserLaw:
             )
             raise AnalysisError(text, "user-function.index") from None
 
-    def _note_lost(self, i: int, row: Array, t: float) -> None:
+    def _without_effect(self, i: int) -> str:
+        """Why a stress on this row cannot act; '' where it can."""
         classes = self.numbering.e_class
-        last = classes["fixed" if self.prescribed_act else "input"].stop
-        if i >= last or i in self.lost or not row[2:].any():
-            return
+        if i >= classes["fixed" if self.prescribed_act else "input"].stop:
+            return ""
         kind = "fixed" if i < classes["fixed"].stop else "prescribed"
-        self.lost[i] = (
-            f"warning: {self.name} at t = {t:.9g}: the stress of {self.numbering.e_name(i)} has no effect: the "
-            f"deformation is {kind}, so that its stress follows from equilibrium alone; a stress law needs DYNE or RLSE"
+        return (
+            f"the deformation is {kind}, so that its stress follows from equilibrium alone; a stress law needs DYNE or"
+            " RLSE"
         )
 
 

@@ -142,10 +142,9 @@ def _sorted(needs: dict[str, list[str]]) -> list[str]:
         if state.get(name) == 1:
             loop = trail[trail.index(name) :]
             raise UsageError(
-                f"algebraic loop: {' <- '.join(loop)}; each of these blocks needs the present output of the"
-                " next one. Feed back"
-                " positions or rates instead of accelerations, or use a sampled block with delay, or a"
-                " block with states",
+                f"algebraic loop: {' <- '.join(loop)}; each of these blocks needs the present output of the next one."
+                " Feed back positions or rates instead of accelerations, or use a sampled block with delay, or a block"
+                " with states",
                 "simulation.algebraic-loop",
             )
         if name in state:

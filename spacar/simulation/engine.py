@@ -147,8 +147,7 @@ class _Simulation:
         self.window = (float(times[0]), float(times[-1]))
         self.statistics = {"steps": 0, "rhs": 0, "restarts": 0, "samples": 0}
 
-    # -- evaluation
-    # -------------------------------------------------------------------------------------------------
+    # -- evaluation --------------------------------------------------------------------------------------------------
     def evaluate(self, t: float, x: Array, hit: Sequence[Block] = ()) -> Array:
         """All outputs at a time and state (in self.y), and all inputs as the result. `hit` blocks are
         sampled now.
@@ -229,8 +228,7 @@ class _Simulation:
             values.append(np.array([value]))
         return np.concatenate(values)
 
-    # -- the time axis
-    # ----------------------------------------------------------------------------------------------
+    # -- the time axis -----------------------------------------------------------------------------------------------
     def cuts(self) -> list[tuple[float, list[Block]]]:
         """Times where a piece ends, with the blocks that are sampled there; the first and the last time
         included.

@@ -87,8 +87,7 @@ class Spasim(Block):
         self.u = np.zeros(self.n_in)
         return self.dynamics.start()
 
-    # -- the mechanism
-    # ----------------------------------------------------------------------------------------------
+    # -- the mechanism --------------------------------------------------------------------------------------------
     def _user(self, t: float, e: Array, ed: Array, x: Array, xd: Array) -> UserForces:
         """The inputs as stresses and forces, added to what a user function of the file gives."""
         ze, zx = self._zero
@@ -111,7 +110,7 @@ class Spasim(Block):
         key = u.tobytes()
         if key != self._solved:
             self.u = u.copy()
-            self.xdd, self.sigma, self.convective = self.dynamics.accelerate(t, self._drive)
+            self.found = self.dynamics.accelerate(t, self._drive)
             self._solved = key
 
     def _check(self, x: Array, u: Array | None) -> None:
@@ -120,8 +119,7 @@ class Spasim(Block):
         if u is not None and u.shape != (self.n_in,):
             raise ValueError(f"{self.name}: the input has the shape {u.shape}, expected ({self.n_in},)")
 
-    # -- the block
-    # --------------------------------------------------------------------------------------------------
+    # -- the block ------------------------------------------------------------------------------------------------
     def state_outputs(self, t: float, x: Array) -> Array:
         """Outputs that are positions and rates; accelerations are left zero."""
         self._check(x, None)
@@ -141,8 +139,8 @@ class Spasim(Block):
             self._solve(t, x, u)
             (ke, re), (kx, rx) = self._read[4:]
             if len(ke):
-                y[ke] = (self.dynamics.sweep.rate(self.xdd) + self.convective)[re]
-            y[kx] = self.xdd[rx]
+                y[ke] = (self.dynamics.sweep.rate(self.found.xdd) + self.found.convective)[re]
+            y[kx] = self.found.xdd[rx]
         return y
 
     def derivative(self, t: float, x: Array, u: Array) -> Array:
@@ -155,8 +153,8 @@ class Spasim(Block):
         if n.nk:
             rates = d.sweep.rate(d.xd)
             out[n.nddof : m] = np.concatenate((d.xd[d.xs["kinematic"]], rates[d.es["kinematic"]]))
-        edd = d.sweep.rate(self.xdd) + self.convective
-        out[m:] = np.concatenate((self.xdd[d.xs["dynamic"]], edd[d.es["dynamic"]]))
+        edd = d.sweep.rate(self.found.xdd) + self.found.convective
+        out[m:] = np.concatenate((self.found.xdd[d.xs["dynamic"]], edd[d.es["dynamic"]]))
         return out
 
     def frame(self, t: float, x: Array, u: Array) -> Frame:

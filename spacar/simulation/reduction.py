@@ -155,10 +155,9 @@ def _static_flexibility(t: Array, modes: Array, K: Array) -> Array:
     if np.any(stiff <= 0.0):
         k, i = (int(v[0]) for v in np.nonzero(stiff <= 0.0))
         text = (
-            f"quasi-static mode {i + 1} has the stiffness {stiff[k, i]:.4g} at t = {t[k]:.9g}: a mode"
-            " without stiffness cannot"
-            " answer statically; keep more modes, or fold a proportional gain into the stiffness first"
-            " (spacntrl)"
+            f"quasi-static mode {i + 1} has the stiffness {stiff[k, i]:.4g} at t = {t[k]:.9g}: a mode without"
+            " stiffness cannot answer statically; keep more modes, or fold a proportional gain into the stiffness"
+            " first (spacntrl)"
         )
         raise AnalysisError(text, "simulation.modes")
     return np.asarray(modes @ np.linalg.solve(T @ K @ modes, T))
@@ -178,8 +177,7 @@ def _report(
     worst = np.unravel_index(int(np.argmin(overlap)), overlap.shape)
     if overlap[worst] < POOR_OVERLAP:
         lines.append(
-            f"warning: mode {int(worst[1]) + 1} overlaps by only {overlap[worst]:.2f} with its predecessor"
-            f" at t = {t[worst[0]]:.9g};"
-            " modes cross, or the stored times are too far apart"
+            f"warning: mode {int(worst[1]) + 1} overlaps by only {overlap[worst]:.2f} with its predecessor at t ="
+            f" {t[worst[0]]:.9g}; modes cross, or the stored times are too far apart"
         )
     return tuple(lines)

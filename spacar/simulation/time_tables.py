@@ -66,9 +66,8 @@ class Table:
         if not times[0] <= t <= times[-1]:
             if not self.hold and not times[0] - self._margin <= t <= times[-1] + self._margin:
                 text = (
-                    f"{self.name} is stored from t = {times[0]:.9g} to {times[-1]:.9g} s, but needed at t ="
-                    f" {t:.9g}; make the"
-                    " trajectories longer, stop earlier, or hold the last value (hold)"
+                    f"{self.name} is stored from t = {times[0]:.9g} to {times[-1]:.9g} s, but needed at t = {t:.9g};"
+                    " make the trajectories longer, stop earlier, or hold the last value (hold)"
                 )
                 raise AnalysisError(text, "simulation.beyond-table")
             t = min(max(t, times[0]), times[-1])

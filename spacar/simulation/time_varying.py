@@ -84,8 +84,7 @@ class TimeVarying:
         for name in names:
             if getattr(self, name) is None:
                 source = {
-                    "u0": "NOMS or NOMF statements and mode 2 or 3", "y0": "REF... statements and mode 2 or"
-                    " 3",
+                    "u0": "NOMS or NOMF statements and mode 2 or 3", "y0": "REF... statements and mode 2 or 3",
                     "sigma0": "mode 3 with deformations that are rigid in mode 2 and prescribed in mode 3",
                 }.get(name, "mode 3")  # fmt: skip
                 raise UsageError(f"{self.name} has no {name}; it comes from {source}", "simulation.missing")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
+from spacar.dynamics.loaded_mechanism import LoadedMechanism
 from spacar.mechanism.mechanism import Mechanism
 from spacar.stationary.contract import Tangent
 from spacar.stationary.flexibility import Flexibility
@@ -59,7 +60,7 @@ class LevelEvaluator:
         loads, drive = loads_at(self.mechanism, level), SteadyDrive.at_level(self.mechanism, level)
         mechanism = with_flow(self.mechanism, loads)
         if mechanism is self.mechanism:
-            self.dynamics.reload(loads, drive)
+            self.dynamics.use(LoadedMechanism.of(mechanism, loads, drive))
         else:
             following = Dynamics(mechanism, loads=loads, drive=drive)
             following.kinematics.start_from(self.dynamics.kinematics)

@@ -9,9 +9,9 @@ last estimate. What is gained by it is trusted only to its square root, and only
     e_k <= d_k max(0.1, sqrt(tau_k / tau_(k-1))),    d_k = |u_k - u_(k-1)|,  d_k < d_(k-1);    otherwise e_k <= d_k
 
 Explicit methods, 853 in turn with 155 (Adams, 0, at tight tolerances), are taken while the highest frequency of the
-model allows it: rho T / STABLE steps, rho the largest eigenvalue of the start state. Beyond EXPENSIVE steps it is 553 and
-then 595 (Radau of orders 5 and 9). Both damp vibrations that they do not resolve, so they could err alike: three runs
-at least are demanded of them, over which the differences must fall.
+model allows it: rho T / STABLE steps, rho the largest eigenvalue of the start state. Beyond EXPENSIVE steps it is 553
+and then 595 (Radau of orders 5 and 9). Both damp vibrations that they do not resolve, so they could err alike: three
+runs at least are demanded of them, over which the differences must fall.
 """
 
 from __future__ import annotations

@@ -19,7 +19,9 @@ import numpy as np
 
 from spacar.deck import Deck
 from spacar.dynamics.array_evaluator import Dynamics
-from spacar.errors import UsageError
+from spacar.dynamics.limits import Limits
+from spacar.errors import Report, UsageError
+from spacar.forward.driver import checked
 from spacar.linearization.matrices import linearize
 from spacar.linearization.state_matrix import chosen_rows, state_matrix
 from spacar.mechanism import build
@@ -50,7 +52,8 @@ def require_perturbation(deck: Deck, **options: Any) -> None:
 def perturbation(deck: Deck, substeps: int = 1, **options: Any) -> Result:
     """Mode 1 by the perturbation method, with `substeps` grid steps in an output step; options as `spacar.run`.
 
-    Raises UsageError where the method does not apply, AnalysisError when the nominal motion cannot be computed.
+    Raises UsageError where the method does not apply, AnalysisError when the nominal motion cannot be computed, or when
+    a beam is bent beyond the range of its theory.
     """
     from spacar.simulation.propagation import simulate_ltv
     from spacar.simulation.time_varying import TimeVarying
@@ -67,12 +70,14 @@ def perturbation(deck: Deck, substeps: int = 1, **options: Any) -> Result:
     dynamics.kinematics.move(*dynamics.given(dynamics.drive.at(0.0), rest))
     for k, time in enumerate(t):
         F[k, :, 0] = dynamics.rhs(time, rest)
-        xdd, sigma, _ = dynamics.accelerate(time, dynamics.place(time, rest))
-        L = linearize(dynamics, xdd, sigma, t=time)
+        found = dynamics.accelerate(time, dynamics.place(time, rest))
+        L = linearize(dynamics, found.xdd, found.sigma, t=time)
         A[k] = state_matrix(L, *chosen_rows(L, dynamics))
     data = TimeVarying(deck.source, t, A=A, B=F, C=np.zeros((len(t), 0, len(z0))))
     z = simulate_ltv(data, np.ones((len(t), 1)), z0=z0).z
     shown = Dynamics(mechanism)
     shown.start()
-    frames = tuple(shown.frame(float(t[k]), z[k]) for k in range(0, len(t), substeps))
-    return Result(mechanism, 1, frames, (), {})
+    report = Report()
+    limits = Limits(shown, report)
+    frames = tuple(checked(shown, float(t[k]), z[k], limits) for k in range(0, len(t), substeps))
+    return Result(mechanism, 1, frames, tuple(report.lines), {})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 import shutil
 from pathlib import Path
@@ -12,7 +13,7 @@ from tests.docs.documents import blocks, broken_links, run_document, same_line
 
 HOUSE = Path(__file__).resolve().parents[2]
 DOCS = HOUSE / "docs"
-PAGES = [HOUSE / "README.md", HOUSE / "CONTRIBUTING.md", HOUSE / "CHANGELOG.md", *sorted(DOCS.glob("*.md"))]
+PAGES = [HOUSE / "README.md", HOUSE / "CONTRIBUTING.md", HOUSE / "CHANGELOG.md", *sorted(DOCS.rglob("*.md"))]
 
 
 def test_tutorial(tmp_path):
@@ -87,3 +88,13 @@ def test_modules_and_tests_that_are_named_exist():
             known = source.exists() and f"def {name}(" in source.read_text(encoding="utf-8")
             bad += [f"{page.name}: {file}::{name}"] * (not known)
     assert not bad, "\n".join(bad)
+
+
+def test_every_page_is_in_the_contents_of_the_site():
+    """Each once. A page that is in no list lets `make docs` fail, which needs packages that a test run has not."""
+    text = (DOCS / "conf.py").read_text(encoding="utf-8")
+    [table] = re.findall(r"^CONTENTS = (\{.*?^\})", text, re.MULTILINE | re.DOTALL)
+    listed = [page for pages in ast.literal_eval(table).values() for page in pages]
+    pages = [p.relative_to(DOCS).with_suffix("").as_posix() for p in DOCS.rglob("*.md")]
+    top = [page for page in listed if page.startswith("/")]
+    assert sorted(listed) == sorted([*top, *(page for page in pages if page != "index")])

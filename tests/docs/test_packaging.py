@@ -30,7 +30,7 @@ def test_the_changelog_has_this_version_and_what_comes_next():
     assert heads[1] == spacar.__version__
 
 
-@pytest.mark.parametrize("package", ["spacar", "spacar_formats", "spacar_cli"])
+@pytest.mark.parametrize("package", ["spacar", "spacar_formats", "spacar_cli", "spacar_drawing"])
 def test_packages_are_typed(package):
     assert (files(package) / "py.typed").is_file()
 

@@ -52,7 +52,7 @@ def warnings(loads: str) -> list[str]:
 
 @pytest.mark.parametrize("moment", ["1e-4 0. 0.", "0. 2e-4 1e-4", "3e-5 2e-4 -1e-4"])
 def test_a_small_moment_passes_no_critical_state(moment):
-    """A moment on an orientation makes the tangent unsymmetric as soon as it acts: only the sign is known from there on.
+    """A moment on an orientation makes the tangent unsymmetric: from then on only the sign is known.
 
     The loads are 1e-4 of those that bend or twist the bar by a radian, far below every critical one.
     """
