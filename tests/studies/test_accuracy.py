@@ -73,7 +73,7 @@ CASES = {"oscillator": (OSCILLATOR, "x[2,1]", oscillation), "pendulum": (PENDULU
 @pytest.mark.parametrize("target", [1e-3, 1e-5, 1e-7])
 @pytest.mark.parametrize("name", CASES)
 def test_the_error_asked_for_is_kept(name, target):
-    """Against closed forms; and the true error is within the estimate that the run states."""
+    """Against closed forms; and the true error is within twice the estimate that the run states."""
     text, variable, exact = CASES[name]
     result = spacar.run(1, parse_deck(text, mode=1), accuracy=target, variables=[variable])
     found = result.header["accuracy"]
@@ -81,8 +81,9 @@ def test_the_error_asked_for_is_kept(name, target):
     error = np.abs(result.node(node, 1) - exact(result.t)).max() / np.ptp(exact(result.t))
     assert found.met
     assert found.estimate <= target
-    assert error <= found.estimate + 1e-12
-    assert len({a.integrator for a in found.attempts}) == 2
+    assert error <= 2.0 * found.estimate + 1e-12
+    assert error <= target
+    assert len({a.integrator for a in found.attempts}) >= 2
     bars = result.node(node, 1, "xerr")
     assert np.all(np.diff(bars) >= 0.0)
     assert bars[-1] / np.ptp(exact(result.t)) == pytest.approx(found.estimate, rel=1e-2)
