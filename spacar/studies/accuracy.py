@@ -11,8 +11,8 @@ d_k = |u_k - u_(k-1)| and g_k = tau_k / tau_(k-1):
     e_k = max(d_k max(0.1, sqrt(g_k)), d_(k-1) g_(k-1) g_k)  where d_k < d_(k-1);    otherwise e_k = d_k
 
 Explicit methods, 853 in turn with 155 (Adams, 0, at tight tolerances), are taken while the highest frequency of the
-model allows it: rho T / STABLE steps, rho the largest eigenvalue of the start state. Beyond EXPENSIVE steps it is 553 and
-then 595 (Radau of orders 5 and 9). Both damp vibrations that they do not resolve, so they could err alike: three runs
+model allows it: rho T / STABLE steps, rho the largest eigenvalue of the start state. Beyond EXPENSIVE steps it is 553
+and then 595 (Radau of orders 5 and 9). Both damp vibrations that they do not resolve, so they could err alike: three runs
 at least are demanded of them, over which the differences must fall.
 """
 
