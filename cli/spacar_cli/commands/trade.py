@@ -172,7 +172,8 @@ def command(
         perturbation,
     )
     _require_beams(deck, number)
-    against = reference_setups(trade, meshes, min(target, *_numbers(tolerances)), _whole(judges or JUDGES, "--reference"))
+    judging = _whole(judges or JUDGES, "--reference")
+    against = reference_setups(trade, meshes, min(target, *_numbers(tolerances)), judging)
     rows = _rows(environment, trade, list(dict.fromkeys([*against, *cases])), output, jobs, quiet)
     ref = reference(trade, rows, against)
     entries = assess(trade, rows, cases, ref)
