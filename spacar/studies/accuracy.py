@@ -42,7 +42,7 @@ from spacar.studies.quantities import Quantity, quantity
 EXPLICIT, STIFF = (155, 853), (553, 595)
 MULTISTEP, TIGHT = 0, 1e-6  # what takes the place of 155 below this tolerance
 STABLE = 5.0  # h rho at which method 853 leaves its region of stability on the imaginary axis, about
-EXPENSIVE = 40_000  # steps of stability beyond which implicit methods are taken
+EXPENSIVE = 10_000  # steps of stability beyond which implicit methods are taken
 LARGEST_JACOBIAN = 600  # states; above, its eigenvalues take longer than a short run, and implicit methods are taken
 LOOSEST, TIGHTEST = 1e-3, 2e-13  # tolerances that are tried
 GAIN = 10.0  # of the second tolerance over the first
