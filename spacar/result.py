@@ -60,6 +60,10 @@ class Result:
         """A matplotlib figure of expressions such as 'x[6,1]' over `against`, also written to `path`."""
         return import_module(DRAWING).plot(self, *expressions, path=path, against=against)
 
+    def stress(self, **options: Any) -> Any:
+        """Stress resultants and stresses along the beams as numbers; options as `spacar_drawing.stress`."""
+        return import_module(DRAWING).stress(self, **options)
+
     def __repr__(self) -> str:
         return str(import_module(SUMMARY).result_summary(self))
 

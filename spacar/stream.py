@@ -84,25 +84,30 @@ class Run:
             for line in getattr(self.mechanism.user_signal, "lost", {}).values():
                 self.report.add(line)
 
-    def consume(self, *sinks: Sink) -> Outcome:
+    def consume(self, *sinks: Sink, window: Sink | None = None) -> Outcome:
         """Hand every frame to every sink; however the run ends, finish the sinks with what ended it.
 
-        They are finished in their order: the log is the last one, so that it also tells of a result that could
-        not be completed. Raises nothing: `error` of the outcome says what happened, also an interruption.
+        They are finished in their order: the log is the last one that writes, so that it also tells of a result that
+        could not be completed. `window` comes behind all of them: it shows what is written and counted already, and
+        nothing is lost when it is closed or killed. Raises nothing: `error` of the outcome says what happened, also an
+        interruption.
         """
         outcome = Outcome()
         begun = time.perf_counter()
+        watching = () if window is None else (window,)
         try:
-            for sink in sinks:
+            for sink in (*sinks, *watching):
                 sink.start(self)
             for frame in self:
                 for sink in sinks:
                     sink.frame(frame)
                 outcome.steps += 1
                 outcome.last = frame.t
+                if window is not None:
+                    window.frame(frame)
         except (Exception, KeyboardInterrupt) as error:
             outcome.error = error
-        for sink in sinks:
+        for sink in (*sinks, *watching):
             try:
                 sink.finish(outcome.error)
             except (SpacarError, OSError) as error:

@@ -25,6 +25,7 @@ COMMANDS = {
     "combsbd": "join .sbd results of the same mechanism",
     "eigen": "frequencies, root locus, Campbell diagram of a result",
     "bode": "Bode diagram of a .ltv result",
+    "stress": "stress resultants and stresses along beams as numbers",
     "compliance": "compliance matrix of a node",
     "getss": "state space matrices of one step of a .ltv result",
     "sim": "controlled simulation from a model file",

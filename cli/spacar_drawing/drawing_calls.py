@@ -21,6 +21,8 @@ from spacar_drawing.step_pictures import chosen_steps, picture, series
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from spacar_drawing.stress_numbers import StressResults
+
 DPI = 150.0
 MOST_FRAMES = 150
 
@@ -99,6 +101,22 @@ def plot(
     if path is not None:
         save(figure, Path(path), dpi)
     return figure
+
+
+def stress(
+    result: Result | str | Path, *, steps: Sequence[int] | None = None, elements: Sequence[int] | None = None,
+    points: int = 9,
+) -> StressResults:  # fmt: skip
+    """Stress resultants along the beams and trusses of a result, and stresses where a cross-section is known.
+
+    steps     stored steps from 1, default all;  elements: their numbers, default all;  points: places along each
+
+    `found["mises"]` is (steps, elements, points), `found.largest("mises")` says where. Cross-sections are those of
+    BEAMSEC, BEAMVIS and CROSSTYPE. Raises UsageError for steps and elements that the result has not.
+    """
+    from spacar_drawing.stress_numbers import stress_results
+
+    return stress_results(source_of(result), steps, elements, points)
 
 
 def inline_picture(result: Result) -> str:

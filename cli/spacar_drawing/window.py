@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import time
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,9 +17,10 @@ from spacar_drawing.drawn_shapes import merge_bounds
 from spacar_drawing.look import look_of
 from spacar_drawing.mechanism_picture import Extras, camera_of, mechanism_shapes
 from spacar_drawing.moving_figure import MovingFigure, Pictures
-from spacar_drawing.scene import Scene
+from spacar_drawing.scene import Scene, positions
 from spacar_drawing.settings import parse_settings
 from spacar_drawing.stage import furnish
+from spacar_drawing.supports import trace_lines
 
 if TYPE_CHECKING:
     from spacar.frame import Frame
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
 
 FOOT = 0.65  # inches below the axes for the slider and the buttons
 LIVE_INTERVAL = 0.1  # s between two pictures of a run
+ROOM = 0.1  # beyond a side that the mechanism left, of the extent seen so far
 
 
 def open_window(title: str) -> Any:
@@ -140,15 +143,20 @@ class LivePlot:
     """A sink (start, frame, finish) that shows the mechanism while it runs, with an Abort button.
 
     Abort, and closing the window, raise KeyboardInterrupt in `frame`: the run ends as after Ctrl-C, results are kept.
+    It belongs behind the sinks that write: they then have what the window shows. `wait`, when all is written, keeps
+    the last picture on the screen until the user closes it.
     """
 
     def __init__(self, view: str = "iso") -> None:
         self._view = view
         self._figure = open_window("spacar")
         self._aborted = False
+        self._waits = False
         self._last = 0.0
         self._latest: Frame | None = None
+        self._seen: tuple[Array, Array] | None = None
         self._bounds: tuple[Array, Array] | None = None
+        self._paths: list[Array] = []
 
     def start(self, run: Run) -> None:
         from matplotlib.widgets import Button
@@ -156,6 +164,8 @@ class LivePlot:
         deck = run.mechanism.deck
         self._scene = Scene.of_header(sbd_header(run), deck.source)
         self._settings = parse_settings(deck.visualization)
+        known = set(self._scene.position_nodes.tolist())
+        self._traces = [n for n in self._settings.traces if n in known]
         self._camera = camera_of(self._scene, self._view)
         self._button = Button(
             self._figure.add_axes((0.84, 0.02, 0.13, 0.05)), "Abort", color="#f3d4d4", hovercolor="#eebcbc"
@@ -175,6 +185,7 @@ class LivePlot:
         if self._aborted:
             raise KeyboardInterrupt
         self._latest = frame
+        self._note(frame)
         now = time.monotonic()
         if self._moving is not None and now - self._last < LIVE_INTERVAL:
             return
@@ -185,10 +196,21 @@ class LivePlot:
         if self._aborted:
             raise KeyboardInterrupt
 
-    def _draw(self, frame: Frame) -> None:
+    def _note(self, frame: Frame) -> None:
+        """Where the nodes have been: the rail of a guide is as long as the way on it, a path has every step."""
         if self._moving is None:
             self._look = look_of(self._scene, frame.x[None], self._settings)
+        else:
+            place, old = positions(self._scene, frame.x), self._look.ranges
+            ranges = np.stack((np.minimum(old[:, 0], place), np.maximum(old[:, 1], place)), axis=1)
+            self._look = replace(self._look, ranges=ranges)
+        if self._traces:
+            self._paths.append(np.array(frame.x, float))
+
+    def _draw(self, frame: Frame) -> None:
         shapes = mechanism_shapes(self._scene, frame.x, self._look, Extras())
+        if self._traces:
+            shapes += trace_lines(self._scene, np.stack(self._paths), self._traces)
         box = merge_bounds(shapes)
         if box is not None and (
             self._bounds is None or np.any(box[0] < self._bounds[0]) or np.any(box[1] > self._bounds[1])
@@ -198,25 +220,49 @@ class LivePlot:
         self._moving.show(shapes, f"{self._scene.title}   t = {frame.t:.6g} s")
 
     def _enlarge(self, box: tuple[Array, Array]) -> None:
-        """New axes with room around what was seen so far."""
-        old = self._bounds or box
-        low, high = np.minimum(old[0], box[0]), np.maximum(old[1], box[1])
-        room = 0.2 * float(np.max(high - low)) * (np.array([1, 1, 0]) if self._scene.planar else 1.0)
-        self._bounds = low - room, high + room
+        """New axes that hold what was seen so far, with room on those sides only that the mechanism has left.
+
+        The room is a part of what was seen, not of earlier room: it does not add up while the picture grows.
+        """
+        old, shown = self._seen or box, self._bounds
+        low, high = self._seen = np.minimum(old[0], box[0]), np.maximum(old[1], box[1])
+        room = ROOM * float(np.max(high - low)) * (np.array([1, 1, 0]) if self._scene.planar else np.ones(3))
+        if shown is None:
+            self._bounds = low, high
+        else:
+            self._bounds = (
+                np.where(low < shown[0], low - room, shown[0]),
+                np.where(high > shown[1], high + room, shown[1]),
+            )
         if self._moving is not None:
             self._moving.axes.remove()
         axes = furnish(self._figure, self._bounds, self._camera, " ", FOOT)
         self._moving = MovingFigure(self._figure, axes, self._camera)
 
     def finish(self, error: BaseException | None) -> None:
-        """Leave the last picture on the screen until the user closes it, except after an abort."""
+        """Show the last state of a run that came to its end; close the window of another one."""
+        self._waits = error is None and not self._aborted and self._latest is not None
+        if self._waits and self._latest is not None:
+            self._button.label.set_text("done")
+            self._draw(self._latest)
+            self._figure.canvas.draw_idle()
+        else:
+            self._close()
+
+    def wait(self) -> None:
+        """Leave the last picture on the screen until the user closes it (or presses Ctrl-C)."""
         import matplotlib.pyplot as plt
 
-        if error is None and not self._aborted and _on_screen():
-            self._button.label.set_text("done")
-            if self._latest is not None:
-                self._draw(self._latest)
-            plt.show()
+        try:
+            if self._waits and not self._aborted and _on_screen():
+                plt.show()
+        except KeyboardInterrupt:
+            pass  # the run has ended, all is written: nothing is interrupted but the looking
+        self._close()
+
+    def _close(self) -> None:
+        import matplotlib.pyplot as plt
+
         plt.close(self._figure)
 
 

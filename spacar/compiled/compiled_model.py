@@ -31,10 +31,7 @@ def why_general(mechanism: Mechanism) -> str | None:
 
 def why_not(mechanism: Mechanism) -> str | None:
     """Why there is no compiled form of this mechanism, or None."""
-    missing = sorted({b.family.keyword for b in mechanism.batches if b.family.keyword not in (*SUPPORTED, "XM")})
-    angle = sorted({b.family.keyword for b in mechanism.batches if b.family.measure})
-    if angle:
-        return f"there is no compiled form of {', '.join(angle)} in the angle measure (ADEFORM, --beams angle)"
+    missing = sorted({b.family.keyword for b in mechanism.batches if b.family.form not in (*SUPPORTED, "XM")})
     if missing:
         return f"there is no compiled form of {', '.join(missing)}"
     if mechanism.user_signal is not None:
@@ -66,6 +63,11 @@ class State:
         """Positions and deformations that the next guess starts from."""
         self.x[:], self.e[:] = x, e
         self.c.known = 0
+
+    def resume(self, t: float, of_x: Array, e: Array) -> None:
+        """The state at t with x, xd, xdd (3, nx, cases) and e (ne, cases) is the last evaluated one again."""
+        self.of_x[:], self.e[:] = of_x, e
+        self.c.t, self.c.known = t, 1
 
 
 class CompiledModel:

@@ -42,6 +42,12 @@ def _beam(f: Family) -> Array:
     return np.vstack((f.length, _frame(f), f.data[:, 0], second, unit))
 
 
+def _beam_angle(f: Family) -> Array:
+    a = f.angles  # type: ignore[attr-defined]
+    unit = f.line.C[0, 0] / 156.0  # type: ignore[attr-defined]
+    return np.vstack((f.length, _frame(f), a.f, a.second, unit, a.shear, a.ratio))
+
+
 def _pinbody(f: Family) -> Array:
     return np.vstack((_frame(f), f.r))  # type: ignore[attr-defined]
 
@@ -51,14 +57,16 @@ def _body(f: Family) -> Array:
     return np.stack([J[0, 0], J[0, 1], J[0, 2], J[1, 1], J[1, 2], J[2, 2]])
 
 
-# keyword of the batch -> kind (name of its definition), parameters (n_parameters, n)
+# form of the family (keyword and measure) -> kind (name of its definition), parameters (n_parameters, n)
 SUPPORTED: dict[str, tuple[str, Callable[[Family], Array]]] = {
     "PLBEAM": ("plbeam", _plbeam),
+    "PLBEAM angle": ("plbeam_angle", _plbeam),
     "PLTRUSS": ("pltruss", _length),
     "PLTOR": ("pltor", _none),
     "PLPINBOD": ("plpinbod", _plpinbod),
     "PLRBEAM": ("plpinbod", _plpinbod),
     "BEAM": ("beam", _beam),
+    "BEAM angle": ("beam_angle", _beam_angle),
     "BEAMW": ("beamw", _beam),
     "TRUSS": ("truss", _length),
     "HINGE": ("hinge", _frame),

@@ -70,7 +70,7 @@ def of_one(dynamics: Dynamics) -> Numbers:
         return np.array(array, np.float64)[..., None]
 
     return Numbers(
-        tuple(_elements(b, one(SUPPORTED[b.family.keyword][1](b.family).T)) for b in supported(m)),
+        tuple(_elements(b, one(SUPPORTED[b.family.form][1](b.family).T)) for b in supported(m)),
         _only(constant_mass(m)), _only(law.stiffness), _only(law.damping),
         one(dynamics.loads.force), one(dynamics.forces.field), one(m.x0), one(law.preload),
         one(motion(drive, "x")), one(motion(drive, "e")),
@@ -86,7 +86,7 @@ def of_copies(one: Mechanism, together: Mechanism, x_of: Index, e_of: Index) -> 
     law = StressLaw.of(together, together.loads)
     elements = []
     for b, all_ in zip(supported(one), supported(together), strict=True):
-        parameters = SUPPORTED[b.family.keyword][1](all_.family)
+        parameters = SUPPORTED[b.family.form][1](all_.family)
         p = parameters.reshape(len(parameters), cases, b.family.n)  # elements are in the order of their numbers
         assert np.array_equal(all_.x.reshape(len(b.x), cases, b.family.n), x_of[:, b.x].transpose(1, 0, 2))
         elements.append(_elements(b, p.transpose(2, 0, 1)))
@@ -105,12 +105,12 @@ def of_copies(one: Mechanism, together: Mechanism, x_of: Index, e_of: Index) -> 
 
 def supported(mechanism: Mechanism) -> list[Batch]:
     """The batches with a compiled form; the others are lumped masses, which are constant entries of M."""
-    return [b for b in mechanism.batches if b.family.keyword in SUPPORTED]
+    return [b for b in mechanism.batches if b.family.form in SUPPORTED]
 
 
 def _elements(batch: Batch, parameters: Array) -> Elements:
     family = batch.family
-    kind = kinds().index(SUPPORTED[family.keyword][0])
+    kind = kinds().index(SUPPORTED[family.form][0])
     return Elements(kind, family.has_mass and not family.constant_mass, batch.x.T, batch.e.T, parameters)
 
 

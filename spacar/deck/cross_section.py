@@ -157,7 +157,7 @@ SHAPES = {
         (("flange b along y'", 1), ("height h along z'", 1), ("web tw", 1), ("flange tf", 1)),
         i_section,
         _web,
-        None,
+        lambda b, h, tw, tf: ("I", (b, h, tw, tf)),
     ),
     "CUSTOM": Shape(
         "constants as given",
@@ -167,6 +167,18 @@ SHAPES = {
         None,
     ),
 }
+
+
+def pictured_constants(crosstype: str, dims: tuple[float, ...]) -> SectionConstants | None:
+    """Constants of a cross-section as pictures name it (CROSSTYPE, with inner diameters), None for one without any."""
+    nu = 0.3  # in the shear coefficients only
+    if crosstype == "CIRCHOL":
+        outer, inner = dims
+        return _ring(outer, inner, nu)
+    shape = SHAPES.get(crosstype)
+    return None if shape is None else shape.constants(*dims, nu)
+
+
 ZERO_ALLOWED = ("ky", "kz", "Cw")
 LEAST = {"CUSTOM": 4}  # dimensions that must be given; the others are zero
 

@@ -113,6 +113,11 @@ class Family:
     def n(self) -> int:
         return len(self.numbers)
 
+    @property
+    def form(self) -> str:
+        """Keyword and measure: what the elements of the family have in common."""
+        return f"{self.keyword} {self.measure}".strip()
+
     # -- deformations -------------------------------------------------------------------------------------------
     def strain(self, x: Array, near: Array, e: Array, V: Array) -> Configuration:
         """Write e (n_deformations, n) and V (n_deformations, n_coordinates, n) at x (n_coordinates, n).

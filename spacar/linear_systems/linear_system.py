@@ -31,7 +31,7 @@ class LinearSystem(Protocol):
         """x with A^T x = b; b is (n,) or (n, k)."""
 
     def determinant_sign(self) -> float:
-        """+1 or -1 of the factored matrix, up to a factor that does not depend on the entries."""
+        """+1 or -1, of the determinant of the factored matrix in the caller's numbering."""
 
 
 def parity(permutation: Index) -> float:

@@ -91,8 +91,8 @@ class MovingTangent:
         return self._square
 
     def sign(self) -> float:
-        """Of its determinant."""
-        return float(np.linalg.slogdet(self._square)[0])
+        # The mixed matrix has one negative eigenvalue more for every stress.
+        return float(np.linalg.slogdet(self._square)[0]) * (-1.0) ** self.q.ne
 
 
 def _rates(q: StationaryEquations, V: Array, point: Iterate) -> tuple[Array, Array, Array, Array]:

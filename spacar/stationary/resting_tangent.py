@@ -70,9 +70,9 @@ class RestingTangent:
         return not loaded and t.flexibility.definite
 
     def sign(self) -> float:
-        """Of the determinant, up to a factor that does not change with the state."""
+        # The mixed matrix has one negative eigenvalue more for every stress.
         assert self._system is not None
-        return self._system.determinant_sign()
+        return self._system.determinant_sign() * (-1.0) ** self.t.ne
 
     def inertia(self) -> tuple[int, int]:
         """Negative and zero eigenvalues of the matrix at the sweep's configuration and `sigma`."""

@@ -19,7 +19,6 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.linear_systems import SingularMatrixError
 from spacar.stationary.contract import Tangent
-from spacar.stationary.moving_tangent import MovingTangent
 from spacar.stationary.newton import correction
 from spacar.stationary.resting_tangent import RestingTangent
 from spacar.stationary.stationary_equations import Iterate, StationaryEquations
@@ -71,10 +70,7 @@ def stability(q: StationaryEquations, tangent: Tangent, p: Iterate, noise: float
             return Stability(max(negative - q.ne, 0), q.nf if critical else zero, True, critical)
     if not _regular(q, tangent, p):
         return None
-    sign = tangent.sign()
-    if isinstance(tangent, MovingTangent):  # a sign of its own for every pair of a coordinate and a stress
-        sign *= -1.0 if q.ne % 2 else 1.0
-    return Stability(int(sign < 0.0), 0, False)
+    return Stability(int(tangent.sign() < 0.0), 0, False)
 
 
 def _regular(q: StationaryEquations, tangent: Tangent, p: Iterate) -> bool:

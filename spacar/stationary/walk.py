@@ -62,7 +62,6 @@ class Walk:
         self.level = LoadLevel(0.0, 0.0)
         self.path = [Known(0.0, point.x, point.sigma)]
         self.stable: Stability | None = None
-        self._even = 0.0  # sign of the determinant with an even number of negative eigenvalues; 0: not known
         self.iterations = 0
         self.noise = 0.0
         settings = evaluator.mechanism.settings
@@ -70,9 +69,6 @@ class Walk:
         self.follow = bool(settings.follow_path)
         if known:
             self._count(stored=evaluator.plain)
-            if self._large and self.stable is not None and self.stable.exact and not self.stable.zero:
-                evaluator.tangent.factor(point)
-                self._even = evaluator.tangent.sign() * (-1.0) ** self.stable.negative
         # held, or without stiffness as long as no load acts: not on the path, predicts nothing
         self._arbitrary = not known or (self.stable is not None and self.stable.zero > 0)
 
@@ -200,9 +196,9 @@ class Walk:
     def _odd(self) -> bool:
         """Does the determinant of the last factorization say that the known number of negative eigenvalues is off by
         an odd number?"""
-        if self.stable is None or not self._even:
+        if self.stable is None or self.stable.zero:
             return False
-        return self.evaluator.tangent.sign() * (-1.0) ** self.stable.negative == -self._even
+        return self.evaluator.tangent.sign() * (-1.0) ** self.stable.negative < 0.0
 
     def _say_passed(self, level: LoadLevel, before: Stability | None) -> None:
         assert before is not None

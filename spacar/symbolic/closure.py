@@ -25,6 +25,7 @@ from spacar.symbolic.ordered import OrderedProgram
 ITERATIONS = 60
 DRIFT = {"DOP853": 0.1, "Radau": 0.1, "LSODA": 10.0}
 """Correction, in tolerances, from which a run restarts at the projected state; dear for multistep methods."""
+ROUNDING = 8 * np.finfo(float).eps  # of a coordinate of order one
 NEARLY = 1e-3  # largest relative change of given start values that is taken as their rounding
 
 
@@ -156,8 +157,9 @@ class Manifold:
             if gap <= 1e-14 * start:
                 break
         D, _, Jg, _, g, W = self.numbers(t, y)
-        scale = np.abs(Jg) @ np.abs(np.linalg.pinv(W) @ y[:n]) + np.max(np.abs(Jg), axis=1) * 1e-12
-        return y if np.all(np.abs(g) <= 1e-11 * scale) else None
+        # the rounding of coordinates of their size, or of angles near zero, whose own size says nothing
+        scale = 1e-11 * np.abs(Jg) @ np.abs(np.linalg.pinv(W) @ y[:n]) + np.max(np.abs(Jg), axis=1) * ROUNDING
+        return y if np.all(np.abs(g) <= scale) else None
 
     def _close_speeds(self, t: float, y: np.ndarray, fixed: list[bool]) -> np.ndarray:
         n, held = self.nq, np.array(fixed, dtype=bool)

@@ -34,7 +34,7 @@ from spacar.symbolic.reference_frames import omega
 from spacar.symbolic.splitting import LinearSplit
 from spacar.symbolic.system_parts import Beam, DistributedLoad, RigidBody
 from spacar.symbolic.transform import DirectionCosines
-from spacar.symbolic.unit_vectors import TIME, HeldScalar
+from spacar.symbolic.unit_vectors import TIME, HeldScalar, Key
 from spacar.symbolic.vectors import ZERO, Vector, cross, dot
 
 
@@ -167,7 +167,8 @@ class HeldDerivation:
         """A vector that is linear in x and in the field symbols u(x, t), u_t, u_tt, with the assumed fields put in."""
         known = beam_functions(beam, self.system.accelerations)
         mark = {symbol: sp.Dummy() for symbol in known}
-        split, terms = LinearSplit(mark.values()), {key: {} for key in mark.values()}
+        split = LinearSplit(mark.values())
+        terms: dict[sp.Basic, dict[Key, sp.Expr]] = {key: {} for key in mark.values()}
         for key, c in value.xreplace(mark).terms.items():
             for dummy, coefficient in split(c)[0].items():
                 terms[dummy][key] = coefficient

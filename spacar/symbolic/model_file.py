@@ -20,7 +20,8 @@ from spacar.symbolic.name_rules import control_character, is_name
 class ModelFile:
     """The file; `place` is where its reader is, for messages, `claimed` the names with their places."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, data: bytes | None = None) -> None:
+        self.data = data  # instead of what the file holds
         self.path, self.place, self.sha256 = path, "", ""
         self.claimed: list[tuple[str, str]] = []
 
@@ -32,7 +33,7 @@ class ModelFile:
     def tables(self) -> dict[str, Any]:
         toml = import_module("tomllib" if sys.version_info >= (3, 11) else "tomli")
         try:
-            data = self.path.read_bytes()
+            data = self.path.read_bytes() if self.data is None else self.data
             self.sha256 = hashlib.sha256(data).hexdigest()
             tables: dict[str, Any] = toml.loads(data.decode("utf-8").replace("\r\n", "\n"))
         except ValueError as error:

@@ -38,13 +38,19 @@ def read_model(path: Path | str) -> SymbolicModel:
     return read_script(path) if path.suffix == ".py" else _TomlReader(path).read()
 
 
+def read_model_text(text: str, path: Path) -> SymbolicModel:
+    """The model of a text, with the name of a file that need not exist. Raises InputError."""
+    return _TomlReader(path, text.encode()).read()
+
+
 class _TomlReader(ModelFile):
     """From the tables of one file to a system."""
 
-    def __init__(self, path: Path) -> None:
-        super().__init__(path)
+    def __init__(self, path: Path, data: bytes | None = None) -> None:
+        super().__init__(path, data)
         self.guess: dict[str, float] = {}
         self.symbols: dict[str, sp.Symbol] = {}
+        self.beam_start: dict[str, float] = {}
         self.turning: dict[str, list[list[Any]]] = {}
         self.scalars: dict[str, sp.Expr] = {}
         self.frames: dict[str, ReferenceFrame | CrossSection] = {}
@@ -64,6 +70,7 @@ class _TomlReader(ModelFile):
         self._kinematics(self.rows(tables, "kinematic"))
         self.frames["N"], self.points["O"] = system.N, system.O
         self._resolve(tables)
+        start |= self.beam_start
         for table, make in (("body", self._body), ("force", self._force), ("distributed", self._distributed),
                             ("torque", self._torque), ("spring", self._spring), ("constraint", self._constraint),
                             ("close", self._close)):  # fmt: skip
@@ -266,6 +273,12 @@ class _TomlReader(ModelFile):
         if "bends" in row:
             options["bends"] = tuple(row["bends"]) if isinstance(row["bends"], list) else row["bends"]
         beam = self.system.beam(row["name"], self.frame_of(row, "frame"), self.point_of(row, "root"), **options)
+        for key, states in (("start", beam.coordinates), ("speed_start", beam.speeds)):
+            numbers = row.get(key, [])
+            wrong = [v for v in numbers if isinstance(v, bool) or not isinstance(v, (int, float))]
+            if wrong or len(numbers) not in (0, len(states)):
+                self.fail(f"key '{key}' must be a list of {len(states)} numbers, not {numbers!r}")
+            self.beam_start |= {str(s.func): float(v) for s, v in zip(states, numbers, strict=False)}
         tip = f"{row['name']}.tip"
         self.frames[tip] = self.points[tip] = beam.tip
 

@@ -101,6 +101,8 @@ TABLES: dict[str, dict[str, Key]] = {
         "polar": _may("expression", "polar moment of inertia per length [kg m]"),
         "stretch": _may("shapes", "axial field"),
         "EA": _may("expression", "axial stiffness [N]"),
+        "start": _may("list", "amplitudes of all shapes at t = 0"),
+        "speed_start": _may("list", "their rates at t = 0"),
     },
     "body": {
         "name": _NAME,

@@ -41,7 +41,7 @@ def test_every_kind_has_a_definition():
     assert {d.name for d in DEFINITIONS} == set(kinds())
 
 
-@pytest.mark.parametrize("kind", sorted(BATCHES))
+@pytest.mark.parametrize("kind", [pytest.param(k, marks=[pytest.mark.slow] * (k == "beam")) for k in sorted(BATCHES)])
 def test_family_agrees_with_its_definition(kind):
     batch, parameters = BATCHES[kind]
     definition, family = BY_NAME[kind], batch.family

@@ -1,18 +1,17 @@
-"""BEAMW in C against the general path, and against modes of vibration; bounds as in test_compiled."""
+"""BEAMW in C against the general path; bounds as in test_compiled."""
 
 from __future__ import annotations
-
-import shutil
 
 import numpy as np
 import pytest
 
 from spacar.compiled import CompiledDynamics, why_not
+from spacar.compiled.library import unavailable
 from spacar.deck import Deck
 from spacar.dynamics import Dynamics
 from spacar.mechanism import build
 
-pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
 
 KINEMATICS = [
     ("BEAMW", 1, 1, 2, 3, 4, 5, 6, 0.0, 1.0, 0.2, 0.01), ("BEAMW", 2, 4, 5, 6, 7, 8, 9, 0.0, 1.0, 0.2),

@@ -76,7 +76,7 @@ settings.register_profile(
     "fuzz", deadline=None, suppress_health_check=list(HealthCheck), database=None, derandomize=True
 )
 FUZZ = settings.get_profile("fuzz")
-FAST = 5  # of so many examples one is tried in the fast tests; they come in the same order
+FAST = 10  # of so many examples one is tried in the fast tests; they come in the same order
 
 
 def fuzz(count: int, *strategies: Any, **named: Any) -> Callable[[Callable], Callable]:

@@ -65,6 +65,7 @@ def test_live_plot_follows_a_run(no_screen, monkeypatch):
     plot.finish(None)
     assert titles[0] == "crank.dat   t = 0 s"
     assert titles[-1] == "crank.dat   t = 0.01 s"
+    plot.wait()
     assert no_screen.get_fignums() == []
 
 

@@ -106,8 +106,8 @@ def test_energy_with_wide_tolerances() -> None:
 def test_work_of_a_drive_equals_the_change_of_energy() -> None:
     """Prescribed hinge and prescribed elongation drive a flexible arm: integral of -sigma de/dt over the drives.
 
-    Gauss-Legendre quadrature over the output points would need dense output; the trapezoidal rule over 2000 points a second has
-    an error of (dt)^2 of the power's second derivative: 4e-5 of the work.
+    Gauss-Legendre quadrature over the output points would need dense output; the trapezoidal rule over 2000 points a
+    second has an error of (dt)^2 of the power's second derivative: 4e-5 of the work.
     """
     rows = [
         ("PLTOR", 1, 1, 2), ("PLBEAM", 2, 3, 2, 4, 5), ("X", 4, 0.7, 0.0), ("FIX", 1), ("FIX", 3), ("INPUTE", 1, 1),

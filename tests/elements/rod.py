@@ -4,6 +4,8 @@ Clamped along x at s = 0; at s the internal force F(s) = tip force + q (L - s) (
 angle theta and its normal n:
 
     r' = (1 + F.t/EA) t + (F.n/GAk) n,   theta' = kappa0 + M/EI,   M' = -(r' x F),   M(L) = 0
+
+`line`: an inextensible line (Engesser), r' = (cos, sin)(theta + gamma) with gamma = F.n(theta + gamma)/GAk.
 """
 
 from __future__ import annotations
@@ -23,6 +25,7 @@ def cantilever_tip(
     GAk: float = np.inf,
     q: tuple[float, float] = (0.0, 0.0),
     kappa0: float = 0.0,
+    line: bool = False,
 ) -> NDArray[np.float64]:
     """x, y, theta of the free end, to about 1e-12 L."""
     tip, load = np.array(force), np.array(q)
@@ -32,6 +35,12 @@ def cantilever_tip(
         c, n = np.cos(z[2]), np.sin(z[2])
         stretch, shear = 1.0 + (F[0] * c + F[1] * n) / EA, (-F[0] * n + F[1] * c) / GAk
         dx, dy = stretch * c - shear * n, stretch * n + shear * c
+        if line:
+            gamma = 0.0
+            for _ in range(40):  # contracts with |F|/GAk
+                a = z[2] + gamma
+                gamma = (-F[0] * np.sin(a) + F[1] * np.cos(a)) / GAk
+            dx, dy = np.cos(z[2] + gamma), np.sin(z[2] + gamma)
         return [dx, dy, kappa0 + z[3] / EI, -(dx * F[1] - dy * F[0])]
 
     def end(moment: float) -> NDArray[np.float64]:

@@ -10,6 +10,7 @@ from spacar import Deck
 from spacar.elements.plbeam import PlanarBeam
 from spacar.elements.plbeam_angle import PlanarAngleBeam, PlanarAngleTube
 from tests.elements.derivatives import check_inertia, check_strain, close, evaluate, group
+from tests.elements.rod import cantilever_tip
 
 N = 6
 EXACT = np.array((3.810897752359167, -8.404448390735478))  # elastica, P L^2/EI = 14 100/102
@@ -137,3 +138,112 @@ def test_full_circle_by_a_moment_is_exact(n):
     result = spacar.run(7, deck, beams="angle")
     np.testing.assert_allclose(tip(result, n), 0.0, atol=1e-11)
     np.testing.assert_allclose(result.node(2 * n + 2, 1)[-1], 2 * np.pi, rtol=1e-12)
+
+
+def errors_of(beams, counts, force, *, EA: float = 0.0, shear: float = 0.0, q=(0.0, 0.0), truth) -> np.ndarray:
+    """Errors of the tip of cantilevers of length 1 and EI = 1 under a dead force and gravity q per length."""
+    found = []
+    for n in counts:
+        rows: list[tuple] = [("FIX", 1), ("FIX", 2)]
+        dynamics: list[tuple] = [("XF", 2 * n + 1, *force), ("ITERSTEP", 60, 10, 1e-12), ("GRAVITY", *q)]
+        for k in range(1, n + 1):
+            p = 2 * k - 1
+            rows += [("PLBEAM", k, p, p + 1, p + 2, p + 3), ("X", p + 2, k / n, 0.0)]
+            rows += [("DYNE", k, *((1, 2, 3) if EA else (2, 3)))]
+            dynamics += [("ESTIFF", k, EA, 1.0, shear), ("EM", k, 1.0)]
+        found.append(np.linalg.norm(tip(spacar.run(8, Deck.build(rows, dynamics), beams=beams), n) - truth))
+    return np.array(found)
+
+
+def orders(errors) -> np.ndarray:
+    return np.log2(errors[:-1] / errors[1:])
+
+
+@pytest.mark.parametrize(
+    ("force", "q"), [((0.0, -5.0), (0.0, 0.0)), ((0.0, 0.0), (0.0, -10.0)), ((2.0, -3.0), (0.0, -5.0))]
+)
+def test_gravity_is_a_load_of_fourth_order(force, q):
+    """Table 3.9 of the theory, against a rod by shooting."""
+    truth = cantilever_tip(force, q=q)[:2]
+    angle = errors_of("angle", (4, 8, 16), force, q=q, truth=truth)
+    np.testing.assert_allclose(orders(angle), 4.0, atol=0.1)
+    sine = errors_of("sine", (8, 16), force, q=q, truth=truth)
+    np.testing.assert_allclose(orders(sine), 2.0, atol=0.1)
+
+
+@pytest.mark.parametrize("EA", [1e4, 1e2])
+def test_what_finite_extension_leaves(EA):
+    """Section 2.7: order 4 down to about 0.9 n^-2 EI/(EA L^2) of the length, with order 2 there."""
+    force = (0.0, -5.0)
+    error = errors_of("angle", (16,), force, EA=EA, truth=cantilever_tip(force, EA=EA)[:2])[0]
+    fourth = errors_of("angle", (16,), force, truth=cantilever_tip(force)[:2])[0]
+    assert abs(error - fourth) < 0.95 / 16**2 / EA
+
+
+def test_shear_flexible_beams_tend_to_engesser():
+    """Section 2.7: the rod whose line is inextensible; the sine measure tends to something else."""
+    force, shear = (0.0, -5.0), 0.01
+    truth = cantilever_tip(force, GAk=1 / shear, line=True)[:2]
+    angle = errors_of("angle", (2, 4, 8, 16), force, shear=shear, truth=truth)
+    np.testing.assert_allclose(angle, (3.25e-3, 3.91e-4, 6.85e-5, 1.54e-5), rtol=0.02)
+    assert errors_of("sine", (16,), force, shear=shear, truth=truth)[0] > 2e-3
+
+
+def bent_tube(n, beams) -> np.ndarray:
+    """Quarter of a circle of radius 1 of PLTUBEs without fluid, EI = 1, dead force at the free end."""
+    angles, half = np.linspace(0, np.pi / 2, n + 1), np.pi / 4 / n
+    rows: list[tuple] = [("FIX", 1), ("FIX", 2)]
+    dynamics: list[tuple] = [("XF", 2 * n + 1, 0.4, -0.7), ("ITERSTEP", 60, 10, 1e-12)]
+    for k in range(1, n + 1):
+        p = 2 * k - 1
+        rows += [("PLTUBE", k, p, p + 1, p + 2, p + 3, -half, half), ("DYNE", k, 2, 3)]
+        rows.append(("X", p + 2, float(np.sin(angles[k])), float(1 - np.cos(angles[k]))))
+        dynamics.append(("ESTIFF", k, 0.0, 1.0))
+    return tip(spacar.run(8, Deck.build(rows, dynamics), beams=beams), n)
+
+
+def test_curved_tubes_are_of_fourth_order():
+    """Section 1.2, against the rod by shooting."""
+    truth = cantilever_tip((0.4, -0.7), L=np.pi / 2, kappa0=1.0)[:2]
+    errors = {b: np.array([np.linalg.norm(bent_tube(n, b) - truth) for n in (2, 4, 8)]) for b in ("sine", "angle")}
+    np.testing.assert_allclose(orders(errors["angle"]), 4.0, atol=0.35)
+    np.testing.assert_allclose(orders(errors["sine"]), 2.0, atol=0.35)
+
+
+def swung(n, beams) -> np.ndarray:
+    """Cantilever (all unity) whose clamp turns with 8 rad/s^2: position of the end after 0.8 s."""
+    rows: list[tuple] = [("FIX", 1), ("INPUTX", 2, 1)]
+    dynamics: list[tuple] = [
+        ("INPUTX", 2, 1, 0.0, 0.0, 8.0),
+        ("TIMESTEP", 0.8, 4),
+        ("ERROR", 1e-8, 1e-8),
+        ("INTEGRAT", 595),
+    ]
+    for k in range(1, n + 1):
+        p = 2 * k - 1
+        rows += [("PLBEAM", k, p, p + 1, p + 2, p + 3), ("DYNE", k, 2, 3), ("X", p + 2, k / n, 0.0)]
+        dynamics += [("ESTIFF", k, 0.0, 1.0), ("EM", k, 1.0)]
+    return tip(spacar.run(1, Deck.build(rows, dynamics), beams=beams), n)
+
+
+@pytest.mark.slow
+def test_time_integration_is_of_fourth_order():
+    """n = 2, 4 against n = 8; both measures go to the same motion, the sine slowly."""
+    fine = swung(8, "angle")
+    angle = [np.linalg.norm(swung(n, "angle") - fine) for n in (2, 4)]
+    assert np.log2(angle[0] / angle[1]) == pytest.approx(3.8, abs=0.2)
+    sine = np.linalg.norm(swung(4, "sine") - fine)
+    assert 0.06 < sine < 0.08
+    assert sine > 30 * angle[1]
+
+
+def test_start_values_are_angles():
+    """STARTDE e2 = 0.3, e3 = 0 on a beam of 1 m: the tangent at p is 0.3 rad from the chord, asin 0.3 with sines."""
+    rows = [("PLBEAM", 1, 1, 2, 3, 4), ("X", 3, 1.0, 0.0), ("FIX", 1), ("FIX", 2), ("DYNE", 1, 2, 3)]
+    deck = Deck.build(
+        rows, [("ESTIFF", 1, 0.0, 1.0), ("EM", 1, 1.0), ("STARTDE", 1, 2, 0.3, 0.0), ("TIMESTEP", 0.001, 1)]
+    )
+    for beams, angle in (("angle", 0.3), ("sine", np.arcsin(0.3))):
+        result = spacar.run(1, deck, beams=beams)
+        chord = np.arctan2(result.node(3, 2)[0], result.node(3, 1)[0])
+        assert -chord == pytest.approx(angle, rel=1e-12)

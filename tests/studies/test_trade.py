@@ -204,6 +204,7 @@ def test_command_json(call, pendulum):
     assert found["reference"]["error"] < 1e-7
 
 
+@pytest.mark.slow
 def test_models_of_a_flexible_mechanism(call):
     """A rigid rod is a model with an error of its own, larger than that of integration."""
     done = call("trade", "crankfl", "--time", "0.002", "--steps", "2", "-i", "853", "-t", "1e-3",

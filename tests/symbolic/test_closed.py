@@ -196,11 +196,15 @@ BEAMS = [
     (spatial, shortening, strategy)
     for spatial in (False, True) for shortening in (False, True) for strategy in ("held", "recursive")
 ]  # fmt: skip
-MARKED = [pytest.param(*b, marks=pytest.mark.slow) if b[0] and b[2] == "held" else b for b in BEAMS]
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize(("spatial", "shortening", "strategy"), MARKED)
+def is_slow(kind, spatial, shortening, strategy):
+    return (spatial and strategy == "held") or ((spatial or shortening) and kind not in ("close", "knife"))
+
+
+@pytest.mark.parametrize(("spatial", "shortening", "strategy", "kind"), [
+    pytest.param(*beam, kind, marks=[pytest.mark.slow] * is_slow(kind, *beam)) for beam in BEAMS for kind in KINDS
+])  # fmt: skip
 def test_constraint_on_a_flexible_section(kind, spatial, shortening, strategy):
     S, _, eq = model(kind, spatial, shortening, strategy)
     speeds = [str(s.func) for s in S.speeds]
@@ -249,7 +253,7 @@ def test_wrong_columns_do_not_pass_the_check():
 
 
 @pytest.mark.parametrize("strategy", ["held", "recursive"])
-@pytest.mark.parametrize("shortening", [False, True])
+@pytest.mark.parametrize("shortening", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_energy_of_the_closed_slider_crank(strategy, shortening):
     """Without dissipation; 1e-9 of the energy at rtol 1e-10."""
     S, rod, eq = model("close", False, shortening, strategy)

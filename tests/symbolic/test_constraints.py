@@ -85,7 +85,7 @@ def test_dependent_speeds_give_the_same_accelerations(strategy, flexible):
         assert rates_g[name] == pytest.approx(rates_f[name], rel=1e-10, abs=1e-12)
 
 
-@pytest.mark.parametrize("strategy", ["held", "recursive"])
+@pytest.mark.parametrize("strategy", [pytest.param("held", marks=pytest.mark.slow), "recursive"])
 def test_flexible_sleigh(strategy):
     """All printed digits of the two-integrator reference are within 1e-9 at rtol 1e-11."""
     S, beam = sleigh(True, "quasi")

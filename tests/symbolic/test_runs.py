@@ -85,6 +85,7 @@ def test_reference_motion(programs, arm, case):
     compare(run, rows, 5e-9, 1e-10)
 
 
+@pytest.mark.slow
 def test_held_program_runs_the_same_motion(programs, arm):
     rows = table(R1)[:6]
     compare(simulate(programs("held"), arm().values, rows, 1e-10), rows, 2e-9, 2e-10)
@@ -205,6 +206,7 @@ def test_rotating_beam_without_and_with_foreshortening():
         assert gain == pytest.approx(ratio, abs=1e-3)
 
 
+@pytest.mark.slow  # test_stiff_limit and the reference motions are the fast ones
 def test_energy_of_the_free_arm_is_constant(arm):
     """No control, no damping, 0.1 s: the energy of some ten joules stays to the tolerance of the integrator.
 

@@ -36,7 +36,7 @@ def test_a_wedge_has_the_frequency_of_bessel_functions(strategy):
     assert -1e-11 < w / exact - 1 < 1e-6  # from above; the error of Ritz with six polynomials
 
 
-@pytest.mark.parametrize("strategy", ["held", "recursive"])
+@pytest.mark.parametrize("strategy", [pytest.param("held", marks=pytest.mark.slow), "recursive"])
 def test_a_swinging_tapered_beam_keeps_the_balance_of_energy(strategy):
     S = MultibodySystem(gravity=("0", "-g", "0"))
     q, _ = S.coordinate("q", speed="s")

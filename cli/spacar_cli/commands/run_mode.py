@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 from spacar_formats.log import LogSink
@@ -23,6 +23,9 @@ from spacar_cli.input_files import input_file, result_stem
 from spacar_cli.number_types import POSITIVE, TOLERANCE, Whole
 from spacar_cli.progress import Progress
 from spacar_cli.status import ExitStatus, tell, tell_error, tell_messages
+
+if TYPE_CHECKING:
+    from spacar_drawing.window import LivePlot
 
 STANDARD_INPUT, PIPED = "-", Path("stdin.dat")  # the name of the file, and where it would stand
 # Options of integrated modes that replace a number of the input file: flag, field of Settings, type, help.
@@ -127,6 +130,7 @@ def run_mode(
         raise
     outcome = Outcome()
     run: Run | None = None
+    window: LivePlot | None = None
     try:
         begin(results)
         run = frames(mode.number, model, **overrides, **asked)
@@ -139,8 +143,8 @@ def run_mode(
         if plot:
             from spacar_drawing.window import LivePlot
 
-            show.append(LivePlot())
-        outcome = run.consume(*show, *results, log)
+            window = LivePlot()
+        outcome = run.consume(*show, *results, log, window=window)
     except (Exception, KeyboardInterrupt) as error:  # before the first step
         log.finish(error)
         outcome.error = error
@@ -167,6 +171,8 @@ def run_mode(
             environment.say(f"{source.name}: {mode.title}, {steps} in {outcome.seconds:.2f} s: {names}")
     if done is not None and not as_json:
         done.tell(environment, quiet)
+    if window is not None:
+        window.wait()
     return status
 
 
