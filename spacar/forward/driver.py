@@ -3,7 +3,7 @@
 Evaluators (`spacar.dynamics.evaluator`) know nothing of what is decided here: the tolerances, the Jacobian of the codes
 that need one, what is watched after every accepted step, and how states and frames are collected at the output times.
 
-ERROR is read as what the user wants of the result; `Method.step_error` says how much of it a step may have.
+ERROR is the tolerance of one step.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class Tolerances:
     def of(cls, settings: SolverSettings, divisor: float = 1.0) -> Tolerances:
         """Those of ERROR and INTEGRAT; `divisor`: how much smaller the norm of a step is than that of a case in it."""
         method = METHODS[settings.integrator]
-        atol, rtol = method.step_error(settings.atol) / divisor, method.step_error(settings.rtol) / divisor
+        atol, rtol = settings.atol / divisor, settings.rtol / divisor
         if method.needs_jacobian:
             return cls(atol, rtol, ITERATED)
         return cls(atol, rtol, POSITION * min(atol, rtol) if method.variable_step else CONVERGED)

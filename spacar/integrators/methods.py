@@ -1,9 +1,7 @@
 """The table of integration codes (INTEGRAT position 1): what each is, how it is run, where it comes from.
 
-The error that the user asks for is that of the result, and an integrator controls the error of one step. Over a run
-these add up (in a free motion to a phase that grows with the square of the time), and an explicit method keeps a stiff,
-unexcited oscillation alive at some hundred times its local tolerance. So a step gets a part of the error, `local`,
-measured on the cases of docs/performance.md such that the error of the result stays below ten times the one asked for.
+ERROR is the tolerance of one step, for every code with variable steps alike (theory-system.md section 9). The error of
+a result adds up over the steps, more or less, as the motion decides: `spacar.studies.accuracy` estimates and keeps that.
 """
 
 from __future__ import annotations
@@ -22,16 +20,11 @@ from .radau import Radau
 from .runge_kutta import DormandPrince853, ExplicitRungeKutta
 from .tableaus import BOGACKI_SHAMPINE, DORMAND_PRINCE, KUTTA
 
-# Above this the error of the result of 155 falls faster than the tolerance: on the free slider-crank from 96 to 2 times
-# it while ERROR falls from 1e-3 to 1e-7.
-ASYMPTOTIC = 1e-7
-
 
 @dataclass(frozen=True, slots=True)
 class Method:
     """One integration code. `order` 0 means variable order; `original` is False for codes that only we
-    have. `local` is the error of a step over the error asked for; above ASYMPTOTIC it is multiplied by
-    (ASYMPTOTIC / asked)^`loose`."""
+    have."""
 
     code: int
     name: str
@@ -41,31 +34,22 @@ class Method:
     citation: str
     build: Callable[..., Any] = field(repr=False)
     original: bool = True
-    local: float = 0.03
-    loose: float = 0.0
-
-    def step_error(self, asked: float) -> float:
-        """Absolute or relative tolerance of a step for this error of the result; fixed steps take it as it is."""
-        if not self.variable_step:
-            return asked
-        return self.local * asked * min(1.0, (ASYMPTOTIC / max(asked, ASYMPTOTIC)) ** self.loose)
 
 
 _ROWS = (
-    Method(0, "Adams predictor-corrector, order 1 to 12", 0, True, False, "Shampine & Gordon 1975", Adams,
-           local=0.006),
+    Method(0, "Adams predictor-corrector, order 1 to 12", 0, True, False, "Shampine & Gordon 1975", Adams),
     Method(130, "explicit Runge-Kutta, order 3", 3, False, False, "Bogacki & Shampine 1989",
            partial(ExplicitRungeKutta, BOGACKI_SHAMPINE)),
     Method(135, "explicit Runge-Kutta 3(2)", 3, True, False, "Bogacki & Shampine 1989",
-           partial(ExplicitRungeKutta, BOGACKI_SHAMPINE), local=0.008),
+           partial(ExplicitRungeKutta, BOGACKI_SHAMPINE)),
     Method(140, "explicit Runge-Kutta, order 4", 4, False, False, "Kutta 1901",
            partial(ExplicitRungeKutta, KUTTA)),
     Method(155, "explicit Runge-Kutta 5(4)", 5, True, False, "Dormand & Prince 1980",
-           partial(ExplicitRungeKutta, DORMAND_PRINCE), loose=0.25),
+           partial(ExplicitRungeKutta, DORMAND_PRINCE)),
     Method(220, "explicit Runge-Kutta for second order systems, order 2", 2, False, False, "Nystrom 1925",
            partial(RungeKuttaNystrom, 220)),
     Method(225, "explicit Runge-Kutta for second order systems, order 2", 2, True, False, "Nystrom 1925",
-           partial(RungeKuttaNystrom, 225), local=0.2),
+           partial(RungeKuttaNystrom, 225)),
     Method(310, "linearly implicit Euler", 1, False, True, "Rosenbrock 1963", Rosenbrock1),
     Method(320, "Rosenbrock, order 2", 2, False, True, "Rosenbrock 1963", Rosenbrock2),
     Method(330, "Rosenbrock, order 3", 3, False, True, "Sandu et al. 1997", Rosenbrock3),

@@ -4,9 +4,13 @@ The error is that of `spacar.studies.error_norm` over the free coordinates, or o
 from two runs u, v of different methods, so that they do not share an error: |u - v| = |e_u - e_v| is about the error of
 the worse one, and bounds that of the better one. With the error of step control in proportion to the tolerance
 (Hairer, Norsett, Wanner, "Solving Ordinary Differential Equations I", section II.4) the next tolerance follows from the
-last estimate. What is gained by it is trusted only to its square root, and only when the differences fall:
+last estimate. What is gained by it is trusted only to its square root, and only when the differences fall; two errors
+that happen to be alike are found by the difference before, reduced in proportion to the tolerances. With
+d_k = |u_k - u_(k-1)| and g_k = tau_k / tau_(k-1):
 
-    e_k <= d_k max(0.1, sqrt(tau_k / tau_(k-1))),    d_k = |u_k - u_(k-1)|,  d_k < d_(k-1);    otherwise e_k <= d_k
+    e_k = max(d_k max(0.01, sqrt(g_k)), d_(k-1) g_(k-1) g_k)  where d_k < d_(k-1);    otherwise e_k = d_k
+
+The next tolerance is the largest for which this will be MARGIN of the target if d_(k+1) is d_k g_k.
 
 Explicit methods, 853 in turn with 155 (Adams, 0, at tight tolerances), are taken while the highest frequency of the
 model allows it: rho T / STABLE steps, rho the largest eigenvalue of the start state. Beyond EXPENSIVE steps it is 553
@@ -38,13 +42,13 @@ from spacar.studies.quantities import Quantity, quantity
 EXPLICIT, STIFF = (155, 853), (553, 595)
 MULTISTEP, TIGHT = 0, 1e-6  # what takes the place of 155 below this tolerance
 STABLE = 5.0  # h rho at which method 853 leaves its region of stability on the imaginary axis, about
-EXPENSIVE = 40_000  # steps of stability beyond which implicit methods are taken
+EXPENSIVE = 10_000  # steps of stability beyond which implicit methods are taken
 LARGEST_JACOBIAN = 600  # states; above, its eigenvalues take longer than a short run, and implicit methods are taken
 LOOSEST, TIGHTEST = 1e-3, 2e-13  # tolerances that are tried
 GAIN = 10.0  # of the second tolerance over the first
-MARGIN = 0.3  # of the target that the next run aims at
+MARGIN = 0.5  # of the target that the next run aims at
 FURTHEST = 1e-4  # tolerance of the next run over the last one, at least
-TRUSTED = 0.1  # the most that a fall of the differences may gain over the difference itself
+TRUSTED = 0.01  # the most that a fall of the differences may gain over the difference itself
 STALLED, SMALL = 0.3, 1e-4  # differences below SMALL that fall by less than STALLED are rounding
 KEPT = 2**28  # bytes of frames that are held in memory; of more, the last run is made twice
 UNRESOLVED = 1e-8  # relative tolerance of the run that checks one with fixed steps
@@ -224,7 +228,7 @@ def _tightened(search: Search, methods: tuple[int, int], target: float) -> tuple
     turn = 0
     tolerance = min(max(target, TIGHTEST * GAIN), LOOSEST)
     before: Computed | None = None
-    last, wanted = np.inf, 2 if methods == EXPLICIT else 3
+    last, gained_before, wanted = np.inf, 1.0, 2 if methods == EXPLICIT else 3
     while True:
         code = methods[turn % 2] if methods == EXPLICIT else methods[min(turn, 1)]
         code = MULTISTEP if code == EXPLICIT[0] and tolerance < TIGHT else code
@@ -243,13 +247,15 @@ def _tightened(search: Search, methods: tuple[int, int], target: float) -> tuple
         difference = search.compare(now, before)
         gained = (now.attempt.tolerance or 1.0) / (before.attempt.tolerance or 1.0)
         falls = difference < last < np.inf
-        estimate = difference * (max(TRUSTED, np.sqrt(gained)) if falls else 1.0)
+        estimate = difference
+        if falls:
+            estimate = max(difference * max(TRUSTED, gained**0.5), last * gained_before * gained)
         enough = sum(not a.reason for a in search.attempts) >= wanted
         rounding = difference < SMALL and difference > STALLED * last
         if (estimate <= target and enough) or tolerance <= TIGHTEST or rounding:
             return now, before, estimate if estimate <= target else difference, difference
-        before, last = now, difference
-        wish = MARGIN * target / max(estimate, target * MARGIN)
+        before, last, gained_before = now, difference, gained
+        wish = (MARGIN * target / max(difference * gained, MARGIN * target)) ** 2
         tolerance = max(tolerance * min(max(wish, FURTHEST), 1.0 / GAIN), TIGHTEST)
 
 

@@ -12,6 +12,8 @@ from spacar.arrays import Array
 
 CONSTANT = 1e-6  # a variable whose span is a smaller part of its magnitude is compared with the magnitude
 STILL = 1e-9  # a variable that stays below this part of the largest one is left out
+# The same of stationary solutions, which are iterated to 5e-7 (ITERSTEP): what is smaller is what the iteration leaves.
+STILL_STATIONARY = 1e-6
 
 
 def amplitudes(values: Array, stationary: bool) -> Array:
@@ -20,7 +22,8 @@ def amplitudes(values: Array, stationary: bool) -> Array:
     size = np.abs(values).max(axis=1)
     span = np.ptp(values, axis=1)
     scale = np.where((span > CONSTANT * size) & (not stationary), span, size)
-    return np.where(size > STILL * size.max(initial=0.0), scale, np.inf)
+    still = STILL_STATIONARY if stationary else STILL
+    return np.where(size > still * size.max(initial=0.0), scale, np.inf)
 
 
 def distance(a: Array, b: Array, amplitude: Array) -> float:

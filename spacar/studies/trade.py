@@ -55,6 +55,7 @@ class Setup:
     tolerance: float | None = None
     substeps: int | None = None
     method: str = "full"
+    measure: str = ""  # of the deformations of beams, "angle" or "sine"; "": that of the file
 
     @property
     def model(self) -> str:
@@ -62,6 +63,7 @@ class Setup:
         if self.beams == "rigid":
             return "rigid beams"
         text = "as given" if self.elements == 1 else f"{self.elements} elements a beam"
+        text += f", {self.measure} measure" if self.measure else ""
         return f"{text}, linear strain" if self.strain == "linear" else text
 
     @property
@@ -101,6 +103,7 @@ class Job:
 
     trade: Trade
     setup: Setup
+    limit: float | None = None  # seconds; a run that takes longer is stopped and has failed
 
 
 @dataclass(frozen=True)
@@ -206,8 +209,10 @@ def run_setup(job: Job) -> Row:
         seconds = []
         for _ in range(trade.repeats):
             begun = time.perf_counter()
-            result = _run(trade, setup, deck, options)
+            result = _run(trade, setup, deck, options, job.limit)
             seconds.append(time.perf_counter() - begun)
+            if job.limit is not None and (len(seconds) + 1) * seconds[-1] > job.limit:
+                break
         row["values"] = [_series(v, result) for v in trade.variables]
         row["seconds"] = float(np.median(seconds))
         row["rhs"] = int(sum(f.statistics.get("rhs", 0) for f in result.frames))
@@ -224,15 +229,28 @@ def _series(variable: Quantity, result: Result) -> list[float]:
     return [float(v) for v in series]
 
 
-def _run(trade: Trade, setup: Setup, deck: Deck, options: dict[str, Any]) -> Result:
+def _run(trade: Trade, setup: Setup, deck: Deck, options: dict[str, Any], limit: float | None = None) -> Result:
     if setup.method == "perturbation":
         return perturbation(deck, setup.substeps or 1, **options)
-    return Result.collect(frames(trade.mode, deck, **options))
+    run = frames(trade.mode, deck, **options)
+    if limit is None:
+        return Result.collect(run)
+    end = time.perf_counter() + limit
+    found = []
+    for frame in run:
+        found.append(frame)
+        if time.perf_counter() > end and len(found) != run.n_frames:
+            at = f"at t = {frame.t:.6g}"
+            text = f"stopped after {limit:.3g} s {at}: a cheaper setting is better, or the budget is used"
+            raise AnalysisError(text, "study.stopped")
+    return Result(run.mechanism, trade.mode, tuple(found), tuple(run.report.lines), dict(run.header))
 
 
 def _options(trade: Trade, setup: Setup, deck: Deck) -> dict[str, Any]:
     """Options of the run of a setup."""
     options = dict(trade.options)
+    if setup.measure:
+        options["beams"] = setup.measure
     if setup.integrator is not None:
         given = build(deck, trade.mode, **options).settings
         options["integrator"] = setup.integrator
@@ -305,6 +323,7 @@ def _extrapolated(values: dict[Setup, tuple[Array, float]], ref: Reference) -> l
         coarse, middle, fine = (values[s][0] for s in chain)
         result = extrapolate(coarse, middle, fine, ref.amplitude)
         label = f"{', '.join(str(s.elements) for s in chain)} elements a beam, extrapolated"
+        label += f", {setup.measure} measure" if setup.measure else ""
         label += ", linear strain" if setup.strain == "linear" else ""
         cost = sum(values[s][1] for s in chain)
         error = distance(result.values, ref.values, ref.amplitude)

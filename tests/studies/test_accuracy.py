@@ -73,7 +73,7 @@ CASES = {"oscillator": (OSCILLATOR, "x[2,1]", oscillation), "pendulum": (PENDULU
 @pytest.mark.parametrize("target", [1e-3, 1e-5, 1e-7])
 @pytest.mark.parametrize("name", CASES)
 def test_the_error_asked_for_is_kept(name, target):
-    """Against closed forms; and the true error is within the estimate that the run states."""
+    """Against closed forms; and the true error is within twice the estimate that the run states."""
     text, variable, exact = CASES[name]
     result = spacar.run(1, parse_deck(text, mode=1), accuracy=target, variables=[variable])
     found = result.header["accuracy"]
@@ -81,8 +81,9 @@ def test_the_error_asked_for_is_kept(name, target):
     error = np.abs(result.node(node, 1) - exact(result.t)).max() / np.ptp(exact(result.t))
     assert found.met
     assert found.estimate <= target
-    assert error <= found.estimate + 1e-12
-    assert len({a.integrator for a in found.attempts}) == 2
+    assert error <= 2.0 * found.estimate + 1e-12
+    assert error <= target
+    assert len({a.integrator for a in found.attempts}) >= 2
     bars = result.node(node, 1, "xerr")
     assert np.all(np.diff(bars) >= 0.0)
     assert bars[-1] / np.ptp(exact(result.t)) == pytest.approx(found.estimate, rel=1e-2)
@@ -112,14 +113,42 @@ def test_fixed_steps_are_measured():
 
 def test_chaos_is_told():
     """Beyond some time no tolerance keeps the accuracy: what was reached is said, and until when it holds."""
-    deck = parse_deck(TUMBLING.format(duration=12.0), mode=1)
+    deck = parse_deck(TUMBLING.format(duration=9.0), mode=1)
     result = spacar.run(1, deck, accuracy=1e-10)
     found = result.header["accuracy"]
     assert not found.met
     assert found.estimate > 1e-10
-    assert 0.0 < found.until < 12.0
+    assert 0.0 < found.until < 9.0
     assert any(line.startswith("warning: accuracy 1e-10 is not met") for line in result.report)
     assert "chaos" in found.way or "rounding" in found.way
+
+
+def cantilever(n):
+    """Released under its weight: tip deflection up to 0.25, no damping."""
+    rows = [f"PLBEAM {i + 1} {2 * i + 1} {2 * i + 2} {2 * i + 3} {2 * i + 4}" for i in range(n)]
+    rows += [f"X {2 * i + 1} {i / n!r} 0." for i in range(1, n + 1)] + ["FIX 1", "FIX 2"]
+    rows += [*(f"DYNE {i + 1} 2 3" for i in range(n)), "END HALT"]
+    rows += [f"EM {i + 1} 1.\nESTIFF {i + 1} 0. 1." for i in range(n)]
+    return "\n".join([*rows, "GRAVITY 0. -1.", "TIMESTEP 0.9 9", "END END", ""])
+
+
+@pytest.mark.parametrize(("n", "expected"), [(2, False), (32, True)])
+def test_stiff_models_get_implicit_methods(n, expected):
+    """The highest frequency grows with n^2: 32 elements would take more than 10,000 explicit steps."""
+    from spacar.studies.accuracy import stiff
+
+    assert stiff(spacar.frames(1, parse_deck(cantilever(n), mode=1))) is expected
+
+
+@pytest.mark.slow
+def test_the_accuracy_of_a_stiff_model():
+    """Radau of three tolerances against an explicit run that resolves every frequency."""
+    deck = parse_deck(cantilever(24).replace("TIMESTEP 0.9 9", "TIMESTEP 1.8 9"), mode=1)
+    result = spacar.run(1, deck, accuracy=1e-3, variables=["x[49,2]"])
+    found = result.header["accuracy"]
+    exact = spacar.run(1, deck, integrator=853, rtol=1e-6, atol=1e-7).node(49, 2)
+    assert {a.integrator for a in found.attempts} == {553, 595}
+    assert np.abs(result.node(49, 2) - exact).max() / np.ptp(exact) <= 1e-3
 
 
 def test_nothing_to_integrate():

@@ -21,6 +21,7 @@ from spacar_cli.number_types import POSITIVE, Whole
 from spacar_cli.status import ExitStatus, tell
 from spacar_cli.studying import common, counted, say_table
 
+CODES, TOLERANCES, JUDGES = "0,155,853", "1e-3:1e-9:7:log", "853,0"  # where only some of the lists are given
 HEADER = ("model", "integration", "error", "wall time [s]", "right-hand sides", "note")
 
 
@@ -30,18 +31,14 @@ HEADER = ("model", "integration", "error", "wall time [s]", "right-hand sides", 
 @click.option(
     "--integrators",
     "-i",
-    default="0,155,853",
-    show_default=True,
     metavar="CODES",
-    help="Integration methods to compare.",
+    help="Integration methods to compare. Default: those that suit the model, within --budget.",
 )
 @click.option(
     "--tolerances",
     "-t",
-    default="1e-3:1e-9:7:log",
-    show_default=True,
     metavar="VALUES",
-    help="Tolerances of methods with variable step.",
+    help="Tolerances of methods with variable step. Default: as far as --target needs, within --budget.",
 )
 @click.option(
     "--substeps",
@@ -53,8 +50,6 @@ HEADER = ("model", "integration", "error", "wall time [s]", "right-hand sides", 
 @click.option(
     "--elements",
     "-e",
-    default="1",
-    show_default=True,
     metavar="VALUES",
     help="Elements in the place of every flexible beam of the file.",
 )
@@ -85,10 +80,15 @@ HEADER = ("model", "integration", "error", "wall time [s]", "right-hand sides", 
 @click.option(
     "--reference",
     "judges",
-    default="853,0",
-    show_default=True,
     metavar="CODES",
-    help="Two methods whose agreement makes the reference; 595,553 for stiff models.",
+    help="Two methods whose agreement makes the reference. Default: 853,0; without lists, what suits the model.",
+)
+@click.option(
+    "--budget",
+    type=POSITIVE,
+    default=60.0,
+    show_default=True,
+    help="Seconds for everything, when the settings are not given as lists (-i, -t, -e, --reference ...).",
 )
 @click.option(
     "--compiled/--general", default=None, help="Equations in C (default where that is possible), or in NumPy."
@@ -109,17 +109,18 @@ def command(
     /,
     file: Path,
     mode: int | None,
-    integrators: str,
-    tolerances: str,
+    integrators: str | None,
+    tolerances: str | None,
     substeps: str,
-    elements: str,
+    elements: str | None,
+    budget: float,
     rigid: bool,
     linear: bool,
     perturbation: bool,
     variables: tuple[str, ...],
     target: float,
     repeats: int,
-    judges: str,
+    judges: str | None,
     compiled: bool | None,
     output: Path | None,
     plot: Path | None,
@@ -155,7 +156,11 @@ def command(
         options["compiled"] = compiled
     chosen = tuple(map(quantity, variables)) or default_variables(number, deck)
     trade = Trade(number, deck, chosen, repeats, options)
-    meshes = _whole(elements, "--elements")
+    lists = (integrators, tolerances, elements, judges)
+    if all(v is None for v in lists) and not (rigid or linear or perturbation) and jobs == 1:
+        return _within_budget(environment, trade, target, budget, source.name, output, plot, quiet, as_json)
+    integrators, tolerances = integrators or CODES, tolerances or TOLERANCES
+    meshes = _whole(elements or "1", "--elements")
     cases = setups(
         trade,
         _whole(integrators, "--integrators"),
@@ -167,7 +172,8 @@ def command(
         perturbation,
     )
     _require_beams(deck, number)
-    against = reference_setups(trade, meshes, min(target, *_numbers(tolerances)), _whole(judges, "--reference"))
+    judging = _whole(judges or JUDGES, "--reference")
+    against = reference_setups(trade, meshes, min(target, *_numbers(tolerances)), judging)
     rows = _rows(environment, trade, list(dict.fromkeys([*against, *cases])), output, jobs, quiet)
     ref = reference(trade, rows, against)
     entries = assess(trade, rows, cases, ref)
@@ -188,6 +194,53 @@ def command(
         environment.say(sentence)
     for entry in entries:
         if entry.reason:
+            tell(environment, "warning", f"{' '.join(filter(None, entry.label))}: {entry.reason}")
+    return ExitStatus.DONE
+
+
+def _within_budget(
+    environment: Environment, trade: Any, target: float, budget: float, name: str, output: Path | None,
+    plot: Path | None, quiet: bool, as_json: bool,
+) -> ExitStatus:  # fmt: skip
+    """The settings that suit the model, cheapest first, until the time is used; the recommendation as a command."""
+    from spacar.studies.budgeted import command_line, search
+    from spacar.studies.trade import assess, recommend
+
+    _require_beams(trade.deck, trade.mode)
+
+    def tick(what: str, left: float) -> None:
+        if environment.error_is_terminal and not quiet:
+            print(f"\r\x1b[K{what}, at most {left:.0f} s to go ", end="", file=environment.stderr, flush=True)
+
+    try:
+        found = search(trade, target, budget, tick)
+    finally:
+        if environment.error_is_terminal and not quiet:
+            print("\r\x1b[K", end="", file=environment.stderr, flush=True)
+    ref = found.reference
+    assert ref is not None  # search has said why otherwise
+    entries = assess(trade, found.rows, found.tried, ref)
+    best = recommend(entries, target, ref)
+    command = "" if best is None or best.setup is None else command_line(trade, best.setup, name)
+    if output is not None:
+        _write(output, entries, ref, target, best)
+    if plot is not None:
+        from spacar_cli.work_precision import draw
+
+        draw(entries, ref.error, target, trade.stationary, f"{name}, mode {trade.mode}", plot)
+    if as_json:
+        environment.say(json.dumps(_document(entries, ref, target, best) | {"command": command or None}))
+    elif not quiet:
+        rows = [(*_cells(e)[:-1], "stopped" if "stopped after" in e.reason else _cells(e)[-1]) for e in entries]
+        say_table(environment, HEADER, rows, None if best is None else entries.index(best))
+        environment.say(f"reference: {ref.text}; its estimated error is {ref.error:.2e}")
+        environment.say(_sentence(best, target, ref))
+        if found.skipped:
+            environment.say(f"{found.skipped} settings were not tried: the budget of {budget:g} s is used (--budget)")
+        if command:
+            environment.say(command)
+    for entry in entries:
+        if entry.reason and "stopped after" not in entry.reason:
             tell(environment, "warning", f"{' '.join(filter(None, entry.label))}: {entry.reason}")
     return ExitStatus.DONE
 

@@ -1,0 +1,83 @@
+"""`spacar trade` without lists of settings: within a budget, stopped where dominated, with a command to run."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import spacar
+from spacar.deck import parse_deck
+from spacar.studies import budgeted
+from spacar.studies.quantities import quantity
+from spacar.studies.trade import Job, Setup, Trade, run_setup
+
+OSCILLATOR = """
+PLTRUSS 1 1 2
+X 2 1. 0.
+FIX 1
+FIX 2 2
+DYNE 1 1
+END HALT
+XM 2 0.5
+ESTIFF 1 200.
+STARTDE 1 1 0.01 0.
+TIMESTEP 0.4 8
+END END
+"""
+
+
+@pytest.fixture
+def trade():
+    return Trade(1, parse_deck(OSCILLATOR, mode=1), (quantity("x[2,1]"),), repeats=1)
+
+
+def test_the_recommended_command_keeps_the_target(call):
+    """Against x = 1 + 0.01 cos 20 t, run as it was recommended."""
+    Path("osc.dat").write_text(OSCILLATOR)
+    done = call("trade", "osc", "--target", "1e-4", "--budget", "20", "--variable", "x[2,1]", "--json")
+    assert done.status == 0, done.err
+    found = json.loads(done.out)
+    words = shlex.split(found["command"])
+    assert words[:3] == ["spacar", "1", "osc.dat"]
+    assert call(*words[1:], "-q").status == 0
+    options = dict(zip(words[3::2], words[4::2], strict=True))
+    numbers = {"integrator": int(options["--integrator"]), "rtol": float(options["--rtol"])}
+    result = spacar.run(1, "osc.dat", atol=float(options["--atol"]), **numbers)
+    error = np.abs(result.node(2, 1) - 1.0 - 0.01 * np.cos(20.0 * result.t)).max() / 0.02
+    assert error <= 1.1e-4
+
+
+def test_a_method_stops_when_it_is_accurate_enough(trade):
+    """No setting is tried whose looser one of the same method is within the target."""
+    found = budgeted.search(trade, 1e-4, 20.0)
+    assert found.reference is not None
+    assert found.reference.error < 1e-5  # a tenth of the target
+    tightest = {}
+    for setup in found.tried:
+        tightest[setup.integrator] = setup.tolerance
+    assert set(tightest) == set(budgeted.METHODS)
+    assert min(tightest.values()) > 1e-7
+
+
+def test_the_budget_ends_the_search(trade):
+    """Nothing is left of a budget that the reference uses: no setting, and it is said how many were not tried."""
+    found = budgeted.search(trade, 1e-4, 1e-3)
+    assert not found.tried
+    assert found.skipped > 3
+
+
+def test_a_run_is_stopped_at_its_limit(trade):
+    row = run_setup(Job(trade, Setup(integrator=155, tolerance=1e-8), limit=1e-9))
+    assert row["status"] == "failed"
+    assert "stopped after 1e-09 s at t = 0" in row["reason"]
+
+
+def test_progress_says_what_runs_and_the_time_to_go(trade):
+    told = []
+    budgeted.search(trade, 1e-3, 20.0, lambda what, left: told.append((what, left)))
+    assert told[0][0] == "as given 853 tol 1e-05"
+    assert all(0.0 < left <= 20.0 for _, left in told)
