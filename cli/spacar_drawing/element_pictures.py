@@ -94,7 +94,8 @@ def body(
         return list(solid(contour, points, y, z, colour, alpha, settings.light, hole(section)))
     if plain:
         return _pieces(points, colour, width, alpha)
-    return list(solid(disc_outline(radius * look.size, 12), points, y, z, colour, alpha, settings.light))
+    sides = paint.ROD_SIDES if n > paint.LEAST_POINTS else paint.ROD_SIDES // 2
+    return list(solid(disc_outline(radius * look.size, sides), points, y, z, colour, alpha, settings.light))
 
 
 def _planar_body(

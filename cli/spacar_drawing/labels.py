@@ -15,36 +15,48 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 POINTS = 8.0  # size of the letters
-DIRECTIONS = [(np.cos(a), np.sin(a)) for a in np.pi * np.array([0.25, 0.75, 1.25, 1.75, 0.5, 1.5, 0.0, 1.0])]
+DIRECTIONS = np.array([(np.cos(a), np.sin(a)) for a in np.pi * np.array([0.25, 0.75, 1.25, 1.75, 0.5, 1.5, 0.0, 1.0])])
+RINGS = np.repeat([1.0, 1.7, 2.6], len(DIRECTIONS))  # distance of the candidate places, nearest first
+AROUND = np.tile(DIRECTIONS, (3, 1))  # and their directions
+MOST_LABELS = 60  # of nodes, and of elements, that are shown: more cannot be read
+
+
+def thin(labels: Sequence[Label]) -> tuple[list[Label], int]:
+    """Of the labels of one kind the first, the last and every k-th; k is 1, 2, 5, 10 ..., so that few enough stay."""
+    for k in (m * 10**e for e in range(9) for m in (1, 2, 5)):
+        if len(labels) <= k * MOST_LABELS:
+            return [label for i, label in enumerate(labels, 1) if i % k == 0 or i in (1, len(labels))], k
+    raise AssertionError("so many labels do not fit in a memory")
 
 
 def place_labels(axes: Axes, camera: Camera, labels: Sequence[Label], shapes: Sequence[Shape]) -> list[Any]:
-    """Put every label where it covers least of the lines and of the labels before it."""
+    """Put every label where it covers least of the lines and of the labels before it; many labels are thinned out."""
     from matplotlib.patheffects import withStroke
 
     scale = axes.figure.dpi / 72.0
     to_pixels = axes.transData.transform
+    kinds = [thin([label for label in labels if label.boxed == boxed]) for boxed in (False, True)]
+    shown = [label for kind, _ in kinds for label in kind]
+    artists = _note(axes, [k for _, k in kinds])
     covered = _samples(camera, shapes)
-    dots = to_pixels(covered) if len(covered) else np.zeros((0, 2))
+    sizes = [(0.62 * len(v.text) + (0.7 if v.boxed else 0.2)) * POINTS * scale for v in shown]
+    h = 1.45 * POINTS * scale
+    reach = float(np.max(RINGS)) * 0.8 * POINTS * scale + max([h, *sizes])
+    dots = _Dots(to_pixels(covered) if len(covered) else np.zeros((0, 2)), reach)
     x0, y0, x1, y1 = axes.bbox.extents
-    boxes: list[tuple[float, float, float, float]] = []
-    artists = []
-    for label in labels:
+    boxes = np.zeros((len(shown), 4))
+    for n, (label, w) in enumerate(zip(shown, sizes, strict=True)):
         at = to_pixels(camera.project(label.at))
-        w, h = (0.62 * len(label.text) + (0.7 if label.boxed else 0.2)) * POINTS * scale, 1.45 * POINTS * scale
-        best, where = np.inf, at
-        for ring in (1.0, 1.7, 2.6):
-            for dx, dy in DIRECTIONS:
-                gap = ring * 0.8 * POINTS * scale
-                c = at + np.array([dx * (gap + 0.5 * w), dy * (gap + 0.5 * h)])
-                box = (c[0] - w / 2, c[1] - h / 2, c[0] + w / 2, c[1] + h / 2)
-                inside = (dots > box[:2]).all(1) & (dots < box[2:]).all(1)
-                cost = float(inside.sum()) + 40 * sum(_overlap(box, b) for b in boxes) + 1.5 * ring
-                if box[0] < x0 or box[1] < y0 or box[2] > x1 or box[3] > y1:
-                    cost += 25
-                if cost < best - 1e-9:
-                    best, where, chosen = cost, c, box
-        boxes.append(chosen)
+        half = np.array([0.5 * w, 0.5 * h])
+        centre = at + AROUND * (RINGS[:, None] * 0.8 * POINTS * scale + half)
+        low, high = centre - half, centre + half  # (24, 2)
+        near = dots.near(at)
+        inside = np.all((near > low[:, None]) & (near < high[:, None]), axis=2).sum(1)
+        before = boxes[:n]
+        overlap = np.all((low[:, None] < before[:, 2:]) & (before[:, :2] < high[:, None]), axis=2).sum(1)
+        outside = np.any((low < (x0, y0)) | (high > (x1, y1)), axis=1)
+        best = int(np.argmin(inside + 40.0 * overlap + 1.5 * RINGS + 25.0 * outside))
+        where, boxes[n] = centre[best], (*low[best], *high[best])
         frame = {"boxstyle": "round,pad=0.18", "fc": "white", "ec": label.colour, "lw": 0.7} if label.boxed else None
         text = axes.annotate(
             label.text,
@@ -65,8 +77,33 @@ def place_labels(axes: Axes, camera: Camera, labels: Sequence[Label], shapes: Se
     return artists
 
 
-def _overlap(a: tuple[float, float, float, float], b: tuple[float, float, float, float]) -> bool:
-    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
+def _note(axes: Axes, every: Sequence[int]) -> list[Any]:
+    """What is left out, in the corner of the picture."""
+    words = [f"every {k}th number of {what}" for k, what in zip(every, ("nodes", "elements"), strict=True) if k > 1]
+    if not words:
+        return []
+    text = " and ".join(words).replace("every 2th", "every 2nd")
+    return [axes.text(0.995, 0.01, text, transform=axes.transAxes, fontsize=7, ha="right", color="#7d868e", zorder=31)]
+
+
+class _Dots:
+    """Points (n, 2) sorted into square cells, so that a label looks at those around it only."""
+
+    def __init__(self, dots: Array, cell: float) -> None:
+        self.cell = cell
+        keys = np.floor(dots / cell).astype(np.int64)
+        order = np.lexsort(keys.T)
+        self.dots, keys = dots[order], keys[order]
+        edges = np.flatnonzero(np.any(np.diff(keys, axis=0) != 0, axis=1)) + 1
+        starts, stops = [0, *edges.tolist()], [*edges.tolist(), len(keys)]
+        self.cells = {(int(keys[i, 0]), int(keys[i, 1])): (i, j) for i, j in zip(starts, stops, strict=True) if j > i}
+
+    def near(self, at: Array) -> Array:
+        """The points in the cell of a place and in the eight around it: all that are nearer than a cell, and more."""
+        i, j = (int(v) for v in np.floor(at / self.cell))
+        around = ((i + a, j + b) for a in (-1, 0, 1) for b in (-1, 0, 1))
+        found = [self.cells[key] for key in around if key in self.cells]
+        return np.concatenate([self.dots[a:b] for a, b in found]) if found else np.zeros((0, 2))
 
 
 def _samples(camera: Camera, shapes: Sequence[Shape]) -> Array:

@@ -17,6 +17,9 @@ HINGE, BELT, PULLEY, WHEEL, SCREW = "#c2703d", "#6b4a2b", "#c9d2da", "#4a5560", 
 GROUND, DRIVE, TRACE, GHOST, NODE, INK = "#6f7880", "#c0272d", "#d0812a", "#aab4bd", "#1d262e", "#1d262e"
 DEFAULT_POINTS = 25  # on one elastic line
 MOST_POINTS = 4000  # on all elastic lines together, unless STEPLINE says otherwise
+MOST_FACES = 4000  # on all solids of a spatial picture, as long as every beam gets LEAST_POINTS
+LEAST_POINTS = 3
+ROD_SIDES = 12  # of the rod that stands for a spatial beam without a cross-section
 SYMBOL = 0.022  # size of symbols, of the extent of the mechanism
 
 
@@ -55,7 +58,8 @@ def look_of(scene: Scene, xs: Array, settings: PictureSettings) -> Look:
     if settings.step_line is not None:
         points = int(np.clip(round(1.0 / settings.step_line) + 1, 3, 1001))
     else:
-        points = int(np.clip(MOST_POINTS // max(beams, 1), 4, DEFAULT_POINTS))
+        most = MOST_POINTS if scene.planar else MOST_FACES // ROD_SIDES
+        points = int(np.clip(most // max(beams, 1), LEAST_POINTS if not scene.planar else 4, DEFAULT_POINTS))
     return Look(
         settings,
         SYMBOL * extent,

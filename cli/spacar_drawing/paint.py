@@ -48,17 +48,25 @@ def _planar(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
     from matplotlib.collections import LineCollection, PolyCollection
 
     artists: list[Any] = []
-    for s in shapes:
-        if isinstance(s, Faces):
+    for layer in sorted({s.layer for s in shapes if isinstance(s, Faces)}):
+        polygons: list[Array] = []
+        faces, edges, widths = [], [], []
+        for s in (s for s in shapes if isinstance(s, Faces) and s.layer == layer):
+            colour = _rgba(s.colour, s.alpha, len(s.corners))
             many = isinstance(s.colour, np.ndarray)  # edges in the colour of the face close the hairlines between them
-            face = PolyCollection(
-                list(camera.project(s.corners)),
-                facecolors=_rgba(s.colour, s.alpha),
-                edgecolors=s.edge or ("face" if many and s.alpha >= 1 else "none"),
-                linewidths=s.width,
-            )
-            face.set_zorder(10 + s.layer)
-            artists.append(axes.add_collection(face, autolim=False))
+            closed = colour if many and s.alpha >= 1 else colour * [1, 1, 1, 0]
+            polygons.append(camera.project(s.corners))
+            faces.append(colour)
+            edges.append(_rgba(s.edge, 1.0, len(colour)) if s.edge else closed)
+            widths.append(np.full(len(colour), s.width if s.edge or (many and s.alpha >= 1) else 0.0))
+        face = PolyCollection(
+            _alike(polygons),
+            facecolors=np.concatenate(faces),
+            edgecolors=np.concatenate(edges),
+            linewidths=np.concatenate(widths),
+        )
+        face.set_zorder(10 + layer)
+        artists.append(axes.add_collection(face, autolim=False))
     layers = sorted({(s.layer, s.alpha >= 1) for s in shapes if isinstance(s, Line)})
     for layer, opaque in layers:
         lines = [s for s in shapes if isinstance(s, Line) and (s.layer, s.alpha >= 1) == (layer, opaque)]
@@ -87,7 +95,7 @@ def _spatial(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
             colour = _rgba(s.colour, s.alpha, len(s.corners))
             if s.light:
                 colour[:, :3] *= brightness(camera, s.corners)[:, None]
-            polygons += list(camera.project(s.corners))
+            polygons.append(camera.project(s.corners))
             depths.append(camera.depth(s.corners).mean(1))
             faces.append(colour)
             # an edge in the colour of the face closes the hairlines between neighbours; with transparency it would show
@@ -101,7 +109,7 @@ def _spatial(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
                 continue
             pieces = np.stack((s.points[:-1], s.points[1:]), axis=1)
             colour = _rgba(s.colour, s.alpha, len(pieces))
-            polygons += list(camera.project(pieces))
+            polygons.append(camera.project(pieces))
             depths.append(camera.depth(pieces).mean(1))
             faces.append(colour * [1, 1, 1, 0])
             edges.append(colour)
@@ -110,7 +118,7 @@ def _spatial(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
     if polygons:
         order = np.argsort(np.concatenate(depths), kind="stable")
         collection = PolyCollection(
-            [polygons[i] for i in order],
+            _alike(polygons)[order],
             facecolors=np.concatenate(faces)[order],
             edgecolors=np.concatenate(edges)[order],
             linewidths=np.concatenate(widths)[order],
@@ -128,6 +136,12 @@ def _spatial(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
         lines.set_zorder(15)
         artists.append(axes.add_collection(lines, autolim=False))
     return artists
+
+
+def _alike(polygons: Sequence[Array]) -> Array:
+    """(n, k, 2) polygons with equally many corners, by repeating the last one: matplotlib takes them in one piece."""
+    k = max(p.shape[1] for p in polygons)
+    return np.concatenate([np.concatenate((p, np.repeat(p[:, -1:], k - p.shape[1], axis=1)), axis=1) for p in polygons])
 
 
 def brightness(camera: Camera, corners: Array) -> Array:
