@@ -25,6 +25,6 @@ both. README.md tells users the same.
 
 from spacar.compiled.dynamics import CompiledDynamics
 from spacar.compiled.library import level
-from spacar.compiled.model import why_general, why_not
+from spacar.compiled.model import why_general, why_not_in_lanes
 
-__all__ = ["CompiledDynamics", "level", "why_general", "why_not"]
+__all__ = ["CompiledDynamics", "level", "why_general", "why_not_in_lanes"]

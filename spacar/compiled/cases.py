@@ -11,7 +11,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.compiled.library import lanes_of_processor
-from spacar.compiled.model import Model
+from spacar.compiled.model import EXACT, Model
 from spacar.compiled.numbers import Numbers
 from spacar.errors import AnalysisError
 from spacar.kinematics import Kinematics
@@ -31,8 +31,8 @@ class CompiledCases:
         self.lanes = lanes = lanes_of_processor()
         of = np.minimum(np.arange(-(-self.n_cases // lanes) * lanes), self.n_cases - 1).reshape(-1, lanes)
         kinematics = Kinematics(mechanism)
-        scales, equations = (kinematics.scale, mechanism.deformation_scale), len(kinematics.E)
-        self.models = [Model(n, numbers.take(cases), scales, equations, polynomial=True) for cases in of]
+        scales = kinematics.scale, mechanism.deformation_scale
+        self.models = [Model(n, numbers.take(cases), scales, mechanism.drive) for cases in of]
         self.states = [model.state() for model in self.models]
         self.shown = [model.state() for model in self.models]
         self.y0 = np.ascontiguousarray(start[of].transpose(0, 2, 1)).ravel()
@@ -102,7 +102,7 @@ class CompiledCases:
         """
         blocks = y.reshape(self.by_case)
         for model, state, own in zip(self.models, self.shown, blocks, strict=True):
-            if model.evaluate(state, t, np.ascontiguousarray(own), CONVERGED) < 0 or not model.in_range(state):
+            if model.evaluate(state, t, np.ascontiguousarray(own), EXACT) < 0 or not model.in_range(state):
                 raise _failed(t)
 
         def joined(arrays: list[Array]) -> Array:
@@ -110,7 +110,7 @@ class CompiledCases:
 
         found = {name: joined([getattr(s, name) for s in self.shown]) for name in ("x", "xd", "xdd", "e", "ed", "edd")}
         found["sig"] = joined([s.sigma for s in self.shown])
-        found["fx"] = joined([m.numbers.force for m in self.models])
+        found["fx"] = joined([m.applied for m in self.models])
         found["fxgrav"] = joined([m.gravity for m in self.models])
         found["fxtot"] = joined([m.total for m in self.models])
         return found

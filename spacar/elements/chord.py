@@ -97,8 +97,8 @@ def short_troubles(l: Array, l0: Array) -> list[Trouble]:
     return [
         Trouble(
             int(k),
-            f"length {l[k]:.3g} m is less than {SHORT:g} of the undeformed length {l0[k]:.6g} m: "
-            "its direction is lost",
+            f"has collapsed: its length {l[k]:.3g} m is less than {SHORT:g} of the undeformed {l0[k]:.6g} m, so that"
+            " its direction is lost",
             True,
         )
         for k in np.flatnonzero(l < SHORT * l0)

@@ -115,17 +115,45 @@ def frames(
     jacobian: Jacobian | None = None
     if METHODS[settings.integrator].needs_jacobian:
         jacobian = partial(state_jacobian, evaluator, within=tolerances.position)
-    # Outputs are interpolated inside steps that may have passed a dead point: they follow their own path from the last
-    # one, not back from the end of the step.
+    # Outputs are interpolated inside steps that may have passed a dead point: they are placed from the start of their
+    # step or the last output in it, not back from its end.
     shown = evaluator.companion()
     limits = Limits(shown, report)
+    trail = Trail(evaluator, watch) if moved_by is None else None
     for out in integrated(
         moved_by or evaluator, y, times, settings, tolerances,
-        breaks=model.drive.breaks, watch=watch, jacobian=jacobian,
+        breaks=model.drive.breaks, watch=trail.accepted if trail else watch, jacobian=jacobian,
     ):  # fmt: skip
+        if trail:
+            trail.lead(shown, float(out.t))
         frame = checked(shown, float(out.t), out.y, limits)
         frame.statistics = work(out)
         yield shown, frame
+
+
+class Trail:
+    """Where an integrated evaluator stood at the ends of its last two steps, so that outputs between them are placed
+    from there: from the output before, many turns earlier perhaps, the way would be long and could be another one."""
+
+    def __init__(self, evaluator: Evaluator, watch: Watch | None) -> None:
+        self.evaluator, self.watch = evaluator, watch
+        self.begun = self.ended = -np.inf  # times
+        self.at_begin: Any = None
+        self.at_end: Any = None
+        self.placed = -np.inf  # time of the last output
+
+    def accepted(self, t: float, y: Array) -> None:
+        """After every accepted step."""
+        self.begun, self.at_begin = self.ended, self.at_end
+        self.ended, self.at_end = t, self.evaluator.memory()
+        if self.watch is not None:
+            self.watch(t, y)
+
+    def lead(self, shown: Evaluator, t: float) -> None:
+        """Let the evaluator of the outputs begin at the start of the step with t, if its last output was before it."""
+        if self.at_begin is not None and self.placed < self.begun:
+            shown.remember(self.at_begin)
+        self.placed = t
 
 
 def work(out: Output) -> dict[str, int]:
