@@ -1,8 +1,8 @@
 """Builds the compiled engine when the package is built: C text -> one shared library in spacar/compiled.
 
-Hatch calls `EngineHook` for wheels (`pip install .`) and editable installations (`pip install -e .`, `make crank`); without
-a C compiler that knows GNU C the library is left out with one line, and the program works without it. The library is
-loaded with ctypes, so that one wheel serves all versions of Python: its tag is py3-none-PLATFORM.
+Hatch calls `EngineHook` for wheels (`pip install .`) and editable installations (`pip install -e .`, `make crank`);
+without a C compiler that knows GNU C the library is left out with one line, and the program works without it. The
+library is loaded with ctypes, so that one wheel serves all versions of Python: its tag is py3-none-PLATFORM.
 
 `python hatch_build.py` builds in place. CC names the compiler (default: cc, gcc or clang), CFLAGS, LDFLAGS and
 ARCHFLAGS are added to its words.
@@ -53,7 +53,8 @@ def build(target: Path) -> str | None:
         calls = [[*words, *FLAGS, *position, *extra, *known, "levels.c"]]
         for build_name, level in builds.items():
             lanes = build_name.rsplit("_", 1)[1]
-            calls.append([*words, *FLAGS, *position, *extra, *level, f"-DBUILD={build_name}", f"-DLANES={lanes}", "engine.c"])
+            of_build = *level, f"-DBUILD={build_name}", f"-DLANES={lanes}"
+            calls.append([*words, *FLAGS, *position, *extra, *of_build, "engine.c"])
         objects = [folder / f"{k}.o" for k in range(len(calls))]
         compile_calls = [[*call, "-c", "-o", str(path)] for call, path in zip(calls, objects, strict=True)]
         with ThreadPoolExecutor(os.cpu_count()) as pool:

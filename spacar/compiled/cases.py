@@ -20,7 +20,6 @@ from spacar.kinematics.regularity import COLLAPSE, HALF_TURN, HalfTurns
 from spacar.mechanism.mechanism import Mechanism
 
 
-
 class CompiledCases:
     """The cases whose numbers are given; `mechanism` is one of them, `start` (cases, components) their state."""
 

@@ -1,8 +1,9 @@
-"""The compiled engine: the shared library that was built when spacar was installed (hatch_build.py), loaded with ctypes.
+"""The compiled engine: the shared library that was built when spacar was installed (hatch_build.py), loaded with
+ctypes.
 
-It lies in this package and nowhere else: nothing is compiled at run time, and no other place is looked at. `levels.c` has
-builds for several levels of the processor and says which one serves. In a clone the C text lies beside the library; a
-library of another text is not used.
+It lies in this package and nowhere else: nothing is compiled at run time, and no other place is looked at. `levels.c`
+has builds for several levels of the processor and says which one serves. In a clone the C text lies beside the
+library; a library of another text is not used.
 """
 
 from __future__ import annotations

@@ -132,7 +132,7 @@ def _moving(family: Family) -> bool:
 
 
 def _form(family: Family) -> tuple[int, Array]:
-    """The kind in C and the parameters (n_parameters, n). A kind that the engine does not know as it is now is FOREIGN."""
+    """The kind in C and the parameters (n_parameters, n). A kind that the engine does not know as it is is FOREIGN."""
     if family.keyword in SUPPORTED:
         name, of_family = SUPPORTED[family.keyword]
         kind, count = engine().kinds.get(name, (FOREIGN, 0))

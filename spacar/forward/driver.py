@@ -18,9 +18,10 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.dynamics.evaluator import Evaluator, Integrable
 from spacar.dynamics.limits import Limits
+from spacar.dynamics.model import LoadedMechanism
 from spacar.errors import AnalysisError, Report
 from spacar.frame import Frame
-from spacar.integrators import METHODS, EvenTimes, integrate
+from spacar.integrators import AUTOMATIC, METHODS, EvenTimes, integrate
 from spacar.integrators.problem import Jacobian, Output
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.kinematics.regularity import DeadPoints, HalfTurns
@@ -58,39 +59,63 @@ class Tolerances:
         return cls(atol, rtol, POSITION * min(atol, rtol) if method.variable_step else CONVERGED)
 
 
-@dataclass(frozen=True, slots=True)
 class Integrand:
-    """The `Problem` of the integrators: calls of an evaluator, with what the driver adds to them."""
+    """The `Problem` of the integrators: calls of an evaluator, with what the driver adds to them.
 
-    n_positions: int
-    rhs: Callable[[float, Array], Array]
-    stages: Callable[..., int] | None
-    jacobian: Jacobian | None
-    accepted: Watch | None
-    by_case: tuple[int, int, int] | None
-    component_name: Callable[[int], str]
+    `within`: position tolerance; `report`: where it is said that the method has changed; `back`: brings the evaluator
+    to the last accepted step, as a stage of a step that is too long may have led it far away.
+    """
 
+    def __init__(
+        self, evaluator: Integrable, within: float, jacobian: Jacobian | None, accepted: Watch | None, report: Report,
+        back: Callable[[], bool] | None = None,
+    ) -> None:  # fmt: skip
+        self.back = back
+        self.n_positions, self.by_case = evaluator.n_positions, evaluator.by_case
+        self.component_name = evaluator.component_name
+        self.jacobian, self.accepted = jacobian, accepted
+        self.within = self.usual = within
+        self.report = report
+        self._rhs, self._together = evaluator.rhs, evaluator.stages
+        self.stages = self._stages if self._together is not None else None
 
-def integrand(evaluator: Integrable, within: float, jacobian: Jacobian | None, accepted: Watch | None) -> Integrand:
-    """The evaluator with this position tolerance."""
-    rhs, together = evaluator.rhs, evaluator.stages
+    def rhs(self, t: float, y: Array) -> Array:
+        try:
+            return self._rhs(t, y, self.within)
+        except AnalysisError:
+            if self.back is None or not self.back():
+                raise
+        try:
+            return self._rhs(t, y, self.within)
+        except AnalysisError:
+            self.back()
+            raise
 
-    def stages(*step: Any) -> int:
-        assert together is not None
-        return together(*step, within)
+    def exact(self, t: float, y: Array) -> Array:
+        """F with a position that is exact enough for differences."""
+        return self._rhs(t, y, ITERATED)
 
-    return Integrand(
-        evaluator.n_positions, lambda t, y: rhs(t, y, within), together and stages, jacobian, accepted,
-        evaluator.by_case, evaluator.component_name,
-    )  # fmt: skip
+    def _stages(self, *step: Any) -> int:
+        assert self._together is not None
+        return self._together(*step, self.within)
+
+    def switched(self, t: float, code: int, omega: float | None) -> None:
+        """The automatic method goes on with another code; for good, when `omega` is given."""
+        self.within = ITERATED if METHODS[code].needs_jacobian else self.usual
+        if omega is not None:
+            self.report.add(
+                f"from t = {t:.9g}: INTEGRAT {code} ({METHODS[code].name}), as the highest vibration or decay of the"
+                f" model ({omega:.3g} rad/s) limits the steps of an explicit method"
+            )
 
 
 def integrated(
     evaluator: Integrable, y: Array, times: Times, settings: Settings, tolerances: Tolerances, *,
     breaks: Sequence[float] = (), watch: Watch | None = None, jacobian: Jacobian | None = None,
+    report: Report | None = None, back: Callable[[], bool] | None = None,
 ) -> Iterator[Output]:  # fmt: skip
     """States at the output times, with the work done since the last one. Raises AnalysisError."""
-    problem = integrand(evaluator, tolerances.position, jacobian, watch)
+    problem = Integrand(evaluator, tolerances.position, jacobian, watch, report or Report(), back)
     return integrate(
         problem, y, times, settings.integrator, tolerances.atol, tolerances.rtol, settings.step, breaks=breaks
     )
@@ -113,8 +138,8 @@ def frames(
         return
     tolerances = Tolerances.of(settings, divisor)
     jacobian: Jacobian | None = None
-    if METHODS[settings.integrator].needs_jacobian:
-        jacobian = partial(state_jacobian, evaluator, within=tolerances.position)
+    if METHODS[settings.integrator].needs_jacobian or (settings.integrator == AUTOMATIC and _has_forces(model)):
+        jacobian = partial(state_jacobian, evaluator, within=ITERATED)
     # Outputs are interpolated inside steps that may have passed a dead point: they are placed from the start of their
     # step or the last output in it, not back from its end.
     shown = evaluator.companion()
@@ -123,12 +148,20 @@ def frames(
     for out in integrated(
         moved_by or evaluator, y, times, settings, tolerances,
         breaks=model.drive.breaks, watch=trail.accepted if trail else watch, jacobian=jacobian,
+        report=report,
+        back=trail.back if trail else None,
     ):  # fmt: skip
         if trail:
             trail.lead(shown, float(out.t))
         frame = checked(shown, float(out.t), out.y, limits)
         frame.statistics = work(out)
         yield shown, frame
+
+
+def _has_forces(model: LoadedMechanism) -> bool:
+    """Whether anything can make a vibration or a decay that is faster than the motion: stresses or forces that depend
+    on the state. A rigid mechanism has none, and no method for stiff models is looked for."""
+    return not model.law.passive or model.mechanism.user_signal is not None
 
 
 class Trail:
@@ -148,6 +181,13 @@ class Trail:
         self.ended, self.at_end = t, self.evaluator.memory()
         if self.watch is not None:
             self.watch(t, y)
+
+    def back(self) -> bool:
+        """Bring the evaluator to the end of the last accepted step; False before the first one."""
+        if self.at_end is None:
+            return False
+        self.evaluator.remember(self.at_end)
+        return True
 
     def lead(self, shown: Evaluator, t: float) -> None:
         """Let the evaluator of the outputs begin at the start of the step with t, if its last output was before it."""

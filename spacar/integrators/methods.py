@@ -16,6 +16,7 @@ from typing import Any
 from spacar.errors import UsageError
 
 from .adams import Adams
+from .automatic import Automatic
 from .implicit import Rosenbrock1, Rosenbrock2, Rosenbrock3, SinglyDiagonallyImplicit
 from .radau import Radau
 from .runge_kutta import DormandPrince853, ExplicitRungeKutta
@@ -51,7 +52,11 @@ class Method:
         return self.local * asked * min(1.0, (ASYMPTOTIC / max(asked, ASYMPTOTIC)) ** self.loose)
 
 
+AUTOMATIC = -1  # the code where no INTEGRAT is given; nobody can write it
+
 _ROWS = (
+    Method(AUTOMATIC, "explicit Runge-Kutta 8(5,3), or Radau IIA of order 9 where a vibration limits the steps",
+           8, True, False, "automatic.py", Automatic, original=False),
     Method(0, "Adams predictor-corrector, order 1 to 12", 0, True, False, "Shampine & Gordon 1975", Adams,
            local=0.006),
     Method(130, "explicit Runge-Kutta, order 3", 3, False, False, "Bogacki & Shampine 1989",
@@ -95,7 +100,7 @@ def method(code: int) -> Method:
     try:
         return METHODS[ALIASES.get(code, code)]
     except KeyError:
-        known = " ".join(map(str, METHODS))
+        known = " ".join(str(code) for code in METHODS if code != AUTOMATIC)
         raise UsageError(f"unknown integration code {code}; known are {known}", "integrator.code") from None
 
 
@@ -106,6 +111,6 @@ def named(word: int | str) -> Method:
         return method(int(text))
     code = NAMES.get(text.upper())
     if code is None:
-        known = f"{' '.join(map(str, METHODS))}, or {' '.join(NAMES)}"
+        known = f"{' '.join(str(code) for code in METHODS if code != AUTOMATIC)}, or {' '.join(NAMES)}"
         raise UsageError(f"method '{word}' does not exist; known are {known}", "integrator.code")
     return METHODS[code]

@@ -120,7 +120,7 @@ class Settings:
 
     duration: float | None = None
     n_steps: int = 0
-    integrator: int = 0
+    integrator: int = -1  # `spacar.integrators.AUTOMATIC`: no INTEGRAT
     step: float | None = None
     atol: float = 1e-5
     rtol: float = 1e-4

@@ -10,8 +10,8 @@ All cases share the steps. The error norm of a step is never smaller than the la
 method 0 is a sum over the state, that of the Runge-Kutta methods a mean, whose tolerance is therefore divided by
 sqrt(N). So every case is at least as accurate as alone; one demanding case makes all of its batch take small steps.
 
-Where the mechanism has a compiled form, the copies only give the numbers: C evaluates one mechanism for several cases at
-a time, in the lanes of the processor's vectors (spacar.compiled.cases), and every case keeps the tolerance.
+Where the mechanism has a compiled form, the copies only give the numbers: C evaluates one mechanism for several cases
+at a time, in the lanes of the processor's vectors (spacar.compiled.cases), and every case keeps the tolerance.
 
 Not for: modes other than 1, user functions, wheels and other slips, implicit methods (dense Jacobian), cases whose
 statements, settings or GRAVITY differ. An error in one case ends the batch; `spacar.studies.batches` then runs its

@@ -157,7 +157,7 @@ def test_an_integration_that_is_reflected_at_a_dead_point_stops(tolerance: float
     ]  # fmt: skip
     dynamics = [
         ("XM", 2, 1.0), ("XM", 3, 2.0), ("EM", 3, 0.5), ("ESTIFF", 4, 1.0), ("STARTDE", 4, 1, 0.1, 1.0),
-        ("GRAVITY", 0.3, -1.0), ("TIMESTEP", 1.0, 20), ("ERROR", tolerance, tolerance),
+        ("GRAVITY", 0.3, -1.0), ("TIMESTEP", 1.0, 20), ("ERROR", tolerance, tolerance), ("INTEGRAT", 0),
     ]  # fmt: skip
     error, _ = failure(rows, dynamics)
     assert error.code == "position.singular"

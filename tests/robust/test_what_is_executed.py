@@ -15,7 +15,7 @@ from spacar_cli.main import main
 from spacar.errors import UsageError
 from spacar.native import store
 
-from .processes import DATA, ENVIRONMENT, done, model
+from .processes import ENVIRONMENT, done, model
 
 DECK = """PLBEAM 1 1 2 3 4
 X 3 1. 0.

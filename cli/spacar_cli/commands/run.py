@@ -30,7 +30,7 @@ OVERRIDES: tuple[tuple[str, str, Any, str], ...] = (
     ("--rtol", "rtol", TOLERANCE, "Relative error tolerance, instead of ERROR."),
     ("--integrator", "integrator", Whole(), "Integration method, instead of INTEGRAT."),
     ("--steps", "n_steps", Whole(min=1), "Number of output steps, instead of TIMESTEP."),
-    ("--compiled/--general", "compiled", bool, "Equations evaluated in C (default where that is possible) or in NumPy."),
+    ("--compiled/--general", "compiled", bool, "Equations in C (default where that is possible), or in NumPy."),
     ("--time", "duration", POSITIVE, "Length of the time interval, instead of TIMESTEP [s]."),
 )
 

@@ -89,11 +89,12 @@ def transfer_functions(run: Run, frame: Frame) -> list[str]:
 
 def integration(mechanism: Mechanism, engine: tuple[str, str] | None = None) -> list[str]:
     """Name of the integrator and its accuracy settings; which engine evaluates, on what level or why."""
-    from spacar.integrators import METHODS
+    from spacar.integrators import AUTOMATIC, METHODS
 
     s = mechanism.settings
     method = METHODS.get(s.integrator)
-    lines = [f"Integrator: INTEGRAT {s.integrator}, {method.name if method else 'unknown'}"]
+    given = "no INTEGRAT" if s.integrator == AUTOMATIC else f"INTEGRAT {s.integrator}"
+    lines = [f"Integrator: {given}, {method.name if method else 'unknown'}"]
     lines.append(f"Error tolerances: absolute {real(s.atol)}, relative {real(s.rtol)}")
     if s.step is not None:
         lines.append(f"Step size (fixed, or the first one): {real(s.step)} s")
