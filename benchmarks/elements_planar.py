@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from spacar.elements.base import ElementGroup, Family
+from spacar.elements.family import ElementGroup, Family
 from spacar.elements.plbeam import PlanarBeam
 from spacar.elements.plbelt import PlanarBelt
 from spacar.elements.plpinbod import PlanarPinbody

@@ -11,8 +11,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from spacar.elements.base import ElementGroup, Family
 from spacar.elements.beam import SpatialBeam
+from spacar.elements.family import ElementGroup, Family
 from spacar.elements.hinge import SpatialHinge
 from spacar.elements.pinbody import SpatialPinbody
 from spacar.elements.screw import Screw

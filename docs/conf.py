@@ -34,12 +34,12 @@ smartquotes = False  # x' is an axis, not an apostrophe
 # what the left column shows: title -> pages
 CONTENTS = {
     "Start": ("/README", "tutorial", "gallery"),
-    "Use": ("keywords", "drawing", "python", "simulation", "studies", "symbolic/tutorial"),
+    "Use": ("keywords", "drawing", "python", "matlab", "simulation", "studies", "symbolic/tutorial"),
     "Understand": ("theory", "theory-linear", "symbolic/theory", "decisions", "performance"),
     "Reference": (
         "reference/index", "reference/theory-system", "reference/theory-planar", "reference/theory-spatial",
         "reference/input-language", "reference/files", "reference/messages", "reference/symbolic",
-        "reference/later-versions", "reference/bibliography", "reference/theory-warping",
+        "reference/later-versions", "reference/bibliography", "reference/theory-warping", "reference/sections",
         "reference/theory-beam-order4",
     ),
     "Change": ("developer", "/CONTRIBUTING", "/CHANGELOG"),

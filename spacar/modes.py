@@ -50,22 +50,22 @@ class Mode:
 MODES = {
     mode.number: mode
     for mode in (
-        Mode(0, "kinematic check", "spacar.kinematics.analysis:check", ("sbd",), forces=False, wheels=True),
+        Mode(0, "kinematic check", "spacar.kinematics.kinematic_mode:check", ("sbd",), forces=False, wheels=True),
         Mode(1, "forward dynamics", "spacar.forward.motion:forward", ("sbd",),
              timed=True, integrated=True, wheels=True),
-        Mode(2, "inverse dynamics", "spacar.inverse.analysis:inverse", ("sbd", "ltv"),
+        Mode(2, "inverse dynamics", "spacar.inverse.inverse_modes:inverse", ("sbd", "ltv"),
              third="trajectory", timed=True, gives_setpoints=True),
-        Mode(3, "linearization along set-points", "spacar.inverse.analysis:along", ("sbd", "sbm", "ltv"),
+        Mode(3, "linearization along set-points", "spacar.inverse.inverse_modes:along", ("sbd", "sbm", "ltv"),
              third="trajectory", timed=True, takes_setpoints=True, linearized=True),
-        Mode(4, "forward dynamics with linearization", "spacar.linear.analysis:forward", ("sbd", "sbm", "ltv"),
+        Mode(4, "forward dynamics with linearization", "spacar.linear.linear_modes:forward", ("sbd", "sbm", "ltv"),
              third="linearization", timed=True, integrated=True, linearized=True, wheels=True),
-        Mode(7, "stationary solution, eigenvalues", "spacar.linear.analysis:eigenvalues", ("sbd", "sbm"),
+        Mode(7, "stationary solution, eigenvalues", "spacar.linear.linear_modes:eigenvalues", ("sbd", "sbm"),
              stationary=True, linearized=True, wheels=True),
-        Mode(8, "stationary solution, buckling", "spacar.linear.analysis:buckling", ("sbd", "sbm"),
+        Mode(8, "stationary solution, buckling", "spacar.linear.linear_modes:buckling", ("sbd", "sbm"),
              stationary=True, buckling=True),
-        Mode(9, "stationary solution, state space", "spacar.linear.analysis:state_space_matrices",
+        Mode(9, "stationary solution, state space", "spacar.linear.linear_modes:state_space_matrices",
              ("sbd", "sbm", "ltv"), third="linearization", stationary=True, linearized=True, wheels=True),
-        Mode(10, "stationary solution, eigenvalues and buckling", "spacar.linear.analysis:vibration_and_buckling",
+        Mode(10, "stationary solution, eigenvalues and buckling", "spacar.linear.linear_modes:vibration_and_buckling",
              ("sbd", "sbm"), stationary=True, linearized=True, buckling=True),
     )
 }  # fmt: skip

@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from numbers import Integral, Real
 from typing import Any
 
+from spacar.deck.table_solvers import INTEGRATOR_ALIASES, INTEGRATORS, alias_note
 from spacar.errors import UsageError
+from spacar.mechanism import SolverSettings
 
 POSITIVE = ("atol", "rtol", "step", "duration", "n_steps")
+BEAMS = ("angle", "sine")  # measures of the deformations of beams and tubes
 LARGEST = {"rtol": 1.0, "n_steps": 10**15}  # an error of 100 %; times that still differ
 
 
 def checked_options(options: dict[str, Any]) -> tuple[dict[str, Any], list[str]]:
-    """The options as `Settings` takes them, None left out, and what the log must say about them.
+    """The options as `SolverSettings` takes them, None left out, and what the log must say about them.
 
     Raises UsageError for an unknown option, a value of the wrong type, one that is not positive or not finite where it
     must be, and an integration method that does not exist.
     """
-    from dataclasses import fields
-
-    from spacar.mechanism import Settings
-
-    types = {f.name: str(f.type).removesuffix(" | None") for f in fields(Settings)}
+    types = {f.name: str(f.type).removesuffix(" | None") for f in fields(SolverSettings)}
     found, notes = {}, []
     for name, value in options.items():
         if name not in types:
@@ -33,6 +33,8 @@ def checked_options(options: dict[str, Any]) -> tuple[dict[str, Any], list[str]]
             raise UsageError(f"the option {name} = {value!r} must be positive and finite", "usage.option")
         if name in LARGEST and found[name] > LARGEST[name]:
             raise UsageError(f"the option {name} = {value!r} is at most {LARGEST[name]:g}", "usage.option")
+        if name == "beams" and found[name] not in BEAMS:
+            raise UsageError(f"the option beams = {value!r} is one of {', '.join(BEAMS)}", "usage.option")
         if name == "integrator":
             found[name], note = integrator(found[name])
             notes += [note] if note else []
@@ -41,20 +43,20 @@ def checked_options(options: dict[str, Any]) -> tuple[dict[str, Any], list[str]]
 
 def _converted(name: str, value: Any, kind: str) -> Any:
     """The value as a number of the wanted kind; NumPy's numbers are numbers too."""
-    wanted = {"bool": "True or False", "int": "a whole number", "float": "a number"}[kind]
-    if kind == "bool":
+    wanted = {"bool": "True or False", "int": "a whole number", "float": "a number", "str": "a word"}[kind]
+    if kind == "str":
+        right = isinstance(value, str)
+    elif kind == "bool":
         right = type(value).__name__ in ("bool", "bool_")
     else:
         right = isinstance(value, Real if kind == "float" else Integral) and not isinstance(value, bool)
     if not right:
         raise UsageError(f"the option {name} = {value!r} must be {wanted}, not {type(value).__name__}", "usage.option")
-    return {"bool": bool, "int": int, "float": float}[kind](value)
+    return {"bool": bool, "int": int, "float": float, "str": str}[kind](value)
 
 
 def integrator(code: int, subject: str = "integrator type") -> tuple[int, str | None]:
     """The integration method of this code, and the note on an alias (the sentence of INTEGRAT). Raises UsageError."""
-    from spacar.deck.table_dynamics import INTEGRATOR_ALIASES, INTEGRATORS, alias_note
-
     if code in INTEGRATOR_ALIASES:
         return INTEGRATOR_ALIASES[code], alias_note(code)
     if code not in INTEGRATORS:

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Array
 from spacar.errors import SpacarError, UsageError
-from spacar.expressions.places import ELEMENT, NODE, place
+from spacar.expressions.result_places import ELEMENT, NODE, place
 from spacar.frame import Frame, StoredFrames
+from spacar.mechanism.result_tables import model_tables
 
 if TYPE_CHECKING:
     from spacar.mechanism import Mechanism
@@ -59,6 +60,10 @@ class Result:
         """A matplotlib figure of expressions such as 'x[6,1]' over `against`, also written to `path`."""
         return import_module(DRAWING).plot(self, *expressions, path=path, against=against)
 
+    def stress(self, **options: Any) -> Any:
+        """Stress resultants and stresses along the beams as numbers; options as `spacar_drawing.stress`."""
+        return import_module(DRAWING).stress(self, **options)
+
     def __repr__(self) -> str:
         return str(import_module(SUMMARY).result_summary(self))
 
@@ -96,8 +101,6 @@ class Result:
     @cached_property
     def tables(self) -> dict[str, Any]:
         """Sizes, tables and parameters of the model by their names in the result files, without a step axis."""
-        from spacar.mechanism.tables import model_tables
-
         return model_tables(self.mechanism)
 
     @property

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Protocol
 
+import numpy as np
+
 from spacar.errors import Report, SpacarError
 from spacar.frame import Frame
 from spacar.modes import Mode
@@ -96,8 +98,6 @@ class Run:
 
 def _without_warnings(frames: Iterator[Frame]) -> Iterator[Frame]:
     """The frames, without NumPy's warnings: what is infinite or undefined is found where it matters, and named."""
-    import numpy as np
-
     while True:
         with np.errstate(all="ignore"):
             frame = next(frames, None)

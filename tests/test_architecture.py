@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import ast
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -55,6 +56,7 @@ def sources() -> list[tuple[str, Path]]:
     return [(room, path) for room, folder in ROOMS.items() for path in sorted(folder.rglob("*.py"))]
 
 
+@cache
 def imports(path: Path, top_only: bool = False) -> set[str]:
     """Absolute dotted names of all modules that a file imports; `top_only`: when it is imported itself."""
     tree = ast.parse(path.read_text(encoding="utf-8"))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.deck.table_dynamics import INTEGRATORS as LISTED
+from spacar.deck.table_solvers import INTEGRATORS as LISTED
 from spacar.errors import InputError, UsageError
 from spacar.integrators import METHODS
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from spacar_drawing.files import FILM, FILM_DPI, check_name, film, save
-from spacar_drawing.source import open_source
-from spacar_drawing.steps import chosen_steps, picture, series
+from spacar_drawing.picture_source import open_source
+from spacar_drawing.step_pictures import chosen_steps, picture, series
 
 from spacar_cli.drawing_options import Choices, check_elements
 from spacar_cli.environment import Environment

@@ -9,10 +9,10 @@ from typing import Any
 
 import click
 from spacar_drawing.mechanism_picture import Extras
-from spacar_drawing.settings import ALL, DIMENSIONS, Section, Settings
+from spacar_drawing.settings import ALL, DIMENSIONS, PictureSettings, SectionShape
 
 from spacar.errors import UsageError
-from spacar_cli.parameters import Real, Whole
+from spacar_cli.number_types import Real, Whole
 
 OUTPUT = click.option(
     "--output",
@@ -120,7 +120,7 @@ class Choices:
             self.title,
         )
 
-    def overridden(self, settings: Settings) -> Settings:
+    def overridden(self, settings: PictureSettings) -> PictureSettings:
         """The settings of the file with those of the command line in their place. Raises UsageError."""
         if self.sections:
             settings = replace(settings, beams=settings.beams | sections_of(self.sections))
@@ -131,11 +131,11 @@ class Choices:
         return replace(settings, hidden=settings.hidden | set(self.hide))
 
 
-def sections_of(texts: Sequence[str]) -> dict[int, Section]:
+def sections_of(texts: Sequence[str]) -> dict[int, SectionShape]:
     """The cross-sections of `--section` values. Raises UsageError."""
     from spacar_drawing.settings import statement_section
 
-    found: dict[int, Section] = {}
+    found: dict[int, SectionShape] = {}
     for text in texts:
         read = statement_section(text.split())
         if read is None or any(not 0 < d <= 1e100 for d in read[1].dims):

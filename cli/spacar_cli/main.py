@@ -17,9 +17,9 @@ import click
 import spacar
 from spacar.errors import UsageError
 from spacar.modes import MODES
+from spacar_cli.command_table import COMMANDS
 from spacar_cli.environment import Environment, give_up_output, open_missing_streams
 from spacar_cli.status import ExitStatus, tell, tell_error
-from spacar_cli.table import COMMANDS
 
 MODE = re.compile(r"[+-]?\d+")
 REFUSED = (errno.ENOSPC, errno.EBADF, errno.EIO, errno.EFBIG)  # of standard output: files are named in their errors
@@ -37,7 +37,7 @@ def without_collection() -> Iterator[None]:
         gc.enable()
 
 
-class Program(click.Group):
+class CommandGroup(click.Group):
     """A group whose commands are the modes (`1`, `-1`, ...) and the rows of the table, imported on demand."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
@@ -51,7 +51,7 @@ class Program(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if MODE.fullmatch(cmd_name):
             with without_collection():
-                from spacar_cli.commands.run import command_of_mode
+                from spacar_cli.commands.run_mode import command_of_mode
 
             return command_of_mode(cmd_name)
         if cmd_name not in COMMANDS:
@@ -83,7 +83,7 @@ class Program(click.Group):
 
 
 @click.group(
-    cls=Program,
+    cls=CommandGroup,
     no_args_is_help=False,
     context_settings=HELP,
     epilog="`spacar MODE --help` and `spacar COMMAND --help` list the options. --debug, anywhere, shows the "

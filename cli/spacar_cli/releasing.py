@@ -11,7 +11,7 @@ from spacar_cli.environment import Environment
 from spacar_cli.status import ExitStatus, tell
 
 if TYPE_CHECKING:
-    from spacar.kinematics.advice import Part
+    from spacar.kinematics.advice import OverconstraintPart
     from spacar.kinematics.diagnosis import Diagnosis
     from spacar.kinematics.release import Release
 
@@ -99,7 +99,7 @@ def as_record(diagnosis: Diagnosis) -> dict[str, Any]:
     }
 
 
-def _part(part: Part) -> dict[str, Any]:
+def _part(part: OverconstraintPart) -> dict[str, Any]:
     from spacar.kinematics.advice import WORD
 
     return {

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 import click
 
 from spacar_cli.environment import Environment
-from spacar_cli.parameters import POSITIVE, Whole
+from spacar_cli.number_types import POSITIVE, Whole
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 Item = TypeVar("Item")

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from spacar.symbolic.run import Run
+    from spacar.symbolic.simulated_motion import SimulatedMotion
 
 
-def plot(run: Run, names: Iterable[str] | None = None, labels: dict[str, str] | None = None) -> list[Any]:
+def plot(run: SimulatedMotion, names: Iterable[str] | None = None, labels: dict[str, str] | None = None) -> list[Any]:
     """One matplotlib figure for every name (default: coordinates that are not field amplitudes, and outputs)."""
     from matplotlib.figure import Figure
 
@@ -28,13 +28,13 @@ def plot(run: Run, names: Iterable[str] | None = None, labels: dict[str, str] | 
     return figures
 
 
-def default_names(run: Run) -> list[str]:
+def default_names(run: SimulatedMotion) -> list[str]:
     """Coordinates without the amplitudes φ of fields, then the outputs."""
     coordinates = run.names[: len(run.names) - len(run.names) // 2]
     return [*(name for name in coordinates if not name.startswith("phi")), *run.outputs]
 
 
-def save_plots(run: Run, stem: Path, names: Iterable[str] | None = None) -> list[Path]:
+def save_plots(run: SimulatedMotion, stem: Path, names: Iterable[str] | None = None) -> list[Path]:
     """Write STEM-NAME.png for every quantity; returns the paths."""
     from spacar_drawing.files import save
 

@@ -12,16 +12,17 @@ from spacar_cli.symbolic_text import description, equations_text
 if TYPE_CHECKING:
     from spacar_formats.claim import Claim
 
-    from spacar.symbolic.equations import Equations
-    from spacar.symbolic.program import Program
-    from spacar.symbolic.run import Run
-    from spacar.symbolic.script import Model
+    from spacar.symbolic.program import EquationProgram
+    from spacar.symbolic.script import SymbolicModel
+    from spacar.symbolic.simulated_motion import SimulatedMotion
+    from spacar.symbolic.skeleton import Picture
+    from spacar.symbolic.symbolic_equations import SymbolicEquations
 
-DEFAULTS: dict[str, Any] = {"time": 1.0, "steps": 1000, "integrator": "gear", "rtol": 1e-8, "atol": None}
+DEFAULTS: dict[str, Any] = {"time": 1.0, "steps": 1000, "integrator": "lsoda", "rtol": 1e-8, "atol": None}
 
 
 def simulate_model(
-    model: Model,
+    model: SymbolicModel,
     strategy: str,
     changes: dict[str, float],
     wishes: dict[str, Any],
@@ -37,6 +38,10 @@ def simulate_model(
     """
     from spacar_formats.claim import Claim
 
+    if compiled:
+        from spacar.symbolic.compiled_program import compiler
+
+        compiler()  # a CC that cannot be used is told before anything is written
     values, start = _changed(model, changes)
     log, sbd = (model.path.with_suffix(ending) for ending in (".log", ".sbd"))
     claim = Claim(sbd, wait)
@@ -47,7 +52,7 @@ def simulate_model(
 
 
 def _simulate(
-    model: Model,
+    model: SymbolicModel,
     strategy: str,
     values: dict[str, float],
     start: dict[str, float],
@@ -58,6 +63,8 @@ def _simulate(
     log: Path,
     claim: Claim,
 ) -> list[str]:
+    from spacar.symbolic.skeleton import picture
+
     settings = DEFAULTS | model.settings | {key: value for key, value in wishes.items() if value is not None}
     try:
         eq = model.system.derive(strategy)
@@ -74,7 +81,7 @@ def _simulate(
         kind = AnalysisError if isinstance(error, AnalysisError) else UsageError
         raise kind(f"{model.path.name}: {error}", error.code) from None
     summary = _summary(eq, program, run, note, str(checked))
-    write_sbd(claim, model, run)
+    write_sbd(claim, model, run, picture(model.system, run, values))
     _write_log(log, model, eq, values, start, summary, show)
     written = [log, claim.final]
     if plot:
@@ -84,7 +91,7 @@ def _simulate(
     return [*summary, "written: " + ", ".join(path.name for path in written)]
 
 
-def _changed(model: Model, changes: dict[str, float]) -> tuple[dict[str, float], dict[str, float]]:
+def _changed(model: SymbolicModel, changes: dict[str, float]) -> tuple[dict[str, float], dict[str, float]]:
     values, start = dict(model.values), dict(model.start)
     states = {str(s.func) for s in [*model.system.coordinates, *model.system.speeds]}
     symbols = model.parameter_names()
@@ -98,16 +105,19 @@ def _changed(model: Model, changes: dict[str, float]) -> tuple[dict[str, float],
     return values, start
 
 
-def _compiled(program: Program, values: dict[str, float]) -> tuple[Any, str]:
+def _compiled(program: EquationProgram, values: dict[str, float]) -> tuple[Any, str]:
     """The compiled function, or None with the reason when there is no compiler."""
-    from spacar.symbolic.compiled import CompiledFunction, compiler
+    from spacar.symbolic.compiled_program import CompiledFunction, compiler
 
-    if compiler() is None:
+    words = compiler()
+    if words is None:
         return None, "generated Python (no C compiler was found)"
-    return CompiledFunction(program, values), f"C, compiled by {compiler()}"
+    return CompiledFunction(program, values), f"C, compiled by {' '.join(words)}"
 
 
-def _summary(eq: Equations, program: Program, run: Run, note: str, checked: str) -> list[str]:
+def _summary(
+    eq: SymbolicEquations, program: EquationProgram, run: SimulatedMotion, note: str, checked: str
+) -> list[str]:
     counts, s, e = program.counts(), run.statistics, run.eigenvalue
     last = ", ".join(f"{name} = {run[name][-1]:.12g}" for name in [*run.names, *run.outputs])
     return [
@@ -123,8 +133,11 @@ def _summary(eq: Equations, program: Program, run: Run, note: str, checked: str)
     ]
 
 
-def write_sbd(claim: Claim, model: Model, run: Run) -> None:
-    """The result container: time, q, s, u (inputs), y (outputs); names in the texts QNAME, SNAME, UNAME, YNAME."""
+def write_sbd(claim: Claim, model: SymbolicModel, run: SimulatedMotion, seen: Picture | None) -> None:
+    """The result container: time, q, s, u (inputs), y (outputs); names in the texts QNAME, SNAME, UNAME, YNAME.
+
+    `seen` adds the nodes and elements of a picture, with X.
+    """
     from spacar_formats.sbf import SbfWriter
 
     nq = len(model.system.coordinates)
@@ -135,7 +148,11 @@ def write_sbd(claim: Claim, model: Model, run: Run) -> None:
     }
     columns = [run.outputs[name] for name in run.outputs]
     header: dict[str, Any] = {"TITLE": model.system.title or model.path.stem, "KIND": "symbolic"}
+    header |= {"VERSION": f"spacar {spacar.__version__}", "SOURCE": model.path.name, "SHA256": model.sha256}
     shapes: dict[str, tuple[int, int]] = {"T": (1, 1)}
+    if seen is not None:
+        header |= seen.header
+        shapes["X"] = (seen.x.shape[1], 1)
     for letter, (names, _) in groups.items():
         if names:
             header[f"{letter}NAME"] = list(names)
@@ -147,14 +164,15 @@ def write_sbd(claim: Claim, model: Model, run: Run) -> None:
     with SbfWriter(claim.part, "sbd", header, shapes, claim.open()) as writer:
         for k, t in enumerate(run.time):
             step: dict[str, Any] = {"T": t} | {a: rows[k] for a, (names, rows) in groups.items() if names}
-            writer.append(step | ({"Y": [c[k] for c in columns]} if columns else {}))
+            step |= {"Y": [c[k] for c in columns]} if columns else {}
+            writer.append(step | ({"X": seen.x[k]} if seen is not None else {}))
     claim.publish()
 
 
 def _write_log(
     path: Path,
-    model: Model,
-    eq: Equations,
+    model: SymbolicModel,
+    eq: SymbolicEquations,
     values: dict[str, float],
     start: dict[str, float],
     summary: list[str],

@@ -6,11 +6,11 @@ import json
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from spacar.symbolic.equations import Equations
-    from spacar.symbolic.script import Model
+    from spacar.symbolic.script import SymbolicModel
+    from spacar.symbolic.symbolic_equations import SymbolicEquations
 
 
-def description(model: Model) -> list[str]:
+def description(model: SymbolicModel) -> list[str]:
     """What a model contains, one line a kind of part."""
     system = model.system
     names = [str(q.func) for q in system.coordinates]
@@ -39,7 +39,7 @@ def _plain(expression: Any) -> str:
     return "given at the simulation" if expression is None else text(expression)
 
 
-def equations_text(model: Model, eq: Equations, show: str, form: str) -> str:
+def equations_text(model: SymbolicModel, eq: SymbolicEquations, show: str, form: str) -> str:
     """The equations in the asked notation and format."""
     from spacar.symbolic.printing import latex, text
 
@@ -67,7 +67,7 @@ def equations_text(model: Model, eq: Equations, show: str, form: str) -> str:
     return "\n".join([*lines, "with", *(f"  {z} = {e}" for z, e in pairs)])
 
 
-def _program_text(model: Model, eq: Equations, form: str) -> str:
+def _program_text(model: SymbolicModel, eq: SymbolicEquations, form: str) -> str:
     from spacar.symbolic.printing import text
 
     program = eq.program(model.outputs)

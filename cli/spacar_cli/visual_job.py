@@ -17,9 +17,9 @@ from spacar_drawing.mode_shapes import (
     suitable_factor,
     vibration_modes,
 )
-from spacar_drawing.moving import Moving
+from spacar_drawing.moving_figure import MovingFigure
+from spacar_drawing.picture_source import PictureSource, open_source
 from spacar_drawing.redundancy import redundancy
-from spacar_drawing.source import Source, open_source
 
 from spacar.arrays import Array
 from spacar.errors import UsageError
@@ -65,13 +65,13 @@ def visual(
     return [str(p) for m in chosen for p in _mode(environment, source, choices, step, m, factor, rest, len(chosen) > 1)]
 
 
-def _step(source: Source, step: int | None) -> int:
+def _step(source: PictureSource, step: int | None) -> int:
     if step is not None and step > source.steps:
         raise UsageError(f"--step {step} does not exist: {source.name} has steps 1 to {source.steps}", "files.step")
     return step or source.steps
 
 
-def _kind(source: Source, mode: int | None) -> str:
+def _kind(source: PictureSource, mode: int | None) -> str:
     """vibration, buckling or constraints. Raises UsageError when the result does not have what MODE asks for."""
     ran = source.scene.analysis
     wanted = ran if mode is None else find_mode(mode)
@@ -113,7 +113,7 @@ def _numbers(text: str | None, modes: list[ModeShape], default: int) -> list[Mod
     return [known[n] for n in wanted]
 
 
-def _outputs(source: Source, choices: Choices, what: str, several: bool = False) -> list[Path]:
+def _outputs(source: PictureSource, choices: Choices, what: str, several: bool = False) -> list[Path]:
     """The files to write; with several modes the kind of picture is added to the given names."""
     if not choices.output:
         return [] if choices.show else [Path(source.name).parent / f"{source.scene.title}_{what}.png"]
@@ -123,13 +123,13 @@ def _outputs(source: Source, choices: Choices, what: str, several: bool = False)
     return paths
 
 
-def extent_of(source: Source, x: Array) -> float:
+def extent_of(source: PictureSource, x: Array) -> float:
     return look_of(source.scene, x[None], source.settings).size / SYMBOL
 
 
 def _mode(
     environment: Environment,
-    source: Source,
+    source: PictureSource,
     choices: Choices,
     step: int,
     mode: ModeShape,
@@ -153,7 +153,7 @@ def _mode(
         camera = camera_of(source.scene, choices.view)
         for path in (p for p in outputs if p.suffix.lower() in FILM):
             with frame_progress(environment.error_is_terminal, PHASES, path.name) as tick:
-                moving = Moving.create(bounds, camera)
+                moving = MovingFigure.create(bounds, camera)
                 film(moving, pictures, PHASES, path, choices.fps, min(choices.dpi, FILM_DPI), tick)
         if choices.show:
             from spacar_drawing.window import slider_window
@@ -162,7 +162,7 @@ def _mode(
     return outputs
 
 
-def _constraints(source: Source, choices: Choices, step: int) -> list[str]:
+def _constraints(source: PictureSource, choices: Choices, step: int) -> list[str]:
     x = source.x(step)
     extent = extent_of(source, x)
     found = redundancy(source.scene, source.get("bigd", step), extent)
@@ -172,8 +172,8 @@ def _constraints(source: Source, choices: Choices, step: int) -> list[str]:
     return _finish(figure, outputs, choices)
 
 
-def _stresses(source: Source, choices: Choices, step: int, stress: str | None, diagram: str | None) -> list[str]:
-    from spacar_drawing.steps import step_text
+def _stresses(source: PictureSource, choices: Choices, step: int, stress: str | None, diagram: str | None) -> list[str]:
+    from spacar_drawing.step_pictures import step_text
     from spacar_drawing.stress_picture import diagram_still, stress_still
 
     if stress and diagram:

@@ -38,15 +38,27 @@ def elastic_line(ends: Array, tangents: Array, l0: float, across: Array, Phi: Ar
     return points
 
 
-def section_axes(points: Array, y_p: Array, y_q: Array) -> tuple[Array, Array]:
-    """y', z' (n, 3) along a line of points (n, 3): y' turns linearly from y_p to y_q, normal to the line."""
+def section_axes(
+    points: Array, y_p: Array, y_q: Array, slopes: tuple[float, float] | None = None
+) -> tuple[Array, Array]:
+    """y', z' (n, 3) along a line of points (n, 3), y' normal to the line.
+
+    It turns linearly from y_p to y_q; with `slopes` [rad], twist rates at the ends times the length, as the cubic with
+    these slopes (theory-warping.md section 3).
+    """
     tangent = np.gradient(points, axis=0)
     tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-300)
     xi = np.linspace(0.0, 1.0, len(points))[:, None]
     y = (1 - xi) * y_p + xi * y_q
     y = y - np.sum(y * tangent, axis=1, keepdims=True) * tangent
     y /= np.maximum(np.linalg.norm(y, axis=1, keepdims=True), 1e-300)
-    return y, np.cross(tangent, y)
+    z = np.cross(tangent, y)
+    if slopes is not None:
+        twist = np.arctan2(y[-1] @ z[0], y[-1] @ y[0])
+        cubic = twist * (3 * xi**2 - 2 * xi**3) + slopes[0] * (xi - 2 * xi**2 + xi**3) + slopes[1] * (xi**3 - xi**2)
+        more = cubic - twist * xi
+        y, z = np.cos(more) * y + np.sin(more) * z, np.cos(more) * z - np.sin(more) * y
+    return y, z
 
 
 def chord_axes(ends: Array, y_p: Array, y_q: Array) -> Array:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import subprocess
 from collections.abc import Callable, Iterator
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 from spacar_formats.safety import replacing
 
 from spacar.errors import AnalysisError, UsageError
-from spacar_drawing.moving import Moving, Pictures
+from spacar_drawing.moving_figure import MovingFigure, Pictures
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -40,8 +41,6 @@ def check_name(path: Path, film: bool = True) -> str:
 
 def save(figure: Figure, path: Path, dpi: float = 150.0) -> None:
     """Write a figure as png, svg or pdf; the same figure gives the same bytes. Raises UsageError."""
-    from io import BytesIO
-
     import matplotlib
 
     ending, picture = check_name(path, film=False), BytesIO()
@@ -54,7 +53,7 @@ def save(figure: Figure, path: Path, dpi: float = 150.0) -> None:
 
 
 def film(
-    moving: Moving, pictures: Pictures, count: int, path: Path, fps: float, dpi: float, tick: Tick | None = None
+    moving: MovingFigure, pictures: Pictures, count: int, path: Path, fps: float, dpi: float, tick: Tick | None = None
 ) -> None:
     """Write an animation of `count` frames as gif or mp4. `tick` is told the number of frames done.
 
@@ -69,7 +68,7 @@ def film(
         _mp4(frames, path, fps)
 
 
-def _frames(moving: Moving, pictures: Pictures, count: int, tick: Tick | None) -> Iterator[NDArray[np.uint8]]:
+def _frames(moving: MovingFigure, pictures: Pictures, count: int, tick: Tick | None) -> Iterator[NDArray[np.uint8]]:
     """(height, width, 3) pixels of every frame, with even sides (most video codecs need them)."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from spacar.errors import escaped
 from spacar.expressions import MEANING, unit_text
-from spacar_drawing.expressions import Curve
+from spacar_drawing.curves import Curve
 from spacar_drawing.stage import INK, RULE
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar_drawing.camera import Camera
-from spacar_drawing.shapes import Faces, Label, Line, Shape
+from spacar_drawing.drawn_shapes import Faces, Label, Line, Shape
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

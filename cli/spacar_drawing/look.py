@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from spacar.arrays import Array
+from spacar_drawing.drawn_shapes import Colour
 from spacar_drawing.placement import pin_joints, places_of_hinges
 from spacar_drawing.scene import Pose, Scene, positions
-from spacar_drawing.settings import Settings
-from spacar_drawing.shapes import Colour
+from spacar_drawing.settings import PictureSettings
 
 FLEXIBLE, RIGID, TRUSS, SPRING = "#2f74b5", "#3c4a57", "#5d6d7a", "#3d8b5f"
 HINGE, BELT, PULLEY, WHEEL, SCREW = "#c2703d", "#6b4a2b", "#c9d2da", "#4a5560", "#8a97a3"
@@ -30,7 +30,7 @@ class Look:
     tints     element -> colour instead of its own;  faint elements are drawn thin and pale
     """
 
-    settings: Settings
+    settings: PictureSettings
     size: float
     points: int
     hinges: dict[int, tuple[int, ...]]
@@ -43,7 +43,7 @@ class Look:
         return self.tints.get(element) or self.settings.colour(element) or default
 
 
-def look_of(scene: Scene, xs: Array, settings: Settings) -> Look:
+def look_of(scene: Scene, xs: Array, settings: PictureSettings) -> Look:
     """The look for drawing the configurations xs (steps, nx)."""
     places = np.stack([positions(scene, x) for x in xs])
     rows = scene.position_nodes - 1

@@ -6,9 +6,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar_drawing import look as paint
-from spacar_drawing.look import Look, middle
-from spacar_drawing.scene import Element, Pose, Scene
-from spacar_drawing.shapes import (
+from spacar_drawing.drawn_shapes import (
     Colour,
     Faces,
     Line,
@@ -19,6 +17,8 @@ from spacar_drawing.shapes import (
     solid,
     torus,
 )
+from spacar_drawing.look import Look, middle
+from spacar_drawing.scene import Element, Pose, Scene
 
 X, Y, Z = np.eye(3)
 

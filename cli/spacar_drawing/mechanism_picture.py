@@ -11,12 +11,12 @@ import numpy as np
 from spacar.arrays import Array
 from spacar_drawing import look as colours
 from spacar_drawing.camera import Camera, view_angles
+from spacar_drawing.drawn_shapes import Faces, Line, Shape, merge_bounds
+from spacar_drawing.element_pictures import beam_line, element_shapes
 from spacar_drawing.look import Look, look_of
 from spacar_drawing.paint import paint
-from spacar_drawing.parts import element_shapes
 from spacar_drawing.scene import ROUND, Pose, Scene
-from spacar_drawing.settings import Settings
-from spacar_drawing.shapes import Faces, Line, Shape, merge_bounds
+from spacar_drawing.settings import PictureSettings
 from spacar_drawing.stage import new_figure
 from spacar_drawing.supports import node_marks, number_labels, support_shapes, trace_lines
 
@@ -36,7 +36,8 @@ class Extras:
 
 
 def camera_of(scene: Scene, view: str) -> Camera:
-    return Camera.plane() if scene.planar else Camera.towards(*view_angles(view))
+    camera = Camera.plane() if scene.planar else Camera.towards(*view_angles(view))
+    return replace(camera, metre=scene.metre)
 
 
 def mechanism_shapes(scene: Scene, x: Array, look: Look, extras: Extras) -> list[Shape]:
@@ -61,8 +62,6 @@ def ghost_shapes(scene: Scene, x: Array, look: Look, strength: float = 0.35) -> 
 
 def outline_shapes(scene: Scene, x: Array, look: Look, colour: colours.Colour = colours.GHOST) -> list[Shape]:
     """The elastic lines only, thin, in one colour."""
-    from spacar_drawing.parts import beam_line
-
     pose = Pose.of(scene, x)
     shapes: list[Shape] = []
     for e in scene.elements:
@@ -93,7 +92,7 @@ def series_bounds(scene: Scene, xs: Array, look: Look, extras: Extras, most: int
 def draw_steps(
     scene: Scene,
     xs: Array,
-    settings: Settings,
+    settings: PictureSettings,
     extras: Extras = Extras(),
     *,
     every_step: Array | None = None,

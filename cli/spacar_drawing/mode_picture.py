@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spacar.arrays import Array
+from spacar_drawing.drawn_shapes import Colour, Line, Shape
 from spacar_drawing.look import DRIVE, GHOST, Look, look_of
 from spacar_drawing.mechanism_picture import (
     Extras,
@@ -18,13 +19,12 @@ from spacar_drawing.mechanism_picture import (
     outline_shapes,
     series_bounds,
 )
-from spacar_drawing.mode_shapes import ModeShape, displaced
-from spacar_drawing.moving import Pictures
+from spacar_drawing.mode_shapes import ModeShape, displaced, suitable_factor
+from spacar_drawing.moving_figure import Pictures
 from spacar_drawing.paint import paint
 from spacar_drawing.redundancy import Redundancy
 from spacar_drawing.scene import Pose, Scene
-from spacar_drawing.settings import Settings
-from spacar_drawing.shapes import Colour, Line, Shape
+from spacar_drawing.settings import PictureSettings
 from spacar_drawing.stage import new_figure
 
 if TYPE_CHECKING:
@@ -47,13 +47,13 @@ def period(mode: ModeShape, x: Array, factor: float, count: int) -> Array:
     return np.stack([swing(mode, x, factor, p) for p in np.linspace(0.0, 2 * np.pi, count, endpoint=False)])
 
 
-def mode_look(scene: Scene, x: Array, settings: Settings, whole_period: Array) -> Look:
+def mode_look(scene: Scene, x: Array, settings: PictureSettings, whole_period: Array) -> Look:
     """A look with the symbol size of the configuration at rest and the guides of the whole period."""
     return replace(look_of(scene, x[None], settings), ranges=look_of(scene, whole_period, settings).ranges)
 
 
 def mode_still(
-    scene: Scene, x: Array, settings: Settings, extras: Extras, mode: ModeShape, factor: float, rest: bool
+    scene: Scene, x: Array, settings: PictureSettings, extras: Extras, mode: ModeShape, factor: float, rest: bool
 ) -> Figure:
     """The mode at its extreme, the opposite extreme pale, and the position at rest dashed (when `rest`)."""
     whole = period(mode, x, factor, QUARTERS)
@@ -71,7 +71,7 @@ def mode_still(
 
 
 def mode_pictures(
-    scene: Scene, x: Array, settings: Settings, extras: Extras, mode: ModeShape, factor: float, rest: bool
+    scene: Scene, x: Array, settings: PictureSettings, extras: Extras, mode: ModeShape, factor: float, rest: bool
 ) -> tuple[Pictures, tuple[Array, Array]]:
     """The pictures of one period (PHASES of them) and the box around them."""
     whole = period(mode, x, factor, PHASES)
@@ -86,7 +86,7 @@ def mode_pictures(
 
 
 def constraint_still(
-    scene: Scene, x: Array, settings: Settings, extras: Extras, found: Redundancy, extent: float
+    scene: Scene, x: Array, settings: PictureSettings, extras: Extras, found: Redundancy, extent: float
 ) -> Figure:
     """Elements that take part in over-constraints in red, by their share; motions of under-constraints dashed."""
     share = found.over.sum(0)
@@ -120,7 +120,6 @@ def constraint_still(
 
 def _step_for(scene: Scene, motion: Array, extent: float) -> float:
     mode = ModeShape(0, "buckling", 1.0 + 0j, np.zeros(0, complex), motion.astype(complex))
-    from spacar_drawing.mode_shapes import suitable_factor
 
     return suitable_factor(scene, mode, extent)
 

@@ -13,17 +13,20 @@ Motion: dx times the vector in the columns of the dynamic and kinematic degrees 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from spacar_formats.locate import open_result
+from spacar_formats.vibration import modes_of_stored_matrices
 
 from spacar.arrays import Array
-from spacar.errors import UsageError
+from spacar.errors import Report, UsageError
 from spacar_drawing.scene import Scene
 
 if TYPE_CHECKING:
-    from spacar_drawing.source import Source
+    from spacar_drawing.picture_source import PictureSource
 
 SAME = 1e-6  # eigenvalues that differ less, relative to the largest, belong to one pair
 
@@ -79,12 +82,8 @@ def dynamic_columns(header: Any) -> NDArray[np.int64]:
     return np.r_[xi : xi + xd, xi + xd + ei : ndof, ndof : ndof + nk]
 
 
-def open_matrices(source: Source) -> Any:
+def open_matrices(source: PictureSource) -> Any:
     """The `.sbm` file beside a `.sbd` result. UsageError when there is none, or when it belongs to another input."""
-    from pathlib import Path
-
-    from spacar_formats.locate import open_result
-
     name = Path(source.name)
     kept = name.name.replace(".sbd", ".sbm")
     file = open_result(name.with_name(kept), "sbm")
@@ -94,7 +93,7 @@ def open_matrices(source: Source) -> Any:
     return file
 
 
-def vibration_modes(source: Source, matrices: Any, step: int) -> list[ModeShape]:
+def vibration_modes(source: PictureSource, matrices: Any, step: int) -> list[ModeShape]:
     """All vibration modes of a step, in the order of the module. Raises UsageError when dx is missing."""
 
     def get(name: str) -> Array:
@@ -104,7 +103,8 @@ def vibration_modes(source: Source, matrices: Any, step: int) -> list[ModeShape]
         values = get("eigval") @ np.array([1.0, 1.0j])
         vectors = get("eigvre") + 1j * get("eigvim")
     else:
-        values, vectors = eigenmodes(get)
+        found = modes_of_stored_matrices(matrices, step, Report())
+        values, vectors = found.values, found.vectors
     motion = source.get("dx", step)[:, dynamic_columns(source.header)]
     n = motion.shape[1]
     order = _order(values)
@@ -147,23 +147,7 @@ def _pair(a: complex, b: complex, largest: float) -> bool:
     ) or (abs(a) < SAME * largest and abs(b) < SAME * largest)
 
 
-def eigenmodes(get: Any) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-    """Eigenvalues (n,) and state vectors (states, n) of the state matrix of the stored matrices."""
-    from scipy.linalg import eig, solve
-
-    M, K, Q = get("m0"), get("k0") + get("n0") + get("g0"), get("c0") + get("d0")
-    n, k = len(M), K.shape[1]
-    A = np.zeros((k + n, k + n))
-    try:
-        A[:k, :k], A[:k, k:] = get("bk0"), get("ak0")
-    except UsageError:
-        A[:k, k:] = np.eye(k, n)
-    A[k:] = -solve(M, np.hstack((K, Q)))
-    values, vectors = eig(A)
-    return values, vectors
-
-
-def buckling_modes(source: Source, matrices: Any, step: int) -> list[ModeShape]:
+def buckling_modes(source: PictureSource, matrices: Any, step: int) -> list[ModeShape]:
     """All buckling modes of a step with a finite load multiplier."""
     multipliers = np.ravel(matrices.get("lmult", step)).astype(float)
     vectors = np.atleast_2d(np.asarray(matrices.get("bmode", step), float)).reshape(-1, len(multipliers))

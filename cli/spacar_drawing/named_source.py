@@ -1,12 +1,11 @@
-"""Results of `spacar symbolic`: quantities by name over time, without nodes and elements."""
+"""Results of `spacar symbolic`: quantities by name over time, with nodes and elements where the model has points."""
 
 from __future__ import annotations
 
 import ast
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,45 +13,9 @@ from numpy.typing import NDArray
 from spacar import expressions
 from spacar.arrays import Array
 from spacar.errors import UsageError
-from spacar_drawing.scene import Scene
-from spacar_drawing.settings import Settings
-from spacar_drawing.source import Source, open_source
 
-GROUPS = {"Q": "QNAME", "S": "SNAME", "U": "UNAME", "Y": "YNAME"}
-
-
-def open_plotted(name: str | Path, stale_ok: bool = False) -> Source:
-    """The `.sbd` of this name for curves: one of a mode as `open_source` gives it, or one of `spacar symbolic`.
-
-    Raises UsageError when there is no result or when it has no steps.
-    """
-    from spacar_formats.locate import open_result
-
-    wanted = Path(name)
-    symbolic = wanted.with_suffix("") if wanted.suffix.lower() in (".toml", ".py") else wanted
-    try:
-        return open_source(symbolic, stale_ok)
-    except UsageError as error:
-        if error.code != "draw.symbolic":
-            raise
-    file = open_result(symbolic, "sbd")
-    if not file.steps:
-        raise UsageError(f"{file.path} contains no steps: the run stopped before the first one", "draw.empty")
-    named: dict[str, Array] = {}
-    for letter, names in GROUPS.items():
-        if file.has(letter):
-            values = np.asarray(file.get(letter)).reshape(file.steps, -1)
-            named |= dict(zip((str(n) for n in file.header[names]), values.T, strict=True))
-    time = np.asarray(file.get("T"), float).reshape(file.steps)
-
-    def read(variable: str, k: int | None) -> Array | None:
-        if variable.lower() != "t":
-            return None
-        return time if k is None else time[k - 1 : k]
-
-    header = dict(file.header.items())
-    stem = file.path.name.removesuffix(".part").removesuffix(".bak").removesuffix(".sbd")
-    return Source(_nothing(stem), Settings(), file.steps, str(file.path), None, read, header, file.complete, named)
+if TYPE_CHECKING:
+    from spacar_drawing.picture_source import PictureSource
 
 
 class _Names(ast.NodeTransformer):
@@ -72,7 +35,7 @@ class _Names(ast.NodeTransformer):
         return self._place(node)
 
     def visit_Subscript(self, node: ast.Subscript) -> ast.AST:
-        raise UsageError(f"'{self.text}': the result has no nodes, but t, {', '.join(self.names)}", "plot.name")
+        raise UsageError(f"'{self.text}': what is plotted here goes by name: t, {', '.join(self.names)}", "plot.name")
 
     def _place(self, node: ast.expr) -> ast.AST:
         name = ast.unparse(node)
@@ -89,7 +52,7 @@ def _coordinate(i: int) -> ast.expr:
 class _Columns:
     """The quantities as coordinates 1 of nodes 1, 2, ...; none has deformations."""
 
-    source: Source
+    source: PictureSource
 
     @property
     def lnp(self) -> NDArray[np.int64]:
@@ -103,7 +66,7 @@ class _Columns:
         return np.column_stack(list(self.source.named.values())) if name == "x" else self.source.get(name)
 
 
-def named_values(source: Source, text: str) -> tuple[Array, str]:
+def named_values(source: PictureSource, text: str) -> tuple[Array, str]:
     """(steps,) values of an expression of named quantities, or of a name that is none (`T + V`), and the name if it is
     a single one. Units are those of the model, which nobody stated. Raises UsageError."""
     text, names = text.strip(), list(source.named)
@@ -117,12 +80,3 @@ def named_values(source: Source, text: str) -> tuple[Array, str]:
         expression = expressions.parse(ast.unparse(_Names(text, names).visit(tree)))
     values, _ = expressions.evaluate(expression, _Columns(source))
     return np.broadcast_to(np.asarray(values, float), (source.steps,)), "t" if text == "t" else ""
-
-
-def _nothing(title: str) -> Scene:
-    """A moving scene without elements: mode 1 says that the steps are times."""
-    none, whole = np.zeros((0, 0)), np.zeros((0, 0), int)
-    return Scene(
-        planar=True, mode=1, title=title, keywords=(), lnp=whole, le=whole, ln=whole, frame_p=none, frame_q=none,
-        length=none, data=none, stiffness=none, damping=none, quadratic=whole, nxp=whole, nep=whole,
-    )  # fmt: skip

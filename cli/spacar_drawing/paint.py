@@ -9,7 +9,8 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar_drawing.camera import Camera
-from spacar_drawing.shapes import Faces, Label, Line, Mark, Shape
+from spacar_drawing.drawn_shapes import Faces, Label, Line, Mark, Shape
+from spacar_drawing.labels import place_labels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -38,8 +39,6 @@ def paint(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
         artists += axes.plot(x, y, "o", scalex=False, scaley=False, **look)
     labels = [s for s in shapes if isinstance(s, Label)]
     if labels:
-        from spacar_drawing.labels import place_labels
-
         artists += place_labels(axes, camera, labels, shapes)
     return artists
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import io
 from collections.abc import Sequence
+from dataclasses import replace
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,31 +13,37 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import spacar
+from spacar.deck import ELEMENT_TYPES
 from spacar.errors import UsageError
-from spacar_drawing.expressions import Curve, evaluate
+from spacar_drawing.curves import Curve, evaluate
 from spacar_drawing.history import axis_text, history_figure
+from spacar_drawing.look import SYMBOL, look_of
 from spacar_drawing.mechanism_picture import Extras, draw_steps
-from spacar_drawing.moving import evenly
+from spacar_drawing.mode_picture import constraint_still, mode_still
+from spacar_drawing.mode_shapes import buckling_modes, open_matrices, suitable_factor, vibration_modes
+from spacar_drawing.moving_figure import evenly
+from spacar_drawing.redundancy import redundancy
 from spacar_drawing.report_style import STYLE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from spacar_drawing.mode_shapes import ModeShape
+    from spacar_drawing.picture_source import PictureSource
     from spacar_drawing.scene import Scene
-    from spacar_drawing.source import Source
 
 MOST_CURVES = 12
 MOST_MODES = 4
 DPI = 120
+_NAMED = (("Coordinates", "QNAME"), ("Speeds", "SNAME"), ("Inputs", "UNAME"), ("Outputs", "YNAME"))
 
 
-def report_page(source: Source, expressions: Sequence[str] = (), log_lines: int = 120, view: str = "iso") -> str:
+def report_page(source: PictureSource, expressions: Sequence[str] = (), log_lines: int = 120, view: str = "iso") -> str:
     """The page of a result. Raises UsageError for an expression that cannot be evaluated."""
     scene = source.scene
     extras = Extras(view=view, title="")
     parts = [_summary(source), _model(source, extras), _freedoms(source)]
-    if not scene.analysis.forces:
+    if not source.named and not scene.analysis.forces:
         parts.append(_constraints(source, extras))
     if scene.analysis.stationary:
         parts.append(_modes(source, extras))
@@ -56,10 +63,12 @@ def report_page(source: Source, expressions: Sequence[str] = (), log_lines: int 
     )
 
 
-def key_curves(source: Source) -> list[Curve]:
+def key_curves(source: PictureSource) -> list[Curve]:
     """What a reader wants to see first: in inverse dynamics the stresses and motions of the hinges; else the degrees of
     freedom that the analysis found, what the prescribed ones need as driving forces or stresses, and the coordinates
     that move most."""
+    if source.named:
+        return [evaluate(source, name) for name in named_freedoms(source) + _texts(source, "YNAME")][:MOST_CURVES]
     scene = source.scene
     found = freedoms(scene)
     if scene.analysis.gives_setpoints or scene.analysis.takes_setpoints:
@@ -85,6 +94,16 @@ def key_curves(source: Source) -> list[Curve]:
     return [evaluate(source, text) for text in texts[:MOST_CURVES]]
 
 
+def named_freedoms(source: PictureSource) -> list[str]:
+    """Coordinates of a result of `spacar symbolic` that are not amplitudes of fields; all when there is no other."""
+    names = _texts(source, "QNAME")
+    return [name for name in names if not name.startswith("phi")] or names
+
+
+def _texts(source: PictureSource, name: str) -> list[str]:
+    return [str(text) for text in source.header.get(name, [])]
+
+
 def _is_spatial_rotation(scene: Scene, text: str) -> bool:
     """The force dual to an Euler parameter says nothing to a reader."""
     return not scene.planar and int(text[2:].partition(",")[0]) not in scene.position_nodes
@@ -92,8 +111,6 @@ def _is_spatial_rotation(scene: Scene, text: str) -> bool:
 
 def freedoms(scene: Scene) -> list[tuple[str, str, str]]:
     """(expression, description, class) of every degree of freedom and kinematic coordinate, in the order of q."""
-    from spacar.deck import ELEMENT_TYPES
-
     found: list[tuple[int, str, str, str]] = []
     rank = {"input": 0, "dynamic": 1, "kinematic": 4}
     for node, row in enumerate(scene.lnp, 1):
@@ -119,7 +136,7 @@ def freedoms(scene: Scene) -> list[tuple[str, str, str]]:
     return [(text, words, kind) for _, text, words, kind in sorted(found, key=lambda f: f[0])]
 
 
-def _summary(source: Source) -> str:
+def _summary(source: PictureSource) -> str:
     header, scene = source.header, source.scene
     mode = scene.analysis
     words: dict[str, str] = {}
@@ -127,7 +144,7 @@ def _summary(source: Source) -> str:
         words[e.keyword] = str(int(words.get(e.keyword, "0")) + 1)
     rows = [
         ("Input", _text(header, "SOURCE")),
-        ("Analysis", f"mode {mode.number}: {mode.title}"),
+        ("Analysis", "spacar symbolic simulate" if source.named else f"mode {mode.number}: {mode.title}"),
         ("Program", _text(header, "VERSION")),
         ("Elements", ", ".join(f"{n} {k}" for k, n in words.items())),
         ("Nodes", f"{len(scene.position_nodes)} for positions, {len(scene.orientation_nodes)} for orientations"),
@@ -140,7 +157,7 @@ def _summary(source: Source) -> str:
     return warning + _table(rows, head=None, klass="facts")
 
 
-def _steps(source: Source) -> str:
+def _steps(source: PictureSource) -> str:
     if source.scene.analysis.stationary or source.steps == 1:
         return str(source.steps)
     return f"{source.steps}, t = {source.time(1):.6g} to {source.time(source.steps):.6g} s"
@@ -151,9 +168,7 @@ def _text(header: object, name: str) -> str:
     return str(value[0]) if len(value) else ""
 
 
-def _model(source: Source, extras: Extras) -> str:
-    from dataclasses import replace
-
+def _model(source: PictureSource, extras: Extras) -> str:
     scene = source.scene
     k = source.steps if scene.analysis.stationary else 1
     numbered = draw_steps(
@@ -171,7 +186,10 @@ def _model(source: Source, extras: Extras) -> str:
     return out
 
 
-def _freedoms(source: Source) -> str:
+def _freedoms(source: PictureSource) -> str:
+    if source.named:
+        facts = [(title, ", ".join(_texts(source, ident)) or "none") for title, ident in _NAMED]
+        return "<h2>Quantities</h2>" + _table(facts, head=None, klass="facts")
     found = freedoms(source.scene)
     counts = {kind: sum(f[2] == kind for f in found) for kind in ("input", "dynamic", "kinematic")}
     words = {"input": "prescribed", "dynamic": "dynamic", "kinematic": "kinematic"}
@@ -183,7 +201,7 @@ def _freedoms(source: Source) -> str:
     return f"<h2>Degrees of freedom</h2><p>{text}.</p>{table}"
 
 
-def _results(source: Source, curves: Sequence[Curve]) -> str:
+def _results(source: PictureSource, curves: Sequence[Curve]) -> str:
     """Start, end and extremes of the curves; of a single step the values."""
     if not curves:
         return ""
@@ -209,7 +227,7 @@ def _results(source: Source, curves: Sequence[Curve]) -> str:
     return "<h2>Key results</h2>" + _table(rows, head, "numbers")
 
 
-def _plots(source: Source, curves: Sequence[Curve]) -> str:
+def _plots(source: PictureSource, curves: Sequence[Curve]) -> str:
     if not curves:
         return ""
     across = evaluate(source, "t")
@@ -217,12 +235,8 @@ def _plots(source: Source, curves: Sequence[Curve]) -> str:
     return "<h2>Plots</h2>" + _figure(figure, ", ".join(c.text for c in curves) + " over time.")
 
 
-def _modes(source: Source, extras: Extras) -> str:
+def _modes(source: PictureSource, extras: Extras) -> str:
     """Tables and pictures of vibration and buckling modes; a sentence where the result has none."""
-    from spacar_drawing.look import SYMBOL, look_of
-    from spacar_drawing.mode_picture import mode_still
-    from spacar_drawing.mode_shapes import buckling_modes, open_matrices, suitable_factor, vibration_modes
-
     out = ""
     rows: list[tuple[str, ...]]
     analysis = source.scene.analysis
@@ -258,11 +272,7 @@ def _vibration_row(mode: ModeShape) -> tuple[str, ...]:
     return str(mode.number), _number(real), _number(omega), _number(omega / (2 * np.pi)), ratio
 
 
-def _constraints(source: Source, extras: Extras) -> str:
-    from spacar_drawing.look import SYMBOL, look_of
-    from spacar_drawing.mode_picture import constraint_still
-    from spacar_drawing.redundancy import redundancy
-
+def _constraints(source: PictureSource, extras: Extras) -> str:
     x = source.x(1)
     extent = look_of(source.scene, x[None], source.settings).size / SYMBOL
     found = redundancy(source.scene, source.get("bigd", 1), extent)
@@ -273,7 +283,7 @@ def _constraints(source: Source, extras: Extras) -> str:
     )
 
 
-def _log(source: Source, lines: int) -> str:
+def _log(source: PictureSource, lines: int) -> str:
     path = Path(source.name).parent / f"{source.scene.title}.log"
     if not lines or not path.is_file():
         return ""

@@ -24,7 +24,8 @@ ROUND = ("belt", "planar wheel", "wheel")  # shapes that turn about a node: no b
 
 @dataclass(frozen=True)
 class Element:
-    """One element: number, keyword, shape (of the element table) and node numbers (0: none) at its ends."""
+    """One element: number, keyword, shape (of the element table), node numbers (0: none) at its ends, and its warping
+    nodes."""
 
     number: int
     keyword: str
@@ -33,17 +34,19 @@ class Element:
     p_turn: int
     q: int
     q_turn: int
+    warping: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
 class Scene:
     """A mechanism to be drawn.
 
-    keywords  one per element number ("": unused);  lnp (nodes, 4), le (elements, 6), ln (elements, 4) as in the file
+    keywords  one per element number ("": unused);  lnp (nodes, 4), le (elements, 6; 8), ln (elements, 4; 6) as filed
     frame_p, frame_q  (elements, 3, 3) rows x', y', z' of the start frames, zero where none exists
     length    (elements,) undeformed length [m];  data (elements, k) radii, pitch;  stiffness, damping (elements, 6)
-    quadratic (elements,) 1 where the strains have second order terms
+    quadratic (elements,) measure of the strains and whether they have second order terms, table kdform (files.md 4)
     nxp, nep  (5,) coordinates and deformations per class
+    metre     unit of length on axes and scales of pictures [m]
     """
 
     planar: bool
@@ -62,6 +65,7 @@ class Scene:
     quadratic: Index
     nxp: Index
     nep: Index
+    metre: float = 1.0
 
     @property
     def analysis(self) -> Mode:
@@ -69,7 +73,7 @@ class Scene:
         return find_mode(self.mode)
 
     @classmethod
-    def of_header(cls, header: Mapping[str, Any], title: str = "") -> Scene:
+    def of_header(cls, header: Mapping[str, Any], title: str = "", metre: float = 1.0) -> Scene:
         """The scene of the header variables of a `.sbd` file (identifiers in capitals)."""
 
         def table(name: str, dtype: type = float) -> Any:
@@ -94,6 +98,7 @@ class Scene:
             quadratic=np.ravel(table("KDEF", int)),
             nxp=np.ravel(table("NXP", int)),
             nep=np.ravel(table("NEP", int)),
+            metre=metre,
         )
 
     @cached_property
@@ -102,8 +107,9 @@ class Scene:
         for i, keyword in enumerate(self.keywords):
             kind = ELEMENT_TYPES.get(keyword)
             if kind is not None:
-                nodes = [0 if c is None else int(self.ln[i, c]) for c in kind.ends]
-                found.append(Element(i + 1, keyword, kind.shape, *nodes))
+                p, p_turn, q, q_turn = (0 if c is None else int(self.ln[i, c]) for c in kind.ends)
+                warping = tuple(int(self.ln[i, c]) for c in kind.warping)
+                found.append(Element(i + 1, keyword, kind.shape, p, p_turn, q, q_turn, warping))
         return tuple(found)
 
     @cached_property
@@ -208,14 +214,19 @@ def rotations(scene: Scene, x: Array) -> Array:
 
 @dataclass(frozen=True)
 class Pose:
-    """A scene at one configuration: places (highest node, 3) and turns (highest node, 3, 3) of the nodes."""
+    """A scene at one configuration: places (highest node, 3), turns (highest node, 3, 3) and twist rates (highest
+    node,) [rad/m] of the nodes, zero for those that have none."""
 
     place: Array
     turn: Array
+    rate: Array
 
     @classmethod
     def of(cls, scene: Scene, x: Array) -> Pose:
-        return cls(positions(scene, x), rotations(scene, x))
+        rate = np.zeros(len(scene.lnp))
+        warping = np.array([n - 1 for e in scene.elements for n in e.warping], int)
+        rate[warping] = np.ravel(x)[scene.lnp[warping, 0] - 1]
+        return cls(positions(scene, x), rotations(scene, x), rate)
 
     def frame(self, scene: Scene, element: Element, end: str = "p") -> Array:
         """(3, 3) rows x', y', z' of the element's frame at an end, in space."""

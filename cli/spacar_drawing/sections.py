@@ -7,24 +7,35 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacar.arrays import Array
-from spacar_drawing.settings import Section
-from spacar_drawing.shapes import disc_outline
+from spacar.deck.cross_section import pictured_constants, rectangle_torsion
+from spacar_drawing.drawn_shapes import disc_outline
+from spacar_drawing.settings import SectionShape
 
 
 def rectangle(w: float, h: float) -> Array:
     return 0.5 * np.array([[w, h], [-w, h], [-w, -h], [w, -h]])
 
 
-def outline(section: Section, n: int = 20) -> Array | None:
+def outline(section: SectionShape, n: int = 20) -> Array | None:
     """(k, 2) outer contour; None for LINE."""
     if section.shape in ("RECT", "RECTHOL"):
         return rectangle(*section.dims[:2])
     if section.shape in ("CIRC", "CIRCHOL"):
         return disc_outline(0.5 * section.dims[0], n)
+    if section.shape == "I":
+        return _i_outline(*section.dims)
     return None
 
 
-def hole(section: Section, n: int = 20) -> Array | None:
+def _i_outline(b: float, h: float, tw: float, tf: float) -> Array:
+    """(12, 2) around an I section, counter-clockwise from its upper right corner."""
+    inner = h - 2 * tf
+    y = np.array([b, -b, -b, -tw, -tw, -b, -b, b, b, tw, tw, b])
+    z = np.array([h, h, inner, inner, -inner, -inner, -h, -h, -inner, -inner, inner, inner])
+    return 0.5 * np.stack((y, z), axis=1)
+
+
+def hole(section: SectionShape, n: int = 20) -> Array | None:
     """(k, 2) inner contour; None when the section is full."""
     if section.shape == "RECTHOL":
         return rectangle(*section.dims[2:4])
@@ -33,48 +44,42 @@ def hole(section: Section, n: int = 20) -> Array | None:
     return None
 
 
-def breadth(section: Section | None) -> float:
+def breadth(section: SectionShape | None) -> float:
     """Width along y' [m]: what a planar picture shows; 0 for LINE and for no section."""
     return section.dims[0] if section is not None and section.dims else 0.0
 
 
 @dataclass(frozen=True)
 class Moments:
-    """Area [m^2], second moments Iy (bending in x'z'), Iz (in x'y') and torsion constant It [m^4]."""
+    """Area [m^2], second moments Iy (bending in x'z'), Iz (in x'y'), torsion constant It [m^4], warping constant
+    [m^6]."""
 
     A: float
     Iy: float
     Iz: float
     It: float
+    Cw: float
 
 
-def moments(section: Section) -> Moments | None:
-    """Area and second moments; It of a rectangle by the series of later-versions.md, of a hollow rectangle by
-    Bredt's formula with the wall between the two rectangles. None for LINE."""
-    d = section.dims
+def moments(section: SectionShape) -> Moments | None:
+    """The constants that beams of this section are computed with (sections.md section 2). None for LINE."""
+    c = pictured_constants(section.shape, section.dims)
+    if c is None:
+        return None
+    return Moments(c.A, c.Iy, c.Iz, c.It, c.Cw)
+
+
+def warping_function(section: SectionShape, y: Array, z: Array) -> Array | None:
+    """Unit warping omega [m^2] at points of a section (theory-warping.md section 2), None where it does not warp.
+
+    Rectangle -y z; I section -y z_m in the flanges, z_m their middle lines, and zero in the web.
+    """
     if section.shape == "RECT":
-        w, h = d
-        return Moments(w * h, w * h**3 / 12, h * w**3 / 12, rectangle_torsion(w, h))
-    if section.shape == "RECTHOL":
-        w, h, wi, hi = d
-        t_w, t_h = 0.5 * (w - wi), 0.5 * (h - hi)
-        wm, hm = w - t_w, h - t_h
-        It = 4 * (wm * hm) ** 2 / (2 * hm / t_w + 2 * wm / t_h) if t_w > 0 and t_h > 0 else 0.0
-        return Moments(w * h - wi * hi, (w * h**3 - wi * hi**3) / 12, (h * w**3 - hi * wi**3) / 12, It)
-    if section.shape in ("CIRC", "CIRCHOL"):
-        inner = d[1] if section.shape == "CIRCHOL" else 0.0
-        second = np.pi / 64 * (d[0] ** 4 - inner**4)
-        return Moments(np.pi / 4 * (d[0] ** 2 - inner**2), second, second, 2 * second)
+        return -y * z
+    if section.shape == "I":
+        _, h, _, tf = section.dims
+        return np.where(np.abs(z) >= 0.5 * h - tf, -y * np.sign(z) * 0.5 * (h - tf), 0.0)
     return None
-
-
-def rectangle_torsion(w: float, h: float) -> float:
-    """Torsion constant of a rectangle: (1/3)(2a)^3 (2b) (1 - 192/pi^5 (a/b) sum tanh(n pi b/2a)/n^5, n odd), a <= b."""
-    a, b = sorted((0.5 * w, 0.5 * h))
-    n = np.arange(1, 40, 2)
-    return float(
-        (2 * a) ** 3 * 2 * b / 3 * (1 - 192 / np.pi**5 * a / b * np.sum(np.tanh(n * np.pi * b / (2 * a)) / n**5))
-    )
 
 
 def rectangle_twist_stress(w: float, h: float, y: Array, z: Array) -> tuple[Array, Array]:

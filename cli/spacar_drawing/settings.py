@@ -16,12 +16,12 @@ from typing import Any
 
 from spacar.deck.lexer import number_of, scan, visualization_of
 
-DIMENSIONS = {"RECT": 2, "RECTHOL": 4, "CIRC": 1, "CIRCHOL": 2, "LINE": 0}
+DIMENSIONS = {"RECT": 2, "RECTHOL": 4, "CIRC": 1, "CIRCHOL": 2, "I": 4, "LINE": 0}
 ALL = 0  # the key of a setting that holds for all elements
 
 
 @dataclass(frozen=True)
-class Section:
+class SectionShape:
     """A cross-section: RECT w h; RECTHOL w h inner w h; CIRC d; CIRCHOL d inner d; LINE. w along y', h along z' [m]."""
 
     shape: str
@@ -29,11 +29,11 @@ class Section:
 
 
 @dataclass(frozen=True)
-class Settings:
+class PictureSettings:
     """What the VISUALIZATION section says; None or empty: not said. Keys of tables: element numbers, 0 for all."""
 
-    beams: dict[int, Section] = field(default_factory=dict)
-    trusses: dict[int, Section] = field(default_factory=dict)
+    beams: dict[int, SectionShape] = field(default_factory=dict)
+    trusses: dict[int, SectionShape] = field(default_factory=dict)
     hinges: dict[int, tuple[float, float]] = field(default_factory=dict)  # radius, length [m]
     colours: dict[int, tuple[float, float, float]] = field(default_factory=dict)
     opacities: dict[int, float] = field(default_factory=dict)
@@ -46,8 +46,9 @@ class Settings:
     enlarge: float | None = None
     vibration_mode: int | None = None
     buckling_mode: int | None = None
+    metre: float = 1.0  # unit of length of the input file, from UNITS
 
-    def section(self, element: int, truss: bool = False) -> Section | None:
+    def section(self, element: int, truss: bool = False) -> SectionShape | None:
         table = self.trusses if truss else self.beams
         return table.get(element, table.get(ALL))
 
@@ -58,11 +59,24 @@ class Settings:
         return self.opacities.get(element, self.opacities.get(ALL, self.opacity))
 
 
-def read_settings(source: Path) -> Settings:
-    """The settings in the input file or, when it has no section, in NAME.spv beside it; defaults without either."""
+def read_settings(source: Path) -> PictureSettings:
+    """The settings in the input file or, when it has no section, in NAME.spv beside it; defaults without either.
+
+    Sections of beams that the file gives with BEAMSEC come first.
+    """
     lines: Sequence[str] = ()
     if source.is_file():
-        lines = scan(source.read_text("utf-8", "replace")).visualization or ()
+        scanned = scan(source.read_text("utf-8", "replace"))
+        lines = scanned.visualization or ()
+        if any(word.text.upper() in ("BEAMSEC", "UNITS") for word in scanned.words):
+            from spacar.deck import read_deck
+            from spacar.errors import InputError
+
+            try:
+                deck = read_deck(source)
+                return replace(parse_settings(deck.visualization), metre=deck.metre)
+            except InputError:  # the file was changed since; without its sections
+                pass
     beside = source.with_suffix(".spv")
     if not lines and beside.is_file():
         lines = visualization_of(beside.read_text("utf-8", "replace"))
@@ -86,7 +100,7 @@ class _Line:
 class _Reading:
     """What was said so far, and the heading line of the new style to which a line belongs."""
 
-    settings: Settings = field(default_factory=Settings)
+    settings: PictureSettings = field(default_factory=PictureSettings)
     group: str = ""
     elements: tuple[int, ...] = (ALL,)
     shape: str = "RECT"
@@ -95,7 +109,7 @@ class _Reading:
     def set(self, **values: Any) -> None:
         self.settings = replace(self.settings, **values)
 
-    def section(self, section: Section, elements: Sequence[int], truss: bool) -> None:
+    def section(self, section: SectionShape, elements: Sequence[int], truss: bool) -> None:
         """Sections with dimensions that cannot be are ignored."""
         dims = section.dims
         if section.shape not in DIMENSIONS or len(dims) < DIMENSIONS[section.shape]:
@@ -119,12 +133,12 @@ def _cross_type(r: _Reading, line: _Line) -> None:
     if line.values:
         r.shape = line.values[0].upper()
         if r.shape == "LINE":
-            r.section(Section("LINE"), r.elements, r.group == "TRUSSPROPS")
+            r.section(SectionShape("LINE"), r.elements, r.group == "TRUSSPROPS")
 
 
 def _cross_dimensions(r: _Reading, line: _Line) -> None:
     dims = tuple(line.numbers[: DIMENSIONS.get(r.shape)])
-    r.section(Section(r.shape, dims), r.elements, r.group == "TRUSSPROPS")
+    r.section(SectionShape(r.shape, dims), r.elements, r.group == "TRUSSPROPS")
 
 
 def _whole_section(r: _Reading, line: _Line) -> None:
@@ -209,7 +223,7 @@ WORDS: dict[str, Callable[[_Reading, _Line], None]] = {
 }
 
 
-def parse_settings(lines: Iterable[str]) -> Settings:
+def parse_settings(lines: Iterable[str]) -> PictureSettings:
     """The settings of the lines behind the word VISUALIZATION."""
     reading = _Reading()
     for text in lines:
@@ -227,7 +241,7 @@ def _words(line: str) -> list[str]:
     return line.split()
 
 
-def statement_section(values: Sequence[str]) -> tuple[tuple[int, ...], Section] | None:
+def statement_section(values: Sequence[str]) -> tuple[tuple[int, ...], SectionShape] | None:
     """Elements and section of `BEAMVIS [shape] [elements] dims`; None when the numbers do not suffice."""
     shape = values[0].upper() if values and values[0].upper() in DIMENSIONS else "RECT"
     numbers = [v for v in map(number_of, values) if v is not None]
@@ -237,4 +251,4 @@ def statement_section(values: Sequence[str]) -> tuple[tuple[int, ...], Section] 
     if len(numbers) < n:
         return None
     split = len(numbers) - n
-    return tuple(int(v) for v in numbers[:split]) or (ALL,), Section(shape, tuple(numbers[split:]))
+    return tuple(int(v) for v in numbers[:split]) or (ALL,), SectionShape(shape, tuple(numbers[split:]))

@@ -14,6 +14,7 @@ from typing import NamedTuple
 from spacar.deck import Deck
 from spacar.deck.lexer import integer_of, number_of, scan, split_lines
 from spacar.errors import Message
+from spacar.mechanism.build import element_list
 from spacar_drawing.settings import DIMENSIONS, _words
 
 
@@ -86,7 +87,6 @@ def _numbers(deck: Deck | None) -> tuple[Collection[int] | None, Collection[int]
     """The element and node numbers of a deck."""
     if deck is None:
         return None, None
-    from spacar.mechanism.build import element_list
 
     found = element_list(deck)
     return {n for n, _, _ in found}, {n for _, _, nodes in found for n in nodes}

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from spacar.arrays import Array
+from spacar.deck.length_unit import shown_in
 from spacar.errors import UsageError
+from spacar_drawing.drawn_shapes import Faces, Label, Line, Shape, merge_bounds
+from spacar_drawing.element_pictures import beam_line, body
 from spacar_drawing.look import look_of
 from spacar_drawing.mechanism_picture import Extras, camera_of, mechanism_shapes, series_bounds
 from spacar_drawing.paint import paint
-from spacar_drawing.parts import beam_line, body
 from spacar_drawing.scene import Element, Pose, Scene
-from spacar_drawing.settings import Settings
-from spacar_drawing.shapes import Faces, Label, Line, Shape, merge_bounds
+from spacar_drawing.settings import PictureSettings
 from spacar_drawing.stage import INK, new_figure
 from spacar_drawing.stresses import QUANTITIES, STRESSES, along, resultants
 
@@ -35,16 +36,17 @@ class Course:
     values: Array
 
 
-def courses(scene: Scene, sig: Array, e: Array, settings: Settings, quantity: str, n: int) -> list[Course]:
-    """The quantity along every element that has it. Raises UsageError when no element has."""
+def courses(scene: Scene, sig: Array, e: Array, settings: PictureSettings, quantity: str, n: int) -> list[Course]:
+    """The quantity along every element that has it, in the unit of the scene. Raises UsageError when no element has."""
     found = []
+    factor = shown_in(QUANTITIES[quantity][1], scene.metre)[0]
     for element in scene.elements:
         r = resultants(scene, element, sig, e, n)
         if r is None or element.number in settings.hidden:
             continue
         values = along(quantity, r, settings.section(element.number, element.shape == "truss"))
         if values is not None:
-            found.append(Course(element, values))
+            found.append(Course(element, factor * values))
     if not found:
         need = (
             "no element has a cross-section: give BEAMVIS, CROSSTYPE or --section"
@@ -56,8 +58,9 @@ def courses(scene: Scene, sig: Array, e: Array, settings: Settings, quantity: st
 
 
 def stress_still(
-    scene: Scene, x: Array, sig: Array, e: Array, settings: Settings, extras: Extras, quantity: str, note: str = ""
-) -> Figure:
+    scene: Scene, x: Array, sig: Array, e: Array, settings: PictureSettings, extras: Extras, quantity: str,
+    note: str = "",
+) -> Figure:  # fmt: skip
     """The mechanism with the quantity as colours along its beams, and a scale with the unit."""
     from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
@@ -83,13 +86,15 @@ def stress_still(
     )
     paint(axes, camera, shapes)
     name, unit = QUANTITIES[quantity]
+    unit = shown_in(unit, scene.metre)[1]
     _scale(figure, axes, ScalarMappable(norm, colours), f"{name} ({unit})")
     return figure
 
 
 def diagram_still(
-    scene: Scene, x: Array, sig: Array, e: Array, settings: Settings, extras: Extras, quantity: str, note: str = ""
-) -> Figure:
+    scene: Scene, x: Array, sig: Array, e: Array, settings: PictureSettings, extras: Extras, quantity: str,
+    note: str = "",
+) -> Figure:  # fmt: skip
     """The quantity as ordinates beside the beams, red where positive and blue where negative, extremes with numbers."""
     look = look_of(scene, x[None], settings)
     found = courses(scene, sig, e, settings, quantity, max(look.points, 17))
@@ -122,14 +127,13 @@ def diagram_still(
     box = merge_bounds([s for s in shapes if not isinstance(s, Label)])
     if box is not None:
         bounds = np.minimum(bounds[0], box[0]), np.maximum(bounds[1], box[1])
-    figure, axes = new_figure(bounds, camera, _title(scene, extras, quantity, note, QUANTITIES[quantity][1]))
+    unit = shown_in(QUANTITIES[quantity][1], scene.metre)[1]
+    figure, axes = new_figure(bounds, camera, _title(scene, extras, quantity, note, unit))
     paint(axes, camera, shapes)
     return figure
 
 
-def _hiding(settings: Settings, hidden: frozenset[int]) -> Settings:
-    from dataclasses import replace
-
+def _hiding(settings: PictureSettings, hidden: frozenset[int]) -> PictureSettings:
     return replace(settings, hidden=hidden)
 
 

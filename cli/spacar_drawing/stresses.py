@@ -6,6 +6,10 @@ Qy = (Mz_p - Mz_q)/l0, Qz = (My_q - My_p)/l0. Planar beams: e2, e3 have the oppo
 -l0 cos a_p (sigma2 + Q_2 sigma1) to -l0 cos a_q (sigma3 + Q_3 sigma1), with a the end rotations to the chord and
 Q of (5), which is exact at the ends. Spatial beams: first order terms only.
 
+With warping (theory-warping.md section 5): the bimoment runs linearly from l0^2 sigma7 to l0^2 sigma8, the torque is
+l0 (sigma2 + sigma7 - sigma8), of which GIt times the local twist rate has Saint-Venant's shear stresses; normal stress
+B omega/Cw. The small shear stresses that belong to warping itself are left out.
+
 Stresses at the points of a cross-section: sigma_x = N/A - Mz y/Iz + My z/Iy; shear of the torque (circle T r/J,
 rectangle by Saint-Venant's series, hollow rectangle by Bredt) and of the shear forces (parabola with the peak 3/2 Q/A
 of a rectangle, 4/3 Q/A of a circle; mean value over the walls that carry them, Q/A times 2, for hollow sections); von
@@ -20,8 +24,8 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar_drawing.scene import Element, Scene
-from spacar_drawing.sections import moments, rectangle_twist_stress
-from spacar_drawing.settings import Section
+from spacar_drawing.sections import Moments, moments, rectangle_twist_stress, warping_function
+from spacar_drawing.settings import SectionShape
 
 GRID = 15  # points across a section in each direction
 RESULTANTS = {
@@ -31,6 +35,7 @@ RESULTANTS = {
     "T": ("torque", "N m"),
     "My": ("bending moment about y'", "N m"),
     "Mz": ("bending moment about z'", "N m"),
+    "B": ("bimoment", "N m\N{SUPERSCRIPT TWO}"),
 }
 STRESSES = {
     "mises": ("von Mises stress", "N/m\N{SUPERSCRIPT TWO}"),
@@ -42,7 +47,11 @@ QUANTITIES = RESULTANTS | STRESSES
 
 @dataclass(frozen=True)
 class Resultants:
-    """Along one element, each (n,): N, Qy, Qz [N], T, My, Mz [N m]."""
+    """Along one element, each (n,): N, Qy, Qz [N], T, My, Mz [N m].
+
+    With warping also the bimoment B [N m^2] and the part Ts of the torque T that has Saint-Venant's shear stresses;
+    None for other beams, where there is no bimoment and Ts is T.
+    """
 
     N: Array
     Qy: Array
@@ -50,20 +59,24 @@ class Resultants:
     T: Array
     My: Array
     Mz: Array
+    B: Array | None = None
+    Ts: Array | None = None
 
 
 def planar_end_moments(scene: Scene, e: Element, s: Array, deformation: Array) -> tuple[float, float]:
     """Internal moments EI w'' at p and q [N m] of stresses s and deformations (6,) (theory-planar.md 3.1 (3) to (5)).
 
-    The strain e2 = l0 sin a_p gives cos a_p (for a curved tube the angles are counted from the start).
+    The strain e2 = l0 sin a_p gives cos a_p (for a curved tube the angles are counted from the start); in the angle
+    measure it is l0 a_p, and 1 stands for the cosine (theory-beam-order4.md 1).
     """
     i = e.number - 1
     l0 = float(scene.length[i])
     e2, e3 = deformation[1], deformation[2]
     Phi = 12.0 * float(scene.stiffness[i, 2]) / l0**2
-    scale = float(scene.quadratic[i]) / (60.0 * l0 * (1.0 + Phi) ** 2)
+    measure = int(scene.quadratic[i])  # kdform: 0, 1 sines without and with Q; 2, 3 angles with and without Q
+    scale = float(measure in (1, 2)) / (60.0 * l0 * (1.0 + Phi) ** 2)
     A, B = (4 + 5 * Phi + 2.5 * Phi**2) * scale, (2 + 10 * Phi + 5 * Phi**2) * scale
-    cosine = np.sqrt(np.maximum(1.0 - (deformation[1:3] / l0) ** 2, 0.0))
+    cosine = np.sqrt(np.maximum(1.0 - (deformation[1:3] / l0) ** 2, 0.0)) if measure < 2 else np.ones(2)
     p = -l0 * cosine[0] * (s[1] + (2 * A * e2 + B * e3) * s[0])
     q = -l0 * cosine[1] * (s[2] + (2 * A * e3 + B * e2) * s[0])
     return float(p), float(q)
@@ -84,17 +97,26 @@ def resultants(scene: Scene, e: Element, sig: Array, e_values: Array, n: int) ->
         p, q = planar_end_moments(scene, e, s, deformation)
         return Resultants(s[0] + zero, (p - q) / l0 + zero, zero, zero, zero, p + (q - p) * xi)
     y, z = l0 * s[2:4], l0 * s[4:6]
+    torque = l0 * s[1] + zero
+    warping: tuple[Array, ...] = ()
+    if e.warping:
+        d = np.where(rows > 0, e_values[np.maximum(rows - 1, 0)], 0.0)
+        # twist rate of the cubic twist angle less its mean, and the linear bimoment
+        uneven = (d[7] * (3 * xi**2 - 2 * xi) - d[6] * (1 - 4 * xi + 3 * xi**2)) / l0**2
+        warping = l0**2 * (s[6] + (s[7] - s[6]) * xi), torque + float(scene.stiffness[e.number - 1, 1]) * uneven
+        torque = torque + l0 * (s[6] - s[7])
     return Resultants(
         s[0] + zero,
         (z[0] - z[1]) / l0 + zero,
         (y[1] - y[0]) / l0 + zero,
-        l0 * s[1] + zero,
+        torque,
         y[0] + (y[1] - y[0]) * xi,
         z[0] + (z[1] - z[0]) * xi,
+        *warping,
     )
 
 
-def section_points(section: Section) -> tuple[Array, Array]:
+def section_points(section: SectionShape) -> tuple[Array, Array]:
     """Places y, z (m,) [m] over a section."""
     if section.shape in ("RECT", "RECTHOL"):
         w, h = section.dims[:2]
@@ -104,18 +126,33 @@ def section_points(section: Section) -> tuple[Array, Array]:
             inner = (np.abs(y) < 0.5 * section.dims[2]) & (np.abs(z) < 0.5 * section.dims[3])
             y, z = y[~inner], z[~inner]
         return y, z
+    if section.shape == "I":
+        return _i_points(*section.dims)
     inside = 0.5 * section.dims[1] if section.shape == "CIRCHOL" else 0.0
     r, a = np.meshgrid(np.linspace(inside, 0.5 * section.dims[0], 6), np.linspace(0, 2 * np.pi, 24, endpoint=False))
     return (r * np.cos(a)).ravel(), (r * np.sin(a)).ravel()
 
 
-def stress_field(section: Section, r: Resultants) -> tuple[Array, Array]:
+def _i_points(b: float, h: float, tw: float, tf: float) -> tuple[Array, Array]:
+    """Places over both flanges and the web."""
+    flange = np.meshgrid(np.linspace(-0.5, 0.5, GRID) * b, 0.5 * h - np.linspace(0.0, 1.0, 5) * tf)
+    web = np.meshgrid(np.linspace(-0.5, 0.5, 5) * tw, np.linspace(-0.5, 0.5, GRID)[1:-1] * (h - 2 * tf))
+    y = [np.ravel(flange[0]), np.ravel(flange[0]), np.ravel(web[0])]
+    z = [np.ravel(flange[1]), -np.ravel(flange[1]), np.ravel(web[1])]
+    return np.concatenate(y), np.concatenate(z)
+
+
+def stress_field(section: SectionShape, r: Resultants) -> tuple[Array, Array]:
     """Normal stress and shear stress, each (places along the element, points of the section) [N/m^2]."""
     m = moments(section)
     if m is None:
         raise ValueError("a LINE has no stresses")
     y, z = section_points(section)
     normal = (r.N / m.A)[:, None] - np.outer(r.Mz, y) / m.Iz + np.outer(r.My, z) / m.Iy
+    omega = warping_function(section, y, z)
+    if r.B is not None and omega is not None:
+        normal = normal + np.outer(r.B, omega) / m.Cw
+    twisting = r.T if r.Ts is None else r.Ts
     d = section.dims
     if section.shape == "RECT":
         ty, tz = rectangle_twist_stress(d[0], d[1], y, z)
@@ -127,6 +164,8 @@ def stress_field(section: Section, r: Resultants) -> tuple[Array, Array]:
     elif section.shape == "CIRCHOL":
         ty, tz = -z / m.It, y / m.It
         shear_y = shear_z = np.full(len(y), 2.0 / m.A)
+    elif section.shape == "I":
+        ty, tz, shear_y, shear_z = _i_shear(section, m, y, z)
     else:
         t_w, t_h = 0.5 * (d[0] - d[2]), 0.5 * (d[1] - d[3])
         area = (d[0] - t_w) * (d[1] - t_h)
@@ -134,22 +173,42 @@ def stress_field(section: Section, r: Resultants) -> tuple[Array, Array]:
         ty = np.where(np.abs(y) >= 0.5 * d[2], 0.0, -np.sign(z) / (2 * area * wall))
         tz = np.where(np.abs(y) >= 0.5 * d[2], np.sign(y) / (2 * area * wall), 0.0)
         shear_y = shear_z = np.full(len(y), 2.0 / m.A)
-    tau_y = np.outer(r.T, ty) + np.outer(r.Qy, shear_y)
-    tau_z = np.outer(r.T, tz) + np.outer(r.Qz, shear_z)
+    tau_y = np.outer(twisting, ty) + np.outer(r.Qy, shear_y)
+    tau_z = np.outer(twisting, tz) + np.outer(r.Qz, shear_z)
     return normal, np.hypot(tau_y, tau_z)
 
 
-def along(quantity: str, r: Resultants, section: Section | None) -> Array | None:
+def _i_shear(section: SectionShape, m: Moments, y: Array, z: Array) -> tuple[Array, Array, Array, Array]:
+    """Shear stresses of an I section along y', z': per unit torque, where every plate has its part as a thin rectangle
+    (2 G theta times the distance from its middle line), and per unit shear force (flanges 3/2 parabola, web mean)."""
+    b, h, tw, tf = section.dims
+    flange = np.abs(z) >= 0.5 * h - tf
+    middle = np.sign(z) * 0.5 * (h - tf)
+    ty = np.where(flange, -2 * (z - middle) / m.It, 0.0)
+    tz = np.where(flange, 0.0, 2 * y / m.It)
+    shear_y = np.where(flange, 1.5 / (2 * b * tf) * (1 - (2 * y / b) ** 2), 0.0)
+    shear_z = np.where(flange, 0.0, 1.0 / ((h - tf) * tw))
+    return ty, tz, shear_y, shear_z
+
+
+def along(quantity: str, r: Resultants, section: SectionShape | None) -> Array | None:
     """(n,) a quantity of QUANTITIES along an element; None when it needs a cross-section that is not given."""
     if quantity in RESULTANTS:
-        value: Array = getattr(r, quantity)
-        return value
+        value: Array | None = getattr(r, quantity)
+        return np.zeros_like(r.N) if value is None else value
     if section is None or moments(section) is None:
         return None
     normal, shear = stress_field(section, r)
-    if quantity == "normal":
-        worst = np.argmax(np.abs(normal), axis=1)
-        return normal[np.arange(len(normal)), worst]
-    if quantity == "shear":
-        return shear.max(1)
-    return np.sqrt(normal**2 + 3 * shear**2).max(1)
+    return worst(quantity, normal, shear)[0]
+
+
+def worst(quantity: str, normal: Array, shear: Array) -> tuple[Array, Array]:
+    """The largest of STRESSES among the points of a section, (n,) with the sign of a normal stress, and which point.
+
+    normal, shear   (n, points) as `stress_field` gives them
+    """
+    field = {"normal": normal, "shear": shear}.get(quantity)
+    if field is None:
+        field = np.sqrt(normal**2 + 3 * shear**2)
+    point = np.argmax(np.abs(field), axis=1)
+    return field[np.arange(len(field)), point], point

@@ -8,9 +8,10 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar_drawing import look as paint
+from spacar_drawing.drawn_shapes import Faces, Label, Line, Mark, Shape, circle, normal_pair, solid
 from spacar_drawing.look import Look, middle
+from spacar_drawing.placement import attachments
 from spacar_drawing.scene import ROUND, Pose, Scene
-from spacar_drawing.shapes import Faces, Label, Line, Mark, Shape, circle, normal_pair, solid
 
 X, Y, Z = np.eye(3)
 
@@ -165,8 +166,6 @@ def node_marks(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
 
 def number_labels(scene: Scene, pose: Pose, look: Look, nodes: bool, elements: bool) -> list[Shape]:
     """Numbers of the nodes (orientation nodes in brackets behind their place) and of the elements (boxed)."""
-    from spacar_drawing.placement import attachments
-
     shapes: list[Shape] = []
     if nodes:
         turning: dict[int, list[int]] = {}

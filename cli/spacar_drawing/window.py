@@ -8,10 +8,16 @@ import time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from spacar_formats.sinks.result_header import sbd_header
 
 from spacar.errors import UsageError
 from spacar_drawing.camera import Camera
-from spacar_drawing.moving import Moving, Pictures
+from spacar_drawing.drawn_shapes import merge_bounds
+from spacar_drawing.look import look_of
+from spacar_drawing.mechanism_picture import Extras, camera_of, mechanism_shapes
+from spacar_drawing.moving_figure import MovingFigure, Pictures
+from spacar_drawing.scene import Scene
+from spacar_drawing.settings import parse_settings
 from spacar_drawing.stage import furnish
 
 if TYPE_CHECKING:
@@ -67,7 +73,7 @@ def slider_window(
     from matplotlib.widgets import Button, Slider
 
     figure = open_window(title)
-    moving = Moving(figure, furnish(figure, bounds, camera, " ", FOOT), camera)
+    moving = MovingFigure(figure, furnish(figure, bounds, camera, " ", FOOT), camera)
     slider = Slider(
         figure.add_axes((0.18, 0.03, 0.62, 0.03)),
         "step ",
@@ -146,11 +152,6 @@ class LivePlot:
 
     def start(self, run: Run) -> None:
         from matplotlib.widgets import Button
-        from spacar_formats.sinks.header import sbd_header
-
-        from spacar_drawing.mechanism_picture import camera_of
-        from spacar_drawing.scene import Scene
-        from spacar_drawing.settings import parse_settings
 
         deck = run.mechanism.deck
         self._scene = Scene.of_header(sbd_header(run), deck.source)
@@ -161,7 +162,7 @@ class LivePlot:
         )
         self._button.on_clicked(self._abort)
         self._figure.canvas.mpl_connect("close_event", self._abort)
-        self._moving: Moving | None = None
+        self._moving: MovingFigure | None = None
         if _on_screen():
             import matplotlib.pyplot as plt
 
@@ -185,10 +186,6 @@ class LivePlot:
             raise KeyboardInterrupt
 
     def _draw(self, frame: Frame) -> None:
-        from spacar_drawing.look import look_of
-        from spacar_drawing.mechanism_picture import Extras, mechanism_shapes
-        from spacar_drawing.shapes import merge_bounds
-
         if self._moving is None:
             self._look = look_of(self._scene, frame.x[None], self._settings)
         shapes = mechanism_shapes(self._scene, frame.x, self._look, Extras())
@@ -208,7 +205,8 @@ class LivePlot:
         self._bounds = low - room, high + room
         if self._moving is not None:
             self._moving.axes.remove()
-        self._moving = Moving(self._figure, furnish(self._figure, self._bounds, self._camera, " ", FOOT), self._camera)
+        axes = furnish(self._figure, self._bounds, self._camera, " ", FOOT)
+        self._moving = MovingFigure(self._figure, axes, self._camera)
 
     def finish(self, error: BaseException | None) -> None:
         """Leave the last picture on the screen until the user closes it, except after an abort."""

@@ -5,15 +5,15 @@ The paper: A. A. Barhorst, "Symbolic equation processing utilizing vector/dyad n
 The same model as manipulator.toml. Run, for instance:  spacar symbolic simulate manipulator.py --plot
 """
 
-from spacar.symbolic import System, shapes
+from spacar.symbolic import MultibodySystem, beam_shapes
 
-system = System(gravity=("0", "-g", "0"), title="two-link flexible planar manipulator")
+system = MultibodySystem(gravity=("0", "-g", "0"), title="two-link flexible planar manipulator")
 L, rho, EI, gam = system.parameters("L rho EI gam")
 q1, s1 = system.coordinate("q1", speed="s1")
 q4, s4 = system.coordinate("q4", speed="s4")
 Ta1 = system.input("Ta1", "-D1*s1 - K1*(q1 - Q1)")
 Ta2 = system.input("Ta2", "-D2*s4 - K2*(q4 - Q4)")
-beam = {"length": L, "mass": rho, "EI": EI, "field": shapes.monomial(2, 3, 4), "damping": gam}
+beam = {"length": L, "mass": rho, "EI": EI, "field": beam_shapes.monomial(2, 3, 4), "damping": gam}
 
 B1 = system.frame("B1", parent=system.N, axis=3, angle=q1)
 link1 = system.beam("link1", frame=B1, root=system.O, **beam)

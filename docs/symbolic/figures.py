@@ -10,7 +10,7 @@ from pathlib import Path
 
 from spacar_cli.symbolic_plot import plot
 
-from spacar.symbolic.model import read_model
+from spacar.symbolic.model_reader import read_model
 
 HERE = Path(__file__).parent
 MODELS = HERE.parents[1] / "data" / "symbolic"

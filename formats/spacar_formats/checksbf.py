@@ -11,14 +11,14 @@ import numpy as np
 
 from spacar_formats.locate import notes, result_path
 from spacar_formats.sbf import SbfFile
-from spacar_formats.sbf.layout import COMPLETE, KINDS, STOPPED, TYPE_NAMES, Record
+from spacar_formats.sbf.record_layout import COMPLETE, KINDS, STOPPED, TYPE_NAMES, Record
 
 STATES = {COMPLETE: "complete", STOPPED: "stopped early"}
 SHOWN = 6  # values of a header variable that are listed
 
 
 @dataclass(frozen=True, slots=True)
-class Check:
+class SbfCheck:
     """The findings: records in the order of the file, shortened header values, damage, remarks."""
 
     path: str
@@ -36,7 +36,7 @@ class Check:
         return not self.damage
 
 
-def checksbf(name: str | os.PathLike[str]) -> Check:
+def checksbf(name: str | os.PathLike[str]) -> SbfCheck:
     """Read the directory and verify every checksum of a result file, given with or without extension.
 
     Raises UsageError when the file is missing and SbfError when preamble or directory are damaged; damaged
@@ -61,7 +61,7 @@ def checksbf(name: str | os.PathLike[str]) -> Check:
             except MemoryError:
                 damage.append(f"{ident} ({record.rows} x {record.cols}) does not fit into memory")
                 values.append("")
-        return Check(
+        return SbfCheck(
             str(file.path),
             file.kind,
             STATES.get(file.state, "being written, or killed while writing"),
@@ -74,7 +74,7 @@ def checksbf(name: str | os.PathLike[str]) -> Check:
         )
 
 
-def listing(check: Check) -> list[str]:
+def listing(check: SbfCheck) -> list[str]:
     """The lines that `spacar checksbf` prints."""
     lines = [f"{check.path}: SBF version 1, kind {check.kind} ({KINDS[check.kind]}), {check.state}"]
     rows = [(r.id, r.type, r.rows, r.cols, v) for r, v in zip(check.header, check.values, strict=True)]
@@ -89,7 +89,7 @@ def listing(check: Check) -> list[str]:
     return lines
 
 
-def as_json(check: Check) -> dict[str, object]:
+def as_json(check: SbfCheck) -> dict[str, object]:
     """The same for machines."""
     header = [
         {"id": r.id, "type": r.type, "rows": r.rows, "cols": r.cols, "value": v}

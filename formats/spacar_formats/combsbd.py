@@ -16,7 +16,7 @@ from spacar.errors import UsageError
 from spacar_formats.locate import open_result
 from spacar_formats.safety import replacing
 from spacar_formats.sbf import SbfFile
-from spacar_formats.sbf.layout import COMPLETE, COUNT, COUNT_IN_RECORD, STATE_AT, STOPPED, TRAILER
+from spacar_formats.sbf.record_layout import COMPLETE, COUNT, COUNT_IN_RECORD, STATE_AT, STOPPED, TRAILER
 
 # Header variables that say which mechanism it is; all others are taken from the first file.
 _MECHANISM = ("NX", "NE", "NXP", "NEP", "LNP", "LE", "LN", "IT")

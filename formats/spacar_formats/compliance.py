@@ -81,7 +81,10 @@ def _array(file: SbfFile, ident: str, step: int | None = None) -> np.ndarray:
 
 def _kind(lnp: np.ndarray, node: int) -> str:
     row = lnp[node - 1]
-    return "orientation" if row[3] or not row[1] else "position"
+    if row[1] and not row[3]:
+        return "position"
+    spatial = bool(lnp[:, 2].any())
+    return "warping" if spatial and not row[1] else "orientation"  # both have one entry, and a planar model no warping
 
 
 def _orientation(lnp: np.ndarray, ln: np.ndarray, node: int) -> int:

@@ -11,14 +11,14 @@ import numpy as np
 
 from spacar.modes import MODES
 from spacar_formats.sbf import SbfError, SbfFile
-from spacar_formats.sbf.layout import INTEGER, TEXT
+from spacar_formats.sbf.record_layout import INTEGER, TEXT
 
 COORDINATES = ("X", "XD", "XDD", "FX", "FXGRAV", "FXT")
 DEFORMATIONS = ("E", "ED", "EDD", "SIG")
 TEXTS = ("ETYPE", "SOURCE", "SHA256", "VERSION")
 COUNTS = ("NX", "NE", "NDOF", "NDDOF", "NKDOF", "NKDDOF", "NNOM", "NU", "NY", "NRBM", "NYS", "MODE", "DFT")
 ROWS = ("LE", "LN", "RXYZ", "RQ", "DR0", "STIF", "EDAMP", "RL0", "KDEF")  # a row, or a number, for every element
-COLUMNS = {"LNP": 4, "LE": 6, "LN": 4, "RXYZ": 9, "RQ": 9, "NXP": 5, "NEP": 5}
+COLUMNS = {"LNP": (4,), "LE": (6, 8), "LN": (4, 6), "RXYZ": (9,), "RQ": (9,), "NXP": (5,), "NEP": (5,)}
 FINITE, LARGEST = ("RXYZ", "RQ", "RL0", "DR0"), 1e100
 BY_POSITION = {"K0", "N0", "G0"}
 SQUARE = ("M0", "C0", "D0", "K0", "N0", "G0")
@@ -81,8 +81,8 @@ class _Tables:
         for ident, columns in COLUMNS.items():
             if ident in self.header:
                 size, cols = self.header[ident].size, self.header[ident].cols
-                fits = size == columns if ident in ("NXP", "NEP") else cols == columns or not size
-                self.require(fits, f"{ident} has {cols} columns, {columns} are needed")
+                fits = size in columns if ident in ("NXP", "NEP") else cols in columns or not size
+                self.require(fits, f"{ident} has {cols} columns, {' or '.join(map(str, columns))} are needed")
         lnp, ln = self.whole("LNP"), self.whole("LN")
         self.index("LNP", lnp, nx, "coordinate")
         self.index("LE", self.whole("LE"), ne, "deformation")

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +15,7 @@ import numpy as np
 from spacar.errors import UsageError
 from spacar_formats.exports import to_mat, to_npz
 from spacar_formats.locate import open_result
+from spacar_formats.safety import replacing
 from spacar_formats.sbf import SbfFile
 
 
@@ -86,10 +88,6 @@ def export_getss(system: StateSpaceStep, target: Path) -> None:
     """Write A, B, C (and D) to a `.mat`, `.npz` or `.json` file. Raises UsageError for another extension."""
     suffix = target.suffix.lower()
     if suffix == ".json":
-        import json
-
-        from spacar_formats.safety import replacing
-
         with replacing(target) as side:
             side.write_text(json.dumps(as_json(system)) + "\n", encoding="utf-8")
     elif suffix in (".mat", ".npz"):

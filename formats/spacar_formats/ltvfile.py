@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from spacar.errors import UsageError
 from spacar.simulation.time_varying import TimeVarying
 from spacar_formats import safety
 from spacar_formats.locate import notes, open_result
@@ -22,11 +23,13 @@ VECTORS = {"U0": "u0", "Y0": "y0", "SIG0": "sigma0"}
 def read_ltv(name: str | os.PathLike[str]) -> tuple[TimeVarying, list[str]]:
     """The contents of the file `name` (extension optional), and what a user should know about it (stale, incomplete).
 
-    Raises UsageError when there is no such file, SbfError when it is damaged.
+    Raises UsageError when there is no such file or no step in it, SbfError when it is damaged.
     """
     with open_result(name, "ltv") as file:
         warnings = notes(file)
         count = file.steps
+        if not count:
+            raise UsageError(f"{file.path.name} holds no step: there is nothing to compute with", "files.no-steps")
         data = TimeVarying(
             name=file.path.name,
             t=np.ravel(file.get("T")).astype(float),

@@ -16,7 +16,7 @@ from spacar.errors import UsageError
 from spacar_formats.locate import open_result
 from spacar_formats.safety import replacing
 from spacar_formats.sbf import Record
-from spacar_formats.sbf.layout import DTYPES, PREAMBLE, TEXT, encode_text, padded, preamble
+from spacar_formats.sbf.record_layout import DTYPES, PREAMBLE, TEXT, encode_text, padded, preamble
 
 
 def repinsbf(

@@ -30,7 +30,7 @@ REQUIRED = object()
 
 
 @dataclass(frozen=True)
-class Model:
+class SimulationModel:
     """A diagram with the times and options of its simulation; warnings about the results it reads."""
 
     diagram: Diagram
@@ -106,24 +106,24 @@ def _spasim(s: _Section) -> Block:
 
 def _stored_vector(kind: str) -> Callable[[_Section], Block]:
     def make(s: _Section) -> Block:
-        from spacar.simulation import setpoints
+        from spacar.simulation import setpoint_blocks
 
         data, interpolation, hold = s.stored()
-        block: Block = getattr(setpoints, kind)(data, s.name, interpolation, hold)
+        block: Block = getattr(setpoint_blocks, kind)(data, s.name, interpolation, hold)
         return block
 
     return make
 
 
 def _times_m0(s: _Section) -> Block:
-    from spacar.simulation.setpoints import TimesM0
+    from spacar.simulation.setpoint_blocks import TimesM0
 
     data, interpolation, hold = s.stored()
     return TimesM0(data, s.name, s.integer("size") if s.values["size"] else None, interpolation, hold)
 
 
 def _ltv(s: _Section) -> Block:
-    from spacar.simulation.setpoints import Ltv
+    from spacar.simulation.setpoint_blocks import Ltv
 
     data, interpolation, hold = s.stored()
     return Ltv(data, s.name, interpolation, hold, s.integer("modes") if s.values["modes"] else None)
@@ -181,7 +181,7 @@ def load_function(path: Path, error: Callable[[str], UsageError]) -> Callable[..
     return function
 
 
-def read_model(path: Path) -> Model:
+def read_model(path: Path) -> SimulationModel:
     """Read, check and connect. Raises UsageError (file, keys, signals), InputError (the mechanism)."""
     parser = configparser.ConfigParser(allow_no_value=True, delimiters=("=",), inline_comment_prefixes=("#", "%"))
     parser.optionxform = str  # type: ignore[assignment,method-assign]
@@ -189,6 +189,9 @@ def read_model(path: Path) -> Model:
         parser.read_string(path.read_text(encoding="utf-8"), path.name)
     except OSError as cause:
         raise UsageError(f"{path}: {cause.strerror}", "files.not-readable") from None
+    except AttributeError:  # of configparser: an indented line continues the value of a name that has none
+        text = f"{path.name} is no model of a simulation: an indented line follows a name without a value"
+        raise UsageError(text, "simulation.model-file") from None
     except (configparser.Error, UnicodeDecodeError) as cause:
         reason = str(cause).replace("\n", " ")
         raise UsageError(f"{path.name} is no model of a simulation: {reason}", "simulation.model-file") from None
@@ -215,7 +218,7 @@ def read_model(path: Path) -> Model:
     options: dict[str, Any] = {key: s.number(key) for key in SETTINGS[3:] if s.values[key] is not None}
     if s.values["method"] is not None:
         options["method"] = s.text("method")
-    return Model(diagram, times, options, tuple(dict.fromkeys(warnings)))
+    return SimulationModel(diagram, times, options, tuple(dict.fromkeys(warnings)))
 
 
 def _block(path: Path, name: str, values: Mapping[str, str | None]) -> tuple[Block, list[str]]:

@@ -15,9 +15,9 @@ import numpy as np
 
 from spacar.deck import ELEMENT_TYPES
 from spacar.errors import Report, UsageError
-from spacar.linear.eigen import modes_of_matrices
+from spacar.linear.eigen import Modes, modes_of_matrices
 from spacar_formats.locate import notes, open_result
-from spacar_formats.sbf import SbfFile
+from spacar_formats.sbf import SbfError, SbfFile
 
 
 @dataclass(frozen=True)
@@ -114,10 +114,17 @@ def _stored(file: SbfFile, step: int) -> Vibration:
     return Vibration(_time(file, step), values[:, 0] + 1j * values[:, 1], vectors)
 
 
-def _computed(file: SbfFile, step: int, report: Report) -> Vibration:
+def modes_of_stored_matrices(file: SbfFile, step: int, report: Report) -> Modes:
+    """Modes of the matrices of a step. Raises SbfError when they hold numbers that are not finite."""
     M, C, D, K, N, G = (_matrix(file, k, step) for k in ("m0", "c0", "d0", "k0", "n0", "g0"))
+    if not all(np.isfinite(part).all() for part in (M, C, D, K, N, G)):
+        raise SbfError(f"{file.path} is damaged: a matrix of step {step} holds numbers that are not finite")
     n, ns = K.shape
     kinematic = (_matrix(file, "ak0", step), _matrix(file, "bk0", step)) if file.has("ak0") else None
     ak0, bk0 = kinematic or (np.eye(ns, n), np.zeros((ns, ns)))
-    modes = modes_of_matrices(M, C + D, K + N + G, ak0, bk0, report)
+    return modes_of_matrices(M, C + D, K + N + G, ak0, bk0, report)
+
+
+def _computed(file: SbfFile, step: int, report: Report) -> Vibration:
+    modes = modes_of_stored_matrices(file, step, report)
     return Vibration(_time(file, step), modes.values, modes.vectors)

@@ -23,8 +23,8 @@ passing through has gone wrong, and one path may report this where the other doe
 both. README.md tells users the same.
 """
 
-from spacar.compiled.dynamics import CompiledDynamics
+from spacar.compiled.compiled_evaluator import CompiledDynamics
+from spacar.compiled.compiled_model import why_general, why_not_in_lanes
 from spacar.compiled.library import level
-from spacar.compiled.model import why_general, why_not_in_lanes
 
 __all__ = ["CompiledDynamics", "level", "why_general", "why_not_in_lanes"]

@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from spacar.arrays import Array
+from spacar.compiled.compiled_model import EXACT, CompiledModel
 from spacar.compiled.library import lanes_of_processor
-from spacar.compiled.model import EXACT, Model
 from spacar.compiled.numbers import Numbers
 from spacar.errors import AnalysisError
 from spacar.kinematics import Kinematics
@@ -31,7 +31,7 @@ class CompiledCases:
         of = np.minimum(np.arange(-(-self.n_cases // lanes) * lanes), self.n_cases - 1).reshape(-1, lanes)
         kinematics = Kinematics(mechanism)
         scales = kinematics.scale, mechanism.deformation_scale
-        self.models = [Model(n, numbers.take(cases), scales, mechanism.drive) for cases in of]
+        self.models = [CompiledModel(n, numbers.take(cases), scales, mechanism.drive) for cases in of]
         self.states = [model.state() for model in self.models]
         self.shown = [model.state() for model in self.models]
         self.y0 = np.ascontiguousarray(start[of].transpose(0, 2, 1)).ravel()

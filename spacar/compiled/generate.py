@@ -25,7 +25,7 @@ import sympy as sp
 from sympy.printing.c import C99CodePrinter
 
 from spacar.compiled.definitions import DEFINITIONS, Definition
-from spacar.compiled.parameters import kinds
+from spacar.compiled.element_parameters import kinds
 
 Program = list[tuple[sp.Symbol, sp.Expr]]
 
@@ -47,6 +47,7 @@ class LanePrinter(C99CodePrinter):
         return f"lanes_{type(expr).__name__}({', '.join(map(self._print, expr.args))})"
 
     _print_sin = _print_cos = _print_atan2 = _print_Function
+    _print_turn0 = _print_turn1 = _print_turn2 = _print_Function
 
 
 printed = LanePrinter().doprint

@@ -10,11 +10,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from spacar.arrays import Array, Index
+from spacar.compiled.element_parameters import SUPPORTED
 from spacar.compiled.library import engine
-from spacar.compiled.parameters import SUPPORTED
-from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.forces import StressLaw, gravity_field, moment_gradient
-from spacar.elements.base import Family
+from spacar.elements.family import Family
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.mechanism import Drive, Loads, Mechanism, Polynomial
 
@@ -133,8 +133,8 @@ def _moving(family: Family) -> bool:
 
 def _form(family: Family) -> tuple[int, Array]:
     """The kind in C and the parameters (n_parameters, n). A kind that the engine does not know as it is is FOREIGN."""
-    if family.keyword in SUPPORTED:
-        name, of_family = SUPPORTED[family.keyword]
+    if family.form in SUPPORTED:
+        name, of_family = SUPPORTED[family.form]
         kind, count = engine().kinds.get(name, (FOREIGN, 0))
         parameters = of_family(family)
         if count == len(parameters):

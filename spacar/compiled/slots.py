@@ -15,7 +15,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.compiled.library import CForeign, CUser
 from spacar.compiled.numbers import Elements
-from spacar.elements.base import Configuration, Family
+from spacar.elements.family import Configuration, Family
 from spacar.mechanism.mechanism import Drive, Polynomial, UserSignal
 
 ASK = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int, ctypes.c_int, ctypes.c_double)

@@ -3,16 +3,17 @@ documentation."""
 
 from spacar.deck.deck import Deck, parse_deck, read_deck
 from spacar.deck.echo import echo
+from spacar.deck.keyword_table import ELEMENT_TYPES, KEYWORDS, BlockKind, ElementType, coordinates_of
 from spacar.deck.statement import Statement
-from spacar.deck.table import ELEMENT_TYPES, KEYWORDS, Block, ElementType
 
 __all__ = [
     "ELEMENT_TYPES",
     "KEYWORDS",
-    "Block",
+    "BlockKind",
     "Deck",
     "ElementType",
     "Statement",
+    "coordinates_of",
     "echo",
     "parse_deck",
     "read_deck",

@@ -7,6 +7,7 @@ Every node, element, coordinate and mode number that the table declares as such 
 from __future__ import annotations
 
 from spacar.deck.findings import Findings, alternatives, ordinal
+from spacar.deck.length_unit import length_power
 from spacar.deck.lexer import LARGEST_NUMBER, LARGEST_REAL, SMALLEST_REAL, Word, integer_of, is_in_range, number_of
 from spacar.deck.outline import Outline
 from spacar.deck.splitter import Raw
@@ -14,6 +15,7 @@ from spacar.deck.statement import Statement, Value
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.deck.table_types import Keyword, Parameter, Variant
 
+_NAMES = ("name of a section", "name of a material", "shape", "unit")
 _UNUSED_NODES_ALLOWED = ("X", "FIX")
 _TOLERANCES = ("ERROR", "ITERSTEP")
 _COEFFICIENTS = ("ESTIFF", "EDAMP", "EM", "ESIG", "DELESIG")  # generators write as many as the largest type has
@@ -41,6 +43,8 @@ def read_statement(raw: Raw, keyword: Keyword, outline: Outline, findings: Findi
         return None
     variant, words = _choose(raw, variants, space, findings)
     values = _values(raw, words, variant, kind, role, findings)
+    if values is not None and outline.metre != 1.0:
+        values = _in_metres(raw, values, variant, role, outline)
     if values is None or not _count(raw, words, variants, variant, kind, role, findings):
         return None
     statement = _statement(raw, words, values)
@@ -120,7 +124,7 @@ def _values(
             problem = "is not a number" if number_of(word.text) is None else "is not an integer"
         else:
             value = word.text if word.text.isidentifier() else None
-            problem = "is not a name of a function"
+            problem = "is not a name" if parameter.meaning.startswith(_NAMES) else "is not a name of a function"
         if value is None:
             good = False
             what = _expected(parameter, kind, role, raw)
@@ -129,6 +133,20 @@ def _values(
         else:
             values.append(value)
     return tuple(values) if good else None
+
+
+def _in_metres(
+    raw: Raw, values: tuple[Value, ...], variant: Variant, role: str, outline: Outline
+) -> tuple[Value, ...]:
+    """The values of a file with another unit of length, in SI."""
+    of = [p.of for p in variant.parameters]
+    kinds = [outline.types[int(v)] for v, o in zip(values, of, strict=False) if o == "element" and v in outline.types]
+    out = list(values)
+    for place, value in enumerate(values):
+        if isinstance(value, float):
+            parameter = variant.parameters[place]
+            out[place] = value * outline.metre ** length_power(raw.keyword, place, parameter, values, kinds, role)
+    return tuple(out)
 
 
 def _squared(parameter: Parameter, raw: Raw) -> bool:

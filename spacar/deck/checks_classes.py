@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from spacar.deck.scene import Classes, Scene
+from spacar.deck.check_material import CheckMaterial, Classes
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
 
@@ -17,7 +17,7 @@ _DONE = {
 }
 
 
-def classify(scene: Scene) -> None:
+def classify(scene: CheckMaterial) -> None:
     """Fill the classes of the scene; one thing in two classes is an error, twice in one class a warning."""
     outline = scene.outline
     for s in scene.statements:
@@ -28,14 +28,31 @@ def classify(scene: Scene) -> None:
             indices = s.integers(1) or outline.independent(number)
             _put(scene, s, "coordinate", indices, COORDINATE_CLASSES[s.keyword], scene.coordinates)
         elif s.keyword in DEFORMATION_CLASSES:
-            indices = s.integers(1) or tuple(range(1, outline.modes(number) + 1))
+            indices = s.integers(1) or outline.classed(number)
+            indices = _without_released(scene, s, indices)
             _put(scene, s, "mode", indices, DEFORMATION_CLASSES[s.keyword], scene.deformations)
     _check_euler_parameters(scene)
     _check_kinematic(scene)
 
 
+def _without_released(scene: CheckMaterial, s: Statement, indices: tuple[int, ...]) -> tuple[int, ...]:
+    """The modes that the statement can give a class to; others are an error, except for RLSE, which says what holds."""
+    number = s.integer(0)
+    released = scene.outline.types[number].released
+    if s.keyword != "RLSE":
+        for place, index in enumerate(s.integers(1), 1):
+            if index in released:
+                kind = scene.outline.types[number]
+                text = (
+                    f"mode {index} ({kind.modes[index - 1][0]}) of the {kind.keyword} is always calculable: it follows "
+                    "from its warping node; to prescribe warping give FIX or INPUTX for that node"
+                )
+                scene.findings.error(s, place, text, "released-mode")
+    return tuple(i for i in indices if i not in released)
+
+
 def _put(
-    scene: Scene, s: Statement, noun: str, indices: tuple[int, ...], name: str, classes: Classes
+    scene: CheckMaterial, s: Statement, noun: str, indices: tuple[int, ...], name: str, classes: Classes
 ) -> None:
     number = s.integer(0)
     again: dict[int, list[int]] = {}
@@ -59,7 +76,7 @@ def _listed(numbers: list[int]) -> str:
     return f"{', '.join(map(str, numbers[:-1]))} and {numbers[-1]}"
 
 
-def _check_euler_parameters(scene: Scene) -> None:
+def _check_euler_parameters(scene: CheckMaterial) -> None:
     """At most three of the four Euler parameters of a node can be given: the normalization gives the
     fourth."""
     for node, role in scene.outline.roles.items():
@@ -77,7 +94,7 @@ def _check_euler_parameters(scene: Scene) -> None:
             scene.findings.error(last, None, text, "normalization")
 
 
-def _check_kinematic(scene: Scene) -> None:
+def _check_kinematic(scene: CheckMaterial) -> None:
     if not scene.outline.complete or any(t.slips for t in scene.outline.types.values()):
         return
     wheels = ", ".join(t.keyword for t in ELEMENT_TYPES.values() if t.slips)

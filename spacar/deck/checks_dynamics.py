@@ -3,21 +3,22 @@ loading."""
 
 from __future__ import annotations
 
+from spacar.deck.check_material import CheckMaterial
 from spacar.deck.checks_references import at_least, one_of, positive
-from spacar.deck.scene import Scene
 from spacar.deck.statement import Statement
-from spacar.deck.table_dynamics import INTEGRATOR_ALIASES, INTEGRATORS, alias_note
+from spacar.deck.table_solvers import INTEGRATOR_ALIASES, INTEGRATORS, alias_note
 
 _ADDITIONAL = ("DELXF", "DELGRAV", "DELOMF", "DELESIG", "DELINPX", "DELINPE")
 
 
-def check_dynamics(scene: Scene) -> None:
+def check_dynamics(scene: CheckMaterial) -> None:
     """Everything that concerns the dynamics block beyond single statements."""
     for s in scene.statements:
         if s.block == 2:
             _check_signs(scene, s)
             _check_settings(scene, s)
     _check_stiffness(scene)
+    _check_warping(scene)
     _check_preload(scene)
     _check_moments(scene)
     _check_additional(scene)
@@ -25,7 +26,7 @@ def check_dynamics(scene: Scene) -> None:
         _check_motion(scene)
 
 
-def _check_signs(scene: Scene, s: Statement) -> None:
+def _check_signs(scene: CheckMaterial, s: Statement) -> None:
     """Negative masses, stiffnesses, dampings; inertia tensors that no body can have."""
     findings = scene.findings
     if (s.keyword == "XM" and len(s.values) > 2) or (
@@ -41,14 +42,15 @@ def _check_signs(scene: Scene, s: Statement) -> None:
             last = 3  # then follow flow rate, shape factor, end condition
         elif s.keyword == "EM":
             last = 5  # a product of inertia may be negative
-        for i in range(1, min(last, len(s.values))):
+        rest = (6,) if s.keyword == "EM" and len(s.values) == 7 and last == 5 else ()
+        for i in (*range(1, min(last, len(s.values))), *rest):
             if s.real(i) < 0.0:
                 findings.warning(s, i, f"negative {what} {s.real(i):g}", "negative")
     elif s.keyword == "MEE" and len(s.values) == 3 and s.real(2) < 0.0:
         findings.warning(s, 2, f"negative mass {s.real(2):g}", "negative")
 
 
-def check_tensor(scene: Scene, s: Statement) -> None:
+def check_tensor(scene: CheckMaterial, s: Statement) -> None:
     """Warn when the inertia tensor of XM or TRM is not positive semi-definite (all principal minors not
     negative)."""
     xx, xy, xz, yy, yz, zz = s.reals(1, 6)
@@ -64,7 +66,7 @@ def check_tensor(scene: Scene, s: Statement) -> None:
         scene.findings.warning(s, 1, text, "tensor")
 
 
-def _check_settings(scene: Scene, s: Statement) -> None:
+def _check_settings(scene: CheckMaterial, s: Statement) -> None:
     """Ranges of single values."""
     findings = scene.findings
     if s.keyword == "TIMESTEP":
@@ -94,7 +96,7 @@ def _check_settings(scene: Scene, s: Statement) -> None:
         one_of(findings, s, 5, (0, 1, 2, 3), "end condition")
 
 
-def _check_stiffness(scene: Scene) -> None:
+def _check_stiffness(scene: CheckMaterial) -> None:
     """Dynamic deformations of beams and trusses without stiffness move freely: meant for measuring
     elements."""
     stiff = {s.integer(0): s for s in scene.of("ESTIFF", block=2)}
@@ -114,7 +116,24 @@ def _check_stiffness(scene: Scene) -> None:
         scene.findings.information(by, None, text, "no-stiffness")
 
 
-def _check_preload(scene: Scene) -> None:
+def _check_warping(scene: CheckMaterial) -> None:
+    """A warping node that neither a stiffness nor a class holds makes the stiffness matrix singular."""
+    given = {s.integer(0): s for s in scene.of("ESTIFF", block=2)}
+    held: dict[int, bool] = {}
+    for number, kind in scene.outline.types.items():
+        for place in kind.warping:
+            node = scene.outline.elements[number].integer(1 + place)
+            torsion = (kind.stiffness[kind.released[0] - 1], kind.stiffness[1])
+            stiff = number in given and any(given[number].real(p - 1) for p in torsion)
+            held[node] = held.get(node, False) or stiff
+    for node, is_held in held.items():
+        if not is_held and scene.class_of("node", node, 1)[0] == "dynamic" and not scene.doubtful("node", node):
+            by = scene.outline.users[node]
+            text = f"nothing holds the twist rate of warping node {node}: FIX {node}, or give ESTIFF a GIt or ECw"
+            scene.findings.warning(by, None, text, "free-warping")
+
+
+def _check_preload(scene: CheckMaterial) -> None:
     """The stress of a fixed deformation is whatever keeps it fixed: a preload on it changes nothing. The same holds
     for a prescribed one, except in mode 3, where prescribed deformations are the degrees of freedom."""
     acts = scene.analysis is None or scene.analysis.takes_setpoints
@@ -139,7 +158,7 @@ def _check_preload(scene: Scene) -> None:
                 scene.findings.warning(s, modes[0], text, "preload-lost")
 
 
-def _check_moments(scene: Scene) -> None:
+def _check_moments(scene: CheckMaterial) -> None:
     """Which reading of the numbers of XF on Euler parameters was used."""
     for s in scene.of("XF", "DELXF", block=2):
         node = s.integer(0)
@@ -160,7 +179,7 @@ def _check_moments(scene: Scene) -> None:
             scene.findings.warning(s, 1, text, "moment")
 
 
-def _check_additional(scene: Scene) -> None:
+def _check_additional(scene: CheckMaterial) -> None:
     """ITERSTEP types 2 and 3 apply the additional loading, types 0 and 1 do not."""
     step = next(iter(scene.of("ITERSTEP")), None)
     kind = int(step.real(4)) if step is not None else 0
@@ -174,7 +193,7 @@ def _check_additional(scene: Scene) -> None:
         scene.findings.warning(loads[0], None, text, "additional-loading")
 
 
-def _check_motion(scene: Scene) -> None:
+def _check_motion(scene: CheckMaterial) -> None:
     """Prescribed coordinates and deformations without a time function."""
     if scene.of("USERINP"):
         return

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from spacar.deck.scene import Scene
+from spacar.deck.check_material import CheckMaterial
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.modes import MODES
 
 
-def check_elements(scene: Scene) -> None:
+def check_elements(scene: CheckMaterial) -> None:
     """Everything that concerns the element statements as such."""
     outline, findings = scene.outline, scene.findings
     elements = [s for s in scene.statements if s.keyword in ELEMENT_TYPES]
@@ -41,7 +41,7 @@ def check_elements(scene: Scene) -> None:
         _check_nodes(s, scene)
 
 
-def _check_nodes(s: Statement, scene: Scene) -> None:
+def _check_nodes(s: Statement, scene: CheckMaterial) -> None:
     """Every node in its role; the two ends of an element must be different."""
     outline = scene.outline
     seen: dict[tuple[int, str], int] = {}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import asin, degrees, hypot
 
-from spacar.deck.scene import Scene
+from spacar.deck.check_material import CheckMaterial
 from spacar.deck.statement import Statement
 from spacar.deck.table_types import ElementType
 
@@ -16,7 +16,7 @@ PARALLEL = 1e-5
 Vector = tuple[float, ...]
 
 
-def check_geometry(scene: Scene) -> None:
+def check_geometry(scene: CheckMaterial) -> None:
     """Positions given once, elements with a length, directions that define a frame."""
     positions = _positions(scene)
     places = [
@@ -37,7 +37,7 @@ def check_geometry(scene: Scene) -> None:
             )
 
 
-def _positions(scene: Scene) -> dict[int, Vector]:
+def _positions(scene: CheckMaterial) -> dict[int, Vector]:
     """Positions of the nodes with an X statement; nodes without X are at the origin."""
     positions: dict[int, Vector] = {}
     given: dict[int, Statement] = {}
@@ -46,6 +46,11 @@ def _positions(scene: Scene) -> dict[int, Vector]:
         if scene.outline.roles.get(node) == "orientation":
             text = f"node {node} is an orientation node; initial orientations cannot be chosen"
             scene.findings.error(s, 0, text, "orientation-given")
+            continue
+        if scene.outline.roles.get(node) == "warping":
+            if any(place):
+                text = f"node {node} is a warping node; its coordinate is zero at the start"
+                scene.findings.error(s, 1, text, "warping-given")
             continue
         if node in given:
             line = given[node].line
@@ -62,7 +67,7 @@ def _positions(scene: Scene) -> dict[int, Vector]:
 
 
 def _check_element(
-    scene: Scene, s: Statement, kind: ElementType, positions: dict[int, Vector], size: float
+    scene: CheckMaterial, s: Statement, kind: ElementType, positions: dict[int, Vector], size: float
 ) -> None:
     direction = _direction(s, kind)
     if direction is not None and not any(direction):
@@ -100,12 +105,12 @@ def _check_element(
             scene.findings.error(s, kind.direction[0] - 1, text, "direction")
 
 
-def _missing(scene: Scene, ends: list[int], positions: dict[int, Vector]) -> str:
+def _missing(scene: CheckMaterial, ends: list[int], positions: dict[int, Vector]) -> str:
     without = [str(n) for n in ends if n not in positions]
     return f"; no X for node {' and '.join(without)}" if without else ""
 
 
-def _check_radii(scene: Scene, s: Statement) -> None:
+def _check_radii(scene: CheckMaterial, s: Statement) -> None:
     """Radii of wheels are positive, that of the tread of a torus wheel smaller than the whole."""
     if s.keyword == "PLWHEEL" and s.real(4) <= 0.0:
         scene.findings.error(s, 4, f"wheel radius {s.real(4):g} must be positive", "radius")
@@ -122,7 +127,7 @@ def _direction(s: Statement, kind: ElementType) -> Vector | None:
     return s.reals(first - 1, count) if len(s.values) >= first - 1 + count else None
 
 
-def _check_directions(scene: Scene, s: Statement) -> None:
+def _check_directions(scene: CheckMaterial, s: Statement) -> None:
     """The vectors of ORPINBOD must be linearly independent."""
     dimension = 2 if len(s.values) in (3, 5) else 3
     vectors = [s.reals(i, dimension) for i in range(1, len(s.values), dimension)]

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from spacar.deck.check_material import CheckMaterial
 from spacar.deck.checks_references import keyword_of
 from spacar.deck.findings import ranges
-from spacar.deck.scene import Scene
 from spacar.deck.statement import Statement
 
 
-def check_ports(scene: Scene) -> None:
+def check_ports(scene: CheckMaterial) -> None:
     """The numbers are the positions in the vectors u and y, so there must be no gap and no second use."""
     used: dict[str, dict[int, Statement]] = {"input": {}, "output": {}}
     for s in scene.statements:

@@ -3,23 +3,23 @@ refer."""
 
 from __future__ import annotations
 
+from spacar.deck.check_material import CheckMaterial
 from spacar.deck.findings import Findings, alternatives
-from spacar.deck.scene import Scene
+from spacar.deck.keyword_table import KEYWORDS
 from spacar.deck.statement import Statement
-from spacar.deck.table import KEYWORDS
-from spacar.deck.table_types import Block, Keyword
+from spacar.deck.table_types import BlockKind, Keyword
 
 _STARTS = ("STARTDX", "STARTDE")  # generators write zero start values for everything
 
 
-def keyword_of(s: Statement, third: Block | None) -> Keyword:
+def keyword_of(s: Statement, third: BlockKind | None) -> Keyword:
     """The row of the table for a statement of a deck whose third block is of the given kind."""
-    block = {1: Block.KINEMATICS, 2: Block.DYNAMICS}.get(s.block, third)
+    block = {1: BlockKind.KINEMATICS, 2: BlockKind.DYNAMICS}.get(s.block, third)
     assert block is not None
     return KEYWORDS[s.keyword, block]
 
 
-def check_once(scene: Scene, block: int) -> None:
+def check_once(scene: CheckMaterial, block: int) -> None:
     """The same thing stated twice is an error: replace or add, the input does not say which."""
     given: dict[tuple[object, ...], Statement] = {}
     for s in scene.statements:
@@ -37,7 +37,7 @@ def check_once(scene: Scene, block: int) -> None:
             scene.findings.error(s, None, text, "repeated")
 
 
-def check_classes(scene: Scene, block: int) -> None:
+def check_classes(scene: CheckMaterial, block: int) -> None:
     """A time function needs a prescribed coordinate, a start value a dynamic one, an output no fixed one,
     ..."""
     for s in scene.statements:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from itertools import pairwise
 
+from spacar.deck.check_material import CheckMaterial
 from spacar.deck.checks_dynamics import check_tensor
 from spacar.deck.checks_references import at_least, one_of, positive
-from spacar.deck.scene import Scene
 from spacar.deck.statement import Statement
 from spacar.deck.table_io import NO_TRAJECTORY, PATHS, TRAJECTORIES
 
@@ -24,7 +24,7 @@ class _Trajectory:
         return [s for s in self.statements if s.keyword in keywords]
 
 
-def check_trajectories(scene: Scene) -> None:
+def check_trajectories(scene: CheckMaterial) -> None:
     """Everything about TRAJECT and the statements that follow it."""
     trajectories = _collect(scene)
     whole = 3 not in scene.outline.broken_blocks
@@ -48,7 +48,7 @@ def check_trajectories(scene: Scene) -> None:
         _check_rest(scene, trajectories)
 
 
-def _collect(scene: Scene) -> list[_Trajectory]:
+def _collect(scene: CheckMaterial) -> list[_Trajectory]:
     trajectories: list[_Trajectory] = []
     lost = False
     for s in scene.statements:
@@ -64,7 +64,7 @@ def _collect(scene: Scene) -> list[_Trajectory]:
     return trajectories
 
 
-def _check_one(scene: Scene, t: _Trajectory, whole: bool) -> None:
+def _check_one(scene: CheckMaterial, t: _Trajectory, whole: bool) -> None:
     findings = scene.findings
     paths, times, user = t.of(*PATHS), t.of("TRTIME"), t.of("USERTRAJ")
     if not times and whole:
@@ -104,7 +104,7 @@ def _check_one(scene: Scene, t: _Trajectory, whole: bool) -> None:
         _check_values(scene, s)
 
 
-def _check_values(scene: Scene, s: Statement) -> None:
+def _check_values(scene: CheckMaterial, s: Statement) -> None:
     findings = scene.findings
     if s.keyword == "TRTIME":
         positive(findings, s, 0, "total time")
@@ -123,7 +123,7 @@ def _check_values(scene: Scene, s: Statement) -> None:
         findings.error(s, 2, "the axis of rotation is a zero vector", "direction")
 
 
-def _check_repeated(scene: Scene, t: _Trajectory) -> None:
+def _check_repeated(scene: CheckMaterial, t: _Trajectory) -> None:
     given: dict[tuple[object, ...], Statement] = {}
     for s in t.statements:
         if s.keyword in ("TRTIME", "USERTRAJ"):
@@ -138,7 +138,7 @@ def _check_repeated(scene: Scene, t: _Trajectory) -> None:
             scene.findings.error(s, None, text, "repeated")
 
 
-def _check_path(scene: Scene, s: Statement) -> None:
+def _check_path(scene: CheckMaterial, s: Statement) -> None:
     """A path moves the first mode of an element, or all (independent) coordinates of a node."""
     number = s.integer(0)
     if scene.doubtful("element" if s.keyword == "TRE" else "node", number):
@@ -163,7 +163,7 @@ def _check_path(scene: Scene, s: Statement) -> None:
         scene.findings.error(s, 0, text, "path-class")
 
 
-def _check_rest(scene: Scene, trajectories: list[_Trajectory]) -> None:
+def _check_rest(scene: CheckMaterial, trajectories: list[_Trajectory]) -> None:
     """Prescribed coordinates and deformations without any path rest at their initial value."""
     nodes = {s.values[0] for t in trajectories for s in t.of("TROT", "TRANS", "TRCIRL")}
     elements = {s.values[0] for t in trajectories for s in t.of("TRE")}

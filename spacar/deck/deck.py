@@ -8,11 +8,14 @@ from functools import cached_property
 from importlib import import_module
 from pathlib import Path
 
+from spacar.deck.deck_reader import NOT_UTF8, Span, read_text
+from spacar.deck.deck_writer import splice, write, write_rows
 from spacar.deck.lexer import visualization_of
-from spacar.deck.modes import Purpose
-from spacar.deck.reader import NOT_UTF8, Span, read_text
+from spacar.deck.mode_blocks import Purpose
+from spacar.deck.section_block import BeamSection
 from spacar.deck.statement import Statement, Value
-from spacar.deck.table_types import Block
+from spacar.deck.table_sections import UNITS
+from spacar.deck.table_types import BlockKind
 from spacar.errors import Message, UsageError
 
 
@@ -23,7 +26,9 @@ class Deck:
     `statements` in file order; `source` names the file in messages; `path` is the file that was read (None
     for a deck built in code); `text` the whole text; `visualization` the raw lines of that section or of
     NAME.spv; `messages` warnings and information; `mode` the mode it was checked for; `third` the kind of
-    its third block; `spans` where each block begins and ends in the text (line, column).
+    its third block; `spans` where each block begins and ends in the text (line, column). `shorthand` are the statements
+    UNITS, SECTION, MATERIAL and BEAMSEC as given: `statements` has what they stand for, in SI, and `sections` the
+    constants.
     """
 
     statements: tuple[Statement, ...]
@@ -34,8 +39,10 @@ class Deck:
     visualization: tuple[str, ...] = ()
     messages: tuple[Message, ...] = ()
     mode: Purpose = None
-    third: Block | None = None
+    third: BlockKind | None = None
     spans: dict[int, Span] = field(default_factory=dict, repr=False)
+    shorthand: tuple[Statement, ...] = ()
+    sections: tuple[BeamSection, ...] = ()
 
     def __repr__(self) -> str:
         # The summary lies above this room: it asks the modes and, for results, the mechanism.
@@ -51,9 +58,15 @@ class Deck:
     @cached_property
     def _index(self) -> dict[str, list[tuple[int, Statement]]]:
         index: dict[str, list[tuple[int, Statement]]] = {}
-        for place, statement in enumerate(self.statements):
+        for place, statement in enumerate((*self.statements, *self.shorthand)):
             index.setdefault(statement.keyword, []).append((place, statement))
         return index
+
+    @property
+    def metre(self) -> float:
+        """The unit of length of the file in metres (UNITS); everything in `statements` is in SI."""
+        units = self.first("UNITS")
+        return 1.0 if units is None else UNITS[str(units.values[0]).lower()]
 
     def of(self, *keywords: str, block: int | None = None) -> list[Statement]:
         """All statements with one of the keywords (and in the block), in file order."""
@@ -92,14 +105,15 @@ class Deck:
 
     def to_text(self) -> str:
         """Canonical text, one statement a line, that reads back to the same statements."""
-        from spacar.deck.writer import write
-
         return write(self.statements, self.visualization)
 
-    def set(self, keyword: str, number: int | None, position: int, value: Value, block: int | None = None) -> Deck:
+    def set(
+        self, keyword: str, number: int | str | None, position: int, value: Value, block: int | None = None
+    ) -> Deck:
         """A new deck with one `value` of a `keyword` changed, checked again.
 
-        `number` is the first value of the statement (None: the keyword occurs once); `position` counts the
+        `number` is the first value of the statement, a name for SECTION (None: the keyword occurs once); `position`
+        counts the
         arguments from 1 as in the reference (1 is the number itself); `block` is needed when the keyword
         occurs in two blocks with the same number. Raises UsageError when there is not exactly one such
         statement, InputError when the new value is refused.
@@ -113,10 +127,15 @@ class Deck:
 
     def with_value(self, statement: Statement, position: int, value: Value) -> Deck:
         """A new deck in which argument `position` (from 1) of the statement has another `value`; see `set`."""
-        from spacar.deck.writer import splice
-
+        self.require_written(statement)
         text = splice(self.text, statement, position, value)
         return parse(text, self.source, self.mode, path=self.path, visualization=self.visualization)
+
+    def require_written(self, statement: Statement) -> None:
+        """Raises UsageError for a statement that does not stand in the text, as it follows from BEAMSEC."""
+        if statement.values and not statement.columns:
+            text = f"{self.where(statement)} follows from the statement at this line (BEAMSEC, or a beam that it"
+            raise UsageError(f"{text} divides); change that one, its SECTION or its MATERIAL", "usage.set")
 
     def for_mode(self, mode: Purpose) -> Deck:
         """The same text read for another `mode`."""
@@ -138,8 +157,6 @@ class Deck:
         kinematics, dynamics, third   statements of the three blocks;  mode   as `read_deck`
         source   its name in messages;  path   where it would stand: functions of the user are looked for beside it
         """
-        from spacar.deck.writer import write_rows
-
         return parse(write_rows([kinematics, dynamics, third]), source, mode, path=path)
 
 
@@ -183,6 +200,9 @@ def parse(
     contents = read_text(text, source, mode)
     if contents.visualization is not None:
         visualization = contents.visualization
+    drawn = contents.expansion.visualization
+    if drawn and not _drawn_already(drawn, visualization or ()):
+        visualization = (*drawn, *(visualization or ()))
     return Deck(
         contents.statements,
         source,
@@ -194,7 +214,14 @@ def parse(
         mode,
         contents.third,
         contents.spans,
+        contents.shorthand,
+        contents.expansion.sections,
     )
+
+
+def _drawn_already(lines: tuple[str, ...], visualization: tuple[str, ...]) -> bool:
+    """Whether a deck that is read again brings the lines of its sections along."""
+    return visualization[: len(lines)] == lines
 
 
 def _bytes(file: Path) -> bytes:

@@ -31,7 +31,7 @@ class Word(NamedTuple):
     first: bool
 
 
-class Source(NamedTuple):
+class SourceText(NamedTuple):
     """The words of the analysis part, the raw lines of the visualization section (None: there is none), line
     numbers of lines that are too long, and the last line of the analysis part."""
 
@@ -46,7 +46,7 @@ def split_lines(text: str) -> list[str]:
     return _NEWLINE.split(text)
 
 
-def scan(text: str) -> Source:
+def scan(text: str) -> SourceText:
     """Split the text into words; a leading byte order mark is ignored."""
     lines = split_lines(text.removeprefix("\ufeff"))
     words: list[Word] = []
@@ -58,12 +58,12 @@ def scan(text: str) -> Source:
         for match in _WORD.finditer(line, 0, end):
             word = match.group()
             if first and len(word) == len(_VISUALIZATION) and word.upper() == _VISUALIZATION:
-                return Source(words, tuple(_without_last_blank(lines[number:])), long_lines, number - 1)
+                return SourceText(words, tuple(_without_last_blank(lines[number:])), long_lines, number - 1)
             words.append(Word(word, number, match.start() + 1, first))
             first = False
         if len(line) > LONGEST_LINE:
             long_lines.append(number)
-    return Source(words, None, long_lines, len(lines))
+    return SourceText(words, None, long_lines, len(lines))
 
 
 def _without_last_blank(lines: list[str]) -> list[str]:

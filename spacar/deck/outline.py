@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from spacar.deck.findings import ranges
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
-from spacar.deck.table_types import ElementType
+from spacar.deck.table_types import ElementType, coordinates_of
 
 
 @dataclass(slots=True, eq=False)
@@ -18,7 +18,7 @@ class Outline:
     `space` is planar, spatial or "" (no element). `complete` is false when some element statement could not
     be read, so that nodes may be missing here; `broken` holds keyword and first number of the other
     statements that could not be read, `broken_blocks` their blocks: what follows from their absence is not
-    reported then.
+    reported then. `metre` is the unit of length of the file in metres.
     """
 
     elements: dict[int, Statement] = field(default_factory=dict)
@@ -29,16 +29,19 @@ class Outline:
     complete: bool = True
     broken: set[tuple[str, int]] = field(default_factory=set)
     broken_blocks: set[int] = field(default_factory=set)
+    metre: float = 1.0
 
     def coordinates(self, node: int) -> int:
         """Number of coordinates of a node that exists."""
-        if self.roles[node] == "position":
-            return 2 if self.space == "planar" else 3
-        return 1 if self.space == "planar" else 4
+        return coordinates_of(self.roles[node], self.space == "planar")
 
     def modes(self, element: int) -> int:
         """Number of deformation modes of an element that exists."""
         return len(self.types[element].modes)
+
+    def classed(self, element: int) -> tuple[int, ...]:
+        """Modes of an element that exists to which a statement without mode numbers gives a class."""
+        return self.types[element].classed if element in self.types else ()
 
     def independent(self, node: int) -> tuple[int, ...]:
         """Coordinates that a statement without coordinate numbers means: all, but of Euler parameters not

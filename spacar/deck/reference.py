@@ -6,19 +6,19 @@
 from __future__ import annotations
 
 from spacar.deck.findings import alternatives
-from spacar.deck.table import ELEMENT_TYPES, KEYWORDS
-from spacar.deck.table_types import Block, Keyword, Parameter, Variant
+from spacar.deck.keyword_table import ELEMENT_TYPES, KEYWORDS
+from spacar.deck.table_types import BlockKind, Keyword, Parameter, Variant
 
 _HEADINGS = {
-    Block.KINEMATICS: "Kinematics block (first block, every mode)",
-    Block.DYNAMICS: "Dynamics block (second block, every mode but 0)",
-    Block.TRAJECTORY: "Third block, modes 2 and 3: trajectories, nominal inputs and reference outputs",
-    Block.LINEARIZATION: "Third block, modes 4 and 9: inputs and outputs of the linearization",
-    Block.SIMULATION: "Third block, controlled simulation: inputs and outputs",
+    BlockKind.KINEMATICS: "Kinematics block (first block, every mode)",
+    BlockKind.DYNAMICS: "Dynamics block (second block, every mode but 0)",
+    BlockKind.TRAJECTORY: "Third block, modes 2 and 3: trajectories, nominal inputs and reference outputs",
+    BlockKind.LINEARIZATION: "Third block, modes 4 and 9: inputs and outputs of the linearization",
+    BlockKind.SIMULATION: "Third block, controlled simulation: inputs and outputs",
 }
 
 
-def _rows(block: Block) -> list[Keyword]:
+def _rows(block: BlockKind) -> list[Keyword]:
     return [k for k in KEYWORDS.values() if k.block is block]
 
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from spacar.deck.findings import Findings
-from spacar.deck.lexer import Source, Word
-from spacar.deck.table import ALIASES, KEYWORDS, NAMES, TAKES_NAME, Block, blocks_of
+from spacar.deck.keyword_table import ALIASES, KEYWORDS, NAME_PLACES, NAMES, BlockKind, blocks_of
+from spacar.deck.lexer import SourceText, Word
 
 _NOT_NUMBERS = ("NAN", "INF", "INFINITY")
 _SUGGESTIONS = 40
@@ -39,7 +39,7 @@ class Split:
     spans: dict[int, tuple[tuple[int, int], tuple[int, int]]] = field(default_factory=dict)
 
 
-def split(source: Source, findings: Findings) -> Split:
+def split(source: SourceText, findings: Findings) -> Split:
     """Divide the words into blocks and raw statements; structural errors go to the findings."""
     return _Splitter(source, findings).run()
 
@@ -47,7 +47,7 @@ def split(source: Source, findings: Findings) -> Split:
 class _Splitter:
     """State of one pass over the words; `skipping` while the arguments of a refused keyword go by."""
 
-    def __init__(self, source: Source, findings: Findings) -> None:
+    def __init__(self, source: SourceText, findings: Findings) -> None:
         self.words = source.words
         self.last_line = source.last_line
         self.findings = findings
@@ -68,7 +68,7 @@ class _Splitter:
             word = self.words[i]
             name = word.text.upper()
             name = ALIASES.get(name, name)
-            if self._wants_name():
+            if self._wants_name(word):
                 self._append(word)
             elif name == "END":
                 step = self._end(i)
@@ -100,9 +100,12 @@ class _Splitter:
         assert self.current is not None
         self.current.words.append(word)
 
-    def _wants_name(self) -> bool:
+    def _wants_name(self, word: Word) -> bool:
+        """Whether the word is a name; behind other arguments a name stands on their line, else it was left out."""
         current = self.current
-        return current is not None and not current.words and current.keyword in TAKES_NAME
+        if current is None or len(current.words) not in NAME_PLACES.get(current.keyword, ()):
+            return False
+        return not (current.words and word.first)
 
     def _argument(self, word: Word) -> None:
         if self.current is not None:
@@ -257,12 +260,12 @@ def unknown(word: Word, block: int, suggest: bool = True) -> str:
     return text
 
 
-def third_kind(statements: list[Raw], kind: Block | None) -> Block | None:
+def third_kind(statements: list[Raw], kind: BlockKind | None) -> BlockKind | None:
     """The kind of the third block: the one that the mode asks for, else the one its keywords belong to."""
     if kind is not None:
         return kind
     third = [r for r in statements if r.block == 3]
     if not third:
         return None
-    trajectory = sum((r.keyword, Block.TRAJECTORY) in KEYWORDS for r in third)
-    return Block.TRAJECTORY if trajectory > len(third) // 2 else Block.LINEARIZATION
+    trajectory = sum((r.keyword, BlockKind.TRAJECTORY) in KEYWORDS for r in third)
+    return BlockKind.TRAJECTORY if trajectory > len(third) // 2 else BlockKind.LINEARIZATION

@@ -1,15 +1,17 @@
-"""Keywords of the dynamics block (reference/input-language.md section 5)."""
+"""Keywords of the dynamics block: inertia, stiffness, damping, motion (reference/input-language.md sections 5.1, 5.3
+and 5.4)."""
 
 from __future__ import annotations
 
-from spacar.deck.table_elements import ELEMENT_TYPES, types_that, types_with
+from spacar.deck.table_elements import types_that
 from spacar.deck.table_types import (
     COORDINATE,
     ELEMENT,
     MODE,
     NODE,
     ORIENTATION,
-    Block,
+    SURPLUS,
+    BlockKind,
     ElementType,
     Keyword,
     Parameter,
@@ -21,7 +23,7 @@ from spacar.deck.table_types import (
     vector,
 )
 
-_D = Block.DYNAMICS
+_D = BlockKind.DYNAMICS
 
 # -- inertia -----------------------------------------------------------------------------------------------
 
@@ -32,6 +34,7 @@ XM_FORMS = (
     form(_MASS, 2, role="position"),
     form(_TURN, 2, space="planar", role="orientation"),
     form((NODE, *_TENSOR), *span(2, 7), space="spatial", role="orientation"),
+    form((NODE, real("warping inertia J", "kg m^4")), 2, role="warping"),
 )
 _PER_LENGTH = real("mass per length", "kg/m")
 _JS = vector("", "Jx'x' Jy'y' Jz'z' Jy'z'", "kg m", 0.0)
@@ -51,6 +54,10 @@ MASS_FORMS = {
     "bar": ((_PER_LENGTH,), (2,)),
     "planar beam": ((_PER_LENGTH, real("J per length", "kg m", 0.0)), (2, 3)),
     "spatial beam": ((_PER_LENGTH, *_JS), span(2, 6)),
+    "spatial beam with warping": (
+        (_PER_LENGTH, *_JS, real("warping inertia Jw per length", "kg m^3", 0.0)),
+        span(2, 7),
+    ),
     "belt": ((_PER_LENGTH, *_WOUND), span(2, 4)),
     "planar tube": ((*_FLOW, real("J per length", "kg m", 0.0)), span(2, 7)),
     "spatial tube": ((*_FLOW, *_JS), span(2, 10)),
@@ -67,7 +74,7 @@ def _mass() -> tuple[Variant, ...]:
     )
 
 
-# -- stiffness, damping, preload ---------------------------------------------------------------------------
+# -- stiffness and damping ----------------------------------------------------------------------------------
 
 
 def _coefficients(prefix: str, damping: bool) -> tuple[Variant, ...]:
@@ -88,7 +95,9 @@ def _coefficients(prefix: str, damping: bool) -> tuple[Variant, ...]:
             real("shear parameter EIy/(GAkz)", "m^2", 0.0),
             real("shear parameter EIz/(GAky)", "m^2", 0.0),
         )
+    unused = () if not damping else (real("not used", "", 0.0),) * 2
     forms = {"stretch": (stretch,), "planar beam": beam2, "spatial beam": beam3}
+    forms["spatial beam with warping"] = (*beam3, *unused, real(f"E{d}Cw", f"N m^4{s}", 0.0))
     forms |= {f"modes {n}": generic[:n] for n in range(1, 7)}
 
     def types(name: str) -> str:
@@ -100,46 +109,6 @@ def _coefficients(prefix: str, damping: bool) -> tuple[Variant, ...]:
 def _coefficient_form(t: ElementType, damping: bool) -> str:
     """Of a type with one coefficient a mode also how many; slips without stiffness may have damping."""
     return t.coefficients if t.coefficients != "modes" else f"modes {len(t.modes if damping else t.stiffness)}"
-
-
-def _preload(text: str) -> tuple[Variant, ...]:
-    groups: dict[int, list[str]] = {}
-    for t in ELEMENT_TYPES.values():
-        groups.setdefault(len(t.modes), []).append(t.keyword)
-    return tuple(
-        form(
-            (ELEMENT, *(real(f"{text} of mode {i}", "", None if i == 1 else 0.0) for i in range(1, n + 1))),
-            types=" ".join(names),
-        )
-        for n, names in sorted(groups.items())
-    )
-
-
-# -- forces ------------------------------------------------------------------------------------------------
-
-
-def _force(text: str) -> tuple[Variant, ...]:
-    force = tuple(real(f"{text}force {c}", "N", None if c == "Fx" else 0.0) for c in ("Fx", "Fy", "Fz"))
-    dual = tuple(real(f"{text}force dual to lambda{i}", "N m", None if i == 0 else 0.0) for i in range(4))
-    return (
-        form((NODE, *force[:2]), 2, 3, space="planar", role="position", components=True),
-        form((NODE, *force), 2, 3, 4, space="spatial", role="position"),
-        form((NODE, real(f"{text}moment", "N m")), 2, space="planar", role="orientation"),
-        form((NODE, *dual), 2, 3, 5, space="spatial", role="orientation"),
-        form((NODE, *vector(f"{text}moment", "Mx My Mz", "N m")), 4, space="spatial", role="orientation"),
-    )
-
-
-_XF_NOTES = (
-    "Four numbers on a spatial orientation node are dual to lambda0 ... lambda3 (a moment M in the reference "
-    "orientation is 0 2Mx 2My 2Mz); exactly three are a moment about the global axes; one or two are "
-    "dual to lambda.",
-)
-
-
-def _acceleration(text: str) -> tuple[Variant, ...]:
-    g = vector(text, "gx gy gz", "m/s^2", 0.0)
-    return (form(g[:2], 1, 2, space="planar", components=True), form(g, 1, 2, 3, space="spatial"))
 
 
 # -- motion ------------------------------------------------------------------------------------------------
@@ -159,7 +128,6 @@ _START_E = (
     "A start value is the deformation with respect to the configuration given with X; with DRPINBOD it is counted "
     "from the projections given there."
 )
-_SURPLUS = "Surplus zeros are ignored; a surplus value that is not zero is an error."
 _START_ZERO = "A zero start value and rate of what is neither dynamic nor kinematic has no effect and gives a warning."
 
 KEYWORDS = (
@@ -217,41 +185,13 @@ KEYWORDS = (
         ),
         unique=-1,
     ),
-    Keyword("XF", _D, "external force on a node, constant in time", _force(""), unique=1, notes=_XF_NOTES),
-    Keyword(
-        "USERSIG",
-        _D,
-        "user function with forces and stresses",
-        (form((Parameter("name of the function", "name"),)),),
-        unique=0,
-        notes=(
-            "time, sig, f = name(t, ne, le, e, ep, nx, lnp, x, xp), in name.py beside the input file.",
-            "Each row of sig is element number, mode number, stress [, k, d], each row of f node number, coordinate "
-            "number, force [, k, d], in the numbers of the input file (from 1); sig and f may be empty. k and d are "
-            "optional: dsigma/de and dsigma/d(ep), or -df/dx and -df/d(xp), for the linearized equations.",
-            "e, ep (length ne) and x, xp (length nx) are all deformations and coordinates with their rates. "
-            "le[i - 1, m - 1] is the place of mode m of element i in e and ep, lnp[n - 1, c - 1] that of coordinate c "
-            "of node n in x and xp: places from 0 (the tables in result files count from 1), -1 for what does not "
-            "exist. A negative place in e, ep, x or xp is an error, it does not read the last value.",
-            "A stress on a fixed or prescribed mode has no effect, because its stress follows from equilibrium: "
-            "the run gives a warning.",
-        ),
-    ),
-    Keyword(
-        "GRAVITY",
-        _D,
-        "acceleration of gravity",
-        _acceleration("component"),
-        unique=0,
-        notes=("Acts on lumped and distributed mass.",),
-    ),
     Keyword(
         "ESTIFF",
         _D,
         "stiffness of an element",
         _coefficients("S", False),
         unique=1,
-        notes=("Unspecified values are zero; a zero shear parameter means no shear flexibility.", _SURPLUS),
+        notes=("Unspecified values are zero; a zero shear parameter means no shear flexibility.", SURPLUS),
     ),
     Keyword(
         "EDAMP",
@@ -259,19 +199,7 @@ KEYWORDS = (
         "damping of an element (Kelvin-Voigt)",
         _coefficients("Sd", True),
         unique=1,
-        notes=(_SURPLUS,),
-    ),
-    Keyword(
-        "ESIG",
-        _D,
-        "preload of an element",
-        _preload("preload stress"),
-        unique=1,
-        notes=(
-            _SURPLUS,
-            "A preload on a fixed mode, or on a prescribed one except in mode 3, has no effect, because its stress "
-            "follows from equilibrium: a warning.",
-        ),
+        notes=(SURPLUS,),
     ),
     Keyword(
         "TIMESTEP",
@@ -326,99 +254,4 @@ KEYWORDS = (
             "coordinate number, value, rate, acceleration.",
         ),
     ),
-    Keyword(
-        "INTEGRAT",
-        _D,
-        "integration method",
-        (form((integer("type of integrator"), real("step size or initial step size", "s", 0.0))),),
-        unique=0,
-        notes=(
-            "Types: 0 Shampine-Gordon (default); 130, 140 explicit Runge-Kutta of order 3, 4 with fixed step, 135, "
-            "155 of order 3, 5 with variable step; 220, 225 for second order systems, fixed and variable; 310, 320, "
-            "330 Rosenbrock; 410 implicit Euler; 420, 430 diagonally implicit Runge-Kutta. Ours: 553, 595 Radau IIA "
-            "of order 5, 9 with variable step, for stiff models; 853 explicit Runge-Kutta of order 8 with variable "
-            "step.",
-        ),
-    ),
-    Keyword(
-        "ERROR",
-        _D,
-        "error tolerances of the integration",
-        (form((real("absolute error", "", 1e-5), real("relative error", "", 1e-4)), 1, 2),),
-        unique=0,
-        notes=(
-            "Used by types 0, 135, 155, 225, 553, 595, 853; for 410, 420, 430 the absolute error is the tolerance "
-            "of the Newton iteration.",
-        ),
-    ),
-    Keyword(
-        "ITERSTEP",
-        _D,
-        "settings of the stationary solution",
-        (
-            form(
-                (
-                    integer("maximum number of iterations", default=10),
-                    integer("number of load steps", default=4),
-                    real("error tolerance", "", 5e-7),
-                    integer("number of steps between output steps", default=1),
-                    integer("type of analysis 0-3", default=0),
-                    integer("number of load steps for the initial solution", default=0),
-                    integer("follow the equilibrium path beyond limit points: 0 no, 1 yes", default=0),
-                ),
-                *span(1, 7),
-            ),
-        ),
-        unique=0,
-        notes=(
-            "Type 0: initial loading; 1: the same with N0 zero; 2: initial and additional loading; "
-            "3: the same with N0 zero.",
-            "At a limit point of the loading (snap-through) the analysis stops and says which part of the loading was "
-            "reached; position 7 = 1 follows the equilibrium path beyond it to where it reaches the load again.",
-        ),
-    ),
-    Keyword(
-        "DELXF",
-        _D,
-        "increment of the force on a node",
-        _force("increment of the "),
-        unique=1,
-        notes=_XF_NOTES,
-    ),
-    Keyword("DELGRAV", _D, "increment of the acceleration of gravity", _acceleration("increment"), unique=0),
-    Keyword(
-        "DELOMF",
-        _D,
-        "increment of the mass flow rate of a tube",
-        (form((ELEMENT, real("increment of the mass flow rate", "kg/s")), types=types_with("DELOMF")),),
-        unique=1,
-    ),
-    Keyword(
-        "DELESIG", _D, "increment of the preload of an element", _preload("increment of the stress"), unique=1
-    ),
-    Keyword(
-        "DELINPX",
-        _D,
-        "increment of a prescribed coordinate",
-        (form((NODE, COORDINATE, real("increment of the start value"))),),
-        unique=2,
-        classes=("prescribed",),
-    ),
-    Keyword(
-        "DELINPE",
-        _D,
-        "increment of a prescribed deformation",
-        (form((ELEMENT, MODE, real("increment of the start value"))),),
-        unique=2,
-        classes=("prescribed",),
-    ),
 )
-
-# The last three are ours.
-INTEGRATORS = (0, 130, 135, 140, 155, 220, 225, 310, 320, 330, 410, 420, 430, 553, 595, 853)
-INTEGRATOR_ALIASES = {255: 225}  # input-language.md d14 names both
-
-
-def alias_note(code: int) -> str:
-    """What is said about a code that stands for another one."""
-    return f"integrator type {code} is read as {INTEGRATOR_ALIASES[code]}"

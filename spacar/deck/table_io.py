@@ -12,7 +12,7 @@ from spacar.deck.table_types import (
     NODE,
     ORIENTATION,
     POSITION,
-    Block,
+    BlockKind,
     Keyword,
     Parameter,
     form,
@@ -21,7 +21,7 @@ from spacar.deck.table_types import (
     vector,
 )
 
-_T = Block.TRAJECTORY
+_T = BlockKind.TRAJECTORY
 _NUMBER = integer("trajectory number")
 _INPUT = integer("input number", "input")
 _OUTPUT = integer("output number", "output")
@@ -143,7 +143,7 @@ TRAJECTORIES = (
 )
 
 
-def _port(name: str, block: Block, text: str, *classes: str) -> Keyword:
+def _port(name: str, block: BlockKind, text: str, *classes: str) -> Keyword:
     """An input or output statement. What follows INPUT, IN, OUT, NOM or REF in the name tells what it
     refers to: E... or S a deformation, X... or F a coordinate."""
     first = _INPUT if name.startswith(("IN", "NOM")) else _OUTPUT
@@ -155,11 +155,11 @@ def _port(name: str, block: Block, text: str, *classes: str) -> Keyword:
 _QUANTITIES = (("", ""), ("P", "first time derivative of a "), ("DP", "second time derivative of a "))
 
 
-def _series(stem: str, block: Block, text: str, noun: str, *classes: str) -> tuple[Keyword, ...]:
+def _series(stem: str, block: BlockKind, text: str, noun: str, *classes: str) -> tuple[Keyword, ...]:
     return tuple(_port(stem + end, block, f"{text}: {what}{noun}", *classes) for end, what in _QUANTITIES)
 
 
-_L = Block.LINEARIZATION
+_L = BlockKind.LINEARIZATION
 _FREE = ("dynamic", "kinematic", "calculable")
 NOMINAL = (
     _port("NOMS", _T, "nominal input: generalized stress of an actuator element"),
@@ -180,6 +180,6 @@ LINEARIZATION = (
     *_series("OUTX", _L, "output", "coordinate", *_FREE, "prescribed"),
 )
 _SIMULATED = ("INPUTS", "INPUTF", "OUTE", "OUTEP", "OUTEDP", "OUTX", "OUTXP", "OUTXDP")
-SIMULATION = tuple(replace(k, block=Block.SIMULATION) for k in LINEARIZATION if k.name in _SIMULATED)
+SIMULATION = tuple(replace(k, block=BlockKind.SIMULATION) for k in LINEARIZATION if k.name in _SIMULATED)
 
 KEYWORDS = (*TRAJECTORIES, *NOMINAL, *LINEARIZATION, *SIMULATION)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from spacar.deck.table_elements import types_with
+from spacar.deck.table_elements import ELEMENT_TYPES, types_with
 from spacar.deck.table_types import (
     ELEMENT,
     NODE,
-    Block,
+    BlockKind,
     Keyword,
     Variant,
     form,
@@ -20,7 +20,7 @@ _BODIES2, _BODIES3 = types_with("ORPINBOD", planar=True), types_with("ORPINBOD",
 _K5 = (
     "Without coordinate numbers: all independent coordinates of the node (x1, x2, x3; the planar angle; lambda1, "
     "lambda2, lambda3). Coordinates are numbered 1 2 3 for positions, 1 for an angle, 1 2 3 4 for lambda0 ... "
-    "lambda3."
+    "lambda3, 1 for a warping node."
 )
 _K6 = "Without mode numbers: all modes of the element."
 _DEFAULT_X = "A coordinate without FIX, INPUTX, DYNX or KINX is calculable."
@@ -33,18 +33,20 @@ def _coordinates() -> tuple[Variant, ...]:
         form((NODE, more, more), *span(1, 3), space="planar"),
         form((NODE, more, more, more), *span(1, 4), space="spatial", role="position"),
         form((NODE, more, more, more, more), *span(1, 5), space="spatial", role="orientation"),
+        form((NODE, more), 1, 2, space="spatial", role="warping"),
     )
 
 
 def _modes() -> tuple[Variant, ...]:
     more = integer("mode number", "mode")
-    return (form((ELEMENT, *(more,) * 6), *span(1, 7)),)
+    most = max(len(t.modes) for t in ELEMENT_TYPES.values())
+    return (form((ELEMENT, *(more,) * most), *span(1, 1 + most)),)
 
 
 def _class(name: str, text: str, of: str, note: str = "") -> Keyword:
     variants = _coordinates() if of == "node" else _modes()
     notes = (_K5, _DEFAULT_X) if of == "node" else (_K6, _DEFAULT_E)
-    return Keyword(name, Block.KINEMATICS, text, variants, notes=(*notes, note) if note else notes)
+    return Keyword(name, BlockKind.KINEMATICS, text, variants, notes=(*notes, note) if note else notes)
 
 
 _WHEELS = "Only for mechanisms with wheels: its rate is not an independent velocity."
@@ -53,7 +55,7 @@ _X1, _X2, _X3 = (real(f"coordinate {c}", "m", 0.0) for c in ("x1", "x2", "x3"))
 KEYWORDS = (
     Keyword(
         "X",
-        Block.KINEMATICS,
+        BlockKind.KINEMATICS,
         "position of a node in the reference configuration",
         (
             form((NODE, _X1, _X2), 2, 3, space="planar", components=True),
@@ -71,13 +73,26 @@ KEYWORDS = (
     _class("KINE", "deformations that are kinematic configuration coordinates", "element", _WHEELS),
     Keyword(
         "LDEFORM",
-        Block.KINEMATICS,
+        BlockKind.KINEMATICS,
         "leave out the non-linear terms in the strains of a beam",
         (form((ELEMENT,), types=types_with("LDEFORM")),),
     ),
     Keyword(
+        "ADEFORM",
+        BlockKind.KINEMATICS,
+        "measure the deformations of a beam or tube by angles: elements of fourth order",
+        (form((integer("element number", "element", 0),), types=types_with("ADEFORM")),),
+        unique=1,
+        notes=(
+            "Without element number: all beams and tubes of the file. --beams angle and --beams sine replace it.",
+            "Recommended for new models: results converge with the fourth power of the element length, with the sine "
+            "measure, the default, with the second (theory-beam-order4.md). Digits of the published examples belong to "
+            "the sine measure.",
+        ),
+    ),
+    Keyword(
         "ORPINBOD",
-        Block.KINEMATICS,
+        BlockKind.KINEMATICS,
         "measuring directions of a pinbody or rigid beam",
         (
             form((ELEMENT, *vector("direction of x',", "x y")), 3, types=_BODIES2),
@@ -104,7 +119,7 @@ KEYWORDS = (
     ),
     Keyword(
         "DRPINBOD",
-        Block.KINEMATICS,
+        BlockKind.KINEMATICS,
         "undeformed projections of xq - xp on the directions of a pinbody or rigid beam",
         (
             form(
@@ -131,7 +146,7 @@ KEYWORDS = (
     ),
     Keyword(
         "ORTUBE",
-        Block.KINEMATICS,
+        BlockKind.KINEMATICS,
         "initial tangents and end direction of a curved spatial tube",
         (
             form(
@@ -148,7 +163,7 @@ KEYWORDS = (
     ),
     Keyword(
         "OUTLEVEL",
-        Block.KINEMATICS,
+        BlockKind.KINEMATICS,
         "amount of output in the log and in the .sbd file (sums of flags, -1: everything)",
         (form((integer("level of the log"), integer("level of the .sbd file", default=0))),),
         unique=0,

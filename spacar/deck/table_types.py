@@ -6,8 +6,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
+COORDINATES = {"position": (2, 3), "orientation": (1, 4), "warping": (0, 1)}
+"""Number of coordinates of a node by its role, in planar and in spatial models."""
 
-class Block(Enum):
+
+def coordinates_of(role: str, planar: bool) -> int:
+    """Number of coordinates of a node with this role."""
+    return COORDINATES[role][0 if planar else 1]
+
+
+class BlockKind(Enum):
     """A kind of input block. The third block of a file has one of the last three kinds."""
 
     KINEMATICS = "kinematics block"
@@ -46,7 +54,7 @@ class Parameter:
 class Variant:
     """One form of a statement: which models, nodes or elements it is for, its parameters and allowed counts.
 
-    `space` (planar, spatial), `role` (position, orientation) and `types` (element keywords) restrict the
+    `space` (planar, spatial), `role` (position, orientation, warping) and `types` (element keywords) restrict the
     variant; empty means any. `counts` are the allowed numbers of arguments. `components` marks forms whose
     last values are vector components, where a surplus zero third component of a planar model is dropped
     with a warning.
@@ -79,7 +87,7 @@ class Keyword:
     """
 
     name: str
-    block: Block
+    block: BlockKind
     help: str
     variants: tuple[Variant, ...]
     unique: int | None = None
@@ -106,7 +114,7 @@ class Keyword:
 class ElementType:
     """One element type: everything about it that other rooms ask for.
 
-    `nodes` are the roles (position, orientation) in the order of the statement, `node_names` their names
+    `nodes` are the roles (position, orientation, warping) in the order of the statement, `node_names` their names
     there. `modes` are (name, unit), `slips` the 0-based non-holonomic modes, `code` the number in the array
     `it`. `stiffness` gives for each mode the position of its coefficient in ESTIFF (argument number, 1 =
     element). `length` says when the distance between the position nodes must not be zero: always, with
@@ -114,13 +122,15 @@ class ElementType:
     vector, with the role plane (a vector in the x'y' plane, not parallel to pq), axis (any direction) or
     spin (not parallel to pq).
 
-    `family` is "module:Class" in `spacar.elements`, empty for a type that is not supported. `shape` says what
+    `family` is "module:Class" in `spacar.elements`, empty for a type that is not supported, `angle_family` that of
+    the angle measure (ADEFORM) of types that have one. `shape` says what
     the element is like: beam, truss, hinge, body, or a shape of its own; pictures are chosen by it.
     `coefficients` and `mass` name the forms of ESTIFF, EDAMP and of EM in `table_dynamics` (one per mode; no EM).
     `statements` are those of both blocks that apply to some types only. `axial`: mode 1 is the change of the
     length between the position nodes. `quadratic`: the strains have second order terms. `normal_mode` is the
     mode (from 1) whose stress is the force on the ground, 0 without. `split` are the pairs of bending modes
-    (at p, at q) of a type that can be divided along its chord.
+    (at p, at q) of a type that can be divided along its chord. `released` are the modes (from 1) that are calculable
+    whatever a statement says.
     """
 
     keyword: str
@@ -138,6 +148,7 @@ class ElementType:
     direction: tuple[int, int, str] | None = None
     notes: tuple[str, ...] = ()
     family: str = ""
+    angle_family: str = ""
     shape: str = ""
     coefficients: str = "modes"
     mass: str = ""
@@ -146,11 +157,17 @@ class ElementType:
     quadratic: bool = False
     normal_mode: int = 0
     split: tuple[tuple[int, int], ...] = ()
+    released: tuple[int, ...] = ()
 
     @property
     def supported(self) -> bool:
         """Whether there is a family that evaluates it."""
         return bool(self.family)
+
+    @property
+    def classed(self) -> tuple[int, ...]:
+        """Modes (from 1) that a statement without mode numbers gives a class to."""
+        return tuple(m for m in range(1, len(self.modes) + 1) if m not in self.released)
 
     @property
     def carries_flow(self) -> bool:
@@ -159,7 +176,8 @@ class ElementType:
 
     @property
     def ends(self) -> tuple[int | None, int | None, int | None, int | None]:
-        """Places (from 0) in `nodes` of p position, p orientation, q position, q orientation; None: it has none.
+        """Places (from 0) in `nodes` of p position, p orientation, q position, q orientation; None: it has none. (Those
+        of warping nodes: `warping`.)
 
         A node that is not named after its end is at p when it is the first of its role, else at q.
         """
@@ -173,6 +191,11 @@ class ElementType:
             found.get(("q", "position")),
             found.get(("q", "orientation")),
         )
+
+    @property
+    def warping(self) -> tuple[int, ...]:
+        """Places (from 0) in `nodes` of the warping nodes at p and q; none for most types."""
+        return tuple(place for place, role in enumerate(self.nodes) if role == "warping")
 
 
 def integer(meaning: str, of: str = "", default: float | None = None) -> Parameter:
@@ -216,3 +239,4 @@ POSITION = integer("position node", "position node")
 ORIENTATION = integer("orientation node", "orientation node")
 COORDINATE = integer("coordinate number", "coordinate")
 MODE = integer("mode number", "mode")
+SURPLUS = "Surplus zeros are ignored; a surplus value that is not zero is an error."  # a note of some rows

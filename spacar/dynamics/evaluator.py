@@ -25,8 +25,8 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from spacar.arrays import Array
-from spacar.dynamics.dynamics import Dynamics
-from spacar.dynamics.model import LoadedMechanism, Placement
+from spacar.dynamics.array_evaluator import Dynamics
+from spacar.dynamics.loaded_mechanism import LoadedMechanism, Placement
 from spacar.frame import Frame
 from spacar.kinematics.regularity import PositionMatrix
 

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.kinematics.sweep import Sweep
+from spacar.kinematics.element_sweep import ElementSweep
 from spacar.mechanism.mechanism import Loads, Mechanism, UserForces
 
 
@@ -62,7 +62,7 @@ def _active(entries: tuple[Index, Index, Array], first: int) -> tuple[Index, Ind
 class AppliedForces:
     """f without the gravity on configuration-dependent families, which `inertia` subtracts together with h."""
 
-    def __init__(self, mechanism: Mechanism, loads: Loads, sweep: Sweep) -> None:
+    def __init__(self, mechanism: Mechanism, loads: Loads, sweep: ElementSweep) -> None:
         self.loads = loads
         self.field = gravity_field(mechanism, loads)
         self.heavy = bool(self.field.any())
@@ -91,11 +91,11 @@ class AppliedForces:
         dual = (moment_gradient(self.loads.moment) * x[rows]).sum(axis=1)
         return np.bincount(rows.ravel(), dual.ravel(), len(self.constant))
 
-    def inertia(self, sweep: Sweep, v: Array) -> Array:
+    def inertia(self, sweep: ElementSweep, v: Array) -> Array:
         """h minus gravity of the configuration-dependent families, (nx,)."""
         return sweep.inertia_force(v, -self.field if self.heavy else None)
 
-    def gravity(self, sweep: Sweep) -> Array:
+    def gravity(self, sweep: ElementSweep) -> Array:
         """Gravity forces of all families, M g, (nx,)."""
         return sweep.mass_times(self.field) if self.heavy else np.zeros(len(self.constant))
 

@@ -17,7 +17,7 @@ from spacar.kinematics.regularity import Regularity
 
 if TYPE_CHECKING:
     from spacar.dynamics.evaluator import Evaluator
-    from spacar.kinematics.sweep import Sweep
+    from spacar.kinematics.element_sweep import ElementSweep
 
 # A pull above this part of the largest normal force seen: a chosen bound, above the rounding of a difference of forces
 # (eps times their ratio, up to 1e6), far below what matters to a contact.
@@ -57,7 +57,7 @@ class Limits:
         if len(self.rows):
             self._wheels(frame.t, frame.sig[self.rows])
 
-    def _elements(self, sweep: Sweep, frame: Frame) -> None:
+    def _elements(self, sweep: ElementSweep, frame: Frame) -> None:
         for batch in sweep.strained:
             e, sigma = frame.e[batch.e], frame.sig[batch.e]
             for trouble in batch.family.troubles(sweep.configuration[batch.index], e, sigma):

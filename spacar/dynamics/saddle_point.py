@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.kinematics.sweep import Sweep
+from spacar.kinematics.element_sweep import ElementSweep
 from spacar.linear_systems import assemble
 from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
@@ -30,7 +30,7 @@ def free_coordinates(numbering: Numbering) -> Index:
 class SaddlePoint:
     """The assembled system; `factor` at the present configuration, `solve` for as many right-hand sides as wanted."""
 
-    def __init__(self, mechanism: Mechanism, sweep: Sweep, kind: str | None = None) -> None:
+    def __init__(self, mechanism: Mechanism, sweep: ElementSweep, kind: str | None = None) -> None:
         n = mechanism.numbering
         self.F = free_coordinates(n)
         self.n_rows = n.e_class["input"].stop
@@ -103,7 +103,7 @@ class SaddlePoint:
 class DeformationInertia:
     """The inertia V^T M_e V of MEE as entries of an nx x nx matrix."""
 
-    def __init__(self, mechanism: Mechanism, sweep: Sweep) -> None:
+    def __init__(self, mechanism: Mechanism, sweep: ElementSweep) -> None:
         i, j, value = self.table = mechanism.deformation_inertia
         self.present = bool(len(i))
         self.sweep = sweep

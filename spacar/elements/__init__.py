@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from importlib import import_module
 
-from spacar.elements.base import Configuration, ElementGroup, Family, GeometryError, Trouble
+from spacar.elements.family import Configuration, ElementGroup, Family, GeometryError, Trouble
 
 __all__ = ["Configuration", "ElementGroup", "Family", "GeometryError", "Trouble", "family_of"]
 

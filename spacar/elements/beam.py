@@ -14,7 +14,6 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.elements import beam_strain as strain_of
-from spacar.elements.base import ElementGroup, Family, GeometryError, Trouble
 from spacar.elements.beam_inertia import (
     LineConstants,
     LineState,
@@ -24,7 +23,8 @@ from spacar.elements.beam_inertia import (
     line_mass,
     line_state,
 )
-from spacar.elements.frames import chord_frames, chords, rows, section_tensor
+from spacar.elements.family import ElementGroup, Family, GeometryError, Trouble
+from spacar.elements.local_frames import chord_frames, chords, rows, section_tensor
 from spacar.elements.rotation import _CROSS, expand, rotate
 
 LARGE_ANGLE = np.pi / 4  # bending or twist of one element beyond this is computed with an error above 10 %
@@ -32,7 +32,7 @@ LIMIT_ANGLE = np.radians(85.0)  # the sine measures have no equilibrium at and b
 COLLAPSED = 1e-6  # smallest fraction of the undeformed length
 
 
-class BeamConfiguration(NamedTuple):
+class SpatialBeamConfiguration(NamedTuple):
     """Deformation state and, if the group has mass, the inertia state."""
 
     strain: strain_of.BeamState
@@ -73,7 +73,7 @@ class SpatialBeam(Family):
         self._estiff, self._edamp = group.estiff, group.edamp
 
     # -- deformations --------------------------------------------------------------------------------------
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> BeamConfiguration:
+    def strain(self, x: Array, near: Array, e: Array, V: Array) -> SpatialBeamConfiguration:
         p = strain_of.BeamConstants(*expand(self.constants, x.ndim))
         c = strain_of.beam_state(p, x, self._second)
         if c.Q is None:
@@ -82,9 +82,9 @@ class SpatialBeam(Family):
             e[...] = c.raw + 0.5 * np.einsum("kj...,j...->k...", c.Q, c.raw)
         strain_of.put(strain_of.corrected(c.Q, c.W), V)
         line = line_state(LineConstants(*expand(self.line, x.ndim)), x) if self.has_mass else None
-        return BeamConfiguration(c, line)
+        return SpatialBeamConfiguration(c, line)
 
-    def convective_strain(self, c: BeamConfiguration, v: Array, out: Array) -> None:
+    def convective_strain(self, c: SpatialBeamConfiguration, v: Array, out: Array) -> None:
         state = c.strain
         raw2 = strain_of.beam_rates(state, v).raw2
         if state.Q is None:
@@ -94,7 +94,7 @@ class SpatialBeam(Family):
         curved = strain_of.correction(state.p, raw1)
         out[...] = strain_of.second_order(state.Q, raw2) + np.einsum("kj...,j...->k...", curved, raw1)
 
-    def gradient_rate(self, c: BeamConfiguration, v: Array, out: Array) -> None:
+    def gradient_rate(self, c: SpatialBeamConfiguration, v: Array, out: Array) -> None:
         state = c.strain
         W = strain_of.rate_rows(state, strain_of.beam_rates(state, v))
         if state.Q is not None:
@@ -102,7 +102,7 @@ class SpatialBeam(Family):
             W = strain_of.corrected(state.Q, W) + np.einsum("kj...,jsi...->ksi...", Q1, state.W)
         strain_of.put(W, out)
 
-    def rate_gradient(self, c: BeamConfiguration, v: Array, out: Array) -> None:
+    def rate_gradient(self, c: SpatialBeamConfiguration, v: Array, out: Array) -> None:
         state = c.strain
         rates = strain_of.beam_rates(state, v)
         W = strain_of.second_rate_rows(state, rates)
@@ -116,7 +116,7 @@ class SpatialBeam(Family):
             )
         strain_of.put(W, out)
 
-    def geometric_stiffness(self, c: BeamConfiguration, sigma: Array, out: Array) -> None:
+    def geometric_stiffness(self, c: SpatialBeamConfiguration, sigma: Array, out: Array) -> None:
         strain_of.hessian(c.strain, sigma, out)
 
     # -- stresses ------------------------------------------------------------------------------------------
@@ -126,13 +126,13 @@ class SpatialBeam(Family):
         return _beam_matrix(self._estiff, shear, self.length), _beam_matrix(self._edamp, shear, self.length)
 
     # -- inertia -------------------------------------------------------------------------------------------
-    def mass(self, c: BeamConfiguration, out: Array) -> None:
+    def mass(self, c: SpatialBeamConfiguration, out: Array) -> None:
         line_mass(_line(c), out)
 
-    def inertia_force(self, c: BeamConfiguration, v: Array, a: Array | None) -> Array:
+    def inertia_force(self, c: SpatialBeamConfiguration, v: Array, a: Array | None) -> Array:
         return line_force(_line(c), v, a)
 
-    def inertia_gradient(self, c: BeamConfiguration, v: Array, a: Array) -> tuple[Array, Array]:
+    def inertia_gradient(self, c: SpatialBeamConfiguration, v: Array, a: Array) -> tuple[Array, Array]:
         return line_gradient(_line(c), v, a)
 
     def orientation_inertia(self) -> tuple[tuple[int, Array], ...]:
@@ -145,7 +145,7 @@ class SpatialBeam(Family):
         )
 
     # -- limits --------------------------------------------------------------------------------------------
-    def troubles(self, c: BeamConfiguration, e: Array, sigma: Array) -> list[Trouble]:
+    def troubles(self, c: SpatialBeamConfiguration, e: Array, sigma: Array) -> list[Trouble]:
         """Collapsed length; too large angles of bending (end tangent against chord) or twist."""
         state = c.strain
         if _small_angles(state, self.length) and (state.l > COLLAPSED * self.length).all():
@@ -171,7 +171,7 @@ class SpatialBeam(Family):
         return found
 
 
-def _line(c: BeamConfiguration) -> LineState:
+def _line(c: SpatialBeamConfiguration) -> LineState:
     line = c.line
     assert line is not None  # the contract: inertia is asked for only if `has_mass`
     return line

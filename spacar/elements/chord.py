@@ -21,7 +21,7 @@ import numpy as np
 
 from spacar.arrays import Array
 
-from .base import GeometryError, Trouble
+from .family import GeometryError, Trouble
 
 SHORT = 1e-6  # a chosen bound, of the start length: below this the direction of the chord is lost
 

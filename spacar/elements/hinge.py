@@ -17,8 +17,8 @@ from typing import NamedTuple
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.elements.base import ElementGroup, Family, GeometryError
-from spacar.elements.frames import axis_frame, rows
+from spacar.elements.family import ElementGroup, Family, GeometryError
+from spacar.elements.local_frames import axis_frame, rows
 from spacar.elements.rotation import arc_tangent, expand, relative_parameters
 
 _einsum = np.einsum

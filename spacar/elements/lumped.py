@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.arrays import Array
-from spacar.elements.base import Configuration, Family
+from spacar.elements.family import Configuration, Family
 
 
 class LumpedMass(Family):

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.arrays import Array
-from spacar.elements.base import Family
+from spacar.elements.family import Family
 from spacar.elements.rotation import body_dual, body_matrix, expand
 
 _einsum = np.einsum

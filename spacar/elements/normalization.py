@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.arrays import Array
-from spacar.elements.base import Family
+from spacar.elements.family import Family
 
 
 class Normalization(Family):

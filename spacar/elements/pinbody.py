@@ -13,9 +13,18 @@ from typing import NamedTuple
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.elements.base import ElementGroup, Family, GeometryError
-from spacar.elements.frames import chord_frame, chord_frames, chords, rows, section_tensor, stack, supplemented, unit
+from spacar.elements.family import ElementGroup, Family, GeometryError
 from spacar.elements.hinge import diagonal
+from spacar.elements.local_frames import (
+    chord_frame,
+    chord_frames,
+    chords,
+    rows,
+    section_tensor,
+    stack,
+    supplemented,
+    unit,
+)
 from spacar.elements.rotation import director_tensor, expand
 from spacar.elements.truss import rod_mass
 

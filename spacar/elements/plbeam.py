@@ -10,11 +10,13 @@ Q is the shortening of the chord by bending (0 with LDEFORM); with shear flexibi
 
     A = (4 + 5 Phi + 2.5 Phi^2)/(60 l0 (1 + Phi)^2),  B = (2 + 10 Phi + 5 Phi^2)/(60 l0 (1 + Phi)^2)
 
-Derivatives (6), (7): with the row alpha_k = (1 at phi_k) - D beta and b'_k := L_k c_k, both ends at once
+Derivatives (6), (7): with the row alpha_k = (1 at phi_k) - D beta and b1, b2, b3 = db/da, ..., both ends at once
 
-    D b = b' alpha                             H_b = -(b alpha_v^2 + b' H_beta)
-    H1_b = -(b alpha_v alpha + b' H1_beta)
-    T_b = -b' alpha_v^2 alpha + b (H_beta alpha + 2 alpha_v H1_beta) - b' T_beta
+    D b = b1 alpha                             H_b = b2 alpha_v^2 - b1 H_beta
+    H1_b = b2 alpha_v alpha - b1 H1_beta
+    T_b = b3 alpha_v^2 alpha - b2 (H_beta alpha + 2 alpha_v H1_beta) - b1 T_beta
+
+Here b1 = L_k c_k, b2 = -b, b3 = -b1; `plbeam_angle` has another b(a).
 
 Inertia (9)-(12): cubic interpolation of the elastic line, y = (x_p, l0 t_p, x_q, l0 t_q) with the unit end
 tangents t; rotary inertia J per length is lumped, J l0/2 at each end.
@@ -24,31 +26,39 @@ Arrays over both ends have the end axis first: t (end, component, n), b (end, n)
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
 from spacar.arrays import Array
 
 from . import chord
-from .base import ElementGroup, Family, Trouble
+from .family import ElementGroup, Family, Trouble
 
 # integral of N N^T over the element, times 420 (10)
 CUBIC_MASS = np.array([[156.0, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]])
 CUBIC_MASS.setflags(write=False)
 
-WARN_ANGLE, FATAL_ANGLE = 60.0, 85.0  # [deg] of an end to the chord; e2, e3 are stationary at 90
+WARN_ANGLE = 60.0  # [deg] of an end to the chord
 
 
-class BeamConfiguration(NamedTuple):
+class Bend(NamedTuple):
+    """The bending deformations b(a) of both ends and their derivatives by a, (end, n) each."""
+
+    b: Array
+    b1: Array
+    b2: Array
+    b3: Array
+
+
+class PlanarBeamConfiguration(NamedTuple):
     """What is known at one x: end tangents `t` (end, component, n), the same turned by +90 degrees."""
 
     l: Array
     u: Array
     t: Array
     normals: Array | None  # only with mass
-    b: Array
-    b_prime: Array
+    bend: Bend
     Q_b: Array  # dQ/db
 
 
@@ -56,6 +66,7 @@ class PlanarBeam(Family):
     n_coordinates = 6
     n_deformations = 3
     position_rows = (0, 1, 3, 4)
+    fatal_angle: ClassVar[float] = 85.0  # [deg] of an end to the chord; e2, e3 are stationary at 90
 
     def __init__(self, group: ElementGroup) -> None:
         """Raises GeometryError where the end nodes coincide."""
@@ -94,7 +105,12 @@ class PlanarBeam(Family):
         self._cross = -3.0 * l0**2 * self.unit
 
     # -- deformations --------------------------------------------------------------------------------------
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> BeamConfiguration:
+    def _bend(self, cosine: Array, sine: Array) -> Bend:
+        """b of the angles between end tangents and chord, from their cosines and sines (end, n)."""
+        b, b_prime = sine * self.signed, cosine * self.signed
+        return Bend(b, b_prime, -b, -b_prime)
+
+    def strain(self, x: Array, near: Array, e: Array, V: Array) -> PlanarBeamConfiguration:
         d = x[3:5] - x[0:2]
         d0, d1 = d
         l = np.sqrt(d0 * d0 + d1 * d1)
@@ -105,8 +121,8 @@ class PlanarBeam(Family):
         t0, t1 = t[:, 0], t[:, 1]
         np.cos(theta, out=t0)
         np.sin(theta, out=t1)
-        b = (t1 * u0 - t0 * u1) * self.signed
-        b_prime = (t0 * u0 + t1 * u1) * self.signed
+        bend = self._bend(t0 * u0 + t1 * u1, t1 * u0 - t0 * u1)
+        b, b_prime = bend.b, bend.b1
         Q_b = self.A2 * b + self.B * b[::-1]
 
         twice_Q = Q_b * b
@@ -130,23 +146,23 @@ class PlanarBeam(Family):
             normals = np.empty_like(t)
             np.negative(t1, out=normals[:, 0])
             normals[:, 1] = t0
-        return BeamConfiguration(l, u, t, normals, b, b_prime, Q_b)
+        return PlanarBeamConfiguration(l, u, t, normals, bend, Q_b)
 
-    def _rates(self, c: BeamConfiguration, v: Array) -> tuple[Array, Array, Array, Array, Array]:
+    def _rates(self, c: PlanarBeamConfiguration, v: Array) -> tuple[Array, Array, Array, Array, Array]:
         """l', beta', H_beta(v,v) and, per end, alpha_v and H_b(v,v)."""
         l_rate, beta_rate = chord.rates(c.l, c.u, v[3:5] - v[0:2])
         H_beta = (-2.0 * l_rate) * beta_rate / c.l
         alpha_v = v[2::3] - beta_rate
-        return l_rate, beta_rate, H_beta, alpha_v, -(c.b * (alpha_v * alpha_v) + c.b_prime * H_beta)
+        return l_rate, beta_rate, H_beta, alpha_v, c.bend.b2 * (alpha_v * alpha_v) - c.bend.b1 * H_beta
 
-    def convective_strain(self, c: BeamConfiguration, v: Array, out: Array) -> None:
+    def convective_strain(self, c: PlanarBeamConfiguration, v: Array, out: Array) -> None:
         _, beta_rate, _, alpha_v, H_b = self._rates(c, v)
-        b_rate = c.b_prime * alpha_v
+        b_rate = c.bend.b1 * alpha_v
         bend = c.Q_b * H_b + b_rate * (self.A2 * b_rate + self.B * b_rate[::-1])
         out[0] = c.l * (beta_rate * beta_rate) + bend[0] + bend[1]
         out[1:] = H_b
 
-    def _alpha(self, c: BeamConfiguration) -> Array:
+    def _alpha(self, c: PlanarBeamConfiguration) -> Array:
         """Rows alpha, (end, 6, n)."""
         g = chord.row(chord.normal(c.u) / c.l, 6)
         alpha = np.stack((-g, -g))
@@ -154,47 +170,48 @@ class PlanarBeam(Family):
         alpha[1, 5] += 1.0
         return alpha
 
-    def _b_rows(self, c: BeamConfiguration, v: Array) -> tuple[Array, Array, Array, Array]:
+    def _b_rows(self, c: PlanarBeamConfiguration, v: Array) -> tuple[Array, Array, Array, Array]:
         """D b and H1_b as rows (end, 6, n); b' and Q_b' (end, n)."""
         l_rate, beta_rate, _, alpha_v, _ = self._rates(c, v)
         alpha = self._alpha(c)
         H1_beta = chord.row(chord.angle_gradient_rate(c.l, c.u, l_rate, beta_rate), 6)
-        H1_b = -((c.b * alpha_v)[:, None] * alpha + c.b_prime[:, None] * H1_beta)
-        b_rate = c.b_prime * alpha_v
-        return c.b_prime[:, None] * alpha, H1_b, b_rate, self.A2 * b_rate + self.B * b_rate[::-1]
+        H1_b = (c.bend.b2 * alpha_v)[:, None] * alpha - c.bend.b1[:, None] * H1_beta
+        b_rate = c.bend.b1 * alpha_v
+        return c.bend.b1[:, None] * alpha, H1_b, b_rate, self.A2 * b_rate + self.B * b_rate[::-1]
 
-    def gradient_rate(self, c: BeamConfiguration, v: Array, out: Array) -> None:
+    def gradient_rate(self, c: PlanarBeamConfiguration, v: Array, out: Array) -> None:
         D_b, H1_b, _, Q_b_rate = self._b_rows(c, v)
         _, beta_rate = chord.rates(c.l, c.u, v[3:5] - v[0:2])
         out[0] = (c.Q_b[:, None] * H1_b + Q_b_rate[:, None] * D_b).sum(0)
         out[0] += chord.row(chord.length_gradient_rate(c.u, beta_rate), 6)
         out[1:] = H1_b
 
-    def rate_gradient(self, c: BeamConfiguration, v: Array, out: Array) -> None:
+    def rate_gradient(self, c: PlanarBeamConfiguration, v: Array, out: Array) -> None:
         l_rate, beta_rate, H_beta, alpha_v, H_b = self._rates(c, v)
         D_b, H1_b, _, Q_b_rate = self._b_rows(c, v)
         alpha = self._alpha(c)
         H1_beta = chord.row(chord.angle_gradient_rate(c.l, c.u, l_rate, beta_rate), 6)
         T_beta = chord.row(chord.angle_rate_gradient(c.l, c.u, l_rate, beta_rate), 6)
-        T_b = (c.b * H_beta - c.b_prime * alpha_v * alpha_v)[:, None] * alpha
-        T_b += 2.0 * (c.b * alpha_v)[:, None] * H1_beta - c.b_prime[:, None] * T_beta
+        _, b1, b2, b3 = c.bend
+        T_b = (b3 * alpha_v * alpha_v - b2 * H_beta)[:, None] * alpha
+        T_b -= 2.0 * (b2 * alpha_v)[:, None] * H1_beta + b1[:, None] * T_beta
         Q_H = self.A2 * H_b + self.B * H_b[::-1]
         out[0] = (c.Q_b[:, None] * T_b + Q_H[:, None] * D_b + 2.0 * Q_b_rate[:, None] * H1_b).sum(0)
         out[0] += chord.row(chord.length_rate_gradient(c.l, c.u, l_rate, beta_rate), 6)
         out[1:] = T_b
 
-    def geometric_stiffness(self, c: BeamConfiguration, sigma: Array, out: Array) -> None:
+    def geometric_stiffness(self, c: PlanarBeamConfiguration, sigma: Array, out: Array) -> None:
         g_u, g_n = chord.row(c.u, 6), chord.row(chord.normal(c.u), 6)
         alpha = self._alpha(c)
         s = sigma[1:] + c.Q_b * sigma[0]
-        mixed = ((s * c.b_prime).sum(0) / c.l**2 * g_u)[:, None] * g_n
+        mixed = ((s * c.bend.b1).sum(0) / c.l**2 * g_u)[:, None] * g_n
         np.multiply((sigma[0] / c.l * g_n)[:, None], g_n, out=out)
         out += mixed + mixed.swapaxes(0, 1)
-        D_b = c.b_prime[:, None] * alpha
+        D_b = c.bend.b1[:, None] * alpha
         # sum over the ends of (weights)^T rows; the second derivative of Q joins both ends
         weighted = sigma[0] * (self.A2 * D_b + self.B * D_b[::-1])
-        turned = (s * c.b)[:, None] * alpha
-        out += (weighted[:, :, None] * D_b[:, None] - turned[:, :, None] * alpha[:, None]).sum(0)
+        turned = (s * c.bend.b2)[:, None] * alpha
+        out += (weighted[:, :, None] * D_b[:, None] + turned[:, :, None] * alpha[:, None]).sum(0)
 
     # -- stresses ------------------------------------------------------------------------------------------
     def stiffness(self) -> tuple[Array, Array]:
@@ -210,7 +227,7 @@ class PlanarBeam(Family):
         return S
 
     # -- inertia -------------------------------------------------------------------------------------------
-    def mass(self, c: BeamConfiguration, out: Array) -> None:
+    def mass(self, c: PlanarBeamConfiguration, out: Array) -> None:
         out[...] = self._constant
         N = c.normals
         assert N is not None
@@ -221,7 +238,7 @@ class PlanarBeam(Family):
         dot = N[0] * N[1]
         out[2, 5] = out[5, 2] = (dot[0] + dot[1]) * self._cross
 
-    def _line_acceleration(self, c: BeamConfiguration, v: Array, a: Array | None) -> Array:
+    def _line_acceleration(self, c: PlanarBeamConfiguration, v: Array, a: Array | None) -> Array:
         """y'' (4, 2, n): the accelerations of x_p, l0 t_p, x_q, l0 t_q."""
         y = np.zeros((4, 2, *v.shape[1:]), c.t.dtype)
         omega = v[2::3]
@@ -233,12 +250,12 @@ class PlanarBeam(Family):
         np.multiply(turn, self.length, out=y[1::2])
         return y
 
-    def _line_force(self, c: BeamConfiguration, v: Array, a: Array | None) -> Array:
+    def _line_force(self, c: PlanarBeamConfiguration, v: Array, a: Array | None) -> Array:
         """Force dual to y, (4, 2, n)."""
         y = self._line_acceleration(c, v, a) * self.unit
         return (CUBIC_MASS @ y.reshape(4, -1)).reshape(y.shape)
 
-    def _project(self, c: BeamConfiguration, F: Array) -> Array:
+    def _project(self, c: PlanarBeamConfiguration, F: Array) -> Array:
         """Force dual to x, (6, n), of a force F (4, 2, n) dual to y."""
         out = np.empty((6, *F.shape[2:]), F.dtype)
         out[0:2], out[3:5] = F[0], F[2]
@@ -247,13 +264,13 @@ class PlanarBeam(Family):
         np.multiply(moment[:, 0] + moment[:, 1], self.length, out=out[2::3])
         return out
 
-    def inertia_force(self, c: BeamConfiguration, v: Array, a: Array | None) -> Array:
+    def inertia_force(self, c: PlanarBeamConfiguration, v: Array, a: Array | None) -> Array:
         out = self._project(c, self._line_force(c, v, a))
         if a is not None:
             out[2::3] += self.lumped * a[2::3]
         return out
 
-    def inertia_gradient(self, c: BeamConfiguration, v: Array, a: Array) -> tuple[Array, Array]:
+    def inertia_gradient(self, c: PlanarBeamConfiguration, v: Array, a: Array) -> tuple[Array, Array]:
         assert c.normals is not None
         omega, spin = v[2::3, None], a[2::3, None]
         turned = -self.length * (c.t * spin + c.normals * omega**2)
@@ -266,7 +283,7 @@ class PlanarBeam(Family):
         """Force (4, 2, end, n) of the accelerations z (end, 2, n) of one tangent at a time."""
         return CUBIC_MASS[:, 1::2, None][:, None] * (self.unit * z.swapaxes(0, 1))
 
-    def _angle_columns(self, c: BeamConfiguration, F: Array) -> Array:
+    def _angle_columns(self, c: PlanarBeamConfiguration, F: Array) -> Array:
         """(6, 6, n): columns phi_p, phi_q of the forces F (4, 2, end of the angle, n), zero elsewhere."""
         out = np.zeros((6, 6, *F.shape[3:]), F.dtype)
         blocks = out.reshape(2, 3, 2, 3, *F.shape[3:])
@@ -275,26 +292,26 @@ class PlanarBeam(Family):
         blocks[:, 2, :, 2] = self.length * (c.normals[:, :, None] * F[1::2]).sum(1)
         return out
 
-    def _add_rotation(self, c: BeamConfiguration, by_x: Array, F: Array) -> None:
+    def _add_rotation(self, c: PlanarBeamConfiguration, by_x: Array, F: Array) -> None:
         """The part of d(Y^T F)/dx where Y turns with the ends: -l0 t.F on the diagonal of the angles."""
         turn = self.length * (c.t * F[1::2]).sum(1)
         by_x[2, 2] -= turn[0]
         by_x[5, 5] -= turn[1]
 
     # -- limits --------------------------------------------------------------------------------------------
-    def troubles(self, c: BeamConfiguration, e: Array, sigma: Array) -> list[Trouble]:
-        """End rotations to the chord beyond 60 degrees (warning) and 85 degrees (fatal); vanishing length."""
+    def troubles(self, c: PlanarBeamConfiguration, e: Array, sigma: Array) -> list[Trouble]:
+        """End rotations to the chord beyond 60 degrees (warning) and `fatal_angle`; vanishing length."""
         found = chord.short_troubles(c.l, self.length)
-        cosine = c.b_prime / self.signed
+        cosine, sine = (c.t * c.u).sum(1), c.t[:, 1] * c.u[0] - c.t[:, 0] * c.u[1]
         for k in np.flatnonzero((cosine < np.cos(np.radians(WARN_ANGLE))).any(0)):
-            angles = np.degrees(np.abs(np.arctan2((c.b[:, k] / self.signed[:, k]), cosine[:, k])))
+            angles = np.degrees(np.abs(np.arctan2(sine[:, k], cosine[:, k])))
             end, worst = int(np.argmax(angles)), float(np.max(angles))
-            fatal = worst > FATAL_ANGLE
+            fatal = worst > self.fatal_angle
             found.append(
                 Trouble(
                     int(k),
                     f"end {'pq'[end]} is rotated by {worst:.1f} degrees to the line between its nodes "
-                    f"(limit {FATAL_ANGLE if fatal else WARN_ANGLE:.0f}): use more elements",
+                    f"(limit {self.fatal_angle if fatal else WARN_ANGLE:.0f}): use more elements",
                     fatal,
                 )
             )

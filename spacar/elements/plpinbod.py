@@ -21,7 +21,7 @@ import numpy as np
 from spacar.arrays import Array
 
 from . import chord
-from .base import ElementGroup, Family, GeometryError
+from .family import ElementGroup, Family, GeometryError
 
 
 class PinbodyConfiguration(NamedTuple):

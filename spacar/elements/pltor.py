@@ -9,7 +9,7 @@ import numpy as np
 
 from spacar.arrays import Array
 
-from .base import ElementGroup, Family
+from .family import ElementGroup, Family
 
 
 class PlanarHinge(Family):

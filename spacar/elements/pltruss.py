@@ -13,7 +13,7 @@ import numpy as np
 from spacar.arrays import Array
 
 from . import chord
-from .base import ElementGroup, Family, Trouble
+from .family import ElementGroup, Family, Trouble
 
 
 class TrussConfiguration(NamedTuple):

@@ -23,8 +23,8 @@ import numpy as np
 from spacar.arrays import Array
 
 from . import chord
-from .base import ElementGroup, GeometryError
-from .plbeam import BeamConfiguration, PlanarBeam
+from .family import ElementGroup, GeometryError
+from .plbeam import PlanarBeam, PlanarBeamConfiguration
 
 # integrals over the element (10): N'N'^T times 30, and NN'^T times 60
 STRETCH = np.array([[36.0, 3, -36, 3], [3, 4, -3, -1], [-36, -3, 36, -3], [3, -1, -3, 4]])
@@ -48,11 +48,16 @@ class PlanarTube(PlanarBeam):
         for j in np.flatnonzero(~np.isin(condition, (0, 1, 2, 3))):
             raise GeometryError(int(j), f"PLTUBE: end condition {condition[j]:g} (EM) is not 0, 1, 2 or 3")
         self.jet_p, self.jet_q = np.isin(condition, (1, 3)), np.isin(condition, (2, 3))
-        self._set(group, l0, np.arctan2(u0[1], u0[0]) + alpha, tube + fluid, J)
-        b0 = self.signed * np.sin(alpha)
+        length, b0 = self._start(l0, alpha)
+        self._set(group, length, np.arctan2(u0[1], u0[0]) + alpha, tube + fluid, J)
+        b0 = self.signed * b0
         Q0 = 0.5 * ((self.A2 * b0 + self.B * b0[::-1]) * b0).sum(0)
-        self.start = np.stack((Q0, *b0))
+        self.start = np.stack((l0 - length + Q0, *b0))
         self._set_flow()
+
+    def _start(self, chord_length: Array, alpha: Array) -> tuple[Array, Array]:
+        """Undeformed length (n,) [m] and b/L at the start (end, n) of tubes with the start angles alpha (end, n)."""
+        return chord_length, np.sin(alpha)
 
     def _set_flow(self) -> None:
         """A and C (4, 4, n) of F = A y' + C y."""
@@ -77,12 +82,12 @@ class PlanarTube(PlanarBeam):
         other._set_flow()
         return other
 
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> BeamConfiguration:
+    def strain(self, x: Array, near: Array, e: Array, V: Array) -> PlanarBeamConfiguration:
         c = super().strain(x, near, e, V)
         e -= self.start
         return c
 
-    def _line_force(self, c: BeamConfiguration, v: Array, a: Array | None) -> Array:
+    def _line_force(self, c: PlanarBeamConfiguration, v: Array, a: Array | None) -> Array:
         F = super()._line_force(c, v, a)
         if not self.flows:
             return F
@@ -94,7 +99,7 @@ class PlanarTube(PlanarBeam):
         rate[1::2] = c.normals * (self.length * v[2::3])[:, None]
         return F + (self._A[:, :, None] * rate + self._C[:, :, None] * y).sum(1)
 
-    def inertia_gradient(self, c: BeamConfiguration, v: Array, a: Array) -> tuple[Array, Array]:
+    def inertia_gradient(self, c: PlanarBeamConfiguration, v: Array, a: Array) -> tuple[Array, Array]:
         by_x, by_v = super().inertia_gradient(c, v, a)
         if self.flows:
             assert c.normals is not None
@@ -104,7 +109,7 @@ class PlanarTube(PlanarBeam):
             by_v += self._flow_columns(c, self._A, swing)
         return by_x, by_v
 
-    def _flow_columns(self, c: BeamConfiguration, K: Array, z: Array, positions: bool = True) -> Array:
+    def _flow_columns(self, c: PlanarBeamConfiguration, K: Array, z: Array, positions: bool = True) -> Array:
         """Derivative of Y^T K y (6, 6, n): z (end, 2, n) is that of the tangents of y to their angles."""
         out = self._angle_columns(c, K[:, None, 1::2] * z.swapaxes(0, 1))
         if positions:

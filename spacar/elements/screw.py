@@ -17,8 +17,8 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.elements import hinge as turning
 from spacar.elements import pinbody as sliding
-from spacar.elements.base import ElementGroup, Family, GeometryError
-from spacar.elements.frames import axis_frame, rows
+from spacar.elements.family import ElementGroup, Family, GeometryError
+from spacar.elements.local_frames import axis_frame, rows
 from spacar.elements.rotation import expand, relative_parameters
 
 
@@ -52,7 +52,7 @@ class Screw(Family):
         self.r = np.einsum("ian,in->an", frame, group.x0[7:10] - group.x0[:3])
         self.data = np.column_stack((self.pitch, self.r.T))
         self.constants = relative_parameters(frame, frame), sliding.directors(frame), self.r, self.pitch
-        self._coefficients = group.estiff, group.edamp
+        self._coefficients = group.estiff[:, :6], group.edamp[:, :6]
 
     def strain(self, x: Array, near: Array, e: Array, V: Array) -> ScrewState:
         F, K, r, h = expand(self.constants, x.ndim)

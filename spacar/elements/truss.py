@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.elements.base import ElementGroup, Family, Trouble
-from spacar.elements.frames import chords
+from spacar.elements.family import ElementGroup, Family, Trouble
+from spacar.elements.local_frames import chords
 
 COLLAPSED = 1e-6  # smallest fraction of the undeformed length
 

@@ -17,10 +17,10 @@ from __future__ import annotations
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.elements.base import ElementGroup, GeometryError
-from spacar.elements.beam import BeamConfiguration, SpatialBeam, statement_values
+from spacar.elements.beam import SpatialBeam, SpatialBeamConfiguration, statement_values
 from spacar.elements.beam_inertia import line_constants
-from spacar.elements.frames import chord_frame, stack, supplemented, unit
+from spacar.elements.family import ElementGroup, GeometryError
+from spacar.elements.local_frames import chord_frame, stack, supplemented, unit
 from spacar.elements.rotation import expand
 
 FLOW = np.array([[-30.0, 6, 30, -6], [-6, 0, 6, -1], [-30, -6, 30, 6], [6, 1, -6, 0]]) / 60.0
@@ -53,7 +53,7 @@ class SpatialTube(SpatialBeam):
             super().strain(group.x0, start, start, V)
             self._start = start
 
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> BeamConfiguration:
+    def strain(self, x: Array, near: Array, e: Array, V: Array) -> SpatialBeamConfiguration:
         c = super().strain(x, near, e, V)
         if self._start is not None:
             e -= expand((self._start,), x.ndim)[0]

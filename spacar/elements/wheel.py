@@ -19,9 +19,9 @@ from typing import NamedTuple
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.elements.base import ElementGroup, Family, GeometryError, Trouble
-from spacar.elements.frames import rows, stack, unit
+from spacar.elements.family import ElementGroup, Family, GeometryError, Trouble
 from spacar.elements.hinge import diagonal
+from spacar.elements.local_frames import rows, stack, unit
 from spacar.elements.rotation import cross, director_tensor, expand, global_matrix
 
 _einsum = np.einsum
@@ -161,7 +161,7 @@ class _Wheel(Family):
         self.frame_p = self.frame_q = rows(frame)
         self.data = np.column_stack((self.radius, self.rho))
         self.constants = director_tensor(frame[:, 2]), self.radius, self.rho
-        self._coefficients = group.estiff, group.edamp
+        self._coefficients = group.estiff[:, :6], group.edamp[:, :6]
         self._check_start(group.x0)
 
     def _read(self, group: ElementGroup, distance: Array) -> tuple[list[tuple[float, ...]], Array, Array]:

@@ -12,10 +12,10 @@ functions     those of `functions.FUNCTIONS`
 """
 
 from spacar.expressions.evaluation import Variables, evaluate
+from spacar.expressions.expression_units import NONE, Dimensions, Unit, combine, unit, unit_text
 from spacar.expressions.functions import FUNCTIONS
 from spacar.expressions.grammar import MEANING, Expression, parse
-from spacar.expressions.places import listed, place
-from spacar.expressions.units import NONE, Dimensions, Unit, combine, unit, unit_text
+from spacar.expressions.result_places import listed, place
 
 __all__ = [
     "FUNCTIONS", "MEANING", "NONE", "Dimensions", "Expression", "Unit", "Variables", "combine", "evaluate", "listed",

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.errors import UsageError
+from spacar.expressions.expression_units import NONE, Unit, combine, of_power, of_sum
 from spacar.expressions.functions import FUNCTIONS
 from spacar.expressions.grammar import ALIASES, E_NAMES, X_NAMES, Expression, indices, when
-from spacar.expressions.places import ELEMENT, NODE, place
-from spacar.expressions.units import NONE, Unit, combine, of_power, of_sum
+from spacar.expressions.result_places import ELEMENT, NODE, place
 
 SAME_TIME = 1e-9  # two times are equal when they differ by less than this part of the last time
 OPERATORS: dict[type, Callable[[Any, Any], Any]] = {

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from spacar.errors import UsageError
-from spacar.expressions.units import DEGREE, NONE, RAD, Unit
+from spacar.expressions.expression_units import DEGREE, NONE, RAD, Unit
 
 
 @dataclass(frozen=True)
-class Function:
+class ExpressionFunction:
     """compute: of arrays over the steps, or numbers.  unit(name, units, text): UsageError where it makes no sense."""
 
     help: str
@@ -59,20 +59,20 @@ def _rms(values: Any) -> Any:
 
 
 FUNCTIONS = {
-    "max": Function("largest value of a series", np.max, _same),
-    "min": Function("smallest value", np.min, _same),
-    "mean": Function("mean of the stored values", np.mean, _same),
-    "rms": Function("square root of the mean of the squares", _rms, _same),
-    "span": Function("largest minus smallest value", np.ptp, _same),
-    "last": Function("last value", lambda v: np.atleast_1d(v)[-1], _same),
-    "abs": Function("absolute value", np.abs, _same),
-    "real": Function("real part", np.real, _same),
-    "imag": Function("imaginary part", np.imag, _same),
-    "sqrt": Function("square root", np.sqrt, _root),
-    "hypot": Function("sqrt(a² + b²)", np.hypot, _same, 2),
-    "atan2": Function("angle of (second, first argument) with the axis [rad]", np.arctan2, _angle, 2),
-    "deg": Function("radians to degrees", np.degrees, _degrees),
-    **{name: Function(help, getattr(np, name), _pure) for name, help in (
+    "max": ExpressionFunction("largest value of a series", np.max, _same),
+    "min": ExpressionFunction("smallest value", np.min, _same),
+    "mean": ExpressionFunction("mean of the stored values", np.mean, _same),
+    "rms": ExpressionFunction("square root of the mean of the squares", _rms, _same),
+    "span": ExpressionFunction("largest minus smallest value", np.ptp, _same),
+    "last": ExpressionFunction("last value", lambda v: np.atleast_1d(v)[-1], _same),
+    "abs": ExpressionFunction("absolute value", np.abs, _same),
+    "real": ExpressionFunction("real part", np.real, _same),
+    "imag": ExpressionFunction("imaginary part", np.imag, _same),
+    "sqrt": ExpressionFunction("square root", np.sqrt, _root),
+    "hypot": ExpressionFunction("sqrt(a² + b²)", np.hypot, _same, 2),
+    "atan2": ExpressionFunction("angle of (second, first argument) with the axis [rad]", np.arctan2, _angle, 2),
+    "deg": ExpressionFunction("radians to degrees", np.degrees, _degrees),
+    **{name: ExpressionFunction(help, getattr(np, name), _pure) for name, help in (
         ("sin", "sine of radians"), ("cos", "cosine of radians"), ("tan", "tangent of radians"),
         ("exp", "exponential function"), ("log", "natural logarithm"), ("log10", "logarithm to base 10"))},
 }  # fmt: skip

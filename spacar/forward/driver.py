@@ -18,15 +18,15 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.dynamics.evaluator import Evaluator, Integrable
 from spacar.dynamics.limits import Limits
-from spacar.dynamics.model import LoadedMechanism
+from spacar.dynamics.loaded_mechanism import LoadedMechanism
 from spacar.errors import AnalysisError, Report
 from spacar.frame import Frame
 from spacar.integrators import AUTOMATIC, METHODS, EvenTimes, integrate
 from spacar.integrators.problem import Jacobian, Output
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.kinematics.regularity import DeadPoints, HalfTurns
-from spacar.linearization.jacobian import state_jacobian
-from spacar.mechanism.mechanism import Settings
+from spacar.linearization.state_jacobian import state_jacobian
+from spacar.mechanism.mechanism import SolverSettings
 
 # Position tolerance of intermediate states / tolerance of a step. The velocity has an error of this order, which the
 # error estimate of the integrator must not see: with 853 and ERROR 1e-10 a position tolerance of 1e-11 made a
@@ -36,6 +36,7 @@ POSITION = 1e-3
 # stiff modes that no iteration can remove (16 elements with 595: 1 Jacobian instead of 16 with 1e-11; 1e-13 is not
 # better).
 ITERATED = 1e-12
+FAR = 8  # steps between outputs beyond which an output is not placed from the one before
 
 Times = Sequence[float] | EvenTimes | np.ndarray
 Watch = Callable[[float, Array], None]
@@ -50,7 +51,7 @@ class Tolerances:
     position: float
 
     @classmethod
-    def of(cls, settings: Settings, divisor: float = 1.0) -> Tolerances:
+    def of(cls, settings: SolverSettings, divisor: float = 1.0) -> Tolerances:
         """Those of ERROR and INTEGRAT; `divisor`: how much smaller the norm of a step is than that of a case in it."""
         method = METHODS[settings.integrator]
         atol, rtol = method.step_error(settings.atol) / divisor, method.step_error(settings.rtol) / divisor
@@ -110,7 +111,7 @@ class Integrand:
 
 
 def integrated(
-    evaluator: Integrable, y: Array, times: Times, settings: Settings, tolerances: Tolerances, *,
+    evaluator: Integrable, y: Array, times: Times, settings: SolverSettings, tolerances: Tolerances, *,
     breaks: Sequence[float] = (), watch: Watch | None = None, jacobian: Jacobian | None = None,
     report: Report | None = None, back: Callable[[], bool] | None = None,
 ) -> Iterator[Output]:  # fmt: skip
@@ -122,7 +123,7 @@ def integrated(
 
 
 def frames(
-    evaluator: Evaluator, y: Array, times: Times, settings: Settings, report: Report, *,
+    evaluator: Evaluator, y: Array, times: Times, settings: SolverSettings, report: Report, *,
     watch: Watch | None = None, divisor: float = 1.0, moved_by: Integrable | None = None,
 ) -> Iterator[tuple[Evaluator, Frame]]:  # fmt: skip
     """Frames of the motion that starts with y, and the evaluator that stands there.
@@ -152,7 +153,7 @@ def frames(
         back=trail.back if trail else None,
     ):  # fmt: skip
         if trail:
-            trail.lead(shown, float(out.t))
+            trail.lead(shown)
         frame = checked(shown, float(out.t), out.y, limits)
         frame.statistics = work(out)
         yield shown, frame
@@ -166,19 +167,22 @@ def _has_forces(model: LoadedMechanism) -> bool:
 
 class Trail:
     """Where an integrated evaluator stood at the ends of its last two steps, so that outputs between them are placed
-    from there: from the output before, many turns earlier perhaps, the way would be long and could be another one."""
+    from there: from the output before, many turns earlier perhaps, the way would be long and could be another one.
+
+    Where a few steps lie between outputs these follow their own way: a determinant that changes its sign along it tells
+    of a dead point at which steps that are too long have turned back.
+    """
 
     def __init__(self, evaluator: Evaluator, watch: Watch | None) -> None:
         self.evaluator, self.watch = evaluator, watch
-        self.begun = self.ended = -np.inf  # times
         self.at_begin: Any = None
         self.at_end: Any = None
-        self.placed = -np.inf  # time of the last output
+        self.steps = 0  # since the last output
 
     def accepted(self, t: float, y: Array) -> None:
         """After every accepted step."""
-        self.begun, self.at_begin = self.ended, self.at_end
-        self.ended, self.at_end = t, self.evaluator.memory()
+        self.steps += 1
+        self.at_begin, self.at_end = self.at_end, self.evaluator.memory()
         if self.watch is not None:
             self.watch(t, y)
 
@@ -189,11 +193,11 @@ class Trail:
         self.evaluator.remember(self.at_end)
         return True
 
-    def lead(self, shown: Evaluator, t: float) -> None:
-        """Let the evaluator of the outputs begin at the start of the step with t, if its last output was before it."""
-        if self.at_begin is not None and self.placed < self.begun:
+    def lead(self, shown: Evaluator) -> None:
+        """Let the evaluator of the outputs begin at the start of the step with t, if its last output was far before."""
+        if self.at_begin is not None and self.steps > FAR:
             shown.remember(self.at_begin)
-        self.placed = t
+        self.steps = 0
 
 
 def work(out: Output) -> dict[str, int]:

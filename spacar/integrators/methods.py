@@ -18,9 +18,9 @@ from spacar.errors import UsageError
 from .adams import Adams
 from .automatic import Automatic
 from .implicit import Rosenbrock1, Rosenbrock2, Rosenbrock3, SinglyDiagonallyImplicit
+from .nystrom import RungeKuttaNystrom
 from .radau import Radau
 from .runge_kutta import DormandPrince853, ExplicitRungeKutta
-from .second_order import RungeKuttaNystrom
 from .tableaus import BOGACKI_SHAMPINE, DORMAND_PRINCE, KUTTA
 
 # Above this the error of the result of 155 falls faster than the tolerance: on the free slider-crank from 96 to 2 times

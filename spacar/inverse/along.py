@@ -22,14 +22,14 @@ from typing import Any
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.forces import StressLaw
 from spacar.errors import Report, UsageError
 from spacar.forward.driver import at_time
 from spacar.frame import Frame
 from spacar.inverse.nominal import Nominal, NominalDrive
 from spacar.inverse.ports import ACCELERATIONS, NominalInputs, Ports, rigidified
-from spacar.inverse.trajectory import groups, loaded
+from spacar.inverse.trajectory import Leg, groups, loaded
 from spacar.linear.state_space import Signal, state_space
 from spacar.linearization.contractions import geometric_stiffness
 from spacar.linearization.matrices import Linearization, linearize
@@ -225,8 +225,6 @@ def _output_kind(kind: str) -> str:
 
 def _legs(mechanism: Mechanism) -> list[Any]:
     """Trajectories of this file whose extra loads act here too, as far as their times are given."""
-    from spacar.inverse.trajectory import Leg
-
     return [Leg(number, statements, 0.0, 0.0, 0, NO_STATE, NO_STATE) for number, statements in groups(mechanism.deck)]
 
 

@@ -23,12 +23,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.arrays import Array, Index
-from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.forces import StressLaw
 from spacar.errors import AnalysisError, Report
 from spacar.frame import Frame
 from spacar.kinematics.transfer import velocity_transfer
-from spacar.linear.signals import signals
+from spacar.linear.linearization_signals import signals
 from spacar.linear.state_space import DRIVING_SIGN, Signal
 from spacar.mechanism.mechanism import Mechanism
 

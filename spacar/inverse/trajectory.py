@@ -25,9 +25,9 @@ from spacar.errors import InputError, Message, Report
 from spacar.integrators import EvenTimes
 from spacar.inverse.paths import BadPath, Path, arc, change, straight, turn
 from spacar.inverse.profile import IllegalProfile, Profile, make_profile
-from spacar.mechanism.inertia import symmetric
 from spacar.mechanism.layout import Batch
-from spacar.mechanism.mechanism import Drive, DriveState, Mechanism
+from spacar.mechanism.lumped_inertia import symmetric
+from spacar.mechanism.mechanism import Drive, DriveState, Mechanism, Polynomial
 from spacar.mechanism.numbering import Numbering
 
 NAMES = {k.name for k in TRAJECTORIES}
@@ -81,7 +81,7 @@ class TrajectoryDrive:
 
 
 @dataclass(frozen=True)
-class Program:
+class TrajectoryProgram:
     """What mode 2 runs through: the motion and its trajectories; as long as it has output times."""
 
     drive: Drive
@@ -105,7 +105,7 @@ class Program:
         return rests
 
 
-def program(mechanism: Mechanism, report: Report) -> Program:
+def program(mechanism: Mechanism, report: Report) -> TrajectoryProgram:
     """The motion of all TRAJECT statements and its output times.
 
     Raises InputError for an illegal velocity profile or path, with the line of the statement, and without a TRAJECT.
@@ -128,7 +128,7 @@ def program(mechanism: Mechanism, report: Report) -> Program:
     user = deck.last("USERTRAJ", block=3)
     if user is not None:
         drive = _user_drive(mechanism, user, legs[0])
-    return Program(drive, tuple(legs))
+    return TrajectoryProgram(drive, tuple(legs))
 
 
 def groups(deck: Deck) -> list[tuple[int, tuple[Statement, ...]]]:
@@ -143,7 +143,6 @@ def groups(deck: Deck) -> list[tuple[int, tuple[Statement, ...]]]:
 
 
 def _user_drive(mechanism: Mechanism, statement: Statement, leg: Leg) -> Drive:
-    from spacar.mechanism.mechanism import Polynomial
     from spacar.mechanism.user_functions import UserDrive, load_function
 
     x, e = np.zeros((len(leg.x), 3)), np.zeros((len(leg.e), 3))

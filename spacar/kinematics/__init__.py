@@ -1,6 +1,6 @@
 """KIN: configuration, velocities, transfer functions (theory-system.md section 1)."""
 
+from spacar.kinematics.element_sweep import ElementSweep
 from spacar.kinematics.kinematics import Kinematics
-from spacar.kinematics.sweep import Sweep
 
-__all__ = ["Kinematics", "Sweep"]
+__all__ = ["ElementSweep", "Kinematics"]

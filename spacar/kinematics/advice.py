@@ -14,6 +14,7 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
+from spacar.deck.checks_references import keyword_of
 from spacar.kinematics.self_stress import redundancies
 from spacar.mechanism.mechanism import Mechanism
 
@@ -42,7 +43,7 @@ rows."""
 
 
 @dataclass(frozen=True)
-class Part:
+class OverconstraintPart:
     """A deformation in an over-constraint: share (of 1 over all), and the effect of its release."""
 
     element: int
@@ -104,8 +105,6 @@ def effects(mechanism: Mechanism, rows: Index, x: Array | None) -> tuple[Array, 
 
 def _named(deck: Deck) -> set[tuple[int, int]]:
     """(element, mode) that statements of the later blocks name as dynamic: start values, inputs, references."""
-    from spacar.deck.checks_references import keyword_of
-
     found = set()
     for s in deck.statements:
         if s.block == 1:
@@ -155,7 +154,7 @@ def _keyword(deck: Deck, element: int) -> str:
     return next(s.keyword for s in deck.of(*ELEMENT_TYPES, block=1) if s.integer(0) == element)
 
 
-def paste_lines(deck: Deck, parts: list[Part]) -> list[str]:
+def paste_lines(deck: Deck, parts: list[OverconstraintPart]) -> list[str]:
     """Lines for the input file that release these deformations, those that do not keep the physics with a comment."""
     changed, rest = edits(deck, [(p.element, p.mode) for p in parts])
     lines = []

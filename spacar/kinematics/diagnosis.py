@@ -29,7 +29,7 @@ from spacar.kinematics.advice import (
     PRESCRIBED,
     REDUNDANT,
     SMALL,
-    Part,
+    OverconstraintPart,
     effects,
     paste_lines,
 )
@@ -64,8 +64,8 @@ class Diagnosis:
     freedoms: tuple[str, ...]
     singular: Array
     condition: float
-    parts: tuple[Part, ...] = ()
-    advice: tuple[Part, ...] = ()
+    parts: tuple[OverconstraintPart, ...] = ()
+    advice: tuple[OverconstraintPart, ...] = ()
     paste: tuple[str, ...] = ()
 
     def lines(self) -> list[str]:
@@ -130,7 +130,7 @@ def diagnose(mechanism: Mechanism, V: Array, x: Array | None = None) -> Diagnosi
 
 def _advice(
     mechanism: Mechanism, rows: Index, null: Array, x: Array | None
-) -> tuple[tuple[Part, ...], tuple[Part, ...], tuple[str, ...]]:
+) -> tuple[tuple[OverconstraintPart, ...], tuple[OverconstraintPart, ...], tuple[str, ...]]:
     """What takes part in the over-constraints, what to release, and the lines for it."""
     numbering = mechanism.numbering
     effect, held = effects(mechanism, rows, x)
@@ -138,9 +138,9 @@ def _advice(
     rank = np.where(effect == NONE, HINGE, effect)  # normalizations stand among the rigid ones, by their share
     order = np.lexsort((-shares, rank))
 
-    def part(k: int) -> Part:
+    def part(k: int) -> OverconstraintPart:
         i = int(rows[k])
-        return Part(*numbering.e_owner(i), float(shares[k]), int(effect[k]), numbering.e_name(i))
+        return OverconstraintPart(*numbering.e_owner(i), float(shares[k]), int(effect[k]), numbering.e_name(i))
 
     chosen: list[int] = []
     rest = null

@@ -11,7 +11,7 @@ from spacar.arrays import Array, Index
 from spacar.deck import ELEMENT_TYPES
 from spacar.errors import AnalysisError
 from spacar.kinematics.diagnosis import ZERO, Diagnosis, diagnose, scaled_difference_matrix
-from spacar.kinematics.sweep import Sweep
+from spacar.kinematics.element_sweep import ElementSweep
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
@@ -28,7 +28,7 @@ class Position(Protocol):
 
     mechanism: Mechanism
     numbering: Numbering
-    sweep: Sweep
+    sweep: ElementSweep
     c: Index
     h: Index
     E: Index

@@ -39,10 +39,10 @@ from functools import partial
 import numpy as np
 
 from spacar.arrays import Array, Index
+from spacar.kinematics.element_sweep import ElementSweep
 from spacar.kinematics.failure import Unplaced, count_failure, position_failure, singular_failure
-from spacar.kinematics.sweep import Sweep
-from spacar.linear_systems import SingularMatrixError, System, assemble
-from spacar.linear_systems.condition import reciprocal_condition
+from spacar.linear_systems import LinearSystem, SingularMatrixError, assemble
+from spacar.linear_systems.reciprocal_condition import reciprocal_condition
 from spacar.mechanism.mechanism import Mechanism
 
 CONVERGED = 1e-11  # largest scaled correction that ends Newton's iteration: the relative error of velocities
@@ -66,7 +66,7 @@ class Kinematics:
     def __init__(self, mechanism: Mechanism, kind: str | None = None) -> None:
         self.mechanism = mechanism
         n = self.numbering = mechanism.numbering
-        self.sweep = Sweep(mechanism)
+        self.sweep = ElementSweep(mechanism)
         xs, es = n.x_class, n.e_class
         self.E = np.arange(es["dynamic"].stop)
         self.U = np.concatenate([np.arange(xs[k].start, xs[k].stop) for k in ("calculable", "kinematic")])
@@ -87,7 +87,7 @@ class Kinematics:
         self.iterations = 0  # Newton iterations of the last position
         self._factored = False
 
-    def _system(self, rows: Index, columns: Index, kind: str | None) -> tuple[System, Index]:
+    def _system(self, rows: Index, columns: Index, kind: str | None) -> tuple[LinearSystem, Index]:
         """The part of V with these rows and columns as a linear system, and where its entries are in the sweep."""
         row_of = np.full(self.numbering.ne, -1)
         row_of[rows] = np.arange(len(rows))

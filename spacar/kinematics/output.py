@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from spacar.frame import Frame
 from spacar.kinematics.kinematics import Kinematics
-from spacar.kinematics.second_order import second_order_transfer
-from spacar.kinematics.third_order import third_order_transfer
+from spacar.kinematics.second_order_transfer import second_order_transfer
+from spacar.kinematics.third_order_transfer import third_order_transfer
 from spacar.kinematics.transfer import configuration_transfer, velocity_transfer
 
 if TYPE_CHECKING:

@@ -23,8 +23,8 @@ from spacar.arrays import Array
 from spacar.errors import AnalysisError, Report
 from spacar.kinematics.diagnosis import ZERO, scaled_difference_matrix
 from spacar.linear_systems import DENSE_LIMIT
-from spacar.linear_systems.condition import reciprocal_condition
 from spacar.linear_systems.dense import DenseSystem
+from spacar.linear_systems.reciprocal_condition import reciprocal_condition
 from spacar.mechanism.numbering import Numbering
 
 if TYPE_CHECKING:

@@ -10,9 +10,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from spacar.deck import Deck
+from spacar.deck.deck import parse
 from spacar.deck.lexer import split_lines
-from spacar.kinematics.advice import KEEPS, Edit, Part, edits
+from spacar.kinematics.advice import KEEPS, Edit, OverconstraintPart, edits
 from spacar.kinematics.diagnosis import Diagnosis, diagnose
+from spacar.kinematics.element_sweep import ElementSweep
+from spacar.mechanism import build
 
 ROUNDS = 3
 """One round is enough in exact arithmetic; a second one is for a rank that was decided differently."""
@@ -24,7 +27,7 @@ class Release:
     flexible deformation can take away."""
 
     deck: Deck
-    parts: tuple[Part, ...]
+    parts: tuple[OverconstraintPart, ...]
     diagnosis: Diagnosis
 
     @property
@@ -37,7 +40,7 @@ def release(deck: Deck) -> Release:
 
     Raises InputError when the deck is wrong. A deck without over-constraints comes back as it is.
     """
-    parts: list[Part] = []
+    parts: list[OverconstraintPart] = []
     found = _diagnose(deck)
     for _ in range(ROUNDS):
         chosen = [p for p in found.advice if p.effect in KEEPS]
@@ -51,8 +54,6 @@ def release(deck: Deck) -> Release:
 
 def released(deck: Deck, pairs: list[tuple[int, int]]) -> Deck:
     """The deck with these dynamic (element, mode) released, read and checked again."""
-    from spacar.deck.deck import parse
-
     changed, missing = edits(deck, pairs)
     assert not missing, missing
     text = _edited(deck.text, changed)
@@ -60,11 +61,8 @@ def released(deck: Deck, pairs: list[tuple[int, int]]) -> Deck:
 
 
 def _diagnose(deck: Deck) -> Diagnosis:
-    from spacar.kinematics.sweep import Sweep
-    from spacar.mechanism import build
-
     mechanism = build(deck, 0)
-    sweep = Sweep(mechanism)
+    sweep = ElementSweep(mechanism)
     sweep.strain(mechanism.x0)
     return diagnose(mechanism, sweep.gradient())
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.kinematics.sweep import Sweep
+from spacar.kinematics.element_sweep import ElementSweep
 from spacar.mechanism.mechanism import Mechanism
 
 ZERO = float(np.sqrt(np.finfo(float).eps))
@@ -28,7 +28,7 @@ def redundancies(mechanism: Mechanism, rows: Index, x: Array | None = None) -> A
     test is left out, because slips have no second derivative of their own.
     """
     n = mechanism.numbering
-    sweep = Sweep(mechanism)
+    sweep = ElementSweep(mechanism)
     sweep.strain(mechanism.x0 if x is None else x)
     moving = np.arange(n.x_class["fixed"].stop, n.nx)
     row_scale, scale = mechanism.deformation_scale[rows], mechanism.scale[moving]
@@ -52,7 +52,7 @@ def redundancies(mechanism: Mechanism, rows: Index, x: Array | None = None) -> A
     return np.asarray(stresses @ right[resisting:].T)
 
 
-def _geometric_stiffness(sweep: Sweep, sigma: Array) -> Array:
+def _geometric_stiffness(sweep: ElementSweep, sigma: Array) -> Array:
     """Sum of sigma_i times the second derivatives of e_i, (nx, nx)."""
     out = np.zeros((sweep.nx, sweep.nx))
     for b in sweep.curved:

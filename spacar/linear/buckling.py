@@ -35,6 +35,14 @@ class BucklingModes:
     multipliers: Array
     modes: Array
 
+    def first(self, n: int) -> BucklingModes:
+        """The n lowest, and of the modes the first n rows, of norm 1 again: without unknowns inside elements."""
+        if n == len(self.modes):
+            return self
+        modes = self.modes[:n, :n]
+        norm = np.linalg.norm(modes, axis=0)
+        return BucklingModes(self.multipliers[:n], modes / np.where(norm > 0.0, norm, 1.0))
+
 
 def buckling_modes(K0: Array, G0: Array, report: Report) -> BucklingModes:
     """Load multipliers of K0 + lambda G0, both (n, n)."""

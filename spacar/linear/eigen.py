@@ -48,10 +48,40 @@ def is_zero(values: Complex) -> NDArray[np.bool_]:
     return np.asarray(np.abs(values) <= np.sqrt(np.finfo(float).eps) * largest)
 
 
-def vibration_modes(L: Linearization, q: Index, s: Index, report: Report) -> Modes:
-    """All eigenvalues and eigenvectors about the linearization point for the rows q, s (see chosen_rows)."""
+def vibration_modes(L: Linearization, q: Index, s: Index, report: Report, static: Index | None = None) -> Modes:
+    """All eigenvalues and eigenvectors about the linearization point for the rows q, s (see chosen_rows).
+
+    `static` are degrees of freedom that may have no inertia: those without mass and damping follow the others by
+    K alone, and only the finite eigenvalues are returned (theory-warping.md section 1).
+    """
     M, C, K = L.m0[np.ix_(q, q)], L.damping[np.ix_(q, q)], L.stiffness[np.ix_(q, s)]
+    if static is not None and np.array_equal(q, s):
+        still = np.isin(q, static) & ~M.any(axis=1) & ~C.any(axis=1) & ~C.any(axis=0)
+        if still.any():
+            return _condensed(M, C, K, still, report)
     return modes_of_matrices(M, C, K, L.ak0[np.ix_(s, q)], L.bk0[np.ix_(s, s)], report)
+
+
+def _condensed(M: Array, C: Array, K: Array, still: NDArray[np.bool_], report: Report) -> Modes:
+    """The finite modes when the rows `still` of M and C are zero: there K q = 0 gives q = T q_moving."""
+    moving, still_ = np.flatnonzero(~still), np.flatnonzero(still)
+    T = np.zeros((len(K), len(moving)))
+    T[moving] = np.eye(len(moving))
+    held = K[np.ix_(still_, still_)]
+    scale = np.sqrt(np.abs(np.diag(held)))
+    if not (scale > 0.0).all():
+        text = "a twist rate has neither inertia nor stiffness: FIX its warping node, or add EM or ESTIFF"
+        raise AnalysisError(text, "dynamics.singular-mass")
+    T[still_] = -np.linalg.solve(held / np.outer(scale, scale), K[np.ix_(still_, moving)] / scale[:, None])
+    T[still_] /= scale[:, None]
+    n = len(moving)
+    full = K[moving] @ T
+    if is_symmetric(K):
+        full = 0.5 * (full + full.T)  # rounding of the elimination
+    block, rest = np.ix_(moving, moving), np.zeros((n, n))
+    modes = modes_of_matrices(M[block], C[block], full, np.eye(n), rest, report)
+    vectors = np.vstack((T @ modes.vectors[:n], T @ modes.vectors[n:]))
+    return arranged(modes.values, vectors, len(K))
 
 
 def modes_of_matrices(M: Array, C: Array, K: Array, ak0: Array, bk0: Array, report: Report) -> Modes:

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.array_evaluator import Dynamics
 from spacar.linear.backward_error import EPS
 from spacar.linear.state_space import Signal, chosen_rows
 from spacar.linearization.matrices import Linearization

@@ -9,12 +9,14 @@ that is the negative shift -s^2 for omega^2, Q = K_x + s C + s^2 M is regular al
 s^2 is a hundredth of the highest wanted omega^2, found by two steps of the iteration. Buckling: op = -K_S^-1 (Hs +
 load), theta = 1/lambda, K_S = V^T S V; where that is singular,
 op = -(K_S + s (Hs + load))^-1 (Hs + load), theta = 1/(lambda - s). Pairs with |op(z) - theta z| > 1e-8 |theta| |z| are
-kept, with a warning.
+kept, with a warning. Where it exceeds 0.1 |theta| |z| no digit of theta is known (theta is an eigenvalue of an operator
+that differs by that much): value and shape are nan, with the same warning.
 """
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacar.arrays import Array
 from spacar.errors import AnalysisError, Report
@@ -22,7 +24,7 @@ from spacar.linear import backward_error
 from spacar.linear.buckling import SINGULAR_K0, BucklingModes, order_of
 from spacar.linear.eigen import Modes, arranged
 from spacar.linear.subspace import NOTHING, SPARE, SUFFICIENT, Operator, dominant, real_vectors
-from spacar.linear_systems import SingularMatrixError, System
+from spacar.linear_systems import LinearSystem, SingularMatrixError
 from spacar.stationary.tangent import STATIC, SparseTangent
 
 WANTED = 20  # modes
@@ -31,6 +33,8 @@ LOADING = ("geometric", "load", "moment")
 RIGID = 1e-10  # s^2 M of rods at least: below 1e-14 a matrix counts as singular, and omega^2 loses nothing
 SYMMETRIC = 1e-9
 SHIFTS = (1e-2, 0.3, 1.0)  # of the present load, for buckling: no multiplier of interest
+LEAST = 1e-9  # theta below this part of the largest is compared with it: op knows it to n eps of the largest only
+NO_DIGIT = 0.1  # relative residual above which not even the first digit of a value is known
 COLUMNS = 256  # right-hand sides at once
 
 
@@ -46,7 +50,9 @@ def lowest_vibration(tangent: SparseTangent, report: Report, wanted: int = WANTE
         root = np.sqrt(squares.astype(complex))
         values, x = np.concatenate((1j * root, -1j * root)), np.hstack((x, x)).astype(complex)
     q = _degrees_of_freedom(tangent, x)
-    return arranged(values, np.vstack((q, q * values)), len(q))
+    modes = arranged(values, np.vstack((q, q * np.where(np.isnan(values), 1.0, values))), len(q))
+    modes.vectors[:, np.isnan(modes.values)] = np.nan
+    return modes
 
 
 def lowest_buckling(tangent: SparseTangent, report: Report, wanted: int = WANTED) -> BucklingModes:
@@ -73,18 +79,21 @@ def lowest_buckling(tangent: SparseTangent, report: Report, wanted: int = WANTED
         # a double value is known to half of the digits
         real = np.abs(values.imag) <= np.sqrt(backward_error.rounding(len(vectors))) * np.abs(values)
         theta, x = values[real].real, vectors[:, real].real
-    _check(operator, theta, x, "load multipliers", report)
-    finite = np.abs(theta) > NOTHING * np.max(np.abs(theta), initial=0.0)
-    theta, x = theta[finite], x[:, finite]
+    lost = _check(operator, theta, x, "load multipliers", report)
+    theta[lost], x[:, lost] = np.nan, np.nan
+    infinite = np.abs(theta) <= NOTHING * np.max(np.abs(theta[~lost]), initial=0.0)
+    theta, x = theta[~infinite], x[:, ~infinite]
     multipliers = shift + 1.0 / theta
     # the residual that counts as converged, of the shift
     multipliers[np.abs(multipliers) <= SUFFICIENT * shift] = 0.0
-    order = order_of(multipliers)
+    unknown = np.isnan(multipliers)
+    known = np.flatnonzero(~unknown)
+    order = np.concatenate((known[order_of(multipliers[known])], np.flatnonzero(unknown)))
     modes = _degrees_of_freedom(tangent, x[:, order])
     return BucklingModes(multipliers[order], modes / np.linalg.norm(modes, axis=0))
 
 
-def _shifted(tangent: SparseTangent) -> tuple[float, System]:
+def _shifted(tangent: SparseTangent) -> tuple[float, LinearSystem]:
     """K0 + s G0 for K0 singular, and s > 0: (K0 + s G0) v = -(lambda - s) G0 v. Raises AnalysisError."""
     for shift in SHIFTS:
         try:
@@ -150,7 +159,8 @@ def _undamped(tangent: SparseTangent, s: float, wanted: int, report: Report) -> 
     theta, x = dominant(operator, operator(_random(tangent, wanted)), wanted)
     x = real_vectors(theta, x)
     theta = _rayleigh(x, tangent.times(("mass",), x), operator(x))
-    _check(operator, theta, x, "eigenvalues", report)
+    lost = _check(operator, theta, x, "eigenvalues", report)
+    theta[lost] = np.nan
     return 1.0 / theta - s * s, x
 
 
@@ -169,7 +179,8 @@ def _quadratic(tangent: SparseTangent, s: float, wanted: int, report: Report) ->
     theta, z = dominant(operator, operator(_random(tangent, 2 * wanted, 2)), 2 * wanted)
     if theta[-1].imag and not np.any(np.isclose(theta[:-1], theta[-1].conj(), rtol=1e-8)):
         theta, z = theta[:-1], z[:, :-1]  # half a pair
-    _check(operator, theta, z, "eigenvalues", report)
+    lost = _check(operator, theta, z, "eigenvalues", report)
+    theta[lost] = np.nan
     return s + 1.0 / theta, z[:n]
 
 
@@ -206,16 +217,18 @@ def _degrees_of_freedom(tangent: SparseTangent, x: Array) -> Array:
     return np.vstack((x[n.x_class["dynamic"]], rates[n.e_class["dynamic"]]))
 
 
-def _check(operator: Operator, theta: Array, z: Array, what: str, report: Report) -> None:
-    """Warn about pairs with |op(z) - theta z| > SUFFICIENT |theta| |z|: not converged, or rounding of the solution."""
+def _check(operator: Operator, theta: Array, z: Array, what: str, report: Report) -> NDArray[np.bool_]:
+    """Pairs of which no digit is known. Warns about all with |op(z) - theta z| > SUFFICIENT |theta| |z|."""
     image = operator(z.real) + 1j * operator(z.imag) if np.iscomplexobj(z) else operator(z)
-    size = np.maximum(np.abs(theta), 1e-9 * np.max(np.abs(theta), initial=0.0)) * np.linalg.norm(z, axis=0)
+    size = np.maximum(np.abs(theta), LEAST * np.max(np.abs(theta), initial=0.0)) * np.linalg.norm(z, axis=0)
     residual = np.linalg.norm(image - z * theta, axis=0) / np.where(size > 0.0, size, 1.0)
-    doubtful = ~(residual <= SUFFICIENT)
+    doubtful, lost = ~(residual <= SUFFICIENT), ~(residual <= NO_DIGIT)
     if doubtful.any():
         worst = int(np.argmax(np.where(np.isnan(residual), np.inf, residual)))
         report.add(
             f"warning: {int(doubtful.sum())} of the {len(theta)} {what} are not exact to working precision; the worst"
             f" one is number {worst + 1} from below with the relative residual {residual[worst]:.2g} (limit"
             f" {SUFFICIENT:g}); OUTLEVEL 0 1 asks for all of them"
+            + (f"; {int(lost.sum())} of which no digit is known are nan" if lost.any() else "")
         )
+    return np.asarray(lost)

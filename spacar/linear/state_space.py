@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.array_evaluator import Dynamics
 from spacar.linearization.matrices import Linearization
 from spacar.linearization.state_matrix import chosen_rows, solve_mass, state_matrix
 

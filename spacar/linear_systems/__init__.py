@@ -10,16 +10,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.linear_systems.base import SingularMatrixError, System
 from spacar.linear_systems.dense import DenseSystem
+from spacar.linear_systems.linear_system import LinearSystem, SingularMatrixError
 
-__all__ = ["DENSE_LIMIT", "SingularMatrixError", "System", "assemble"]
+__all__ = ["DENSE_LIMIT", "LinearSystem", "SingularMatrixError", "assemble"]
 
 DENSE_LIMIT = 60  # unknowns; below, NumPy's dense solver is faster than any ordering
 BAND_LIMIT = 100  # 3 * half bandwidth + 1
 
 
-def assemble(n: int, rows: NDArray[np.int64], columns: NDArray[np.int64], kind: str | None = None) -> System:
+def assemble(n: int, rows: NDArray[np.int64], columns: NDArray[np.int64], kind: str | None = None) -> LinearSystem:
     """System of n unknowns with this pattern. `kind` 'dense', 'banded' or 'sparse' forces the storage."""
     if kind is None and n <= DENSE_LIMIT:
         kind = "dense"

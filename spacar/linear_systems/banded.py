@@ -6,7 +6,7 @@ import numpy as np
 from scipy.linalg.lapack import dgbtrf, dgbtrs
 
 from spacar.arrays import Array, Index
-from spacar.linear_systems.base import SingularMatrixError
+from spacar.linear_systems.linear_system import SingularMatrixError, parity
 
 
 class BandedSystem:
@@ -24,6 +24,7 @@ class BandedSystem:
         self.row_order = np.argsort(row_rank)
         self.column_order = np.argsort(column_rank)
         self.row_rank, self.column_rank = row_rank, column_rank
+        self._parity = 0.0  # of both orders; 0: not needed yet
 
     def factor(self, entries: Array) -> None:
         band = np.bincount(self.flat, entries, self.height * self.n).reshape(self.n, self.height).T
@@ -41,6 +42,7 @@ class BandedSystem:
         return x[self.row_rank]
 
     def determinant_sign(self) -> float:
+        self._parity = self._parity or parity(self.row_rank) * parity(self.column_rank)
         swaps = int(np.sum(self.pivots != np.arange(self.n)))
         negative = int(np.sum(self.lu[self.lower + self.upper] < 0.0))
-        return -1.0 if (swaps + negative) % 2 else 1.0
+        return -self._parity if (swaps + negative) % 2 else self._parity

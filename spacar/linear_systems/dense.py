@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.linear_systems.base import SingularMatrixError
+from spacar.linear_systems.linear_system import SingularMatrixError
 
 
 class DenseSystem:

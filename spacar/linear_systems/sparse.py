@@ -7,7 +7,7 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
 from spacar.arrays import Array, Index
-from spacar.linear_systems.base import SingularMatrixError, parity
+from spacar.linear_systems.linear_system import SingularMatrixError, parity
 
 
 class SparseSystem:

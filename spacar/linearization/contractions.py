@@ -11,12 +11,12 @@ from collections.abc import Callable
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.elements.base import Family
-from spacar.kinematics.sweep import Sweep
+from spacar.elements.family import Family
+from spacar.kinematics.element_sweep import ElementSweep
 from spacar.mechanism.layout import Batch
 
 
-def _by_rows(sweep: Sweep, fill: Callable[[Batch, Array], None]) -> Array:
+def _by_rows(sweep: ElementSweep, fill: Callable[[Batch, Array], None]) -> Array:
     """Sum of element blocks (n_deformations, n_coordinates, n) as (ne, nx)."""
     out = np.zeros((sweep.ne, sweep.nx))
     for batch in sweep.curved:
@@ -26,22 +26,22 @@ def _by_rows(sweep: Sweep, fill: Callable[[Batch, Array], None]) -> Array:
     return out
 
 
-def gradient_rate(sweep: Sweep, v: Array) -> Array:
+def gradient_rate(sweep: ElementSweep, v: Array) -> Array:
     """H1(v), (ne, nx)."""
     return _by_rows(sweep, lambda b, out: b.family.gradient_rate(sweep.configuration[b.index], v[b.x], out))
 
 
-def gradient_transport(sweep: Sweep, v: Array) -> Array:
+def gradient_transport(sweep: ElementSweep, v: Array) -> Array:
     """H2(v), (ne, nx)."""
     return _by_rows(sweep, lambda b, out: b.family.gradient_transport(sweep.configuration[b.index], v[b.x], out))
 
 
-def rate_gradient(sweep: Sweep, v: Array) -> Array:
+def rate_gradient(sweep: ElementSweep, v: Array) -> Array:
     """T(v), (ne, nx)."""
     return _by_rows(sweep, lambda b, out: b.family.rate_gradient(sweep.configuration[b.index], v[b.x], out))
 
 
-def geometric_blocks(sweep: Sweep, sigma: Array) -> list[tuple[Batch, Array]]:
+def geometric_blocks(sweep: ElementSweep, sigma: Array) -> list[tuple[Batch, Array]]:
     """Hs(sigma) per batch, (n_coordinates, n_coordinates, n) each."""
     blocks = []
     for b in sweep.curved:
@@ -59,19 +59,21 @@ def scatter(nx: int, blocks: list[tuple[Batch, Array]]) -> Array:
     return out
 
 
-def geometric_stiffness(sweep: Sweep, sigma: Array) -> Array:
+def geometric_stiffness(sweep: ElementSweep, sigma: Array) -> Array:
     """Hs(sigma), (nx, nx)."""
     return scatter(sweep.nx, geometric_blocks(sweep, sigma))
 
 
-def mass_matrix(sweep: Sweep) -> Array:
+def mass_matrix(sweep: ElementSweep) -> Array:
     """M, (nx, nx), from the entries of the last mass evaluation."""
     M = np.zeros((sweep.nx, sweep.nx))
     np.add.at(M, (sweep.m_rows, sweep.m_columns), sweep.m_entries)
     return M
 
 
-def inertia_blocks(sweep: Sweep, v: Array, a: Array) -> tuple[list[tuple[Batch, Array]], list[tuple[Batch, Array]]]:
+def inertia_blocks(
+    sweep: ElementSweep, v: Array, a: Array
+) -> tuple[list[tuple[Batch, Array]], list[tuple[Batch, Array]]]:
     """d(M a + h)/dx and dh/dv per batch of the configuration-dependent families."""
     by_x, by_v = [], []
     for b in sweep.moving:
@@ -81,7 +83,7 @@ def inertia_blocks(sweep: Sweep, v: Array, a: Array) -> tuple[list[tuple[Batch, 
     return by_x, by_v
 
 
-def configuration_of(sweep: Sweep, b: Batch) -> object:
+def configuration_of(sweep: ElementSweep, b: Batch) -> object:
     """Configuration of a batch at the sweep's x, also for families without deformations."""
     family: Family = b.family
     return sweep.configured(family, b.index)

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.forces import StressLaw, moment_gradient
 from spacar.kinematics.transfer import configuration_transfer, velocity_transfer
 from spacar.linearization.contractions import (

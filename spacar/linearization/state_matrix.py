@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError
 from spacar.linearization.matrices import Linearization
 

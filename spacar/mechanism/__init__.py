@@ -2,9 +2,10 @@
 
 from spacar.mechanism.build import build
 from spacar.mechanism.layout import Batch
-from spacar.mechanism.mechanism import DriveState, Loads, Mechanism, Polynomial, Settings, Start
+from spacar.mechanism.mechanism import DriveState, Loads, Mechanism, Polynomial, SolverSettings, Start
 from spacar.mechanism.numbering import Numbering, number
 
 __all__ = [
-    "Batch", "DriveState", "Loads", "Mechanism", "Numbering", "Polynomial", "Settings", "Start", "build", "number",
+    "Batch", "DriveState", "Loads", "Mechanism", "Numbering", "Polynomial", "SolverSettings", "Start", "build",
+    "number",
 ]  # fmt: skip

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.deck import ELEMENT_TYPES, Deck
+from spacar.deck import ELEMENT_TYPES, Deck, coordinates_of
 from spacar.errors import InputError, Message
-from spacar.mechanism import inertia, inputs
-from spacar.mechanism.batches import element_batches, node_batches
+from spacar.mechanism import inputs, lumped_inertia
+from spacar.mechanism.element_batches import element_batches, node_batches
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.mechanism import Mechanism, Start
 from spacar.mechanism.numbering import Numbering, number
@@ -35,8 +35,8 @@ def build(deck: Deck, mode: int = 1, **options: Any) -> Mechanism:
         x_class, e_class = _prescribed(x_class), _prescribed(e_class)
     numbering = number(elements, x_class, e_class)
     x0 = reference_configuration(deck, numbering)
-    batches = element_batches(deck, numbering, x0)
-    batches += node_batches(numbering, inertia.lumped(deck, numbering, batches))
+    batches = element_batches(deck, numbering, x0, options.get("beams") or "")
+    batches += node_batches(numbering, lumped_inertia.lumped(deck, numbering, batches))
     loads = inputs.loads(deck, numbering, batches)
     levels = analysis.stationary or analysis.takes_setpoints  # load steps, computed here or linearized about
     stiffness, damping = _constitutive(batches)
@@ -51,7 +51,7 @@ def build(deck: Deck, mode: int = 1, **options: Any) -> Mechanism:
         drive=inputs.drive(deck, numbering, x0),
         start=inputs.start(deck, numbering, x0) if not analysis.takes_setpoints else Start(*6 * (np.zeros(0),)),
         user_signal=inputs.user_signal(deck, numbering),
-        deformation_inertia=inertia.deformation_inertia(deck, numbering),
+        deformation_inertia=lumped_inertia.deformation_inertia(deck, numbering),
         stiffness=stiffness,
         damping=damping,
         settings=inputs.settings(deck).with_options(**options),
@@ -74,25 +74,31 @@ def element_list(deck: Deck) -> list[tuple[int, str, tuple[int, ...]]]:
 def classes(
     deck: Deck, elements: list[tuple[int, str, tuple[int, ...]]]
 ) -> tuple[dict[tuple[int, int], str], dict[tuple[int, int], str]]:
-    """Classes of coordinates and deformations that statements give (input-language.md 4.2, notes k5 and k6)."""
+    """Classes of coordinates and deformations that statements give (input-language.md 4.2, notes k5 and k6), and those
+    that differ from the defaults without a statement: warping coordinates are dynamic, the deformations that belong to
+    them calculable (theory-warping.md section 1)."""
     kinds = {n: role for _, k, nodes in elements for n, role in zip(nodes, ELEMENT_TYPES[k].nodes, strict=True)}
     keyword = {n: k for n, k, _ in elements}
     planar = ELEMENT_TYPES[elements[0][1]].planar
-    independent = {
-        "position": (1, 2) if planar else (1, 2, 3),
-        "orientation": (1,) if planar else (2, 3, 4),
-    }
+    independent = {role: tuple(range(1, 1 + coordinates_of(role, planar))) for role in set(kinds.values())}
+    if not planar:
+        independent["orientation"] = (2, 3, 4)  # lambda0 follows from the normalization
     x_class: dict[tuple[int, int], str] = {}
     for s in deck.of(*X_STATEMENTS, block=1):
         node, *which = (int(v) for v in s.values)
         if node in kinds:
             for coordinate in which or independent[kinds[node]]:
                 x_class[node, coordinate] = X_STATEMENTS[s.keyword]
+    for node, role in kinds.items():
+        if role == "warping":
+            x_class.setdefault((node, 1), "dynamic")
     e_class: dict[tuple[int, int], str] = {}
     for s in deck.of(*E_STATEMENTS, block=1):
         element, *which = (int(v) for v in s.values)
-        for mode in which or range(1, len(ELEMENT_TYPES[keyword[element]].modes) + 1):
+        for mode in which or ELEMENT_TYPES[keyword[element]].classed:
             e_class[element, mode] = E_STATEMENTS[s.keyword]
+    for element, word, _ in elements:
+        e_class.update({(element, mode): "calculable" for mode in ELEMENT_TYPES[word].released})
     return x_class, e_class
 
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
-from spacar.deck.table_dynamics import INTEGRATOR_ALIASES
-from spacar.mechanism.mechanism import Batch, Drive, DriveState, Loads, Polynomial, Settings, Start, UserSignal
+from spacar.deck.table_solvers import INTEGRATOR_ALIASES
+from spacar.mechanism.mechanism import Batch, Drive, DriveState, Loads, Polynomial, SolverSettings, Start, UserSignal
 from spacar.mechanism.numbering import Numbering
 
 
@@ -131,7 +131,7 @@ def additional_drive(deck: Deck, numbering: Numbering) -> DriveState | None:
     return DriveState(x, 0 * x, 0 * x, e, 0 * e, 0 * e)
 
 
-def settings(deck: Deck) -> Settings:
+def settings(deck: Deck) -> SolverSettings:
     """TIMESTEP, INTEGRAT, ERROR, ITERSTEP, OUTLEVEL with their defaults (input-language.md 4.2, 5.4, 5.5)."""
     names = {
         "TIMESTEP": ("duration", "n_steps"),
@@ -150,4 +150,4 @@ def settings(deck: Deck) -> Settings:
             found.update(zip(fields, statement.values, strict=False))
     if "integrator" in found:
         found["integrator"] = INTEGRATOR_ALIASES.get(found["integrator"], found["integrator"])
-    return Settings(**found)
+    return SolverSettings(**found)

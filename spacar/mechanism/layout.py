@@ -14,7 +14,7 @@ from math import prod
 import numpy as np
 
 from spacar.arrays import Index
-from spacar.elements.base import Family
+from spacar.elements.family import Family
 
 Place = tuple[int, slice, tuple[int, ...]]  # index of the batch, part of the flat array, shape
 

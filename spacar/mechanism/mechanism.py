@@ -115,7 +115,7 @@ UserSignal = Callable[[float, Array, Array, Array, Array], UserForces]  # t, e, 
 
 
 @dataclass(frozen=True)
-class Settings:
+class SolverSettings:
     """Numbers of TIMESTEP, INTEGRAT, ERROR, ITERSTEP and OUTLEVEL with their defaults."""
 
     duration: float | None = None
@@ -134,8 +134,9 @@ class Settings:
     log_level: int = 0
     sbd_level: int | None = None  # None: the default of the mode
     compiled: bool = True  # equations in C where that is possible (spacar.compiled); of the run, not of the deck
+    beams: str = ""  # "angle" or "sine": measure of all beams and tubes instead of ADEFORM; an option of the run
 
-    def with_options(self, **options: Any) -> Settings:
+    def with_options(self, **options: Any) -> SolverSettings:
         return replace(self, **{k: v for k, v in options.items() if v is not None})
 
 
@@ -172,7 +173,7 @@ class Mechanism:
     deformation_inertia: tuple[Index, Index, Array]  # MEE: rows, columns, values (both triangles)
     stiffness: tuple[Index, Index, Array]  # S of active rows as rows, columns, values of e
     damping: tuple[Index, Index, Array]
-    settings: Settings
+    settings: SolverSettings
     length: float  # largest distance between two nodes of the reference configuration [m]; 1 without positions
 
     def __post_init__(self) -> None:
@@ -185,9 +186,13 @@ class Mechanism:
 
     @cached_property
     def scale(self) -> Array:
-        """(nx,) typical size of every coordinate: `length` for positions, 1 for angles and Euler parameters."""
-        scale = np.ones(self.numbering.nx)
-        scale[self.numbering.positions] = self.length
+        """(nx,) typical size of every coordinate: `length` for positions, 1 for angles and Euler parameters, 1/length
+        for twist rates."""
+        n = self.numbering
+        scale = np.ones(n.nx)
+        scale[n.positions] = self.length
+        if n.warped:
+            scale[[n.x_index(node.number, 1) for node in n.nodes if node.kind == "warping"]] = 1.0 / self.length
         return scale
 
     @cached_property

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.arrays import Index
-from spacar.deck import ELEMENT_TYPES
+from spacar.deck import ELEMENT_TYPES, coordinates_of
 
 CLASSES = ("fixed", "calculable", "input", "dynamic", "kinematic")
 E_ORDER = ("fixed", "input", "dynamic", "kinematic", "calculable")
@@ -26,7 +26,7 @@ ABSENT = -1  # class of a coordinate or deformation that does not exist
 
 @dataclass(frozen=True)
 class Node:
-    """One node: kind 'position' or 'orientation', and how many coordinates it has."""
+    """One node: kind 'position', 'orientation' or 'warping', and how many coordinates it has."""
 
     number: int
     kind: str
@@ -43,8 +43,8 @@ class Numbering:
     nxp: Index  # (5,) coordinates per class in the order of CLASSES
     nep: Index  # (5,) deformations per class in the order of CLASSES
     lnp: Index  # (highest node, 4)
-    le: Index  # (highest element, 6)
-    ln: Index  # (highest element, 4)
+    le: Index  # (highest element, 6; 8 in a model with warping)
+    ln: Index  # (highest element, 4; 6 in a model with warping)
     it: Index  # (highest element,) type codes
     normalization: Index  # (n spatial orientation nodes, 2): node number, 0-based row of e
     slips: NDArray[np.bool_] = field(repr=False)  # (ne,) rows that exist as rates only
@@ -109,6 +109,8 @@ class Numbering:
         node, coordinate = self._x_names[i]
         if self.kind[node] == "position":
             return f"node {node} {'xyz'[coordinate - 1]}"
+        if self.kind[node] == "warping":
+            return f"node {node} w"
         return f"node {node} phi" if self.planar else f"node {node} lambda{coordinate - 1}"
 
     def e_name(self, i: int) -> str:
@@ -117,6 +119,17 @@ class Numbering:
             return f"normalization of node {-element}"
         keyword = self.keyword[element]
         return f"element {element} ({keyword}) e{mode} {ELEMENT_TYPES[keyword].modes[mode - 1][0]}"
+
+    @cached_property
+    def twist_rates(self) -> Index:
+        """Degrees of freedom (places in q) that are coordinates of warping nodes."""
+        found = [k for k, i in enumerate(self.q_x) if self.kind[self.x_owner(int(i))[0]] == "warping"]
+        return np.array(found, np.int64)
+
+    @property
+    def warped(self) -> bool:
+        """True when some element has warping nodes."""
+        return any(node.kind == "warping" for node in self.nodes)
 
     @cached_property
     def positions(self) -> Index:
@@ -192,7 +205,7 @@ class Numbering:
 
     def e_index(self, element: int, mode: int) -> int:
         """0-based index of a deformation; KeyError if it does not exist."""
-        if 1 <= element <= len(self.le) and 1 <= mode <= 6 and self.le[element - 1, mode - 1]:
+        if 1 <= element <= len(self.le) and 1 <= mode <= self.le.shape[1] and self.le[element - 1, mode - 1]:
             return int(self.le[element - 1, mode - 1]) - 1
         raise KeyError((element, mode))
 
@@ -218,15 +231,17 @@ def number(
     for element, keyword, nodes in elements:
         kinds.update(zip(nodes, ELEMENT_TYPES[keyword].nodes, strict=True))
         by_keyword.setdefault(keyword, []).append((element, nodes))
-    size = {"position": 2 if planar else 3, "orientation": 1 if planar else 4}
-    nodes_ = tuple(Node(n, kind, size[kind]) for n, kind in sorted(kinds.items()))
+    nodes_ = tuple(Node(n, kind, coordinates_of(kind, planar)) for n, kind in sorted(kinds.items()))
     highest = elements[-1][0]
 
     x_default = np.full((nodes_[-1].number, 4), ABSENT)
-    for kind, n in size.items():
-        x_default[[node.number - 1 for node in nodes_ if node.kind == kind], :n] = CLASSES.index("calculable")
-    e_default = np.full((highest, 6), ABSENT)
-    ln, it = np.zeros((highest, 4), np.int64), np.zeros(highest, np.int64)
+    for kind in set(kinds.values()):
+        here = [node.number - 1 for node in nodes_ if node.kind == kind]
+        x_default[here, : coordinates_of(kind, planar)] = CLASSES.index("calculable")
+    types = [ELEMENT_TYPES[keyword] for keyword in by_keyword]
+    e_default = np.full((highest, max(6, *(len(t.modes) for t in types))), ABSENT)
+    ln = np.zeros((highest, max(4, *(len(t.nodes) for t in types))), np.int64)
+    it = np.zeros(highest, np.int64)
     for keyword, found in by_keyword.items():
         kind_, rows = ELEMENT_TYPES[keyword], [element - 1 for element, _ in found]
         e_default[rows, : len(kind_.modes)] = E_ORDER.index("fixed")

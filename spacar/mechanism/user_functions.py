@@ -1,6 +1,7 @@
 """Python functions beside the input file: USERSIG (forces and stresses) and USERINP, USERTRAJ (prescribed motion).
 
-Signatures (input-language.md notes d5 and d12; index arrays 0-based, -1 for "does not exist", which `places` refuses):
+Signatures (input-language.md notes d5 and d12; index arrays 0-based, -1 for "does not exist", which `placed_vectors`
+refuses):
 
     time, sig, f = name(t, ne, le, e, ep, nx, lnp, x, xp)     rows: number, mode or coordinate, value[, k, d]
     t, e, x = name(t, step)                                   rows: number, mode or coordinate, value, rate, acc.
@@ -25,9 +26,9 @@ import numpy as np
 from spacar.arrays import Array, Index
 from spacar.deck import Deck, Statement
 from spacar.errors import AnalysisError, InputError, Message
-from spacar.mechanism.mechanism import DriveState, Polynomial, Settings, UserForces, UserSignal
+from spacar.mechanism.mechanism import DriveState, Polynomial, SolverSettings, UserForces, UserSignal
 from spacar.mechanism.numbering import Numbering
-from spacar.mechanism.places import placed
+from spacar.mechanism.placed_vectors import placed
 from spacar.modes import find_mode
 
 STATEMENTS = {"USERSIG": "forces and stresses", "USERINP": "prescribed motion", "USERTRAJ": "trajectory"}
@@ -242,7 +243,7 @@ class UserDrive:
 
     @classmethod
     def load(
-        cls, deck: Deck, statement: Statement, numbering: Numbering, base: Polynomial, settings: Settings
+        cls, deck: Deck, statement: Statement, numbering: Numbering, base: Polynomial, settings: SolverSettings
     ) -> UserDrive:
         interval = settings.duration / settings.n_steps if settings.duration and settings.n_steps else 1.0
         return cls(load_function(deck, statement), str(statement.values[0]), numbering, base, interval)

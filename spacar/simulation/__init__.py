@@ -8,9 +8,10 @@ from typing import Any
 
 _HOME = {
     "Block": "blocks", "Continuous": "blocks", "Diagram": "diagram", "Event": "engine", "Function": "blocks",
-    "Gain": "blocks", "Linear": "blocks", "Ltv": "setpoints", "ReferenceY0": "setpoints", "Response": "engine",
-    "Sampled": "blocks", "Saturation": "blocks", "SetpointSigma0": "setpoints", "SetpointU0": "setpoints",
-    "Spasim": "plant", "Table": "tables", "TimeVarying": "time_varying", "TimesM0": "setpoints",
+    "Gain": "blocks", "Linear": "blocks", "Ltv": "setpoint_blocks", "ReferenceY0": "setpoint_blocks",
+    "Response": "engine", "Sampled": "blocks", "Saturation": "blocks",
+    "SetpointSigma0": "setpoint_blocks", "SetpointU0": "setpoint_blocks",
+    "Spasim": "plant", "Table": "time_tables", "TimeVarying": "time_varying", "TimesM0": "setpoint_blocks",
     "as_control": "control_systems", "closed_loop": "loop", "computed_torque": "feedback",
     "proportional_derivative": "blocks", "reduce_modes": "reduction", "simulate": "engine",
     "simulate_ltv": "propagation", "static_start": "feedback",

@@ -8,6 +8,7 @@ mechanism) is known before the inputs are, even when another one (its accelerati
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from copy import deepcopy
 from typing import Any
 
 import numpy as np
@@ -177,8 +178,6 @@ class Sampled(Block):
         self.start()
 
     def start(self) -> Array:
-        from copy import deepcopy
-
         self.memory = deepcopy(self.memory0)
         self.held, self.waiting = self.y0.copy(), self.y0.copy()
         return NONE

@@ -16,7 +16,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.errors import AnalysisError, UsageError
 from spacar.simulation.propagation import disturbance
-from spacar.simulation.tables import Table
+from spacar.simulation.time_tables import Table
 from spacar.simulation.time_varying import TimeVarying
 
 

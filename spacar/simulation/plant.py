@@ -14,10 +14,10 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.deck import Deck, read_deck
-from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import UsageError
 from spacar.frame import Frame
-from spacar.linear.signals import signals
+from spacar.linear.linearization_signals import signals
 from spacar.linear.state_space import DRIVING_SIGN
 from spacar.mechanism import build
 from spacar.mechanism.mechanism import Mechanism, UserForces

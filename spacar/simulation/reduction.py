@@ -106,6 +106,10 @@ def tracked_modes(t: Array, M: Array, K: Array) -> tuple[Array, Array, Array]:
     from scipy.optimize import linear_sum_assignment
 
     steps, n = M.shape[:2]
+    known = np.isfinite(M).all((1, 2)) & np.isfinite(K).all((1, 2))
+    if not known.all():
+        text = f"the mass or stiffness matrix at t = {t[int(np.argmin(known))]:.9g} holds numbers that are not finite"
+        raise AnalysisError(text, "dynamics.not-finite")
     values, modes, overlap = np.zeros((steps, n)), np.zeros((steps, n, n)), np.ones((steps, n))
     for k in range(steps):
         try:

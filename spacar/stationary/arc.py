@@ -16,10 +16,10 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.kinematics.kinematics import largest
 from spacar.stationary.contract import Tangent
-from spacar.stationary.equations import Equations, Given, Point
 from spacar.stationary.newton import Corrections, Demand, correction
+from spacar.stationary.stationary_equations import Given, Iterate, StationaryEquations
 
-At = Callable[[float], tuple[Equations, Tangent, Given]]  # puts the loads of a place on the evaluator
+At = Callable[[float], tuple[StationaryEquations, Tangent, Given]]  # puts the loads of a place on the evaluator
 DISTANCE = 0.5  # of the two evaluations of the derivative
 
 
@@ -27,7 +27,7 @@ DISTANCE = 0.5  # of the two evaluations of the derivative
 class Arc:
     """The end of a step: the state, its place, and the number of corrections."""
 
-    point: Point
+    point: Iterate
     place: float
     iterations: int
 

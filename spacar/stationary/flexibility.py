@@ -12,7 +12,8 @@ from __future__ import annotations
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.array_evaluator import Dynamics
+from spacar.errors import AnalysisError
 from spacar.mechanism.mechanism import Batch
 
 
@@ -47,7 +48,7 @@ class Flexibility:
             n = len(b.e)
             S = S / size
             S[np.arange(n), np.arange(n)] += 1.0 - elastic  # decoupled rows: sigma alone, or the multiplier below
-            C = np.linalg.inv(S.transpose(2, 0, 1)).transpose(1, 2, 0)
+            C = _inverted(S, b)
             C[np.arange(n), np.arange(n)] -= b.e < self.constrained
             values.append(C.ravel())
         coupled[: self.constrained] = 1.0
@@ -79,6 +80,19 @@ class Flexibility:
         C[self.rows, self.columns] = self.values
         C[self.rigid, self.rigid] = self.rigid_diagonal
         return C
+
+
+def _inverted(S: Array, batch: Batch) -> Array:
+    """Inverse of each (n, n) block of S (n, n, elements). Raises AnalysisError for a singular one."""
+    blocks = S.transpose(2, 0, 1)
+    try:
+        return np.linalg.inv(blocks).transpose(1, 2, 0)
+    except np.linalg.LinAlgError:
+        worst = int(np.argmax(np.linalg.cond(blocks)))
+        element = f"element {batch.family.numbers[worst]} ({batch.family.keyword})"
+        text = f"the stiffness of {element} is singular to working precision: its deformations do not follow from its "
+        text += "stresses; check ESTIFF (a beam that is extremely soft in shear has no bending stiffness of its own)"
+        raise AnalysisError(text, "stationary.singular-stiffness") from None
 
 
 def _squares(batches: list[Batch]) -> tuple[Index, Index]:

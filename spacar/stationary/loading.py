@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from spacar.mechanism.mechanism import DriveState, Loads, Mechanism, Settings
+from spacar.mechanism.mechanism import DriveState, Loads, Mechanism, SolverSettings
 
 WITHOUT_N0 = (1, 3)  # ITERSTEP types whose Newton iteration leaves N0 out
 WITH_ADDITIONAL = (2, 3)
@@ -51,18 +51,18 @@ class LoadLevel:
 class LoadProgram:
     """All levels in order, made one after the other as often as it is run through."""
 
-    settings: Settings
+    settings: SolverSettings
 
     def __iter__(self) -> Iterator[LoadLevel]:
         return _levels(self.settings)
 
 
-def load_program(settings: Settings) -> LoadProgram:
+def load_program(settings: SolverSettings) -> LoadProgram:
     """All levels in order; those with `store` become frames."""
     return LoadProgram(settings)
 
 
-def _levels(settings: Settings) -> Iterator[LoadLevel]:
+def _levels(settings: SolverSettings) -> Iterator[LoadLevel]:
     if settings.stationary_type not in WITH_ADDITIONAL:
         n = settings.initial_steps if settings.initial_steps > 0 else max(settings.load_steps, 1)
         for k in range(1, n + 1):
@@ -76,7 +76,7 @@ def _levels(settings: Settings) -> Iterator[LoadLevel]:
         yield LoadLevel(1.0, k / n1, k % every == 0 or k == n1, n0 + k, n0 + n1)
 
 
-def stored_levels(settings: Settings) -> int:
+def stored_levels(settings: SolverSettings) -> int:
     """How many of the levels become frames."""
     if settings.stationary_type not in WITH_ADDITIONAL:
         return 1

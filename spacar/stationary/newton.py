@@ -27,8 +27,8 @@ from spacar.errors import AnalysisError
 from spacar.kinematics.kinematics import LARGEST_JUMP, largest
 from spacar.linear_systems import SingularMatrixError
 from spacar.stationary.contract import SPREAD, Astray, Tangent
-from spacar.stationary.equations import FLOOR, Equations, Given, Point
 from spacar.stationary.singular import minimum_norm
+from spacar.stationary.stationary_equations import FLOOR, Given, Iterate, StationaryEquations
 
 FORCES = 1e-9  # out-of-balance work / work of the forces in it
 LENGTHS = 1e-11  # incompatibility / model length, or rad
@@ -53,7 +53,7 @@ class Demand:
     def of(cls, limit: int, tolerance: float, stored: bool) -> Demand:
         return cls(limit, tolerance, FORCES, LENGTHS, CORRECTION) if stored else cls(limit)
 
-    def met(self, p: Point) -> bool:
+    def met(self, p: Iterate) -> bool:
         small = p.work <= self.forces * p.work_size and p.force <= self.tolerance and p.gap <= self.lengths
         return p.quiet or small
 
@@ -85,7 +85,7 @@ class Corrections:
     def _growing(self) -> Astray:
         return Astray("corrections that do not contract: " + " ".join(f"{v:.2g}" for v in self.sizes))
 
-    def ended(self, p: Point) -> bool:
+    def ended(self, p: Iterate) -> bool:
         """Is the point that the last correction led to the solution? Raises Astray beyond the limit of iterations."""
         if not p.finite:
             raise Astray("numbers that are not finite")
@@ -109,7 +109,9 @@ class Corrections:
         return max(left * self.demand.correction / self.demand.lengths, 0.0)
 
 
-def correction(q: Equations, tangent: Tangent, p: Point, dx: Array, more: Array | None = None) -> tuple[Array, float]:
+def correction(
+    q: StationaryEquations, tangent: Tangent, p: Iterate, dx: Array, more: Array | None = None
+) -> tuple[Array, float]:
     """Solution (n,) or (n, 2) for the right-hand sides p.right - tangent dx (and `more`), and the noise in it.
 
     Raises SingularMatrixError.
@@ -136,12 +138,12 @@ def correction(q: Equations, tangent: Tangent, p: Point, dx: Array, more: Array 
 class Converged:
     """The state, how many corrections led there, and the noise in the last one."""
 
-    point: Point
+    point: Iterate
     iterations: int
     noise: float
 
 
-def newton(q: Equations, tangent: Tangent, x: Array, sigma: Array, given: Given, demand: Demand) -> Converged:
+def newton(q: StationaryEquations, tangent: Tangent, x: Array, sigma: Array, given: Given, demand: Demand) -> Converged:
     """The state in equilibrium near x (nx,), sigma (ne,).
 
     Raises Astray, SingularMatrixError, AnalysisError of user functions.
@@ -168,7 +170,7 @@ def newton(q: Equations, tangent: Tangent, x: Array, sigma: Array, given: Given,
         dx = np.zeros_like(x)
 
 
-def _correct(q: Equations, tangent: Tangent, p: Point, dx: Array, first: bool) -> tuple[Array, float]:
+def _correct(q: StationaryEquations, tangent: Tangent, p: Iterate, dx: Array, first: bool) -> tuple[Array, float]:
     """The correction, of minimum norm where the matrix is singular; at an iterate, which satisfies the constraints to
     first order only, what is not in the range of the matrix is left to the next correction."""
     try:
@@ -180,7 +182,7 @@ def _correct(q: Equations, tangent: Tangent, p: Point, dx: Array, first: bool) -
     return minimum_norm(q, tangent, p, dx, first)
 
 
-def _projected(q: Equations, p: Point, dx: Array, given: Given) -> Point:
+def _projected(q: StationaryEquations, p: Iterate, dx: Array, given: Given) -> Iterate:
     """Wheels: the configuration that the degrees of freedom have after the correction, with the stresses that balance
     it. A wheel's turn is cyclic and large, its Euler parameters must not leave the constraints."""
     d = q.d

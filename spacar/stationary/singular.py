@@ -13,7 +13,7 @@ from spacar.arrays import Array
 from spacar.kinematics.kinematics import largest
 from spacar.linear_systems import SingularMatrixError
 from spacar.stationary.contract import SPREAD, Astray, Tangent
-from spacar.stationary.equations import EPS, Equations, Point
+from spacar.stationary.stationary_equations import EPS, Iterate, StationaryEquations
 
 LARGEST = 2000  # unknowns: the singular value decomposition takes ten seconds there
 IN_RANGE = 1e-8  # relative: half of the digits of a matrix that is singular to working precision
@@ -27,7 +27,7 @@ class FreeMotion(Astray):
         self.coordinate = coordinate
 
 
-def minimum_norm(q: Equations, tangent: Tangent, p: Point, dx: Array, strict: bool) -> tuple[Array, float]:
+def minimum_norm(q: StationaryEquations, tangent: Tangent, p: Iterate, dx: Array, strict: bool) -> tuple[Array, float]:
     """The correction (n,) of minimum norm and the noise in it.
 
     Raises FreeMotion if `strict`, SingularMatrixError for large systems.

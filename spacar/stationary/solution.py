@@ -8,15 +8,15 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError, Report
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
-from spacar.stationary.equations import Given, Motion, Point
-from spacar.stationary.evaluator import Evaluator
+from spacar.stationary.level_evaluator import LevelEvaluator
 from spacar.stationary.loading import LoadLevel, SteadyDrive, loads_at
 from spacar.stationary.newton import LENGTHS
 from spacar.stationary.stability import Stability, critical_motion
+from spacar.stationary.stationary_equations import Given, Iterate, Motion
 from spacar.stationary.tangent import SparseTangent
 from spacar.stationary.walk import Walk
 
@@ -24,7 +24,7 @@ SINGULAR_SLIP = 1e-8  # relative: the stress of a slip that its law does not giv
 
 
 @dataclass(frozen=True)
-class Solution:
+class StationarySolution:
     """The state of a level. xdd (nx,), convective (ne,) of steady motion; sigma (ne,) all stresses; norm: largest
     out-of-balance force; determined: do the degrees of freedom determine the configuration?
     """
@@ -47,14 +47,14 @@ class StationarySolver:
     mechanism: Mechanism
     report: Report
     dynamics: Dynamics = field(init=False)
-    solution: Solution = field(init=False)
+    solution: StationarySolution = field(init=False)
 
     def __post_init__(self) -> None:
         m, n = self.mechanism, self.mechanism.numbering
         start, motion = m.drive.at(0.0), SteadyDrive.at_level(m, LoadLevel(1.0, 0.0))
         if start.xdd.any() or start.edd.any():
             self.report.add("warning: prescribed accelerations are ignored in a stationary solution")
-        self._evaluator = e = Evaluator(m)
+        self._evaluator = e = LevelEvaluator(m)
         self.dynamics = d = e.dynamics
         if n.holonomic and d.start_values()[d.n_positions :].any():
             self.report.add("warning: start rates of dynamic degrees of freedom are ignored in a stationary solution")
@@ -120,7 +120,7 @@ class StationarySolver:
         except SingularMatrixError:
             return Walk(e, p, False, self.report)
 
-    def _reference(self, given: Given) -> Point | None:
+    def _reference(self, given: Given) -> Iterate | None:
         """The reference configuration, if it is the start and its deformations are those wanted."""
         e, d, m = self._evaluator, self.dynamics, self.mechanism
         reference = m.x0[m.numbering.x_class["dynamic"]]
@@ -130,7 +130,7 @@ class StationarySolver:
         p = e.equations.point(m.x0.copy(), d.law.preload.copy(), given)
         return p if p.gap <= LENGTHS else None
 
-    def _place(self, p: Point, level: LoadLevel) -> None:
+    def _place(self, p: Iterate, level: LoadLevel) -> None:
         """The evaluator at the point, in terms of the degrees of freedom as far as they determine it."""
         d, n, q = self.dynamics, self.mechanism.numbering, self._evaluator.equations
         k = d.kinematics
@@ -150,7 +150,7 @@ class StationarySolver:
         m = p.motion or Motion(still, still, np.zeros(n.ne), np.zeros(n.ne), np.zeros(n.ne))
         d.xd, d.ed = m.v, m.ed
         sigma = p.sigma - (d.coupling.stress(m.edd) if d.coupling.present else 0.0)
-        self.solution = Solution(m.a, m.convective, sigma, p.force, determined)
+        self.solution = StationarySolution(m.a, m.convective, sigma, p.force, determined)
         if p.slip > SINGULAR_SLIP * p.work_size:
             text = f"no stationary solution at {level}: a slip that is a degree of freedom is not in equilibrium"
             raise AnalysisError(f"{text} with its rate", "statics.no-solution")

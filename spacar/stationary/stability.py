@@ -19,10 +19,9 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.linear_systems import SingularMatrixError
 from spacar.stationary.contract import Tangent
-from spacar.stationary.equations import Equations, Point
-from spacar.stationary.moving import MovingTangent
 from spacar.stationary.newton import correction
-from spacar.stationary.resting import RestingTangent
+from spacar.stationary.resting_tangent import RestingTangent
+from spacar.stationary.stationary_equations import Iterate, StationaryEquations
 
 CRITICAL = float(np.sqrt(np.finfo(float).eps))  # of the model: rounding takes half of the digits of the position
 BLOCK = 6  # vectors
@@ -54,7 +53,7 @@ class Stability:
         return f"{self.negative} negative eigenvalue{'s' * (self.negative != 1)}"
 
 
-def stability(q: Equations, tangent: Tangent, p: Point, noise: float) -> Stability | None:
+def stability(q: StationaryEquations, tangent: Tangent, p: Iterate, noise: float) -> Stability | None:
     """At the point where the sweep is, which is known up to `noise`.
 
     None when it cannot be told (slips, a cyclic coordinate in steady motion).
@@ -71,13 +70,10 @@ def stability(q: Equations, tangent: Tangent, p: Point, noise: float) -> Stabili
             return Stability(max(negative - q.ne, 0), q.nf if critical else zero, True, critical)
     if not _regular(q, tangent, p):
         return None
-    sign = tangent.sign()
-    if isinstance(tangent, MovingTangent):  # a sign of its own for every pair of a coordinate and a stress
-        sign *= -1.0 if q.ne % 2 else 1.0
-    return Stability(int(sign < 0.0), 0, False)
+    return Stability(int(tangent.sign() < 0.0), 0, False)
 
 
-def _regular(q: Equations, tangent: Tangent, p: Point) -> bool:
+def _regular(q: StationaryEquations, tangent: Tangent, p: Iterate) -> bool:
     try:
         tangent.factor(p)
         correction(q, tangent, p, np.zeros_like(p.x))
@@ -86,7 +82,7 @@ def _regular(q: Equations, tangent: Tangent, p: Point) -> bool:
     return True
 
 
-def critical_motion(q: Equations, tangent: Tangent, p: Point, negative: bool) -> str:
+def critical_motion(q: StationaryEquations, tangent: Tangent, p: Iterate, negative: bool) -> str:
     """'node 5 y' that moves most in the critical motion; '' if that cannot be told."""
     try:
         tangent.factor(p)
@@ -98,7 +94,7 @@ def critical_motion(q: Equations, tangent: Tangent, p: Point, negative: bool) ->
     return q.d.numbering.x_name(int(q.F[np.argmax(np.abs(x))]))
 
 
-def _nearest_zero(q: Equations, tangent: Tangent, negative: bool) -> Array | None:
+def _nearest_zero(q: StationaryEquations, tangent: Tangent, negative: bool) -> Array | None:
     """Scaled eigenvector (nf,)."""
     n, nf, scale = q.nf + q.ne, q.nf, q.scale[q.F]
     k = min(BLOCK, nf)

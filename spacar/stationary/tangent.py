@@ -20,9 +20,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.forces import moment_gradient
-from spacar.linear_systems import SingularMatrixError, System, assemble
+from spacar.linear_systems import LinearSystem, SingularMatrixError, assemble
 from spacar.linearization.contractions import configuration_of, geometric_blocks
 from spacar.mechanism.mechanism import Batch
 from spacar.stationary.flexibility import Flexibility
@@ -30,7 +30,7 @@ from spacar.stationary.flexibility import Flexibility
 SINGULAR = 1e14  # displacements under a load of the size of the stiffness above which it counts as singular
 
 
-class Part:
+class TangentTerm:
     """Entries (rows, columns) of one term of the matrix, restricted to F, and how to get their values."""
 
     def __init__(self, place: Index, rows: Index, columns: Index, values: Callable[[], Array]) -> None:
@@ -63,16 +63,16 @@ class SparseTangent:
         loaded = [b for b in sweep.moving if heavy or hasattr(b.family, "with_flow")]
         moment_rows = _moment_rows(dynamics)
         self.parts = {
-            "geometric": Part(self.place, *_square(sweep.curved), self._geometric),
-            "load": Part(self.place, *_square(loaded), lambda: self._inertia(loaded, 0)),
-            "moment": Part(self.place, *_pairs(moment_rows), lambda: self._moments(moment_rows.shape[1])),
-            "mass": Part(self.place, sweep.m_rows, sweep.m_columns, lambda: sweep.m_entries),
-            "flow": Part(self.place, *_square(loaded), lambda: self._inertia(loaded, 1)),
+            "geometric": TangentTerm(self.place, *_square(sweep.curved), self._geometric),
+            "load": TangentTerm(self.place, *_square(loaded), lambda: self._inertia(loaded, 0)),
+            "moment": TangentTerm(self.place, *_pairs(moment_rows), lambda: self._moments(moment_rows.shape[1])),
+            "mass": TangentTerm(self.place, sweep.m_rows, sweep.m_columns, lambda: sweep.m_entries),
+            "flow": TangentTerm(self.place, *_square(loaded), lambda: self._inertia(loaded, 1)),
         }
         self.ne = n.ne
         self._v = np.flatnonzero(self.place[sweep.v_columns] >= 0)
         self._patterns: dict[tuple[str, ...], tuple[Index, Index]] = {}
-        self._systems: dict[tuple[str, ...], System] = {}
+        self._systems: dict[tuple[str, ...], LinearSystem] = {}
         self._inverses = {(1.0, 0.0): (self.flexibility.values, self.flexibility.coupled, self.flexibility.size)}
 
     @property
@@ -81,7 +81,7 @@ class SparseTangent:
         viscous = any((b.family.stiffness()[1] * self.active[b.index]).any() for b in self.elastic)
         return viscous or bool(self.parts["flow"].values().any())
 
-    def factor(self, weights: dict[str, float], stiffness: float = 1.0, damping: float = 0.0) -> System:
+    def factor(self, weights: dict[str, float], stiffness: float = 1.0, damping: float = 0.0) -> LinearSystem:
         """Factored matrix of the weighted parts and of the element matrices stiffness x S + damping x S_d.
 
         Raises SingularMatrixError, also when displacements under a load of the size of the stiffness exceed 1e14.
@@ -107,7 +107,7 @@ class SparseTangent:
             self._patterns[names] = rows, columns
         return self._patterns[names]
 
-    def _system(self, names: tuple[str, ...]) -> System:
+    def _system(self, names: tuple[str, ...]) -> LinearSystem:
         if names not in self._systems:
             self._systems[names] = assemble(self.nf + self.ne, *self.pattern(names))
         return self._systems[names]
@@ -124,13 +124,13 @@ class SparseTangent:
         diagonal = -size * self.flexibility.rigid_diagonal
         return np.concatenate([*values, row_v, row_v, -size * flexibility, diagonal]), size
 
-    def factor_static(self) -> System:
+    def factor_static(self) -> LinearSystem:
         """The matrix of the static problem at the present configuration and `sigma`. Raises SingularMatrixError."""
         system = self._system(tuple(STATIC))
         system.factor(self.entries(STATIC)[0])
         return system
 
-    def displacement(self, system: System, force: Array) -> Array:
+    def displacement(self, system: LinearSystem, force: Array) -> Array:
         """Coordinates (nx,) or (nx, k) that the force (nx,) or (nx, k) on F produces, the constraint rows kept."""
         b = np.zeros((self.nf + self.ne, *force.shape[1:]))
         b[: self.nf] = force[self.F]

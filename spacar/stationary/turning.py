@@ -12,7 +12,7 @@ from spacar.kinematics.kinematics import largest
 from spacar.linear_systems import SingularMatrixError
 from spacar.stationary.arc import At, arc
 from spacar.stationary.contract import Astray
-from spacar.stationary.equations import Point
+from spacar.stationary.stationary_equations import Iterate
 
 MOST_ARCS = 500
 FIRST_ARC, SMALLEST_ARC, LARGEST_ARC = (1e-3, 0.02), 1e-6, 0.2  # model lengths, or rad
@@ -34,7 +34,7 @@ class Arrived:
 class LimitPoint(Exception):
     """The loading has its extreme value on the path at this place; `point` is a state near it."""
 
-    def __init__(self, place: float, point: Point | None) -> None:
+    def __init__(self, place: float, point: Iterate | None) -> None:
         super().__init__(place)
         self.place, self.point = place, point
 

@@ -5,6 +5,9 @@ of a load step whose iteration does not contract is halved, down to 1/1024 of th
 that were easy. After every part the negative eigenvalues of the tangent stiffness are counted, at the solution. When
 the number has changed the state may be one of another branch: the part is repeated in smaller ones, down to 1/256 of
 the step. What remains then is a critical state that the path really passes; the walk says so and stays on its branch.
+Large systems (a count costs five to fifty iterations) are counted at the start and at stored levels, and in between
+where the sign of the determinant, which comes with the factorization of the last iterate, says that the number has
+become odd or even; two eigenvalues that change their signs in one part are seen at the next stored level.
 
 Where parts become too small the path may turn: it is followed by arc length. At a limit point of growing loads the walk
 ends with an error, unless ITERSTEP position 7 asks to go on to where the path reaches the level. Under prescribed
@@ -23,18 +26,18 @@ from spacar.errors import AnalysisError, Report
 from spacar.kinematics.kinematics import largest
 from spacar.linear_systems import SingularMatrixError
 from spacar.stationary.contract import Astray, Tangent
-from spacar.stationary.equations import Equations, Given, Point
-from spacar.stationary.evaluator import Evaluator
+from spacar.stationary.level_evaluator import LevelEvaluator
 from spacar.stationary.loading import LoadLevel, loads_grow
 from spacar.stationary.newton import Converged, Demand, newton
 from spacar.stationary.singular import FreeMotion
 from spacar.stationary.stability import Stability, critical_motion, stability
+from spacar.stationary.stationary_equations import Given, Iterate, StationaryEquations
 from spacar.stationary.turning import LimitPoint, around
 
 SMALLEST_PART = 1.0 / 1024.0
 CRITICAL_PART = 1.0 / 256.0  # of a load step, in which a critical state is looked for
 STILL = 1e-6  # model lengths or rad: a straight column hardly moves at its critical load, nothing can be mistaken
-LARGE = 600  # unknowns; above, negative eigenvalues are counted at the start and at stored levels only
+LARGE = 600  # unknowns; above, the count costs more than an iteration: see `Walk._odd`
 EASY = 6  # iterations after which the next part of a step may be twice as large
 FARTHEST = 16.0  # weight of a state in the prediction: 6 for equal parts, more when the parts have grown
 REMEMBERED = 4  # states that the prediction uses: a cubic polynomial
@@ -54,7 +57,7 @@ class Walk:
     level.
     """
 
-    def __init__(self, evaluator: Evaluator, point: Point, known: bool, report: Report) -> None:
+    def __init__(self, evaluator: LevelEvaluator, point: Iterate, known: bool, report: Report) -> None:
         self.evaluator, self.point, self.report = evaluator, point, report
         self.level = LoadLevel(0.0, 0.0)
         self.path = [Known(0.0, point.x, point.sigma)]
@@ -171,7 +174,7 @@ class Walk:
         sigma = sum(w * k.sigma for w, k in zip(weights, known, strict=True))
         return Known(path, np.asarray(x), np.asarray(sigma))
 
-    def _moved(self, before: Point) -> float:
+    def _moved(self, before: Iterate) -> float:
         return largest((self.point.x - before.x) / self.evaluator.equations.scale)
 
     # -- critical states ------------------------------------------------------------------------------------------
@@ -181,10 +184,21 @@ class Walk:
         e = self.evaluator
         if not (e.plain or stored):
             return False  # a sign of a determinant, at the cost of another iteration
-        if e.equations.nf + e.equations.ne > LARGE and not stored:
-            return False  # the count costs more than an iteration there
+        if self._large and not stored and not self._odd():
+            return False
         self.stable = stability(e.equations, e.tangent, self.point, self.noise)
         return before is not None and self.stable is not None and self.stable.differs(before)
+
+    @property
+    def _large(self) -> bool:
+        return self.evaluator.equations.nf + self.evaluator.equations.ne > LARGE
+
+    def _odd(self) -> bool:
+        """Does the determinant of the last factorization say that the known number of negative eigenvalues is off by
+        an odd number?"""
+        if self.stable is None or self.stable.zero:
+            return False
+        return self.evaluator.tangent.sign() * (-1.0) ** self.stable.negative < 0.0
 
     def _say_passed(self, level: LoadLevel, before: Stability | None) -> None:
         assert before is not None
@@ -209,7 +223,7 @@ class Walk:
         """Along the path by arc length to the target; the number of iterations."""
         e = self.evaluator
 
-        def at(p: float) -> tuple[Equations, Tangent, Given]:
+        def at(p: float) -> tuple[StationaryEquations, Tangent, Given]:
             given = e.load(origin.towards(target, p))
             return e.equations, e.tangent, given
 

@@ -25,13 +25,15 @@ from typing import overload
 import numpy as np
 
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
-from spacar.deck.table import KEYWORDS, Block
+from spacar.deck.deck import parse
+from spacar.deck.deck_writer import splice
+from spacar.deck.keyword_table import KEYWORDS, BlockKind
 from spacar.deck.table_types import Parameter
 from spacar.errors import UsageError
 
 TARGET = re.compile(r"([A-Za-z]\w*)((?:[.\s]+(?:\d+|\*))*)\s*(?:\[\s*([^\[\]]+?)\s*\])?")
 MOST_VALUES = 1_000_000
-BY_NUMBER = {block.number: block for block in Block if block.number < 3}
+BY_NUMBER = {block.number: block for block in BlockKind if block.number < 3}
 
 
 @dataclass(frozen=True)
@@ -83,9 +85,6 @@ class Axis:
 
 def change(deck: Deck, settings: Sequence[Setting], numbers: Sequence[float]) -> Deck:
     """The deck with a number at all places of each setting, read and checked once. Raises UsageError, InputError."""
-    from spacar.deck.deck import parse
-    from spacar.deck.writer import splice
-
     edits: dict[tuple[int, int], tuple[Statement, int, float | int]] = {}
     later = []
     for given, number in zip(settings, numbers, strict=True):
@@ -95,6 +94,7 @@ def change(deck: Deck, settings: Sequence[Setting], numbers: Sequence[float]) ->
                 if position > len(statement.values):
                     later.append((target, position, value))
                     continue
+                deck.require_written(statement)
                 place = (statement.lines[position - 1], statement.columns[position - 1])
                 if place in edits:
                     raise UsageError(f"{statement.subject}: argument {position} is set twice", "study.set")
@@ -119,7 +119,7 @@ def setting(text: str) -> Setting:
             form = "KEYWORD.NUMBER[WHICH], for instance ESTIFF.3[EI] or INPUTX.2.1[start rate]"
             raise UsageError(f"cannot read '{part.strip()}': expected {form}", "study.set")
         keyword = match[1].upper()
-        if all((keyword, block) not in KEYWORDS for block in Block):
+        if all((keyword, block) not in KEYWORDS for block in BlockKind):
             raise UsageError(f"'{match[1]}' is not a keyword of the input language; see `spacar keywords`", "study.set")
         words = match[2].replace(".", " ").split()
         if "*" in words and words != ["*"]:

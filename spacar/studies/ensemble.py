@@ -14,8 +14,8 @@ Where the mechanism has a compiled form, the copies only give the numbers: C eva
 at a time, in the lanes of the processor's vectors (spacar.compiled.cases), and every case keeps the tolerance.
 
 Not for: modes other than 1, user functions, wheels and other slips, implicit methods (dense Jacobian), cases whose
-statements, settings or GRAVITY differ. An error in one case ends the batch; `spacar.studies.batches` then runs its
-cases one by one.
+statements, settings or GRAVITY differ. An error in one case ends the batch; `spacar.studies.batched_cases` then
+runs its cases one by one.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
-from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import Report, UsageError
 from spacar.forward.driver import Tolerances, frames, integrated, watched, work
 from spacar.frame import Frame, StoredFrames

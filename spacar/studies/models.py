@@ -1,72 +1,33 @@
 """Other models of the same mechanism: finer beams, rigid beams, beams without the non-linear strain terms.
 
-`refine` splits every flexible beam (PLBEAM, BEAM) into n equal ones along its chord. With xi = s/l on the parent and
-h = l/n, the deformations e_p, e_q of a bending pair (slopes relative to the chord times l, e_q with the opposite
-sign: pure bending is e_q = e_p) belong to the cubic
-
-    w/l = e_p/l (xi - 2 xi^2 + xi^3) - e_q/l (xi^3 - xi^2)        (clamped cubic; theory-planar.md, beam)
-
-and those of a part follow from its end slopes relative to its own chord, times h. Elongation is divided by n,
-torsion (twist times length) by n^2. A preload (sigma_p, sigma_q) is a bending moment that runs linearly from sigma_p
-l to sigma_q l, so a part has m(xi_i)/h and m(xi_i+1)/h; the normal force is the same in all parts, the torsional
-preload (moment divided by the length) is multiplied by n.
-
-Limits: start values and prescribed deformations are split by this linear theory, exact for small deformations. Both
-modes of a bending pair must be of one class. A released deformation (RLSE) that carries stiffness becomes dynamic in
-all parts but the last, which keeps the release; one without stiffness (a joint) cannot be split. MEE on a split beam
-and inputs or outputs (third block) on one are refused. The first part keeps the number of the parent, further
-elements and nodes get numbers above all others.
+`refine` puts n equal beams in the place of every flexible one; how a beam is divided, and what cannot be, stands in
+`spacar.deck.divide`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 
-import numpy as np
-
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
+from spacar.deck.divide import BEAMS, beam_modes, divided, obstacles, stiffness_modes
 from spacar.deck.statement import Value
 from spacar.errors import UsageError
 
-PAIRS = {t.keyword: t.split for t in ELEMENT_TYPES.values() if t.split}  # bending modes at p and q
-BEAMS = tuple(PAIRS)
-TORSION = {k: next((m for m, (n, _) in enumerate(ELEMENT_TYPES[k].modes, 1) if n == "torsion"), None) for k in BEAMS}
-PER_ELEMENT = ("EM", "ESTIFF", "EDAMP")
-CLASSES = ("DYNE", "RLSE", "INPUTE", "KINE")
 Row = tuple[Value, ...]
-Motions = dict[int, tuple[float, ...]]  # mode -> start, rate(, acceleration)
-
-
-def beam_modes(deck: Deck) -> dict[int, dict[int, str]]:
-    """Of every beam that is not rigid: mode -> DYNE, RLSE, INPUTE or KINE."""
-    beams = {s.integer(0): s.keyword for s in deck.of(*BEAMS, block=1)}
-    modes: dict[int, dict[int, str]] = {}
-    for s in deck.of(*CLASSES, block=1):
-        number, *which = s.integers()
-        if number in beams:
-            every = range(1, len(ELEMENT_TYPES[beams[number]].modes) + 1)
-            modes.setdefault(number, {}).update(dict.fromkeys(which or every, s.keyword))
-    return modes
 
 
 def flexible_beams(deck: Deck) -> dict[int, dict[int, str]]:
     """Beams with dynamic or prescribed deformations, or released ones that carry stiffness; modes as `beam_modes`."""
-    stiff = {s.integer(0): {m for m, k in _stiffness_modes(deck, s).items() if k} for s in deck.of("ESTIFF", block=2)}
+    stiff = {n: {m for m, k in of.items() if k} for n, of in stiffness_modes(deck.statements).items()}
     return {
         number: modes
-        for number, modes in beam_modes(deck).items()
+        for number, modes in beam_modes(deck.statements).items()
         if any(c != "RLSE" or m in stiff.get(number, ()) for m, c in modes.items())
     }
 
 
-def _stiffness_modes(deck: Deck, estiff: Statement) -> dict[int, float]:
-    """Coefficient of every mode of the element of an ESTIFF statement."""
-    keyword = next(s.keyword for s in deck.of(*ELEMENT_TYPES, block=1) if s.values[0] == estiff.values[0])
-    return {m: estiff.real(p - 1) for m, p in enumerate(ELEMENT_TYPES[keyword].stiffness, 1)}
-
-
 def refine(deck: Deck, n: int) -> Deck:
-    """The same mechanism with n elements in the place of every flexible beam (1: the deck itself); limits see above.
+    """The same mechanism with n elements in the place of every flexible beam (1: the deck itself).
 
     Raises UsageError for n < 1, a model without flexible beams, and one that cannot be split.
     """
@@ -77,162 +38,15 @@ def refine(deck: Deck, n: int) -> Deck:
         raise UsageError(f"{deck.source} has no flexible {' or '.join(BEAMS)} to refine", "study.refine")
     if n == 1:
         return deck
-    _require_splittable(deck, split)
-    elements = {s.integer(0): s for s in deck.of(*ELEMENT_TYPES, block=1)}
-    top_node = max(s.integer(k) for s in elements.values() for k in range(1, 1 + len(ELEMENT_TYPES[s.keyword].nodes)))
-    top_element = max(elements)
-    position = {s.integer(0): np.array(s.reals(1, 3)) for s in deck.of("X", block=1)}
-    parts: dict[int, list[int]] = {}
-    kinematics: list[Row] = []
-    for s in deck.statements:
-        if s.block != 1:
-            continue
-        if s.keyword in BEAMS and s.integer(0) in split:
-            number, p, angle_p, q, angle_q = _beam(s)
-            parts[number] = [number, *range(top_element + 1, top_element + n)]
-            top_element += n - 1
-            inner = [(top_node + 2 * i + 1, top_node + 2 * i + 2) for i in range(n - 1)]
-            top_node += 2 * (n - 1)
-            ends = [(p, angle_p), *inner, (q, angle_q)]
-            for part, a, b in zip(parts[number], ends, ends[1:], strict=False):
-                kinematics.append((s.keyword, part, *a, *b, *s.values[5:]))
-            x_p, x_q = (position.get(node, np.zeros(3)) for node in (p, q))
-            size = 2 if ELEMENT_TYPES[s.keyword].planar else 3
-            for i, (node, _) in enumerate(inner, 1):
-                kinematics.append(("X", node, *(x_p + (i / n) * (x_q - x_p))[:size].tolist()))
-    for s in deck.statements:
-        if s.block == 1 and not (s.keyword in BEAMS and s.values[0] in split):
-            kinematics += _kinematic(s, split, parts)
-    dynamics = [row for s in deck.statements if s.block == 2 for row in _dynamic(deck, s, parts)]
-    dynamics += _motion_rows(deck, parts)
-    third: list[Row] = [(s.keyword, *s.values) for s in deck.statements if s.block == 3]
-    return Deck.build(kinematics, dynamics, third, mode=deck.mode, source=f"{deck.source} x {n}", path=deck.path)
-
-
-def _beam(s: Statement) -> tuple[int, ...]:
-    return tuple(s.integer(i) for i in range(5))
-
-
-def _kinematic(s: Statement, split: dict[int, dict[int, str]], parts: dict[int, list[int]]) -> Iterable[Row]:
-    """Rows of a statement of the kinematics block that is no split beam."""
-    if s.keyword == "LDEFORM" and s.values[0] in parts:
-        return [("LDEFORM", part) for part in parts[s.integer(0)]]
-    if s.keyword not in CLASSES or s.values[0] not in parts:
-        return [(s.keyword, *s.values)]
-    number = s.integer(0)
-    modes = s.integers(1) or tuple(m for m, c in split[number].items() if c == s.keyword)
-    if s.keyword != "RLSE":
-        return [(s.keyword, part, *modes) for part in parts[number]]
-    *others, last = parts[number]
-    rows: list[Row] = [("DYNE", part, *modes) for part in others]
-    return [*rows, ("RLSE", last, *modes)]
-
-
-def _dynamic(deck: Deck, s: Statement, parts: dict[int, list[int]]) -> Iterable[Row]:
-    """Rows of a statement of the dynamics block; motions of split beams come later, pair by pair."""
-    if s.keyword == "MEE" or not s.values or s.values[0] not in parts:
-        return [(s.keyword, *s.values)]
-    number = s.integer(0)
-    n = len(parts[number])
-    if s.keyword in PER_ELEMENT:
-        return [(s.keyword, part, *s.values[1:]) for part in parts[number]]
-    if s.keyword in ("ESIG", "DELESIG"):
-        keyword = next(b.keyword for b in deck.of(*BEAMS, block=1) if b.values[0] == number)
-        table = _split_preload(keyword, s.reals(1, len(ELEMENT_TYPES[keyword].modes)), n)
-        return [(s.keyword, part, *row) for part, row in zip(parts[number], table.tolist(), strict=True)]
-    if s.keyword in ("STARTDE", "INPUTE", "DELINPE"):
-        return []
-    return [(s.keyword, *s.values)]
-
-
-def _split_preload(keyword: str, sigma: tuple[float, ...], n: int) -> np.ndarray:
-    """Preload of the parts, (n, modes)."""
-    table = np.tile(np.array(sigma), (n, 1))
-    if TORSION[keyword] is not None:
-        table[:, 1] *= n
-    xi = np.arange(n + 1) / n
-    for p, q in PAIRS[keyword]:
-        m = sigma[p - 1] * (1.0 - xi) + sigma[q - 1] * xi  # moment / l
-        table[:, p - 1], table[:, q - 1] = n * m[:-1], n * m[1:]
-    return table
-
-
-def split_pair(e_p: np.ndarray, e_q: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Bending deformations of the n parts, (n, k) each, of a parent with e_p, e_q (k,)."""
-    xi = (np.arange(n + 1) / n)[:, None]
-    w = e_p * (xi - 2 * xi**2 + xi**3) - e_q * (xi**3 - xi**2)
-    slope = e_p * (1 - 4 * xi + 3 * xi**2) - e_q * (3 * xi**2 - 2 * xi)
-    chord = np.diff(w, axis=0) * n
-    return (slope[:-1] - chord) / n, -(slope[1:] - chord) / n
-
-
-def _motion_rows(deck: Deck, parts: dict[int, list[int]]) -> list[Row]:
-    """STARTDE, INPUTE and DELINPE of all parts of the split beams."""
-    beams = {s.integer(0): s.keyword for s in deck.of(*BEAMS, block=1)}
-    rows: list[Row] = []
-    for keyword, width in (("STARTDE", 2), ("INPUTE", 3), ("DELINPE", 1)):
-        motions: dict[int, Motions] = {}
-        for s in deck.of(keyword, block=2):
-            if s.values[0] in parts:
-                motions.setdefault(s.integer(0), {})[s.integer(1)] = s.reals(2, width)
-        for number, given in motions.items():
-            for mode, table in _split_motion(beams[number], given, width, len(parts[number])).items():
-                rows += [(keyword, part, mode, *row) for part, row in zip(parts[number], table.tolist(), strict=True)]
-    return rows
-
-
-def _split_motion(keyword: str, given: Motions, width: int, n: int) -> dict[int, np.ndarray]:
-    """mode -> motion of the parts, (n, width)."""
-    zero = np.zeros(width)
-    value = {m: np.array(v) for m, v in given.items()}
-    result = {}
-    if 1 in value:
-        result[1] = np.tile(value[1] / n, (n, 1))
-    if TORSION[keyword] in value:
-        result[2] = np.tile(value[2] / n**2, (n, 1))
-    for p, q in PAIRS[keyword]:
-        if p in value or q in value:
-            result[p], result[q] = split_pair(value.get(p, zero), value.get(q, zero), n)
-    return result
-
-
-def _require_splittable(deck: Deck, split: dict[int, dict[int, str]]) -> None:
-    beams = {s.integer(0): s.keyword for s in deck.of(*BEAMS, block=1)}
-    stiffness = {s.integer(0): _stiffness_modes(deck, s) for s in deck.of("ESTIFF", block=2)}
-    for number, modes in split.items():
-        for m, c in modes.items():
-            if c == "RLSE" and not stiffness.get(number, {}).get(m):
-                text = (
-                    f"beam {number} cannot be split: its mode {m} is released without stiffness; put the joint into an"
-                )
-                raise UsageError(
-                    f"{text} element of its own (a hinge, or a node that the beams do not share)", "study.refine"
-                )
-        for p, q in PAIRS[beams[number]]:
-            if modes.get(p) != modes.get(q):
-                text = f"beam {number} cannot be split: its bending modes {p} and {q} are of different classes"
-                raise UsageError(f"{text} ({modes.get(p, 'fixed')}, {modes.get(q, 'fixed')})", "study.refine")
-    for s in deck.statements:
-        about: set[Value] = set()
-        if s.keyword == "MEE":
-            about = {s.values[0], s.values[2]} if len(s.values) == 5 else {s.values[0]}
-        if s.block == 3 and deck.third is not None:
-            about = _elements_of_port(s)
-        for beam in sorted(about & set(split), key=str):
-            text = f"{deck.where(s)}: it is about beam {beam}, which would be split"
-            raise UsageError(f"{text}; refine a model without it, or refer to nodes", "study.refine")
-
-
-def _elements_of_port(s: Statement) -> set[Value]:
-    """Elements that a statement of the third block is about: OUTE, INPUTS ... port, element, mode; TRE element, ..."""
-    from spacar.deck.table import KEYWORDS, Block
-
-    for block in Block:
-        keyword = KEYWORDS.get((s.keyword, block)) if block.number == 3 else None
-        if keyword is not None:
-            parameters = keyword.variants[0].parameters
-            return {v for v, p in zip(s.values, parameters, strict=False) if p.of == "element"}
-    return set()
+    for number, by, reason in obstacles(deck.statements, split, stiffness_modes(deck.statements)):
+        if by is not None:
+            text = f"{deck.where(by)}: it is about beam {number}, which would be split; {reason}"
+            raise UsageError(text, "study.refine")
+        raise UsageError(f"beam {number} cannot be split: {reason}", "study.refine")
+    blocks: list[list[Row]] = [[], [], []]
+    for s in divided(deck.statements, dict.fromkeys(split, n))[0]:
+        blocks[s.block - 1].append((s.keyword, *s.values))
+    return Deck.build(*blocks, mode=deck.mode, source=f"{deck.source} x {n}", path=deck.path)
 
 
 def rigid(deck: Deck) -> Deck:
@@ -240,11 +54,11 @@ def rigid(deck: Deck) -> Deck:
 
     Raises UsageError when no beam has a dynamic deformation.
     """
-    modes = {n: {m for m, c in found.items() if c == "DYNE"} for n, found in beam_modes(deck).items()}
+    modes = {n: {m for m, c in found.items() if c == "DYNE"} for n, found in beam_modes(deck.statements).items()}
     stiff = {n for n, fixed in modes.items() if fixed}
     if not stiff:
         raise UsageError(f"{deck.source} has no beam with dynamic deformations (DYNE)", "study.rigid")
-    free = {n for n, found in beam_modes(deck).items() if set(found.values()) - {"DYNE"}}
+    free = {n for n, found in beam_modes(deck.statements).items() if set(found.values()) - {"DYNE"}}
 
     def keep(s: Statement) -> bool:
         if not s.values or s.values[0] not in stiff:
@@ -253,7 +67,19 @@ def rigid(deck: Deck) -> Deck:
             return False
         return s.keyword not in ("ESTIFF", "EDAMP", "ESIG", "LDEFORM") or s.values[0] in free
 
-    return _with(deck, [s for s in deck.statements if keep(s)], (), "rigid")
+    held = [("FIX", node) for node in _free_warping(deck, stiff - free)]
+    return _with(deck, [s for s in deck.statements if keep(s)], held, "rigid")
+
+
+def _free_warping(deck: Deck, rigid: set[int]) -> list[int]:
+    """Warping nodes that only rigid beams use and no statement gives a class to: they must be fixed."""
+    used: dict[int, bool] = {}
+    for s in deck.of(*ELEMENT_TYPES, block=1):
+        for place in ELEMENT_TYPES[s.keyword].warping:
+            node = s.integer(1 + place)
+            used[node] = used.get(node, True) and s.integer(0) in rigid
+    given = {s.values[0] for s in deck.of("FIX", "INPUTX", "DYNX", "KINX", block=1)}
+    return [node for node, only in used.items() if only and node not in given]
 
 
 def linear_strain(deck: Deck) -> Deck:

@@ -18,8 +18,10 @@ from typing import Any
 import numpy as np
 
 from spacar.deck import Deck
-from spacar.dynamics.dynamics import Dynamics
+from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import UsageError
+from spacar.linearization.matrices import linearize
+from spacar.linearization.state_matrix import chosen_rows, state_matrix
 from spacar.mechanism import build
 from spacar.result import Result
 from spacar.studies.models import BEAMS
@@ -50,8 +52,6 @@ def perturbation(deck: Deck, substeps: int = 1, **options: Any) -> Result:
 
     Raises UsageError where the method does not apply, AnalysisError when the nominal motion cannot be computed.
     """
-    from spacar.linearization.matrices import linearize
-    from spacar.linearization.state_matrix import chosen_rows, state_matrix
     from spacar.simulation.propagation import simulate_ltv
     from spacar.simulation.time_varying import TimeVarying
 

@@ -16,8 +16,8 @@ from __future__ import annotations
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.dynamics.dynamics import Dynamics
-from spacar.dynamics.equations import singular_motion
+from spacar.dynamics.array_evaluator import Dynamics
+from spacar.dynamics.motion_equations import singular_motion
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.mechanism.mechanism import Mechanism
 

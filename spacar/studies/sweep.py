@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from spacar.calls import frames
 from spacar.deck import Deck
 from spacar.errors import SpacarError
 from spacar.result import Result
@@ -107,8 +108,6 @@ def finished(found: Row | None, retry: bool) -> bool:
 
 def run_case(case: Case) -> Row:
     """Run one case to a row; a failure is a row with its reason."""
-    from spacar.calls import frames
-
     study = case.study
     begun = time.perf_counter()
     results: dict[str, float | complex] = {}

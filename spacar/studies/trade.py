@@ -20,16 +20,18 @@ from typing import Any
 import numpy as np
 
 from spacar.arrays import Array
+from spacar.calls import frames
 from spacar.deck import Deck
 from spacar.errors import AnalysisError, UsageError
 from spacar.integrators.methods import METHODS
+from spacar.mechanism import build
 from spacar.modes import find_mode
 from spacar.options import integrator
 from spacar.result import Result
-from spacar.studies.extrapolation import extrapolate
 from spacar.studies.models import linear_strain, refine, rigid
 from spacar.studies.perturbation import perturbation, require_perturbation
 from spacar.studies.quantities import Quantity, quantity
+from spacar.studies.richardson import extrapolate
 from spacar.studies.rows import Row, key
 from spacar.studies.sweep import explain
 
@@ -129,8 +131,6 @@ class Reference:
 
 def default_variables(mode: int, deck: Deck) -> tuple[Quantity, ...]:
     """All coordinates that the motion determines: calculable, dynamic, kinematic. Raises UsageError when too many."""
-    from spacar.mechanism import build
-
     n = build(deck, mode).numbering
     given = {*range(n.x_class["fixed"].stop), *range(n.x_class["input"].start, n.x_class["input"].stop)}
     names = [n.x_owner(i) for i in range(n.nx) if i not in given]
@@ -228,8 +228,6 @@ def _series(variable: Quantity, result: Result) -> list[float]:
 
 
 def _run(trade: Trade, setup: Setup, deck: Deck, options: dict[str, Any]) -> Result:
-    from spacar.calls import frames
-
     if setup.method == "perturbation":
         return perturbation(deck, setup.substeps or 1, **options)
     return Result.collect(frames(trade.mode, deck, **options))
@@ -237,8 +235,6 @@ def _run(trade: Trade, setup: Setup, deck: Deck, options: dict[str, Any]) -> Res
 
 def _options(trade: Trade, setup: Setup, deck: Deck) -> dict[str, Any]:
     """Options of the run of a setup."""
-    from spacar.mechanism import build
-
     options = dict(trade.options)
     if setup.integrator is not None:
         given = build(deck, trade.mode, **options).settings

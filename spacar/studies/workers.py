@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import chain, islice
+from threading import Thread
 from typing import Any
 
 AHEAD = 2  # cases handed over per process
@@ -81,7 +82,6 @@ def _finished(futures: Any) -> Any:
 def _end_with_parent() -> None:
     """Runs first in every process: without it, processes of a killed parent would wait for work for ever."""
     from multiprocessing import parent_process
-    from threading import Thread
 
     parent = parent_process()
     assert parent is not None

@@ -12,12 +12,12 @@ from typing import Any
 import sympy as sp
 
 from spacar.errors import UsageError
+from spacar.symbolic.beam_shapes import X, field_function, shape_functions
 from spacar.symbolic.description import Description
 from spacar.symbolic.fields import Field, Foreshortening
-from spacar.symbolic.frames import Frame, omega, set_omega
-from spacar.symbolic.parts import Beam, Point, Pseudo, Section
-from spacar.symbolic.shapes import X, field_function, shape_functions
-from spacar.symbolic.units import TIME
+from spacar.symbolic.reference_frames import ReferenceFrame, omega, set_omega
+from spacar.symbolic.system_parts import Beam, CrossSection, GeometricPoint, Pseudo
+from spacar.symbolic.unit_vectors import TIME
 from spacar.symbolic.vectors import ZERO, Vector
 
 DEFAULT_SHAPES = 3
@@ -26,8 +26,8 @@ DEFAULT_SHAPES = 3
 def make_beam(
     system: Description,
     name: str,
-    frame: Frame,
-    root: Point,
+    frame: ReferenceFrame,
+    root: GeometricPoint,
     length: Any,
     mass: Any,
     *,
@@ -101,7 +101,7 @@ def along(system: Description, value: Any) -> sp.Expr:
     return system.expression(value, {"x": X}).xreplace({sp.Symbol("x"): X})
 
 
-def make_section(system: Description, beam: Beam, x: sp.Expr) -> Section:
+def make_section(system: Description, beam: Beam, x: sp.Expr) -> CrossSection:
     """The section at x, made once: pseudo-coordinates for the values of the fields there, a point and a frame."""
     if x in beam.sections:
         return beam.sections[x]
@@ -142,7 +142,7 @@ def make_section(system: Description, beam: Beam, x: sp.Expr) -> Section:
     velocity: Vector = beam.root.velocity + system.ddt(system.N, offset)
     public = {"u": "u", "w": "w", "slope": "ux", "slope_w": "wx", "twist": "theta", "stretch": "e"}
     values = {name: pseudo[key] for name, key in public.items() if key in pseudo}
-    section = Section(
+    section = CrossSection(
         f"{beam.name}.tip" if x == beam.length else f"{label}", beam.root, offset, velocity, False, frame, values
     )
     beam.sections[x] = section

@@ -23,8 +23,9 @@ from spacar.errors import AnalysisError, UsageError
 from spacar.symbolic.ordered import OrderedProgram
 
 ITERATIONS = 60
-DRIFT = {"DOP853": 0.1, "Radau": 0.1, "LSODA": 10.0, "BDF": 10.0}
+DRIFT = {"DOP853": 0.1, "Radau": 0.1, "LSODA": 10.0}
 """Correction, in tolerances, from which a run restarts at the projected state; dear for multistep methods."""
+ROUNDING = 8 * np.finfo(float).eps  # of a coordinate of order one
 NEARLY = 1e-3  # largest relative change of given start values that is taken as their rounding
 
 
@@ -156,8 +157,9 @@ class Manifold:
             if gap <= 1e-14 * start:
                 break
         D, _, Jg, _, g, W = self.numbers(t, y)
-        scale = np.abs(Jg) @ np.abs(np.linalg.pinv(W) @ y[:n]) + np.max(np.abs(Jg), axis=1) * 1e-12
-        return y if np.all(np.abs(g) <= 1e-11 * scale) else None
+        # the rounding of coordinates of their size, or of angles near zero, whose own size says nothing
+        scale = 1e-11 * np.abs(Jg) @ np.abs(np.linalg.pinv(W) @ y[:n]) + np.max(np.abs(Jg), axis=1) * ROUNDING
+        return y if np.all(np.abs(g) <= scale) else None
 
     def _close_speeds(self, t: float, y: np.ndarray, fixed: list[bool]) -> np.ndarray:
         n, held = self.nq, np.array(fixed, dtype=bool)
@@ -208,7 +210,7 @@ def _null_space(A: np.ndarray) -> np.ndarray:
 
 
 @dataclass
-class Solution:
+class ProjectedSolution:
     """What `solve_ivp` gives, of an integration in pieces."""
 
     t: np.ndarray
@@ -227,7 +229,7 @@ def integrate(
     y0: np.ndarray,
     method: str,
     options: Mapping[str, Any],
-) -> Solution:
+) -> ProjectedSolution:
     """Integrate and keep to the constraints: outputs are projected, and so is the state when it has drifted."""
     from scipy import integrate as scipy_integrate
 
@@ -238,7 +240,7 @@ def integrate(
     while solver.status == "running":
         message = solver.step()
         if solver.status == "failed":
-            return Solution(
+            return ProjectedSolution(
                 times[:count], np.array(found).T, False, f"{message}. ", nfev + solver.nfev, njev, projections
             )
         if count < len(times) and times[count] <= solver.t:
@@ -250,6 +252,6 @@ def integrate(
         drift = np.max(np.abs(state - solver.y) / (atol + rtol * np.abs(state)))
         if drift > DRIFT[method] and solver.status == "running":
             nfev, njev, projections = nfev + solver.nfev, njev + solver.njev, projections + 1
-            first = {} if method in ("LSODA", "BDF") else {"first_step": min(solver.h_abs, abs(times[-1] - solver.t))}
+            first = {} if method == "LSODA" else {"first_step": min(solver.h_abs, abs(times[-1] - solver.t))}
             solver = make(f, solver.t, state, float(times[-1]), **options, **first)
-    return Solution(times, np.array(found).T, True, "", nfev + solver.nfev, njev + solver.njev, projections)
+    return ProjectedSolution(times, np.array(found).T, True, "", nfev + solver.nfev, njev + solver.njev, projections)

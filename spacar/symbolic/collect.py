@@ -13,7 +13,8 @@ import sympy as sp
 from sympy.utilities.iterables import sift
 
 from spacar.symbolic.derivatives import Recurrence
-from spacar.symbolic.units import HeldScalar, Unit
+from spacar.symbolic.splitting import LinearSplit, common_factors
+from spacar.symbolic.unit_vectors import HeldScalar, Unit
 from spacar.symbolic.vectors import Dyad, Vector
 
 Value = TypeVar("Value", sp.Expr, Vector, Dyad)
@@ -74,9 +75,9 @@ def read_measure_numbers(vector: Vector, table: ZTable, accelerations: Iterable[
 
     With t1 = −q ṡ − 2 s v: the measure number becomes Z1 − q ṡ.
 
-    >>> q, s, v, sdot = sp.symbols("q s v sdot"); from spacar.symbolic.frames import Frame
+    >>> q, s, v, sdot = sp.symbols("q s v sdot"); from spacar.symbolic.reference_frames import ReferenceFrame
     >>> table = ZTable(forbidden=[sdot])
-    >>> print(read_measure_numbers((-q * sdot - 2 * s * v) * Frame("B")[1], table, [sdot]))
+    >>> print(read_measure_numbers((-q * sdot - 2 * s * v) * ReferenceFrame("B")[1], table, [sdot]))
     (Z1 - q*sdot) b1
     """
     return vector.map(lambda c: read_scalar(c, table, accelerations))
@@ -84,41 +85,24 @@ def read_measure_numbers(vector: Vector, table: ZTable, accelerations: Iterable[
 
 def read_scalar(expression: sp.Expr, table: ZTable, accelerations: Iterable[sp.Symbol]) -> sp.Expr:
     """Coefficient of every acceleration and the rest become Z variables: Σ Z_j a_j + Z_0."""
-    present = [a for a in accelerations if expression.has(a)]
-    coefficients, rest = split_linear(expression, present)
-    parts = [table.read(gather_scalars(c)) * a for a, c in zip(present, coefficients, strict=True)]
+    accelerations = list(accelerations)
+    coefficients, rest = split_linear(expression, accelerations)
+    parts = [table.read(gather_scalars(c)) * a for a, c in zip(accelerations, coefficients, strict=True) if c != 0]
     return sp.Add(*parts, table.read(gather_scalars(rest)))
 
 
-def split_linear(expression: sp.Expr, symbols: Iterable[sp.Symbol]) -> tuple[list[sp.Expr], sp.Expr]:
+def split_linear(expression: sp.Expr, symbols: Iterable[sp.Basic]) -> tuple[list[sp.Expr], sp.Expr]:
     """Coefficients and rest of an expression that is linear in `symbols` (ValueError otherwise)."""
     symbols = list(symbols)
-    coefficients = [expression.diff(s) for s in symbols]
-    if any(c.has(*symbols) for c in coefficients if symbols):
-        raise ValueError(f"not linear in {', '.join(map(str, symbols))}: {expression}")
-    return coefficients, expression.xreplace({s: sp.S.Zero for s in symbols})
-
-
-def loosen_dots(value: Value) -> Value:
-    """Expand brackets so that scalars leave the dots: every term is a product of scalars and held atoms."""
-    return distribute_scalars(value)
-
-
-def distribute_scalars(value: Value) -> Value:
-    """Expand the measure numbers of a vector, or a scalar.
-
-    >>> a, b, c = sp.symbols("a b c")
-    >>> distribute_scalars(a * (b + c))
-    a*b + a*c
-    """
-    return _each(value, sp.expand)
+    found, rest = LinearSplit(symbols)(expression)
+    return [found.get(s, sp.S.Zero) for s in symbols], rest
 
 
 def gather_vectors(value: Value) -> Value:
     """One measure number per direction, common factors in front; shared axes of turned frames are merged.
 
-    >>> from spacar.symbolic.frames import Frame
-    >>> q, a, b = sp.symbols("q a b"); N = Frame("N"); B = N.turned("B", 3, q)
+    >>> from spacar.symbolic.reference_frames import ReferenceFrame
+    >>> q, a, b = sp.symbols("q a b"); N = ReferenceFrame("N"); B = N.turned("B", 3, q)
     >>> print(gather_vectors(a * N[3] + (a * b + a) * B[3]))
     a*(b + 2) b3
     """
@@ -131,14 +115,14 @@ def gather_vectors(value: Value) -> Value:
             (latest[key.frame.directions[key.index]] if isinstance(key, Unit) else key, c)
             for key, c in value.terms.items()
         )
-    return _each(value, lambda c: sp.factor_terms(sp.expand(c)))
+    return _each(value, lambda c: common_factors(sp.expand(c)))
 
 
 def gather_dots(value: Value) -> Value:
     """Collect on the held dots and triple products.
 
-    >>> from spacar.symbolic.frames import Frame
-    >>> a, b = sp.symbols("a b"); N, B = Frame("N"), Frame("B"); d = N[1] & B[1]
+    >>> from spacar.symbolic.reference_frames import ReferenceFrame
+    >>> a, b = sp.symbols("a b"); N, B = ReferenceFrame("N"), ReferenceFrame("B"); d = N[1] & B[1]
     >>> gather_dots(a * d + b * d)
     (a + b)*n1.b1
     """
@@ -150,7 +134,7 @@ def gather_dots(value: Value) -> Value:
         for term in sp.Add.make_args(sp.expand(c)):
             held, scalars = sift(sp.Mul.make_args(term), lambda f: f.has(HeldScalar), binary=True)
             parts.setdefault(sp.Mul(*held), []).append(sp.Mul(*scalars))
-        return sp.Add(*(dots * sp.factor_terms(sp.Add(*coefficients)) for dots, coefficients in parts.items()))
+        return sp.Add(*(dots * common_factors(sp.Add(*coefficients)) for dots, coefficients in parts.items()))
 
     return _each(value, collect)
 
@@ -158,58 +142,7 @@ def gather_dots(value: Value) -> Value:
 def gather_scalars(value: Value, symbols: Iterable[sp.Expr] = ()) -> Value:
     """Collect on the given symbols (speeds), then take common factors out of every sum."""
     symbols = list(symbols)
-    return _each(value, lambda c: sp.factor_terms(sp.collect(sp.expand(c), symbols) if symbols else c))
-
-
-def gather_divisors(value: Value) -> Value:
-    """One common denominator in every sum of fractions.
-
-    >>> a, b, L = sp.symbols("a b L")
-    >>> gather_divisors(a / L + b / L**2)
-    (L*a + b)/L**2
-    """
-    return _each(value, sp.together)
-
-
-def minimal_divisions(value: Value, table: ZTable) -> Value:
-    """Replace division by multiplication with precomputed reciprocals, which become Z variables.
-
-    >>> a, L = sp.symbols("a L"); table = ZTable()
-    >>> minimal_divisions(a / L**2, table)
-    Z1**2*a
-    """
-
-    def reciprocal(c: sp.Expr) -> sp.Expr:
-        powers = sorted((p for p in c.atoms(sp.Pow) if p.exp.is_Integer and p.exp < 0), key=sp.default_sort_key)
-        return c.xreplace({p: table.read(1 / p.base) ** -p.exp for p in powers})
-
-    return _each(value, reciprocal)
-
-
-def unsquare(value: Value) -> Value:
-    """x**2, x**3 and x**4 written as products, unevaluated: what a program multiplies.
-
-    >>> x = sp.Symbol("x")
-    >>> unsquare(x**2)
-    x*x
-    """
-
-    def product(c: sp.Expr) -> sp.Expr:
-        powers = [p for p in c.atoms(sp.Pow) if p.exp in (2, 3, 4)]
-        return c.xreplace({p: sp.Mul(*[p.base] * int(p.exp), evaluate=False) for p in powers})
-
-    return _each(value, product)
-
-
-def simplify_rhs(value: Value, speeds: Iterable[sp.Expr] = ()) -> Value:
-    """The shortest of the collected forms; the input itself when no form is shorter."""
-    speeds = list(speeds)
-
-    def best(c: sp.Expr) -> sp.Expr:
-        forms = [c, gather_dots(c), gather_scalars(c), gather_scalars(gather_dots(c), speeds)]
-        return min(forms, key=lambda form: sp.count_ops(form))
-
-    return _each(value, best)
+    return _each(value, lambda c: common_factors(sp.collect(sp.expand(c), symbols) if symbols else c))
 
 
 def _each(value: Value, function: Any) -> Value:
@@ -234,21 +167,3 @@ def definition_order(definitions: Mapping[sp.Symbol, sp.Expr], results: Iterable
                 needed = definitions[symbol].free_symbols & definitions.keys()
                 stack += [(s, False) for s in sorted(needed, key=str, reverse=True) if s not in order]
     return list(order)
-
-
-__all__ = [
-    "ZTable",
-    "definition_order",
-    "distribute_scalars",
-    "gather_divisors",
-    "gather_dots",
-    "gather_scalars",
-    "gather_vectors",
-    "loosen_dots",
-    "minimal_divisions",
-    "read_measure_numbers",
-    "read_scalar",
-    "simplify_rhs",
-    "split_linear",
-    "unsquare",
-]

@@ -24,9 +24,9 @@ from spacar.errors import UsageError
 from spacar.symbolic.collect import split_linear
 from spacar.symbolic.derivatives import rate
 from spacar.symbolic.description import Description
-from spacar.symbolic.parts import Constraint
+from spacar.symbolic.system_parts import Constraint
 from spacar.symbolic.transform import transform
-from spacar.symbolic.units import TIME
+from spacar.symbolic.unit_vectors import TIME
 
 
 @dataclass(frozen=True, eq=False)

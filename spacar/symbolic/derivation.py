@@ -12,7 +12,7 @@ from spacar.symbolic.collect import ZTable
 from spacar.symbolic.constraints import ConstraintRows
 from spacar.symbolic.description import Description
 from spacar.symbolic.transform import DirectionCosines, transform
-from spacar.symbolic.units import HeldScalar
+from spacar.symbolic.unit_vectors import HeldScalar
 
 
 @dataclass(frozen=True)
@@ -82,8 +82,11 @@ class DerivedEquations:
         Accelerations ṡ and constraint forces λ stay symbols. Cosines are memory reads unless `cosines` are given.
         """
         system = self.system
-        value = system.expression(value)
+        value = system.expression(value, outputs=True)
+        known = len(self.table.definitions)
         value = transform(value, cosines or self.cosines) if value.has(HeldScalar) else value
+        for z in list(self.table.definitions)[known:]:  # cosines that the equations did not need
+            self.table.definitions[z] = self.table.definitions[z].xreplace(system.pseudo_values())
         speeds, a = system.field_speeds, system.accelerations
         moved = {a[p.speed]: p.acceleration(speeds, a) for p in system.pseudo if value.has(a[p.speed])}
         return value.xreplace(moved).xreplace(system.pseudo_values())

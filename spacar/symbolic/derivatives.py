@@ -11,8 +11,8 @@ from typing import Any, TypeVar
 
 import sympy as sp
 
-from spacar.symbolic.frames import Frame, unit_rate
-from spacar.symbolic.units import TIME, Key, Unit
+from spacar.symbolic.reference_frames import ReferenceFrame, unit_rate
+from spacar.symbolic.unit_vectors import TIME, Key, Unit
 from spacar.symbolic.vectors import ZERO, Dyad, Vector, cross, outer
 
 Held = TypeVar("Held", sp.Expr, Vector, Dyad)
@@ -34,12 +34,12 @@ def rate(expression: Any) -> sp.Expr:
     return expression.diff(TIME)
 
 
-def dvdt(frame: Frame, value: Held) -> Held:
+def dvdt(frame: ReferenceFrame, value: Held) -> Held:
     """Time derivative of a scalar, vector or dyad as seen from `frame` (DvDt of the paper, table 6).
 
     >>> from sympy.physics.vector import dynamicsymbols
     >>> q, L = dynamicsymbols("q"), sp.Symbol("L")
-    >>> N = Frame("N"); B = N.turned("B", 3, q)
+    >>> N = ReferenceFrame("N"); B = N.turned("B", 3, q)
     >>> print(dvdt(N, L * B[1]))
     L*q_dot b2
     """
@@ -56,7 +56,7 @@ def dvdt(frame: Frame, value: Held) -> Held:
     return rate(value)
 
 
-def _key_rate(frame: Frame, key: Key) -> Vector:
+def _key_rate(frame: ReferenceFrame, key: Key) -> Vector:
     if isinstance(key, Unit):
         return unit_rate(frame, key)
     a, b = Vector({key.a: 1}), Vector({key.b: 1})
@@ -67,7 +67,7 @@ def partial_velocity(velocity: Held, speed: Any) -> Held:
     """Partial derivative of a velocity or angular velocity to a generalized speed (Pvel, table 15).
 
     >>> from sympy.physics.vector import dynamicsymbols
-    >>> s = dynamicsymbols("s"); L = sp.Symbol("L"); N = Frame("N")
+    >>> s = dynamicsymbols("s"); L = sp.Symbol("L"); N = ReferenceFrame("N")
     >>> print(partial_velocity(L * s * N[1] + s**2 * N[2], s))
     L n1 + 2*s n2
     """

@@ -1,6 +1,6 @@
 """The description of a multibody system: coordinates, frames, points, bodies, loads, constraints, as lists of records.
 
-Nothing is derived here. `system.System` adds beams, whose fields need coordinates of this description, and the
+Nothing is derived here. `system.MultibodySystem` adds beams, whose fields need coordinates of this description, and the
 derivation. Source: `symbolic.md`, sections 3 and 6.
 """
 
@@ -13,34 +13,50 @@ from typing import Any
 import sympy as sp
 
 from spacar.errors import UsageError
+from spacar.symbolic.beam_shapes import X
 from spacar.symbolic.derivatives import dvdt
-from spacar.symbolic.expressions import read_expression
-from spacar.symbolic.frames import Frame, omega, set_omega
-from spacar.symbolic.parts import Beam, Constraint, Load, Point, Pseudo, RigidBody, Section, Spring
+from spacar.symbolic.model_names import ModelNames
+from spacar.symbolic.reference_frames import Attitude, ReferenceFrame, omega, set_omega
+from spacar.symbolic.scalar_reader import read_expression, read_number
+from spacar.symbolic.system_parts import (
+    Beam,
+    Constraint,
+    CrossSection,
+    DistributedLoad,
+    GeometricPoint,
+    Load,
+    Pseudo,
+    RigidBody,
+    Spring,
+)
 from spacar.symbolic.transform import transform
-from spacar.symbolic.units import TIME
+from spacar.symbolic.unit_vectors import TIME, Key
 from spacar.symbolic.vectors import ZERO, Dyad, Vector
 
 _INERTIA = ((1, 1), (2, 2), (3, 3), (1, 2), (2, 3), (3, 1))
 
 
 class Description:
-    """What is written down of a system in the inertial frame `N` with origin `O`; see `system.System`."""
+    """What is written down of a system in the inertial frame `N` with origin `O`; see `system.MultibodySystem`."""
 
     def __init__(self, gravity: Any = (0, 0, 0), title: str = "") -> None:
         self.title = title
         self.names: dict[str, str] = {}
-        self.N = Frame("N", "n")
-        self.O = Point("O", None, ZERO, ZERO)
+        self.parameters_declared: dict[str, sp.Symbol] | None = None
+        self.N = ReferenceFrame("N", "n")
+        self.O = GeometricPoint("O", None, ZERO, ZERO)
         self.coordinates: list[sp.Expr] = []
         self.speeds: list[sp.Expr] = []
         self.rates: dict[sp.Basic, sp.Expr] = {}
         self.accelerations: dict[sp.Expr, sp.Symbol] = {}
         self.pseudo: list[Pseudo] = []
+        self.quaternions: list[tuple[sp.Expr, ...]] = []
         self.inputs: dict[sp.Symbol, sp.Expr | None] = {}
+        self.points: list[GeometricPoint] = []
         self.bodies: list[RigidBody] = []
         self.beams: list[Beam] = []
         self.loads: list[Load] = []
+        self.distributed_loads: list[DistributedLoad] = []
         self.springs: list[Spring] = []
         self.constraints: list[Constraint] = []
         self.gravity = gravity if isinstance(gravity, Vector) else self.vector(gravity, self.N)
@@ -56,19 +72,23 @@ class Description:
             )
         self.names[name.lower()] = what
 
-    def expression(self, value: Any, names: Mapping[str, sp.Expr] | None = None) -> sp.Expr:
-        """A scalar from a number, an expression, or a text in which names other than known `names` are parameters."""
-        if isinstance(value, str):
-            known = {str(f.func): f for f in [*self.coordinates, *self.speeds]}
-            known |= {
-                s.name: s for s in [*self.inputs, *self.accelerations.values(), *(c.force for c in self.constraints)]
-            }
-            known |= {str(f.func): f for p in self.pseudo for f in (p.coordinate, p.speed)}
-            known |= {"t": TIME, **(names or {})}
-            value = read_expression(value, known, unknown=lambda name: sp.Symbol(name, real=True))
-        return sp.sympify(value).xreplace(self.rates)
+    def expression(self, value: Any, names: Mapping[str, sp.Expr] | None = None, outputs: bool = False) -> sp.Expr:
+        """A scalar from a number, a SymPy expression, or a text; the one reader of model files and of Python.
 
-    def vector(self, components: Sequence[Any], frame: Frame) -> Vector:
+        The names of a text: `model_names.py`, and `names`. Others are parameters, or an error where parameters are
+        declared (`parameters_declared`). Decimal numbers are exact. Raises UsageError for anything that is no scalar.
+        """
+        if isinstance(value, str):
+            unknown = None if self.parameters_declared is not None else _parameter
+            value = read_expression(value, ModelNames(self, names or {}, outputs), unknown)
+        elif isinstance(value, float):
+            value = read_number(value)
+        try:
+            return sp.sympify(value, strict=True).xreplace(self.rates)
+        except sp.SympifyError:
+            raise UsageError(f"{value!r} is no expression: give a number, a text or a SymPy expression") from None
+
+    def vector(self, components: Sequence[Any], frame: ReferenceFrame) -> Vector:
         """A vector from three measure numbers in a frame."""
         if isinstance(components, str) or not hasattr(components, "__len__") or len(components) != 3:
             raise UsageError(f"a vector needs a list of 3 measure numbers, not {components!r}")
@@ -136,20 +156,20 @@ class Description:
         values = {p.coordinate: p.value for p in self.pseudo}
         return values | {p.speed: p.rate(speeds) for p in self.pseudo}
 
-    def ddt(self, frame: Frame, value: Any) -> Any:
+    def ddt(self, frame: ReferenceFrame, value: Any) -> Any:
         """Time derivative from `frame` with the kinematic equations put in: q̇ -> speeds, ṡ -> acceleration symbols."""
         return dvdt(frame, value).xreplace(self.rates)
 
     # -- frames and points -------------------------------------------------------------------------------------
 
     def frame(
-        self, name: str, parent: Frame | Section, axis: int | str, angle: Any, symbol: str | None = None
-    ) -> Frame:
+        self, name: str, parent: ReferenceFrame | CrossSection, axis: int | str, angle: Any, symbol: str | None = None
+    ) -> ReferenceFrame:
         """A frame turned about axis 1, 2 or 3 of its parent (a frame or a beam section) by `angle` [rad].
 
         A sequence as "321" or "zyx" turns about axes that move along, by as many angles: yaw, pitch and roll.
         """
-        base = parent.frame if isinstance(parent, Section) else parent
+        base = parent.frame if isinstance(parent, CrossSection) else parent
         if isinstance(axis, str):
             return self._sequence(name, base, axis, angle, symbol)
         if axis not in (1, 2, 3):
@@ -158,7 +178,7 @@ class Description:
         set_omega(base, turned, omega(base, turned).xreplace(self.rates))
         return turned
 
-    def _sequence(self, name: str, base: Frame, axes: str, angles: Any, symbol: str | None) -> Frame:
+    def _sequence(self, name: str, base: ReferenceFrame, axes: str, angles: Any, symbol: str | None) -> ReferenceFrame:
         """Turns one after the other; the frames between are NAME_1, NAME_2."""
         numbers = [int(a) for a in axes.lower().translate(str.maketrans("xyz", "123")) if a in "123"]
         if not numbers or len(numbers) != len(axes) or any(a == b for a, b in pairwise(numbers)):
@@ -172,28 +192,66 @@ class Description:
             base = self.frame(name if last else f"{name}_{k}", base, number, angle, symbol if last else None)
         return base
 
-    def point(self, name: str, base: Point, offset: Vector = ZERO, velocity: Vector | None = None) -> Point:
+    def attitude(
+        self, name: str, parent: ReferenceFrame | CrossSection, quaternion: Any, speeds: Any, symbol: str | None = None
+    ) -> ReferenceFrame:
+        """A frame that may turn freely, by a quaternion (e0, e) and the angular velocity ω = Σ w_i b_i in its parent.
+
+        `quaternion` and `speeds` are letters of new coordinates `e0` … `e3` and speeds `w1` … `w3`, or those themselves
+        (4 and 3). Without singular position. The kinematic equations ė = ½ e∘(0, ω) keep |e|, and the direction
+        cosines are those of e/|e|: whatever an integration does to |e| changes nothing that moves.
+
+            R = 1 + (2/|e|²) (e0 ẽ + ẽ ẽ),   ẽ x = (e1, e2, e3) × x,   ė0 = −½ e·ω,   ė = ½ (e0 ω + e × ω)
+
+        Source: theory-spatial.md, section 1.
+        """
+        base = parent.frame if isinstance(parent, CrossSection) else parent
+        if isinstance(quaternion, str):
+            quaternion = [self.coordinate(f"{quaternion}{i}") for i in range(4)]
+        if isinstance(speeds, str):
+            speeds = [self.speed(f"{speeds}{i}") for i in (1, 2, 3)]
+        if len(quaternion) != 4 or len(speeds) != 3:
+            raise UsageError(f"frame {name}: a quaternion has 4 coordinates and 3 speeds")
+        e0, e, w = quaternion[0], sp.Matrix(quaternion[1:]), sp.Matrix(speeds)
+        for q, rate in zip(quaternion, [-e.dot(w) / 2, *((e0 * w + e.cross(w)) / 2)], strict=True):
+            self.kinematic(q, rate)
+        tilde = sp.Matrix([[0, -e[2], e[1]], [e[2], 0, -e[0]], [-e[1], e[0], 0]])
+        scale = 2 / (e0**2 + e.dot(e))
+        frame = ReferenceFrame(name, symbol)
+        frame.attitude = Attitude(base, sp.eye(3) + scale * (e0 * tilde + tilde * tilde))
+        set_omega(base, frame, sum((s * frame[i] for i, s in enumerate(speeds, 1)), ZERO))
+        self.quaternions.append(tuple(quaternion))
+        return frame
+
+    def point(
+        self, name: str, base: GeometricPoint, offset: Vector = ZERO, velocity: Vector | None = None
+    ) -> GeometricPoint:
         """The point at `offset` from `base`; `velocity` in N may be given when the constraints of speeds are known."""
         _demand_vector(f"point {name}: offset", offset)
         if velocity is not None:
             _demand_vector(f"point {name}: velocity", velocity)
         offset = offset.xreplace(self.rates)
-        if velocity is not None:
-            return Point(name, base, offset, velocity.xreplace(self.rates), given=True)
-        return Point(name, base, offset, base.velocity + self.ddt(self.N, offset))
+        if velocity is None:
+            made = GeometricPoint(name, base, offset, base.velocity + self.ddt(self.N, offset))
+        else:
+            made = GeometricPoint(name, base, offset, velocity.xreplace(self.rates), given=True)
+        self.points.append(made)
+        return made
 
     # -- bodies ------------------------------------------------------------------------------------------------
 
-    def particle(self, name: str, point: Point, mass: Any) -> RigidBody:
+    def particle(self, name: str, point: GeometricPoint, mass: Any) -> RigidBody:
         """A mass point."""
         return self._add_body(RigidBody(name, point, self.expression(mass)))
 
-    def rigid_body(self, name: str, frame: Frame | Section, at: Point, mass: Any, inertia: Any = None) -> RigidBody:
+    def rigid_body(
+        self, name: str, frame: ReferenceFrame | CrossSection, at: GeometricPoint, mass: Any, inertia: Any = None
+    ) -> RigidBody:
         """A rigid body with mass centre `at`, fixed in `frame`.
 
         `inertia`: central inertia dyad, or (I11, I22, I33[, I12, I23, I31]) in `frame` [kg m²].
         """
-        frame = frame.frame if isinstance(frame, Section) else frame
+        frame = frame.frame if isinstance(frame, CrossSection) else frame
         if not isinstance(inertia, Dyad):
             if inertia is not None and (isinstance(inertia, str) or not hasattr(inertia, "__len__")):
                 raise UsageError(f"body {name}: inertia must be a dyad or 3 or 6 numbers, not {inertia!r}", "inertia")
@@ -215,18 +273,37 @@ class Description:
 
     # -- loads and constraints ---------------------------------------------------------------------------------
 
-    def force(self, point: Point, vector: Vector) -> None:
+    def force(self, point: GeometricPoint, vector: Vector) -> None:
         """A force on a point."""
         _demand_vector("force", vector)
         self.loads.append(Load(vector.xreplace(self.rates), point=point))
 
-    def torque(self, frame: Frame | Section, vector: Vector, reaction: Frame | Section | None = None) -> None:
+    def torque(
+        self,
+        frame: ReferenceFrame | CrossSection,
+        vector: Vector,
+        reaction: ReferenceFrame | CrossSection | None = None,
+    ) -> None:
         """A torque on a frame, with the opposite torque on the frame `reaction`. A motor at a tip reacts on the tip."""
         _demand_vector("torque", vector)
-        on, by = (f.frame if isinstance(f, Section) else f for f in (frame, reaction))
+        on, by = (f.frame if isinstance(f, CrossSection) else f for f in (frame, reaction))
         self.loads.append(Load(vector.xreplace(self.rates), frame=on, reaction=by))
 
-    def spring(self, a: Point, b: Point, stiffness: Any, length: Any = 0, damping: Any = 0) -> None:
+    def distributed(self, beam: Beam, vector: Vector) -> None:
+        """A force per length [N/m] on the middle line of a beam; its measure numbers may depend on `x` along the beam,
+        as polynomials, and on states and time. Source: (B) of `held.py`, f."""
+        _demand_vector(f"load on beam {beam.name}", vector)
+        parts: dict[sp.Expr, dict[Key, list[sp.Expr]]] = {}
+        for key, c in vector.xreplace(self.rates).terms.items():
+            for term in sp.Add.make_args(sp.expand(c)):
+                factor, along = term.as_independent(X, as_Add=False)
+                if not along.is_polynomial(X):
+                    raise UsageError(f"load on beam {beam.name}: {along} is not a polynomial in x", "field")
+                parts.setdefault(along, {}).setdefault(key, []).append(factor)
+        loads = ((Vector({k: sp.Add(*c) for k, c in terms.items()}), along) for along, terms in parts.items())
+        self.distributed_loads.append(DistributedLoad(beam, tuple(loads)))
+
+    def spring(self, a: GeometricPoint, b: GeometricPoint, stiffness: Any, length: Any = 0, damping: Any = 0) -> None:
         """A linear spring with a damper between two points; `length` is the length without force."""
         line = b.position - a.position
         now = sp.sqrt(sp.expand(line & line))
@@ -256,7 +333,9 @@ class Description:
         self.constraints.append(Constraint(name, velocity, position, force))
         return force
 
-    def close(self, a: Point, b: Point, directions: Any = None, name: str | None = None) -> tuple[sp.Symbol, ...]:
+    def close(
+        self, a: GeometricPoint, b: GeometricPoint, directions: Any = None, name: str | None = None
+    ) -> tuple[sp.Symbol, ...]:
         """Close a loop: points `a` and `b` coincide along `directions` (unit vectors; default all three of N).
 
         Directions in which the points coincide in every configuration, as out of the plane of a planar mechanism, are
@@ -281,6 +360,10 @@ class Description:
 
     def all_loads(self) -> list[Load]:
         return [*self.loads, *(load for spring in self.springs for load in spring.loads())]
+
+
+def _parameter(name: str) -> sp.Symbol:
+    return sp.Symbol(name, real=True)
 
 
 def _demand_vector(what: str, value: Any) -> None:

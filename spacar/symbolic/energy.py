@@ -5,12 +5,12 @@ from __future__ import annotations
 import sympy as sp
 
 from spacar.errors import UsageError
+from spacar.symbolic.beam_shapes import X, integral
 from spacar.symbolic.derivation import DerivedEquations
 from spacar.symbolic.description import Description
-from spacar.symbolic.frames import omega
 from spacar.symbolic.held import damping_force
-from spacar.symbolic.parts import Point
-from spacar.symbolic.shapes import X, integral
+from spacar.symbolic.reference_frames import omega
+from spacar.symbolic.system_parts import DistributedLoad, GeometricPoint
 from spacar.symbolic.vectors import Vector, dot
 
 
@@ -44,9 +44,9 @@ def potential_energy(eq: DerivedEquations) -> sp.Expr:
     return eq.scalar(total)
 
 
-def position(system: Description, point: Point) -> Vector:
+def position(system: Description, point: GeometricPoint) -> Vector:
     """Position from the origin. UsageError for a point of which only the velocity is known, under gravity."""
-    here: Point | None = point
+    here: GeometricPoint | None = point
     while here is not None and system.gravity:
         if here.given and here.base is system.O and not here.offset:
             raise UsageError(f"point {here.name} has no position: potential energy is unknown")
@@ -64,8 +64,22 @@ def power(eq: DerivedEquations) -> sp.Expr:
         for frame, sign in ((load.frame, 1), (load.reaction, -1)):
             if frame is not None:
                 total += sign * dot(load.vector, omega(system.N, frame))
+    for spread in system.distributed_loads:
+        total += _power_along(system, spread)
     for beam in system.beams:
         for f in beam.fields:
             for s, psi in zip(f.speeds, f.shapes, strict=True):
                 total -= s * damping_force(beam, f, psi)
     return eq.scalar(total)
+
+
+def _power_along(system: Description, load: DistributedLoad) -> sp.Expr:
+    """∫ f·v dx of a force per length."""
+    beam = load.beam
+    rule: dict[sp.Basic, sp.Expr] = {}
+    for f in beam.fields:
+        rule |= f.substitution(system.accelerations)
+    if beam.shortening:
+        rule |= beam.shortening.substitution(system.accelerations)
+    velocity = beam.root.velocity + system.ddt(system.N, beam.offset).xreplace(rule)
+    return integral(dot(load.vector, velocity), X, beam.length)

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from spacar.symbolic.shapes import X, running_integral, weighted_integral
-from spacar.symbolic.units import TIME
+from spacar.symbolic.beam_shapes import X, running_integral, weighted_integral
+from spacar.symbolic.unit_vectors import TIME
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from spacar.symbolic.beam_shapes import X, integral
 from spacar.symbolic.collect import (
     ZTable,
     gather_dots,
@@ -22,17 +23,18 @@ from spacar.symbolic.collect import (
     gather_vectors,
     read_measure_numbers,
     read_scalar,
+    split_linear,
 )
 from spacar.symbolic.derivation import Derivation
 from spacar.symbolic.derivatives import partial_velocity
 from spacar.symbolic.description import Description
 from spacar.symbolic.fields import Field
-from spacar.symbolic.frames import omega
 from spacar.symbolic.moments import Form, Integrals, collected
-from spacar.symbolic.parts import Beam, RigidBody
-from spacar.symbolic.shapes import X, integral
+from spacar.symbolic.reference_frames import omega
+from spacar.symbolic.splitting import LinearSplit
+from spacar.symbolic.system_parts import Beam, DistributedLoad, RigidBody
 from spacar.symbolic.transform import DirectionCosines
-from spacar.symbolic.units import TIME, HeldScalar
+from spacar.symbolic.unit_vectors import TIME, HeldScalar, Key
 from spacar.symbolic.vectors import ZERO, Vector, cross, dot
 
 
@@ -47,7 +49,7 @@ class Wrench:
 
 
 @dataclass(frozen=True)
-class Part:
+class VectorPart:
     """vector · factor · form(x), the vector without x, the factor an acceleration symbol or one."""
 
     vector: Vector
@@ -89,7 +91,7 @@ class HeldDerivation:
         self.table = ZTable(forbidden=self.accelerations)
         self.values: dict[sp.Expr, sp.Expr] = {}
         self._accelerations_of: dict[Vector, Vector] = {}
-        self._relative: dict[Beam, list[Part]] = {}
+        self._relative: dict[Beam, list[VectorPart]] = {}
         self._integrals: dict[Beam, Integrals] = {}
 
     # -- Z variables -------------------------------------------------------------------------------------------
@@ -132,6 +134,21 @@ class HeldDerivation:
         torque -= self.integrate(beam, self.section_momentum_rate(beam))
         return Wrench(beam.root.velocity, force, omega(self.system.N, beam.frame), torque)
 
+    def distributed(self, load: DistributedLoad) -> Wrench:
+        """∫ f dx and ∫ r × f dx of a load about the root of its beam."""
+        beam, plain = load.beam, self.lengths(load.beam)
+        place = self.split(beam, beam.offset)
+        force = sum((v * plain.integral({sp.S.One: g}) for v, g in load.parts), ZERO)
+        torque = sum(
+            (cross(p.vector, v) * plain.integral(p.form, {sp.S.One: g}) for p in place for v, g in load.parts), ZERO
+        )
+        return Wrench(beam.root.velocity, force, omega(self.system.N, beam.frame), torque)
+
+    def lengths(self, beam: Beam) -> Integrals:
+        """The integrals along a beam without its mass."""
+        read = self.table.read if self.recurrence else lambda expression: expression
+        return Integrals(read, beam, sp.S.One)
+
     def integrals(self, beam: Beam) -> Integrals:
         """The integrals along a beam, memory reads when recurrence is on."""
         if beam not in self._integrals:
@@ -139,24 +156,26 @@ class HeldDerivation:
             self._integrals[beam] = Integrals(read, beam)
         return self._integrals[beam]
 
-    def relative_acceleration(self, beam: Beam) -> list[Part]:
+    def relative_acceleration(self, beam: Beam) -> list[VectorPart]:
         """Acceleration in N of the mass point x relative to the root, in parts."""
         if beam not in self._relative:
             N = self.system.N
             self._relative[beam] = self.split(beam, self.system.ddt(N, self.system.ddt(N, beam.offset)))
         return self._relative[beam]
 
-    def split(self, beam: Beam, value: Vector) -> list[Part]:
+    def split(self, beam: Beam, value: Vector) -> list[VectorPart]:
         """A vector that is linear in x and in the field symbols u(x, t), u_t, u_tt, with the assumed fields put in."""
         known = beam_functions(beam, self.system.accelerations)
         mark = {symbol: sp.Dummy() for symbol in known}
-        marked = value.xreplace(mark)
-        parts = []
-        for symbol, dummy in mark.items():
-            direction = marked.map(lambda c, dummy=dummy: c.diff(dummy))
-            if direction:
-                parts += [Part(direction, factor, form) for factor, form in known[symbol]]
-        return parts
+        split = LinearSplit(mark.values())
+        terms: dict[sp.Basic, dict[Key, sp.Expr]] = {key: {} for key in mark.values()}
+        for key, c in value.xreplace(mark).terms.items():
+            for dummy, coefficient in split(c)[0].items():
+                terms[dummy][key] = coefficient
+        directions = ((symbol, Vector(terms[dummy])) for symbol, dummy in mark.items() if terms[dummy])
+        return [
+            VectorPart(direction, factor, form) for symbol, direction in directions for factor, form in known[symbol]
+        ]
 
     def section_momentum_rate(self, beam: Beam) -> Vector:
         """d/dt of the polar momentum ρ_p (w·b1 + θ_t) b1 of a section."""
@@ -184,6 +203,7 @@ class HeldDerivation:
     def wrenches(self) -> list[Wrench]:
         N = self.system.N
         wrenches = [*map(self.body, self.system.bodies), *map(self.beam, self.system.beams)]
+        wrenches += map(self.distributed, self.system.distributed_loads)
         for load in self.system.all_loads():
             if load.point is not None:
                 wrenches.append(Wrench(load.point.velocity, load.vector, ZERO, ZERO))
@@ -222,6 +242,12 @@ class HeldDerivation:
                 if f.kind == "twist":
                     inner -= integral(psi * dot(b1, self.section_momentum_rate(beam)), X, beam.length)
                 inner -= f.strain_energy(beam.length).diff(q) + damping_force(beam, f, psi)
+                for load in self.system.distributed_loads:
+                    if load.beam is beam:
+                        parts += [
+                            dot(e, v) * self.lengths(beam).integral(form, {sp.S.One: g})
+                            for e, form in move for v, g in load.parts
+                        ]  # fmt: skip
                 parts.append(
                     read_scalar(inner, self.table, self.accelerations) if self.recurrence else gather_scalars(inner)
                 )
@@ -253,14 +279,13 @@ def derive_held(system: Description, recurrence: bool = True) -> Derivation:
     cosines = DirectionCosines(steps.table if recurrence else None)
     finish = _finisher(system, steps, cosines)
     symbols = [system.accelerations[s] for s in extended]
-    none = dict.fromkeys(symbols, sp.S.Zero)
-    rows = {s: held[s] for s in extended}
     n = len(extended)
-    I = sp.zeros(n, n)
+    I, E0 = sp.zeros(n, n), sp.zeros(n, 1)
     for i, s in enumerate(extended):
+        coefficients, rest = split_linear(held[s], symbols)
+        E0[i] = finish(rest)
         for j in range(i, n):
-            I[i, j] = I[j, i] = finish(-rows[s].diff(symbols[j]))
-    E0 = sp.Matrix([finish(rows[s].xreplace(none)) for s in extended])
+            I[i, j] = I[j, i] = finish(-coefficients[j])
     boundary = {p.speed: p for p in system.pseudo}
     complete = {s: held[s] + _boundary_terms(system, held, s) for s in system.speeds} | {s: held[s] for s in boundary}
     T, t = _pseudo_relations(system, finish)

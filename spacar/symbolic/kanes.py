@@ -1,6 +1,6 @@
 """Import of models made with `sympy.physics.mechanics`: equations of a `KanesMethod` as a program source.
 
-SymPy's own derivation becomes an `Equations`-like result, so that the program, the emitters and the simulation serve
+SymPy's own derivation becomes `SymbolicEquations`, so that the program, the emitters and the simulation serve
 it too, and the two derivations can be compared.
 """
 
@@ -10,24 +10,24 @@ import sympy as sp
 from sympy.physics.mechanics import KanesMethod
 
 from spacar.symbolic.collect import ZTable
-from spacar.symbolic.equations import Equations
-from spacar.symbolic.system import System
+from spacar.symbolic.symbolic_equations import SymbolicEquations
+from spacar.symbolic.system import MultibodySystem
 from spacar.symbolic.transform import DirectionCosines
-from spacar.symbolic.units import TIME
+from spacar.symbolic.unit_vectors import TIME
 
 
-def from_kanes_method(kane: KanesMethod, title: str = "") -> Equations:
+def from_kanes_method(kane: KanesMethod, title: str = "") -> SymbolicEquations:
     """Equations of a KanesMethod whose `kanes_equations` were formed; dependent speeds are not supported.
 
     Raises ValueError for systems with dependent speeds or coordinates.
     """
     if len(kane.u) != kane.mass_matrix.rows or getattr(kane, "_udep", None):
-        raise ValueError("systems with dependent speeds are not supported: use System.constraint")
-    system = System(title=title)
+        raise ValueError("systems with dependent speeds are not supported: use MultibodySystem.constraint")
+    system = MultibodySystem(title=title)
     kinematics = kane.kindiffdict()
     system.coordinates, system.speeds = list(kane.q), list(kane.u)
     system.rates = {q.diff(TIME): kinematics[q.diff(TIME)] for q in kane.q}
-    return Equations(
+    return SymbolicEquations(
         system=system,
         strategy="kane",
         coordinates=tuple(kane.q),

@@ -1,26 +1,28 @@
 """One reading of a TOML model file: its tables, the types of their keys, the names they claim.
 
-Errors name the file, the table, the key, and what was expected. The keys: `tables.py`; what they mean: `model.py`.
+Errors name the file, the table, the key, and what was expected. Keys: `model_tables.py`; meaning: `model_reader.py`.
 """
 
 from __future__ import annotations
 
 import difflib
+import hashlib
 import sys
 from importlib import import_module
 from pathlib import Path
 from typing import Any, NoReturn
 
 from spacar.errors import InputError, Message, UsageError
-from spacar.symbolic.names import control_character, is_name
-from spacar.symbolic.tables import KINDS, REFERENCES, SINGLE, TABLES, Key
+from spacar.symbolic.model_tables import KINDS, REFERENCES, SINGLE, TABLES, Key
+from spacar.symbolic.name_rules import control_character, is_name
 
 
 class ModelFile:
     """The file; `place` is where its reader is, for messages, `claimed` the names with their places."""
 
-    def __init__(self, path: Path) -> None:
-        self.path, self.place = path, ""
+    def __init__(self, path: Path, data: bytes | None = None) -> None:
+        self.data = data  # instead of what the file holds
+        self.path, self.place, self.sha256 = path, "", ""
         self.claimed: list[tuple[str, str]] = []
 
     def fail(self, text: str, code: str = "input") -> NoReturn:
@@ -31,7 +33,9 @@ class ModelFile:
     def tables(self) -> dict[str, Any]:
         toml = import_module("tomllib" if sys.version_info >= (3, 11) else "tomli")
         try:
-            tables: dict[str, Any] = toml.loads(self.path.read_text(encoding="utf-8"))
+            data = self.path.read_bytes() if self.data is None else self.data
+            self.sha256 = hashlib.sha256(data).hexdigest()
+            tables: dict[str, Any] = toml.loads(data.decode("utf-8").replace("\r\n", "\n"))
         except ValueError as error:
             self.fail(f"cannot read the file: {error}", "syntax")
         except RecursionError:

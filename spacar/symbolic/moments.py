@@ -10,8 +10,9 @@ from collections.abc import Callable, Iterable
 
 import sympy as sp
 
-from spacar.symbolic.parts import Beam
-from spacar.symbolic.shapes import X, weighted_integral
+from spacar.symbolic.beam_shapes import X, weighted_integral
+from spacar.symbolic.splitting import common_factors
+from spacar.symbolic.system_parts import Beam
 
 Form = dict[sp.Expr, sp.Expr]
 Forms = tuple[Form, Form, Form]
@@ -29,10 +30,11 @@ def swing(C: sp.Matrix) -> sp.Matrix:
 
 
 class Integrals:
-    """∫ρ a b dx of one beam as memory reads, every pair of functions of x integrated once."""
+    """∫ρ a b dx of one beam as memory reads, every pair of functions of x integrated once; `weight` instead of ρ."""
 
-    def __init__(self, read: Callable[[sp.Expr], sp.Expr], beam: Beam) -> None:
+    def __init__(self, read: Callable[[sp.Expr], sp.Expr], beam: Beam, weight: sp.Expr | None = None) -> None:
         self.read, self.beam = read, beam
+        self.weight = beam.mass if weight is None else weight
         self._pairs: dict[tuple[sp.Expr, sp.Expr], sp.Expr] = {}
 
     def integral(self, a: Form, b: Form = _UNIT) -> sp.Expr:
@@ -42,11 +44,11 @@ class Integrals:
             for n, g in b.items():
                 parts.setdefault(m * n, []).append(self._pair(f, g))
         terms = [self.read(sp.Add(*values)) * m for m, values in parts.items()]
-        return self.read(sp.factor_terms(sp.Add(*terms)))
+        return self.read(common_factors(sp.Add(*terms)))
 
     def _pair(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
         if (f, g) not in self._pairs:
-            value = weighted_integral(self.beam.mass, f, g, X, self.beam.length)
+            value = weighted_integral(self.weight, f, g, X, self.beam.length)
             self._pairs[f, g] = self._pairs[g, f] = value
         return self._pairs[f, g]
 

@@ -16,7 +16,7 @@ from sympy.core.function import AppliedUndef
 
 from spacar.errors import UsageError
 from spacar.symbolic.collect import definition_order
-from spacar.symbolic.units import TIME
+from spacar.symbolic.unit_vectors import TIME
 
 Assignments = tuple[tuple[sp.Symbol, sp.Expr], ...]
 
@@ -55,7 +55,8 @@ class OrderedProgram:
     `parameters` p, `coordinates` and `speeds` (the state is y = (q, s)), `inputs` {symbol: expression or None};
     `once` reads p; `step` reads p, once, y and inputs. `mass` holds the upper triangle row by row, `rhs` f, `rates`
     q̇, all short expressions in the assigned symbols. Outputs may read the `accelerations` ṡ and the forces of the
-    `constraints`; `fields` are the states of beam fields. `seconds` is the time of the derivation.
+    `constraints`; `fields` are the states of beam fields,
+    `quaternions` the places in the state of the coordinates of unit length. `seconds` is the time of the derivation.
     """
 
     title: str
@@ -73,6 +74,7 @@ class OrderedProgram:
     constraints: Constrained | None = None
     fields: tuple[sp.Symbol, ...] = ()
     positive: tuple[tuple[str, sp.Symbol, bool], ...] = ()
+    quaternions: tuple[tuple[int, ...], ...] = ()
     seconds: float = 0.0
 
     @property

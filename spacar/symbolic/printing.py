@@ -15,7 +15,7 @@ from sympy.core.function import AppliedUndef
 from sympy.printing.latex import LatexPrinter
 from sympy.printing.str import StrPrinter
 
-from spacar.symbolic.units import TIME, HeldCross, HeldScalar, Key, Unit, unit_latex
+from spacar.symbolic.unit_vectors import TIME, HeldCross, HeldScalar, Key, Unit, unit_latex
 
 _CROSS = {"text": " >< ", "unicode": " × ", "latex": r" \times "}
 _SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
@@ -150,8 +150,8 @@ def unicode(value: Any) -> str:
 def latex(value: Any) -> str:
     """LaTeX of a scalar, vector or dyad.
 
-    >>> from spacar.symbolic.frames import Frame
-    >>> N, B = Frame("N", "n"), Frame("B1", "b1")
+    >>> from spacar.symbolic.reference_frames import ReferenceFrame
+    >>> N, B = ReferenceFrame("N", "n"), ReferenceFrame("B1", "b1")
     >>> print(latex(N[1] ^ B[2]))
     \\hat{n}_{1} \\times \\hat{b}_{12}
     """

@@ -12,25 +12,25 @@ import sympy as sp
 
 from spacar.errors import UsageError
 from spacar.symbolic.collect import definition_order
-from spacar.symbolic.compiled import CompiledFunction
+from spacar.symbolic.compiled_program import CompiledFunction
 from spacar.symbolic.constraints import ConstraintRows
 from spacar.symbolic.derivation import DerivedEquations
 from spacar.symbolic.emit import emit
-from spacar.symbolic.jacobian import Jacobian, jacobian_of
 from spacar.symbolic.ordered import Constrained, OrderedProgram, plain_symbols
-from spacar.symbolic.run import make_function, simulate
+from spacar.symbolic.program_jacobian import Jacobian, jacobian_of
 from spacar.symbolic.sharing import NameSource, share
+from spacar.symbolic.simulated_motion import make_function, simulate
 from spacar.symbolic.transform import DirectionCosines
-from spacar.symbolic.units import TIME
+from spacar.symbolic.unit_vectors import TIME
 
 
 @dataclass(frozen=True, eq=False)
-class Program(OrderedProgram):
+class EquationProgram(OrderedProgram):
     """A program with what can be done with it."""
 
     @property
     def jacobian(self) -> Jacobian:
-        """The program of ∂g/∂y, see `jacobian.py`."""
+        """The program of ∂g/∂y, see `program_jacobian.py`."""
         return jacobian_of(self)
 
     def function(
@@ -39,7 +39,7 @@ class Program(OrderedProgram):
         jacobian: bool = True,
         feeds: Mapping[str, Callable[..., float]] | None = None,
     ) -> Any:
-        """f(t, y) -> ẏ and f.jac(t, y) in Python for parameter values; see `run.py`."""
+        """f(t, y) -> ẏ and f.jac(t, y) in Python for parameter values; see `simulated_motion.py`."""
         return make_function(self, values, jacobian, feeds)
 
     def compile(
@@ -52,7 +52,7 @@ class Program(OrderedProgram):
         return CompiledFunction(self, values, feeds)
 
     def simulate(self, values: dict[str, float], start: dict[str, float], **options: Any) -> Any:
-        """Integrate the motion; see `run.simulate`."""
+        """Integrate the motion; see `simulated_motion.simulate`."""
         return simulate(self, values, start, **options)
 
     def text(self, language: str, jacobian: bool = False) -> str:
@@ -74,7 +74,7 @@ class Program(OrderedProgram):
             side.unlink(missing_ok=True)
 
 
-def make_program(eq: DerivedEquations, outputs: dict[str, Any]) -> Program:
+def make_program(eq: DerivedEquations, outputs: dict[str, Any]) -> EquationProgram:
     """Order, share and split the assignments of `eq`; see the module."""
     values = {name: eq.scalar(v) for name, v in outputs.items()}
     n, c = len(eq.speeds), eq.constraints
@@ -123,7 +123,7 @@ def make_program(eq: DerivedEquations, outputs: dict[str, Any]) -> Program:
     for key, group in results.items():
         groups[key] = flat[start : start + len(group)]
         start += len(group)
-    return Program(
+    return EquationProgram(
         title=eq.system.title,
         parameters=tuple(parameters),
         coordinates=tuple(states[: len(eq.coordinates)]),
@@ -139,6 +139,7 @@ def make_program(eq: DerivedEquations, outputs: dict[str, Any]) -> Program:
         constraints=_constrained(c, groups, tuple(unknowns[n:])) if c else None,
         fields=tuple(rule[s] for beam in eq.system.beams for s in (*beam.coordinates, *beam.speeds)),
         positive=_signs(eq, parameters),
+        quaternions=tuple(tuple(map(eq.coordinates.index, e)) for e in eq.system.quaternions),
         seconds=eq.seconds,
     )
 

@@ -17,10 +17,10 @@ import sympy as sp
 from spacar.symbolic.collect import ZTable, gather_scalars
 from spacar.symbolic.derivatives import rate
 from spacar.symbolic.description import Description
-from spacar.symbolic.frames import Frame, omega
-from spacar.symbolic.parts import Load, Point, RigidBody
+from spacar.symbolic.reference_frames import ReferenceFrame, omega
+from spacar.symbolic.system_parts import GeometricPoint, Load, RigidBody
 from spacar.symbolic.transform import DirectionCosines, merged_rotation
-from spacar.symbolic.units import HeldScalar, Unit
+from spacar.symbolic.unit_vectors import HeldScalar, Unit
 from spacar.symbolic.vectors import Vector
 
 Column: TypeAlias = Any  # sympy Matrix of three measure numbers
@@ -28,7 +28,7 @@ NOTHING = sp.zeros(3, 1)
 
 
 @dataclass(frozen=True)
-class Turning:
+class FrameMotion:
     """A frame in its own components: partial angular velocities {speed: column}, angular velocity and its bias rate."""
 
     partials: dict[sp.Expr, Column]
@@ -37,10 +37,10 @@ class Turning:
 
 
 @dataclass(frozen=True)
-class Moving:
+class PointMotion:
     """A point: partial velocities and bias acceleration (−g included) in the components of `frame`."""
 
-    frame: Frame
+    frame: ReferenceFrame
     partials: dict[sp.Expr, Column]
     bias: Column
 
@@ -89,10 +89,10 @@ class Recursion:
             self.values[p.speed] = self.table.read(speed, name=str(p.speed.func))
             self.slopes[p.speed] = gradient
             self.slope_rates[system.accelerations[p.speed]] = self.read(bias)
-        self.frames = {system.N: Turning({}, NOTHING, NOTHING)}
+        self.frames = {system.N: FrameMotion({}, NOTHING, NOTHING)}
         gravity = self.cosines.components(system.gravity, system.N)
-        self.points: dict[tuple[Point, Frame], Moving] = {
-            (system.O, system.N): Moving(system.N, {}, (-gravity).applyfunc(self.read))
+        self.points: dict[tuple[GeometricPoint, ReferenceFrame], PointMotion] = {
+            (system.O, system.N): PointMotion(system.N, {}, (-gravity).applyfunc(self.read))
         }
 
     # -- scalars -----------------------------------------------------------------------------------------------
@@ -124,21 +124,23 @@ class Recursion:
 
     # -- frames ------------------------------------------------------------------------------------------------
 
-    def turn(self, frame: Frame) -> tuple[Frame, sp.Matrix]:
+    def turn(self, frame: ReferenceFrame) -> tuple[ReferenceFrame, sp.Matrix]:
         """The base of a frame and the matrix that brings components in the base into the frame."""
         base, _, _ = merged_rotation(frame)
         return base, self.cosines.matrix(base, frame).xreplace(self.values).T
 
-    def frame(self, frame: Frame) -> Turning:
+    def frame(self, frame: ReferenceFrame) -> FrameMotion:
         """Angular motion of a frame, in its own components."""
         if frame not in self.frames:
-            if frame.rotation is None:
+            if frame.attitude is not None:
+                self.frames[frame] = self._attitude_frame(frame)
+            elif frame.rotation is None:
                 self.frames[frame] = self._free_frame(frame)
             else:
                 self.frames[frame] = self._jointed_frame(frame)
         return self.frames[frame]
 
-    def _jointed_frame(self, frame: Frame) -> Turning:
+    def _jointed_frame(self, frame: ReferenceFrame) -> FrameMotion:
         base, R = self.turn(frame)
         _, axis, _ = merged_rotation(frame)
         parent = self.frame(base)
@@ -150,20 +152,35 @@ class Recursion:
             turned[r] = self.reads(turned.get(r, NOTHING) + value * e)
         speed = self.read(spin) * e
         al0 = self.reads(R * parent.bias + w0.cross(speed) + self.bias(spin) * e)
-        return Turning(turned, self.reads(w0 + speed), al0)
+        return FrameMotion(turned, self.reads(w0 + speed), al0)
 
-    def _free_frame(self, frame: Frame) -> Turning:
+    def _attitude_frame(self, frame: ReferenceFrame) -> FrameMotion:
+        """A frame of given direction cosines and angular velocity in its parent, in its own components."""
+        assert frame.attitude is not None
+        base = frame.attitude.parent
+        R, parent = self.cosines.matrix(frame, base).xreplace(self.values), self.frame(base)
+        relative = self.cosines.components(omega(base, frame), frame)
+        partials = {r: self.reads(R * W) for r, W in parent.partials.items()}
+        w0, spin = self.reads(R * parent.velocity), self.reads(relative)
+        for i, component in enumerate(relative):
+            for r, value in self.partials(component).items():
+                e = sp.Matrix([sp.Integer(i == k) for k in range(3)])
+                partials[r] = self.reads(partials.get(r, NOTHING) + value * e)
+        al0 = self.reads(R * parent.bias + w0.cross(spin) + relative.applyfunc(self.bias))
+        return FrameMotion(partials, self.reads(w0 + spin), al0)
+
+    def _free_frame(self, frame: ReferenceFrame) -> FrameMotion:
         """A frame of which only the angular velocity is known, in its own components."""
         w = self.cosines.components(omega(self.system.N, frame), frame)
         partials: dict[sp.Expr, Column] = {}
         for i, component in enumerate(w):
             for r, value in self.partials(component).items():
                 partials.setdefault(r, sp.zeros(3, 1))[i] = value
-        return Turning(partials, self.reads(w), w.applyfunc(self.bias))
+        return FrameMotion(partials, self.reads(w), w.applyfunc(self.bias))
 
     # -- points ------------------------------------------------------------------------------------------------
 
-    def point(self, point: Point, frame: Frame) -> Moving:
+    def point(self, point: GeometricPoint, frame: ReferenceFrame) -> PointMotion:
         """Motion of a point, in the components of `frame`."""
         if (point, frame) not in self.points:
             home = self._home(point)
@@ -172,7 +189,7 @@ class Recursion:
             self.points[point, frame] = self._express(self.points[point, home], frame)
         return self.points[point, frame]
 
-    def _home(self, point: Point) -> Frame:
+    def _home(self, point: GeometricPoint) -> ReferenceFrame:
         """The frame in which a point is easiest to describe: that of its offset."""
         if point is self.system.O:
             return self.system.N
@@ -181,12 +198,12 @@ class Recursion:
             return max(frames, key=lambda f: f.serial)
         return self.system.N if point.base is None else self._home(point.base)
 
-    def _own(self, point: Point, home: Frame) -> Moving:
+    def _own(self, point: GeometricPoint, home: ReferenceFrame) -> PointMotion:
         if point.given:
             return self._given(point, home)
         assert point.base is not None
         here = self.point(point.base, self._home(point.base))
-        pieces: dict[Frame, Column] = {}
+        pieces: dict[ReferenceFrame, Column] = {}
         for key, c in point.offset.terms.items():
             frame = key.frame if isinstance(key, Unit) else home
             pieces[frame] = pieces.get(frame, NOTHING) + self.cosines.components(Vector({key: c}), frame)
@@ -194,7 +211,7 @@ class Recursion:
             here = self._shift(self._express(here, frame), pieces[frame])
         return self._express(here, home)
 
-    def _shift(self, here: Moving, offset: Column) -> Moving:
+    def _shift(self, here: PointMotion, offset: Column) -> PointMotion:
         """From a point to another at `offset`, in the components of the same frame."""
         turning = self.frame(here.frame)
         velocity = offset.applyfunc(lambda c: rate(c).xreplace(self.system.rates))
@@ -210,11 +227,11 @@ class Recursion:
         w, al0 = turning.velocity, turning.bias
         wr = self.reads(w.cross(r))
         own = velocity.applyfunc(self.bias)
-        return Moving(
+        return PointMotion(
             here.frame, partials, self.reads(here.bias + al0.cross(r) + w.cross(wr) + 2 * w.cross(rdot) + own)
         )
 
-    def _given(self, point: Point, home: Frame) -> Moving:
+    def _given(self, point: GeometricPoint, home: ReferenceFrame) -> PointMotion:
         """A point whose velocity in N was given."""
         v = self.cosines.components(point.velocity, home)
         partials: dict[sp.Expr, Column] = {}
@@ -224,9 +241,9 @@ class Recursion:
         gravity = self.cosines.components(self.system.gravity, home)
         w = self.frame(home).velocity
         own = v.applyfunc(self.bias)
-        return Moving(home, partials, self.reads(own + w.cross(self.reads(v)) - gravity.xreplace(self.values)))
+        return PointMotion(home, partials, self.reads(own + w.cross(self.reads(v)) - gravity.xreplace(self.values)))
 
-    def _express(self, here: Moving, frame: Frame) -> Moving:
+    def _express(self, here: PointMotion, frame: ReferenceFrame) -> PointMotion:
         if here.frame is frame:
             return here
         if frame.rotation is not None and _is_ancestor(here.frame, frame):
@@ -234,7 +251,7 @@ class Recursion:
             here = self._express(here, base)
         else:
             R = self.cosines.matrix(frame, here.frame).xreplace(self.values)
-        return Moving(frame, {s: self.reads(R * V) for s, V in here.partials.items()}, self.reads(R * here.bias))
+        return PointMotion(frame, {s: self.reads(R * V) for s, V in here.partials.items()}, self.reads(R * here.bias))
 
     # -- bodies and loads --------------------------------------------------------------------------------------
 
@@ -261,7 +278,7 @@ class Recursion:
                     sums.add_mass(r, k, JW.dot(U))
             sums.add_force(r, -W.dot(torque))
 
-    def _inertia(self, body: RigidBody, frame: Frame) -> sp.Matrix:
+    def _inertia(self, body: RigidBody, frame: ReferenceFrame) -> sp.Matrix:
         J = sp.zeros(3, 3)
         for (p, q), c in body.inertia.terms.items():
             left, right = (self.cosines.components(Vector({k: 1}), frame) for k in (p, q))
@@ -270,7 +287,7 @@ class Recursion:
 
     def load(self, load: Load, sums: Sums) -> None:
         """Generalized forces of a force at a point, or of a torque and its reaction."""
-        targets: list[tuple[Frame, dict[sp.Expr, Column], int]] = []
+        targets: list[tuple[ReferenceFrame, dict[sp.Expr, Column], int]] = []
         if load.point is not None:
             home = self._home(load.point)
             targets.append((home, self.point(load.point, home).partials, 1))
@@ -283,7 +300,7 @@ class Recursion:
                 sums.add_force(r, sign * column.dot(vector))
 
 
-def _is_ancestor(ancestor: Frame, frame: Frame) -> bool:
+def _is_ancestor(ancestor: ReferenceFrame, frame: ReferenceFrame) -> bool:
     while frame.rotation is not None:
         frame, _, _ = merged_rotation(frame)
         if frame is ancestor:

@@ -16,11 +16,11 @@ from __future__ import annotations
 
 import sympy as sp
 
+from spacar.symbolic.beam_shapes import X, integral, product_integral, weighted_integral
 from spacar.symbolic.fields import Field
-from spacar.symbolic.moments import BeamMoments, swing, vee
-from spacar.symbolic.parts import Beam
+from spacar.symbolic.moments import BeamMoments, Integrals, swing, vee
 from spacar.symbolic.recursion import Recursion, Sums
-from spacar.symbolic.shapes import X, integral, product_integral, weighted_integral
+from spacar.symbolic.system_parts import Beam
 
 _E1 = sp.Matrix([1, 0, 0])
 
@@ -51,6 +51,7 @@ def add_beam(recursion: Recursion, beam: Beam, sums: Sums) -> None:
         sums.add_force(r, -V.get(r, nothing).dot(force) - W.get(r, nothing).dot(torque))
     _field_equations(b, sums, a0, w, al0)
     _section_inertia(recursion, b, sums)
+    _distributed(recursion, b, sums)
 
 
 def _field_equations(b: BeamMoments, sums: Sums, a0: sp.Matrix, w: sp.Matrix, al0: sp.Matrix) -> None:
@@ -107,3 +108,24 @@ def _section_inertia(recursion: Recursion, b: BeamMoments, sums: Sums) -> None:
         for k, other in shapes[i:]:
             sums.add_mass(s, k, b.read(integral(beam.polar * psi * other, X, beam.length)))
         sums.add_force(s, -first[s] * al0[0])
+
+
+def _distributed(recursion: Recursion, b: BeamMoments, sums: Sums) -> None:
+    """Forces per length f(x): V·∫f, W·∫r × f, ∫η_k·f."""
+    beam = b.beam
+    loads = [part for load in recursion.system.distributed_loads if load.beam is beam for part in load.parts]
+    if not loads:
+        return
+    plain = Integrals(recursion.table.read, beam, sp.S.One)
+    V, W = recursion.point(beam.root, beam.frame).partials, recursion.frame(beam.frame).partials
+    for vector, g in loads:
+        form = {sp.S.One: g}
+        f = recursion.reads(recursion.cosines.components(vector, beam.frame))
+        torque = sp.Matrix([plain.integral(component, form) for component in b.r]).cross(f)
+        for s in sums.speeds:
+            if s in V:
+                sums.add_force(s, V[s].dot(f) * plain.integral(form))
+            if s in W:
+                sums.add_force(s, W[s].dot(torque))
+        for q, forms in b.eta.items():
+            sums.add_force(b.speed[q], sp.Add(*(plain.integral(a, form) * f[i] for i, a in enumerate(forms))))

@@ -1,11 +1,12 @@
 """A model as a small Python script: it defines `system` and may define values, start, settings and outputs.
 
-A script is a program of the user and runs as such. A TOML file runs nothing: only names and numbers that `names.py`
-checked enter text that is executed or compiled.
+A script is a program of the user and runs as such. A TOML file runs nothing: only names and numbers that
+`name_rules.py` checked enter text that is executed or compiled.
 """
 
 from __future__ import annotations
 
+import hashlib
 import runpy
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,28 +15,33 @@ from typing import Any
 import sympy as sp
 
 from spacar.errors import InputError, Message, SpacarError
-from spacar.symbolic.system import System
+from spacar.symbolic.system import MultibodySystem
 
 
 @dataclass(frozen=True, eq=False)
-class Model:
-    """A system with what a simulation needs: parameter `values`, `start`, `settings` of [simulate], `outputs`."""
+class SymbolicModel:
+    """A system with what a simulation needs: parameter `values`, `start`, `settings` of [simulate], `outputs`.
+
+    `sha256` is that of the file when it was read.
+    """
 
     path: Path
-    system: System
+    system: MultibodySystem
     values: dict[str, float] = field(default_factory=dict)
     start: dict[str, float] = field(default_factory=dict)
     settings: dict[str, Any] = field(default_factory=dict)
     outputs: dict[str, sp.Expr] = field(default_factory=dict)
     declared: frozenset[str] = frozenset()
+    sha256: str = ""
 
     def parameter_names(self) -> set[str]:
         """Parameters with a value, and those that were declared without one."""
         return {*self.values, *self.declared}
 
 
-def read_script(path: Path) -> Model:
+def read_script(path: Path) -> SymbolicModel:
     """Run the script; errors of any kind become one message with the line. Raises InputError."""
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()
     try:
         names = runpy.run_path(str(path), run_name="spacar_model")
     except SpacarError as error:
@@ -45,13 +51,13 @@ def read_script(path: Path) -> Model:
         line = lines[-1] if lines else None
         raise InputError([Message("error", path.name, line, "", f"{type(error).__name__}: {error}")]) from None
     system = names.get("system")
-    if not isinstance(system, System):
-        text = "the script must define `system`, a spacar.symbolic.System"
+    if not isinstance(system, MultibodySystem):
+        text = "the script must define `system`, a spacar.symbolic.MultibodySystem"
         raise InputError([Message("error", path.name, None, "", text)])
     values, start, settings, outputs = (
         dict(names.get(key) or {}) for key in ("values", "start", "settings", "outputs")
     )
-    return Model(path, system, values, start, settings, outputs)
+    return SymbolicModel(path, system, values, start, settings, outputs, sha256=digest)
 
 
 def _lines_of(error: BaseException, path: Path) -> list[int]:

@@ -14,11 +14,11 @@ from dataclasses import dataclass
 import sympy as sp
 
 from spacar.errors import UsageError
+from spacar.symbolic.beam_shapes import X
 from spacar.symbolic.derivation import DerivedEquations
 from spacar.symbolic.derivatives import dvdt
-from spacar.symbolic.parts import Beam
-from spacar.symbolic.shapes import X
-from spacar.symbolic.units import TIME
+from spacar.symbolic.system_parts import Beam
+from spacar.symbolic.unit_vectors import TIME
 from spacar.symbolic.vectors import dot
 
 

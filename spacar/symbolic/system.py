@@ -1,7 +1,7 @@
 """A multibody system as it is written on paper: coordinates, frames, points, bodies, beams, loads, constraints.
 
-`System.derive` turns it into equations of motion (`equations.py`). Everything that is put in or comes out
-is public; the vectors module works without it. Source: `symbolic.md`, sections 3 and 6.
+`MultibodySystem.derive` turns it into equations of motion (`symbolic_equations.py`). Everything that is put in or
+comes out is public; the vectors module works without it. Source: `symbolic.md`, sections 3 and 6.
 """
 
 from __future__ import annotations
@@ -11,18 +11,18 @@ from typing import Any
 from spacar.errors import UsageError
 from spacar.symbolic.beams import make_beam, make_section
 from spacar.symbolic.description import Description
-from spacar.symbolic.equations import Equations, derive
-from spacar.symbolic.frames import Frame
-from spacar.symbolic.parts import Beam, Point, Section
-from spacar.symbolic.units import TIME
+from spacar.symbolic.reference_frames import ReferenceFrame
+from spacar.symbolic.symbolic_equations import SymbolicEquations, derive
+from spacar.symbolic.system_parts import Beam, CrossSection, GeometricPoint
+from spacar.symbolic.unit_vectors import TIME
 
 
-class System(Description):
+class MultibodySystem(Description):
     """A system in the inertial frame `N` with origin `O`.
 
     `gravity` is a vector, or its three measure numbers in N [m/s²] as expressions or texts (`("0", "-g", "0")`).
 
-    >>> S = System(gravity=("0", "-g", "0"))
+    >>> S = MultibodySystem(gravity=("0", "-g", "0"))
     >>> q, s = S.coordinate("q", speed="s")
     >>> m, L = S.parameters("m L")
     >>> B = S.frame("B", parent=S.N, axis=3, angle=q)
@@ -31,21 +31,29 @@ class System(Description):
     (Matrix([[L**2*m]]), Matrix([[-L*g*m*cos(q(t))]]))
     """
 
-    def beam(self, name: str, frame: Frame | Section, root: Point, length: Any, mass: Any, **properties: Any) -> Beam:
+    def beam(
+        self,
+        name: str,
+        frame: ReferenceFrame | CrossSection,
+        root: GeometricPoint,
+        length: Any,
+        mass: Any,
+        **properties: Any,
+    ) -> Beam:
         """A beam along axis 1 of `frame` from `root`; the properties are those of `beams.make_beam`."""
         beam = make_beam(
-            self, name, frame.frame if isinstance(frame, Section) else frame, root, length, mass, **properties
+            self, name, frame.frame if isinstance(frame, CrossSection) else frame, root, length, mass, **properties
         )
         self.beams.append(beam)
         return beam
 
-    def section(self, beam: Beam, x: Any) -> Section:
+    def section(self, beam: Beam, x: Any) -> CrossSection:
         """The cross-section of a beam at x: a place for loads, bodies and frames between root and tip."""
         return make_section(self, beam, self.expression(x))
 
     # -- derivation --------------------------------------------------------------------------------------------
 
-    def derive(self, strategy: str = "held", recurrence: bool = True) -> Equations:
+    def derive(self, strategy: str = "held", recurrence: bool = True) -> SymbolicEquations:
         """Equations of motion by the `held` (readable) or `recursive` (lean) strategy.
 
         `recurrence=False` derives held equations without Z variables. Raises UsageError for a coordinate without

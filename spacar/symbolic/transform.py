@@ -14,24 +14,24 @@ from sympy.physics import vector as sympy_vector
 
 from spacar.errors import UsageError
 from spacar.symbolic.collect import ZTable
-from spacar.symbolic.frames import Frame
-from spacar.symbolic.units import TIME, HeldCross, HeldScalar, Key, Unit, UnitDot
+from spacar.symbolic.reference_frames import ReferenceFrame
+from spacar.symbolic.unit_vectors import TIME, HeldCross, HeldScalar, Key, Unit, UnitDot
 from spacar.symbolic.vectors import ZERO, Vector
 
 
 class DirectionCosines:
-    """Direction cosine matrices between frames that are connected by turns (`Frame.turned`).
+    """Direction cosine matrices between frames that are connected by turns (`ReferenceFrame.turned`).
 
-    >>> q = sympy_vector.dynamicsymbols("q"); N = Frame("N"); B = N.turned("B", 3, q)
+    >>> q = sympy_vector.dynamicsymbols("q"); N = ReferenceFrame("N"); B = N.turned("B", 3, q)
     >>> DirectionCosines().matrix(N, B)[0, 1]
     -sin(q(t))
     """
 
     def __init__(self, table: ZTable | None = None) -> None:
         self.table = table
-        self._known: dict[tuple[Frame, Frame], sp.Matrix] = {}
+        self._known: dict[tuple[ReferenceFrame, ReferenceFrame], sp.Matrix] = {}
 
-    def matrix(self, a: Frame, b: Frame) -> sp.Matrix:
+    def matrix(self, a: ReferenceFrame, b: ReferenceFrame) -> sp.Matrix:
         """C with C[i, j] = a_i·b_j. Raises UsageError when the orientation of the frames is not known."""
         if a is b:
             return sp.eye(3)
@@ -41,13 +41,17 @@ class DirectionCosines:
             self._known[a, b] = self._from_parent(a, b)
         return self._known[a, b]
 
-    def _from_parent(self, a: Frame, b: Frame) -> sp.Matrix:
+    def _from_parent(self, a: ReferenceFrame, b: ReferenceFrame) -> sp.Matrix:
         if a in (line := _ancestors(b)):
+            if b.attitude is not None:
+                return self._product(self.matrix(a, b.attitude.parent), b.attitude.matrix.applyfunc(self._read))
             base, axis, angle = merged_rotation(b, stop=a, everything=self.table is None)
             return self._product(self.matrix(a, base), self._turn(axis, angle))
         common = next((f for f in _ancestors(a) if f in line), None)
         if common is None:
-            raise UsageError(f"the orientation of frame {b.name} relative to {a.name} is not known: use Frame.turned")
+            raise UsageError(
+                f"the orientation of frame {b.name} relative to {a.name} is not known: use ReferenceFrame.turned"
+            )
         return self._product(self.matrix(common, a).T, self.matrix(common, b))
 
     def _turn(self, axis: int, angle: sp.Expr) -> sp.Matrix:
@@ -73,27 +77,29 @@ class DirectionCosines:
         columns = [self.matrix(a.frame, u.frame)[:, u.index - 1] for u in (a, b, c)]
         return self._read(columns[0].dot(columns[1].cross(columns[2])))
 
-    def components(self, vector: Vector, frame: Frame) -> sp.Matrix:
+    def components(self, vector: Vector, frame: ReferenceFrame) -> sp.Matrix:
         """The three measure numbers of a vector in one frame."""
         total = sp.zeros(3, 1)
         for key, coefficient in vector.terms.items():
             total += coefficient * self._key_components(key, frame)
         return total
 
-    def _key_components(self, key: Key, frame: Frame) -> sp.Matrix:
+    def _key_components(self, key: Key, frame: ReferenceFrame) -> sp.Matrix:
         if isinstance(key, HeldCross):
             return self._key_components(key.a, frame).cross(self._key_components(key.b, frame))
         return self.matrix(frame, key.frame)[:, key.index - 1]
 
 
-def _ancestors(frame: Frame) -> list[Frame]:
+def _ancestors(frame: ReferenceFrame) -> list[ReferenceFrame]:
     line = [frame]
-    while line[-1].rotation is not None:
-        line.append(line[-1].rotation.parent)
+    while (step := line[-1].rotation or line[-1].attitude) is not None:
+        line.append(step.parent)
     return line
 
 
-def merged_rotation(frame: Frame, stop: Frame | None = None, everything: bool = False) -> tuple[Frame, int, sp.Expr]:
+def merged_rotation(
+    frame: ReferenceFrame, stop: ReferenceFrame | None = None, everything: bool = False
+) -> tuple[ReferenceFrame, int, sp.Expr]:
     """(base, axis, angle) of the turn that gives `frame`, added to the turns about the same axis just before it.
 
     Sections of beams and joints on them are merged this way; a frame that is an origin of its own chain of joints
@@ -113,7 +119,7 @@ def merged_rotation(frame: Frame, stop: Frame | None = None, everything: bool = 
 def transform(expression: Any, cosines: DirectionCosines | None = None) -> sp.Expr:
     """Replace held dots and triple products by cosines and sines of the joint angles.
 
-    >>> q = sympy_vector.dynamicsymbols("q"); N = Frame("N"); B = N.turned("B", 3, q)
+    >>> q = sympy_vector.dynamicsymbols("q"); N = ReferenceFrame("N"); B = N.turned("B", 3, q)
     >>> transform(3 * (N[2] & B[1]))
     3*sin(q(t))
     """
@@ -122,10 +128,10 @@ def transform(expression: Any, cosines: DirectionCosines | None = None) -> sp.Ex
     return expression.xreplace({atom: cosines.value(atom) for atom in sorted(expression.atoms(HeldScalar), key=str)})
 
 
-def to_sympy(vector: Vector, frames: dict[Frame, sympy_vector.ReferenceFrame]) -> sympy_vector.Vector:
+def to_sympy(vector: Vector, frames: dict[ReferenceFrame, sympy_vector.ReferenceFrame]) -> sympy_vector.Vector:
     """The vector in the classes of `sympy.physics.vector`; crosses are evaluated there.
 
-    >>> N = Frame("N"); R = sympy_vector.ReferenceFrame("N")
+    >>> N = ReferenceFrame("N"); R = sympy_vector.ReferenceFrame("N")
     >>> to_sympy(2 * N[1], {N: R})
     2*N.x
     """
@@ -140,7 +146,7 @@ def to_sympy(vector: Vector, frames: dict[Frame, sympy_vector.ReferenceFrame]) -
     return total
 
 
-def from_sympy(vector: sympy_vector.Vector, frames: dict[sympy_vector.ReferenceFrame, Frame]) -> Vector:
+def from_sympy(vector: sympy_vector.Vector, frames: dict[sympy_vector.ReferenceFrame, ReferenceFrame]) -> Vector:
     """A vector of `sympy.physics.vector` as a held vector, frame by frame."""
     total = ZERO
     for components, frame in vector.args:
@@ -148,7 +154,7 @@ def from_sympy(vector: sympy_vector.Vector, frames: dict[sympy_vector.ReferenceF
     return total
 
 
-def reference_frames(frames: list[Frame]) -> dict[Frame, sympy_vector.ReferenceFrame]:
+def reference_frames(frames: list[ReferenceFrame]) -> dict[ReferenceFrame, sympy_vector.ReferenceFrame]:
     """SymPy reference frames with the same turns, for comparisons; the first frame is the base of all."""
     made = {frames[0]: sympy_vector.ReferenceFrame(frames[0].name)}
     for frame in frames[1:]:

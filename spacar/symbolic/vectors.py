@@ -15,7 +15,7 @@ from typing import Any
 import sympy as sp
 
 from spacar.symbolic.printing import combination_text, latex
-from spacar.symbolic.units import Key, Unit, cross_keys, dot_keys
+from spacar.symbolic.unit_vectors import Key, Unit, cross_keys, dot_keys
 
 
 def _scalar(value: Any) -> sp.Expr:
@@ -115,8 +115,8 @@ class Vector(_Combination):
     """A vector: unit vectors and held cross products of any frames with scalar coefficients.
 
     >>> x, y = sp.symbols("x y")
-    >>> from spacar.symbolic.frames import Frame
-    >>> N, B = Frame("N"), Frame("B")
+    >>> from spacar.symbolic.reference_frames import ReferenceFrame
+    >>> N, B = ReferenceFrame("N"), ReferenceFrame("B")
     >>> v = x * N[1] + y * B[2]
     >>> print(v)
     x n1 + y b2
@@ -145,8 +145,8 @@ class Vector(_Combination):
 class Dyad(_Combination):
     """A sum of ordered pairs of keys.
 
-    >>> from spacar.symbolic.frames import Frame
-    >>> N, B = Frame("N", "n"), Frame("B", "b")
+    >>> from spacar.symbolic.reference_frames import ReferenceFrame
+    >>> N, B = ReferenceFrame("N", "n"), ReferenceFrame("B", "b")
     >>> print((B[1] | N[1]) ^ B[1])
     b1 (n1 >< b1)
     """

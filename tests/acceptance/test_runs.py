@@ -268,13 +268,13 @@ def test_json_also_reports_a_failure(folder):
 
 
 def test_parallel_runs_share_nothing(folder):
-    """Twelve processes at once, on twelve files in one folder, give the bytes that a run alone gives."""
+    """Six processes at once, on six files in one folder, give the bytes that a run alone gives."""
     for k in range(3):
-        for name in ("crank", "crank2", "slider", "fourbar"):
+        for name in ("crank", "slider"):
             shutil.copy(DATA / f"{name}.dat", folder / f"{name}_{k}.dat")
     together = [start(folder, "1", path.stem) for path in sorted(folder.glob("*_?.dat"))]
-    assert [p.wait(timeout=120) for p in together] == [0] * 12
-    for name in ("crank", "crank2", "slider", "fourbar"):
+    assert [p.wait(timeout=120) for p in together] == [0] * 6
+    for name in ("crank", "slider"):
         values = []
         for k in range(3):
             with SbfFile(folder / f"{name}_{k}.sbd") as file:

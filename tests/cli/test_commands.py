@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from spacar.deck.table import KEYWORDS
+from spacar.deck.keyword_table import KEYWORDS
 
 from .conftest import DATA
 

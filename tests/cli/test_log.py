@@ -43,7 +43,7 @@ def rows_of(log: str, heading: str) -> list[list[str]]:
 
 
 def test_sections_in_the_documented_order(log_of):
-    log = log_of(1, "crankfl")
+    log = log_of(1, "crankfl", None, "--time", "0.001", "--steps", "5")
     assert in_order(
         log,
         f"spacar {spacar.__version__}   20",

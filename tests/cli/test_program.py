@@ -7,8 +7,8 @@ from importlib import import_module
 import click
 import numpy as np
 import pytest
-from spacar_cli import table
-from spacar_cli.commands.run import command_of_mode
+from spacar_cli import command_table
+from spacar_cli.commands.run_mode import command_of_mode
 from spacar_cli.status import ExitStatus
 
 import spacar
@@ -16,7 +16,7 @@ from spacar.modes import MODES
 
 
 def test_every_row_of_the_table_is_a_command_and_every_parameter_is_documented():
-    commands = [import_module(f"spacar_cli.commands.{name}").command for name in table.COMMANDS]
+    commands = [import_module(f"spacar_cli.commands.{name}").command for name in command_table.COMMANDS]
     commands += [command_of_mode(str(number)) for number in MODES]
     for command in commands:
         assert command.help, command.name
@@ -33,7 +33,7 @@ def test_version_and_help(call):
     for word in ("--help", "-h"):
         done = call(word)
         assert done.status == 0
-        assert all(name in done.out for name in table.COMMANDS)
+        assert all(name in done.out for name in command_table.COMMANDS)
         assert all(mode.title in done.out for mode in MODES.values())
     done = call("1", "--help")
     assert done.status == 0
@@ -87,7 +87,7 @@ def test_an_unexpected_error_is_one_line_and_a_traceback_only_with_debug(call, m
     def broken(*_, **__):
         raise ZeroDivisionError("nobody thought of this")
 
-    monkeypatch.setattr("spacar_cli.commands.run.frames", broken)
+    monkeypatch.setattr("spacar_cli.commands.run_mode.frames", broken)
     done = call("1", "crank")
     assert done.status == 1
     assert done.err.startswith("error: internal error: ZeroDivisionError: nobody thought of this")
@@ -101,7 +101,7 @@ def test_an_interrupt_before_the_first_step(call, monkeypatch, tmp_path):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("spacar_cli.commands.run.frames", interrupted)
+    monkeypatch.setattr("spacar_cli.commands.run_mode.frames", interrupted)
     done = call("1", "crank")
     assert done.status == 130
     assert done.err == "error: interrupted\n"

@@ -31,7 +31,7 @@ def compare(decks, options, variables=(*X_FIELDS, *E_FIELDS)):
     return found
 
 
-@pytest.mark.parametrize("code", [0, 155, 853])
+@pytest.mark.parametrize("code", [0, *(pytest.param(c, marks=pytest.mark.slow) for c in (155, 853))])
 def test_a_batch_is_its_single_runs(code):
     """Nine cases are two blocks, the second one filled up; masses and lengths differ."""
     base = read_deck(DATA / "robotsim.dat", 1)

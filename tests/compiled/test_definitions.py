@@ -15,10 +15,10 @@ sp = pytest.importorskip("sympy")
 
 from spacar.compiled import generate  # noqa: E402
 from spacar.compiled.definitions import DEFINITIONS  # noqa: E402
-from spacar.compiled.parameters import SUPPORTED, kinds  # noqa: E402
+from spacar.compiled.element_parameters import SUPPORTED, kinds  # noqa: E402
 
 DATA = Path(__file__).parents[2] / "data"
-SOURCES = ["crankfl", "fourbar", "finger", "trike2", "cardan", "robotsim", "trike3v", "lateral4"]
+SOURCES = ["crankfl", "fourbar", "finger", "trike2", "cardan", "robotsim", "trike3v", "lateral4", "crosshingew"]
 
 
 def batches():
@@ -41,7 +41,7 @@ def test_every_kind_has_a_definition():
     assert {d.name for d in DEFINITIONS} == set(kinds())
 
 
-@pytest.mark.parametrize("kind", sorted(BATCHES))
+@pytest.mark.parametrize("kind", [pytest.param(k, marks=[pytest.mark.slow] * (k == "beam")) for k in sorted(BATCHES)])
 def test_family_agrees_with_its_definition(kind):
     batch, parameters = BATCHES[kind]
     definition, family = BY_NAME[kind], batch.family

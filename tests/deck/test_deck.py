@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from spacar.deck import ELEMENT_TYPES, Block, Deck, echo, parse_deck, read_deck
+from spacar.deck import ELEMENT_TYPES, BlockKind, Deck, echo, parse_deck, read_deck
 from spacar.errors import InputError, UsageError
 
 DATA = Path(__file__).parents[2] / "data"
@@ -68,10 +68,10 @@ def test_echo() -> None:
 
 
 def test_kinds_of_third_block() -> None:
-    assert read_deck(DATA / "robotinv").third is Block.TRAJECTORY
-    assert read_deck(DATA / "robotinvlin").third is Block.TRAJECTORY
-    assert read_deck(DATA / "lever").third is Block.LINEARIZATION
-    assert read_deck(DATA / "robotsim", "simulation").third is Block.SIMULATION
+    assert read_deck(DATA / "robotinv").third is BlockKind.TRAJECTORY
+    assert read_deck(DATA / "robotinvlin").third is BlockKind.TRAJECTORY
+    assert read_deck(DATA / "lever").third is BlockKind.LINEARIZATION
+    assert read_deck(DATA / "robotsim", "simulation").third is BlockKind.SIMULATION
 
 
 def test_build() -> None:

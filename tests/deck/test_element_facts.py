@@ -6,23 +6,26 @@ import ast
 from pathlib import Path
 
 import pytest
-from spacar_drawing.parts import PARTS
+from spacar_drawing.element_pictures import PARTS
 from spacar_drawing.scene import ROUND
 
-from spacar.compiled.parameters import SUPPORTED, kinds
-from spacar.deck import ELEMENT_TYPES, KEYWORDS, Block
+from spacar.compiled.element_parameters import SUPPORTED, kinds
+from spacar.deck import ELEMENT_TYPES, KEYWORDS, BlockKind
 from spacar.deck.table_dynamics import MASS_FORMS
 from spacar.elements import family_of
 
 HOUSE = Path(__file__).resolve().parents[2]
 TYPES = [t for t in ELEMENT_TYPES.values() if t.supported]
 SIZES = {(True, "position"): 2, (True, "orientation"): 1, (False, "position"): 3, (False, "orientation"): 4}
+SIZES[False, "warping"] = 1
 # Where elements may be named: their rows, their parameters in C, and checks of one element's own numbers.
 NAMED = {
-    "spacar/deck/table_elements.py",
-    "spacar/compiled/parameters.py",
+    "spacar/deck/planar_types.py",
+    "spacar/deck/spatial_types.py",
+    "spacar/compiled/element_parameters.py",
     "spacar/deck/checks_geometry.py",
     "cli/spacar_drawing/machine_parts.py",
+    "spacar/deck/cross_section.py",  # TUBE is a shape there
 }
 
 every_type = pytest.mark.parametrize("kind", TYPES, ids=lambda t: t.keyword)
@@ -45,7 +48,7 @@ def test_family(kind):
 
 
 def forms(statement, kind):
-    return [v for v in KEYWORDS[statement, Block.DYNAMICS].variants if kind.keyword in v.types]
+    return [v for v in KEYWORDS[statement, BlockKind.DYNAMICS].variants if kind.keyword in v.types]
 
 
 @every_type
@@ -58,6 +61,7 @@ def test_forms_of_stiffness_damping_mass_and_preload(kind):
     assert len(mass) == (1 if kind.mass else 0)
     (preload,) = forms("ESIG", kind)
     assert preload.counts[-1] == 1 + len(kind.modes)
+    assert not kind.released or all(len(kind.stiffness) >= m for m in (2, *kind.released))
     if kind.coefficients == "modes" and kind.stiffness:
         assert kind.stiffness == tuple(range(2, 2 + len(kind.modes)))
 
@@ -91,8 +95,9 @@ def test_facts_agree_with_the_modes(kind):
 
 @every_type
 def test_ends(kind):
-    """Every node is at one end, with its role."""
-    assert sorted(p for p in kind.ends if p is not None) == list(range(len(kind.nodes)))
+    """Every node is at one end, with its role; warping nodes are listed apart, one for each released deformation."""
+    assert sorted(p for p in (*kind.ends, *kind.warping) if p is not None) == list(range(len(kind.nodes)))
+    assert len(kind.warping) == len(kind.released)
     for place, role in zip(kind.ends, ("position", "orientation") * 2, strict=True):
         assert place is None or kind.nodes[place] == role
 
@@ -105,6 +110,7 @@ def test_the_ends_of_the_types_of_the_reference():
         (None, 0, None, 1): "PLTOR HINGE",
         (0, 1, 2, None): "PLRBEAM PLPINBOD RBEAM PINBODY WHEEL TWHEEL",
         (0, 1, None, 2): "PLWHEEL",
+        (0, 1, 3, 4): "BEAMW",
     }
     for ends, words in expected.items():
         assert {ELEMENT_TYPES[word].ends for word in words.split()} == {ends}

@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from spacar.deck import Deck, echo, parse_deck, read_deck
-from spacar.deck.table import KEYWORDS
+from spacar.deck.keyword_table import KEYWORDS
 from spacar.errors import InputError
 
 DATA = Path(__file__).parents[2] / "data"
@@ -76,7 +76,7 @@ settings.register_profile(
     "fuzz", deadline=None, suppress_health_check=list(HealthCheck), database=None, derandomize=True
 )
 FUZZ = settings.get_profile("fuzz")
-FAST = 5  # of so many examples one is tried in the fast tests; they come in the same order
+FAST = 10  # of so many examples one is tried in the fast tests; they come in the same order
 
 
 def fuzz(count: int, *strategies: Any, **named: Any) -> Callable[[Callable], Callable]:

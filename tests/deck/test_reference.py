@@ -7,19 +7,19 @@ from pathlib import Path
 
 import pytest
 
+from spacar.deck.keyword_table import KEYWORDS
 from spacar.deck.reference import markdown
-from spacar.deck.table import KEYWORDS
-from spacar.deck.table_types import Block
+from spacar.deck.table_types import BlockKind
 
 PAGE = Path(__file__).parents[2] / "docs" / "keywords.md"
 LANGUAGE = (Path(__file__).parents[2] / "docs" / "reference" / "input-language.md").read_text(encoding="utf-8")
 # block -> sections of the reference that say which keywords it has
 SECTIONS = {
-    Block.KINEMATICS: ("3", "4.1", "4.2"),
-    Block.DYNAMICS: ("5.1", "5.2", "5.3", "5.4", "5.5", "5.6"),
-    Block.TRAJECTORY: ("6", "7"),
-    Block.LINEARIZATION: ("8",),
-    Block.SIMULATION: ("9",),
+    BlockKind.KINEMATICS: ("3", "4.1", "4.2"),
+    BlockKind.DYNAMICS: ("5.1", "5.2", "5.3", "5.4", "5.5", "5.6"),
+    BlockKind.TRAJECTORY: ("6", "7"),
+    BlockKind.LINEARIZATION: ("8",),
+    BlockKind.SIMULATION: ("9",),
 }
 
 
@@ -40,8 +40,8 @@ def test_page_is_up_to_date() -> None:
     )
 
 
-@pytest.mark.parametrize("block", list(Block), ids=lambda b: b.name)
-def test_all_keywords_are_there(block: Block) -> None:
+@pytest.mark.parametrize("block", list(BlockKind), ids=lambda b: b.name)
+def test_all_keywords_are_there(block: BlockKind) -> None:
     """Every keyword that the reference documents is in the table; the table may have more (new elements, say)."""
     wanted = set().union(*map(documented, SECTIONS[block]))
     assert len(wanted) >= 8

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from spacar.deck.table import KEYWORDS
-from spacar.deck.table_types import Block
+from spacar.deck.keyword_table import KEYWORDS
+from spacar.deck.table_types import BlockKind
 
 
 def test_rows_and_places_of_user_functions_are_documented() -> None:
-    text = " ".join(KEYWORDS["USERSIG", Block.DYNAMICS].notes)
+    text = " ".join(KEYWORDS["USERSIG", BlockKind.DYNAMICS].notes)
     for words in ("element number, mode number, stress", "node number, coordinate number, force", "le[i - 1, m - 1]",
                   "lnp[n - 1, c - 1]", "-1 for what does not exist", "dsigma/de",
                   "fixed or prescribed mode"):  # fmt: skip
@@ -15,4 +15,4 @@ def test_rows_and_places_of_user_functions_are_documented() -> None:
 
 
 def test_start_values_with_drpinbod_are_documented() -> None:
-    assert "counted from these projections" in " ".join(KEYWORDS["DRPINBOD", Block.KINEMATICS].notes)
+    assert "counted from these projections" in " ".join(KEYWORDS["DRPINBOD", BlockKind.KINEMATICS].notes)

@@ -17,12 +17,17 @@ import doctest
 import io
 import os
 import re
+import shlex
 import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
+from unittest import mock
+
+from spacar_cli.environment import Environment
+from spacar_cli.main import main
 
 NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?![\w.])")
 FENCE = re.compile(r"^```(\w*)\s*$")
@@ -95,21 +100,33 @@ def full(text: str) -> list[str]:
     return [line for line in text.splitlines() if line.strip()]
 
 
+def run_command(command: str, folder: Path, before: int) -> tuple[int, str]:
+    """Exit status and printed text of a line of the shell, `before` is $?. A plain call of spacar runs in this process:
+    the imports of some forty processes took most of the time of the tutorial.
+    """
+    if command.startswith("spacar ") and not re.search(r"[|<>&;$`]", command):
+        said = io.StringIO()
+        with mock.patch.dict(os.environ, environment()):
+            status = main(shlex.split(command)[1:], Environment(io.StringIO(), said, said, os.environ))
+        return status, said.getvalue()
+    done = subprocess.run(
+        ["bash", "-c", f"(exit {before}); {command}"], cwd=folder, env=environment(), text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=300, check=False, stdin=subprocess.DEVNULL,
+    )  # fmt: skip
+    return done.returncode, done.stdout
+
+
 def run_console(block: Block, folder: Path, where: str, count: Count) -> None:
     parts = re.split(r"^\$ (.*)\n", block.text, flags=re.MULTILINE)
     assert not parts[0].strip(), f"{where}: text before the first command"
     commands = list(zip(parts[1::2], parts[2::2], strict=True))
     status = 0
     for k, (command, expected) in enumerate(commands):
-        done = subprocess.run(
-            ["bash", "-c", f"(exit {status}); {command}"], cwd=folder, env=environment(), text=True,
-            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=300, check=False, stdin=subprocess.DEVNULL,
-        )  # fmt: skip
-        status = done.returncode
+        status, printed = run_command(command, folder, status)
         asked = k + 1 < len(commands) and commands[k + 1][0] == "echo $?"
-        assert status == 0 or asked, f"{where}: `{command}` ended with status {status}:\n{done.stdout}"
-        shown = f"{where}: `{command}` printed\n{done.stdout}\ninstead of\n{expected}"
-        assert matches(full(expected), full(done.stdout)), shown
+        assert status == 0 or asked, f"{where}: `{command}` ended with status {status}:\n{printed}"
+        shown = f"{where}: `{command}` printed\n{printed}\ninstead of\n{expected}"
+        assert matches(full(expected), full(printed)), shown
         count.commands += 1
         count.numbers += len(NUMBER.findall(expected))
 

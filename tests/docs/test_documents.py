@@ -70,7 +70,7 @@ def test_the_comparison_of_printed_lines(expected, got, same):
 
 
 def test_every_block_of_the_pages_is_of_a_known_kind():
-    kinds = {"console", "python", "sh", "text", "make", "toml", ""}
+    kinds = {"console", "python", "matlab", "sh", "text", "make", "toml", ""}
     for page in PAGES:
         assert {b.language for b in blocks(page)} <= kinds, page
 

@@ -20,20 +20,20 @@ TEXTS = {b.name: b.text for b in blocks(HOUSE / "docs" / "developer.md") if b.na
 FOLDERS = ("spacar", "formats/spacar_formats", "cli/spacar_cli", "cli/spacar_drawing")
 # text of the guide -> file, line behind which a row is put
 ROWS = {
-    "table-row": ("spacar/deck/table_elements.py", "_ALL = (\n"),
+    "table-row": ("spacar/deck/planar_types.py", "PLANAR = (\n"),
     "definition-row": ("spacar/compiled/definitions.py", "DEFINITIONS = (\n"),
     "parameters-row": (
-        "spacar/compiled/parameters.py",
+        "spacar/compiled/element_parameters.py",
         "SUPPORTED: dict[str, tuple[str, Callable[[Family], Array]]] = {\n",
     ),
     "parts-row": (
-        "cli/spacar_drawing/parts.py",
+        "cli/spacar_drawing/element_pictures.py",
         "PARTS: dict[str, Callable[[Scene, Pose, Look, Element], list[Shape]]] = {\n",
     ),
 }
 FUNCTIONS = {  # and before which a function is put
     "definition": ("spacar/compiled/definitions.py", "DEFINITIONS = ("),
-    "drawing": ("cli/spacar_drawing/parts.py", "# Shape of an element type"),
+    "drawing": ("cli/spacar_drawing/element_pictures.py", "# Shape of an element type"),
 }
 DRIVEN = TEXTS["cam.dat"]
 FREE = (
@@ -134,9 +134,9 @@ def test_statements_and_mistakes(house):
 
 SHAPES = """
 from spacar_drawing.look import look_of
-from spacar_drawing.parts import element_shapes
+from spacar_drawing.element_pictures import element_shapes
 from spacar_drawing.scene import Pose
-from spacar_drawing.source import source_of_result
+from spacar_drawing.picture_source import source_of_result
 r = spacar.run(1, 'cam.dat')
 source = source_of_result(r)
 look = look_of(source.scene, source.x(), source.settings)
@@ -169,6 +169,7 @@ def test_the_picture_of_the_guide(full_house):
     assert (full_house.home / "cam.png").stat().st_size > 1000
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 def test_the_compiled_form(full_house):
     """A cam that turns freely keeps its energy, and both paths give the same motion.

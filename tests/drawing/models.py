@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 from spacar_drawing.mechanism_picture import Extras, draw_steps
-from spacar_drawing.moving import evenly
-from spacar_drawing.source import Source, source_of_result
+from spacar_drawing.moving_figure import evenly
+from spacar_drawing.picture_source import PictureSource, source_of_result
 
 import spacar
 
@@ -20,13 +20,13 @@ DPI = 45  # small files; the lines are still visible
 
 
 @cache
-def result_source(name: str, mode: int, duration: float | None = None, n_steps: int | None = None) -> Source:
+def result_source(name: str, mode: int, duration: float | None = None, n_steps: int | None = None) -> PictureSource:
     """A run of an example, shortened in time where given."""
     options = {k: v for k, v in (("duration", duration), ("n_steps", n_steps)) if v is not None}
     return source_of_result(spacar.run(mode, DATA / f"{name}.dat", **options))
 
 
-def strobe(source: Source, count: int, **extras: Any) -> Any:
+def strobe(source: PictureSource, count: int, **extras: Any) -> Any:
     """Pale and full pictures of evenly spread steps, with the paths that the settings ask for."""
     xs = source.x()
     chosen = xs[[k - 1 for k in evenly(1, len(xs), count)]]
@@ -35,7 +35,7 @@ def strobe(source: Source, count: int, **extras: Any) -> Any:
     )
 
 
-def plain(source: Source, **extras: Any) -> Any:
+def plain(source: PictureSource, **extras: Any) -> Any:
     return strobe(source, 1, **extras)
 
 

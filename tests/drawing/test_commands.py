@@ -166,12 +166,12 @@ def test_mp4_without_ffmpeg_is_refused_before_anything_is_drawn(results, monkeyp
 
 
 def test_animation_bar_on_terminals_only(results):
-    arguments = ["draw", results / "crank", "-o", results / "c.gif", "--frames", 20, "--dpi", 20]
+    arguments = ["draw", results / "crank", "-o", results / "c.gif", "--frames", 5, "--dpi", 20]
     assert call(*arguments).err == ""
     seen = call(*arguments, terminal=True)
     assert seen.status == 0
     assert "c.gif" in seen.err
-    assert "/20" in seen.err
+    assert "/5" in seen.err
 
 
 @pytest.mark.parametrize(
@@ -221,8 +221,8 @@ def test_plot_csv_to_a_file_and_to_the_output(results):
 
 def test_only_the_step_that_is_drawn_is_read(made, monkeypatch):
     """10 000 steps: the checksums of all other blocks stay unread (they are verified on reading)."""
-    from spacar_drawing.source import open_source
-    from spacar_drawing.steps import chosen_steps, configurations
+    from spacar_drawing.picture_source import open_source
+    from spacar_drawing.step_pictures import chosen_steps, configurations
     from spacar_formats.sbf import SbfFile
 
     asked = []

@@ -5,7 +5,7 @@ import io
 
 import numpy as np
 import pytest
-from spacar_drawing.expressions import evaluate
+from spacar_drawing.curves import evaluate
 from spacar_drawing.history import axis_text, csv_text, history_figure, panels
 
 from spacar.errors import UsageError

@@ -11,8 +11,8 @@ from spacar_drawing.mode_shapes import (
     suitable_factor,
     vibration_modes,
 )
+from spacar_drawing.picture_source import source_of_result
 from spacar_drawing.redundancy import redundancy
-from spacar_drawing.source import source_of_result
 
 import spacar
 

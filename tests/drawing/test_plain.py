@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
-from spacar_drawing import parts
+from spacar_drawing import element_pictures
+from spacar_drawing.drawn_shapes import Line, Mark
+from spacar_drawing.element_pictures import element_shapes
 from spacar_drawing.look import look_of
 from spacar_drawing.mechanism_picture import Extras, draw_steps
-from spacar_drawing.parts import element_shapes
 from spacar_drawing.scene import Pose
 from spacar_drawing.settings import WORDS
 from spacar_drawing.settings_check import RULES, SPELLINGS
-from spacar_drawing.shapes import Line, Mark
 
 from .models import result_source
 
@@ -19,7 +19,7 @@ def test_no_shape_is_known(name, monkeypatch, tmp_path):
     """Every element gives one shape, and the picture of all of them, numbers included, is made."""
     source = result_source(name, 0)
     scene, x = source.scene, source.x(1)
-    monkeypatch.setattr(parts, "PARTS", {})
+    monkeypatch.setattr(element_pictures, "PARTS", {})
     look, pose = look_of(scene, x[None], source.settings), Pose.of(scene, x)
     drawn = [e for e in scene.elements if e.number not in source.settings.hidden]
     shapes = element_shapes(scene, pose, look)

@@ -1,6 +1,6 @@
 """The VISUALIZATION section: both spellings and generations of input-language.md section 2."""
 
-from spacar_drawing.settings import Section, parse_settings, read_settings
+from spacar_drawing.settings import SectionShape, parse_settings, read_settings
 
 from .models import DATA
 
@@ -26,11 +26,11 @@ def test_old_style():
         VIBRATIONMODE 2
         BUCKLINGMODE 3
     """)
-    assert s.section(1) == Section("RECT", (0.01, 0.1))
-    assert s.section(3) == s.section(4) == Section("RECTHOL", (0.02, 0.03, 0.01, 0.02))
-    assert s.section(7) == Section("CIRC", (0.05,))
-    assert s.section(9) == Section("LINE")
-    assert s.section(5, truss=True) == Section("CIRC", (0.02,))
+    assert s.section(1) == SectionShape("RECT", (0.01, 0.1))
+    assert s.section(3) == s.section(4) == SectionShape("RECTHOL", (0.02, 0.03, 0.01, 0.02))
+    assert s.section(7) == SectionShape("CIRC", (0.05,))
+    assert s.section(9) == SectionShape("LINE")
+    assert s.section(5, truss=True) == SectionShape("CIRC", (0.02,))
     assert s.hinges == {1: (0.01, 0.03)}
     assert (s.light, s.opacity, s.traces, s.step_line) == (False, 0.6, (8,), 0.01)
     assert (s.enlarge, s.vibration_mode, s.buckling_mode) == (0.04, 2, 3)
@@ -51,8 +51,8 @@ def test_new_style():
           COLOR 0.5 0.5 0.5
         DONOTDRAW 12 13
     """)
-    assert s.section(2) == Section("RECT", (0.04, 0.0005))
-    assert s.section(4) == Section("CIRC", (0.01,))
+    assert s.section(2) == SectionShape("RECT", (0.04, 0.0005))
+    assert s.section(4) == SectionShape("CIRC", (0.01,))
     assert s.section(5) is None
     assert s.colour(1) == (0.1, 0.5, 0.9)
     assert s.colour(3) is None

@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 from spacar_drawing.sections import moments, rectangle_torsion, rectangle_twist_stress
-from spacar_drawing.settings import Section
+from spacar_drawing.settings import SectionShape
 from spacar_drawing.stresses import GRID, Resultants, along, resultants, stress_field
 
 from .models import result_source
 
 ALL_SECTIONS = [
-    Section("RECT", (0.3, 0.2)),
-    Section("RECTHOL", (0.3, 0.2, 0.26, 0.16)),
-    Section("CIRC", (0.25,)),
-    Section("CIRCHOL", (0.25, 0.2)),
+    SectionShape("RECT", (0.3, 0.2)),
+    SectionShape("RECTHOL", (0.3, 0.2, 0.26, 0.16)),
+    SectionShape("CIRC", (0.25,)),
+    SectionShape("CIRCHOL", (0.25, 0.2)),
 ]
 
 
@@ -108,7 +108,7 @@ def test_von_mises_of_simple_loads(section):
 
 def test_signs_of_bending_stress():
     """Mz = EI w_y'' > 0 bends towards +y: +y is compressed; My = -EI w_z'' > 0: +z is stretched."""
-    section = Section("RECT", (0.3, 0.2))
+    section = SectionShape("RECT", (0.3, 0.2))
     normal, _ = stress_field(section, only(Mz=1.0))
     corners = normal[0].reshape(GRID, GRID)  # rows z, columns y
     assert corners[0, -1] < 0 < corners[0, 0]
@@ -119,12 +119,12 @@ def test_signs_of_bending_stress():
 
 def test_circle_under_shear_and_torque():
     """4/3 Q/A in the middle; 16 T/(pi d^3) at the rim."""
-    section = Section("CIRC", (0.2,))
+    section = SectionShape("CIRC", (0.2,))
     assert np.isclose(along("shear", only(Qy=1.0), section)[0], 4 / 3 / (np.pi * 0.01))
     assert np.isclose(along("shear", only(T=1.0), section)[0], 16 / (np.pi * 0.2**3))
 
 
 def test_no_stress_without_a_section():
     assert along("mises", only(N=1.0), None) is None
-    assert along("mises", only(N=1.0), Section("LINE")) is None
+    assert along("mises", only(N=1.0), SectionShape("LINE")) is None
     assert along("N", only(N=1.0), None)[0] == 1.0

@@ -36,7 +36,7 @@ def test_show_without_display_is_refused(results, monkeypatch):
 
 def test_slider_shows_the_step(no_screen):
     from spacar_drawing.mechanism_picture import Extras
-    from spacar_drawing.steps import series
+    from spacar_drawing.step_pictures import series
 
     from .models import result_source
 
@@ -88,7 +88,7 @@ def test_plot_option_of_a_run(results, no_screen):
 
 def test_play_goes_round(no_screen):
     from spacar_drawing.camera import Camera
-    from spacar_drawing.shapes import Mark
+    from spacar_drawing.drawn_shapes import Mark
 
     def pictures(k):
         return [Mark(np.zeros(3))], f"picture {k}"
@@ -110,7 +110,7 @@ def test_dragging_turns_a_spatial_picture(no_screen):
     """100 pixels to the right turn the mechanism by 40 degrees about z: the camera goes the other way."""
     from matplotlib.backend_bases import MouseEvent
     from spacar_drawing.camera import Camera
-    from spacar_drawing.shapes import Mark
+    from spacar_drawing.drawn_shapes import Mark
 
     seen = []
     start = Camera.towards(-60, 30)

@@ -104,7 +104,7 @@ def test_the_error_asked_for_is_kept(name: str, code: int, error: float) -> None
     assert relative_error(name, motion(CASES[name], code, error)) <= 10.0 * error
 
 
-@pytest.mark.parametrize("code", [0, 155, 853])
+@pytest.mark.parametrize("code", [0, *(pytest.param(c, marks=pytest.mark.slow) for c in (155, 853))])
 def test_the_error_asked_for_is_kept_by_the_general_path(code: int) -> None:
     assert relative_error("slider-crank", motion(CASES["slider-crank"], code, 1e-4, compiled=False)) <= 1e-3
 
@@ -126,7 +126,7 @@ def test_a_position_tolerance_below_rounding_is_met(compiled: bool, monkeypatch:
     assert relative_error("pendulum", x) <= 1e-5
 
 
-@pytest.mark.parametrize("compiled", [False, True])
+@pytest.mark.parametrize("compiled", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_outputs_far_apart_stay_on_the_way_of_the_motion(compiled: bool) -> None:
     """Between outputs the crank goes up and comes back: the expansion over 0.2 s led to a crank turned by 180 degrees.
 

@@ -13,11 +13,11 @@ import pytest
 import spacar
 from spacar.compiled import CompiledDynamics
 from spacar.dynamics import Dynamics
-from spacar.dynamics.equations import EquationsOfMotion
 from spacar.dynamics.evaluator import Evaluator
+from spacar.dynamics.motion_equations import EquationsOfMotion
 from spacar.errors import AnalysisError
-from spacar.linearization.jacobian import state_jacobian
 from spacar.linearization.matrices import linearize
+from spacar.linearization.state_jacobian import state_jacobian
 
 DATA = Path(__file__).parents[2] / "data"
 MODELS = ["robotsim", "crankfl", "plbeam5"]

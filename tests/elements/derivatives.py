@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.elements.base import ElementGroup, Family
+from spacar.elements.family import ElementGroup, Family
 
 STEP = 1e-30
 TOLERANCE = 1e-12
@@ -61,8 +61,8 @@ def group(
         directions=(None,) * n if directions is None else tuple(directions),
         projections=(None,) * n if projections is None else tuple(projections),
         em=table(em, 9),
-        estiff=table(estiff, 6),
-        edamp=table(edamp, 6),
+        estiff=table(estiff, 7),
+        edamp=table(edamp, 7),
     )
 
 

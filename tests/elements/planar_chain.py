@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 
-from spacar.elements.base import Family
+from spacar.elements.family import Family
 from tests.elements.derivatives import evaluate, group, written
 
 

@@ -7,7 +7,7 @@ import pytest
 import scipy.linalg
 import sympy
 
-from spacar.elements.base import GeometryError
+from spacar.elements.family import GeometryError
 from spacar.elements.plbeam import PlanarBeam
 from tests.elements.derivatives import (
     check_gravity,

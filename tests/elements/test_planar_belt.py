@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from spacar.elements.base import GeometryError
+from spacar.elements.family import GeometryError
 from spacar.elements.plbelt import PlanarBelt
 from tests.elements.derivatives import (
     check_gravity,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from spacar.elements.base import GeometryError
+from spacar.elements.family import GeometryError
 from spacar.elements.pltor import PlanarHinge
 from spacar.elements.pltruss import PlanarTruss
 from tests.elements.derivatives import (

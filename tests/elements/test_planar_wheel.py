@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from spacar.elements.base import GeometryError
+from spacar.elements.family import GeometryError
 from spacar.elements.plwheel import PlanarWheel
 from tests.elements.derivatives import check_stiffness, check_strain, close, evaluate, group, written
 

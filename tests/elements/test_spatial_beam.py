@@ -12,8 +12,8 @@ import pytest
 from derivatives import check_gravity, check_inertia, check_strain, close, evaluate, group, mass_of
 from spatial_truth import G, chord_frame, moved, rates, reference, rotation, turn
 
-from spacar.elements.base import GeometryError
 from spacar.elements.beam import SpatialBeam
+from spacar.elements.family import GeometryError
 
 LAYOUT = "xlxl"
 N = 7

@@ -9,7 +9,7 @@ import pytest
 from derivatives import check_gravity, check_inertia, check_strain, close, evaluate, group, mass_of
 from spatial_truth import G, chord_frame, moved, rates, reference, rotation, turn
 
-from spacar.elements.base import GeometryError
+from spacar.elements.family import GeometryError
 from spacar.elements.hinge import SpatialHinge
 from spacar.elements.normalization import Normalization
 from spacar.elements.pinbody import SpatialPinbody

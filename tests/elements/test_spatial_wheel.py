@@ -9,7 +9,7 @@ import pytest
 from derivatives import check_strain, close, evaluate, gradient, group, written
 from spatial_truth import moved, rotation, turn
 
-from spacar.elements.base import Family, GeometryError
+from spacar.elements.family import Family, GeometryError
 from spacar.elements.wheel import DiskWheel, TorusWheel
 
 N = 5

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from spacar.deck import ELEMENT_TYPES, Deck, parse_deck
+from spacar.deck.keyword_table import KEYWORDS
 from spacar.deck.statement import Statement
-from spacar.deck.table import KEYWORDS
 from spacar.deck.table_types import Variant
 from spacar.frame import Frame
 from spacar.mechanism.mechanism import Mechanism

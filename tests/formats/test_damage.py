@@ -80,14 +80,7 @@ NUMBERS = st.sampled_from([0, 1, 7, 8, 64, 2**31 - 1, 2**31, 2**32, 2**60, 2**61
 WORDS = st.tuples(st.integers(2, 63).map(lambda k: 8 * k), NUMBERS)
 
 
-@settings(max_examples=1500, deadline=None)
-@given(
-    changes=CHANGES,
-    words=st.lists(WORDS, max_size=2),
-    cut=st.integers(0, 512) | st.just(512),
-    repair=st.booleans(),
-)
-def test_fuzzed_bytes_raise_nothing_but_sbf_errors(tmp_path_factory, changes, words, cut, repair):
+def only_sbf_errors(tmp_path_factory, changes, words, cut, repair):
     raw = bytearray(VECTOR)
     for at, value in changes:
         raw[at] = value
@@ -98,6 +91,13 @@ def test_fuzzed_bytes_raise_nothing_but_sbf_errors(tmp_path_factory, changes, wo
     path.write_bytes(repaired(done) if repair and len(done) >= 64 else done)
     with suppress(SbfError):
         read_everything(path)
+
+
+fuzzed = given(
+    changes=CHANGES, words=st.lists(WORDS, max_size=2), cut=st.integers(0, 512) | st.just(512), repair=st.booleans()
+)
+test_fuzzed_bytes_raise_nothing_but_sbf_errors = settings(max_examples=300, deadline=None)(fuzzed(only_sbf_errors))
+test_many_fuzzed_bytes = pytest.mark.slow(settings(max_examples=1500, deadline=None)(fuzzed(only_sbf_errors)))
 
 
 @settings(max_examples=300, deadline=None)

@@ -41,7 +41,7 @@ def test_the_test_vector_is_read(tmp_path):
         np.testing.assert_array_equal(file.get("TDEF"), [[2]])
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(data=st.data())
 def test_whatever_is_written_is_read_back(tmp_path_factory, data):
     ids = data.draw(st.lists(IDS, unique=True, max_size=8))

@@ -32,6 +32,6 @@ def test_a_case_is_the_same_everywhere(results):
 
 
 def test_every_subcommand_is_called():
-    from spacar_cli.table import COMMANDS as ALL
+    from spacar_cli.command_table import COMMANDS as ALL
 
     assert set(ALL) <= set(COMMANDS)

@@ -85,6 +85,7 @@ class VanDerPol:
         return np.array([[0.0, 1.0], [1e6 * (-2.0 * y[0] * y[1] - 1.0), 1e6 * (1.0 - y[0] ** 2)]]), np.zeros(2)
 
 
+@pytest.mark.slow
 def test_van_der_pol_against_another_program():
     from scipy.integrate import solve_ivp
 

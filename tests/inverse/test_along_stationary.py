@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+import io
 import json
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from spacar_cli.environment import Environment
+from spacar_cli.main import main
 
 import spacar
 from spacar.deck import parse_deck
@@ -123,46 +123,34 @@ def test_another_iterstep_is_refused(ten):
         spacar.run(3, deck, nominal=ten)
 
 
+def command(*words: object) -> str:
+    """Standard output of a command that must succeed."""
+    out, err = io.StringIO(), io.StringIO()
+    assert main([str(w) for w in words], Environment(io.StringIO(), out, err, {})) == 0, err.getvalue()
+    return out.getvalue()
+
+
 def test_the_files_as_spacar_light_writes_them(tmp_path: Path):
     """NAME_3 finds NAME; values of what is free now are no errors; M0, K0B, C0B are in the .ltv."""
     (tmp_path / "hinge.dat").write_text(text())
     (tmp_path / "hinge_3.dat").write_text(text("DYNX"))
-    program = shutil.which("spacar", path=str(Path(sys.executable).parent))
-    assert program is not None
     for mode, name in (("10", "hinge"), ("9", "hinge"), ("10", "hinge"), ("3", "hinge_3")):
-        done = subprocess.run([program, mode, name], cwd=tmp_path, capture_output=True, text=True, check=False)
-        assert done.returncode == 0, done.stderr
+        command(mode, tmp_path / name)
         if mode == "9":  # the last run on NAME may be one of mode 9
-            again = subprocess.run([program, "3", "hinge_3"], cwd=tmp_path, capture_output=True, text=True, check=False)
-            assert again.returncode == 0, again.stderr
+            command("3", tmp_path / "hinge_3")
     log = (tmp_path / "hinge_3.log").read_text()
     assert "the mode 10 result hinge.sbd" in log
-    done = subprocess.run([program, "eigen", "hinge_3"], cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert "node 7 y" in done.stdout
-    assert {"M0", "K0B", "C0B"} <= set(
-        subprocess.run(
-            [program, "checksbf", "hinge_3.ltv"], cwd=tmp_path, capture_output=True, text=True
-        ).stdout.split()
-    )
+    assert "node 7 y" in command("eigen", tmp_path / "hinge_3")
+    assert {"M0", "K0B", "C0B"} <= set(command("checksbf", tmp_path / "hinge_3.ltv").split())
 
 
 def test_compliance_of_the_free_mechanism(tmp_path: Path):
     """`spacar compliance NAME_3`: with the coordinate free, W K^-1 W^T of the stored matrices."""
     (tmp_path / "hinge.dat").write_text(text())
     (tmp_path / "hinge_3.dat").write_text(text("DYNX"))
-    program = shutil.which("spacar", path=str(Path(sys.executable).parent))
-    assert program is not None
-    for words in (("10", "hinge"), ("3", "hinge_3")):
-        subprocess.run([program, *words], cwd=tmp_path, check=True, capture_output=True)
-    done = subprocess.run(
-        [program, "compliance", "hinge_3", "7", "--step", "2", "--json"],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    found = np.array(json.loads(done.stdout)["global"])
+    command("10", tmp_path / "hinge")
+    command("3", tmp_path / "hinge_3")
+    found = np.array(json.loads(command("compliance", tmp_path / "hinge_3", "7", "--step", "2", "--json"))["global"])
     nominal = spacar.run(10, tmp_path / "hinge.dat")
     result = spacar.run(3, tmp_path / "hinge_3.dat", nominal=nominal)
     n = result.mechanism.numbering

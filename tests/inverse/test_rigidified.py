@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from spacar_formats.setpoints import find_setpoints
+from spacar_formats.setpoint_files import find_setpoints
 
 import spacar
 from spacar.deck import parse_deck, read_deck

@@ -10,8 +10,8 @@ from numpy.polynomial import Polynomial
 
 import spacar
 from spacar.deck import parse_deck
-from spacar.kinematics.extrapolation import State, extrapolated
-from spacar.kinematics.sweep import Sweep
+from spacar.kinematics.element_sweep import ElementSweep
+from spacar.kinematics.predictor import State, extrapolated
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 import models
@@ -48,13 +48,13 @@ def test_without_a_smooth_past_it_is_taylors_polynomial() -> None:
 def test_a_prescribed_motion_needs_two_evaluations_per_position(monkeypatch) -> None:
     """crank.dat, 0.15 rad between outputs: the start value is off by 1e-7, so the second correction is rounding."""
     count = 0
-    strain = Sweep.strain
+    strain = ElementSweep.strain
 
-    def counted(self: Sweep, x: np.ndarray) -> None:
+    def counted(self: ElementSweep, x: np.ndarray) -> None:
         nonlocal count
         count += 1
         strain(self, x)
 
-    monkeypatch.setattr(Sweep, "strain", counted)
+    monkeypatch.setattr(ElementSweep, "strain", counted)
     frames = list(spacar.frames(1, parse_deck(models.example("crank"), mode=1)))
     assert count <= 2 * len(frames) + 5

@@ -5,10 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from spacar import Deck
 from spacar.errors import Report
-from spacar.linear import backward_error, eigen
+from spacar.linear import backward_error, eigen, lowest, subspace
 from spacar.linear.buckling import buckling_modes, order_of
 from spacar.linear.lowest import _check
+from spacar.mechanism import build
+from spacar.stationary import StationarySolver, load_program
 
 
 def test_a_doubtful_pair_is_kept_with_a_warning(monkeypatch):
@@ -57,6 +60,35 @@ def test_modes_of_large_systems_that_have_not_converged_are_told():
     _check(operator, np.array([1.0, 0.5]), np.array([[1.0, 1e-6], [0.0, 1.0]]), "eigenvalues", report)
     assert report.lines[0].startswith("warning: 1 of the 2 eigenvalues are not exact")
     assert "number 2" in report.lines[0]
+
+
+def test_a_mode_of_which_no_digit_is_known_is_nan(monkeypatch):
+    """The iteration is cut to its first step: what has not converged at all is nan with a warning, the rest is right.
+
+    A chain of 20 masses and springs in line: omega_k = 2 sin((2 k - 1) pi/(2 (2 n + 1))), clamped at one end.
+    """
+    n = 20
+    rows = [("PLTRUSS", k, k, k + 1) for k in range(1, n + 1)]
+    rows += [("X", k + 1, float(k)) for k in range(1, n + 1)] + [("FIX", 1)]
+    rows += [("FIX", k + 1, 2) for k in range(1, n + 1)] + [("DYNE", k, 1) for k in range(1, n + 1)]
+    dynamics = [("XM", k + 1, 1.0) for k in range(1, n + 1)] + [("ESTIFF", k, 1.0) for k in range(1, n + 1)]
+    exact = np.sort(2 * np.sin((2 * np.arange(1, n + 1) - 1) * np.pi / (2 * (2 * n + 1))))
+    m = build(Deck.build(rows, dynamics), 7)
+    solver = StationarySolver(m, Report())
+    for level in load_program(m.settings):
+        solver.solve(level)
+    tangent = solver.sparse_tangent()
+    tangent.sigma = solver.solution.sigma
+    for iterations, some in ((100, False), (1, True)):
+        monkeypatch.setattr(subspace, "MAX_ITERATIONS", iterations)
+        monkeypatch.setattr(lowest, "SPARE", 0)
+        report = Report()
+        found = np.sort(np.abs(lowest.lowest_vibration(tangent, report, 8).values.imag))[::2]
+        known = found[np.isfinite(found)]
+        assert (len(known) < 8) == some
+        # a residual below a tenth: the value is an eigenvalue to that part
+        assert all(np.min(np.abs(w**2 / exact**2 - 1)) < 0.2 for w in known)
+        assert any("no digit is known are nan" in line for line in report.lines) == some
 
 
 @pytest.mark.parametrize("noise", [0.0, 1e-13, -1e-13, 3e-9])

@@ -9,8 +9,8 @@ from nonlinear import Nonlinear, jacobian, random_state
 
 from spacar import run
 from spacar.deck import parse_deck
-from spacar.kinematics.second_order import second_order_transfer
-from spacar.kinematics.third_order import third_order_transfer
+from spacar.kinematics.second_order_transfer import second_order_transfer
+from spacar.kinematics.third_order_transfer import third_order_transfer
 from spacar.kinematics.transfer import configuration_transfer
 
 

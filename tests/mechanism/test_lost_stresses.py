@@ -9,7 +9,7 @@ import pytest
 
 import spacar
 from spacar.errors import AnalysisError
-from spacar.mechanism.places import placed
+from spacar.mechanism.placed_vectors import placed
 
 BEAM = """PLBEAM 1 1 2 3 4
 PLBEAM 2 3 4 5 6

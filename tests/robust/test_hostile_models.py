@@ -12,8 +12,8 @@ from spacar_cli.environment import Environment
 from spacar_cli.main import main
 
 from spacar.errors import UsageError
-from spacar.symbolic import System
-from spacar.symbolic.names import control_character, escaped, is_name, is_output
+from spacar.symbolic import MultibodySystem
+from spacar.symbolic.name_rules import control_character, escaped, is_name, is_output
 
 PENDULUM = """
 [system]
@@ -125,7 +125,7 @@ def test_names_are_checked(tmp_path, extra, output, found):
 
 
 def test_a_name_of_a_library_model_is_checked_before_it_becomes_program_text():
-    system = System(title="x")
+    system = MultibodySystem(title="x")
     q, s = system.coordinate("q"), system.speed("s): import os #")
     system.kinematic(q, s)
     system.particle("bob", system.point("P", system.O, q * system.N[1]), 1.0)

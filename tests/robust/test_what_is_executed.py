@@ -181,7 +181,7 @@ def test_a_run_starts_no_compiler_and_writes_no_library(tmp_path):
 
 def test_symbolic_scripts_run_and_toml_files_do_not(tmp_path):
     """A .py model is a program of the user; the page of promises says so."""
-    script = "open('RUN', 'w').close()\nfrom spacar.symbolic import System\nsystem = System()\n"
+    script = "open('RUN', 'w').close()\nfrom spacar.symbolic import MultibodySystem\nsystem = MultibodySystem()\n"
     (tmp_path / "m.py").write_text(script)
     program = [sys.executable, "-c", "import sys; from spacar_cli.main import main; sys.exit(main())"]
     subprocess.run([*program, "symbolic", "check", "m.py"], cwd=tmp_path, env=dict(os.environ), capture_output=True,

@@ -64,6 +64,7 @@ def test_blocks_give_the_same_as_the_control_law(robot):
     assert wired["plant"][:, :6] == pytest.approx(direct["plant"][:, :6], abs=1e-7)
 
 
+@pytest.mark.slow  # the closed loop is the fast one
 def test_open_loop_drifts_away(robot):
     nominal, _ = robot
     diagram = Diagram().add(Spasim(DATA / "robotsim.dat"), SetpointU0(nominal, "u0", hold=True)).connect("u0", "plant")
@@ -71,6 +72,7 @@ def test_open_loop_drifts_away(robot):
     assert tip_error(response, nominal)[-1] == pytest.approx(0.183, abs=0.05)  # expected.json
 
 
+@pytest.mark.slow
 def test_sampled_controller_tends_to_the_continuous_one(robot):
     """First order in the sampling period: halving it halves the difference."""
     nominal, linear = robot

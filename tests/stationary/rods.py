@@ -41,10 +41,24 @@ def follow(residual: Callable[[Array, float], Array], u: Array, values: Array) -
 def two_leaves(
     ends: tuple[tuple[float, float], ...], body: tuple[float, float], EA: float, EI: float, values: Array, turned: bool
 ) -> float:
-    """Force along x at `body` moved to the last value of x; `turned`: moment that turns the body to the last angle.
+    """Force along x at `body` moved to the last value of x; `turned`: moment that turns the body to the last angle."""
+    _, force, moment = _two_leaves(ends, body, EA, EI, values, turned)
+    return moment if turned else force
 
-    Unknown: forces and moments at the clamps of both leaves, and two of x, y, angle of the body.
-    """
+
+def clamps(
+    ends: tuple[tuple[float, float], ...], body: tuple[float, float], EA: float, EI: float, values: Array
+) -> Array:
+    """Fx, Fy, M on the cut at the clamp of both leaves, (2, 3), with the body moved to the last value of x."""
+    u = _two_leaves(ends, body, EA, EI, values, False)[0]
+    return u[:6].reshape(2, 3) * [EI / 0.01, EI / 0.01, EI / 0.1]
+
+
+def _two_leaves(
+    ends: tuple[tuple[float, float], ...], body: tuple[float, float], EA: float, EI: float, values: Array, turned: bool
+) -> tuple[Array, float, float]:
+    """Forces and moments at the clamps of both leaves, and two of x, y, angle of the body (the unknowns); the force
+    and the moment on the body."""
     p1, q1, p2, q2, b = map(np.array, (*ends, body))
     force, moment, length = EI / 0.01, EI / 0.1, 0.1
 
@@ -65,7 +79,7 @@ def two_leaves(
     u = np.zeros(8)
     u[6:] = (b / length) if turned else (b[1] / length, 0.0)
     u = follow(lambda u, value: equations(u, value)[0], u, values)
-    return equations(u, values[-1])[2 if turned else 1]
+    return u, *equations(u, values[-1])[1:]
 
 
 def lee(load: float, base: Array) -> Array:

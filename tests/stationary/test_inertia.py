@@ -10,11 +10,11 @@ import pytest
 
 from spacar.deck import parse_deck
 from spacar.errors import Report
-from spacar.linear_systems import inertia as module
-from spacar.linear_systems.inertia import Inertia
+from spacar.linear_systems import matrix_inertia
+from spacar.linear_systems.matrix_inertia import Inertia
 from spacar.mechanism import build
 from spacar.stationary import StationarySolver, load_program
-from spacar.stationary.resting import RestingTangent
+from spacar.stationary.resting_tangent import RestingTangent
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 from statics import cantilever
@@ -49,10 +49,11 @@ def test_both_ways_agree_with_the_spectrum(k, free):
     expected = int(np.sum(spectrum < 0.0)), 0
     count = Inertia(n, rows, columns)
     assert count(entries) == expected
-    if n > module.SINGLE:
+    if n > matrix_inertia.SINGLE:
         values = count._equilibrated(entries)
-        assert module._by_spectra(n, count._blocks(values, False, module.SMALLEST_BLOCK)) == expected
-        assert module._by_factors(n, count._blocks(values, False, module.FACTORED_BLOCK)) in (expected[0], None)
+        assert matrix_inertia._by_spectra(n, count._blocks(values, False, matrix_inertia.SMALLEST_BLOCK)) == expected
+        blocks = count._blocks(values, False, matrix_inertia.FACTORED_BLOCK)
+        assert matrix_inertia._by_factors(n, blocks) in (expected[0], None)
 
 
 def test_few_directions_wait(monkeypatch):
@@ -69,9 +70,9 @@ def test_few_directions_wait(monkeypatch):
         count = self.t.pattern(("geometric", "load", "moment"))
         solver = Inertia(self.t.nf + self.t.ne, *count)
         entries = self.t.entries({"geometric": 1.0, "load": 1.0, "moment": 1.0})[0]
-        blocks = solver._blocks(solver._equilibrated(entries), False, module.SMALLEST_BLOCK)
+        blocks = solver._blocks(solver._equilibrated(entries), False, matrix_inertia.SMALLEST_BLOCK)
         monkeypatch.setattr(np.linalg, "eigh", lambda S: (orders.append(len(S)), eigh(S))[1])
-        seen.append(module._by_spectra(solver.n, blocks))
+        seen.append(matrix_inertia._by_spectra(solver.n, blocks))
         monkeypatch.setattr(np.linalg, "eigh", eigh)
         assert seen[-1] == inertia(self)
         return seen[-1]
@@ -81,4 +82,4 @@ def test_few_directions_wait(monkeypatch):
     for level in load_program(m.settings):
         solver.solve(level)
     assert seen
-    assert max(orders) <= 2 * module.SMALLEST_BLOCK
+    assert max(orders) <= 2 * matrix_inertia.SMALLEST_BLOCK

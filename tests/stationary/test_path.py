@@ -108,7 +108,7 @@ def test_prescribed_load_stops_at_the_limit_point():
     assert errors[1] < 0.01
 
 
-@pytest.mark.parametrize("steps", [5, 25])
+@pytest.mark.parametrize("steps", [1, 5, 25])
 def test_path_beyond_the_limit_point_when_asked(steps):
     """P = 2.5 after the snap-through: v = 93.21722 by exact rods; 10 elements a bar are 0.073 away, 40 a sixteenth."""
     text, p = models.lee(2.5, steps, 10, follow=1)

@@ -12,7 +12,7 @@ import spacar
 from spacar.deck import parse_deck
 from spacar.errors import UsageError
 from spacar.studies.assignments import axis, change, setting
-from spacar.studies.batches import reason
+from spacar.studies.batched_cases import reason
 from spacar.studies.ensemble import E_FIELDS, X_FIELDS, alike, ensemble, why_not
 from spacar.studies.quantities import quantity
 from spacar.studies.sweep import Study

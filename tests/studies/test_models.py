@@ -6,12 +6,16 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.deck import Deck
+from spacar.deck import Deck, divide
 from spacar.errors import UsageError
 from spacar.mechanism import build
-from spacar.studies.models import _split_preload, flexible_beams, linear_strain, refine, rigid, split_pair
+from spacar.studies.models import flexible_beams, linear_strain, refine, rigid
 
 BEAM2 = np.array([[4.0, -2.0], [-2.0, 4.0]])  # stiffness of a bending pair, times EI/l^3
+
+
+def split_pairs(e_p, e_q, n):
+    return tuple(np.array(rows) for rows in divide.split_pair(tuple(e_p), tuple(e_q), n))
 
 
 def test_bending_of_the_parts_has_the_energy_of_the_parent():
@@ -19,7 +23,7 @@ def test_bending_of_the_parts_has_the_energy_of_the_parent():
     rng = np.random.default_rng(1)
     for n in (2, 3, 7):
         e = rng.normal(size=2)
-        p, q = split_pair(e[:1], e[1:], n)
+        p, q = split_pairs(e[:1], e[1:], n)
         parts = np.concatenate((p, q), axis=1)
         energy = n**3 * np.einsum("ki,ij,kj->", parts, BEAM2, parts)
         assert energy == pytest.approx(e @ BEAM2 @ e, rel=1e-13)
@@ -27,7 +31,7 @@ def test_bending_of_the_parts_has_the_energy_of_the_parent():
 
 def test_pure_bending_is_pure_bending_of_the_parts():
     """w'' constant: every part has e_p = e_q, 1/n^2 of the parent's (slope times length)."""
-    p, q = split_pair(np.array([1.0]), np.array([1.0]), 4)
+    p, q = split_pairs(np.array([1.0]), np.array([1.0]), 4)
     assert np.allclose(p, 1 / 16, rtol=1e-13)
     assert np.allclose(q, 1 / 16, rtol=1e-13)
 
@@ -37,11 +41,11 @@ def test_preload_does_the_work_of_the_parent():
     rng = np.random.default_rng(2)
     n = 5
     sigma, e = rng.normal(size=6), rng.normal(size=6)
-    table = _split_preload("BEAM", tuple(sigma), n)
+    table = np.array(divide.split_preload("BEAM", tuple(sigma), n))
     parts = np.empty((n, 6))
     parts[:, 0], parts[:, 1] = e[0] / n, e[1] / n**2
     for p, q in ((2, 3), (4, 5)):
-        a, b = split_pair(e[[p]], e[[q]], n)
+        a, b = split_pairs(e[[p]], e[[q]], n)
         parts[:, p], parts[:, q] = a[:, 0], b[:, 0]
     assert np.sum(table * parts) == pytest.approx(sigma @ e, rel=1e-12)
 

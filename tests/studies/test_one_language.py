@@ -25,14 +25,14 @@ def crank():
 
 @pytest.fixture(scope="module")
 def drawn(crank):
-    from spacar_drawing.source import source_of_result
+    from spacar_drawing.picture_source import source_of_result
 
     return source_of_result(crank)
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_a_function_is_the_same_in_plot_and_sweep(crank, drawn, name):
-    from spacar_drawing.expressions import evaluate
+    from spacar_drawing.curves import evaluate
 
     angle = {"hypot": "x[6,1], x[3,1]", "atan2": "x[3,2], x[3,1]", "sqrt": "x[6,1]**2"}.get(name, "x[2,1]/x[2,1]@end")
     text = f"{name}({angle})"
@@ -42,7 +42,7 @@ def test_a_function_is_the_same_in_plot_and_sweep(crank, drawn, name):
 
 
 def test_reductions_and_steps_can_be_plotted_with_their_units(drawn):
-    from spacar_drawing.expressions import evaluate
+    from spacar_drawing.curves import evaluate
 
     from spacar.expressions import unit_text
 
@@ -71,7 +71,7 @@ def test_studies_know_the_functions_of_plot(crank):
 
 @pytest.mark.parametrize("text", ["x[99,1]", "x[6]", "y[1,1]", "max(t, t)", "x.real", "spam", "x[6,1", "t@7.5"])
 def test_the_same_sentence_in_both(crank, drawn, text):
-    from spacar_drawing.expressions import evaluate
+    from spacar_drawing.curves import evaluate
 
     with pytest.raises(UsageError) as plot:
         evaluate(drawn, text)
@@ -81,10 +81,10 @@ def test_the_same_sentence_in_both(crank, drawn, text):
 
 
 def test_a_complex_value_asks_for_a_part(drawn):
-    from spacar_drawing.expressions import evaluate
+    from spacar_drawing.curves import evaluate
 
     cantilever = spacar.run(7, DATA / "plbeam5.dat")
-    from spacar_drawing.source import source_of_result
+    from spacar_drawing.picture_source import source_of_result
 
     with pytest.raises(UsageError, match=r"takes real numbers; write abs\(\)"):
         quantity("hypot(eigval[1], 1)").number(cantilever)

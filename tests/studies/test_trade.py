@@ -12,8 +12,8 @@ import pytest
 from spacar.compiled.library import unavailable
 from spacar.deck import Deck
 from spacar.errors import UsageError
-from spacar.studies.extrapolation import extrapolate
 from spacar.studies.quantities import quantity
+from spacar.studies.richardson import extrapolate
 from spacar.studies.trade import (
     Job,
     Trade,
@@ -204,6 +204,7 @@ def test_command_json(call, pendulum):
     assert found["reference"]["error"] < 1e-7
 
 
+@pytest.mark.slow
 def test_models_of_a_flexible_mechanism(call):
     """A rigid rod is a model with an error of its own, larger than that of integration."""
     done = call("trade", "crankfl", "--time", "0.002", "--steps", "2", "-i", "853", "-t", "1e-3",

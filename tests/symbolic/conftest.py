@@ -30,14 +30,14 @@ class Arm:
 @cache
 def build(reaction: str = "tip", boundary: bool = True, gravity: bool = True, number: int = 3, free: bool = False,
           foreshortening: bool = False) -> Arm:  # fmt: skip
-    from spacar.symbolic import System, shapes
+    from spacar.symbolic import MultibodySystem, beam_shapes
 
-    S = System(gravity=("0", "-g", "0") if gravity else (0, 0, 0))
+    S = MultibodySystem(gravity=("0", "-g", "0") if gravity else (0, 0, 0))
     L, rho, EI, gam = S.parameters("L rho EI gam")
     q1, _s1 = S.coordinate("q1", speed="s1")
     q4, _s4 = S.coordinate("q4", speed="s4")
     beam = {
-        "length": L, "mass": rho, "EI": EI, "field": shapes.monomial(*range(2, 2 + number)) if number else (),
+        "length": L, "mass": rho, "EI": EI, "field": beam_shapes.monomial(*range(2, 2 + number)) if number else (),
         "damping": 0 if free else gam, "damping_boundary": boundary, "foreshortening": foreshortening,
     }  # fmt: skip
     B1 = S.frame("B1", parent=S.N, axis=3, angle=q1)

@@ -10,13 +10,13 @@ import sympy as sp
 from sympy.physics.vector import ReferenceFrame
 
 from spacar.errors import InputError, UsageError
-from spacar.symbolic import System, omega, transform
-from spacar.symbolic.model import read_model
+from spacar.symbolic import MultibodySystem, omega, transform
+from spacar.symbolic.model_reader import read_model
 from spacar.symbolic.transform import DirectionCosines
 
 
 def turned(axes):
-    S = System()
+    S = MultibodySystem()
     angles, speeds = zip(*(S.coordinate(f"q{i}", speed=f"s{i}") for i in (1, 2, 3)), strict=True)
     return S, S.frame("B", S.N, axes, angles), angles, speeds
 
@@ -52,13 +52,13 @@ def test_a_body_with_three_angles_keeps_its_energy(strategy):
     ],
 )  # fmt: skip
 def test_wrong_sequences_are_refused(axes, angles, found):
-    S = System()
+    S = MultibodySystem()
     with pytest.raises(UsageError, match=found):
         S.frame("B", S.N, axes, angles)
 
 
 def test_one_letter_is_an_axis():
-    S = System()
+    S = MultibodySystem()
     q, _ = S.coordinate("q", speed="s")
     B, C = S.frame("B", S.N, "z", "q"), S.frame("C", S.N, 3, q)
     assert B.rotation == C.rotation

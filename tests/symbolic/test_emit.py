@@ -12,8 +12,8 @@ import pytest
 import sympy as sp
 
 from spacar.errors import AnalysisError, UsageError
-from spacar.symbolic import System
-from spacar.symbolic.compiled import CompiledFunction, compiler
+from spacar.symbolic import MultibodySystem
+from spacar.symbolic.compiled_program import CompiledFunction, compiler
 from spacar.symbolic.emit.scalars import FORTRAN, PYTHON, C, Writer
 
 COMPILERS = {
@@ -147,7 +147,7 @@ def test_names_differ_in_more_than_case(programs):
     """q1 and Q1, Z and z: in no routine two names are equal without case."""
     for strategy in ("held", "recursive"):
         text = programs(strategy).text("fortran")
-        for routine in re.split(r"end subroutine", text):
+        for routine in re.split(r"end (?:subroutine|function)", text):
             declared = re.findall(r"real\(dp\) :: (.*)", routine)
             names = [n.strip().split("(")[0].lower() for line in declared for n in re.split(r",(?![^(]*\))", line)]
             assert len(names) == len(set(names))
@@ -170,7 +170,7 @@ def test_scalars_are_written_as_they_are_meant(language):
 
 def test_massless_chain_names_its_coordinate():
     """A pivot that is not positive ends the run with the speed's name."""
-    S = System()
+    S = MultibodySystem()
     q, _ = S.coordinate("q", speed="s")
     r, _ = S.coordinate("r", speed="v")
     m, L = S.parameters("m L")
@@ -185,4 +185,4 @@ def test_unknown_language_and_missing_jacobian(programs):
     with pytest.raises(UsageError, match="choose one of python"):
         programs("recursive").text("cobol")
     with pytest.raises(UsageError, match="Jacobian"):
-        programs("recursive").text("fortran", jacobian=True)
+        programs("recursive").text("latex", jacobian=True)

@@ -9,10 +9,10 @@ import pytest
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from spacar.symbolic.beam_shapes import X
 from spacar.symbolic.derivatives import dvdt
 from spacar.symbolic.held import HeldDerivation
-from spacar.symbolic.shapes import X
-from spacar.symbolic.units import TIME, HeldScalar
+from spacar.symbolic.unit_vectors import TIME, HeldScalar
 
 VARIANTS = [{}, {"reaction": "root", "boundary": False}]
 

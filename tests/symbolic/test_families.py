@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 
 pytest.importorskip("sympy")
 
-from spacar.symbolic import System, shapes
+from spacar.symbolic import MultibodySystem, beam_shapes
 
 UNIT = {"L": 1.0, "rho": 1.0, "EI": 1.0}
 
@@ -57,9 +57,9 @@ def ritz(family: str, number: int) -> np.ndarray:
 @pytest.mark.parametrize("family", ["pinned", "guided", "free"])
 @pytest.mark.parametrize("number", [3, 5])
 def test_frequencies_of_a_family(family, strategy, number):
-    S = System()
+    S = MultibodySystem()
     L, rho, EI = S.parameters("L rho EI")
-    S.beam("beam", S.N, S.O, L, rho, EI=EI, field=getattr(shapes, family)(number), foreshortening=False)
+    S.beam("beam", S.N, S.O, L, rho, EI=EI, field=getattr(beam_shapes, family)(number), foreshortening=False)
     w = np.sort(np.abs(S.derive(strategy).linearize(UNIT).eigenvalues().imag))[::2]
     # rounding of stiffnesses moves the lowest by eps (highest / lowest)²; both sides, and a factor for n terms
     rounding = 10 * number * np.finfo(float).eps * (w[-1] / w[0]) ** 2

@@ -10,7 +10,7 @@ import sympy as sp
 from sympy.physics import mechanics as me
 from sympy.physics.vector import dynamicsymbols
 
-from spacar.symbolic import System, transform
+from spacar.symbolic import MultibodySystem, transform
 from spacar.symbolic.kanes import from_kanes_method
 
 STRATEGIES = ["held", "recursive"]
@@ -37,7 +37,7 @@ def assert_same(eq, oracle, order=None):
 
 
 def double_pendulum():
-    S = System(gravity=("0", "-g", "0"))
+    S = MultibodySystem(gravity=("0", "-g", "0"))
     m, L = S.parameters("m L")
     q1, _ = S.coordinate("q1", speed="s1")
     q2, _ = S.coordinate("q2", speed="s2")
@@ -87,7 +87,7 @@ def test_imported_kane_model_is_simulated():
 
 def rolling_disk():
     """Yaw, lean and spin; speeds are the measure numbers of the angular velocity in the leaned frame."""
-    S = System(gravity=("0", "0", "-g"))
+    S = MultibodySystem(gravity=("0", "0", "-g"))
     m, r = S.parameters("m r")
     q = [S.coordinate(f"q{i}") for i in (1, 2, 3)]
     s = [S.speed(f"s{i}") for i in (1, 2, 3)]
@@ -136,7 +136,7 @@ def test_rolling_disk_without_multipliers(strategy):
 @pytest.mark.parametrize("strategy", STRATEGIES)
 def test_rolling_disk_by_elimination_is_the_same(strategy):
     """Five speeds, rolling as two constraints: ẋ and ẏ of the centre become dependent; E_i + Aᵀ E_d = 0."""
-    S = System(gravity=("0", "0", "-g"))
+    S = MultibodySystem(gravity=("0", "0", "-g"))
     m, r = S.parameters("m r")
     q = [S.coordinate(f"q{i}") for i in (1, 2, 3)]
     x = [S.coordinate("x"), S.coordinate("y")]
@@ -178,7 +178,7 @@ def test_rolling_disk_by_elimination_is_the_same(strategy):
 
 
 def heavy_top():
-    S = System(gravity=("0", "0", "-g"))
+    S = MultibodySystem(gravity=("0", "0", "-g"))
     m, L, I1, I3 = S.parameters("m L I1 I3")
     q = [S.coordinate(f"q{i}", speed=f"s{i}") for i in (1, 2, 3)]
     A = S.frame("A", S.N, 3, q[0][0])
@@ -231,7 +231,7 @@ def test_heavy_top_keeps_energy_and_both_momenta():
 
 
 def chain(n):
-    S = System(gravity=("0", "0", "-g"))
+    S = MultibodySystem(gravity=("0", "0", "-g"))
     m, L, I1, I2 = S.parameters("m L I1 I2")
     frame, point = S.N, S.O
     for k in range(1, n + 1):

@@ -12,9 +12,9 @@ import pytest
 import sympy as sp
 
 from spacar.errors import InputError, UsageError
-from spacar.symbolic import System, transform
-from spacar.symbolic.compiled import CompiledFunction, compiler
-from spacar.symbolic.model import read_model
+from spacar.symbolic import MultibodySystem, transform
+from spacar.symbolic.compiled_program import CompiledFunction, compiler
+from spacar.symbolic.model_reader import read_model
 
 LAW = (
     "-mu*sign(v) - c*abs(v)*v + max(0, x, 0.1) - min(x, 1) + (k if t > 0.5 else 2*k*x)"
@@ -31,7 +31,7 @@ def law(t, x, q, v, w):
 
 
 def mass(text):
-    S = System(gravity=(0, "-g", 0))
+    S = MultibodySystem(gravity=(0, "-g", 0))
     x, _ = S.coordinate("x", speed="v")
     q, _ = S.coordinate("q", speed="w")
     P = S.point("P", S.O, x * S.N[1] + q * S.N[2])
@@ -80,7 +80,7 @@ def test_laws_with_jumps_in_fortran(tmp_path):
 
 def test_t_is_time_in_texts():
     """A frame that turns with 3 t carries its mass on a circle: the radial acceleration is −9 r."""
-    S = System()
+    S = MultibodySystem()
     r, _ = S.coordinate("r", speed="v")
     B = S.frame("B", S.N, 3, "3*t")
     S.particle("P", S.point("P", S.O, r * B[1]), "m")
@@ -93,7 +93,7 @@ def test_laws_may_read_fields_and_velocities():
     """A damper at the tip by a law of its pseudo-speed equals the same force as a vector."""
     forces = []
     for route in ("law", "vector"):
-        S = System()
+        S = MultibodySystem()
         q, _ = S.coordinate("q", speed="s")
         B = S.frame("B", S.N, 3, q)
         beam = S.beam("arm", B, S.O, "L", "rho", EI="EI", field=2, foreshortening=False)
@@ -108,7 +108,7 @@ def test_laws_may_read_fields_and_velocities():
 
 
 def test_turns_about_one_axis_merge():
-    S = System()
+    S = MultibodySystem()
     names = ("q1", "q2", "q4")
     q = [S.coordinate(n, speed=f"s{n}")[0] for n in names]
     frame = S.N
@@ -132,14 +132,14 @@ REFUSED = {
 @pytest.mark.parametrize("name", REFUSED)
 def test_silent_misreadings_are_refused(name):
     make, message = REFUSED[name]
-    S = System()
+    S = MultibodySystem()
     q, _ = S.coordinate("q", speed="s")
     with pytest.raises(UsageError, match=message):
         make(S, S.frame("B", S.N, 3, q))
 
 
 def test_a_symbol_named_like_a_coordinate_is_refused():
-    S = System()
+    S = MultibodySystem()
     q, _ = S.coordinate("q", speed="s")
     B = S.frame("B", S.N, 3, q)
     S.particle("P", S.point("P", S.O, sp.Symbol("q") * B[1]), 1)

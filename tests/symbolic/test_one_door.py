@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import hashlib
 import io
 from contextlib import redirect_stderr, redirect_stdout
 
@@ -12,10 +13,13 @@ import pytest
 pytest.importorskip("sympy")
 
 from spacar_cli.main import main
+from spacar_drawing.picture_source import open_source
+from spacar_drawing.scene import positions, rotations
+from spacar_formats.locate import open_result
 
 from spacar.errors import UsageError
-from spacar.symbolic import System
-from spacar.symbolic.compiled import compiler
+from spacar.symbolic import MultibodySystem
+from spacar.symbolic.compiled_program import compiler
 
 MODEL = """
 [system]
@@ -89,13 +93,80 @@ def test_one_step_is_enough(result):
     assert table("q").shape == (2, 2)
 
 
-@pytest.mark.parametrize("command", ["draw", "report", "visual"])
-def test_what_needs_nodes_says_in_one_sentence_why_not(result, command):
-    status, _, err = spacar(command, "pendulum")
+def test_a_result_knows_the_model_it_came_from(result):
+    file = open_result("pendulum", "sbd")
+    assert file.header["SOURCE"] == ["pendulum.toml"]
+    assert file.header["SHA256"] == [hashlib.sha256((result / "pendulum.toml").read_bytes()).hexdigest()]
+    file.close()
+    (result / "pendulum.toml").write_text(MODEL + "# changed\n")
+    for command in ("draw", "report"):
+        status, _, err = spacar(command, "pendulum")
+        assert status == 2
+        assert "pendulum.toml, which has changed since" in err
+    assert spacar("plot", "pendulum", "q", "--stale-ok")[0] == 0
+
+
+def test_points_and_lines_are_drawn_where_they_are(result):
+    source = open_source("pendulum")
+    (link,) = source.scene.elements
+    q, end = source.named["q"], positions(source.scene, source.x(21))[link.q - 1]
+    assert end == pytest.approx([0.5 * np.sin(q[-1]), -0.5 * np.cos(q[-1]), 0.0], abs=1e-15)
+    turn = rotations(source.scene, source.x(21))[link.q_turn - 1]
+    assert turn[:2, 0] == pytest.approx(end[:2] / 0.5, abs=1e-14)
+    assert source.scene.fixed_directions(link.p) == (0, 1)
+    assert spacar("draw", "pendulum", "--strobe", "3", "-o", "p.png")[0] == 0
+    assert (result / "p.png").stat().st_size > 1000
+
+
+def test_a_report_has_the_named_quantities(result):
+    assert spacar("report", "pendulum")[0] == 0
+    page = (result / "pendulum.html").read_text()
+    for text in ("spacar symbolic simulate", "Coordinates", "T + V", "Plots", "pendulum.toml"):
+        assert text in page
+    assert "Degrees of freedom" not in page
+
+
+def test_flexible_and_spatial_models_are_drawn(tmp_path, monkeypatch):
+    """The tip of a drawn beam is the section that the program computes."""
+    monkeypatch.chdir(tmp_path)
+    text = MODEL.replace('axis = 3\nangle = "q - pi/2"', 'axis = "32"\nangle = ["q", 0.3]')
+    beam = '[[beam]]\nname = "rod"\nframe = "B"\nroot = "P"\nlength = "L"\nmass = "m"\nEI = 0.01\nbends = [2, 3]\n'
+    outputs = "".join(f'"t{a}" = "rod.tip.{a}"\n' for a in "xyz")
+    text = text.replace("[outputs]", f"{beam}field = 2\n[outputs]\n{outputs}")
+    (tmp_path / "rod.toml").write_text(text)
+    status, _, err = spacar("symbolic", "simulate", "rod.toml", "--time", "0.02", "--steps", "2", "--rtol", "1e-5")
+    assert status == 0, err
+    source = open_source("rod")
+    tip = [source.named[f"t{a}"][-1] for a in "xyz"]
+    last = source.scene.elements[-1]
+    assert abs(tip[2]) > 0.01
+    assert positions(source.scene, source.x(3))[last.q - 1] == pytest.approx(tip, abs=1e-13)
+    assert spacar("draw", "rod", "-o", "rod.png")[0] == 0
+
+
+def test_what_has_no_points_says_so(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "empty.toml").write_text('[coordinates]\nq = { speed = "s" }\n')
+    (tmp_path / "m.py").write_text(
+        "from spacar.symbolic import MultibodySystem\nsystem = MultibodySystem()\nq, s = system.coordinate('q', 's')\n"
+        "P = system.point('P', system.O, 0 * system.N[1], velocity=s * system.N[1])\nsystem.particle('p', P, 1)\n"
+    )
+    assert spacar("symbolic", "simulate", "m.py", "--steps", "2")[0] == 0
+    status, _, err = spacar("draw", "m")
     assert status == 2
-    assert "result of spacar symbolic" in err
-    assert "use spacar plot" in err
-    assert "Traceback" not in err
+    assert "has no points that could be drawn: use spacar plot" in err
+    assert spacar("plot", "m", "q")[0] == 0
+
+
+@pytest.mark.skipif(compiler() is None, reason="no C compiler")
+@pytest.mark.parametrize("cc", ["", "no-such-compiler"])
+def test_a_compiler_that_cannot_be_used_is_told_before_anything_is_written(result, monkeypatch, cc):
+    monkeypatch.setenv("CC", cc)
+    before = (result / "pendulum.sbd").read_bytes()
+    status, _, err = spacar("symbolic", "simulate", "pendulum.toml", "--compile")
+    assert status == 2
+    assert ("is empty" if not cc else "'no-such-compiler', was not found") in err
+    assert (result / "pendulum.sbd").read_bytes() == before
 
 
 @pytest.mark.parametrize("text", ["bogus", "x[1,2]", "q[1,1]"])
@@ -107,7 +178,7 @@ def test_an_unknown_name_is_answered_with_the_known_ones(result, text):
 
 @pytest.mark.skipif(compiler() is None, reason="no C compiler")
 def test_compile_is_one_call_and_gives_the_same_numbers():
-    S = System(gravity=("0", "-g", "0"))
+    S = MultibodySystem(gravity=("0", "-g", "0"))
     q, _ = S.coordinate("q", speed="s")
     m, L = S.parameters("m L")
     B = S.frame("B", S.N, 3, q)
@@ -126,3 +197,21 @@ def test_compile_is_one_call_and_gives_the_same_numbers():
     assert np.allclose(run["q"], again["q"], atol=1e-9)
     with pytest.raises(UsageError, match="parameter L has no value"):
         program.compile({"g": 1.0, "m": 1.0})
+
+
+@pytest.mark.skipif(compiler() is None, reason="no C compiler")
+def test_many_states_in_one_call():
+    S = MultibodySystem(gravity=("0", "-g", "0"))
+    q, _ = S.coordinate("q", speed="s")
+    B = S.frame("B", S.N, 3, q)
+    S.particle("bob", S.point("P", S.O, S.expression("L") * B[1]), "m")
+    S.torque(B, (S.input("M") + S.input("D", "-d*s")) * S.N[3])
+    values, feeds = {"g": 9.81, "m": 2.0, "L": 0.5, "d": 0.1}, {"M": lambda t, y: 0.3 * t + y[0]}
+    f = S.derive("recursive").program().compile(values, feeds)
+    states = np.random.default_rng(1).uniform(-2, 2, (40, 2))
+    times = np.linspace(0, 1, 40)
+    assert np.array_equal(f.many(times, states), [f(t, y) for t, y in zip(times, states, strict=True)])
+    assert np.array_equal(f.many(0.5, states[:3]), [f(0.5, y) for y in states[:3]])
+    weightless = S.derive("recursive").program().compile(values | {"m": 0.0}, feeds)
+    with pytest.raises(ArithmeticError, match="at state 1"):
+        weightless.many(times, states)

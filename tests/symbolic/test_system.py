@@ -8,14 +8,14 @@ import sympy as sp
 from spacar_cli.symbolic_plot import plot
 
 from spacar.errors import UsageError
-from spacar.symbolic import System, shapes
+from spacar.symbolic import MultibodySystem, beam_shapes
+from spacar.symbolic.beam_shapes import X, integral
 from spacar.symbolic.printing import text
-from spacar.symbolic.shapes import X, integral
-from spacar.symbolic.units import TIME
+from spacar.symbolic.unit_vectors import TIME
 
 
 def pendulum():
-    S = System(gravity=("0", "-g", "0"))
+    S = MultibodySystem(gravity=("0", "-g", "0"))
     q, s = S.coordinate("q", speed="s")
     m, L = S.parameters("m L")
     A = S.frame("A", S.N, 3, q)
@@ -68,7 +68,7 @@ def test_laws_may_depend_on_time():
 @pytest.mark.parametrize("strategy", ["held", "recursive"])
 def test_prescribed_motion_enters_as_time(strategy):
     """A pendulum on a pivot that moves by A sin 3t: q̈ = −(g cos q + 9 A sin 3t sin q)/L for q from the horizontal."""
-    S = System(gravity=("0", "-g", "0"))
+    S = MultibodySystem(gravity=("0", "-g", "0"))
     q, _s = S.coordinate("q", speed="s")
     m, L, A = S.parameters("m L A")
     pivot = S.point("pivot", S.O, A * sp.sin(3 * TIME) * S.N[1])
@@ -106,7 +106,7 @@ def test_general_shapes_are_integrated_to_rounding():
 def test_orthogonal_shapes():
     """∫ψ_k ψ_l = 0 exactly, ψ(L) = 1, clamped."""
     L = sp.Symbol("L")
-    psi = shapes.orthogonal(4)(X, L)
+    psi = beam_shapes.orthogonal(4)(X, L)
     for i, a in enumerate(psi):
         assert a.subs(X, L) == 1
         assert a.subs(X, 0) == 0 == a.diff(X).subs(X, 0)

@@ -14,8 +14,8 @@ from scipy.special import iv, jv
 
 pytest.importorskip("sympy")
 
-from spacar.symbolic import System
-from spacar.symbolic.shapes import X
+from spacar.symbolic import MultibodySystem
+from spacar.symbolic.beam_shapes import X
 
 UNIT = {"L": 1.0, "rho": 1.0, "EI": 1.0}
 
@@ -27,7 +27,7 @@ def wedge_frequency() -> float:
 
 @pytest.mark.parametrize("strategy", ["held", "recursive"])
 def test_a_wedge_has_the_frequency_of_bessel_functions(strategy):
-    S = System()
+    S = MultibodySystem()
     beam = {"mass": "rho*(1 - x/L)", "EI": "EI*(1 - x/L)**3", "field": 6, "foreshortening": False}
     S.beam("wedge", S.N, S.O, "L", **beam)
     w = np.sort(np.abs(S.derive(strategy).linearize(UNIT).eigenvalues().imag))[0]
@@ -36,9 +36,9 @@ def test_a_wedge_has_the_frequency_of_bessel_functions(strategy):
     assert -1e-11 < w / exact - 1 < 1e-6  # from above; the error of Ritz with six polynomials
 
 
-@pytest.mark.parametrize("strategy", ["held", "recursive"])
+@pytest.mark.parametrize("strategy", [pytest.param("held", marks=pytest.mark.slow), "recursive"])
 def test_a_swinging_tapered_beam_keeps_the_balance_of_energy(strategy):
-    S = System(gravity=("0", "-g", "0"))
+    S = MultibodySystem(gravity=("0", "-g", "0"))
     q, _ = S.coordinate("q", speed="s")
     B = S.frame("B", S.N, 3, q)
     beam = S.beam(
@@ -52,7 +52,7 @@ def test_a_swinging_tapered_beam_keeps_the_balance_of_energy(strategy):
 
 
 def test_total_mass_and_strong_form():
-    S = System()
+    S = MultibodySystem()
     L, rho, EI = S.parameters("L rho EI")
     beam = S.beam("beam", S.N, S.O, L, "rho*(1 - x/(2*L))", EI="EI*(1 - x/L)", field=2)
     assert beam.total_mass.equals(3 * rho * L / 4)

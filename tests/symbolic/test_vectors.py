@@ -12,17 +12,17 @@ from sympy.physics import vector as spv
 from sympy.physics.vector import dynamicsymbols
 
 from spacar.errors import UsageError
-from spacar.symbolic import Dyad, Frame, Vector, dvdt, omega, partial_velocity, set_omega
+from spacar.symbolic import Dyad, ReferenceFrame, Vector, dvdt, omega, partial_velocity, set_omega
+from spacar.symbolic.beam_shapes import X, field_function
 from spacar.symbolic.collect import ZTable, gather_vectors, read_measure_numbers, read_scalar
 from spacar.symbolic.printing import latex, text, unicode
-from spacar.symbolic.shapes import X, field_function
 from spacar.symbolic.transform import DirectionCosines, from_sympy, reference_frames, to_sympy, transform
-from spacar.symbolic.units import TIME, HeldScalar, Unit
+from spacar.symbolic.unit_vectors import TIME, HeldScalar, Unit
 
 
 @pytest.fixture
 def nb():
-    return Frame("N", "n"), Frame("B", "b")
+    return ReferenceFrame("N", "n"), ReferenceFrame("B", "b")
 
 
 def test_tables_1_to_3_unit_vectors_dyads_and_products(nb):
@@ -54,9 +54,9 @@ def test_tables_4_to_6_angular_velocity_position_and_velocity(nb):
 
 def _arm_kinematics():
     """Tables 7 to 9: q2' and q3' are functions of time, s2' and s3' their rates."""
-    N, B1 = Frame("N", "n"), Frame("B1", "b1")
+    N, B1 = ReferenceFrame("N", "n"), ReferenceFrame("B1", "b1")
     s1, s4, sp2, q3 = (sp.Function(name)(TIME) for name in ("s1", "s4", "sp2", "qp3"))
-    B2 = Frame("B2", "b2")
+    B2 = ReferenceFrame("B2", "b2")
     for i in (3,):
         B1.directions[i] = N.directions[i]
         B2.directions[i] = N.directions[i]
@@ -97,7 +97,7 @@ def test_tables_10_and_11_recurrence():
 
 
 def test_table_14_recurrence_on_a_held_cross():
-    B1, B2 = Frame("B1", "b1"), Frame("B2", "b2")
+    B1, B2 = ReferenceFrame("B1", "b1"), ReferenceFrame("B2", "b2")
     m, L, v, a = sp.symbols("m L v a")
     J = (m * L * a + m * v**2) * (B2[1] ^ B1[1])
     table = ZTable(forbidden=[a])
@@ -112,7 +112,7 @@ def test_table_14_recurrence_on_a_held_cross():
 
 def _four_frames():
     q = dynamicsymbols("q1:4")
-    N = Frame("N")
+    N = ReferenceFrame("N")
     A = N.turned("A", 1, q[0])
     B = A.turned("B", 2, q[1])
     C = N.turned("C", 3, q[2])
@@ -195,9 +195,9 @@ def test_angular_velocities_add_along_a_path_and_change_sign():
     assert omega(B, N) == -omega(N, B)
     assert omega(A, A) == Vector()
     with pytest.raises(UsageError, match="no angular velocity is known between frames N and Q"):
-        omega(N, Frame("Q"))
+        omega(N, ReferenceFrame("Q"))
     with pytest.raises(UsageError, match="no angular velocity is known between frames N and Q"):
-        dvdt(N, Frame("Q")[1])
+        dvdt(N, ReferenceFrame("Q")[1])
 
 
 def test_conversion_to_and_from_sympy():
@@ -232,7 +232,7 @@ def test_wrong_sums_and_products_are_type_errors(nb):
 
 
 def test_three_ways_of_printing():
-    N, B1 = Frame("N", "n"), Frame("B1", "b1")
+    N, B1 = ReferenceFrame("N", "n"), ReferenceFrame("B1", "b1")
     q = dynamicsymbols("q1")
     v = q.diff() * N[2] - (N[1] ^ B1[2])
     assert text(v) == "q1_dot n2 - n1 >< b12"

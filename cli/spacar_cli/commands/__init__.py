@@ -1,1 +1,1 @@
-"""One module a command, thin over the public API; `spacar_cli.table` names them."""
+"""One module a command, thin over the public API; `spacar_cli.command_table` names them."""

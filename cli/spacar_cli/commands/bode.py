@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from pathlib import Path
 
 import click
@@ -9,7 +10,7 @@ import click
 from spacar.errors import UsageError
 from spacar_cli.drawing_options import OUTPUT
 from spacar_cli.environment import Environment
-from spacar_cli.parameters import Real, Whole
+from spacar_cli.number_types import Real, Whole
 
 
 @click.command("bode")
@@ -60,8 +61,6 @@ def command(
     omega = frequencies(system, low and low * turn, high and high * turn, points)
     response = frequency_response(system, omega)
     if as_csv:
-        import csv
-
         writer = csv.writer(environment.stdout, lineterminator="\n")
         names = [f"{system.outputs[i]} / {system.inputs[j]}" for i, j in pairs]
         writer.writerow(["frequency [Hz]", *(f"{what} {n}" for n in names for what in ("amplitude", "phase [deg]"))])
@@ -73,7 +72,7 @@ def command(
         if not output:
             return
     from spacar_drawing.files import check_name, save
-    from spacar_drawing.linear import bode_figure
+    from spacar_drawing.frequency_pictures import bode_figure
 
     targets = output or (path.with_name(f"{path.name.split('.ltv')[0]}_bode.png"),)
     for target in targets:

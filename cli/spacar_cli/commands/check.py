@@ -2,34 +2,38 @@
 
 from __future__ import annotations
 
+import dataclasses
+import json
 from pathlib import Path
 
 import click
 
+from spacar.errors import InputError
+from spacar.modes import find_mode
 from spacar_cli.environment import Environment
-from spacar_cli.parameters import Whole
+from spacar_cli.input_files import input_file
+from spacar_cli.number_types import Whole
 from spacar_cli.status import ExitStatus, tell_error, tell_messages
 
 
 @click.command("check")
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--mode", "-m", type=Whole(), help="Check for this mode; without it every block is checked.")
+@click.option("--expand", is_flag=True, help="Print the input with plain statements for SECTION, BEAMSEC, UNITS.")
 @click.option("--json", "as_json", is_flag=True, help="Print all messages in JSON.")
 @click.pass_obj
-def command(environment: Environment, file: Path, mode: int | None, as_json: bool) -> ExitStatus:
+def command(environment: Environment, file: Path, mode: int | None, expand: bool, as_json: bool) -> ExitStatus:
     """Read FILE (or FILE.dat) and report errors, warnings and information.
 
-    Nothing is run: user functions (USERSIG, USERINP, USERTRAJ) are listed, not imported.
+    Nothing is run: user functions (USERSIG, USERINP, USERTRAJ) are listed, not imported. With --expand the plain input
+    goes to standard output instead of the counts; it gives the same results.
     """
     from spacar_drawing.settings_check import check_settings
 
     from spacar.deck import read_deck
-    from spacar.errors import InputError
     from spacar.kinematics.lost_stiffness import lost_stiffness
     from spacar.mechanism import build
     from spacar.mechanism.user_functions import listed_functions, without_functions
-    from spacar.modes import find_mode
-    from spacar_cli.source import input_file
 
     number = None if mode is None else find_mode(mode).number
     source = input_file(file)
@@ -56,10 +60,9 @@ def command(environment: Environment, file: Path, mode: int | None, as_json: boo
     if not as_json:
         tell_messages(environment, drawing, ("warning",))
     severities = [m.severity for m in messages]
-    if as_json:
-        import dataclasses
-        import json
-
+    if expand and deck is not None and status is ExitStatus.DONE:
+        environment.say(deck.to_text().rstrip("\n"))
+    elif as_json:
         environment.say(json.dumps({"input": str(source), "messages": [dataclasses.asdict(m) for m in messages]}))
     else:
         found = (f"{severities.count(s)} {s}{'s' * (severities.count(s) != 1)}" for s in ("error", "warning"))

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
+
 import click
 
 from spacar_cli.environment import Environment
-from spacar_cli.parameters import Whole
+from spacar_cli.number_types import Whole
 
 
 @click.command("compliance")
@@ -24,15 +26,13 @@ def command(
     axes and along the axes of the orientation node. Needs dx in the result (OUTLEVEL 0 1, the default of these modes).
     """
     from spacar_formats.compliance import node_compliance
-    from spacar_formats.log.layout import matrix
+    from spacar_formats.log.text_layout import matrix
 
     found, warnings = node_compliance(file, node, orientation, step)
     for warning in warnings:
         environment.tell(f"warning: {warning}")
     rows, columns = found.labels
     if as_json:
-        import json
-
         report = {
             "t": found.t,
             "position": found.position,

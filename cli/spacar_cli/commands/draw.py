@@ -10,7 +10,7 @@ import click
 from spacar.errors import UsageError
 from spacar_cli.drawing_options import Choices, common
 from spacar_cli.environment import Environment
-from spacar_cli.parameters import Whole
+from spacar_cli.number_types import Whole
 
 
 @click.command("draw")

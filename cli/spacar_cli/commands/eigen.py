@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,7 +12,7 @@ import click
 from spacar.errors import UsageError
 from spacar_cli.drawing_options import OUTPUT
 from spacar_cli.environment import Environment
-from spacar_cli.parameters import Whole
+from spacar_cli.number_types import Whole
 
 if TYPE_CHECKING:
     import numpy as np
@@ -60,18 +62,14 @@ def command(
         chosen = range(number, number + 1)
     rows = [row for k in chosen for row in _rows(k, found[k - 1], names, lowest)]
     if as_json:
-        import json
-
         keys = ("step", "mode", "real", "imag", "modulus", "frequency", "damping", "dof")
         environment.say(json.dumps([dict(zip(keys, row, strict=True)) for row in rows]))
     elif as_csv:
-        import csv
-
         writer = csv.writer(environment.stdout, lineterminator="\n")
         writer.writerow(HEADS)
         writer.writerows([*row[:2], *(repr(v) for v in row[2:7]), row[7]] for row in rows)
     else:
-        from spacar_formats.log.layout import table
+        from spacar_formats.log.text_layout import table
 
         for line in table(HEADS, rows):
             environment.say(line)
@@ -108,16 +106,16 @@ def _pictures(
 ) -> None:
     import numpy as np
     from spacar_drawing.files import check_name, save
-    from spacar_drawing.linear import root_figure
+    from spacar_drawing.frequency_pictures import root_figure
 
     for path in output:
         check_name(path, film=False)
     across: np.ndarray = np.array([s.t for s in steps])
     text = "load step" if np.array_equal(across, np.round(across)) else "time (s)"
     if against is not None:
-        from spacar_drawing.expressions import evaluate
+        from spacar_drawing.curves import evaluate
         from spacar_drawing.history import axis_text
-        from spacar_drawing.source import open_source
+        from spacar_drawing.picture_source import open_source
 
         curve = evaluate(open_source(file), against)
         across, text = np.ravel(curve.values)[np.array(numbers) - 1], axis_text(curve)

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 import click
 
 from spacar.deck.findings import alternatives
-from spacar.deck.table import ALIASES, KEYWORDS, blocks_of
-from spacar.deck.table_types import Block, Keyword, Variant
+from spacar.deck.keyword_table import ALIASES, KEYWORDS, blocks_of
+from spacar.deck.table_types import BlockKind, Keyword, Variant
 from spacar.errors import UsageError
 from spacar_cli.environment import Environment
 
@@ -27,7 +27,7 @@ def command(environment: Environment, name: str | None) -> None:
 
 def overview() -> Iterator[str]:
     """One line for every keyword, block by block."""
-    for block in Block:
+    for block in BlockKind:
         rows = [k for (_, b), k in KEYWORDS.items() if b is block]
         width = max(len(k.name) for k in rows)
         yield f"{block.value}:"

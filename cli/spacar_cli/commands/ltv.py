@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from spacar_cli.environment import Environment
-from spacar_cli.parameters import Whole
+from spacar_cli.number_types import Whole
 from spacar_cli.status import tell
 
 

@@ -8,7 +8,7 @@ import click
 
 from spacar_cli.drawing_options import OUTPUT
 from spacar_cli.environment import Environment
-from spacar_cli.parameters import Real
+from spacar_cli.number_types import Real
 from spacar_cli.status import tell
 
 
@@ -59,13 +59,13 @@ def command(
 
     Without --output the picture is NAME_plot.png beside the result.
     """
-    from spacar_drawing.expressions import evaluate, warnings
+    from spacar_drawing.curves import evaluate, warnings
     from spacar_drawing.files import check_name, save
     from spacar_drawing.history import csv_text, history_figure
-    from spacar_drawing.named_source import open_plotted
+    from spacar_drawing.picture_source import open_source
     from spacar_formats.safety import write_text
 
-    source = open_plotted(file, stale_ok)
+    source = open_source(file, stale_ok, drawn=False)
     curves = [evaluate(source, text) for text in expressions]
     across = evaluate(source, against)
     for warning in warnings([*curves, across]):

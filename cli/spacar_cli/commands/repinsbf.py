@@ -7,7 +7,8 @@ import json
 import click
 
 from spacar.errors import UsageError
-from spacar_cli.parameters import Whole
+from spacar_cli.environment import Environment
+from spacar_cli.number_types import Whole
 
 
 def _refuse(word: str) -> None:
@@ -23,17 +24,18 @@ def _refuse(word: str) -> None:
 @click.option(
     "--step", type=Whole(), help="Step number, from 1; required for variables that have one value per step."
 )
-def command(file: str, ident: str, value: str, step: int | None) -> None:
+@click.pass_obj
+def command(environment: Environment, /, file: str, ident: str, value: str, step: int | None) -> None:
     """Replace the value of one variable of a result file; the size must be the stored one.
 
     VALUE is JSON: a number, a list such as [1,2,3], a list of rows such as [[1,2],[3,4]], or text in
-    quotation marks.
+    quotation marks; - reads it from standard input.
     """
     from spacar_formats.locate import notes, open_result
     from spacar_formats.repinsbf import repinsbf
 
     try:
-        new = json.loads(value, parse_constant=_refuse)
+        new = json.loads(environment.stdin.read() if value == "-" else value, parse_constant=_refuse)
     except (ValueError, RecursionError):
         raise UsageError(
             f"VALUE is not JSON: {value}; write for example 2.5 or [1,2] or '\"text\"'"

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from spacar_cli.environment import Environment
-from spacar_cli.parameters import Whole
+from spacar_cli.number_types import Whole
 
 
 @click.command("report")
@@ -52,8 +52,8 @@ def command(
 
     The page holds everything it shows: it can be sent by mail and opened without a network.
     """
+    from spacar_drawing.picture_source import open_source
     from spacar_drawing.report_page import report_page
-    from spacar_drawing.source import open_source
     from spacar_formats.safety import write_text
 
     source = open_source(file, stale_ok)

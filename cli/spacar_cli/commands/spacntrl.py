@@ -9,13 +9,13 @@ import click
 
 from spacar.errors import UsageError
 from spacar_cli.environment import Environment
-from spacar_cli.parameters import Real
+from spacar_cli.number_types import Real
 from spacar_cli.status import tell
 
 
 @click.command("spacntrl")
 @click.argument("file")
-@click.option("--kp", help="Numbers (diagonal of K_P) such as 100,50, or FILE.py:NAME, a function of the step.")
+@click.option("--kp", help="Numbers (diagonal of K_P) such as 100,50, FILE.csv, or FILE.py:NAME.")
 @click.option("--kd", help="The same for the derivative gain K_D.")
 @click.option("--omega", type=Real(), help="K_P = omega^2 M0 and, with --damping, K_D = 2 damping omega M0 [rad/s].")
 @click.option("--damping", type=Real(), default=0.0, help="Damping ratio that goes with --omega.")
@@ -29,7 +29,7 @@ def command(
     """Add feedback of the actuated coordinates to the system of an .ltv file: K_P enters K0B and A, K_D C0B and A.
 
     A function is called with -1 first, then with every step 1, 2, ...; it returns a square matrix, one row per nominal
-    input.
+    input. A .csv file has such a matrix in every line, column after column: a line a step, or one for all.
     """
     from spacar_formats.locate import result_path
     from spacar_formats.ltvfile import read_ltv, write_ltv
@@ -67,10 +67,28 @@ def _gain(text: str, count: int, steps: int) -> Any:
             return np.array([np.atleast_2d(np.asarray(function(k), float)) for k in range(1, steps + 1)])
         except (TypeError, ValueError) as error:
             raise UsageError(f"{text} does not return square matrices of numbers: {error}", "usage.gain") from None
+    if text.lower().endswith(".csv"):
+        return _table(Path(text), count, steps)
     try:
         numbers = [float(word) for word in text.split(",")]
     except ValueError:
-        raise UsageError(f"'{text}' is neither a list of numbers nor FILE.py:NAME", "usage.gain") from None
+        raise UsageError(f"'{text}' is neither a list of numbers nor FILE.csv nor FILE.py:NAME", "usage.gain") from None
     if len(numbers) not in (1, count):
         raise UsageError(f"{len(numbers)} gains for {count} nominal inputs", "usage.gain")
     return np.diag(numbers * (count if len(numbers) == 1 else 1))
+
+
+def _table(path: Path, count: int, steps: int) -> Any:
+    """(steps, count, count) from a file with a line a step, or one for all. Raises UsageError."""
+    import numpy as np
+
+    try:
+        rows = np.loadtxt(path, delimiter=",", ndmin=2)
+    except OSError as error:
+        raise UsageError(f"cannot open {path}: {error.strerror or error}", "usage.gain") from None
+    except ValueError as error:
+        raise UsageError(f"{path} is no table of numbers: {error}", "usage.gain") from None
+    if rows.shape not in ((1, count * count), (steps, count * count)):
+        text = f"{path} has {rows.shape[0]} lines of {rows.shape[1]} numbers"
+        raise UsageError(f"{text}, {steps} (or 1) of {count * count} are needed", "usage.gain")
+    return np.broadcast_to(rows, (steps, count * count)).reshape(steps, count, count).swapaxes(1, 2)

@@ -11,9 +11,10 @@ from typing import Any
 import click
 
 from spacar.errors import UsageError
+from spacar.modes import find_mode
 from spacar_cli.environment import Environment
-from spacar_cli.parameters import POSITIVE, TOLERANCE, Whole
-from spacar_cli.source import input_file
+from spacar_cli.input_files import input_file
+from spacar_cli.number_types import POSITIVE, TOLERANCE, Whole
 from spacar_cli.status import ExitStatus, tell
 from spacar_cli.studying import common, counted
 
@@ -94,7 +95,6 @@ def command(
     there yet.
     """
     from spacar.deck import read_deck
-    from spacar.modes import find_mode
     from spacar.studies import assignments as parameters
     from spacar.studies.quantities import quantity
     from spacar.studies.sweep import DONE, Study, sweep
@@ -146,7 +146,7 @@ def command(
 
 def _batches(study: Any, cases: Any, engine: Any, jobs: int, wanted: bool | None) -> Any:
     """What runs the cases in batches; None when they run one by one. Raises UsageError for a batch that cannot be."""
-    from spacar.studies.batches import in_batches, reason
+    from spacar.studies.batched_cases import in_batches, reason
 
     if wanted is False or study.mode != 1:
         return None

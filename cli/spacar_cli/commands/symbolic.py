@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from spacar.errors import SpacarError, UsageError
-from spacar_cli.parameters import Real, Whole
+from spacar_cli.number_types import Real, Whole
 
 if TYPE_CHECKING:
-    from spacar.symbolic.equations import Equations
-    from spacar.symbolic.script import Model
+    from spacar.symbolic.script import SymbolicModel
+    from spacar.symbolic.symbolic_equations import SymbolicEquations
 
 MODEL = click.argument("model", type=click.Path(path_type=Path))
 STRATEGY = click.Choice(["held", "recursive"])
@@ -30,16 +30,22 @@ def command() -> None:
     """
 
 
-def _read(path: Path) -> Model:
-    """The model; UsageError without SymPy."""
+def _demand_sympy() -> None:
     if find_spec("sympy") is None:
         raise UsageError('spacar symbolic needs SymPy: pip install "spacar[symbolic]"', "sympy")
-    from spacar.symbolic.model import read_model
+
+
+def _read(path: Path) -> SymbolicModel:
+    """The model; UsageError without SymPy."""
+    if path.suffix.lower() == ".dat":
+        raise UsageError(f"{path} is an input file of the modes: spacar symbolic export {path} makes a model of it")
+    _demand_sympy()
+    from spacar.symbolic.model_reader import read_model
 
     return read_model(path)
 
 
-def _derived(model: Model, strategy: str) -> Equations:
+def _derived(model: SymbolicModel, strategy: str) -> SymbolicEquations:
     """The equations, checked; errors of the derivation are errors of the model. The check is printed on stderr."""
     try:
         eq = model.system.derive(strategy)
@@ -81,15 +87,32 @@ def derive(model: Path, strategy: str, show: str | None, form: str) -> None:
 
 @command.command("export")
 @MODEL
-@click.option("--language", type=click.Choice(["python", "c", "fortran", "latex"]), required=True)
+@click.option("--language", type=click.Choice(["python", "c", "fortran", "latex"]), help="Language of the program.")
 @click.option("--strategy", type=STRATEGY, default="recursive", show_default=True, help="Readable or lean.")
-@click.option("--jacobian", is_flag=True, help="Also the exact Jacobian (python, c).")
+@click.option("--jacobian", is_flag=True, help="Also the exact Jacobian (python, c, fortran).")
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="File to write (default: MODEL with its ending).")
-def export(model: Path, language: str, strategy: str, jacobian: bool, output: Path | None) -> None:
-    """Write the equations of MODEL as a self-contained program."""
+@click.option("--shapes", type=Whole(min=2), default=2, show_default=True, help="Of NAME.dat: shapes of a beam.")
+@click.option("--time", type=Real(), help="Of NAME.dat: end of the comparison [s] (default: TIMESTEP, or 1).")
+def export(
+    model: Path, language: str | None, strategy: str, jacobian: bool, output: Path | None, shapes: int,
+    time: float | None,
+) -> None:  # fmt: skip
+    """Write the equations of MODEL as a self-contained program.
+
+    An input file NAME.dat of the modes becomes a model file NAME.toml, or with --language a program: planar mechanisms
+    of rigid links and joints, springs, and flexible beams by assumed shapes. Its motion is compared with mode 1.
+    """
+    if model.suffix.lower() == ".dat":
+        from spacar_cli.deck_export import export_deck
+
+        _demand_sympy()
+        click.echo("\n".join(export_deck(model, language, strategy, jacobian, output, shapes, time)))
+        return
+    if language is None:
+        raise UsageError("choose the language of the program with --language: python, c, fortran or latex")
+    read = _read(model)
     from spacar_formats.safety import replacing
 
-    read = _read(model)
     from spacar.symbolic.emit import LANGUAGES
 
     program = _derived(read, strategy).program(read.outputs)
@@ -122,7 +145,7 @@ def _setting(ctx: click.Context, parameter: click.Parameter, values: tuple[str, 
 )
 @click.option("--time", type=Real(), help="End of the simulation [s].")
 @click.option("--steps", type=Whole(), help="Number of output steps.")
-@click.option("--integrator", type=click.Choice(["gear", "bdf", "radau", "dop853"]), help="Default gear.")
+@click.option("--integrator", type=click.Choice(["lsoda", "radau", "dop853"]), help="Default lsoda.")
 @click.option("--rtol", type=Real(), help="Relative tolerance (default 1e-8).")
 @click.option("--atol", type=Real(), help="Absolute tolerance (default: rtol times the scale of each state).")
 @click.option("--strategy", type=STRATEGY, default="recursive", show_default=True)

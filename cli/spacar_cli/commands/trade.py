@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 import math
+import tempfile
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -13,8 +16,8 @@ import click
 from spacar.errors import UsageError
 from spacar.modes import MODES, Mode, find_mode
 from spacar_cli.environment import Environment
-from spacar_cli.parameters import POSITIVE, Whole
-from spacar_cli.source import input_file
+from spacar_cli.input_files import input_file
+from spacar_cli.number_types import POSITIVE, Whole
 from spacar_cli.status import ExitStatus, tell
 from spacar_cli.studying import common, counted, say_table
 
@@ -239,8 +242,6 @@ def _rows(
     environment: Environment, trade: Any, wanted: list[Any], output: Path | None, jobs: int, quiet: bool
 ) -> list[Any]:
     """Rows of all setups: those of an earlier run of this study, and the others as they finish."""
-    import tempfile
-
     from spacar.studies.rows import Rows
     from spacar.studies.trade import Job, run_setup
     from spacar.studies.workers import Lost, run
@@ -292,9 +293,6 @@ def _document(entries: Any, ref: Any, target: float, best: Any) -> dict[str, Any
 
 def _write(path: Path, entries: Any, ref: Any, target: float, best: Any) -> None:
     """The whole table, complete or not at all."""
-    import csv
-    import io
-
     from spacar_formats.safety import write_text
 
     document = _document(entries, ref, target, best)

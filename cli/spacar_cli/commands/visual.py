@@ -8,7 +8,7 @@ import click
 
 from spacar_cli.drawing_options import Choices, common
 from spacar_cli.environment import Environment
-from spacar_cli.parameters import Real, Whole
+from spacar_cli.number_types import Real, Whole
 
 QUANTITIES = ("N", "Qy", "Qz", "T", "My", "Mz", "mises", "normal", "shear")
 

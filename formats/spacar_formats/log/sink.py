@@ -14,12 +14,14 @@ from pathlib import Path
 from typing import Any, TextIO
 
 import spacar
+from spacar.deck import echo
 from spacar.errors import AnalysisError, InputError, SpacarError, UsageError
 from spacar.frame import Frame
 from spacar.modes import Mode
 from spacar.stream import Run
-from spacar_formats.log import linear, model, steps
-from spacar_formats.log.layout import heading, real, table
+from spacar_formats.log import linear_sections, model_sections, step_sections
+from spacar_formats.log.section_tables import beam_sections
+from spacar_formats.log.text_layout import heading, real, table
 from spacar_formats.safety import backup_path
 
 NOTICE = "Licensed under the Apache License, version 2.0; provided without warranty of any kind."
@@ -34,7 +36,7 @@ class LogSink:
     def __init__(self, path: Path, mode: Mode, source: Path, options: Mapping[str, Any] | None = None) -> None:
         self.path = path
         self._run: Run | None = None
-        self._steps = steps.StepList()
+        self._steps = step_sections.StepList()
         self._frames = 0
         self._last: Frame | None = None
         self._begun = time.perf_counter()
@@ -64,22 +66,23 @@ class LogSink:
         if self._frames == 1:
             self._write([*_condition(run), *_dynamics(run), *_settings(run)])
             self._write(heading("Initial state" if timed else "Solution" if run.mode.forces else "Configuration"))
-            self._write(steps.state(n, frame, motion=run.mode.forces))
+            self._write(step_sections.state(n, frame, motion=run.mode.forces))
             if timed:
-                self._write([*linear.matrices(n, frame), *heading("Steps")])
+                self._write([*linear_sections.matrices(n, frame), *heading("Steps")])
         if timed:
             if run.mechanism.settings.log_level:
-                self._write(steps.transfer_functions(run, frame))
+                self._write(step_sections.transfer_functions(run, frame))
             self._write([self._steps.line(frame)])
             return
         if self._frames > 1:
-            self._write([*heading(f"Solution {self._frames}, load step {real(frame.t)}"), *steps.state(n, frame)])
+            title = f"Solution {self._frames}, load step {real(frame.t)}"
+            self._write([*heading(title), *step_sections.state(n, frame)])
         self._write(_statistics(frame))
-        self._write(steps.transfer_functions(run, frame))
-        self._write(linear.eigenvalues(n, frame))
-        self._write(linear.buckling(n, frame))
-        self._write(linear.compliances(n, frame))
-        self._write(linear.matrices(n, frame))
+        self._write(step_sections.transfer_functions(run, frame))
+        self._write(linear_sections.eigenvalues(n, frame))
+        self._write(linear_sections.buckling(n, frame))
+        self._write(linear_sections.compliances(n, frame))
+        self._write(linear_sections.matrices(n, frame))
 
     def finish(self, error: BaseException | None) -> None:
         """Print the report of the run and how it ended, and close the file."""
@@ -132,46 +135,42 @@ def _title(mode: Mode, source: Path, options: Mapping[str, Any]) -> list[str]:
 
 
 def _kinematics(run: Run) -> list[str]:
-    from spacar.deck import echo
-
     deck, n = run.mechanism.deck, run.mechanism.numbering
     lines = [f"SHA-256 of the input file: {deck.sha256}", *heading("Kinematics"), *echo(deck, 1), ""]
     if deck.messages:
         lines += ["Messages about the input", "", *(f"{m} [{m.code}]" for m in deck.messages), ""]
-    return [*lines, *model.elements(n), *model.nodes(n), *model.degrees_of_freedom(n)]
+    lines += beam_sections(deck)
+    lines += [*model_sections.elements(n), *model_sections.measures(run.mechanism)]
+    return [*lines, *model_sections.nodes(n), *model_sections.degrees_of_freedom(n)]
 
 
 def _condition(run: Run) -> list[str]:
-    return model.condition(run.header["condition"]) if "condition" in run.header else []
+    return model_sections.condition(run.header["condition"]) if "condition" in run.header else []
 
 
 def _dynamics(run: Run) -> list[str]:
-    from spacar.deck import echo
-
     deck, n = run.mechanism.deck, run.mechanism.numbering
-    lines = [*heading("Dynamics"), *echo(deck, 2), "", *model.counts(n)]
-    return [*lines, *model.dynamics(run.mechanism)] if run.mode.forces else lines
+    lines = [*heading("Dynamics"), *echo(deck, 2), "", *model_sections.counts(n)]
+    return [*lines, *model_sections.dynamics(run.mechanism)] if run.mode.forces else lines
 
 
 def _settings(run: Run) -> list[str]:
     """How the analysis is done: third block, integrator or load steps, the nominal motion of mode 3."""
-    from spacar.deck import echo
-
     mechanism, mode = run.mechanism, run.mode
     if not mode.forces:
         return []
     lines = heading(mode.title)
     third = echo(mechanism.deck, 3) if mode.third else []
-    lines += [*third, "", *steps.definitions(mechanism)] if third else []
+    lines += [*third, "", *step_sections.definitions(mechanism)] if third else []
     if mode.integrated:
-        lines += steps.integration(mechanism, run.header.get("engine"))
+        lines += step_sections.integration(mechanism, run.header.get("engine"))
     if mode.stationary:
-        lines += steps.iteration(mechanism)
+        lines += step_sections.iteration(mechanism)
     if run.nominal is not None:
         lines += [f"Nominal motion: the mode {run.nominal.mode} result {run.nominal.name}", ""]
     return lines
 
 
 def _statistics(frame: Frame) -> list[str]:
-    rows = [[steps.COUNTERS.get(k, k.replace("_", " ")), float(v)] for k, v in frame.statistics.items()]
+    rows = [[step_sections.COUNTERS.get(k, k.replace("_", " ")), float(v)] for k, v in frame.statistics.items()]
     return [*table(["of the solution", "value"], rows), ""] if rows else []

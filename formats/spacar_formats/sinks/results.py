@@ -16,7 +16,7 @@ from spacar.frame import Frame
 from spacar.stream import Run
 from spacar_formats.claim import Claim
 from spacar_formats.sbf import SbfWriter
-from spacar_formats.sinks.header import ltv_header, sbd_header, sbm_header
+from spacar_formats.sinks.result_header import ltv_header, sbd_header, sbm_header
 
 Header = Callable[[Run, Container[str]], Mapping[str, Any]]  # of a run and the names of its step variables
 STATE = ("x", "xd", "xdd", "fx", "fxgrav", "e", "ed", "edd", "sig")

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from importlib import import_module
 
 from spacar.errors import UsageError
-from spacar.symbolic.emit.header import header
-from spacar.symbolic.names import check_names
+from spacar.symbolic.emit.preamble import header
+from spacar.symbolic.name_rules import check_names
 from spacar.symbolic.ordered import OrderedProgram
 
 LANGUAGES = {"python": ".py", "c": ".c", "fortran": ".f90", "latex": ".tex"}
@@ -22,8 +22,8 @@ def emit(program: OrderedProgram, language: str, jacobian: bool = False, headed:
     """
     if language not in LANGUAGES:
         raise UsageError(f"unknown language {language!r}: choose one of {', '.join(LANGUAGES)}")
-    if jacobian and language not in ("python", "c"):
-        raise UsageError(f"a Jacobian is written in python and c, not in {language}")
+    if jacobian and language == "latex":
+        raise UsageError("a Jacobian is written in python, c and fortran, not in latex")
     check_names(program)
     source: Callable[..., str] = import_module(f"spacar.symbolic.emit.{language}").source
     return source(program, jacobian, header(program) if headed else [])

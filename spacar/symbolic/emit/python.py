@@ -12,8 +12,8 @@ import sympy as sp
 
 from spacar.symbolic.emit import solvers
 from spacar.symbolic.emit.scalars import PYTHON, Writer
-from spacar.symbolic.jacobian import jacobian_of
 from spacar.symbolic.ordered import Assignments, OrderedProgram
+from spacar.symbolic.program_jacobian import jacobian_of
 
 UNROLLED = 12  # beyond this size NumPy solves faster than unrolled code
 

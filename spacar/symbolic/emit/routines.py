@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import sympy as sp
 
 from spacar.symbolic.collect import definition_order
-from spacar.symbolic.jacobian import jacobian_of
 from spacar.symbolic.ordered import Assignments, OrderedProgram
-from spacar.symbolic.units import TIME
+from spacar.symbolic.program_jacobian import jacobian_of
+from spacar.symbolic.unit_vectors import TIME
 
 Results = tuple[tuple[str, int, sp.Expr], ...]
 

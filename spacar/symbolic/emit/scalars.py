@@ -18,7 +18,7 @@ from sympy.printing.fortran import FCodePrinter
 from sympy.printing.pycode import PythonCodePrinter
 
 from spacar.errors import UsageError
-from spacar.symbolic.units import TIME
+from spacar.symbolic.unit_vectors import TIME
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,37 @@
+"""Names and one-line helps of all commands: what `spacar --help` prints without importing anything.
+
+The command NAME is `spacar_cli.commands.NAME:command`, imported when it is called; the modes have their own table,
+`spacar.modes.MODES`.
+"""
+
+from __future__ import annotations
+
+COMMANDS = {
+    "help": "options of a mode or a command, as MODE --help prints",
+    "check": "read an input file and report, without running it",
+    "keywords": "the keywords of the input language",
+    "examples": "list or copy the example models",
+    "sweep": "parameter study: many values, one row of quantities each",
+    "trade": "speed against accuracy of a model, and the cheapest setting",
+    "draw": "picture or animation of the mechanism at chosen steps",
+    "visual": "vibration and buckling modes, constraints, stresses as pictures",
+    "plot": "time histories of results, or one quantity against another",
+    "report": "one self-contained HTML page about a run",
+    "checksbf": "what is in a result file, and whether it is sound",
+    "getfrsbf": "print a variable of a result file",
+    "repinsbf": "replace the value of a variable",
+    "loadsbd": "export a .sbd result to .npz, .mat or .csv",
+    "loadsbm": "export a .sbm result to .npz, .mat or .csv",
+    "combsbd": "join .sbd results of the same mechanism",
+    "eigen": "frequencies, root locus, Campbell diagram of a result",
+    "bode": "Bode diagram of a .ltv result",
+    "stress": "stress resultants and stresses along beams as numbers",
+    "compliance": "compliance matrix of a node",
+    "getss": "state space matrices of one step of a .ltv result",
+    "sim": "controlled simulation from a model file",
+    "ltv": "response of a time-varying linear system (.ltv)",
+    "mrltv": "modal reduction of a .ltv system",
+    "spacntrl": "fold feedback into a .ltv system",
+    "matlab": "the folder with the files for MATLAB and Octave",
+    "symbolic": "equations of motion of a model file by computer algebra",
+}

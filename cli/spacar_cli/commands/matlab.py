@@ -1,0 +1,35 @@
+"""`spacar matlab`: the folder of the files for MATLAB and Octave, and a copy of it with the MEX file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from spacar_cli.environment import Environment
+
+
+@click.command("matlab")
+@click.option(
+    "--build",
+    is_flag=False,
+    flag_value="spacar-matlab",
+    type=click.Path(path_type=Path),
+    metavar="[FOLDER]",
+    help="Make FOLDER [spacar-matlab], with copies of the files and the MEX file; put that on the path instead.",
+)
+@click.pass_obj
+def command(environment: Environment, build: Path | None) -> None:
+    """Print the folder that MATLAB and Octave need on their path: addpath('FOLDER').
+
+    It has spacar(mode, file) and the readers of results, getfrsbf and the others; `help spacar` there says more. For
+    callers who ask for spacar as a MEX file, --build makes a folder of your choice with it (needs mkoctfile or mex).
+    """
+    from spacar_formats import mex
+
+    if build is None:
+        environment.say(str(mex.FOLDER))
+        return
+    for path in mex.build(build):
+        environment.tell(f"built {path.name}")
+    environment.say(str(build.resolve()))

@@ -1,0 +1,115 @@
+"""What of a planar input file can be a model of the symbolic part: its elements as rigid parts, sliders, beams, springs
+and hinges, and the numbers of its statements. Anything else is refused by a sentence that names it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from spacar.errors import UsageError
+
+if TYPE_CHECKING:
+    from spacar.result import Result
+
+UNKNOWN = ("USERSIG", "USERINP", "MEE", "XGYRO")
+
+
+class Angle(NamedTuple):
+    """An orientation: its frame, its angle to N and the rate of that, as expressions."""
+
+    frame: str
+    angle: str
+    rate: str
+
+
+@dataclass
+class Part:
+    """An element: number, keyword, position and orientation nodes p, φp, q, φq (0: none), classes of its modes."""
+
+    number: int
+    keyword: str
+    nodes: tuple[int, int, int, int]
+    classes: tuple[str, ...]
+    done: bool = False
+
+    def __str__(self) -> str:
+        return f"{self.keyword} {self.number}"
+
+
+@dataclass
+class DeckParts:
+    """The parts of the deck that a run of mode 1 came from; `x`, `xd` are its first frame."""
+
+    result: Result
+
+    def __post_init__(self) -> None:
+        m = self.result.mechanism
+        self.deck, self.numbering, self.reference = m.deck, m.numbering, m.x0
+        self.x, self.xd = self.result["x"][0], self.result["xd"][0]
+        self._refuse()
+        self.parts = [self._part(*row) for row in self.numbering.elements]
+
+    def _refuse(self) -> None:
+        deck = self.deck
+        if not self.numbering.planar:
+            keyword = self.numbering.elements[0][1]
+            raise UsageError(f"{deck.source}: {keyword} cannot be exported: only planar mechanisms can", "export")
+        for statement in deck.of(*UNKNOWN):
+            raise UsageError(f"{deck.where(statement)}: {statement.keyword} cannot be exported", "export")
+        if self.numbering.nk:
+            raise UsageError(f"{deck.source}: kinematic coordinates (rolling) cannot be exported", "export")
+
+    def cannot(self, part: Part, why: str) -> UsageError:
+        return UsageError(f"{self.deck.source}: {part} cannot be exported: {why}", "export")
+
+    def _part(self, number: int, keyword: str, _: Any) -> Part:
+        ends: dict[str, tuple[int | None, ...]] = {
+            "PLBEAM": (0, 1, 2, 3), "PLRBEAM": (0, 1, 2, None), "PLTRUSS": (0, None, 1, None),
+            "PLTOR": (None, 0, None, 1),
+        }  # fmt: skip
+        classes = []
+        row = self.numbering.ln[number - 1]
+        for i in self.numbering.le[number - 1]:
+            if i:
+                classes.append(next(c for c, s in self.numbering.e_class.items() if s.start <= i - 1 < s.stop))
+        if keyword not in ends:
+            raise self.cannot(Part(number, keyword, (0, 0, 0, 0), ()), f"only {', '.join(ends)} can")
+        nodes = tuple(0 if k is None else int(row[k]) for k in ends[keyword])
+        part = Part(number, keyword, (nodes[0], nodes[1], nodes[2], nodes[3]), tuple(classes))
+        kind = self.kind(part)
+        if kind == "":
+            raise self.cannot(part, f"deformations that are {', '.join(classes)} are no link, joint, spring or beam")
+        return part
+
+    def kind(self, part: Part) -> str:
+        """rigid, slider (a beam of variable length), beam, spring or hinge; "" for anything else."""
+        c = part.classes
+        if part.keyword == "PLTOR":
+            return "hinge"
+        if all(k == "fixed" for k in c):
+            return "rigid"
+        if part.keyword == "PLTRUSS" and c[0] in ("dynamic", "calculable"):
+            return "spring"
+        if part.keyword == "PLBEAM" and c[1:] == ("dynamic", "dynamic") and c[0] in ("fixed", "dynamic"):
+            return "beam"
+        free = part.keyword == "PLBEAM" and c[0] in ("dynamic", "calculable") and c[1:] == ("fixed", "fixed")
+        return "slider" if free else ""
+
+    def values(self, keyword: str, number: int, count: int) -> list[float]:
+        """The numbers of a statement about an element or node, zeros behind; several statements are added."""
+        total = [0.0] * count
+        for s in self.deck.of(keyword, block=2):
+            if int(s.values[0]) == number:
+                for k, v in enumerate(s.values[1 : count + 1]):
+                    total[k] += float(v)
+        return total
+
+    def place(self, node: int, x: Any = None) -> np.ndarray:
+        x = self.reference if x is None else x
+        return np.array([x[i - 1] for i in self.numbering.lnp[node - 1, :2]], float)
+
+    def class_of(self, node: int, coordinate: int) -> str:
+        i = int(self.numbering.lnp[node - 1, coordinate]) - 1
+        return next(c for c, s in self.numbering.x_class.items() if s.start <= i < s.stop)

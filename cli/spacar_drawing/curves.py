@@ -1,0 +1,77 @@
+"""Expressions of a drawn result as curves with units; the language is that of spacar.expressions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacar import expressions
+from spacar.errors import UsageError
+from spacar.expressions import NONE, Dimensions, Unit
+from spacar_drawing.named_source import named_values
+
+if TYPE_CHECKING:
+    from spacar_drawing.picture_source import PictureSource
+
+
+@dataclass(frozen=True)
+class Curve:
+    """An evaluated expression, (steps,); `variable` is its name when it is a single variable, else empty."""
+
+    text: str
+    values: NDArray[np.float64]
+    unit: Unit | None
+    variable: str
+
+
+@dataclass(frozen=True)
+class _Variables:
+    """The variables of a source as the language reads them."""
+
+    source: PictureSource
+
+    @property
+    def lnp(self) -> NDArray[np.int64]:
+        return self.source.scene.lnp
+
+    @property
+    def le(self) -> NDArray[np.int64]:
+        return self.source.scene.le
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        return self.source.get(name)
+
+
+def evaluate(source: PictureSource, text: str) -> Curve:
+    """The values of an expression at all steps, with its unit. Raises UsageError with the reason."""
+    if source.named:
+        found, name = named_values(source, text)
+        return _shown(source, Curve(text.strip(), found, NONE, name))
+    scene = source.scene
+    dimensions = Dimensions(scene.planar, scene.analysis.stationary, frozenset(scene.position_nodes), scene.keywords)
+    expression = expressions.parse(text)
+    values, unit = expressions.evaluate(expression, _Variables(source), dimensions)
+    if np.iscomplexobj(values):
+        raise UsageError(f"'{text}' is complex; plot its abs(), real() or imag()", "plot.complex")
+    return _shown(source, Curve(expression.text, values, unit, expression.variable))
+
+
+def _shown(source: PictureSource, curve: Curve) -> Curve:
+    """The curve with a value at every step. Raises UsageError when none of them can be shown."""
+    if not np.isfinite(curve.values).any():
+        raise UsageError(f"'{curve.text}' is nowhere a finite number", "plot.finite")
+    return replace(curve, values=np.broadcast_to(np.asarray(curve.values, float), (source.steps,)))
+
+
+def warnings(curves: Sequence[Curve]) -> list[str]:
+    """What a user should know before trusting a curve: values that cannot be shown."""
+    found = []
+    for curve in curves:
+        bad = int(np.count_nonzero(~np.isfinite(curve.values)))
+        if bad:
+            found.append(f"'{curve.text}' is not a finite number at {bad} of {np.size(curve.values)} steps")
+    return found

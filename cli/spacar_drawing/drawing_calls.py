@@ -1,0 +1,126 @@
+"""The functions for Python users: one picture, one animation, one page of a result in memory or in a file."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from collections.abc import Sequence
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from spacar.errors import UsageError
+from spacar.result import Result
+from spacar_drawing.curves import evaluate
+from spacar_drawing.files import FILM_DPI, film, save
+from spacar_drawing.history import history_figure
+from spacar_drawing.mechanism_picture import Extras
+from spacar_drawing.picture_source import PictureSource, open_source, source_of_result
+from spacar_drawing.report_page import report_page
+from spacar_drawing.step_pictures import chosen_steps, picture, series
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from spacar_drawing.stress_numbers import StressResults
+
+DPI = 150.0
+MOST_FRAMES = 150
+
+
+def source_of(result: Result | str | Path) -> PictureSource:
+    """A result in memory, or the `.sbd` of a name. Raises UsageError when there is none."""
+    return source_of_result(result) if isinstance(result, Result) else open_source(result)
+
+
+def draw(
+    result: Result | str | Path, path: str | Path | None = None, *, steps: str | None = None, strobe: int | None = None,
+    traces: Sequence[int] = (), initial: bool = False, dpi: float = DPI, **extras: Any,
+) -> Figure:  # fmt: skip
+    """A matplotlib figure of one or more steps; written to `path` (png, svg, pdf) when that is given.
+
+    steps    as `spacar draw --steps`: "3", "end", "2:5", "1,4,9", "all"; default the first, or the last load step
+    strobe   so many evenly spread steps instead
+    traces   numbers of the nodes whose paths are drawn;  initial: outline of the first step
+    dpi      dots per inch of the file
+    extras   node_numbers, element_numbers, supports (bool), view ("iso", "xy", "-60,25"), title: fields of `Extras`
+
+    Raises UsageError for steps or variables that the result has not, and for a file that cannot be written.
+    """
+    source = source_of(result)
+    figure = picture(source, Extras(**extras), chosen_steps(source, steps, strobe, False), traces, initial)
+    if path is not None:
+        save(figure, Path(path), dpi)
+    return figure
+
+
+def animate(
+    result: Result | str | Path, path: str | Path, *, steps: str | None = None, traces: Sequence[int] = (),
+    initial: bool = False, frames: int = MOST_FRAMES, fps: float = 25.0, dpi: float = FILM_DPI, **extras: Any,
+) -> Path:  # fmt: skip
+    """Write an animation as gif, or as mp4 where ffmpeg is installed; returns its path. Arguments as `draw`.
+
+    frames   most pictures in it;  fps: pictures a second
+    """
+    source = source_of(result)
+    shown = series(source, Extras(**extras), chosen_steps(source, steps, None, True), traces, initial)
+    pictures, count = shown.thinned(frames)
+    film(shown.moving(), pictures, count, Path(path), fps, dpi)
+    return Path(path)
+
+
+def report(
+    result: Result | str | Path, expressions: Sequence[str] = (), *, log_lines: int = 120, view: str = "iso"
+) -> str:
+    """One self-contained HTML page about a run, as text; `expressions` are plotted instead of the degrees of freedom.
+
+    log_lines  lines of the log from its beginning and its end, where the result is a file with a log beside it
+    view       of a spatial mechanism, as for `draw`
+
+    Raises UsageError for an expression that cannot be evaluated.
+    """
+    return report_page(source_of(result), expressions, log_lines, view)
+
+
+def plot(
+    result: Result | str | Path, *expressions: str, path: str | Path | None = None, against: str = "t",
+    title: str | None = None, dpi: float = DPI,
+) -> Figure:  # fmt: skip
+    """A matplotlib figure of expressions such as 'x[6,1]' (docs/expressions.md), a panel for each variable or unit.
+
+    path     file that it is also written to (png, svg, pdf);  dpi: dots per inch of the file
+    against  expression of the horizontal axis;  title: text above, instead of the name of the model
+
+    Raises UsageError for an expression that cannot be evaluated, and for a file that cannot be written.
+    """
+    if not expressions:
+        raise UsageError("nothing to plot: give at least one expression, for instance 'x[6,1]'", "plot.nothing")
+    source = source_of(result)
+    curves = [evaluate(source, text) for text in expressions]
+    head = source.scene.title if title is None else title
+    figure = history_figure(curves, evaluate(source, against), head, source.scene.analysis.stationary)
+    if path is not None:
+        save(figure, Path(path), dpi)
+    return figure
+
+
+def stress(
+    result: Result | str | Path, *, steps: Sequence[int] | None = None, elements: Sequence[int] | None = None,
+    points: int = 9,
+) -> StressResults:  # fmt: skip
+    """Stress resultants along the beams and trusses of a result, and stresses where a cross-section is known.
+
+    steps     stored steps from 1, default all;  elements: their numbers, default all;  points: places along each
+
+    `found["mises"]` is (steps, elements, points), `found.largest("mises")` says where. Cross-sections are those of
+    BEAMSEC, BEAMVIS and CROSSTYPE. Raises UsageError for steps and elements that the result has not.
+    """
+    from spacar_drawing.stress_numbers import stress_results
+
+    return stress_results(source_of(result), steps, elements, points)
+
+
+def inline_picture(result: Result) -> str:
+    """The first step, or the last load step, as an HTML image that holds its data."""
+    data = BytesIO()
+    draw(result).savefig(data, format="png", dpi=80)
+    return f'<img alt="mechanism" src="data:image/png;base64,{b64encode(data.getvalue()).decode()}">'

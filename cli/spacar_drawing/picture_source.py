@@ -1,0 +1,141 @@
+"""Where the numbers come from: a `.sbd` file (one step at a time), or a Result in memory."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from spacar_formats.locate import open_result, stale_note
+from spacar_formats.sinks.result_header import sbd_header
+
+from spacar.arrays import Array
+from spacar.errors import UsageError
+from spacar.modes import find_mode
+from spacar.stream import Run
+from spacar_drawing.named_columns import named_columns, nothing
+from spacar_drawing.scene import Scene
+from spacar_drawing.settings import PictureSettings, parse_settings, read_settings
+
+if TYPE_CHECKING:
+    from spacar.result import Result
+
+LEVELS = {"dx": "0 1", "de": "0 1", "dxc": "0 1", "dec": "0 1", "d2x": "0 2", "d2e": "0 2"}
+ALIASES = {"fxtot": "fxt"}
+NEEDED = (
+    "ETYPE", "MODE", "LNP", "LE", "LN", "RXYZ", "RQ", "RL0", "DR0", "STIF", "EDAMP", "KDEF", "NXP", "NEP", "T", "X",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class PictureSource:
+    """A result to be drawn. `read(name, k)` gives a variable of step k (from 1), or of all (k None, step first)."""
+
+    scene: Scene
+    settings: PictureSettings
+    steps: int
+    name: str  # of the result, for messages
+    input: Path | None  # the input file beside the result, if there is one
+    read: Callable[[str, int | None], Array | None]
+    header: Mapping[str, Any]
+    complete: bool = True
+    named: Mapping[str, Array] = field(default_factory=dict)  # of `spacar symbolic`: (steps,) by name
+
+    def get(self, name: str, k: int | None = None) -> Array:
+        """A variable of step k, (n,) or (rows, cols); of all steps with one more first axis. UsageError if absent."""
+        value = self.read(name, k)
+        if value is None:
+            level = LEVELS.get(name.lower())
+            advice = f"; put OUTLEVEL {level} into the kinematics block and run again" if level else ""
+            raise UsageError(f"{self.name} does not contain {name}{advice}", "draw.missing")
+        return value
+
+    def x(self, k: int | None = None) -> Array:
+        """Coordinates; UsageError when there is nothing to draw because they are not finite, or beyond 1e100."""
+        value = self.get("x", k)
+        if not np.all(np.abs(value) <= 1e100):
+            step = f"step {k}" if k is not None else "a step"
+            raise UsageError(f"{self.name}: coordinates of {step} are not finite or beyond 1e100", "draw.finite")
+        return value
+
+    def time(self, k: int) -> float:
+        return float(np.ravel(self.get("t", k))[0])
+
+
+def open_source(name: str | Path, stale_ok: bool = False, drawn: bool = True) -> PictureSource:
+    """The `.sbd` result of this name (extension optional), with the settings of the input file beside it.
+
+    A result of `spacar symbolic` has its quantities in `named`; with `drawn=False` it may be without nodes. Raises
+    UsageError when there is no result, when it has no steps, or when the input file has changed since (unless
+    `stale_ok`). The file stays open as long as the Source lives; only what is asked for is read.
+    """
+    wanted = Path(name)
+    if wanted.suffix.lower() in (".dat", ".sbm", ".ltv", ".toml", ".py"):
+        wanted = wanted.with_suffix("")
+    file = open_result(wanted, "sbd")
+    symbolic = "symbolic" in file.header.get("KIND", "")
+    missing = [ident for ident in NEEDED if not file.has(ident)]
+    if missing and symbolic and drawn:
+        raise UsageError(f"{file.path} has no points that could be drawn: use spacar plot", "draw.symbolic")
+    if missing and not symbolic:
+        raise UsageError(f"{file.path} has no {missing[0]}: it is not the result of a mode", "draw.missing")
+    note = stale_note(file)
+    if note and not stale_ok:
+        raise UsageError(f"{note}, or draw it as it is with --stale-ok", "draw.stale")
+    if not file.steps:
+        raise UsageError(f"{file.path} contains no steps: the run stopped before the first one", "draw.empty")
+    stem = file.path.name.removesuffix(".part").removesuffix(".bak").removesuffix(".sbd")
+    source = file.header.get("SOURCE")
+    origin = source[0].replace("\0", "") if isinstance(source, list) and source else f"{stem}.dat"
+    beside = None if symbolic else file.path.parent / Path(origin).name
+    shapes = {i.lower(): (r.rows, r.cols) for i, r in file.step_records.items()}
+
+    def read(variable: str, k: int | None) -> Array | None:
+        ident = ALIASES.get(variable.lower(), variable.lower())
+        if ident not in shapes:
+            return None
+        rows, cols = shapes[ident]
+        value = np.asarray(file.get(ident, k))
+        if k is not None:
+            return value.reshape(rows, cols) if cols > 1 else value.ravel()
+        # several steps come one a row, column-major; one step in its own shape
+        flat = value.reshape(1, -1, order="F") if file.steps == 1 else value
+        return flat if cols == 1 else flat.reshape(-1, cols, rows).transpose(0, 2, 1)
+
+    header = dict(file.header.items())
+    settings = PictureSettings() if beside is None else read_settings(beside)
+    return PictureSource(
+        nothing(stem) if missing else Scene.of_header(header, stem, settings.metre),
+        settings,
+        file.steps,
+        str(file.path),
+        beside if beside is not None and beside.is_file() else None,
+        read,
+        header,
+        file.complete,
+        named_columns(file),
+    )
+
+
+def source_of_result(result: Result, settings: PictureSettings | None = None) -> PictureSource:
+    """The same of a Result in memory (tests, scripts, live window)."""
+    header = sbd_header(Run(find_mode(result.mode), result.mechanism))
+    frames: Sequence[Any] = result.frames
+    names = {"t": "t", "fxt": "fxtot"}
+    if settings is None:
+        deck = result.mechanism.deck
+        settings = replace(parse_settings(deck.visualization), metre=deck.metre)
+
+    def read(variable: str, k: int | None) -> Array | None:
+        ident = ALIASES.get(variable.lower(), variable.lower())
+        attribute = names.get(ident, ident)
+        values = [getattr(f, attribute, None) for f in (frames if k is None else frames[k - 1 : k])]
+        if not values or any(v is None for v in values):
+            return None
+        return np.array(values if k is None else values[0], float)
+
+    title = Path(result.mechanism.deck.source).stem
+    scene = Scene.of_header(header, title, settings.metre)
+    return PictureSource(scene, settings, len(frames), title, None, read, header)

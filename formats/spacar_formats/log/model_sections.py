@@ -1,0 +1,201 @@
+"""Log sections 2 and 3: the mechanism, its numbering and classes, its dynamic data (reference/files.md 2)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from spacar.deck import ELEMENT_TYPES, Statement
+from spacar.deck.keyword_table import KEYWORDS
+from spacar.deck.table_types import BlockKind, Keyword, Variant
+from spacar.mechanism.mechanism import Mechanism
+from spacar.mechanism.numbering import CLASSES, Numbering
+from spacar_formats.log.text_layout import real, table
+
+LETTER = {"fixed": "O", "calculable": "C", "input": "M", "dynamic": "M", "kinematic": "K"}
+WORDS = {
+    "fixed": "fixed",
+    "calculable": "calculable",
+    "input": "prescribed (degrees of freedom, MM)",
+    "dynamic": "dynamic (degrees of freedom)",
+    "kinematic": "kinematic (non-holonomic systems)",
+}
+DYNAMICS = (
+    "XM", "EM", "XGYRO", "MEE", "ESTIFF", "EDAMP", "ESIG", "XF", "GRAVITY", "USERSIG",
+    "INPUTX", "INPUTE", "STARTDX", "STARTDE", "USERINP",
+    "DELXF", "DELGRAV", "DELOMF", "DELESIG", "DELINPX", "DELINPE",
+)  # fmt: skip
+MEASURED = tuple(t.keyword for t in ELEMENT_TYPES.values() if t.angle_family)
+
+
+def class_letters(n: Numbering) -> tuple[list[str], list[str]]:
+    """The letter of the class of every coordinate and of every deformation."""
+    x, e = [""] * n.nx, [""] * n.ne
+    for letters, slices in ((x, n.x_class), (e, n.e_class)):
+        for name, where in slices.items():
+            letters[where] = [LETTER[name]] * (where.stop - where.start)
+    return x, e
+
+
+def elements(n: Numbering) -> list[str]:
+    """Type, nodes and deformations of every element, with numbers in e (array le) and classes."""
+    _, letters = class_letters(n)
+    rows = []
+    for number, keyword, nodes in n.elements:
+        modes = [f"{i} {letters[i - 1]}" if i else "" for i in n.le[number - 1].tolist()]
+        rows.append([number, keyword, " ".join(map(str, nodes)), *modes])
+    used = max(len(ELEMENT_TYPES[keyword].modes) for _, keyword, _ in n.elements)
+    heads = ["element", "type", "nodes", *(f"mode {k + 1}" for k in range(used))]
+    lines = ["Elements: numbers of the deformations in e (array le) and classes,",
+             "O fixed, C calculable, M degree of freedom, K kinematic", ""]  # fmt: skip
+    lines += table(heads, [row[: 3 + used] for row in rows])
+    if len(n.normalization):
+        pairs = ", ".join(f"{row + 1} (node {node})" for node, row in n.normalization.tolist())
+        lines += ["", f"  normalization of Euler parameters, fixed deformations: {pairs}"]
+    return [*lines, ""]
+
+
+def measures(mechanism: Mechanism) -> list[str]:
+    """Which beams and tubes are measured by angles (ADEFORM), which by sines."""
+    rows = []
+    for name, text in (("angle", "angles, fourth order in the length of the elements"), ("", "sines, second order")):
+        numbers = [
+            int(i)
+            for b in mechanism.batches
+            if b.family.measure == name and b.family.keyword in MEASURED
+            for i in b.family.numbers
+        ]
+        if numbers:
+            rows.append([text, " ".join(map(str, sorted(numbers)))])
+    return ["Deformations of beams and tubes", "", *table(["measured by", "elements"], rows), ""] if rows else []
+
+
+def nodes(n: Numbering) -> list[str]:
+    """Coordinates of every node with their numbers in x (array lnp) and classes."""
+    letters, _ = class_letters(n)
+    rows = [
+        [
+            node.number,
+            node.kind,
+            *(f"{i} {letters[i - 1]}" if i else "" for i in n.lnp[node.number - 1].tolist()),
+        ]
+        for node in n.nodes
+    ]
+    used = max(node.size for node in n.nodes)
+    lines = ["Nodes: numbers of the coordinates in x (array lnp) and classes", ""]
+    heads = ["node", "type", *(f"coordinate {k + 1}" for k in range(used))]
+    return [*lines, *table(heads, [row[: 2 + used] for row in rows]), ""]
+
+
+def degrees_of_freedom(n: Numbering) -> list[str]:
+    """The list q with the dynamic ones marked, then the kinematic configuration coordinates."""
+    if not n.ndof + n.nk:
+        return ["Degrees of freedom: none", ""]
+    dynamic = set(n.dynamic.tolist())
+    rows = [[i + 1, name, "dynamic" if i in dynamic else "prescribed"] for i, name in enumerate(n.q_names)]
+    rows += [[n.ndof + i + 1, name, "kinematic"] for i, name in enumerate(n.k_names)]
+    title = f"Degrees of freedom: {n.ndof}, of which {n.nddof} dynamic"
+    title += f"; kinematic configuration coordinates: {n.nk}" if n.nk else ""
+    return [title, "", *table(["number", "degree of freedom", "class"], rows), ""]
+
+
+def counts(n: Numbering) -> list[str]:
+    """Numbers per class: NEO NEC NEMM NEM of deformations and NXO NXC NXMM NXM of coordinates, in words."""
+    rows = [
+        [WORDS[name], int(x), int(e)]
+        for name, x, e in zip(CLASSES, n.nxp, n.nep, strict=True)
+        if name != "kinematic" or x + e
+    ]
+    rows.append(["all", n.nx, n.ne])
+    return ["Numbers per class", "", *table(["class", "coordinates (NX)", "deformations (NE)"], rows), ""]
+
+
+def dynamics(mechanism: Mechanism) -> list[str]:
+    """Inertia, stiffness, damping, loads and prescribed motion as the input gives them, the total mass."""
+    lines = []
+    for name in DYNAMICS:
+        lines += statements(mechanism, name, BlockKind.DYNAMICS)
+    mass, centre = total_mass(mechanism)
+    return [*lines, f"Total mass: {real(mass)} kg", *centre, ""]
+
+
+def statements(mechanism: Mechanism, name: str, block: BlockKind) -> list[str]:
+    """All statements of one keyword as tables, one for every form of the statement that occurs."""
+    keyword = KEYWORDS.get((name, block))
+    if keyword is None:
+        return []
+    groups: dict[int, list[Statement]] = {}
+    for s in mechanism.deck.of(name, block=block.number):
+        groups.setdefault(_variant(mechanism.numbering, keyword, s), []).append(s)
+    lines = []
+    for index, group in groups.items():
+        count = max(len(s.values) for s in group)
+        heads = [p.text for p in keyword.variants[index].parameters[:count]]
+        rows = [[*_shown(s, keyword.variants[index]), *[""] * (count - len(s.values))] for s in group]
+        lines += [f"{name}: {keyword.help}", "", *table(heads, rows), ""]
+    return lines
+
+
+def total_mass(mechanism: Mechanism) -> tuple[float, list[str]]:
+    """Lumped mass of position nodes and distributed mass times undeformed length (with the fluid of tubes)
+    [kg]."""
+    n = mechanism.numbering
+    length = {int(i): float(l) for b in mechanism.batches if b.family.keyword in ELEMENT_TYPES
+              for i, l in zip(b.family.numbers, b.family.length, strict=True)}  # fmt: skip
+    lumped = sum(s.real(1) for s in mechanism.deck.of("XM", block=2) if n.kind[s.integer(0)] == "position")
+    distributed = 0.0
+    for s in mechanism.deck.of("EM", block=2):
+        element = s.integer(0)
+        per_length = s.real(1) + (s.real(2) if ELEMENT_TYPES[n.keyword[element]].carries_flow else 0.0)
+        distributed += per_length * length[element]
+    parts = [f"  in nodes {real(lumped)} kg, distributed over elements {real(distributed)} kg"] if distributed else []
+    return lumped + distributed, parts
+
+
+def condition(value: float) -> list[str]:
+    """The measure of how well the degrees of freedom were chosen."""
+    return [
+        f"Condition number of the part of the difference matrix that is inverted: {real(float(value))}",
+        "",
+    ]
+
+
+def _variant(n: Numbering, keyword: Keyword, s: Statement) -> int:
+    """Index of the form of the statement that fits this model, node or element."""
+    space = "planar" if n.planar else "spatial"
+    role = kind = ""
+    for value, parameter in zip(s.values, keyword.variants[0].parameters, strict=False):
+        if parameter.of.endswith("node") and isinstance(value, int):
+            role = n.kind.get(value, "")
+            break
+        if parameter.of == "element" and isinstance(value, int):
+            kind = n.keyword.get(value, "")
+            break
+    fitting = [i for i, v in enumerate(keyword.variants) if v.fits(space, role, kind)]
+    of_size = [i for i in fitting if len(s.values) in keyword.variants[i].counts]
+    return (of_size or fitting or [0])[0]
+
+
+def _shown(s: Statement, variant: Variant) -> Sequence[object]:
+    """Values as printed: integers as integers, all other numbers with ten digits."""
+    whole = [p.kind == "integer" for p in variant.parameters]
+    return [
+        v if isinstance(v, str) else int(v) if is_whole else float(v)
+        for v, is_whole in zip(s.values, [*whole, *[False] * len(s.values)], strict=False)
+    ]
+
+
+def coordinates(n: Numbering) -> tuple[list[tuple[int, str]], list[tuple[int, str]]]:
+    """(node, name of the coordinate) of all x and (element, mode with unit) of all e, in their order."""
+    x = []
+    for i in range(n.nx):
+        node, _, name = n.x_name(i).removeprefix("node ").partition(" ")
+        x.append((int(node), name))
+    e = []
+    for i in range(n.ne):
+        element, mode = n.e_owner(i)
+        if element < 0:
+            e.append((-element, "normalization"))
+        else:
+            words, unit = ELEMENT_TYPES[n.keyword[element]].modes[mode - 1]
+            e.append((element, f"e{mode} {words} [{unit}]"))
+    return x, e

@@ -1,0 +1,197 @@
+"""The evaluator in C: right-hand sides, stages and frames are evaluated by the compiled solver.
+
+It has a NumPy evaluator, `general`, for what C cannot do: a start that is far away, states that fail (and are
+explained), and everything that needs element sweeps. Nothing is shared between both: a `Placement` goes from the state
+in C to the general evaluator (`settled`), or back (`_stand`).
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable
+from typing import TypeVar
+
+import numpy as np
+
+from spacar.arrays import Array
+from spacar.compiled.compiled_model import EXACT, CompiledModel
+from spacar.compiled.numbers import of_one
+from spacar.dynamics.array_evaluator import Dynamics, component_name
+from spacar.dynamics.loaded_mechanism import LoadedMechanism, Placement
+from spacar.dynamics.mass_check import require_regular_mass
+from spacar.frame import Frame
+from spacar.kinematics.constraint_condition import of_gradient
+from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS
+from spacar.kinematics.regularity import PositionMatrix
+from spacar.mechanism.mechanism import Drive, Loads, Mechanism
+
+Result = TypeVar("Result")
+
+
+SMALL = 64  # equations up to which the exact condition in C is cheaper than an estimate in the general path
+
+
+class CompiledPositionMatrix(PositionMatrix):
+    """V[E, U] as it is factored in C; that of the general path after a state that C could not do."""
+
+    def __init__(self, evaluator: CompiledDynamics) -> None:
+        super().__init__(evaluator.general.kinematics)
+        self.evaluator = evaluator
+
+    def determinant(self) -> tuple[float, float]:
+        if not self.evaluator.state.c.known:
+            return super().determinant()
+        sign, size = self.evaluator.solver.determinant()
+        return float(sign[0]), float(size[0])
+
+    def rcond(self) -> float:
+        if self.evaluator.state.c.known:
+            if len(self.rows) <= SMALL:
+                rcond = self.evaluator.solver.rcond(self.rows, self.columns)
+                if rcond > self.zero:
+                    return rcond
+            self.evaluator.settled()
+        return super().rcond()
+
+
+class CompiledDynamics:
+    """An `Evaluator` (`spacar.dynamics.evaluator`) where `why_general` finds no reason for that of NumPy."""
+
+    by_case = None
+
+    def __init__(self, mechanism: Mechanism, *, loads: Loads | None = None, drive: Drive | None = None) -> None:
+        self.general = general = Dynamics(mechanism, loads=loads, drive=drive)
+        self.numbering, self.n_positions = general.numbering, general.n_positions
+        scales = general.kinematics.scale, mechanism.deformation_scale
+        self.solver = CompiledModel(self.numbering, of_one(general), scales, general.drive, mechanism.user_signal)
+        self.state = self.solver.state()
+        self._y, self._out = np.zeros((2, self.n_positions + self.numbering.nddof))
+        self._addresses = self._y.ctypes.data, self._out.ctypes.data
+        self._step_of: tuple[Array, Array, Array, tuple[int, ...]] | None = None
+
+    @property
+    def model(self) -> LoadedMechanism:
+        return self.general.model
+
+    # -- where it stands ------------------------------------------------------------------------------------------
+    def start(self) -> Array:
+        """Start state. One that is near the reference configuration is placed in C; else the general path goes there.
+
+        Near is what a guess of Newton's method may be away.
+        """
+        y, x0 = self.general.start_values(), self.model.mechanism.x0
+        e0 = np.zeros((self.numbering.ne, 1))
+        if self.solver.slots.foreign:
+            self.general.sweep.strain(x0)
+            e0[:, 0] = self.general.sweep.e
+        self.state.begin(x0[:, None], e0)
+        if self._derivative(0.0, y, CONVERGED) < 0 or self._far(x0):
+            y = self.general.start()
+            self._stand(self.general.placement())
+        else:
+            M = self.solver.reduced_mass()
+            if M is None:
+                self.settled().check_mass()
+            else:
+                self.general.stand(self.placement())
+                require_regular_mass(self.numbering, M[:, :, 0])
+        return y
+
+    def _far(self, x: Array) -> bool:
+        moved = np.abs(self.state.x[:, 0] - x) / self.general.kinematics.scale
+        return bool(moved.max() > FARTHEST_GUESS)
+
+    def placement(self) -> Placement:
+        s = self.state
+        return Placement(s.x[:, 0], s.xd[:, 0], s.e[:, 0], s.given_e[:, 0])
+
+    def _stand(self, at: Placement) -> None:
+        """Go on from there, without the memory of earlier states."""
+        s = self.state
+        s.begin(at.x[:, None], at.e[:, None])
+        s.xd[:, 0], s.given_e[:, 0] = at.xd, at.e_given
+
+    def settled(self) -> Dynamics:
+        self.general.stand(self.placement())
+        self.general.kinematics.refresh()
+        return self.general
+
+    def companion(self) -> CompiledDynamics:
+        """Another state of the same model; the general evaluator goes wherever one of them needs it."""
+        other = copy.copy(self)
+        other.state = self.solver.state()
+        other._stand(self.placement())
+        return other
+
+    def memory(self) -> tuple[int, float, Array, Array]:
+        s = self.state
+        return s.c.known, s.c.t, s.of_x.copy(), s.of_e.copy()
+
+    def remember(self, memory: tuple[int, float, Array, Array]) -> None:
+        s = self.state
+        s.c.known, s.c.t, s.of_x[:], s.of_e[:] = memory
+
+    def _in_general(self, evaluate: Callable[[], Result]) -> Result:
+        """Let the general evaluator look at a state that C could not do; it explains failures."""
+        self.general.stand(self.placement())
+        result = evaluate()
+        self._stand(self.general.placement())
+        return result
+
+    # -- checks ---------------------------------------------------------------------------------------------------
+    def condition(self) -> float:
+        n, k = self.numbering, self.general.kinematics
+        if len(k.E) > SMALL or not self.state.c.known:
+            return self.settled().condition()
+        rows, columns = self.solver.places()
+        values = np.zeros((len(rows), 1))
+        self.solver.gradient(values)
+        V = np.zeros((n.ne, n.nx))
+        V[rows, columns] = values[:, 0]
+        return of_gradient(k, V)
+
+    def position_matrix(self) -> PositionMatrix:
+        return CompiledPositionMatrix(self)
+
+    def in_range(self) -> bool:
+        return self.solver.in_range(self.state)
+
+    def component_name(self, i: int) -> str:
+        return component_name(self.numbering, i)
+
+    # -- evaluation -----------------------------------------------------------------------------------------------
+    def _derivative(self, t: float, y: Array, within: float) -> int:
+        """Time derivative of y into `_out`; a negative number when C cannot."""
+        self._y[:] = y
+        return self.solver.rhs(self.state, t, *self._addresses, within)
+
+    def rhs(self, t: float, y: Array, within: float = CONVERGED) -> Array:
+        if self._derivative(t, y, within) < 0:
+            return self._in_general(lambda: self.general.rhs(t, y, within))
+        return self._out.copy()
+
+    def stages(
+        self, done: int, c: Array, a: Array, t: float, h: float, window: tuple[float, float], y: Array, K: Array,
+        within: float = CONVERGED,
+    ) -> int:  # fmt: skip
+        """Stages of an explicit Runge-Kutta step, see `spacar.integrators.problem.Problem`."""
+        kept = self._step_of  # an integrator keeps its arrays
+        if kept is None or kept[0] is not c or kept[1] is not y or kept[2] is not K:
+            kept = self._step_of = c, y, K, (c.ctypes.data, a.ctypes.data, y.ctypes.data, K.ctypes.data)
+        at_c, at_a, at_y, at_K = kept[3]
+        return self.solver.stages(
+            self.state, done, len(c), at_c, at_a, t, h, window, at_y, at_K, len(y), within
+        )
+
+    def frame(self, t: float, y: Array) -> Frame:
+        m, s = self.solver, self.state
+        self._y[:] = y
+        if m.evaluate(s, t, self._y, EXACT) < 0:
+            return self._in_general(lambda: self.general.frame(t, y))
+        x, xd, xdd = s.of_x[:, :, 0].copy()
+        e, ed, edd, sigma = s.of_e[:4, :, 0].copy()
+        applied, gravity, total = m.forces[:, :, 0].copy()
+        return Frame(
+            t=t, x=x, xd=xd, xdd=xdd, e=e, ed=ed, edd=edd, sig=sigma, fx=applied,
+            fxgrav=gravity, fxtot=total,
+        )  # fmt: skip

@@ -1,0 +1,235 @@
+"""Memory and calls of the solver in C: a model of the numbers of some cases, and the states that it evaluates."""
+
+from __future__ import annotations
+
+import ctypes
+import weakref
+from collections.abc import Sequence
+from itertools import accumulate
+from typing import Any
+
+import numpy as np
+
+from spacar.arrays import Array
+from spacar.compiled.element_parameters import GUARD
+from spacar.compiled.library import GENERAL, CBatch, CSpec, CState, engine, switched_off, unavailable
+from spacar.compiled.numbers import FOREIGN, Numbers, without_form
+from spacar.compiled.slots import Slots
+from spacar.dynamics.saddle_point import free_coordinates
+from spacar.kinematics.kinematics import LARGEST_JUMP
+from spacar.mechanism.mechanism import Drive, Mechanism, Polynomial, UserSignal
+from spacar.mechanism.numbering import Numbering
+
+
+def why_general(mechanism: Mechanism) -> str | None:
+    """Why a run of this mechanism takes the general path, or None: then it is compiled."""
+    if not mechanism.settings.compiled:
+        return "--general or compiled=False asks for it"
+    if switched_off():
+        return f"the environment variable {GENERAL} asks for it"
+    return unavailable()
+
+
+def why_not_in_lanes(mechanism: Mechanism) -> str | None:
+    """Why several cases of this mechanism cannot be evaluated at a time, or None: Python answers for one case only."""
+    missing = without_form(mechanism)
+    if missing:
+        return f"{', '.join(missing)}: without functions in C"
+    if mechanism.user_signal is not None or not isinstance(mechanism.drive, Polynomial):
+        return "user functions are called for one mechanism"
+    return None if mechanism.numbering.holonomic and not mechanism.numbering.nk else "wheels"
+
+
+def _addresses(arrays: Array) -> list[int]:
+    """Where every row of a contiguous array begins."""
+    first, size = arrays.ctypes.data, arrays.nbytes // len(arrays)
+    return [first + k * size for k in range(len(arrays))]
+
+
+# Largest scaled correction that ends the iteration of a stored position: one more follows the first that is below
+# CONVERGED, so that velocities and accelerations are those of the position to rounding.
+EXACT = 1e-15
+NOT_ANSWERED = -6  # of sparse.c: Python could not answer, and keeps the error
+
+
+class State:
+    """The last evaluated state: x, xd, xdd (nx, cases), e, ed, edd, sigma, given_e (ne, cases), shared with C."""
+
+    def __init__(self, nx: int, ne: int, cases: int) -> None:
+        self.of_x, self.of_e = np.zeros((3, nx, cases)), np.zeros((5, ne, cases))
+        self.x, self.xd, self.xdd = self.of_x
+        self.e, self.ed, self.edd, self.sigma, self.given_e = self.of_e
+        self.c = CState(0, 0.0, *_addresses(self.of_x), *_addresses(self.of_e))
+        self.address = ctypes.c_void_p(ctypes.addressof(self.c))
+
+    def begin(self, x: Array, e: Array) -> None:
+        """Positions and deformations that the next guess starts from."""
+        self.x[:], self.e[:] = x, e
+        self.c.known = 0
+
+
+class CompiledModel:
+    """One `Model` of model.c. `scales` (nx,), (ne,): sizes of what is in x and e. What Python answers: `slots`."""
+
+    def __init__(
+        self, numbering: Numbering, numbers: Numbers, scales: tuple[Array, Array], drive: Drive,
+        user: UserSignal | None = None,
+    ) -> None:  # fmt: skip
+        self.numbering = numbering
+        self.numbers = numbers
+        self.polynomial = isinstance(drive, Polynomial)
+        self.cases = numbers.x0.shape[-1]
+        self.engine = engine(self.cases)
+        self._alive: list[Any] = []  # arrays that C points into
+        # contiguous copies are made first, as a motion that is no polynomial is written into them
+        self.x_motion, self.e_motion = np.ascontiguousarray(numbers.x_motion), np.ascontiguousarray(numbers.e_motion)
+        motions = self.x_motion, self.e_motion
+        self.slots = Slots(numbers.elements, drive, motions, user, (numbering.nx, numbering.ne))
+        spec = self._spec(numbers, scales)
+        self.handle = ctypes.c_void_p(self.engine.begin(ctypes.addressof(spec)))
+        if not self.handle:
+            raise MemoryError("no memory for the compiled model")
+        weakref.finalize(self, self.engine.end, self.handle)
+        self.forces = np.zeros((3, numbering.nx, self.cases))
+        self.applied, self.gravity, self.total = self.forces
+        self._forces_at = tuple(f.ctypes.data for f in self.forces)
+        self._determinant = np.zeros((2, self.cases))
+        self._determinant_at = self._determinant[0].ctypes.data, self._determinant[1].ctypes.data
+
+    def state(self) -> State:
+        """A new state, at the reference configuration."""
+        state = State(self.numbering.nx, self.numbering.ne, self.cases)
+        state.x[:] = self.numbers.x0
+        return state
+
+    # -- setting up -----------------------------------------------------------------------------------------------
+    def _spec(self, numbers: Numbers, scales: tuple[Array, Array]) -> CSpec:
+        n, batches, slots = self.numbering, numbers.elements, self.slots
+        F, mass, S, D = free_coordinates(n), numbers.mass, numbers.stiffness, numbers.damping
+        linear, coupling = numbers.moments, numbers.coupling
+        position = np.flatnonzero(~n.slips[: n.e_class["kinematic"].stop])
+        places = self._packed(
+            [
+                *mass[:2], *S[:2], *D[:2], *linear[:2], *coupling[:2], F, position,
+                *(i for b in batches for i in (b.x, b.e)),
+            ],
+            np.int32,
+        )  # fmt: skip
+        (
+            constant_row, constant_column, s_rows, s_columns, d_rows, d_columns, m_rows, m_columns, c_rows, c_columns,
+            free, given, *indices,
+        ) = places  # fmt: skip
+        values = self._packed(
+            [
+                mass[2], *scales, numbers.force, numbers.field, numbers.preload, S[2], D[2], linear[2], coupling[2],
+                numbers.x0, *(b.parameters for b in batches),
+            ],
+            np.float64,
+        )  # fmt: skip
+        (
+            constant_mass, scale_at, e_scale_at, force, field, preload, s_values, d_values, moments, coupled, x0,
+            *parameters,
+        ) = values  # fmt: skip
+        table = (CBatch * len(batches))(
+            *(
+                CBatch(
+                    b.kind, len(b.x), b.x.shape[1], b.e.shape[1], b.parameters.shape[1], int(b.moving), x, e, p,
+                    ctypes.addressof(slots.foreign[k].c) if b.kind == FOREIGN else None,
+                )
+                for k, (b, x, e, p) in enumerate(zip(batches, indices[::2], indices[1::2], parameters, strict=True))
+            )
+        )  # fmt: skip
+        self._alive.append(table)
+        xs, es = n.x_class, n.e_class
+        counts = [
+            n.nx, n.ne, xs["calculable"].start, es["input"].stop, es["dynamic"].stop, len(table), len(S[0]), len(D[0]),
+            int(n.nddof == 0), len(mass[0]), len(F),
+        ]  # fmt: skip
+        for classes in (xs, es):
+            for name in ("input", "dynamic", "kinematic"):
+                counts += [classes[name].start, classes[name].stop - classes[name].start]
+        counts += [int(self.polynomial), len(position), len(linear[0]), len(coupling[0])]
+        user = ctypes.addressof(slots.user_c) if slots.user is not None else None
+        ask = ctypes.cast(slots.ask, ctypes.c_void_p) if slots.needed else None
+        return CSpec(
+            *counts, ctypes.addressof(table), constant_row, constant_column, constant_mass,
+            scale_at, e_scale_at, force, field, preload, s_rows, s_columns, d_rows, d_columns, s_values, d_values,
+            m_rows, m_columns, moments, c_rows, c_columns, coupled, free, given, x0,
+            self.x_motion.ctypes.data, self.e_motion.ctypes.data, user, ask,
+        )  # fmt: skip
+
+    def _packed(self, arrays: Sequence[Any], kind: type) -> list[int]:
+        """Addresses of the arrays in one array of this kind, which is kept for C."""
+        together: Array = np.concatenate([np.ravel(a) for a in arrays], dtype=kind, casting="same_kind")
+        self._alive.append(together)
+        sizes = accumulate((a.size for a in arrays[:-1]), initial=0)
+        first, width = together.ctypes.data, together.itemsize
+        return [first + width * size for size in sizes]
+
+    # -- calls; y, out, K are C-contiguous with the cases last ----------------------------------------------------
+    def rhs(self, state: State, t: float, y: int, out: int, converged: float) -> int:
+        """Time derivative of the state at the address y into out; a negative number when that is not possible.
+
+        Raises what a user function raised.
+        """
+        status: int = self.engine.rhs(self.handle, state.address, t, y, out, converged, LARGEST_JUMP)
+        if status == NOT_ANSWERED:
+            self.slots.raise_error()
+        return status
+
+    def evaluate(self, state: State, t: float, y: Array, converged: float) -> int:
+        """Everything that a frame has (gravity and total forces are in the model); negative when not possible."""
+        status: int = self.engine.evaluate(
+            self.handle, state.address, t, y.ctypes.data, converged, LARGEST_JUMP, 1
+        )
+        if status >= 0:
+            self.engine.complete(self.handle, state.address, *self._forces_at)
+        elif status == NOT_ANSWERED:
+            self.slots.raise_error()
+        return status
+
+    def stages(
+        self, state: State, done: int, n: int, c: int, a: int, t: float, h: float, window: tuple[float, float], y: int,
+        K: int, stride: int, converged: float,
+    ) -> int:  # fmt: skip
+        """Stages of an explicit Runge-Kutta step from `done` to n, rows of K `stride` lanes apart; the first not done.
+
+        c, a, y and K are addresses.
+        """
+        reached: int = self.engine.stages(
+            self.handle, state.address, done, n, c, a, t, h, *window, y, K, stride, converged, LARGEST_JUMP
+        )
+        if reached < n:
+            self.slots.interrupted()
+        return reached
+
+    def places(self) -> tuple[Array, Array]:
+        """Rows and columns of the entries of V."""
+        count = self.engine.gradient(self.handle, None, None, None)
+        rows, columns = np.zeros((2, count), np.int32)
+        self.engine.gradient(self.handle, rows.ctypes.data, columns.ctypes.data, None)
+        return rows, columns
+
+    def gradient(self, out: Array) -> None:
+        """Values of the entries of V at the last evaluated state, (n, cases)."""
+        self.engine.gradient(self.handle, None, None, out.ctypes.data)
+
+    def determinant(self) -> tuple[Array, Array]:
+        """Signs and logarithms of det V[E, U] at the last evaluated state, (cases,) each."""
+        self.engine.determinant(self.handle, *self._determinant_at)
+        mantissa, exponent = self._determinant  # of the inverse
+        return np.sign(mantissa), -(np.log(np.abs(mantissa)) + np.log(2.0) * exponent)
+
+    def rcond(self, rows: Array, columns: Array) -> float:
+        """Smallest reciprocal condition of the cases' rows * V[E, U] * columns at the last evaluated state, 1-norm."""
+        return float(self.engine.rcond(self.handle, rows.ctypes.data, columns.ctypes.data))
+
+    def in_range(self, state: State) -> bool:
+        """Whether all elements are surely in the range of their theory at a state."""
+        return not self.slots.has_limits and bool(self.engine.guard(self.handle, state.x.ctypes.data) > GUARD)
+
+    def reduced_mass(self) -> Array | None:
+        """Of the degrees of freedom at the last evaluated state, (nddof, nddof, cases), where it was needed."""
+        n = self.numbering.nddof
+        out = np.zeros((n, n, self.cases))
+        return out if self.engine.reduced_mass(self.handle, out.ctypes.data) else None

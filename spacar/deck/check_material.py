@@ -1,0 +1,52 @@
+"""What all checks look at: the statements, the outline of the model and the classes of its coordinates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from spacar import modes
+from spacar.deck.findings import Findings
+from spacar.deck.mode_blocks import Purpose, facts
+from spacar.deck.outline import Outline
+from spacar.deck.statement import Statement
+from spacar.deck.table_types import BlockKind
+
+CLASS_KEYWORDS = {"node": ("FIX", "INPUTX", "DYNX", "KINX"), "element": ("RLSE", "INPUTE", "DYNE", "KINE")}
+Classes = dict[tuple[int, int], tuple[str, Statement]]
+"""(node, coordinate) or (element, mode) -> class and the statement that says so."""
+
+
+@dataclass(slots=True, eq=False)
+class CheckMaterial:
+    """The material of the checks; `findings` receives the messages of the block that is being checked."""
+
+    statements: tuple[Statement, ...]
+    outline: Outline
+    mode: Purpose
+    third: BlockKind | None
+    findings: Findings
+    coordinates: Classes = field(default_factory=dict)
+    deformations: Classes = field(default_factory=dict)
+
+    @property
+    def analysis(self) -> modes.Mode | None:
+        """The row of the mode that the file is checked for, if it is checked for one."""
+        return facts(self.mode)
+
+    def of(self, *keywords: str, block: int | None = None) -> list[Statement]:
+        """Statements with one of these keywords, in file order."""
+        return [s for s in self.statements if s.keyword in keywords and (block is None or s.block == block)]
+
+    def doubtful(self, what: str, number: int) -> bool:
+        """Whether a statement that gives a class to this node or element could not be read."""
+        names = CLASS_KEYWORDS[what]
+        return any((name, number) in self.outline.broken for name in names)
+
+    def class_of(self, what: str, number: int, index: int) -> tuple[str, Statement | None]:
+        """Class of a coordinate ("node") or deformation ("element") and the statement that gave it."""
+        if what == "node":
+            default = "dynamic" if self.outline.roles.get(number) == "warping" else "calculable"
+            return self.coordinates.get((number, index), (default, None))
+        if number in self.outline.types and index in self.outline.types[number].released:
+            return "calculable", None
+        return self.deformations.get((number, index), ("fixed", None))

@@ -1,0 +1,57 @@
+"""The keyword table of the input language, assembled: look up a keyword by block, by name, by place in the
+file."""
+
+from __future__ import annotations
+
+from spacar.deck import (
+    table_dynamics,
+    table_elements,
+    table_io,
+    table_kinematics,
+    table_loads,
+    table_sections,
+    table_solvers,
+)
+from spacar.deck.table_elements import ELEMENT_TYPES
+from spacar.deck.table_types import BlockKind, ElementType, Keyword, coordinates_of
+
+_TABLES = (table_elements, table_kinematics, table_sections, table_dynamics, table_loads, table_solvers, table_io)
+_ROWS = tuple(row for table in _TABLES for row in table.KEYWORDS)
+
+KEYWORDS: dict[tuple[str, BlockKind], Keyword] = {(k.name, k.block): k for k in _ROWS}
+"""Every keyword of every kind of block."""
+
+ALIASES: dict[str, str] = {alias: k.name for k in _ROWS for alias in k.aliases}
+"""Older names of keywords."""
+
+NAME_PLACES = {
+    k.name: places
+    for k in _ROWS
+    if (places := frozenset(i for i, p in enumerate(k.variants[0].parameters) if p.kind == "name"))
+}
+"""Keyword -> its arguments (from 0) that are one word, whatever it looks like."""
+
+NAMES: dict[int, dict[str, int]] = {number: {} for number in (1, 2, 3)}
+"""For each block number the keywords that may stand there, with the largest number of arguments of any
+form."""
+for _row in _ROWS:
+    NAMES[_row.block.number][_row.name] = _row.most
+
+
+def blocks_of(name: str) -> tuple[BlockKind, ...]:
+    """The kinds of block in which a keyword may stand, in the order of the file."""
+    return tuple(block for block in BlockKind if (name, block) in KEYWORDS)
+
+
+__all__ = [
+    "ALIASES",
+    "ELEMENT_TYPES",
+    "KEYWORDS",
+    "NAMES",
+    "NAME_PLACES",
+    "BlockKind",
+    "ElementType",
+    "Keyword",
+    "blocks_of",
+    "coordinates_of",
+]

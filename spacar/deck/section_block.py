@@ -1,0 +1,220 @@
+"""SECTION, MATERIAL and BEAMSEC to the plain statements that they stand for (sections.md section 1)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from spacar.deck.cross_section import (
+    LEAST,
+    MATERIALS,
+    SHAPES,
+    ZERO_ALLOWED,
+    Material,
+    SectionConstants,
+    isotropic,
+    planar_rows,
+    spatial_rows,
+    warping_rows,
+)
+from spacar.deck.divide import PAIRS, divided, made, obstacles, stiffness_modes
+from spacar.deck.findings import Findings, alternatives
+from spacar.deck.outline import Outline
+from spacar.deck.statement import Statement
+from spacar.deck.table_elements import ELEMENT_TYPES
+from spacar.deck.table_sections import KEYWORDS
+
+ROWS = {"planar beam": planar_rows, "spatial beam": spatial_rows, "spatial beam with warping": warping_rows}
+WORDS = tuple(k.name for k in KEYWORDS)
+
+
+@dataclass(frozen=True)
+class BeamSection:
+    """What one BEAMSEC says: the element, its parts (the first is the element), names, shape and dimensions [m]."""
+
+    element: int
+    parts: tuple[int, ...]
+    section: str
+    material_name: str
+    shape: str
+    dims: tuple[float, ...]
+    constants: SectionConstants
+    material: Material
+
+
+@dataclass(frozen=True)
+class Expansion:
+    """Plain statements, the outline of their model, what was expanded, and lines for pictures."""
+
+    statements: tuple[Statement, ...]
+    outline: Outline
+    sections: tuple[BeamSection, ...]
+    visualization: tuple[str, ...]
+
+
+def _nearest(word: str, known: Iterable[str], cutoff: float) -> str:
+    """The known word that looks most like it, "" without one."""
+    from difflib import get_close_matches
+
+    return next(iter(get_close_matches(word, list(known), 1, cutoff)), "")
+
+
+@dataclass(frozen=True)
+class _GivenSection:
+    shape: str
+    dims: tuple[float, ...]
+
+
+def expand(statements: Sequence[Statement], outline: Outline, findings: Findings) -> Expansion:
+    """Replace the statements of this block; errors go to the findings, and leave the others as they are."""
+    plain = [s for s in statements if s.keyword not in WORDS]
+    uses = [s for s in statements if s.keyword == "BEAMSEC"]
+    before = len(findings.errors)
+    sections = _sections([s for s in statements if s.keyword == "SECTION"], findings)
+    materials = _materials([s for s in statements if s.keyword == "MATERIAL"], findings)
+    _once([s for s in statements if s.keyword == "UNITS"], findings)
+    chosen = {s.integer(0): _use(s, plain, sections, materials, outline, findings) for s in uses}
+    _once(uses, findings)
+    if len(findings.errors) > before or not uses:
+        return Expansion(tuple(plain), outline, (), ())
+    pieces = {s.integer(0): s.integer(3) if len(s.values) > 3 else 1 for s in uses}
+    by = {s.integer(0): s for s in uses}
+    for number, s in by.items():
+        _, material, constants = chosen[number]  # type: ignore[misc]
+        stiffness, mass = ROWS[outline.types[number].coefficients](constants, material)
+        plain.append(made(s, number, *stiffness, keyword="ESTIFF", block=2))
+        if material.rho:
+            plain.append(made(s, number, *mass, keyword="EM", block=2))
+    several = [number for number, n in pieces.items() if n > 1]
+    for number, about, reason in obstacles(plain, several, stiffness_modes(plain)):
+        findings.error(about or by[number], 3, f"beam {number} cannot be divided: {reason}", "section")
+    if len(findings.errors) > before:
+        return Expansion(tuple(plain), outline, (), ())
+    full, parts = divided(plain, pieces)
+    found, drawn = [], []
+    for s in uses:
+        number = s.integer(0)
+        section, material, constants = chosen[number]  # type: ignore[misc]
+        names = str(s.values[1]), str(s.values[2])
+        its = tuple(parts.get(number, (number,)))
+        found.append(BeamSection(number, its, *names, section.shape, section.dims, constants, material))
+        drawn += _drawn(found[-1])
+    return Expansion(tuple(full), _outline_of(full, outline), tuple(found), tuple(drawn))
+
+
+def _sections(statements: Sequence[Statement], findings: Findings) -> dict[str, _GivenSection]:
+    """Sections by name in small letters."""
+    _once(statements, findings)
+    found = {}
+    for s in statements:
+        name, word = str(s.values[0]), str(s.values[1]).upper()
+        shape = SHAPES.get(word)
+        dims = s.reals(2, len(s.values) - 2)
+        if shape is None:
+            near = _nearest(word, SHAPES, 0.5)
+            nearest = f"; nearest: {near}" if near else ""
+            text = f"there is no shape '{s.values[1]}'{nearest}; shapes: {', '.join(SHAPES)}"
+            findings.error(s, 1, text, "section")
+            continue
+        names = [what for what, _ in shape.dims]
+        least = LEAST.get(word, len(names))
+        if not least <= len(dims) <= len(names):
+            counts = alternatives(set(range(least, len(names) + 1)))
+            text = f"{len(dims)} numbers for a {shape.title}; expected {counts}: {', '.join(names)}"
+            findings.error(s, len(s.values) - 1, text, "section")
+            continue
+        dims += (0.0,) * (len(names) - len(dims))
+        bad = [k for k, v in enumerate(dims) if v < 0.0 or (v == 0.0 and names[k] not in ZERO_ALLOWED)]
+        wrong = "" if bad else shape.wrong(*dims)
+        if bad:
+            text = f"{names[bad[0]]} of a {shape.title} is {dims[bad[0]]:g}; it must be positive"
+            findings.error(s, 2 + bad[0], text, "section")
+        elif wrong:
+            findings.error(s, 2, wrong, "section")
+        else:
+            found[name.casefold()] = _GivenSection(word, dims)
+    return found
+
+
+def _materials(statements: Sequence[Statement], findings: Findings) -> dict[str, Material]:
+    """Materials by name in small letters, the known ones too."""
+    _once(statements, findings)
+    found = dict(MATERIALS)
+    for s in statements:
+        E, G, rho = s.reals(1, 3)
+        if E <= 0.0:
+            findings.error(s, 1, f"Young's modulus {E:g} must be positive", "material")
+        elif G <= -1.0:
+            findings.error(s, 2, f"Poisson's ratio {G:g} must be above -1 and at most 0.5", "material")
+        elif rho < 0.0:
+            findings.error(s, 3, f"density {rho:g} must not be negative", "material")
+        else:
+            found[str(s.values[0]).casefold()] = isotropic(E, G, rho) if G <= 0.5 else Material(E, G, rho)
+    return found
+
+
+def _once(statements: Sequence[Statement], findings: Findings) -> None:
+    """The same name, element or unit again is an error."""
+    given: dict[str, Statement] = {}
+    for s in statements:
+        key = "" if s.keyword == "UNITS" else str(s.values[0]).casefold()
+        first = given.setdefault(key, s)
+        if first is not s:
+            findings.error(s, 0, f"already given at line {first.line}; give it once", "repeated")
+
+
+def _use(
+    s: Statement,
+    plain: Sequence[Statement],
+    sections: Mapping[str, _GivenSection],
+    materials: Mapping[str, Material],
+    outline: Outline,
+    findings: Findings,
+) -> tuple[_GivenSection, Material, SectionConstants] | None:
+    """Section, material and constants of a BEAMSEC; None after an error."""
+    number = s.integer(0)
+    kind = outline.types.get(number)
+    if kind is None:
+        return None
+    if kind.keyword not in PAIRS or kind.coefficients not in ROWS:
+        able = ", ".join(k for k in PAIRS if ELEMENT_TYPES[k].coefficients in ROWS)
+        findings.error(s, 0, f"element {number} is a {kind.keyword} ({kind.title}); BEAMSEC is for {able}", "section")
+        return None
+    for other in plain:
+        if other.block == 2 and other.keyword in ("ESTIFF", "EM") and other.values[0] == number:
+            text = f"{other.keyword} {number} at line {other.line} is given too; BEAMSEC stands for it: give one"
+            findings.error(s, 0, text, "section")
+    if len(s.values) > 3 and s.integer(3) < 1:
+        findings.error(s, 3, f"number of beams {s.values[3]} must be at least 1", "range")
+    found: list[object] = []
+    for place, table, noun in ((1, sections, "SECTION"), (2, materials, "MATERIAL")):
+        name = str(s.values[place])
+        thing = table.get(name.casefold())
+        if thing is None:
+            near = _nearest(name.casefold(), table, 0.6)
+            known = f"; nearest: {near}" if near else f"; known: {', '.join(table) or 'none'}"
+            findings.error(s, place, f"there is no {noun} '{name}'{known}", "section")
+            return None
+        found.append(thing)
+    section, material = found
+    assert isinstance(section, _GivenSection)
+    assert isinstance(material, Material)
+    return section, material, SHAPES[section.shape].constants(*section.dims, material.nu)
+
+
+def _outline_of(statements: Sequence[Statement], before: Outline) -> Outline:
+    """The outline of the divided model."""
+    outline = replace(before, elements={}, types={}, roles={}, users={}, space="")
+    for s in sorted((s for s in statements if s.keyword in ELEMENT_TYPES), key=lambda s: s.line):
+        outline.add(s)
+    return outline
+
+
+def _drawn(use: BeamSection) -> list[str]:
+    """Lines of the visualization section for the parts of a beam."""
+    drawn = SHAPES[use.shape].drawn
+    if drawn is None:
+        return []
+    word, dims = drawn(*use.dims)
+    numbers = " ".join(map(str, use.parts))
+    return [f"BEAMPROPS {numbers}", f"CROSSTYPE {word}", f"CROSSDIM {' '.join(repr(d) for d in dims)}"]

@@ -1,0 +1,134 @@
+"""The evaluator on NumPy arrays: the equations of motion with start, frames and checks.
+
+It fulfils the contract of `spacar.dynamics.evaluator`, and it is what `settled` of every evaluator gives: linearized
+equations, transfer functions and diagnoses need the element sweeps and factors at a state.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spacar.arrays import Array
+from spacar.dynamics.loaded_mechanism import LoadedMechanism, Placement
+from spacar.dynamics.mass_check import dynamic_mass, is_checked, require_regular_mass
+from spacar.dynamics.motion_equations import EquationsOfMotion
+from spacar.frame import Frame
+from spacar.kinematics.constraint_condition import condition_number
+from spacar.kinematics.predictor import State
+from spacar.kinematics.regularity import PositionMatrix
+from spacar.mechanism.mechanism import Drive, Loads, Mechanism
+from spacar.mechanism.numbering import Numbering
+
+
+class Dynamics(EquationsOfMotion):
+    """Evaluator of one mechanism; `loads` and `drive` replace those of the mechanism, `kind` forces the storage."""
+
+    stages = None  # of a step are asked one by one
+    by_case = None
+
+    def __init__(
+        self, mechanism: Mechanism, *, loads: Loads | None = None, drive: Drive | None = None, kind: str | None = None
+    ) -> None:
+        super().__init__(LoadedMechanism.of(mechanism, loads, drive), kind)
+
+    def reload(self, loads: Loads, drive: Drive) -> None:
+        """Put other loads and another prescribed motion on the same mechanism."""
+        self.use(LoadedMechanism.of(self.mechanism, loads, drive))
+
+    # -- start --------------------------------------------------------------------------------------------------
+    def start_values(self) -> Array:
+        """The state of STARTDX, STARTDE and, for kinematic coordinates, of the reference configuration."""
+        s = self.mechanism.start
+        e_kinematic = s.e_kinematic.copy()
+        unset = np.isnan(e_kinematic)
+        if unset.any():
+            self.sweep.strain(self.mechanism.x0)
+            e_kinematic[unset] = self.sweep.e[self.es["kinematic"]][unset]
+        return np.concatenate((s.x_value, s.e_value, s.x_kinematic, e_kinematic, s.x_rate, s.e_rate))
+
+    def start(self) -> Array:
+        """Start state; brings the mechanism there from the reference configuration, in steps if it is far."""
+        y = self.start_values()
+        self.kinematics.begin()
+        self.place(0.0, y)
+        self.check_mass()
+        return y
+
+    def check_mass(self) -> None:
+        """Raises AnalysisError when a dynamic degree of freedom carries no mass in the placed configuration."""
+        if is_checked(self.numbering):
+            self.sweep.mass()
+            require_regular_mass(self.numbering, dynamic_mass(self.kinematics, self.coupling))
+
+    # -- frames -------------------------------------------------------------------------------------------------
+    def frame(self, t: float, y: Array) -> Frame:
+        """Everything that is stored of a state."""
+        xdd, sigma, convective = self.accelerate(t, self.place(t, y))
+        return self.complete(t, xdd, sigma, convective, self.convected)
+
+    def complete(self, t: float, xdd: Array, sigma: Array, convective: Array, convected: Array) -> Frame:
+        """Frame at the placed state; `convective` is H(xd,xd), `convected` is h minus gravity of moving families."""
+        sweep, x = self.sweep, self.kinematics.x
+        ed = sweep.rate(self.xd)
+        edd = sweep.rate(xdd) + convective
+        gravity = self.forces.gravity(sweep)
+        applied = self.loads.force + self.forces.moments(x)
+        if self.forces.user is not None:
+            applied += self.forces.user(t, sweep.e, ed, x, self.xd).force
+        total = sweep.mass_times(xdd) + convected + (gravity - self.forces.constant_gravity)
+        stress = sigma + self.coupling.stress(edd) if self.coupling.present else sigma
+        total += sweep.rate_transposed(stress)
+        return Frame(
+            t=t, x=x.copy(), xd=self.xd.copy(), xdd=xdd, e=sweep.e.copy(), ed=ed, edd=edd, sig=sigma,
+            fx=applied, fxgrav=gravity, fxtot=total,
+        )  # fmt: skip
+
+    # -- where it stands, and checks there ----------------------------------------------------------------------
+    def placement(self) -> Placement:
+        """Configuration and velocity of the last evaluated state."""
+        k = self.kinematics
+        return Placement(k.x, self.xd, self.sweep.near, k.e_given)
+
+    def stand(self, at: Placement) -> None:
+        """Go on from where another evaluator of the same mechanism stands, without its memory of earlier states."""
+        self.kinematics.start_at(at.x, at.e)
+        self.kinematics.e_given = at.e_given.copy()
+        self.xd = at.xd.copy()
+        self.last = None
+
+    def settled(self) -> Dynamics:
+        return self
+
+    def companion(self) -> Dynamics:
+        """An evaluator of the same mechanism, which follows its own path from the present configuration."""
+        other = Dynamics(self.mechanism, kind=self.kind)
+        other.use(self.model)
+        other.kinematics.start_from(self.kinematics)
+        return other
+
+    def memory(self) -> tuple[Placement, State | None]:
+        at = self.placement()
+        return Placement(at.x.copy(), at.xd.copy(), at.e.copy(), at.e_given.copy()), self.last
+
+    def remember(self, memory: tuple[Placement, State | None]) -> None:
+        self.stand(memory[0])
+        self.last, self.before = memory[1], None
+
+    def condition(self) -> float:
+        return condition_number(self.kinematics)
+
+    def position_matrix(self) -> PositionMatrix:
+        return PositionMatrix(self.kinematics)
+
+    def in_range(self) -> bool:
+        return False  # the elements are asked
+
+    def component_name(self, i: int) -> str:
+        return component_name(self.numbering, i)
+
+
+def component_name(numbering: Numbering, i: int) -> str:
+    """Name of a component of the state, for messages."""
+    names = [numbering.q_names[k] for k in numbering.dynamic]
+    names += numbering.k_names + [f"rate of {name}" for name in names]
+    return names[i]

@@ -1,0 +1,373 @@
+"""Deformations of the spatial beam in the angle measure (theory-beam-order4.md section 2).
+
+With the end orientations L_p = lam_p o r_p, L_q = lam_q o r_q (r_k: Euler parameters of the start frame at end k), the
+chord d = x_q - x_p, l = |d|, and the orientation half way L_s = L_p + L_q, the inner quantities are
+
+    y = (mu0, mu_1..3, w_1..3, l),   mu0 = L_p.L_q,  mu = p0 q - q0 p - p x q,   w = R(L_s)^T d,
+
+and all deformations are functions of
+
+    psi = G(mu0) mu,   t_y = 2 atan2(w_z, w_x),   t_z = -2 atan2(w_y, w_x),   l                            (2a)
+    A_y = t_y - psi_x psi_z/12,   A_z = t_z + psi_x psi_y/12,   a_y = A_y/(1 + Phi_z),   a_z = A_z/(1 + Phi_y)
+    M_x = psi_x + (a_y psi_z - a_z psi_y)/2,   B_y = psi_y + a_z psi_x/2,   B_z = psi_z - a_y psi_x/2
+    P = (alpha psi_z b_y - beta psi_y b_z)/2,   D = 3 + (alpha psi_z^2 + beta psi_y^2)/4                   (2b)
+    k = P/(D + sqrt(3 D)),   M_y = B_y - k psi_z/2,   M_z = B_z + k psi_y/2
+    e1 = l - l0 + l0 [(psi_y^2 + psi_z^2)/24 + (a_y^2 + a_z^2)/40] + f1 M_x^2/(2 l0)
+    e2 = l0 M_x,   e3, e4 = l0 (M_y -+ A_y)/2,   e5, e6 = l0 (M_z -+ A_z)/2
+
+alpha, beta = EIy/GIt, EIz/GIt; b = B less its start value. Of the twist gradient A_x = P/D, eliminated, M contains the
+part that leaves W = (EIy M_y^2 + EIz M_z^2)/(2 l0) the energy with A_x (section 2.2). LDEFORM: M = psi, A = t,
+e1 = l - l0.
+
+Everything is written once, for arrays and for power series (`taylor`): the latter give the second and third
+derivatives. Order of the local coordinates: L_p (4), L_q (4), d (3).
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from spacar.arrays import Array
+from spacar.elements.rotation import _DIRECTOR
+from spacar.elements.taylor import Taylor, angle, composed, contracted, root, stacked
+
+SERIES = 0.2  # of 1 - c: below it the power series of G, above it the closed form (relative error of both below 1e-13)
+_PSI, _TY, _TZ = slice(0, 3), 3, 4
+
+
+def _series_coefficients() -> Array:
+    """(4, terms): G and its derivatives by c as power series in 1 - c, G = 2 sum k!/(2k+1)!! (1-c)^k."""
+    terms = 18
+    g = np.ones(terms + 3) * 2.0
+    for k in range(1, terms + 3):
+        g[k] = g[k - 1] * k / (2 * k + 1)
+    rows = [g]
+    for _ in range(3):
+        last = rows[-1]
+        rows.append(np.append(-last[1:] * np.arange(1, len(last)), 0.0))
+    return np.array([row[:terms] for row in rows])
+
+
+_G = _series_coefficients()
+
+
+def _relative_forms() -> Array:
+    """Z (4, 4, 4): mu_a = L_p Z[a] L_q."""
+    Z = np.zeros((4, 4, 4))
+    Z[0] = np.eye(4)
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        Z[1 + i, 0, 1 + i], Z[1 + i, 1 + i, 0] = 1.0, -1.0
+        Z[1 + i, 1 + j, 1 + k], Z[1 + i, 1 + k, 1 + j] = -1.0, 1.0
+    return Z
+
+
+_Z = _relative_forms()
+
+
+class AngleConstants(NamedTuple):
+    """Constants of the beams of a group, element axis last.
+
+    C       (2, 4, 4, n): L = C lam at p and q
+    l0      (n,) undeformed length [m]
+    second  (n,) 1, or 0 for LDEFORM
+    f       (n,) torsion-elongation coupling f1 [m^2]
+    shear   (2, n) 1/(1 + Phi_z), 1/(1 + Phi_y)
+    ratio   (2, n) alpha, beta: EIy/GIt, EIz/GIt, or 0 without twist gradient
+    start   (2, n) B_y, B_z at the start
+    """
+
+    C: Array
+    l0: Array
+    second: Array
+    f: Array
+    shear: Array
+    ratio: Array
+    start: Array
+
+
+class AngleState(NamedTuple):
+    """What later calls at the same x reuse."""
+
+    p: AngleConstants
+    L: Array  # (2, 4, n)
+    d: Array  # (3, n)
+    inner: Inner
+    G: Array  # (4, n): G and its derivatives by mu0
+    E: Array  # (8, 6, n): derivatives of e by y
+
+
+def rotation_factor(c: Array) -> Array:
+    """G(c) = 2 acos(c)/sqrt(1 - c^2) and its first three derivatives, (4, n); nan for c <= -1 (a full turn)."""
+    if np.iscomplexobj(c):  # the first order that a complex step needs; the last derivative is not followed
+        G = rotation_factor(c.real)
+        follow = np.concatenate((G[1:], np.zeros_like(G[:1])))
+        return G + 1j * c.imag * follow
+    x = 1.0 - c
+    out = np.zeros((4, *c.shape)) + _G[:, -1].reshape(4, *(1,) * c.ndim)
+    for k in range(_G.shape[1] - 2, -1, -1):
+        out *= x
+        out += _G[:, k].reshape(4, *(1,) * c.ndim)
+    far = np.abs(x) > SERIES
+    if far.any():
+        out[:, far] = _closed_factor(c[far])
+    return out
+
+
+def _closed_factor(c: Array) -> Array:
+    """The same from the closed form, continued beyond c = 1 by 2 acosh(c)/sqrt(c^2 - 1)."""
+    q = np.where(c > -1.0, 1.0 - c * c, np.nan)
+    with np.errstate(invalid="ignore"):
+        value = np.where(c < 1.0, np.arccos(np.clip(c, -1.0, 1.0)), np.arccosh(np.maximum(c, 1.0)))
+        G = 2.0 * value / np.sqrt(np.abs(q))
+    G1 = (c * G - 2.0) / q
+    G2 = (3.0 * c * G1 + G) / q
+    return np.stack((G, G1, G2, (5.0 * c * G2 + 4.0 * G1) / q))
+
+
+class Inner(NamedTuple):
+    """The inner quantities and what their gradients are made of (arrays or series)."""
+
+    y: Any  # (8, n)
+    mu_p: Any  # (4, 4, n) dmu/dL_p
+    mu_q: Any  # (4, 4, n)
+    w_s: Any  # (3, 4, n) dw/dL_s
+    w_d: Any  # (3, 3, n)
+    n: Any  # (3, n) d/l
+
+
+def inner(L: Any, d: Any) -> Inner:
+    """Of L (2, 4, n) and d (3, n)."""
+    p, q = L[0], L[1]
+    mu_p, mu_q = contracted("aij,j...->ai...", _Z, q), contracted("aij,i...->aj...", _Z, p)
+    mu = contracted("ai...,i...->a...", mu_p, p)
+    s = p + q
+    Ks = contracted("mjki,k...->mji...", _DIRECTOR, s)
+    w_s = contracted("mji...,m...->ij...", Ks, d)
+    w_d = contracted("mji...,j...->im...", Ks, 0.5 * s)
+    w = contracted("im...,m...->i...", w_d, d)
+    l = root(contracted("i...,i...->...", d, d))
+    return Inner(stacked([*(mu[a] for a in range(4)), *(w[a] for a in range(3)), l]), mu_p, mu_q, w_s, w_d, d / l)
+
+
+def inner_rows(c: Inner) -> Any:
+    """dy by the local coordinates, (8, 11, n)."""
+    if not isinstance(c.y, Taylor):
+        out = np.zeros((8, 11, *c.y.shape[1:]), c.w_s.dtype)
+        out[0:4, 0:4], out[0:4, 4:8] = c.mu_p, c.mu_q
+        out[4:7, 0:4] = out[4:7, 4:8] = c.w_s
+        out[4:7, 8:] = c.w_d
+        out[7, 8:] = c.n
+        return out
+    parts = zip(*(part.c for part in c), strict=True)
+    return Taylor([inner_rows(Inner(*part)) for part in parts])
+
+
+class Outer(NamedTuple):
+    """Functions of y (arrays or series), by the names of the formulas above."""
+
+    psi: Any  # (3, n)
+    Ay: Any
+    Az: Any
+    ay: Any
+    az: Any
+    Mx: Any
+    By: Any
+    Bz: Any
+    P: Any
+    D: Any
+
+
+def outer(p: AngleConstants, y: Any, G: Any) -> Outer:
+    """Of y (8, n) and G (n,)."""
+    psi = y[1:4] * G
+    x, yy, z = psi[0], psi[1], psi[2]
+    Ay = 2.0 * angle(y[6], y[4]) - x * z * (p.second / 12.0)
+    Az = -2.0 * angle(y[5], y[4]) + x * yy * (p.second / 12.0)
+    ay, az = Ay * p.shear[0], Az * p.shear[1]
+    half = 0.5 * p.second
+    Mx = x + (ay * z - az * yy) * half
+    By, Bz = yy + az * x * half, z - ay * x * half
+    P = z * (By - p.start[0]) * (0.5 * p.ratio[0]) - yy * (Bz - p.start[1]) * (0.5 * p.ratio[1])
+    D = 3.0 + z * z * (0.25 * p.ratio[0]) + yy * yy * (0.25 * p.ratio[1])
+    return Outer(psi, Ay, Az, ay, az, Mx, By, Bz, P, D)
+
+
+def deformations(p: AngleConstants, y: Any, G: Any) -> Any:
+    """e (6, n)."""
+    o = outer(p, y, G)
+    k = o.P / (o.D + root(3.0 * o.D))
+    My, Mz = o.By - 0.5 * (k * o.psi[2]), o.Bz + 0.5 * (k * o.psi[1])
+    bent = (o.psi[1] * o.psi[1] + o.psi[2] * o.psi[2]) / 24.0 + (o.ay * o.ay + o.az * o.az) / 40.0
+    half = 0.5 * p.l0
+    e1 = y[7] - p.l0 + bent * (p.l0 * p.second) + o.Mx * o.Mx * (p.f * p.second / (2.0 * p.l0))
+    return stacked([e1, o.Mx * p.l0, (My - o.Ay) * half, (My + o.Ay) * half, (Mz - o.Az) * half, (Mz + o.Az) * half])
+
+
+def gradient(p: AngleConstants, y: Any, G: Any, G1: Any) -> Any:
+    """de/dy transposed, (8, 6, n), of y (8, n), G and its derivative (n,)."""
+    o = outer(p, y, G)
+    x, yy, z = o.psi[0], o.psi[1], o.psi[2]
+    value = (y.c[0] if isinstance(y, Taylor) else y)[7]
+    dx, dy, dz, dty, dtz = np.eye(5).reshape(5, 5, *(1,) * value.ndim)
+    twelfth, half = p.second / 12.0, 0.5 * p.second
+    dAy, dAz = dty - (dx * z + dz * x) * twelfth, dtz + (dx * yy + dy * x) * twelfth
+    day, daz = dAy * p.shear[0], dAz * p.shear[1]
+    dMx = dx + (day * z + dz * o.ay - daz * yy - dy * o.az) * half
+    dBy, dBz = dy + (daz * x + dx * o.az) * half, dz - (day * x + dx * o.ay) * half
+    a, b = 0.5 * p.ratio
+    dP = (dBy * z + dz * (o.By - p.start[0])) * a - (dBz * yy + dy * (o.Bz - p.start[1])) * b
+    dD = dz * (z * a) + dy * (yy * b)
+    r = root(3.0 / o.D)
+    h = 1.0 / (o.D * (1.0 + r))
+    k = o.P * h
+    dk = dP * h - dD * (k * h * (1.0 + 0.5 * r))
+    dMy, dMz = dBy - (dk * z + dz * k) * 0.5, dBz + (dk * yy + dy * k) * 0.5
+    by_l0 = p.l0 * p.second
+    de1 = (dy * yy + dz * z) * (by_l0 / 12.0) + (day * o.ay + daz * o.az) * (by_l0 / 20.0)
+    de1 = de1 + dMx * (o.Mx * (p.f * p.second / p.l0))
+    l = 0.5 * p.l0
+    E = stacked([de1, dMx * p.l0, (dMy - dAy) * l, (dMy + dAy) * l, (dMz - dAz) * l, (dMz + dAz) * l])
+    mu, w = y[1:4], y[4:7]
+    by_y, by_z = 2.0 / (w[0] * w[0] + w[2] * w[2]), 2.0 / (w[0] * w[0] + w[1] * w[1])
+    turned_y, turned_z = E[:, 3] * by_y, E[:, 4] * by_z
+    stretch = np.zeros((6, *value.shape))
+    stretch[0] = 1.0
+    return stacked(
+        [
+            contracted("ei...,i...->e...", E[:, 0:3], mu * G1),
+            *(E[:, i] * G for i in range(3)),
+            turned_z * w[1] - turned_y * w[2],
+            -turned_z * w[0],
+            turned_y * w[0],
+            0.0 * turned_y + stretch,
+        ]
+    )
+
+
+def state(p: AngleConstants, x: Array) -> AngleState:
+    """At x (14, n)."""
+    x7 = x.reshape(2, 7, *x.shape[1:])
+    L = np.einsum("sij...,sj...->si...", p.C, x7[:, 3:])
+    d = x7[1, :3] - x7[0, :3]
+    c = inner(L, d)
+    G = rotation_factor(c.y[0])
+    return AngleState(p, L, d, c, G, gradient(p, c.y, G[0], G[1]))
+
+
+def _line(c: AngleState, v: Array, terms: int) -> tuple[Inner, Any, Any]:
+    """Inner quantities, G and its derivative as series of `terms` coefficients along v (14, n)."""
+    v7 = v.reshape(2, 7, *v.shape[1:])
+    L1 = np.einsum("sij...,sj...->si...", c.p.C, v7[:, 3:])
+    d1 = v7[1, :3] - v7[0, :3]
+    zero = [np.zeros_like(L1)] * (terms - 2), [np.zeros_like(d1)] * (terms - 2)
+    along = inner(Taylor([c.L, L1, *zero[0]]), Taylor([c.d, d1, *zero[1]]))
+    mu0 = along.y[0]
+    return along, composed(mu0, *c.G[:3]), composed(mu0, *c.G[1:])
+
+
+def rows(c: AngleState, local: Array, out: Array) -> None:
+    """Write rows by the local coordinates, (6, 11, n), as rows by x to out (6, 14, n)."""
+    out[:, 3:7] = np.einsum("ei...,ij...->ej...", local[:, 0:4], c.p.C[0])
+    out[:, 10:14] = np.einsum("ei...,ij...->ej...", local[:, 4:8], c.p.C[1])
+    out[:, 7:10] = local[:, 8:]
+    np.negative(local[:, 8:], out=out[:, 0:3])
+
+
+def first(c: AngleState, out: Array) -> None:
+    """V (6, 14, n)."""
+    rows(c, np.einsum("ye...,yj...->ej...", c.E, inner_rows(c.inner)), out)
+
+
+def second_rate(c: AngleState, v: Array) -> Array:
+    """H(v, v) (6, n)."""
+    along, G, _ = _line(c, v, 3)
+    return np.asarray(2.0 * deformations(c.p, along.y, G).c[2])
+
+
+def derivative_of_rows(c: AngleState, v: Array, order: int, out: Array) -> None:
+    """d^order V/ds^order along v, order 1 (H1) or 2 (T), (6, 14, n)."""
+    along, G, G1 = _line(c, v, order + 1)
+    local = contracted("ye...,yj...->ej...", gradient(c.p, along.y, G, G1), inner_rows(along))
+    rows(c, order * local.c[order], out)
+
+
+def rotation_rows(c: AngleState) -> Array:
+    """dpsi/dx, (3, 14, n)."""
+    Dy = inner_rows(c.inner)
+    local = Dy[1:4] * c.G[0] + (c.inner.y[1:4] * c.G[1])[:, None] * Dy[0]
+    out = np.zeros((3, 14, *local.shape[2:]), local.dtype)
+    rows(c, local, out)
+    return out
+
+
+def hessian(c: AngleState, sigma: Array, out: Array) -> None:
+    """sum_k sigma_k d2(e_k) (14, 14, n)."""
+    y = c.inner.y
+    tail = y.shape[1:]
+    directions = np.eye(8).reshape(8, 8, *(1,) * len(tail))
+    line = Taylor([y[:, None], directions])
+    mu0 = line[0]
+    G = c.G[:, None]
+    E = gradient(c.p, line, composed(mu0, *G[:2]), composed(mu0, *G[1:3])).c[1]  # (8, 6, directions, n)
+    curvature = np.einsum("yeb...,e...->yb...", E, sigma)
+    Dy = inner_rows(c.inner)
+    H = np.einsum("yi...,yj...->ij...", Dy, np.einsum("yb...,bj...->yj...", curvature, Dy))
+    force = np.einsum("ye...,e...->y...", c.E, sigma)
+    # second derivatives of the inner quantities
+    relative = np.einsum("a...,aij->ij...", force[0:4], _Z)
+    H[0:4, 4:8] += relative
+    H[4:8, 0:4] += relative.swapaxes(0, 1)
+    K = np.einsum("mjki,i...->mjk...", _DIRECTOR, force[4:7])
+    of_s = np.einsum("mjk...,m...->jk...", K, c.d)
+    mixed = np.einsum("mjk...,k...->jm...", K, c.L[0] + c.L[1])
+    for a in (slice(0, 4), slice(4, 8)):
+        H[a, 0:4] += of_s
+        H[a, 4:8] += of_s
+        H[a, 8:] += mixed
+        H[8:, a] += mixed.swapaxes(0, 1)
+    n = c.inner.n
+    H[8:, 8:] += force[7] / y[7] * (np.eye(3).reshape(3, 3, *(1,) * len(tail)) - n[:, None] * n)
+    _write_hessian(c, H, out)
+
+
+def _write_hessian(c: AngleState, H: Array, out: Array) -> None:
+    """H (11, 11, n) by the local coordinates as one by x."""
+    kept = ((slice(0, 4), slice(3, 7), 0), (slice(4, 8), slice(10, 14), 1))
+    for here, there, s in kept:
+        half = np.einsum("ij...,ik...->jk...", c.p.C[s], H[here])
+        out[there, 7:10] = half[:, 8:]
+        out[7:10, there] = half[:, 8:].swapaxes(0, 1)
+        for other, place, t in kept:
+            out[there, place] = np.einsum("ij...,jk...->ik...", half[:, other], c.p.C[t])
+    out[7:10, 7:10] = H[8:, 8:]
+    out[0:3, 3:] = -out[7:10, 3:]
+    out[3:, 0:3] = -out[3:, 7:10]
+    out[0:3, 0:3] = H[8:, 8:]
+
+
+def orientations(frame_p: Array, frame_q: Array) -> Array:
+    """C (2, 4, 4, n): lam o r of the start frames (3, 3, n); r_q has the sign for which mu0 > 0 at the start."""
+    from scipy.spatial.transform import Rotation
+
+    n = frame_p.shape[-1]
+    start = [np.roll(Rotation.from_matrix(f.transpose(2, 0, 1)).as_quat(), 1, axis=1).T for f in (frame_p, frame_q)]
+    start[1] = start[1] * np.where((start[0] * start[1]).sum(0) < 0.0, -1.0, 1.0)
+    C = np.zeros((2, 4, 4, n))
+    for s, (r, *v) in enumerate(start):
+        C[s, range(4), range(4)] = r
+        for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+            C[s, 0, 1 + i], C[s, 1 + i, 0] = -v[i], v[i]
+            C[s, 1 + i, 1 + j], C[s, 1 + i, 1 + k] = v[k], -v[j]
+    return C
+
+
+def chord_of_arc(C: Array, x0: Array) -> Array:
+    """Length of the chord as a fraction of that of the arc, from the start frames (section 2.5), (n,)."""
+    n = x0.shape[1]
+    one = np.ones(n)
+    p = AngleConstants(C, one, one, 0.0 * one, np.ones((2, n)), np.zeros((2, n)), np.zeros((2, n)))
+    c = state(p, x0)
+    o = outer(p, c.inner.y, c.G[0])
+    return np.asarray(1.0 - (o.psi[1] ** 2 + o.psi[2] ** 2) / 24.0 - (o.Ay**2 + o.Az**2) / 40.0)

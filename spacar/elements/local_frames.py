@@ -1,0 +1,129 @@
+"""Local frames of spatial elements in the start configuration (theory-spatial.md section 2).
+
+A frame is an array (3, 3) whose columns are x', y', z'; frames of a group are (3, 3, n), element axis last. The
+functions take one element, without that axis, or a group; `index` is the place of the (first) element in its group.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from spacar.arrays import Array
+from spacar.elements.family import GeometryError
+
+# The first is a chosen bound (the reference refuses the same angle): digits of a file, not rounding.
+PARALLEL = 1e-5  # smallest sine of the angle between a direction vector and the axis it shall supplement
+# Chosen: a real element is longer, nodes meant to be one are nearer.
+SHORT = 1e-10  # smallest element length as a fraction of the extent of all elements of the group
+# Components of unit vectors are known to a few eps; eps d/l for elements of the length l at the distance d.
+EQUAL = 1e-12  # components within this count as equal in `pick`
+
+
+def pick(ex: Array) -> Array:
+    """Standard basis vectors at the largest angle with ex (3, n); of equals those with the highest index."""
+    size = np.abs(ex)
+    nearly = size <= size.min(0) + EQUAL
+    highest = 2 - np.argmax(nearly[::-1], axis=0)
+    return np.equal.outer(np.arange(3), highest).astype(float)
+
+
+def unit(v: Sequence[float] | Array, index: int, what: str) -> Array:
+    """v / |v| (3, n). Raises GeometryError for a zero or non-finite vector; `what` names it in the message."""
+    a = np.asarray(v, float)
+    size = np.abs(a).max(0)
+    good = (size > 0.0) & (size < np.inf)
+    if not good.all():
+        k = index + int(np.flatnonzero(~good)[0])
+        raise GeometryError(k, f"the {what} is the zero vector; give a vector with a direction")
+    a = a / size
+    return np.asarray(a / np.sqrt((a * a).sum(0)))
+
+
+def supplemented(ex: Array, g: Array, index: int, what: str) -> Array:
+    """Frames (3, 3, n) with the given unit x' and y' in the plane of x' and g, both (3, n).
+
+    Raises GeometryError where g is parallel to x' within `PARALLEL`; `what` names g.
+    """
+    g = unit(g, index, what)
+    ey = g - (g * ex).sum(0) * ex
+    sine = np.sqrt((ey * ey).sum(0))
+    parallel = np.flatnonzero(sine < PARALLEL)
+    if len(parallel):
+        angle = np.degrees(sine.flat[parallel[0]])
+        raise GeometryError(
+            index + int(parallel[0]),
+            f"the {what} is parallel to the local x' axis (angle {angle:.3g} degrees); choose another direction",
+        )
+    return completed(ex, ey / sine)
+
+
+def completed(ex: Array, ey: Array) -> Array:
+    """Frames (3, 3, n) of x' and y' (3, n)."""
+    return np.stack((ex, ey, cross(ex, ey)), axis=1)
+
+
+def cross(a: Array, b: Array) -> Array:
+    """a x b of vectors (3, n): np.cross takes ten times as long, and models are built often."""
+    (a0, a1, a2), (b0, b1, b2) = a, b
+    return np.array([a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0])
+
+
+def chord_frame(ex: Array, direction: Sequence[float] | Array | None, index: int) -> Array:
+    """Frames (3, 3, n) of BEAMs: x' given, y' from directions (3, n) or, where there are none, from `pick`."""
+    g = pick(ex) if direction is None else np.asarray(direction, float)
+    return supplemented(ex, g, index, "direction of the local y' axis")
+
+
+def chord_frames(ex: Array, directions: Sequence[Sequence[float] | None]) -> Array:
+    """`chord_frame` for x' (3, n) of elements some of which have a direction."""
+    g = np.array([d or (0.0, 0.0, 0.0) for d in directions]).T
+    missing = [k for k, d in enumerate(directions) if not d]
+    if missing:
+        g[:, missing] = pick(ex[:, missing])
+    return chord_frame(ex, g, 0)
+
+
+def axis_frame(axis: Sequence[float] | Array, index: int, what: str) -> Array:
+    """Frames (3, 3, n) of HINGEs or SCREWs: x' along the axes (3, n), y' along x' x pick(x')."""
+    ex = unit(axis, index, what)
+    return completed(ex, unit(cross(ex, pick(ex)), index, what))
+
+
+def chords(d: Array, x: Array) -> tuple[Array, Array]:
+    """Lengths (n,) and unit vectors (3, n) of d (3, n) [m]; x (6, n) are the positions of p and q.
+
+    Raises GeometryError for an element shorter than `SHORT` times the extent of the group.
+    """
+    l = np.sqrt((d * d).sum(0))
+    points = x.reshape(2, 3, -1)
+    extent = float(np.ptp(points, axis=(0, 2)).max(initial=0.0)) if points.size else 0.0
+    bad = np.flatnonzero(~(l > SHORT * extent))
+    if bad.size:
+        k = int(bad[0])
+        raise GeometryError(
+            k, f"the length {l[k]:.3g} m between its nodes p and q is zero; check their coordinates"
+        )
+    return l, d / l
+
+
+def rows(frames: Array) -> Array:
+    """Frames (3, 3, n) as rows x', y', z' one after the other, (n, 9): the layout of the result files."""
+    return np.ascontiguousarray(frames.transpose(2, 1, 0).reshape(-1, 9))
+
+
+def stack(frames: Sequence[Array]) -> Array:
+    """Frames (3, 3) of single elements as one array (3, 3, n)."""
+    return np.stack(frames, axis=-1) if frames else np.zeros((3, 3, 0))
+
+
+def section_tensor(frame: Array, j: Array, length: Array) -> Array:
+    """Rotary inertia (n, 3, 3) [kg m^2] of bars: R0 J' R0^T times a length (n,).
+
+    frame (3, 3, n); j (n, 4) are Jx'x', Jy'y', Jz'z', Jy'z' per length [kg m]; Jx'y' = Jx'z' = 0.
+    """
+    J = np.zeros((len(j), 3, 3))
+    J[:, [0, 1, 2], [0, 1, 2]] = j[:, :3]
+    J[:, [1, 2], [2, 1]] = j[:, 3:4]
+    return np.einsum("ian,nab,jbn,n->nij", frame, J, frame, length)

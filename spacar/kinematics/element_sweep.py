@@ -1,0 +1,125 @@
+"""One pass over all element families: gather, evaluate, scatter, with preallocated arrays.
+
+The entries of V (ne x nx) and of the variable and constant parts of M (nx x nx) live in one flat array `entries`;
+every family writes through a view into it. All matrices of the system (D_cc, the saddle-point matrix, ...) are
+assembled from this array with index maps that are made once. Nothing here allocates per element.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spacar.arrays import Array
+from spacar.elements.family import Configuration, Family
+from spacar.mechanism.layout import Layout, Place
+from spacar.mechanism.mechanism import Mechanism
+
+
+class ElementSweep:
+    """Evaluation of all batches at the current configuration."""
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        numbering = mechanism.numbering
+        self.nx, self.ne = numbering.nx, numbering.ne
+        self.batches = mechanism.batches
+        self.layout = layout = mechanism.layout
+        self.strained, self.massive = layout.strained, layout.massive
+        self.moving, self.curved = layout.moving, layout.curved
+        self._allocate(layout)
+        self.configuration: dict[int, Configuration] = {}
+        self.e = np.zeros(self.ne)
+        self.near = np.zeros(self.ne)
+        self.count = 0  # evaluations of D, for the log and the benchmarks
+
+    def _allocate(self, layout: Layout) -> None:
+        self.v_rows, self.v_columns = layout.v_rows, layout.v_columns
+        self.m_rows, self.m_columns = layout.m_rows, layout.m_columns
+        self.x_index, self.e_index, self.f_index = layout.x_index, layout.e_index, layout.f_index
+        nv, nm = len(self.v_rows), len(self.m_rows)
+        self.entries = np.zeros(nv + nm)
+        self.v_entries, self.m_entries = self.entries[:nv], self.entries[nv:]
+        self.V, self.M = _views(self.v_entries, layout.V), _views(self.m_entries, layout.M)
+        self._x, self._v, self._a = np.zeros((3, len(self.x_index)))
+        self._e, self._near, self._h = np.zeros((3, len(self.e_index)))
+        self._f = np.zeros(len(self.f_index))
+
+        self.x_of, self.v_of, self.a_of = (_views(u, layout.x) for u in (self._x, self._v, self._a))
+        self.e_of, self.near_of, self.h_of = (_views(u, layout.e) for u in (self._e, self._near, self._h))
+        self.f_of = _views(self._f, layout.f)
+        self.plan = [(b.family, b.index) for b in self.strained]
+        self.curved_plan = [(b.family, b.index) for b in self.curved]
+        self.moving_plan = [(b.family, b.index) for b in self.moving]
+
+    # -- kinematics ---------------------------------------------------------------------------------------------
+    def strain(self, x: Array) -> None:
+        """D(x) into `e`, V into `entries`; keeps the configurations for the calls below."""
+        np.take(x, self.x_index, out=self._x, mode="clip")
+        np.take(self.near, self.e_index, out=self._near, mode="clip")
+        for family, key in self.plan:
+            self.configuration[key] = family.strain(self.x_of[key], self.near_of[key], self.e_of[key], self.V[key])
+        self.e[self.e_index] = self._e
+        self.count += 1
+
+    def rate(self, v: Array) -> Array:
+        """V v, (ne,)."""
+        return np.bincount(self.v_rows, self.v_entries * v[self.v_columns], self.ne)
+
+    def rate_transposed(self, sigma: Array) -> Array:
+        """V^T sigma, (nx,)."""
+        return np.bincount(self.v_columns, self.v_entries * sigma[self.v_rows], self.nx)
+
+    def convective(self, v: Array) -> Array:
+        """H(v, v), (ne,): the part of the second time derivative of e that does not contain accelerations."""
+        out = np.zeros(self.ne)
+        if self.curved_plan:
+            np.take(v, self.x_index, out=self._v, mode="clip")
+            self._h[:] = 0.0
+            for family, key in self.curved_plan:
+                family.convective_strain(self.configuration[key], self.v_of[key], self.h_of[key])
+            out[self.e_index] = self._h
+        return out
+
+    def gradient(self) -> Array:
+        """V as a dense (ne, nx) array."""
+        V = np.zeros((self.ne, self.nx))
+        V[self.v_rows, self.v_columns] = self.v_entries
+        return V
+
+    # -- inertia ------------------------------------------------------------------------------------------------
+    def constant_mass(self) -> None:
+        """Evaluate the mass matrices that never change; once per run."""
+        for b in self.massive:
+            if b.family.constant_mass:
+                b.family.mass(None, self.M[b.index])
+
+    def mass(self) -> None:
+        """M of the configuration-dependent families into `entries`."""
+        for family, key in self.moving_plan:
+            family.mass(self.configured(family, key), self.M[key])
+
+    def configured(self, family: Family, key: int) -> Configuration:
+        if family.n_deformations == 0:
+            empty = np.zeros((0, *self.x_of[key].shape[1:]))
+            self.configuration[key] = family.strain(self.x_of[key], empty, empty, empty[:, None])
+        return self.configuration[key]
+
+    def mass_times(self, a: Array) -> Array:
+        """M a, (nx,)."""
+        return np.bincount(self.m_rows, self.m_entries * a[self.m_columns], self.nx)
+
+    def inertia_force(self, v: Array, a: Array | None) -> Array:
+        """M a + h of the configuration-dependent families, (nx,)."""
+        if not self.moving_plan:
+            return np.zeros(self.nx)
+        np.take(v, self.x_index, out=self._v, mode="clip")
+        if a is not None:
+            np.take(a, self.x_index, out=self._a, mode="clip")
+        for family, key in self.moving_plan:
+            acceleration = None if a is None else self.a_of[key]
+            self.f_of[key][...] = family.inertia_force(self.configured(family, key), self.v_of[key], acceleration)
+        return np.bincount(self.f_index, self._f, self.nx)
+
+
+def _views(buffer: Array, places: tuple[Place, ...]) -> dict[int, Array]:
+    """The parts of a buffer as arrays (*shape, n), by the index of the batch."""
+    return {key: buffer[part].reshape(shape) for key, part, shape in places}

@@ -1,0 +1,54 @@
+"""Mode 0: classification, condition and the diagnosis of over- and under-constraints in the start configuration."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from spacar.frame import Frame
+from spacar.kinematics.constraint_condition import ESTIMATED_FROM, condition_number
+from spacar.kinematics.diagnosis import ZERO, Diagnosis, diagnose
+from spacar.kinematics.element_sweep import ElementSweep
+from spacar.kinematics.kinematics import Kinematics
+from spacar.linear_systems import SingularMatrixError
+from spacar.mechanism.mechanism import Mechanism
+from spacar.stream import Run
+
+
+def check(run: Run) -> Iterator[Frame]:
+    """One frame with `bigd`; the diagnosis goes to the report and, as a record, to header['diagnosis']."""
+    mechanism = run.mechanism
+    n = mechanism.numbering
+    sweep = ElementSweep(mechanism)
+    sweep.strain(mechanism.x0)
+    V = sweep.gradient()
+    diagnosis = _large_and_regular(mechanism) or diagnose(mechanism, V)
+    run.n_frames = 1
+    run.header["condition"] = diagnosis.condition
+    run.header["diagnosis"] = diagnosis
+    for line in diagnosis.lines():
+        run.report.add(line)
+    zero_x, zero_e = np.zeros(n.nx), np.zeros(n.ne)
+    yield Frame(
+        t=0.0, x=mechanism.x0.copy(), xd=zero_x, xdd=zero_x, e=sweep.e.copy(), ed=zero_e, edd=zero_e,
+        sig=zero_e, fx=zero_x, fxgrav=zero_x, fxtot=zero_x, bigd=V,
+    )  # fmt: skip
+
+
+def _large_and_regular(mechanism: Mechanism) -> Diagnosis | None:
+    """The diagnosis without singular value decomposition (cubic cost), if the estimated condition says regular."""
+    n = mechanism.numbering
+    rows = int(n.nep[[0, 2, 3]].sum())
+    if rows != int(n.nxp[[1, 4]].sum()) or rows <= ESTIMATED_FROM or not n.holonomic:
+        return None
+    kinematics = Kinematics(mechanism)
+    kinematics.x = mechanism.x0.copy()
+    try:
+        kinematics.refresh()
+    except SingularMatrixError:
+        return None
+    condition = condition_number(kinematics)
+    if not condition < 1.0 / ZERO:
+        return None
+    return Diagnosis(rows, rows, 0, 0, (), (), (), (), np.zeros(0), condition)

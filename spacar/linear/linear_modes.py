@@ -1,0 +1,268 @@
+"""Modes 4, 7, 8, 9, 10 as streams of frames."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacar.dynamics.array_evaluator import Dynamics
+from spacar.dynamics.limits import Limits
+from spacar.errors import AnalysisError
+from spacar.forward.motion import motion
+from spacar.frame import Frame
+from spacar.kinematics.constraint_condition import condition_number
+from spacar.kinematics.output import TransferOutput
+from spacar.kinematics.regularity import Regularity
+from spacar.linear.buckling import NO_STRESS, BucklingModes, buckling_modes, directional_compliances
+from spacar.linear.eigen import Modes, vibration_modes
+from spacar.linear.idle_inputs import IdleInputs
+from spacar.linear.internal_unknowns import buckling_matrices, internal_unknowns
+from spacar.linear.linearization_signals import linearization_signals
+from spacar.linear.lowest import WANTED, lowest_buckling, lowest_vibration, sparse_compliances
+from spacar.linear.state_space import Signal, chosen_rows, has_feedthrough, state_space
+from spacar.linear_systems import SingularMatrixError
+from spacar.linearization.matrices import Linearization, linearize
+from spacar.stationary import LoadLevel, StationarySolver, load_program
+from spacar.stationary.loading import stored_levels
+from spacar.stationary.tangent import SparseTangent
+from spacar.stream import Run
+
+LARGE = 600  # dynamic degrees of freedom; above, no dense matrices are formed
+NO_TWIST_GRADIENT = (
+    "warning: load multipliers of large systems leave out the twist gradient of beams in the angle measure, so they"
+    " converge with order 2 in the length of the elements; OUTLEVEL 0 1 asks for the dense matrices, that contain it"
+)
+LOST = 1e-6  # chosen: relative error of the matrices that a user shall know of
+
+
+def forward(run: Run) -> Iterator[Frame]:
+    """Mode 4: forward dynamics, linearized at every output step."""
+    output = TransferOutput(run)
+    inputs, outputs = _announce(run)
+    idle = IdleInputs(inputs)
+    for evaluator, frame in motion(run):
+        dynamics = evaluator.settled()
+        L = linearize(dynamics, frame.xdd, frame.sig, t=frame.t)
+        _store_matrices(frame, L, dynamics)
+        _store_state_space(frame, L, dynamics, inputs, outputs)
+        idle.see(dynamics, L)
+        yield output.add(frame, dynamics.kinematics)
+    run.report.lines.extend(idle.lines())
+
+
+def eigenvalues(run: Run) -> Iterator[Frame]:
+    """Mode 7: stationary solution, eigenvalues and eigenvectors."""
+    for solution in stationary(run):
+        _store_vibration(run, solution)
+        yield solution.frame
+
+
+def buckling(run: Run) -> Iterator[Frame]:
+    """Mode 8: stationary solution, load multipliers, buckling modes, directional compliances."""
+    for solution in stationary(run):
+        _store_buckling(run, solution)
+        yield solution.frame
+
+
+def vibration_and_buckling(run: Run) -> Iterator[Frame]:
+    """Mode 10: modes 7 and 8 at every stored load step."""
+    for solution in stationary(run):
+        _store_vibration(run, solution)
+        _store_buckling(run, solution, required=False)
+        yield solution.frame
+
+
+def state_space_matrices(run: Run) -> Iterator[Frame]:
+    """Mode 9: stationary solution, state space matrices."""
+    inputs, outputs = _announce(run)
+    idle = IdleInputs(inputs)
+    for solution in stationary(run, reducible=False):
+        assert solution.L is not None
+        _store_state_space(solution.frame, solution.L, solution.dynamics, inputs, outputs)
+        idle.see(solution.dynamics, solution.L)
+        yield solution.frame
+    run.report.lines.extend(idle.lines())
+
+
+@dataclass(frozen=True)
+class LinearizedSolution:
+    """A stored stationary solution with its linearization L, or for large systems the sparse tangent instead."""
+
+    frame: Frame
+    dynamics: Dynamics
+    L: Linearization | None
+    tangent: SparseTangent | None
+
+
+def stationary(run: Run, reducible: bool = True) -> Iterator[LinearizedSolution]:
+    """The stored stationary solutions. `reducible`: no dense matrices for large systems unless OUTLEVEL asks."""
+    mechanism, settings = run.mechanism, run.mechanism.settings
+    n = mechanism.numbering
+    program = load_program(settings)
+    run.n_frames = stored_levels(settings)
+    solver = StationarySolver(mechanism, run.report)
+    reduced = reducible and solver.sparse and n.nddof > LARGE and settings.sbd_level is None
+    if reduced:
+        run.report.add(
+            f"{n.nddof} dynamic degrees of freedom (more than {LARGE}): only the {WANTED} lowest modes, no"
+            " matrices and no transfer functions are computed; OUTLEVEL 0 1 asks for all of them"
+        )
+    output = TransferOutput(run)
+    limits: Limits | None = None
+    stored = iterations = 0
+    for level in program:
+        solver.solve(level)
+        iterations += solver.iterations
+        if not level.store:
+            continue
+        dynamics, state = solver.dynamics, solver.solution
+        if "condition" not in run.header:
+            run.header["condition"] = condition_number(dynamics.kinematics)
+            _say_lost_digits(run, reduced)
+        limits = limits or Limits(dynamics, run.report)
+        convected = dynamics.forces.inertia(dynamics.sweep, dynamics.xd)
+        frame = dynamics.complete(
+            float(stored), state.xdd, state.sigma, state.convective, convected
+        )
+        limits.check_elements(dynamics, frame)
+        singular = _is_dead_point(run, solver, level, frame.t, reducible)
+        frame.statistics = {"iterations": iterations, "residual": state.norm}
+        stored, iterations = stored + 1, 0
+        if reduced or singular:
+            tangent = solver.sparse_tangent()
+            tangent.sigma = state.sigma
+            yield LinearizedSolution(frame, dynamics, None, tangent)
+            continue
+        L = linearize(dynamics, state.xdd, state.sigma)
+        _store_matrices(frame, L, dynamics)
+        yield LinearizedSolution(output.add(frame, dynamics.kinematics), dynamics, L, None)
+
+
+def _say_lost_digits(run: Run, reduced: bool) -> None:
+    """W^T M W and its kin have entries up to cond^2 larger than their smallest eigenvalues ask for: eps cond^2 of the
+    eigenvalues may be rounding. The sparse pencil, which keeps all coordinates, does not lose them."""
+    condition = run.header["condition"]
+    lost = float(np.finfo(float).eps) * condition**2
+    if lost > LOST and np.isfinite(condition) and not reduced:
+        run.report.add(
+            f"warning: the degrees of freedom hardly determine the configuration (condition number {condition:.2g}): up"
+            f" to {min(lost, 1.0):.1g} of the linearized equations may be rounding; choose other degrees of freedom"
+            " (`spacar 0`)"
+        )
+
+
+def _is_dead_point(run: Run, solver: StationarySolver, level: LoadLevel, t: float, reducible: bool) -> bool:
+    """Do the degrees of freedom fail to determine the configuration here? Eigenvalues, multipliers and compliances
+    do not depend on them and are computed all the same. Raises AnalysisError where the sparse tangent does not apply.
+    """
+    matrix = solver.dynamics.position_matrix()
+    if not len(matrix.columns) or (solver.solution.determined and matrix.rcond() > matrix.zero):
+        return False
+    if not (reducible and solver.sparse):
+        Regularity(matrix, run.report).check(t)
+    run.report.add(
+        f"warning: at {level} the degrees of freedom do not determine the motion of {matrix.undetermined()} (a dead"
+        " point): no matrices and no transfer functions are stored for this step; choose other degrees of freedom to"
+        " have them"
+    )
+    return True
+
+
+def _store_matrices(frame: Frame, L: Linearization, dynamics: Dynamics) -> None:
+    q, s = chosen_rows(L, dynamics)
+    if not len(q):
+        return
+    for name in ("m0", "c0", "d0"):
+        frame.matrices[name] = getattr(L, name)[np.ix_(q, q)]
+    for name in ("k0", "n0", "g0"):
+        frame.matrices[name] = getattr(L, name)[np.ix_(q, s)]
+    frame.matrices["ak0"] = L.ak0[np.ix_(s, q)]
+    frame.matrices["bk0"] = L.bk0[np.ix_(s, s)]
+
+
+def _store_vibration(run: Run, solution: LinearizedSolution) -> None:
+    if not run.mechanism.numbering.nddof:
+        run.report.add("no dynamic degrees of freedom: there are no eigenvalues")
+        return
+    if solution.tangent is not None:
+        modes = _sparse_vibration(run, solution.tangent)
+    else:
+        assert solution.L is not None
+        rows = chosen_rows(solution.L, solution.dynamics)
+        modes = vibration_modes(solution.L, *rows, run.report, run.mechanism.numbering.twist_rates)
+    store = solution.frame.matrices
+    store["eigval"] = np.column_stack((modes.values.real, modes.values.imag))
+    store["eigvre"], store["eigvim"] = modes.vectors.real, modes.vectors.imag
+
+
+def _sparse_vibration(run: Run, tangent: SparseTangent) -> Modes:
+    try:
+        return lowest_vibration(tangent, run.report)
+    except SingularMatrixError as error:
+        text = "no frequencies, they are stored as nan: stiffness and mass together are singular in this configuration"
+        run.report.add(f"warning: {text} ({error})")
+        n = run.mechanism.numbering.nddof
+        wanted, unknown = 2 * min(WANTED, n), complex(np.nan, np.nan)
+        return Modes(np.full(wanted, unknown), np.full((2 * n, wanted), unknown), n)
+
+
+def _store_buckling(run: Run, solution: LinearizedSolution, required: bool = True) -> None:
+    """Compliances, load multipliers, modes. Not `required`: where there are no multipliers they are nan, and why is
+    said.
+    """
+    frame, dynamic = solution.frame, run.mechanism.numbering.dynamic
+    if not len(dynamic):
+        frame.xcompl = np.zeros(run.mechanism.numbering.nx)
+        run.report.add("no dynamic degrees of freedom: there are no load multipliers")
+        return
+    tangent, L = solution.tangent, solution.L
+    if tangent is not None:
+        frame.xcompl = sparse_compliances(tangent)
+    else:
+        assert L is not None
+        frame.xcompl = directional_compliances(L, dynamic, run.report)
+    try:
+        if tangent is not None:
+            if internal_unknowns(solution.dynamics, tangent.sigma)[1].size:
+                run.report.add(NO_TWIST_GRADIENT)
+            modes = lowest_buckling(tangent, run.report)
+            if not len(modes.multipliers):
+                run.report.add(NO_STRESS)
+        else:
+            assert L is not None
+            modes = buckling_modes(*buckling_matrices(solution.dynamics, L, dynamic), run.report).first(len(dynamic))
+    except AnalysisError as error:
+        if required:
+            raise
+        run.report.add(f"warning: no load multipliers, they are stored as nan: {error}")
+        n = len(dynamic) if tangent is None else min(WANTED, len(dynamic))
+        modes = BucklingModes(np.full(n, np.nan), np.full((len(dynamic), n), np.nan))
+    frame.matrices["lmult"], frame.matrices["bmode"] = modes.multipliers, modes.modes
+
+
+def _announce(run: Run) -> tuple[list[Signal], list[Signal]]:
+    """Signals of the third block, and the header of the ltv file."""
+    inputs, outputs = linearization_signals(run.mechanism)
+    n = run.mechanism.numbering
+    run.header.update(NNOM=len(inputs), NX=n.nkddof + n.nddof, NU=len(inputs), NY=len(outputs), NRBM=n.nddof)
+    run.header.update(X0=np.zeros(n.nkddof + n.nddof))
+    run.header.update(inputs=[s.name for s in inputs], outputs=[s.name for s in outputs])
+    return inputs, outputs
+
+
+def _store_state_space(
+    frame: Frame, L: Linearization, dynamics: Dynamics, inputs: list[Signal], outputs: list[Signal]
+) -> None:
+    ss = state_space(dynamics, L, inputs, outputs)
+    q, s = chosen_rows(L, dynamics)
+    if inputs and len(q):
+        n = dynamics.numbering
+        frame.matrices["b0"] = (L.m0[np.ix_(q, q)] @ ss.B[len(s) :]).reshape(n.nddof, len(inputs))
+    store = frame.state_space
+    store["A"], store["B"], store["C"] = ss.A, ss.B, ss.C
+    if has_feedthrough(inputs, outputs):
+        store["D"] = ss.D
+    if len(q):
+        store["m0"], store["c0b"], store["k0b"] = L.m0[np.ix_(q, q)], L.damping[np.ix_(q, q)], L.stiffness[np.ix_(q, s)]

@@ -1,0 +1,45 @@
+"""Jacobian of the equations of motion for the implicit integrators: the exact state matrix, and dF/dt.
+
+dF/dy = A at the current accelerations (theory-system.md (15)). F depends on time through prescribed motion and user
+functions only; dF/dt is then a central difference of F with a step of cbrt(eps) times the output interval (error about
+1e-10 relative, far below what a Rosenbrock step needs), and zero for a mechanism without them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spacar.arrays import Array
+from spacar.dynamics.evaluator import Evaluator
+from spacar.dynamics.loaded_mechanism import LoadedMechanism
+from spacar.kinematics.kinematics import CONVERGED
+from spacar.linearization.matrices import linearize
+from spacar.linearization.state_matrix import chosen_rows, state_matrix
+from spacar.mechanism.mechanism import Polynomial
+
+
+def state_jacobian(
+    evaluator: Evaluator, t: float, y: Array, within: float = CONVERGED
+) -> tuple[Array, Array]:
+    """dF/dy (n, n) and dF/dt (n,) at the state; `within` as for `Evaluator.rhs`."""
+    F_t = np.zeros(len(y))
+    if depends_on_time(evaluator.model):
+        settings = evaluator.model.mechanism.settings
+        interval = (settings.duration or 1.0) / max(settings.n_steps, 1)
+        h = np.cbrt(np.finfo(float).eps) * interval
+        before = max(t - h, 0.0)
+        F_t = (evaluator.rhs(t + h, y, within) - evaluator.rhs(before, y, within)) / (t + h - before)
+    dynamics = evaluator.settled()
+    xdd, sigma, _ = dynamics.accelerate(t, dynamics.place(t, y, within))
+    L = linearize(dynamics, xdd, sigma, t=t)
+    return state_matrix(L, *chosen_rows(L, dynamics)), F_t
+
+
+def depends_on_time(model: LoadedMechanism) -> bool:
+    """Does F depend on time explicitly?"""
+    if model.mechanism.user_signal is not None:
+        return True
+    if not len(model.mechanism.numbering.rheonomic):
+        return False
+    drive = model.drive
+    return not (isinstance(drive, Polynomial) and not drive.x[:, 1:].any() and not drive.e[:, 1:].any())

@@ -1,0 +1,117 @@
+"""Element statements to batches: one family object per keyword with its indices into x and e."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable
+
+import numpy as np
+
+from spacar.arrays import Array
+from spacar.deck import ELEMENT_TYPES, Deck, coordinates_of
+from spacar.elements import ElementGroup, Family, GeometryError, family_of
+from spacar.errors import InputError, Message
+from spacar.mechanism.layout import Batch
+from spacar.mechanism.numbering import Numbering
+
+PARAMETERS = {"EM": 9, "ESTIFF": 7, "EDAMP": 7}
+SHAPE_FACTOR = 3  # column of EM with the flow shape factor of tubes, 1 unless given
+
+
+def element_batches(deck: Deck, numbering: Numbering, x0: Array, beams: str = "") -> list[Batch]:
+    """One batch per element keyword and measure; `beams` is the measure of all beams and tubes, instead of ADEFORM.
+
+    Raises InputError with the line of the element whose geometry is impossible.
+    """
+    tables = {name: _table(deck, name, width) for name, width in PARAMETERS.items()}
+    linear = {int(s.values[0]) for s in deck.of("LDEFORM", block=1)}
+    angles = by_angles(deck, beams)
+    first_elastic = numbering.e_class["input"].stop
+    directions = {int(s.values[0]): _reals(s.values[1:]) for s in deck.of("ORPINBOD", "ORTUBE", block=1)}
+    projections = {int(s.values[0]): _reals(s.values[1:]) for s in deck.of("DRPINBOD", block=1)}
+    present = set(numbering.keyword.values())
+    batches, messages = [], []
+    for keyword, angle in itertools.product(ELEMENT_TYPES, (False, True)):
+        if keyword not in present:
+            continue
+        kind = ELEMENT_TYPES[keyword]
+        statements = sorted(
+            (s for s in deck.of(keyword, block=1) if (s.values[0] in angles) == angle), key=lambda s: s.values[0]
+        )
+        if not statements:
+            continue
+        names = [int(s.values[0]) for s in statements]
+        numbers = np.array(names, np.int64)
+        first = 1 + len(kind.nodes)
+        nodes = np.array([s.values[1:first] for s in statements], np.int64)
+        used = [4 * k + i for k, role in enumerate(kind.nodes) for i in range(coordinates_of(role, kind.planar))]
+        x = np.ascontiguousarray(numbering.lnp[nodes - 1].reshape(len(nodes), -1)[:, used].T) - 1
+        e = np.ascontiguousarray(numbering.le[numbers - 1, : len(kind.modes)].T) - 1
+        em = _rows(tables["EM"], names, PARAMETERS["EM"])
+        if kind.carries_flow:
+            for k, n in enumerate(names):
+                if len(tables["EM"].get(n, ())) <= SHAPE_FACTOR:
+                    em[k, SHAPE_FACTOR] = 1.0
+        group = ElementGroup(
+            keyword=keyword,
+            numbers=numbers,
+            x0=x0[x],
+            geometry=tuple(_reals(s.values[first:]) for s in statements),
+            nonlinear=np.array([n not in linear for n in names]),
+            directions=tuple(directions.get(n) for n in names),
+            projections=tuple(projections.get(n) for n in names),
+            em=em,
+            estiff=_rows(tables["ESTIFF"], names, PARAMETERS["ESTIFF"]),
+            edamp=_rows(tables["EDAMP"], names, PARAMETERS["EDAMP"]),
+            elastic=e >= first_elastic,
+        )
+        try:
+            family = family_of(kind.angle_family if angle else kind.family)(group)  # type: ignore[call-arg]
+        except GeometryError as error:
+            bad = statements[error.index]
+            text = f"element {bad.values[0]}: {error}"
+            messages.append(Message("error", deck.source, bad.line, keyword, text, "input.geometry"))
+            continue
+        batches.append(Batch(family, x, e))
+    if messages:
+        raise InputError(messages)
+    return batches
+
+
+def by_angles(deck: Deck, beams: str = "") -> set[int]:
+    """Numbers of the elements in the angle measure: those of ADEFORM, or with `beams` ("angle", "sine") all or none."""
+    measured = [int(s.values[0]) for s in deck.of(*ELEMENT_TYPES, block=1) if ELEMENT_TYPES[s.keyword].angle_family]
+    given = deck.of("ADEFORM", block=1)
+    if beams:
+        return set(measured) if beams == "angle" else set()
+    if any(not s.values for s in given):
+        return set(measured)
+    return {int(s.values[0]) for s in given}
+
+
+def node_batches(numbering: Numbering, families: Iterable[tuple[Family, Array]]) -> list[Batch]:
+    """Batches of node inertia (given with their coordinate indices) and of the Euler parameter normalizations."""
+    batches = [Batch(family, x, np.zeros((0, family.n), np.int64)) for family, x in families]
+    if len(numbering.normalization):
+        from spacar.elements.normalization import Normalization
+
+        nodes, rows = numbering.normalization.T
+        batches.append(Batch(Normalization(nodes), numbering.lnp[nodes - 1].T - 1, rows[None, :]))
+    return batches
+
+
+def _reals(values: Iterable[int | float | str]) -> tuple[float, ...]:
+    return tuple(map(float, values))
+
+
+def _table(deck: Deck, keyword: str, width: int) -> dict[int, tuple[float, ...]]:
+    return {int(s.values[0]): _reals(s.values[1 : 1 + width]) for s in deck.of(keyword, block=2)}
+
+
+def _rows(table: dict[int, tuple[float, ...]], names: list[int], width: int) -> Array:
+    rows = np.zeros((len(names), width))
+    if table:
+        for k, n in enumerate(names):
+            values = table.get(n, ())
+            rows[k, : len(values)] = values
+    return rows

@@ -1,0 +1,80 @@
+"""Lumped inertia: XM of all node types, rotary inertia that elements put on orientation nodes, XGYRO, MEE.
+
+All tensors of one spatial orientation node are summed first; the node is then one rigid body (theory-spatial.md 1).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spacar.arrays import Array, Index
+from spacar.deck import Deck, coordinates_of
+from spacar.elements import Family
+from spacar.elements.lumped import LumpedMass
+from spacar.mechanism.layout import Batch
+from spacar.mechanism.numbering import Numbering
+
+
+def lumped(deck: Deck, numbering: Numbering, batches: list[Batch]) -> list[tuple[Family, Index]]:
+    """Families of node inertia with their indices into x."""
+    masses: dict[int, tuple[int, float]] = {}  # coordinate: node, mass
+    tensors: dict[int, Array] = {}
+    for s in deck.of("XM", block=2):
+        node, values = int(s.values[0]), [float(v) for v in s.values[1:]]
+        if numbering.planar or numbering.kind[node] != "orientation":
+            for coordinate in range(1, coordinates_of(numbering.kind[node], numbering.planar) + 1):
+                masses[numbering.x_index(node, coordinate)] = node, values[0]
+        else:
+            tensors[node] = symmetric(np.array(values))
+    for batch in batches:
+        for row, J in batch.family.orientation_inertia():
+            for k in range(batch.family.n):
+                node, _ = numbering.x_owner(int(batch.x[row, k]))
+                tensors[node] = tensors.get(node, np.zeros((3, 3))) + J[k]
+        for row, J in batch.family.lumped_inertia():
+            for place, value in zip(batch.x[row].tolist(), J.tolist(), strict=True):
+                node, mass = masses.get(place, (numbering.x_owner(place)[0], 0.0))
+                masses[place] = node, mass + value
+    rotors = [(int(s.values[0]), np.array([float(v) for v in s.values[1:]])) for s in deck.of("XGYRO", block=2)]
+    result: list[tuple[Family, Index]] = []
+    if masses:
+        places = sorted(masses)
+        owners, sizes = (np.array(column) for column in zip(*(masses[i] for i in places), strict=True))
+        result.append((LumpedMass(owners, sizes), np.array([places], np.int64)))
+    if rotors:
+        from spacar.elements.node_inertia import GyrostatNode, prescribed_rotor_tensor
+
+        nodes = np.array([node for node, _ in rotors])
+        h = np.array([rotor[3] * rotor[:3] for _, rotor in rotors])
+        for node, rotor in rotors:
+            if len(rotor) > 4 and int(rotor[4]) == 1:
+                extra = prescribed_rotor_tensor(rotor[None, :3], rotor[3:4])[0]
+                tensors[node] = tensors.get(node, np.zeros((3, 3))) + extra
+        result.append((GyrostatNode(nodes, h), numbering.lnp[nodes - 1].T - 1))
+    if tensors:
+        from spacar.elements.node_inertia import RigidBodyNode
+
+        nodes = np.array(sorted(tensors))
+        J = np.array([tensors[int(n)] for n in nodes])
+        result.append((RigidBodyNode(nodes, J), numbering.lnp[nodes - 1].T - 1))
+    return result
+
+
+def symmetric(values: Array) -> Array:
+    """3 x 3 tensor from Jxx Jxy Jxz Jyy Jyz Jzz; missing values are zero."""
+    xx, xy, xz, yy, yz, zz = np.pad(values, (0, 6 - len(values)))
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def deformation_inertia(deck: Deck, numbering: Numbering) -> tuple[Index, Index, Array]:
+    """MEE: entries of the symmetric matrix M_e as rows, columns, values."""
+    rows, columns, values = [], [], []
+    for s in deck.of("MEE", block=2):
+        *places, value = s.values
+        i = numbering.e_index(int(places[0]), int(places[1]))
+        j = numbering.e_index(int(places[2]), int(places[3])) if len(places) == 4 else i
+        for a, b in {(i, j), (j, i)}:
+            rows.append(a)
+            columns.append(b)
+            values.append(float(value))
+    return np.array(rows, np.int64), np.array(columns, np.int64), np.array(values)

@@ -1,0 +1,115 @@
+"""Blocks that read a stored result: SetpointU0, SetpointSigma0, ReferenceY0, TimesM0, Ltv
+(reference/files.md section 7).
+
+`interpolation` is "step", "linear" (default) or "spline"; M0 and the matrices of Ltv are stepwise or linear.
+`hold` keeps the first and last values outside the stored times instead of raising an error.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spacar.arrays import Array
+from spacar.errors import UsageError
+from spacar.simulation.blocks import Block
+from spacar.simulation.reduction import reduce_modes
+from spacar.simulation.time_tables import Table
+from spacar.simulation.time_varying import TimeVarying
+
+
+class _Source(Block):
+    """A stored vector as a function of time."""
+
+    field = ""
+
+    def __init__(self, data: TimeVarying, name: str = "", interpolation: str = "linear", hold: bool = False) -> None:
+        (values,) = data.need(self.field)
+        super().__init__(name or self.field, 0, [f"{self.field} {k + 1}" for k in range(values.shape[1])])
+        self.table = Table(data.t, values, interpolation, hold, f"{self.name} of {data.name}")
+        self.breaks = self.table.breaks
+
+    def outputs(self, t: float, x: Array, u: Array) -> Array:
+        return self.table(t)
+
+    def state_outputs(self, t: float, x: Array) -> Array:
+        return self.table(t)
+
+
+class SetpointU0(_Source):
+    """Nominal inputs u0(t) of a mode 2 or 3 result."""
+
+    field = "u0"
+
+
+class SetpointSigma0(_Source):
+    """Stresses sigma0(t) of the rigidified deformations of a mode 3 result."""
+
+    field = "sigma0"
+
+
+class ReferenceY0(_Source):
+    """Reference outputs y0(t) of a mode 2 or 3 result."""
+
+    field = "y0"
+
+
+class TimesM0(Block):
+    """y = M0(t) u with the leading block of M0 of the given size (default: all of it)."""
+
+    def __init__(
+        self, data: TimeVarying, name: str = "times_m0", size: int | None = None, interpolation: str = "linear",
+        hold: bool = False,
+    ) -> None:  # fmt: skip
+        (m0,) = data.need("m0")
+        full = m0.shape[1]
+        size = full if size is None else size
+        if not 1 <= size <= full:
+            raise UsageError(f"{name}: the size {size} is not between 1 and {full}, the size of M0", "simulation.size")
+        _no_spline(name, interpolation)
+        super().__init__(name, size, size)
+        self.table = Table(data.t, m0[:, :size, :size], interpolation, hold, f"M0 of {data.name}")
+        self.breaks = self.table.breaks
+
+    def outputs(self, t: float, x: Array, u: Array) -> Array:
+        return np.asarray(self.table(t) @ u)
+
+    def state_outputs(self, t: float, x: Array) -> Array:
+        return np.zeros(self.n_out)
+
+
+class Ltv(Block):
+    """dz/dt = A(t) z + B(t) u, y = C(t) z + D(t) u; with `modes`, reduced to that many modes (see
+    reduction).
+    """
+
+    def __init__(
+        self, data: TimeVarying, name: str = "ltv", interpolation: str = "linear", hold: bool = False,
+        modes: int | None = None,
+    ) -> None:  # fmt: skip
+        _no_spline(name, interpolation)
+        if modes is not None:
+            data = reduce_modes(data, modes).system
+        A, B, C = data.need("A", "B", "C")
+        D = np.zeros((len(A), C.shape[1], B.shape[2])) if data.D is None else data.D
+        n, m, p = A.shape[1], B.shape[2], C.shape[1]
+        inputs = data.inputs if len(data.inputs) == m else m
+        super().__init__(name, inputs, data.outputs if len(data.outputs) == p else p)
+        self.system = Table(data.t, np.block([[A, B], [C, D]]), interpolation, hold, f"{name} of {data.name}")
+        self.n = n
+        self.x0 = np.zeros(n) if data.x0 is None else np.ravel(data.x0).astype(float)
+        self.direct = np.any(D != 0.0, axis=(0, 2))
+        self.breaks = self.system.breaks
+
+    def outputs(self, t: float, x: Array, u: Array) -> Array:
+        return np.asarray(self.system(t)[self.n :] @ np.concatenate((x, u)))
+
+    def derivative(self, t: float, x: Array, u: Array) -> Array:
+        return np.asarray(self.system(t)[: self.n] @ np.concatenate((x, u)))
+
+
+def _no_spline(name: str, interpolation: str) -> None:
+    if interpolation == "spline":
+        raise UsageError(f"{name}: matrices are interpolated stepwise or linearly, not by a spline", "simulation.table")
+
+
+__all__ = ["Ltv", "ReferenceY0", "SetpointSigma0", "SetpointU0", "TimesM0"]

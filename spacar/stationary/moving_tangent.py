@@ -1,0 +1,107 @@
+"""The tangent of the mixed equations with everything in it: motion, slips, user functions, as a dense matrix.
+
+With v(x), a(x) of steady motion and their derivatives Z = dv/dx, Y = da/dx, for any change of x,
+
+    V_E Z = -H1(v),    V_E Y = -[H1(a) + T(v) + (H1(v) + H2(v)) Z]     (rows E fixed, prescribed and dynamic)
+
+the rows of the matrix are
+
+    d(M a + h - f)/dx + Hs(sigma) + h_v Z + M Y    V^T          rows of the coordinates F
+    V + C d(sigma_1)/dx                            -C           rows with stiffness, C d(sigma_1)/dx those without
+
+ITERSTEP types 1 and 3 leave out what comes from motion (N0): the iteration then converges linearly.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spacar.arrays import Array
+from spacar.linear_systems import SingularMatrixError
+from spacar.linearization.contractions import (
+    geometric_stiffness,
+    gradient_rate,
+    gradient_transport,
+    inertia_blocks,
+    mass_matrix,
+    rate_gradient,
+    scatter,
+)
+from spacar.linearization.matrices import load_gradient
+from spacar.stationary.stationary_equations import Iterate, StationaryEquations
+
+
+class MovingTangent:
+    """Dense tangent of one evaluator; `factor` at the point where the sweep is, then `solve`."""
+
+    symmetric = False
+
+    def __init__(self, equations: StationaryEquations, without_n0: bool) -> None:
+        self.q, self.exact = equations, not without_n0
+        self.full = np.zeros((0, 0))  # all columns x, then sigma / size
+
+    def factor(self, point: Iterate) -> None:
+        """Form the matrix. Raises SingularMatrixError when the velocities are not determined."""
+        q = self.q
+        d, sweep, C = q.d, q.d.sweep, q.flexibility
+        nx, motion, user = d.numbering.nx, point.motion, point.user
+        V, flexible = sweep.gradient(), C.dense()
+        K = geometric_stiffness(sweep, point.sigma) + load_gradient(d)
+        offset = np.zeros((q.ne, nx))
+        if user is not None:
+            K += np.diag(user.force_k)
+            offset += (user.sigma_k * q.active)[:, None] * V
+        if self.exact:
+            v, a = (q.rest, q.rest) if motion is None else (motion.v, motion.a)
+            by_x, by_v = inertia_blocks(sweep, v, a)
+            K += scatter(nx, by_x)
+            if motion is not None:
+                Z, ed, Y, edd = _rates(q, V, point)
+                K += scatter(nx, by_v) @ Z + mass_matrix(sweep) @ Y
+                i, j, value = d.law.damping
+                np.add.at(offset, i, value[:, None] * ed[j])
+                i, j, value = d.mechanism.deformation_inertia
+                np.add.at(offset, i, value[:, None] * edd[j])
+                if user is not None:
+                    K += user.force_d[:, None] * Z
+                    offset += (user.sigma_d * q.active)[:, None] * ed
+        rows = C.coupled[:, None] * V + flexible @ (offset * ~q.constrained[:, None]) / C.size
+        flexible[q.slips] = 0.0
+        rows[q.slips] = 0.0
+        nk = len(q.x_kinematic)
+        rows[q.slips[:nk], q.x_kinematic] = 1.0
+        rows[q.slips[nk:]] = V[q.e_kinematic]
+        self.full = np.block([[K[q.F], C.size * V.T[q.F]], [C.size * rows, -C.size * flexible]])
+        self._columns = np.concatenate((q.F, nx + np.arange(q.ne)))
+        self._square = self.full[:, self._columns]
+
+    def solve(self, right: Array) -> Array:
+        """Of (n,) or (n, k)."""
+        try:
+            return np.linalg.solve(self._square, right)
+        except np.linalg.LinAlgError:
+            raise SingularMatrixError(f"matrix of order {len(self._square)} is singular") from None
+
+    def along(self, dx: Array) -> Array:
+        """The matrix times a change dx (nx,) of prescribed coordinates, (n,)."""
+        return np.asarray(self.full[:, : len(dx)] @ dx)
+
+    def dense(self) -> Array:
+        """The matrix, (n, n)."""
+        return self._square
+
+    def sign(self) -> float:
+        # The mixed matrix has one negative eigenvalue more for every stress.
+        return float(np.linalg.slogdet(self._square)[0]) * (-1.0) ** self.q.ne
+
+
+def _rates(q: StationaryEquations, V: Array, point: Iterate) -> tuple[Array, Array, Array, Array]:
+    """Z (nx, nx), d(ed)/dx (ne, nx), Y, d(edd)/dx."""
+    sweep, k, motion = q.d.sweep, q.d.kinematics, point.motion
+    assert motion is not None
+    nothing = np.zeros((q.d.numbering.nx,) * 2)
+    by_v, by_a = gradient_rate(sweep, motion.v), gradient_rate(sweep, motion.a) + rate_gradient(sweep, motion.v)
+    Z = k.dependent(nothing, -by_v)
+    swept = by_a + (by_v + gradient_transport(sweep, motion.v)) @ Z
+    Y = k.dependent(nothing, -swept)
+    return Z, V @ Z + by_v, Y, V @ Y + swept

@@ -1,0 +1,200 @@
+"""The equations of a stationary state with all coordinates and all stresses as unknowns (theory-system.md 6.1).
+
+Unknown are the coordinates x_F that are not prescribed and all stresses sigma; nothing depends on which deformations
+the user calls degrees of freedom (DYNE, DYNX) or releases (RLSE):
+
+    V^T sigma + M a + h(x, v) - f(x)          = 0    on F                           (equilibrium)
+    D(x) - e_given                            = 0    fixed and prescribed rows      (constraints)
+    D(x) - C (sigma - sigma_1)                = 0    rows with stiffness, C = S^-1  (compatibility)
+    sigma - sigma_1                           = 0    rows without
+    sigma_1 = sigma_0 + S_d ed + M_e edd + stresses of the user function
+
+sigma is not computed from the deformations of an iterate: a leaf spring that a correction leaves a micrometre too
+long carries the force of the last solution, not the thousands of newtons of this elongation, which would enter the
+geometric stiffness and spoil the next correction (Magisano, Leonetti, Garcea, CMAME 313 (2017) 986-1005).
+
+In steady motion v and a are those of the configuration: V v = ed, V a = -H(v, v) on the fixed, prescribed and dynamic
+rows, with the prescribed rates and, for holonomic systems, no rates of the dynamic degrees of freedom.
+Non-holonomic: kinematic coordinates and deformations are given too; their equations take the place of those that slips
+do not have, and the stress of a slip that is a degree of freedom is free (`Iterate.slip` says what it lacks).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacar.arrays import Array
+from spacar.dynamics.array_evaluator import Dynamics
+from spacar.dynamics.saddle_point import free_coordinates
+from spacar.kinematics.kinematics import largest
+from spacar.mechanism.mechanism import UserForces
+from spacar.stationary.flexibility import Flexibility
+
+EPS = float(np.finfo(float).eps)
+FLOOR = 8.0 * EPS  # of the sum of the sizes of all terms: a residual below it is rounding
+
+
+@dataclass(frozen=True)
+class Motion:
+    """v, a (nx,) of steady motion; ed, edd, convective H(v, v) (ne,)."""
+
+    v: Array
+    a: Array
+    ed: Array
+    edd: Array
+    convective: Array
+
+
+@dataclass(frozen=True)
+class Given:
+    """Prescribed values of a load level: x (nx,) at the prescribed coordinates, e (ne,) at prescribed deformations."""
+
+    x: Array
+    e: Array
+
+
+@dataclass(frozen=True)
+class Iterate:
+    """A state and how far it is from a solution.
+
+    right (nf + ne,) the right-hand side of the correction, rounding the size of its rounding errors;
+    force  largest out-of-balance force [N, N m]; work, work_size  that force, and all forces, times the size of their
+    coordinates; gap  largest incompatibility / size of its deformation; quiet  is all of `right` rounding?;
+    slip  stress that the law lacks at slips that are degrees of freedom, relative to work_size.
+    """
+
+    x: Array
+    sigma: Array
+    right: Array
+    rounding: Array
+    force: float
+    work: float
+    work_size: float
+    gap: float
+    quiet: bool
+    slip: float
+    motion: Motion | None
+    user: UserForces | None
+
+    @property
+    def finite(self) -> bool:
+        return bool(np.isfinite(self.right).all())
+
+
+class StationaryEquations:
+    """Residual of one evaluator under its present loads. `rates` (nddof,): those that non-holonomic systems keep.
+
+    `held` (nx,): forces that hold a start state that is no equilibrium, zero else.
+    """
+
+    def __init__(self, dynamics: Dynamics, flexibility: Flexibility, moving: bool, rates: Array) -> None:
+        self.d, self.moving, self.rates = dynamics, moving, rates
+        self.holonomic = dynamics.numbering.holonomic
+        self.plain = self.holonomic and not moving
+        n, m = dynamics.numbering, dynamics.mechanism
+        self.F = free_coordinates(n)
+        self.P = np.arange(n.x_class["input"].start, n.x_class["input"].stop)
+        self.nf, self.ne = len(self.F), n.ne
+        self.flexibility = flexibility
+        self.scale, self.e_scale = m.scale, m.deformation_scale
+        # an angle enters by directions, whose components are of size one: l (phi - beta) is known to eps l at phi = 0
+        self.least = np.ones(n.nx)
+        self.least[n.positions] = 0.0
+        self.rest = np.zeros(n.nx)
+        self.held = np.zeros(n.nx)
+        first = dynamics.law.first
+        self.active = np.arange(n.ne) >= first
+        self.passive = self.active & (self.flexibility.coupled == 0.0)
+        self.constrained = np.arange(n.ne) < n.e_class["input"].stop
+        given = np.arange(n.e_class["dynamic"].stop)
+        self.slips = given[n.slips[given]]
+        xk, ek = n.x_class["kinematic"], n.e_class["kinematic"]
+        self.x_kinematic, self.e_kinematic = np.arange(xk.start, xk.stop), np.arange(ek.start, ek.stop)
+
+    def given(self, y: Array) -> Given:
+        """Prescribed values of the present drive; y holds the kinematic ones."""
+        d, n = self.d, self.d.numbering
+        x, e = d.given(d.drive.at(0.0), y)
+        e[n.e_class["dynamic"]] = 0.0
+        return Given(x, e)
+
+    def motion(self, x: Array) -> Motion | None:
+        """v and a at the configuration of the sweep. Raises SingularMatrixError where they are not determined."""
+        if not self.moving:
+            return None
+        d, n, k = self.d, self.d.numbering, self.d.kinematics
+        k.x = x
+        k.refactor()
+        drive, n_xm = d.drive.at(0.0), d.n_xm
+        xd, ed = np.zeros(n.nx), np.zeros(n.ne)
+        xd[n.x_class["input"]], ed[n.e_class["input"]] = drive.xd, drive.ed
+        xd[n.x_class["dynamic"]], ed[n.e_class["dynamic"]] = self.rates[:n_xm], self.rates[n_xm:]
+        v = k.dependent(xd, ed)
+        convective = d.sweep.convective(v)
+        a = k.dependent(np.zeros(n.nx), -convective)
+        return Motion(v, a, d.sweep.rate(v), d.sweep.rate(a) + convective, convective)
+
+    def law_offset(self, motion: Motion | None, user: UserForces | None) -> Array:
+        """sigma_1 on the active rows, M_e edd on all of them, (ne,)."""
+        d = self.d
+        offset = d.law.preload.copy()
+        if motion is not None:
+            offset += d.law(np.zeros(self.ne), motion.ed) - d.law.preload
+            offset += d.coupling.stress(motion.edd)
+        if user is not None:
+            offset += np.where(self.active, user.sigma, 0.0)
+        return offset
+
+    def point(self, x: Array, sigma: Array, given: Given) -> Iterate:
+        """Evaluate at x (nx,), sigma (ne,); leaves the sweep there. Raises SingularMatrixError as `motion`."""
+        d, sweep, C = self.d, self.d.sweep, self.flexibility
+        sweep.strain(x)
+        motion = self.motion(x)
+        v, a = (self.rest, None) if motion is None else (motion.v, motion.a)
+        user = None
+        if d.forces.user is not None:
+            ed = np.zeros(self.ne) if motion is None else motion.ed
+            user = d.forces.user(0.0, sweep.e, ed, x, v)
+        offset = self.law_offset(motion, user)
+        if user is None:
+            sigma = np.where(self.passive, offset, sigma)
+        applied, inertia = d.forces(x, user), d.forces.inertia(sweep, v)
+        if a is not None:
+            sweep.mass()
+            inertia += sweep.mass_times(a)
+        force = applied - inertia - sweep.rate_transposed(sigma) - self.held
+        gap = C.coupled * (sweep.e - given.e) - C.times(np.where(self.constrained, 0.0, sigma - offset))
+        slip = 0.0
+        work_size = max(largest(sigma * self.e_scale), largest(applied * self.scale))
+        if len(self.slips):
+            lacking = (offset - sigma)[self.slips] * ~self.constrained[self.slips]
+            slip = largest(lacking * self.e_scale[self.slips])
+            k = self.x_kinematic
+            gap[self.slips] = np.concatenate((x[k] - given.x[k], sweep.e[self.e_kinematic] - given.e[self.e_kinematic]))
+        entries = np.abs(sweep.v_entries)
+        forces = np.bincount(sweep.v_columns, entries * np.abs(sigma)[sweep.v_rows], d.numbering.nx)
+        forces = forces + np.abs(applied) + np.abs(inertia)
+        size = np.maximum(np.abs(x), self.least)
+        lengths = np.bincount(sweep.v_rows, entries * size[sweep.v_columns], self.ne) * (C.coupled != 0.0)
+        right = np.concatenate((force[self.F], -C.size * gap))
+        rounding = FLOOR * np.concatenate((forces[self.F], C.size * lengths))
+        return Iterate(
+            x, sigma, right, rounding, largest(force[self.F]), largest((force * self.scale)[self.F]), work_size,
+            largest(gap / self.e_scale), bool((np.abs(right) <= rounding).all()), slip, motion, user,
+        )  # fmt: skip
+
+    def balanced(self, p: Iterate) -> Array:
+        """sigma (ne,) of the point with those of the rows fixed, prescribed and dynamic from the equilibrium of the
+        other coordinates. Raises SingularMatrixError where the degrees of freedom do not determine the configuration.
+        """
+        d = self.d
+        d.sweep.strain(p.x)
+        d.kinematics.x = p.x
+        d.kinematics.refactor()
+        force = -d.sweep.rate_transposed(p.sigma)
+        force[self.F] -= p.right[: self.nf]
+        sigma = p.sigma.copy()
+        d.kinematics.reactions(force, sigma)
+        return sigma

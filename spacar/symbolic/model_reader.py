@@ -1,0 +1,379 @@
+"""Model files: TOML text (or a small Python script) to a `MultibodySystem` with parameter values, start and settings.
+
+Errors name the file, the table, the key, and what was expected; expressions by `Description.expression`.
+The format: `symbolic.md`, section 7; the keys: `model_tables.py`.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import sympy as sp
+
+from spacar.errors import UsageError
+from spacar.symbolic.beam_shapes import FAMILIES, X
+from spacar.symbolic.constraints import check_constraints
+from spacar.symbolic.model_file import ModelFile, label_of
+from spacar.symbolic.model_tables import KINDS, REFERENCES, TABLES
+from spacar.symbolic.name_rules import is_name, is_output
+from spacar.symbolic.reference_frames import ReferenceFrame
+from spacar.symbolic.script import SymbolicModel, read_script
+from spacar.symbolic.system import MultibodySystem
+from spacar.symbolic.system_parts import CrossSection, GeometricPoint
+from spacar.symbolic.unit_vectors import TIME
+from spacar.symbolic.vectors import ZERO, Vector
+
+
+def read_model(path: Path | str) -> SymbolicModel:
+    """Read NAME.toml, or run NAME.py, which must define `system` and may define values, start, settings, outputs.
+
+    Raises InputError (one message, the first that is found) or UsageError when there is no such file.
+    """
+    path = Path(path)
+    if not path.exists() and not path.suffix:
+        path = path.with_suffix(".toml")
+    if not path.is_file():
+        raise UsageError(f"{path}: there is no such model file", "file")
+    return read_script(path) if path.suffix == ".py" else _TomlReader(path).read()
+
+
+def read_model_text(text: str, path: Path) -> SymbolicModel:
+    """The model of a text, with the name of a file that need not exist. Raises InputError."""
+    return _TomlReader(path, text.encode()).read()
+
+
+class _TomlReader(ModelFile):
+    """From the tables of one file to a system."""
+
+    def __init__(self, path: Path, data: bytes | None = None) -> None:
+        super().__init__(path, data)
+        self.guess: dict[str, float] = {}
+        self.symbols: dict[str, sp.Symbol] = {}
+        self.beam_start: dict[str, float] = {}
+        self.turning: dict[str, list[list[Any]]] = {}
+        self.scalars: dict[str, sp.Expr] = {}
+        self.frames: dict[str, ReferenceFrame | CrossSection] = {}
+        self.points: dict[str, GeometricPoint] = {}
+
+    def read(self) -> SymbolicModel:
+        tables = self.tables()
+        values = self._parameters(tables.get("parameters", {}))
+        system_table = self.single(tables, "system")
+        system = self.system = MultibodySystem(title=system_table.get("title", self.path.stem))
+        system.parameters_declared = self.symbols
+        start = self._coordinates(tables.get("coordinates", {}))
+        self.place = "[system] gravity"
+        system.gravity = self._vector(system_table.get("gravity", [0, 0, 0]), system.N)
+        start |= self._speeds(self.rows(tables, "speed"))
+        start |= self._quaternions(self.rows(tables, "attitude"))
+        self._kinematics(self.rows(tables, "kinematic"))
+        self.frames["N"], self.points["O"] = system.N, system.O
+        self._resolve(tables)
+        start |= self.beam_start
+        for table, make in (("body", self._body), ("force", self._force), ("distributed", self._distributed),
+                            ("torque", self._torque), ("spring", self._spring), ("constraint", self._constraint),
+                            ("close", self._close)):  # fmt: skip
+            for number, row in enumerate(self.rows(tables, table), 1):
+                self.place = label_of(table, row, number)
+                self.guarded(make, row, number)
+        settings = self.single(tables, "simulate") | ({"guess": self.guess} if self.guess else {})
+        outputs = self._outputs(tables.get("outputs", {}))
+        declared = frozenset(tables.get("parameters", {}))
+        return SymbolicModel(self.path, system, values, start, settings, outputs, declared, self.sha256)
+
+    def expression(self, value: Any, extra: dict[str, sp.Expr] | None = None, outputs: bool = False) -> sp.Expr:
+        if isinstance(value, bool) or not isinstance(value, (str, int, float)):
+            self.fail(f"must be {KINDS['expression'][0]}, not {value!r}")
+        try:
+            return self.system.expression(value, extra, outputs)
+        except UsageError as error:
+            self.fail(str(error), error.code)
+
+    def _vector(self, values: list[Any], frame: ReferenceFrame, names: dict[str, sp.Expr] | None = None) -> Vector:
+        if len(values) != 3:
+            self.fail(f"must be a list of 3 expressions, not {len(values)}")
+        return sum((self.expression(v, names) * frame[i] for i, v in enumerate(values, 1)), ZERO)
+
+    # -- scalars -----------------------------------------------------------------------------------------------
+
+    def _parameters(self, table: Any) -> dict[str, float]:
+        self.place = "[parameters]"
+        if not isinstance(table, dict):
+            self.fail("must be one table, written [parameters]")
+        values: dict[str, float] = {}
+        for name, value in table.items():
+            self.place = f"[parameters] {name}"
+            self.claim(name, self.place)
+            self.symbols[name] = sp.Symbol(name, real=True)
+            if value == "":
+                continue  # a value must come from --set
+            if isinstance(value, bool) or not isinstance(value, (int, float)):
+                self.fail(f'must be a number (or "" for a value given later), not {value!r}')
+            values[name] = float(value)
+        return values
+
+    def _coordinates(self, table: Any) -> dict[str, float]:
+        start: dict[str, float] = {}
+        self.place = "[coordinates]"
+        if not isinstance(table, dict):
+            self.fail("must be one table, written [coordinates]")
+        for name, row in table.items():
+            self.place = f"[coordinates] {name}"
+            if not isinstance(row, dict):
+                self.fail(f'must be a table such as {{ speed = "s", start = 0.0 }}, not {row!r}')
+            self.checked(row, TABLES["coordinate"])
+            self.claim(name, self.place)
+            self.scalars[name] = self.system.coordinate(name)
+            for key, what in (("start", start), ("guess", self.guess)):
+                if key in row:
+                    what[name] = float(row[key])
+            if "speed" in row:
+                self.claim(row["speed"], self.place)
+                speed = self.scalars[row["speed"]] = self.system.speed(row["speed"])
+                self.system.kinematic(self.scalars[name], speed)
+                if "speed_start" in row:
+                    start[row["speed"]] = float(row["speed_start"])
+        return start
+
+    def _speeds(self, rows: list[dict[str, Any]]) -> dict[str, float]:
+        start = {}
+        for row in rows:
+            place = f"[[speed]] {row['name']}"
+            self.claim(row["name"], place)
+            self.scalars[row["name"]] = self.system.speed(row["name"])
+            if "start" in row:
+                start[row["name"]] = float(row["start"])
+        return start
+
+    def _quaternions(self, rows: list[dict[str, Any]]) -> dict[str, float]:
+        """Coordinates and speeds of attitudes; their frames are made when their parents are known."""
+        start: dict[str, float] = {}
+        for number, row in enumerate(rows, 1):
+            self.place = label_of("attitude", row, number)
+            made = []
+            for key, indices, values, make in (
+                ("quaternion", (0, 1, 2, 3), "start", self.system.coordinate),
+                ("speed", (1, 2, 3), "speed_start", self.system.speed),
+            ):
+                names = [f"{row[key]}{i}" for i in indices]
+                for name in names:
+                    self.claim(name, self.place)
+                made.append([make(name) for name in names])
+                numbers = row.get(values, [])
+                wrong = [v for v in numbers if isinstance(v, bool) or not isinstance(v, (int, float))]
+                if wrong or len(numbers) not in (0, len(names)):
+                    self.fail(f"key '{values}' must be a list of {len(names)} numbers, not {numbers!r}")
+                start |= dict(zip(names, map(float, numbers), strict=False))
+            self.turning[row["name"]] = made
+        return start
+
+    def _attitude(self, row: dict[str, Any]) -> None:
+        quaternion, speeds = self.turning[row["name"]]
+        parent = self.frame_of(row, "parent")
+        made = self.system.attitude(row["name"], parent, quaternion, speeds, row.get("symbol"))
+        self.frames[row["name"]] = made
+
+    def _kinematics(self, rows: list[dict[str, Any]]) -> None:
+        for number, row in enumerate(rows, 1):
+            self.place = f"[[kinematic]] {number} coordinate"
+            q = self.scalars.get(row["coordinate"])
+            if q not in self.system.coordinates:
+                self.fail(f"'{row['coordinate']}' is not a coordinate")
+            self.place = f"[[kinematic]] {number} rate"
+            self.system.kinematic(q, self.expression(row["rate"]))
+        turning = {q for quaternion, _ in self.turning.values() for q in quaternion}
+        for q in self.system.coordinates:
+            if q not in turning and q.diff(TIME) not in self.system.rates:
+                self.place = f"[coordinates] {q.func}"
+                self.fail("the coordinate needs a speed, or a [[kinematic]] table")
+
+    # -- frames, points, beams ---------------------------------------------------------------------------------
+
+    def _resolve(self, tables: dict[str, Any]) -> None:
+        """Make frames, points and beams as soon as what they refer to exists."""
+        makers = {"frame": self._frame, "attitude": self._attitude, "point": self._point, "beam": self._beam}
+        waiting = [(table, n, row) for table in makers for n, row in enumerate(self.rows(tables, table), 1)]
+        for table, n, row in waiting:
+            self.place = label_of(table, row, n)
+            self.claim(row["name"], self.place)
+        names = {f"{row['name']}.tip" if table == "beam" else row["name"] for table, _, row in waiting}
+        while waiting:
+            ready = [item for item in waiting if not self._missing(*item)]
+            for table, n, row in ready:
+                self.place = label_of(table, row, n)
+                self.guarded(makers[table], row)
+            waiting = [item for item in waiting if item not in ready]
+            if not ready and waiting:
+                unknown = [(item, [r for r in self._missing(*item) if r not in names]) for item in waiting]
+                (table, n, row), missing = next((u for u in unknown if u[1]), (waiting[0], []))
+                self.place = label_of(table, row, n)
+                if missing:
+                    self.fail(f"refers to {missing}, which is not defined")
+                self.fail(f"refers to {self._missing(table, n, row)}, which depends on it in a cycle")
+
+    def _missing(self, table: str, n: int, row: dict[str, Any]) -> list[str]:
+        missing = []
+        for key in REFERENCES[table]:
+            name = row.get(key)
+            home = self.points if key in ("base", "root") else self.frames
+            if name is not None and name not in home:
+                missing.append(name)
+        return missing
+
+    def frame_of(self, row: dict[str, Any], key: str, default: ReferenceFrame | None = None) -> Any:
+        name = row.get(key)
+        if name is None and default is not None:
+            return default
+        if name not in self.frames:
+            self.fail(f"{key} refers to ['{name}'], which is not defined")
+        return self.frames[name]
+
+    def point_of(self, row: dict[str, Any], key: str) -> GeometricPoint:
+        if row[key] not in self.points:
+            self.fail(f"{key} refers to ['{row[key]}'], which is not defined")
+        return self.points[row[key]]
+
+    def components_in(self, row: dict[str, Any]) -> ReferenceFrame:
+        frame = self.frame_of(row, "in", self.system.N)
+        return frame.frame if isinstance(frame, CrossSection) else frame
+
+    def _frame(self, row: dict[str, Any]) -> None:
+        parent = self.frame_of(row, "parent")
+        place = self.place
+        self.place = f"{place} angle"
+        value = row["angle"]
+        angle: Any = [self.expression(a) for a in value] if isinstance(value, list) else self.expression(value)
+        self.place = place
+        if not is_name(row.get("symbol", "b")):
+            self.fail(f"key 'symbol' must be a name (letters, digits and _), not {row['symbol']!r}")
+        self.frames[row["name"]] = self.system.frame(row["name"], parent, row["axis"], angle, row.get("symbol"))
+
+    def _point(self, row: dict[str, Any]) -> None:
+        frame, base = self.components_in(row), self.point_of(row, "base")
+        self.place += " offset"
+        self.points[row["name"]] = self.system.point(row["name"], base, self._vector(row["offset"], frame))
+
+    def _beam(self, row: dict[str, Any]) -> None:
+        place = self.place
+        options: dict[str, Any] = {}
+        for key in ("length", "mass", "EI", "damping", "GJ", "polar", "EA"):
+            if key in row:
+                self.place = f"{place} {key}"
+                value = row[key]
+                names = {} if key in ("length", "damping") else {"x": X}
+                values = [self.expression(v, names) for v in (value if isinstance(value, list) else [value])]
+                options[key] = tuple(values) if isinstance(value, list) else values[0]
+        for key in ("field", "twist", "stretch"):
+            if key in row:
+                self.place = f"{place} {key}"
+                options[key] = self._shapes(row[key])
+        self.place = place
+        options |= {key: row[key] for key in ("damping_boundary", "foreshortening") if key in row}
+        if "bends" in row:
+            options["bends"] = tuple(row["bends"]) if isinstance(row["bends"], list) else row["bends"]
+        beam = self.system.beam(row["name"], self.frame_of(row, "frame"), self.point_of(row, "root"), **options)
+        for key, states in (("start", beam.coordinates), ("speed_start", beam.speeds)):
+            numbers = row.get(key, [])
+            wrong = [v for v in numbers if isinstance(v, bool) or not isinstance(v, (int, float))]
+            if wrong or len(numbers) not in (0, len(states)):
+                self.fail(f"key '{key}' must be a list of {len(states)} numbers, not {numbers!r}")
+            self.beam_start |= {str(s.func): float(v) for s, v in zip(states, numbers, strict=False)}
+        tip = f"{row['name']}.tip"
+        self.frames[tip] = self.points[tip] = beam.tip
+
+    def _shapes(self, value: Any) -> Any:
+        if isinstance(value, int):
+            return value
+        if isinstance(value, str):
+            family, _, number = value.partition(" ")
+            if family not in FAMILIES or not number.strip().isdigit():
+                self.fail(f"'{value}' is not a family of shapes with a number ({', '.join(FAMILIES)})")
+            return FAMILIES[family](int(number))
+        if value and all(isinstance(v, list) for v in value):
+            return tuple(self._shapes(v) for v in value)
+        return tuple(self.expression(v, {"x": X}) for v in value)
+
+    # -- bodies, loads, constraints ----------------------------------------------------------------------------
+
+    def _body(self, row: dict[str, Any], number: int) -> None:
+        self.claim(row["name"], self.place)
+        mass, point = self.expression(row["mass"]), self.point_of(row, "at")
+        if "frame" not in row:
+            self.system.particle(row["name"], point, mass)
+            return
+        inertia = [self.expression(v) for v in row.get("inertia", [])]
+        if len(inertia) not in (0, 3, 6):
+            self.fail(f"key 'inertia' must be a list of 3 or 6 expressions, not {len(inertia)}")
+        self.system.rigid_body(row["name"], self.frame_of(row, "frame"), point, mass, inertia)
+
+    def _load(self, row: dict[str, Any], number: int, kind: str) -> Vector:
+        """Every measure number that is not constant zero becomes an input with that law."""
+        frame, place = self.components_in(row), self.place
+        self.place = f"{place} vector"
+        if len(row["vector"]) != 3:
+            self.fail(f"must be a list of 3 expressions, not {len(row['vector'])}")
+        laws = [self.expression(v) for v in row["vector"]]
+        self.place = place
+        stem = row.get("name", f"{kind}{number}")
+        acting = [i for i, law in enumerate(laws, 1) if law != 0]
+        total = ZERO
+        for i in acting:
+            name = stem if len(acting) == 1 else f"{stem}_{i}"
+            self.claim(name, place)
+            total += self.system.input(name, laws[i - 1]) * frame[i]
+        return total
+
+    def _force(self, row: dict[str, Any], number: int) -> None:
+        point = self.point_of(row, "at")
+        self.system.force(point, self._load(row, number, "force"))
+
+    def _distributed(self, row: dict[str, Any], number: int) -> None:
+        beam = next((b for b in self.system.beams if b.name == row["beam"]), None)
+        if beam is None:
+            self.fail(f"beam refers to ['{row['beam']}'], which is not defined")
+        frame = self.components_in(row)
+        self.place += " vector"
+        self.system.distributed(beam, self._vector(row["vector"], frame, {"x": X}))
+
+    def _torque(self, row: dict[str, Any], number: int) -> None:
+        frame = self.frame_of(row, "frame")
+        reaction = self.frame_of(row, "reaction") if "reaction" in row else None
+        self.system.torque(frame, self._load(row, number, "torque"), reaction)
+
+    def _spring(self, row: dict[str, Any], number: int) -> None:
+        numbers = [self.expression(row.get(key, 0)) for key in ("stiffness", "length", "damping")]
+        self.system.spring(self.point_of(row, "from"), self.point_of(row, "to"), *numbers)
+
+    def _constraint(self, row: dict[str, Any], number: int) -> None:
+        if ("expression" in row) == ("point" in row) or ("point" in row) != ("direction" in row):
+            self.fail("needs either key 'expression', or keys 'point' and 'direction'")
+        if "point" in row:
+            direction = self._vector(row["direction"], self.components_in(row))
+            expression = self.point_of(row, "point").velocity & direction
+        else:
+            expression = self.expression(row["expression"])
+        self.system.constraint(expression, row.get("name"))
+        check_constraints(self.system)
+
+    def _close(self, row: dict[str, Any], number: int) -> None:
+        axes, frame = row.get("directions", [1, 2, 3]), self.components_in(row)
+        if not axes or not all(type(a) is int and a in (1, 2, 3) for a in axes) or len(set(axes)) != len(axes):
+            self.fail(f"key 'directions' must be axes out of 1, 2 and 3, not {axes!r}")
+        a, b = self.point_of(row, "from"), self.point_of(row, "to")
+        self.system.close(a, b, [frame[i] for i in axes], row.get("name"))
+        check_constraints(self.system)
+
+    # -- outputs -----------------------------------------------------------------------------------------------
+
+    def _outputs(self, table: Any) -> dict[str, sp.Expr]:
+        self.place = "[outputs]"
+        if not isinstance(table, dict):
+            self.fail("must be one table, written [outputs]")
+        result = {}
+        for name, value in table.items():
+            self.place = f"[outputs] {name}"
+            if not is_output(name):
+                self.fail(f"{name!r} is not a name for an output (letters, digits, blanks and _.+-()[])", "name")
+            result[name] = self.expression(value, outputs=True)
+        return result

@@ -1,0 +1,143 @@
+"""Frames: three unit vectors each, how they turn, and the angular velocities between them.
+
+    ω(A,B) = −ω(B,A),   ω(A,C) = ω(A,B) + ω(B,C),   du/dt seen from A = ω(A,B) × u for u fixed in B
+
+Source: the paper, tables 4 and 6; `symbolic.md`, section 2.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import count
+from typing import Any
+
+import sympy as sp
+
+from spacar.errors import UsageError
+from spacar.symbolic.unit_vectors import TIME, HeldScalar, Unit, UnitDot
+from spacar.symbolic.vectors import ZERO, Vector, cross, dot
+
+_serials: Iterator[int] = count()
+
+
+@dataclass(frozen=True)
+class Rotation:
+    """A frame obtained by turning `parent` about its own axis `axis` (1, 2, 3) by `angle` [rad]."""
+
+    parent: ReferenceFrame
+    axis: int
+    angle: sp.Expr
+
+
+@dataclass(frozen=True)
+class Attitude:
+    """A frame whose direction cosines `matrix` (parent_i · frame_j) are given, not as a turn about an axis."""
+
+    parent: ReferenceFrame
+    matrix: sp.Matrix
+
+
+class ReferenceFrame:
+    """A set of three right-handed orthonormal unit vectors, `frame[1]`, `frame[2]`, `frame[3]`.
+
+    `symbol` is the letter of the unit vectors in print; families of frames may use `b1`, `b2`, … as symbols.
+
+    >>> N = ReferenceFrame("N", "n")
+    >>> print(N[1] ^ N[2])
+    n3
+    """
+
+    def __init__(self, name: str, symbol: str | None = None) -> None:
+        self.name = name
+        self.symbol = symbol or name.lower()
+        self.serial = next(_serials)
+        self.rotation: Rotation | None = None
+        self.attitude: Attitude | None = None
+        self.is_section = False  # the end section of a beam: turns on it are added to its own slope
+        self.relative: dict[ReferenceFrame, Vector] = {}  # angular velocities of directly known neighbours
+        self.directions = {i: (self.serial, i) for i in (1, 2, 3)}
+
+    def __getitem__(self, i: int) -> Vector:
+        return Vector({self.unit(i): sp.S.One})
+
+    def unit(self, i: int) -> Unit:
+        """The key of unit vector `i`; ValueError unless i is 1, 2 or 3."""
+        if i not in (1, 2, 3):
+            raise ValueError(f"frame {self.name} has unit vectors 1, 2 and 3, not {i!r}")
+        return Unit(self, i)
+
+    def turned(self, name: str, axis: int, angle: Any, symbol: str | None = None) -> ReferenceFrame:
+        """A new frame turned about `self[axis]` by `angle`, with its angular velocity and the shared axis.
+
+        >>> from sympy.physics.vector import dynamicsymbols
+        >>> q = dynamicsymbols("q")
+        >>> N = ReferenceFrame("N"); B = N.turned("B", 3, q)
+        >>> print(N[3] & B[3], N[3] & B[1], N[1] & B[1])
+        1 0 n1.b1
+        """
+        frame = ReferenceFrame(name, symbol)
+        angle = sp.sympify(angle)
+        frame.rotation = Rotation(self, axis, angle)
+        frame.directions[axis] = self.directions[axis]
+        speed = frame[axis] * angle.diff(TIME)
+        frame.relative[self] = -speed
+        self.relative[frame] = speed
+        return frame
+
+    def held_rate(self, atom: HeldScalar) -> sp.Expr:
+        """Time derivative of a held product whose last factor is fixed here."""
+        return held_rate(atom)
+
+    def __repr__(self) -> str:
+        return f"ReferenceFrame({self.name!r})"
+
+
+def set_omega(base: ReferenceFrame, frame: ReferenceFrame, omega: Vector) -> Vector:
+    """Define the angular velocity of `frame` relative to `base` (which may rotate itself); returns it.
+
+    >>> s = sp.symbols("s1:4"); N, B = ReferenceFrame("N"), ReferenceFrame("B")
+    >>> print(set_omega(N, B, s[0] * N[1] + s[1] * N[2] + s[2] * N[3]))
+    s1 n1 + s2 n2 + s3 n3
+    """
+    base.relative[frame] = omega
+    frame.relative[base] = -omega
+    return omega
+
+
+def omega(base: ReferenceFrame, frame: ReferenceFrame) -> Vector:
+    """Angular velocity of `frame` relative to `base`, summed along the shortest chain of known pairs.
+
+    Raises UsageError when no chain connects the two frames.
+    """
+    reached: dict[ReferenceFrame, Vector] = {base: ZERO}
+    waiting = deque([base])
+    while waiting:
+        here = waiting.popleft()
+        if here is frame:
+            return reached[here]
+        for neighbour, step in here.relative.items():
+            if neighbour not in reached:
+                reached[neighbour] = reached[here] + step
+                waiting.append(neighbour)
+    raise UsageError(f"no angular velocity is known between frames {base.name} and {frame.name}")
+
+
+def unit_rate(frame: ReferenceFrame, u: Unit) -> Vector:
+    return ZERO if u.frame is frame else cross(omega(frame, u.frame), Vector({u: 1}))
+
+
+def held_rate(atom: HeldScalar) -> sp.Expr:
+    """Time derivative of a held dot or triple product, seen from the frame of its last factor.
+
+    d(a·b)/dt = (ω × a)·b with ω the angular velocity of a's frame relative to b's; every observer agrees.
+    """
+    *others, last = atom.units
+    observer = last.frame
+    vectors = [Vector({u: 1}) for u in others]
+    rates = [unit_rate(observer, u) for u in others]
+    fixed = Vector({last: 1})
+    if isinstance(atom, UnitDot):
+        return dot(rates[0], fixed)
+    return dot(cross(rates[0], vectors[1]) + cross(vectors[0], rates[1]), fixed)

@@ -1,0 +1,178 @@
+"""The parts of a system as records: points, sections, beams, bodies, loads. They hold, they do not compute."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import sympy as sp
+
+from spacar.symbolic.beam_shapes import X, integral
+from spacar.symbolic.fields import Field, Foreshortening
+from spacar.symbolic.reference_frames import ReferenceFrame
+from spacar.symbolic.vectors import ZERO, Dyad, Vector
+
+
+@dataclass(frozen=True, eq=False)
+class GeometricPoint:
+    """A point at `offset` from `base`. `velocity` (in N) was given by the user when `given` is set."""
+
+    name: str
+    base: GeometricPoint | None
+    offset: Vector
+    velocity: Vector
+    given: bool = False
+
+    @property
+    def position(self) -> Vector:
+        """Vector from the origin."""
+        return self.offset if self.base is None else self.base.position + self.offset
+
+
+@dataclass(frozen=True, eq=False)
+class Pseudo:
+    """A boundary value of a field treated as a coordinate while deriving (pseudo-coordinate of the paper, (5)).
+
+    `value` is the assumed field at the section, `gradient` ∂value/∂φ_k.
+    """
+
+    coordinate: sp.Expr
+    speed: sp.Expr
+    value: sp.Expr
+    gradient: dict[sp.Expr, sp.Expr]
+
+    def rate(self, speeds: dict[sp.Expr, sp.Expr]) -> sp.Expr:
+        """s' = Σ g_k dφ_k for {φ_k: dφ_k}."""
+        return sp.Add(*(g * speeds[q] for q, g in self.gradient.items()))
+
+    def acceleration(self, speeds: dict[sp.Expr, sp.Expr], accelerations: dict[sp.Expr, sp.Symbol]) -> sp.Expr:
+        """ṡ' = Σ g_k dφ̇_k + Σ ∂g_k/∂φ_j dφ_j dφ_k."""
+        own = [g * accelerations[speeds[q]] for q, g in self.gradient.items()]
+        bias = [g.diff(r) * speeds[q] * speeds[r] for q, g in self.gradient.items() for r in speeds]
+        return sp.Add(*own, *bias)
+
+
+@dataclass(frozen=True, eq=False)
+class CrossSection(GeometricPoint):
+    """A cross-section of a beam: a point with a frame of its own, and the values of the fields there.
+
+    `u`, `w` deflections, `slope`, `slope_w` their derivatives to x, `twist`, `stretch`; zero when there is no field.
+    """
+
+    frame: ReferenceFrame = field(default_factory=lambda: ReferenceFrame("section"))
+    values: dict[str, sp.Expr] = field(default_factory=dict)
+
+    def __getattr__(self, name: str) -> sp.Expr:
+        values = object.__getattribute__(self, "values")
+        if name in ("u", "w", "slope", "slope_w", "twist", "stretch"):
+            return values.get(name, sp.S.Zero)
+        raise AttributeError(name)
+
+
+@dataclass(frozen=True, eq=False)
+class Beam:
+    """A beam along axis 1 of `frame` from `root`; mass per length, length, fields, damping.
+
+    `offset` is the vector from the root to the mass point x in field symbols u(x, t).
+    """
+
+    name: str
+    frame: ReferenceFrame
+    root: GeometricPoint
+    length: sp.Expr
+    mass: sp.Expr
+    polar: sp.Expr
+    damping: sp.Expr
+    damping_boundary: bool
+    fields: tuple[Field, ...]
+    shortening: Foreshortening | None
+    offset: Vector
+    sections: dict[sp.Expr, CrossSection] = field(default_factory=dict)
+
+    @property
+    def tip(self) -> CrossSection:
+        return self.sections[self.length]
+
+    @property
+    def total_mass(self) -> sp.Expr:
+        """∫ρ dx [kg]."""
+        return integral(self.mass, X, self.length)
+
+    @property
+    def bending(self) -> tuple[Field, ...]:
+        return tuple(f for f in self.fields if f.kind == "bending")
+
+    def kind(self, kind: str) -> Field | None:
+        return next((f for f in self.fields if f.kind == kind), None)
+
+    @property
+    def coordinates(self) -> tuple[sp.Expr, ...]:
+        return tuple(q for f in self.fields for q in f.coordinates)
+
+    @property
+    def speeds(self) -> tuple[sp.Expr, ...]:
+        return tuple(s for f in self.fields for s in f.speeds)
+
+
+@dataclass(frozen=True, eq=False)
+class RigidBody:
+    """A rigid body or particle: mass [kg] at its mass centre `point`, central inertia dyad [kg m²] (0: particle)."""
+
+    name: str
+    point: GeometricPoint
+    mass: sp.Expr
+    frame: ReferenceFrame | None = None
+    inertia: Dyad = field(default_factory=Dyad)
+
+
+@dataclass(frozen=True, eq=False)
+class Load:
+    """A force [N] at a point, or a torque [N m] on a frame with its reaction on another frame (or None)."""
+
+    vector: Vector
+    point: GeometricPoint | None = None
+    frame: ReferenceFrame | None = None
+    reaction: ReferenceFrame | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class DistributedLoad:
+    """A force per length [N/m] on a beam: Σ vector · g(x) of `parts`, the vectors without x."""
+
+    beam: Beam
+    parts: tuple[tuple[Vector, sp.Expr], ...]
+
+    @property
+    def vector(self) -> Vector:
+        """The force per length as a function of x."""
+        return sum((v * g for v, g in self.parts), ZERO)
+
+
+@dataclass(frozen=True, eq=False)
+class Spring:
+    """A linear spring and damper between two points: force k (l − l0) + c l̇ along the line that joins them."""
+
+    a: GeometricPoint
+    b: GeometricPoint
+    stiffness: sp.Expr
+    rest: sp.Expr
+    damping: sp.Expr
+    length: sp.Expr
+    lengthening: sp.Expr
+    direction: Vector
+
+    def energy(self) -> sp.Expr:
+        return self.stiffness * (self.length - self.rest) ** 2 / 2
+
+    def loads(self) -> tuple[Load, Load]:
+        tension = self.stiffness * (self.length - self.rest) + self.damping * self.lengthening
+        return Load(self.direction * tension, self.a), Load(-self.direction * tension, self.b)
+
+
+@dataclass(frozen=True, eq=False)
+class Constraint:
+    """velocity = 0, linear in the speeds; for a position constraint `position` = 0 too. `force` is its λ."""
+
+    name: str
+    velocity: sp.Expr
+    position: sp.Expr | None
+    force: sp.Symbol

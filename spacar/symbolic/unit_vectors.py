@@ -1,0 +1,188 @@
+"""Unit vectors of frames, and the scalars that appear when two frames meet.
+
+A vector is a linear combination of *keys*. A key is a unit vector (`Unit`) or the held cross product of two
+unit vectors of different frames (`HeldCross`). Products of keys follow from identities alone; no direction
+cosine is ever needed (reference `symbolic.md`, section 2; a, b, c, d unit vectors of any frames):
+
+    (a×b)·c = (c×a)·b = (b×c)·a          two factors of one frame: becomes a single dot
+    (a×b)×c = b (a·c) − a (b·c)          so a held cross product is never nested
+    (a×b)·(c×d) = (a·c)(b·d) − (a·d)(b·c)
+
+What stays unevaluated is a scalar atom: `UnitDot` (two frames) or `UnitTriple` (three frames). Frames that turn
+about a common axis share that unit vector, which is an identity and not a transformation.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import Any
+
+import sympy as sp
+from sympy.physics.vector import dynamicsymbols
+
+TIME = dynamicsymbols._t
+"""The symbol of time, the one of `sympy.physics.vector`, so that coordinates q(t) may be shared with SymPy."""
+
+
+@dataclass(frozen=True)
+class Unit:
+    """Unit vector `index` of `frame`: the first kind of key."""
+
+    frame: Any  # a `ReferenceFrame`, which stands above; here only its serial, symbol and directions are read
+    index: int
+    order: tuple[int, int] = field(init=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "order", (self.frame.serial, self.index))
+
+    @property
+    def sort_key(self) -> tuple[int, ...]:
+        return (0, *self.order)
+
+    def __str__(self) -> str:
+        return f"{self.frame.symbol}{self.index}"
+
+
+@dataclass(frozen=True)
+class HeldCross:
+    """a×b of unit vectors of two frames, the frame that was made first standing first: the second kind of key."""
+
+    a: Unit
+    b: Unit
+
+    @property
+    def sort_key(self) -> tuple[int, ...]:
+        return (1, *self.a.order, *self.b.order)
+
+    def __str__(self) -> str:
+        return f"{self.a} >< {self.b}"
+
+
+def unit_latex(u: Unit) -> str:
+    head = re.fullmatch(r"(\D*)(.*)", u.frame.symbol)
+    assert head is not None
+    return rf"\hat{{{head[1]}}}_{{{head[2]}{u.index}}}"
+
+
+Key = Unit | HeldCross
+Terms = list[tuple[int, Key]]  # a few keys with signs: what a cross product of two units gives
+
+
+class HeldScalar(sp.Expr):
+    """A product of unit vectors of different frames, not evaluated; it knows its time derivative."""
+
+    is_Atom = True
+    is_commutative = True
+    is_real = True
+    is_number = False
+    units: tuple[Unit, ...]
+
+    def __new__(cls, *units: Unit) -> HeldScalar:
+        atom = sp.Expr.__new__(cls)
+        atom.units = units
+        return atom
+
+    def _hashable_content(self) -> tuple[Any, ...]:
+        return tuple((u.frame.symbol, u.index, u.frame.serial) for u in self.units)
+
+    @property
+    def free_symbols(self) -> set[sp.Symbol]:
+        return {TIME}
+
+    def _eval_derivative(self, s: sp.Symbol) -> sp.Expr:
+        rate: sp.Expr = self.units[-1].frame.held_rate(self) if s == TIME else sp.S.Zero
+        return rate
+
+    def _eval_derivative_n_times(self, s: sp.Symbol, n: Any) -> sp.Expr:
+        result: sp.Expr = self
+        for _ in range(int(n)):
+            result = result.diff(s) if result is not self else self._eval_derivative(s)
+        return result
+
+    def _sympystr(self, printer: Any) -> str:
+        return ".".join(str(u) for u in self.units)
+
+    def _latex(self, printer: Any, exp: str | None = None) -> str:
+        return r"(" + r" \cdot ".join(unit_latex(u) for u in self.units) + ")" + (f"^{{{exp}}}" if exp else "")
+
+
+class UnitDot(HeldScalar):
+    """a·b of unit vectors of two frames."""
+
+
+class UnitTriple(HeldScalar):
+    """(a×b)·c of unit vectors of three frames."""
+
+    def _sympystr(self, printer: Any) -> str:
+        a, b, c = self.units
+        return f"[{a} {b} {c}]"
+
+    def _latex(self, printer: Any, exp: str | None = None) -> str:
+        a, b, c = (unit_latex(u) for u in self.units)
+        return rf"({a} \times {b} \cdot {c})" + (f"^{{{exp}}}" if exp else "")
+
+
+def local_index(u: Unit, frame: Any) -> int | None:
+    """The index under which `frame` knows the direction of `u` as one of its own, else None."""
+    if u.frame is frame:
+        return u.index
+    direction = u.frame.directions[u.index]
+    return next((i for i, d in frame.directions.items() if d == direction), None)
+
+
+def dot_units(a: Unit, b: Unit) -> sp.Expr:
+    """a·b: a number when one frame knows both directions, else the atom `UnitDot`."""
+    for u, v in ((a, b), (b, a)):
+        i = local_index(u, v.frame)
+        if i is not None:
+            return sp.Integer(int(i == v.index))
+    return UnitDot(a, b) if a.order < b.order else UnitDot(b, a)
+
+
+def cross_units(a: Unit, b: Unit) -> Terms:
+    """a×b as signed keys: a unit vector when one frame knows both directions, else a held cross."""
+    i = local_index(a, b.frame)
+    if i is not None:
+        return _cross_in_frame(b.frame, i, b.index)
+    j = local_index(b, a.frame)
+    if j is not None:
+        return _cross_in_frame(a.frame, a.index, j)
+    return [(1, HeldCross(a, b))] if a.order < b.order else [(-1, HeldCross(b, a))]
+
+
+def _cross_in_frame(frame: Any, i: int, j: int) -> Terms:
+    return [] if i == j else [((1 if (j - i) % 3 == 1 else -1), frame.unit(6 - i - j))]
+
+
+def triple(a: Unit, b: Unit, c: Unit) -> sp.Expr:
+    """(a×b)·c: a dot when two of the three directions belong to one frame, else the atom `UnitTriple`."""
+    for u, v, w in ((a, b, c), (b, c, a), (c, a, b)):
+        terms = cross_units(u, v)
+        if all(isinstance(key, Unit) for _, key in terms):
+            return sp.Add(*(sign * dot_units(key, w) for sign, key in terms if isinstance(key, Unit)))
+    ordered = sorted((a, b, c), key=lambda u: u.order)
+    swaps = sum(x.order > y.order for x, y in ((a, b), (a, c), (b, c)))
+    return (-1) ** swaps * UnitTriple(*ordered)
+
+
+def dot_keys(p: Key, q: Key) -> sp.Expr:
+    """p·q of any two keys."""
+    if isinstance(p, Unit) and isinstance(q, Unit):
+        return dot_units(p, q)
+    if isinstance(p, HeldCross) and isinstance(q, HeldCross):
+        return dot_units(p.a, q.a) * dot_units(p.b, q.b) - dot_units(p.a, q.b) * dot_units(p.b, q.a)
+    if isinstance(p, HeldCross) and isinstance(q, Unit):
+        return triple(p.a, p.b, q)
+    assert isinstance(q, HeldCross)
+    return dot_keys(q, p)
+
+
+def cross_keys(p: Key, q: Key) -> list[tuple[sp.Expr, Key]]:
+    """p×q of any two keys as coefficients and keys, never nested."""
+    if isinstance(p, Unit) and isinstance(q, Unit):
+        return [(sp.Integer(sign), key) for sign, key in cross_units(p, q)]
+    if isinstance(p, HeldCross):
+        return [(dot_keys(p.a, q), p.b), (-dot_keys(p.b, q), p.a)]
+    assert isinstance(q, HeldCross)
+    return [(dot_keys(p, q.b), q.a), (-dot_keys(p, q.a), q.b)]

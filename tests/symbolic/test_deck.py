@@ -1,0 +1,215 @@
+"""Input files of the modes as symbolic models: their motion is that of mode 1, which shares no equations with them."""
+
+from __future__ import annotations
+
+import io
+import re
+import shutil
+from contextlib import redirect_stderr, redirect_stdout
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("sympy")
+
+from spacar_cli.main import main
+
+DATA = Path(__file__).resolve().parents[2] / "data"
+# a rigid part that hangs on a flexible beam, welded rotations, a spring, a preloaded hinge, constant loads, gravity
+ARM = """
+PLBEAM 1  1 2  3 4
+PLBEAM 2  3 5  6 7
+PLTOR  3  8 2
+PLTOR  4  4 5
+PLRBEAM 5 6 7 9
+PLTRUSS 6 9 10
+X 1 0. 0.
+X 3 0.5 0.2
+X 6 0.9 0.6
+X 9 1.0 0.9
+X 10 1.5 0.9
+FIX 1
+FIX 8
+FIX 10
+DYNE 1 2 3
+DYNE 3 1
+DYNE 4 1
+RLSE 6 1
+END
+HALT
+EM 1 0.8
+EM 2 1.2 0.01
+EM 5 0.4
+XM 9 0.3
+XM 7 0.02
+XF 9 1. -2.
+XF 4 0.1
+GRAVITY 0. -9.81
+ESTIFF 1 0. 40.
+ESTIFF 3 12.
+EDAMP 3 0.3
+ESIG 3 1.5
+ESTIFF 4 5.
+ESTIFF 6 3.
+EDAMP 6 0.2
+STARTDE 3 1 0.1 0.5
+STARTDE 1 2 0.01 0.1
+TIMESTEP 0.1 10
+END
+END
+"""
+# two ways to the same point, one of them over a prescribed hinge; the reached end of a beam is its q
+LOOP = """
+PLBEAM 1  1 2  3 4
+PLBEAM 2  5 6  3 7
+PLTOR  3  8 2
+PLTRUSS 4 5 9
+X 1 0. 0.
+X 3 0.3 0.4
+X 5 0.9 0.6
+X 9 1.2 0.
+FIX 1
+FIX 8
+FIX 9
+INPUTE 3 1
+END
+HALT
+EM 2 2.
+EM 4 1.5
+XM 3 0.1
+INPUTE 3 1 0. 2. 1.
+TIMESTEP 0.1 10
+END
+END
+"""
+SLIDER = """
+PLBEAM 1 1 2 3 4
+X 1 0. 0.
+X 3 0.6 0.8
+FIX 1
+DYNE 1 1
+DYNX 2 1
+END
+HALT
+XM 3 1.5
+XM 2 0.1
+ESTIFF 1 30.
+EDAMP 1 0.5
+GRAVITY 0. -9.81
+STARTDX 2 1 0.2 3.
+TIMESTEP 0.3 10
+END
+END
+"""
+
+
+def spacar(*arguments: str) -> tuple[int, str, str]:
+    out, err = io.StringIO(), io.StringIO()
+    with redirect_stdout(out), redirect_stderr(err):
+        status = main([*arguments])
+    return status, out.getvalue(), err.getvalue()
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def differences(out: str) -> list[float]:
+    return [float(v) for v in re.findall(r"differ by at most (\S+)", out)]
+
+
+@pytest.mark.parametrize(
+    ("name", "options"), [("crank", ()), ("fourbar", ("--time", "0.2")), ("lever", ("--time", "0.1")), ("slider", ())]
+)
+def test_rigid_examples_move_as_in_mode_1(folder, name, options):
+    shutil.copy(DATA / f"{name}.dat", folder)
+    status, out, err = spacar("symbolic", "export", f"{name}.dat", *options)
+    assert status == 0, err
+    assert max(differences(out)) < 1e-7  # both runs at rtol 1e-9
+    assert "the parts are rigid" in out
+
+
+@pytest.mark.parametrize("text", [LOOP, SLIDER], ids=["loop", "slider"])
+def test_loops_and_sliders_move_as_in_mode_1(folder, text):
+    (folder / "m.dat").write_text(text)
+    status, out, err = spacar("symbolic", "export", "m.dat")
+    assert status == 0, err
+    assert max(differences(out)) < 1e-7
+
+
+@pytest.mark.slow
+def test_a_flexible_arm_moves_as_in_mode_1(folder):
+    """The element has the same two shapes; what is left is of second order: 1e-4 of a deflection of 15 mm."""
+    (folder / "arm.dat").write_text(ARM)
+    status, out, err = spacar("symbolic", "export", "arm.dat")
+    assert status == 0, err
+    assert differences(out)[0] < 5e-6
+    assert re.search(r"largest deflection 0\.01", out)
+
+
+@pytest.mark.slow
+def test_the_flexible_slider_crank_of_the_manual(folder):
+    """Two elements and two beams of two shapes; over 0.1 s (15 rad) the export says 2.3 µm of 4.2 mm."""
+    shutil.copy(DATA / "crankfl.dat", folder)
+    status, out, err = spacar("symbolic", "export", "crankfl.dat", "--time", "0.02")
+    assert status == 0, err
+    assert differences(out)[0] < 5e-6
+    status, out, err = spacar("symbolic", "simulate", "crankfl.toml", "--time", "0.01", "--steps", "4", "--compile")
+    assert status == 0, err
+    assert spacar("draw", "crankfl", "-o", "c.png")[0] == 0
+
+
+def test_what_is_written_is_a_model_and_a_program(folder):
+    shutil.copy(DATA / "crank.dat", folder)
+    assert spacar("symbolic", "export", "crank.dat", "--language", "c", "--jacobian")[0] == 0
+    assert "int jac(" in (folder / "crank.c").read_text()
+    assert not (folder / "crank.toml").exists()
+    assert spacar("symbolic", "export", "crank.dat")[0] == 0
+    assert spacar("symbolic", "export", "crank.dat")[0] == 0  # its own file is replaced
+    status, _, err = spacar("symbolic", "simulate", "crank.toml", "--steps", "4")
+    assert status == 0, err
+    from spacar_drawing.picture_source import open_source
+
+    named = open_source("crank").named
+    assert np.hypot(named["P3.x"], named["P3.y"]) == pytest.approx(np.full(5, 0.15), abs=1e-12)
+    (folder / "crank.toml").write_text("[system]\ntitle = 'mine'\n")
+    status, _, err = spacar("symbolic", "export", "crank.dat")
+    assert status == 2
+    assert "a model of yours" in err
+    assert "mine" in (folder / "crank.toml").read_text()
+
+
+@pytest.mark.parametrize(
+    ("source", "old", "new", "words"),
+    [
+        ("finger.dat", "", "", "PLBELT 4 cannot be exported: only PLBEAM, PLRBEAM, PLTRUSS, PLTOR can"),
+        ("robotsim.dat", "", "", "cannot be exported: only planar mechanisms can"),
+        (ARM, "ESTIFF 4 5.", "EDAMP 1 0. 1.", "PLBEAM 1 cannot be exported: its damping EDAMP"),
+        (ARM, "ESTIFF 1 0. 40.", "ESTIFF 1 0. 40. 0.1", "PLBEAM 1 cannot be exported: it has shear flexibility"),
+        (ARM, "DYNE 1 2 3", "DYNE 1 2", "PLBEAM 1 cannot be exported: deformations that are fixed, dynamic, fixed"),
+        (SLIDER, "ESTIFF 1 30.", "EM 1 2.\nESTIFF 1 30.", "it changes its length and has mass"),
+    ],
+)
+def test_what_cannot_be_exported_is_named(folder, source, old, new, words):
+    text = (DATA / source).read_text() if source.endswith(".dat") else source
+    assert old in text
+    (folder / "m.dat").write_text(text.replace(old, new, 1))
+    status, _, err = spacar("symbolic", "export", "m.dat")
+    assert status == 2
+    assert words in err
+    assert "Traceback" not in err
+    assert not (folder / "m.toml").exists()
+
+
+def test_other_commands_say_what_to_do_with_a_deck(folder):
+    shutil.copy(DATA / "crank.dat", folder)
+    status, _, err = spacar("symbolic", "simulate", "crank.dat")
+    assert status == 2
+    assert "spacar symbolic export crank.dat makes a model of it" in err
+    (folder / "m.toml").write_text('[coordinates]\nq = { speed = "s" }\n')
+    status, _, err = spacar("symbolic", "export", "m.toml")
+    assert status == 2
+    assert "choose the language of the program" in err

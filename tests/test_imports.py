@@ -1,0 +1,41 @@
+"""Imports stand at the top of a module; which may stand in a function, and why, is said here and nowhere else.
+
+Measured by tests/acceptance/test_cost.py: `spacar --help` loads no NumPy, `spacar 1 crank` no linear algebra of SciPy.
+"""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+HOUSE = Path(__file__).resolve().parents[1]
+# Commands (cli/spacar_cli) are free: they import what they work with when they run, so that their help costs nothing.
+ROOMS = ("spacar", "formats", "cli/spacar_drawing")
+# Slow to import, not there on every system or only with an extra; of the standard library what only rare branches need.
+HEAVY = {
+    "matplotlib", "PIL", "scipy", "numpy.polynomial", "rich", "sympy", "mpmath", "control", "concurrent",
+    "multiprocessing", "importlib", "difflib", "hashlib", "html", "msvcrt", "fcntl",
+}  # fmt: skip
+# Ours, for some models or runs only: the compiled path and symbolic models need extras, the others load SciPy,
+# a window, or the spatial elements, which a planar model never needs.
+LATE = {
+    "spacar.compiled", "spacar.symbolic", "spacar.simulation", "spacar.linear_systems", "spacar.elements",
+    "spacar.mechanism.user_functions", "spacar.kinematics.lost_stiffness", "spacar_drawing.window",
+}  # fmt: skip
+
+
+def late(module: str) -> bool:
+    return any(module == name or module.startswith(f"{name}.") for name in HEAVY | LATE)
+
+
+def test_imports_stand_at_the_top_but_for_those_that_start_up_needs_late():
+    bad = []
+    for path in (p for room in ROOMS for p in sorted((HOUSE / room).rglob("*.py"))):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        functions = [n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef)]
+        for node in {m for function in functions for m in ast.walk(function)}:
+            names = [a.name for a in node.names] if isinstance(node, ast.Import) else []
+            if isinstance(node, ast.ImportFrom) and not node.level:
+                names = [node.module]
+            bad += [f"{path.relative_to(HOUSE)}:{node.lineno} {name}" for name in names if not late(name)]
+    assert not bad, "\n".join(sorted(bad))
