@@ -137,7 +137,7 @@ def _form(family: Family) -> tuple[int, Array]:
         name, of_family = SUPPORTED[family.form]
         kind, count = engine().kinds.get(name, (FOREIGN, 0))
         parameters = of_family(family)
-        if count <= len(parameters):
+        if count == len(parameters):
             return kind, parameters
     return FOREIGN, np.zeros((0, family.n))
 

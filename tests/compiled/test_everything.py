@@ -37,7 +37,7 @@ def in_mode_1() -> list[str]:
 
 
 def same(mechanism: spacar.Result, moved: float = 1e-2) -> CompiledDynamics:
-    """Frames and derivatives at the start and at two states near it; C did all of them, but for very stiff models, whose
+    """Frames and derivatives at the start and at two states near it; C did all, but for very stiff models, whose
     reduced mass matrix is lost in rounding."""
     general, compiled = Dynamics(mechanism), CompiledDynamics(mechanism)
     y, rng = general.start(), np.random.default_rng(4)
