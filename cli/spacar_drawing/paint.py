@@ -60,7 +60,7 @@ def _planar(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
             edges.append(_rgba(s.edge, 1.0, len(colour)) if s.edge else closed)
             widths.append(np.full(len(colour), s.width if s.edge or (many and s.alpha >= 1) else 0.0))
         face = PolyCollection(
-            _alike(polygons),
+            list(_alike(polygons)),
             facecolors=np.concatenate(faces),
             edgecolors=np.concatenate(edges),
             linewidths=np.concatenate(widths),
@@ -118,7 +118,7 @@ def _spatial(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
     if polygons:
         order = np.argsort(np.concatenate(depths), kind="stable")
         collection = PolyCollection(
-            _alike(polygons)[order],
+            list(_alike(polygons)[order]),
             facecolors=np.concatenate(faces)[order],
             edgecolors=np.concatenate(edges)[order],
             linewidths=np.concatenate(widths)[order],

@@ -24,7 +24,7 @@ both. README.md tells users the same.
 """
 
 from spacar.compiled.compiled_evaluator import CompiledDynamics
-from spacar.compiled.compiled_model import why_general, why_not
+from spacar.compiled.compiled_model import why_general, why_not_in_lanes
 from spacar.compiled.library import level
 
-__all__ = ["CompiledDynamics", "level", "why_general", "why_not"]
+__all__ = ["CompiledDynamics", "level", "why_general", "why_not_in_lanes"]

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.compiled.compiled_model import CompiledModel
+from spacar.compiled.compiled_model import EXACT, CompiledModel
 from spacar.compiled.library import lanes_of_processor
 from spacar.compiled.numbers import Numbers
 from spacar.dynamics.loaded_mechanism import Moving, unexplained
@@ -31,8 +31,8 @@ class CompiledCases:
         self.lanes = lanes = lanes_of_processor()
         of = np.minimum(np.arange(-(-self.n_cases // lanes) * lanes), self.n_cases - 1).reshape(-1, lanes)
         kinematics = Kinematics(mechanism)
-        scales, equations = (kinematics.scale, mechanism.deformation_scale), len(kinematics.E)
-        self.models = [CompiledModel(n, numbers.take(cases), scales, equations, polynomial=True) for cases in of]
+        scales = kinematics.scale, mechanism.deformation_scale
+        self.models = [CompiledModel(n, numbers.take(cases), scales, mechanism.drive) for cases in of]
         self.states = [model.state() for model in self.models]
         self.shown = [model.state() for model in self.models]
         self.y0 = np.ascontiguousarray(start[of].transpose(0, 2, 1)).ravel()
@@ -110,7 +110,7 @@ class CompiledCases:
         """
         blocks = y.reshape(self.by_case)
         for model, state, own in zip(self.models, self.shown, blocks, strict=True):
-            if model.evaluate(state, t, np.ascontiguousarray(own), CONVERGED) < 0 or not model.in_range(state):
+            if model.evaluate(state, t, np.ascontiguousarray(own), EXACT) < 0 or not model.in_range(state):
                 raise _failed(t)
 
         def joined(arrays: list[Array]) -> Array:
@@ -118,7 +118,7 @@ class CompiledCases:
 
         found = {name: joined([getattr(s, name) for s in self.shown]) for name in ("x", "xd", "xdd", "e", "ed", "edd")}
         found["sig"] = joined([s.sigma for s in self.shown])
-        found["fx"] = joined([m.numbers.force for m in self.models])
+        found["fx"] = joined([m.applied for m in self.models])
         found["fxgrav"] = joined([m.gravity for m in self.models])
         found["fxtot"] = joined([m.total for m in self.models])
         return found

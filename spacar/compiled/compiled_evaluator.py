@@ -14,7 +14,7 @@ from typing import TypeVar
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.compiled.compiled_model import CompiledModel
+from spacar.compiled.compiled_model import EXACT, CompiledModel
 from spacar.compiled.numbers import of_one
 from spacar.dynamics.array_evaluator import Dynamics, component_name
 from spacar.dynamics.loaded_mechanism import LoadedMechanism, Moving, Placement
@@ -23,7 +23,7 @@ from spacar.frame import Frame
 from spacar.kinematics.constraint_condition import of_gradient
 from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS
 from spacar.kinematics.regularity import PositionMatrix
-from spacar.mechanism.mechanism import Drive, Loads, Mechanism, Polynomial
+from spacar.mechanism.mechanism import Drive, Loads, Mechanism
 
 Result = TypeVar("Result")
 
@@ -55,18 +55,17 @@ class CompiledPositionMatrix(PositionMatrix):
 
 
 class CompiledDynamics:
-    """An `Evaluator` (`spacar.dynamics.evaluator`) of a mechanism for which `why_not` finds no reason."""
+    """An `Evaluator` (`spacar.dynamics.evaluator`) where `why_general` finds no reason for that of NumPy."""
 
     by_case = None
 
     def __init__(self, mechanism: Mechanism, *, loads: Loads | None = None, drive: Drive | None = None) -> None:
         self.general = general = Dynamics(mechanism, loads=loads, drive=drive)
         self.numbering, self.n_positions = general.numbering, general.n_positions
-        k = general.kinematics
-        scales, self.polynomial = (k.scale, mechanism.deformation_scale), isinstance(general.drive, Polynomial)
-        self.solver = CompiledModel(self.numbering, of_one(general), scales, len(k.E), self.polynomial)
+        scales = general.kinematics.scale, mechanism.deformation_scale
+        self.solver = CompiledModel(self.numbering, of_one(general), scales, general.drive, mechanism.user_signal)
         self.state = self.solver.state()
-        self._y, self._out = np.zeros((2, 2 * self.numbering.nddof))
+        self._y, self._out = np.zeros((2, self.n_positions + self.numbering.nddof))
         self._addresses = self._y.ctypes.data, self._out.ctypes.data
         self._step_of: tuple[Array, Array, Array, tuple[int, ...]] | None = None
 
@@ -81,7 +80,11 @@ class CompiledDynamics:
         Near is what a guess of Newton's method may be away.
         """
         y, x0 = self.general.start_values(), self.model.mechanism.x0
-        self.state.begin(x0[:, None], np.zeros((self.numbering.ne, 1)))
+        e0 = np.zeros((self.numbering.ne, 1))
+        if self.solver.slots.foreign:
+            self.general.sweep.strain(x0)
+            e0[:, 0] = self.general.sweep.e
+        self.state.begin(x0[:, None], e0)
         if self._derivative(0.0, y, CONVERGED) < 0 or self._far(x0):
             y = self.general.start()
             self._stand(self.general.placement())
@@ -131,6 +134,14 @@ class CompiledDynamics:
         other._stand(self.placement())
         return other
 
+    def memory(self) -> tuple[int, float, Array, Array]:
+        s = self.state
+        return s.c.known, s.c.t, s.of_x.copy(), s.of_e.copy()
+
+    def remember(self, memory: tuple[int, float, Array, Array]) -> None:
+        s = self.state
+        s.c.known, s.c.t, s.of_x[:], s.of_e[:] = memory
+
     def _in_general(self, evaluate: Callable[[], Result]) -> Result:
         """Let the general evaluator look at a state that C could not do; it explains failures."""
         self.general.stand(self.placement())
@@ -160,16 +171,8 @@ class CompiledDynamics:
         return component_name(self.numbering, i)
 
     # -- evaluation -----------------------------------------------------------------------------------------------
-    def _prescribe(self, t: float) -> None:
-        """Prescribed motion that is not a polynomial: its values at t."""
-        drive, m = self.model.drive.at(t), self.solver
-        m.x_motion[:, :, 0] = np.column_stack((drive.x, drive.xd, drive.xdd))
-        m.e_motion[:, :, 0] = np.column_stack((drive.e, drive.ed, drive.edd))
-
     def _derivative(self, t: float, y: Array, within: float) -> int:
         """Time derivative of y into `_out`; a negative number when C cannot."""
-        if not self.polynomial:
-            self._prescribe(t)
         self._y[:] = y
         return self.solver.rhs(self.state, t, *self._addresses, within)
 
@@ -183,8 +186,6 @@ class CompiledDynamics:
         within: float = CONVERGED,
     ) -> int:  # fmt: skip
         """Stages of an explicit Runge-Kutta step, see `spacar.integrators.problem.Problem`."""
-        if not self.polynomial:
-            return done
         kept = self._step_of  # an integrator keeps its arrays
         if kept is None or kept[0] is not c or kept[1] is not y or kept[2] is not K:
             kept = self._step_of = c, y, K, (c.ctypes.data, a.ctypes.data, y.ctypes.data, K.ctypes.data)
@@ -195,15 +196,13 @@ class CompiledDynamics:
 
     def frame(self, t: float, y: Array) -> Frame:
         m, s = self.solver, self.state
-        if not self.polynomial:
-            self._prescribe(t)
         self._y[:] = y
-        if m.evaluate(s, t, self._y, CONVERGED) < 0:
+        if m.evaluate(s, t, self._y, EXACT) < 0:
             return self._in_general(lambda: self.general.frame(t, y))
         x, xd, xdd = s.of_x[:, :, 0].copy()
         e, ed, edd, sigma = s.of_e[:4, :, 0].copy()
-        gravity, total = m.forces[:, :, 0].copy()
+        applied, gravity, total = m.forces[:, :, 0].copy()
         return Frame(
-            t=t, x=x, xd=xd, xdd=xdd, e=e, ed=ed, edd=edd, sig=sigma, fx=self.model.loads.force.copy(),
+            t=t, x=x, xd=xd, xdd=xdd, e=e, ed=ed, edd=edd, sig=sigma, fx=applied,
             fxgrav=gravity, fxtot=total,
         )  # fmt: skip

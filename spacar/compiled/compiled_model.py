@@ -11,12 +11,13 @@ from typing import Any
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.compiled.element_parameters import GUARD, SUPPORTED
+from spacar.compiled.element_parameters import GUARD
 from spacar.compiled.library import GENERAL, CBatch, CSpec, CState, engine, switched_off, unavailable
-from spacar.compiled.numbers import Numbers
+from spacar.compiled.numbers import FOREIGN, Numbers, without_form
+from spacar.compiled.slots import Slots
 from spacar.dynamics.saddle_point import free_coordinates
 from spacar.kinematics.kinematics import LARGEST_JUMP
-from spacar.mechanism.mechanism import Mechanism
+from spacar.mechanism.mechanism import Drive, Mechanism, Polynomial, UserSignal
 from spacar.mechanism.numbering import Numbering
 
 
@@ -26,27 +27,29 @@ def why_general(mechanism: Mechanism) -> str | None:
         return "--general or compiled=False asks for it"
     if switched_off():
         return f"the environment variable {GENERAL} asks for it"
-    return unavailable() or why_not(mechanism)
+    return unavailable()
 
 
-def why_not(mechanism: Mechanism) -> str | None:
-    """Why there is no compiled form of this mechanism, or None."""
-    missing = sorted({b.family.keyword for b in mechanism.batches if b.family.form not in (*SUPPORTED, "XM")})
+def why_not_in_lanes(mechanism: Mechanism) -> str | None:
+    """Why several cases of this mechanism cannot be evaluated at a time, or None: Python answers for one case only."""
+    missing = without_form(mechanism)
     if missing:
-        return f"there is no compiled form of {', '.join(missing)}"
-    if mechanism.user_signal is not None:
-        return "USERSIG needs the general path"
-    if len(mechanism.deformation_inertia[0]):
-        return "MEE needs the general path"
-    if mechanism.loads.moment_rows.size:
-        return "constant global moments (XF with three numbers) need the general path"
-    return None
+        return f"{', '.join(missing)}: without functions in C"
+    if mechanism.user_signal is not None or not isinstance(mechanism.drive, Polynomial):
+        return "user functions are called for one mechanism"
+    return None if mechanism.numbering.holonomic and not mechanism.numbering.nk else "wheels"
 
 
 def _addresses(arrays: Array) -> list[int]:
     """Where every row of a contiguous array begins."""
     first, size = arrays.ctypes.data, arrays.nbytes // len(arrays)
     return [first + k * size for k in range(len(arrays))]
+
+
+# Largest scaled correction that ends the iteration of a stored position: one more follows the first that is below
+# CONVERGED, so that velocities and accelerations are those of the position to rounding.
+EXACT = 1e-15
+NOT_ANSWERED = -6  # of sparse.c: Python could not answer, and keeps the error
 
 
 class State:
@@ -71,27 +74,30 @@ class State:
 
 
 class CompiledModel:
-    """One `Model` of model.c. `scales` (nx,), (ne,): sizes of what is in x and e; `n_equations`: given deformations."""
+    """One `Model` of model.c. `scales` (nx,), (ne,): sizes of what is in x and e. What Python answers: `slots`."""
 
     def __init__(
-        self, numbering: Numbering, numbers: Numbers, scales: tuple[Array, Array], n_equations: int, polynomial: bool
-    ) -> None:
+        self, numbering: Numbering, numbers: Numbers, scales: tuple[Array, Array], drive: Drive,
+        user: UserSignal | None = None,
+    ) -> None:  # fmt: skip
         self.numbering = numbering
         self.numbers = numbers
-        self.polynomial = polynomial
+        self.polynomial = isinstance(drive, Polynomial)
         self.cases = numbers.x0.shape[-1]
         self.engine = engine(self.cases)
         self._alive: list[Any] = []  # arrays that C points into
         # contiguous copies are made first, as a motion that is no polynomial is written into them
         self.x_motion, self.e_motion = np.ascontiguousarray(numbers.x_motion), np.ascontiguousarray(numbers.e_motion)
-        spec = self._spec(numbers, scales, n_equations)
+        motions = self.x_motion, self.e_motion
+        self.slots = Slots(numbers.elements, drive, motions, user, (numbering.nx, numbering.ne))
+        spec = self._spec(numbers, scales)
         self.handle = ctypes.c_void_p(self.engine.begin(ctypes.addressof(spec)))
         if not self.handle:
             raise MemoryError("no memory for the compiled model")
         weakref.finalize(self, self.engine.end, self.handle)
-        self.forces = np.zeros((2, numbering.nx, self.cases))
-        self.gravity, self.total = self.forces
-        self._forces_at = self.gravity.ctypes.data, self.total.ctypes.data
+        self.forces = np.zeros((3, numbering.nx, self.cases))
+        self.applied, self.gravity, self.total = self.forces
+        self._forces_at = tuple(f.ctypes.data for f in self.forces)
         self._determinant = np.zeros((2, self.cases))
         self._determinant_at = self._determinant[0].ctypes.data, self._determinant[1].ctypes.data
 
@@ -102,38 +108,59 @@ class CompiledModel:
         return state
 
     # -- setting up -----------------------------------------------------------------------------------------------
-    def _spec(self, numbers: Numbers, scales: tuple[Array, Array], n_equations: int) -> CSpec:
-        n, batches = self.numbering, numbers.elements
+    def _spec(self, numbers: Numbers, scales: tuple[Array, Array]) -> CSpec:
+        n, batches, slots = self.numbering, numbers.elements, self.slots
         F, mass, S, D = free_coordinates(n), numbers.mass, numbers.stiffness, numbers.damping
-        places = self._packed([*mass[:2], *S[:2], *D[:2], F, *(i for b in batches for i in (b.x, b.e))], np.int32)
-        constant_row, constant_column, s_rows, s_columns, d_rows, d_columns, free, *indices = places
+        linear, coupling = numbers.moments, numbers.coupling
+        position = np.flatnonzero(~n.slips[: n.e_class["kinematic"].stop])
+        places = self._packed(
+            [
+                *mass[:2], *S[:2], *D[:2], *linear[:2], *coupling[:2], F, position,
+                *(i for b in batches for i in (b.x, b.e)),
+            ],
+            np.int32,
+        )  # fmt: skip
+        (
+            constant_row, constant_column, s_rows, s_columns, d_rows, d_columns, m_rows, m_columns, c_rows, c_columns,
+            free, given, *indices,
+        ) = places  # fmt: skip
         values = self._packed(
             [
-                mass[2], *scales, numbers.force, numbers.field, numbers.preload, S[2], D[2], numbers.x0,
-                *(b.parameters for b in batches),
+                mass[2], *scales, numbers.force, numbers.field, numbers.preload, S[2], D[2], linear[2], coupling[2],
+                numbers.x0, *(b.parameters for b in batches),
             ],
             np.float64,
         )  # fmt: skip
-        constant_mass, scale_at, e_scale_at, force, field, preload, s_values, d_values, x0, *parameters = values
+        (
+            constant_mass, scale_at, e_scale_at, force, field, preload, s_values, d_values, moments, coupled, x0,
+            *parameters,
+        ) = values  # fmt: skip
         table = (CBatch * len(batches))(
             *(
-                CBatch(b.kind, len(b.x), b.x.shape[1], b.e.shape[1], b.parameters.shape[1], int(b.moving), x, e, p)
-                for b, x, e, p in zip(batches, indices[::2], indices[1::2], parameters, strict=True)
+                CBatch(
+                    b.kind, len(b.x), b.x.shape[1], b.e.shape[1], b.parameters.shape[1], int(b.moving), x, e, p,
+                    ctypes.addressof(slots.foreign[k].c) if b.kind == FOREIGN else None,
+                )
+                for k, (b, x, e, p) in enumerate(zip(batches, indices[::2], indices[1::2], parameters, strict=True))
             )
-        )
+        )  # fmt: skip
         self._alive.append(table)
         xs, es = n.x_class, n.e_class
         counts = [
-            n.nx, n.ne, xs["calculable"].start, es["input"].stop, n_equations, len(table), len(S[0]), len(D[0]),
+            n.nx, n.ne, xs["calculable"].start, es["input"].stop, es["dynamic"].stop, len(table), len(S[0]), len(D[0]),
             int(n.nddof == 0), len(mass[0]), len(F),
         ]  # fmt: skip
         for classes in (xs, es):
-            for name in ("input", "dynamic"):
+            for name in ("input", "dynamic", "kinematic"):
                 counts += [classes[name].start, classes[name].stop - classes[name].start]
+        counts += [int(self.polynomial), len(position), len(linear[0]), len(coupling[0])]
+        user = ctypes.addressof(slots.user_c) if slots.user is not None else None
+        ask = ctypes.cast(slots.ask, ctypes.c_void_p) if slots.needed else None
         return CSpec(
-            *counts, int(self.polynomial), ctypes.addressof(table), constant_row, constant_column, constant_mass,
+            *counts, ctypes.addressof(table), constant_row, constant_column, constant_mass,
             scale_at, e_scale_at, force, field, preload, s_rows, s_columns, d_rows, d_columns, s_values, d_values,
-            free, x0, self.x_motion.ctypes.data, self.e_motion.ctypes.data,
+            m_rows, m_columns, moments, c_rows, c_columns, coupled, free, given, x0,
+            self.x_motion.ctypes.data, self.e_motion.ctypes.data, user, ask,
         )  # fmt: skip
 
     def _packed(self, arrays: Sequence[Any], kind: type) -> list[int]:
@@ -146,8 +173,13 @@ class CompiledModel:
 
     # -- calls; y, out, K are C-contiguous with the cases last ----------------------------------------------------
     def rhs(self, state: State, t: float, y: int, out: int, converged: float) -> int:
-        """Time derivative of the state at the address y into out; a negative number when that is not possible."""
+        """Time derivative of the state at the address y into out; a negative number when that is not possible.
+
+        Raises what a user function raised.
+        """
         status: int = self.engine.rhs(self.handle, state.address, t, y, out, converged, LARGEST_JUMP)
+        if status == NOT_ANSWERED:
+            self.slots.raise_error()
         return status
 
     def evaluate(self, state: State, t: float, y: Array, converged: float) -> int:
@@ -157,6 +189,8 @@ class CompiledModel:
         )
         if status >= 0:
             self.engine.complete(self.handle, state.address, *self._forces_at)
+        elif status == NOT_ANSWERED:
+            self.slots.raise_error()
         return status
 
     def stages(
@@ -170,6 +204,8 @@ class CompiledModel:
         reached: int = self.engine.stages(
             self.handle, state.address, done, n, c, a, t, h, *window, y, K, stride, converged, LARGEST_JUMP
         )
+        if reached < n:
+            self.slots.interrupted()
         return reached
 
     def places(self) -> tuple[Array, Array]:
@@ -195,7 +231,7 @@ class CompiledModel:
 
     def in_range(self, state: State) -> bool:
         """Whether all elements are surely in the range of their theory at a state."""
-        return bool(self.engine.guard(self.handle, state.x.ctypes.data) > GUARD)
+        return not self.slots.has_limits and bool(self.engine.guard(self.handle, state.x.ctypes.data) > GUARD)
 
     def reduced_mass(self) -> Array | None:
         """Of the degrees of freedom at the last evaluated state, (nddof, nddof, cases), where it was needed."""

@@ -45,7 +45,7 @@ def _beam(f: Family) -> Array:
 def _beam_angle(f: Family) -> Array:
     a = f.angles  # type: ignore[attr-defined]
     unit = f.line.C[0, 0] / 156.0  # type: ignore[attr-defined]
-    return np.vstack((f.length, _frame(f), a.f, a.second, unit, a.shear, a.ratio))
+    return np.vstack((f.length, _frame(f), a.f, a.second, unit, a.shear[:2], a.ratio))
 
 
 def _pinbody(f: Family) -> Array:

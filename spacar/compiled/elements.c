@@ -1,30 +1,53 @@
 /* What Python gives, a model, and its elements: strains, convective terms, inertia, guards.
 
-   The functions of the kinds, STRAIN, CONVECTIVE, INERTIA and GUARD, are the tables at the end of kernels.c.
+   The functions of the kinds, STRAIN, CONVECTIVE, INERTIA and GUARD, are the tables at the end of kernels.c. What has no
+   function here is asked of Python, which shares the arrays of `Foreign` and answers for all elements of a batch at once;
+   so it is with user functions and prescribed motions that are no polynomials.
    All vectors are in the order of the result files. V and M are lists of the entries of the elements. */
 enum { MAX_ITERATIONS = 20 };
+enum { ASK_MOTION, ASK_STRESS, ASK_STRAIN, ASK_CONVECTIVE, ASK_INERTIA }; /* as in slots.py */
+
+/* A batch that Python evaluates: with the elements last, as its families have them. */
+typedef struct {
+    real *x, *v, *near;      /* (nxe, n), (nxe, n), (nee, n): where */
+    real *e, *V, *H, *M, *h; /* (nee, n), (nee, nxe, n), (nee, n), (nxe, nxe, n), (nxe, n): the answers */
+} Foreign;
 
 typedef struct {
-    int kind, n, nxe, nee, np, inertia; /* inertia: M and h depend on x */
+    int kind, n, nxe, nee, np, inertia; /* kind -1: foreign; inertia: M and h depend on x */
     const int *x, *e;                   /* (n, nxe), (n, nee) */
     const real *p;                      /* (n, np) */
+    const Foreign *foreign;
 } Batch;
+
+/* What a user function is told, and what it answers: forces (nx), stresses (ne). */
+typedef struct { real *x, *xd, *e, *ed, *force, *sigma; } User;
+
+/* 0, or another number after which the evaluation ends: Python keeps the error. */
+typedef int (*Ask)(int what, int batch, double t);
 
 typedef struct { int n, *row, *column, *source; } Entries; /* (n) each; `source` is a place in `values` */
 
 /* What Python gives. */
 typedef struct {
     int nx, ne, n_fixed_x, n_rows, n_equations, n_batches, n_stiffness, n_damping, prescribed, n_constant, n_free;
-    int x_input, n_x_input, x_dynamic, n_x_dynamic, e_input, n_e_input, e_dynamic, n_e_dynamic, polynomial;
+    int x_input, n_x_input, x_dynamic, n_x_dynamic, x_kinematic, n_x_kinematic;
+    int e_input, n_e_input, e_dynamic, n_e_dynamic, e_kinematic, n_e_kinematic;
+    int polynomial, n_position, n_moments, n_coupled;
     const Batch *batches;
     const int *constant_row, *constant_column; const real *constant_mass; /* (n_constant) */
     const double *scale, *e_scale;        /* (nx), (ne) sizes */
     const real *force, *field, *preload;  /* (nx) constant forces without gravity, (nx) gravity field, (ne) */
     const int *s_rows, *s_columns, *d_rows, *d_columns;
     const real *s_values, *d_values;
+    const int *moment_rows, *moment_columns; const real *moments; /* (n_moments) of forces that are linear in x */
+    const int *coupled_rows, *coupled_columns; const real *coupled; /* (n_coupled) of MEE: M_e of deformations */
     const int *free;                      /* (n_free) coordinates that are not fixed or prescribed */
+    const int *position;                  /* (n_position) the rows of e that are given: without slips */
     const real *x0;                       /* (nx) reference configuration: the values of fixed coordinates */
     const real *x_motion, *e_motion;      /* (n, 3): start, rate, acceleration; or value, rate, acceleration at t */
+    const User *user;                     /* NULL: no user function */
+    Ask ask;
 } Spec;
 
 /* The last evaluated state, shared with Python; (nx) or (ne). A model may have several, each on its own path. */
@@ -37,27 +60,40 @@ typedef struct {
 typedef struct {
     Spec s;
     int factored;                         /* the matrix of the position is that of some state before */
+    int holonomic;                        /* positions and velocities have the same matrix */
     int *v_start, *v_column; /* V by rows: the places in `values` are those of v_column */
     int *v_offset, *m_offset;             /* (number of elements) places of the element matrices */
     Entries mass, given;                  /* of M; of M where the acceleration is given: gravity, prescribed motion */
     Entries dynamic;                      /* of V, in the columns of dynamic coordinates, counted from the first one */
+    Entries coupling;                     /* of V^T M_e V; the factors of entry k are at first[k], second[k] */
+    int *coupling_first, *coupling_second; real *coupling_weight;
     int reduced, width;                   /* accelerations from the reduced form; numbers in a row of `transfer` */
     const State *transfer_of;             /* the state that `transfer` and `degrees` (q, their rates, accelerations) belong to */
-    Sparse position, motion;
+    Sparse position, velocity, motion;    /* `velocity` where it is not that of the position */
     real *values;                         /* V, then M of moving elements, then the constant M */
-    real *h, *convected, *b, *force, *next_x, *next_xd, *next_xdd, *near, *next_e, *given_ed, *given_edd, *stage, *piece;
+    real *h, *convected, *applied, *b, *force, *next_x, *next_xd, *next_xdd, *near, *next_e, *given_ed, *given_edd, *stage, *piece;
     real *degrees, *transfer, *weighted, *small;
     int *v_place;                         /* (n_v) order of V's rows: place in `values` */
 } Model;
 
-/* e, and V into `values`. */
-static void strain(const Model *m, const real *x, const real *near, real *e)
+/* e, and V into `values`. OK or NOT_ANSWERED. */
+static int strain(const Model *m, const real *x, const real *near, real *e)
 {
     real xe[MAX_X], ee[MAX_E];
     const int *offset = m->v_offset;
     for (int b = 0; b < m->s.n_batches; b++) {
         const Batch *k = &m->s.batches[b];
-        for (int i = 0; i < k->n; i++, offset++) {
+        const int n = k->n;
+        if (k->foreign && k->nee) {
+            const Foreign *f = k->foreign;
+            for (int i = 0; i < n; i++) for (int j = 0; j < k->nxe; j++) f->x[j * n + i] = x[k->x[i * k->nxe + j]];
+            for (int i = 0; i < n; i++) for (int r = 0; r < k->nee; r++) f->near[r * n + i] = near[k->e[i * k->nee + r]];
+            if (m->s.ask(ASK_STRAIN, b, 0.0)) return NOT_ANSWERED;
+            for (int i = 0; i < n; i++) for (int r = 0; r < k->nee; r++) e[k->e[i * k->nee + r]] = f->e[r * n + i];
+            memcpy(m->values + *offset, f->V, sizeof(real) * n * k->nee * k->nxe);
+        }
+        if (k->foreign) { offset += n; continue; }
+        for (int i = 0; i < n; i++, offset++) {
             if (!k->nee) continue;
             const int *ix = k->x + i * k->nxe, *ie = k->e + i * k->nee;
             for (int j = 0; j < k->nxe; j++) xe[j] = x[ix[j]];
@@ -67,17 +103,49 @@ static void strain(const Model *m, const real *x, const real *near, real *e)
             for (int r = 0; r < k->nee; r++) e[ie[r]] = ee[r];
         }
     }
+    return OK;
 }
 
-/* H(v,v), and M into `values` with h of the moving elements. */
-static void inertia(const Model *m, const real *x, const real *v)
+/* The values of V^T M_e V, from those of V. */
+static void couple(const Model *m)
+{
+    for (int k = 0; k < m->coupling.n; k++)
+        m->values[m->coupling.source[k]] =
+            m->coupling_weight[k] * m->values[m->coupling_first[k]] * m->values[m->coupling_second[k]];
+}
+
+static inline void subtract_transposed(const Model *m, int r, real sigma, real *out);
+
+/* H(v,v), and M into `values` with h of the moving elements. OK or NOT_ANSWERED. */
+static int inertia(const Model *m, const real *x, const real *v)
 {
     real xe[MAX_X], ve[MAX_X], he[MAX_X];
     const int *offset = m->m_offset;
     memset(m->convected, 0, sizeof(real) * m->s.nx);
     for (int b = 0; b < m->s.n_batches; b++) {
         const Batch *k = &m->s.batches[b];
-        for (int i = 0; i < k->n; i++, offset++) {
+        const int n = k->n;
+        if (k->foreign) {
+            const Foreign *f = k->foreign;
+            for (int i = 0; i < n; i++)
+                for (int j = 0; j < k->nxe; j++) {
+                    f->x[j * n + i] = x[k->x[i * k->nxe + j]];
+                    f->v[j * n + i] = v[k->x[i * k->nxe + j]];
+                }
+            if (k->nee) {
+                if (m->s.ask(ASK_CONVECTIVE, b, 0.0)) return NOT_ANSWERED;
+                for (int i = 0; i < n; i++) for (int r = 0; r < k->nee; r++) m->h[k->e[i * k->nee + r]] = f->H[r * n + i];
+            }
+            if (k->inertia) {
+                if (m->s.ask(ASK_INERTIA, b, 0.0)) return NOT_ANSWERED;
+                memcpy(m->values + *offset, f->M, sizeof(real) * n * k->nxe * k->nxe);
+                for (int i = 0; i < n; i++)
+                    for (int j = 0; j < k->nxe; j++) m->convected[k->x[i * k->nxe + j]] += f->h[j * n + i];
+            }
+            offset += n;
+            continue;
+        }
+        for (int i = 0; i < n; i++, offset++) {
             const int *ix = k->x + i * k->nxe;
             const real *p = k->p + i * k->np;
             for (int j = 0; j < k->nxe; j++) { xe[j] = x[ix[j]]; ve[j] = v[ix[j]]; }
@@ -91,6 +159,10 @@ static void inertia(const Model *m, const real *x, const real *v)
             for (int r = 0; r < k->nxe; r++) m->convected[ix[r]] += he[r];
         }
     }
+    couple(m);
+    for (int k = 0; k < m->s.n_coupled; k++)
+        subtract_transposed(m, m->s.coupled_rows[k], -m->s.coupled[k] * m->h[m->s.coupled_columns[k]], m->convected);
+    return OK;
 }
 
 /* Row r of V times v. */
@@ -106,14 +178,14 @@ static inline void subtract_transposed(const Model *m, int r, real sigma, real *
     for (int k = m->v_start[r]; k < m->v_start[r + 1]; k++) out[m->v_column[k]] -= m->values[m->v_place[k]] * sigma;
 }
 
-/* Smallest guard of all elements and lanes at x; 1 when there are none. */
+/* Smallest guard of all elements and lanes at x; 1 when there are none. Python knows of the foreign ones. */
 static double spacar_guard(const Model *m, const real *x)
 {
     real xe[MAX_X], g[MAX_GUARDS];
     double least = 1.0;
     for (int b = 0; b < m->s.n_batches; b++) {
         const Batch *k = &m->s.batches[b];
-        const int n = N_GUARDS[k->kind];
+        const int n = k->foreign ? 0 : N_GUARDS[k->kind];
         for (int i = 0; n && i < k->n; i++) {
             for (int j = 0; j < k->nxe; j++) xe[j] = x[k->x[i * k->nxe + j]];
             GUARD[k->kind](xe, k->p + i * k->np, g);

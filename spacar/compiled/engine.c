@@ -7,8 +7,9 @@
 #include "state.c"
 #include "model.c"
 
-/* In the order of `FUNCTIONS` in library.py. */
-void *const BUILD[] = {
+/* The kinds of elements, then the functions in the order of `FUNCTIONS` in library.py. */
+const void *const BUILD[] = {
+    KINDS,
     spacar_begin, spacar_end, spacar_evaluate, spacar_rhs, spacar_stages, spacar_complete, spacar_gradient,
     spacar_determinant, spacar_reduced_mass, spacar_guard, spacar_rcond,
 };

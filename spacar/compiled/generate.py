@@ -101,6 +101,9 @@ def tables(definitions: list[Definition]) -> Iterator[str]:
                 yield f"    [{definition.name.upper()}] = {definition.name}_{what},"
         yield "};"
     yield f"static const int N_GUARDS[N_KINDS] = {{ {', '.join(map(str, guards))} }};"
+    counts = " ".join(f"{d.name}/{len(d.parameters)}" for d in definitions)
+    yield "/* Names of the kinds and numbers of their parameters: Python evaluates what is not here. */"
+    yield f'static const char KINDS[] = "{counts}";'
     yield "/* Row that is an angle of which whole turns are counted, or -1. */"
     yield f"static const int TURNS[N_KINDS] = {{ {', '.join(str(d.turns) for d in definitions)} }};"
 

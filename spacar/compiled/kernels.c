@@ -5817,5 +5817,7 @@ static void (*const GUARD[N_KINDS])(const real *x, const real *p, real *g) = {
     [TRUSS] = truss_guard,
 };
 static const int N_GUARDS[N_KINDS] = { 3, 3, 1, 0, 0, 4, 3, 4, 1, 0, 0, 0, 0 };
+/* Names of the kinds and numbers of their parameters: Python evaluates what is not here. */
+static const char KINDS[] = "plbeam/6 plbeam_angle/6 pltruss/1 pltor/0 plpinbod/6 beam/13 beam_angle/17 beamw/13 truss/1 hinge/9 pinbody/12 normalization/0 body/6";
 /* Row that is an angle of which whole turns are counted, or -1. */
 static const int TURNS[N_KINDS] = { -1, -1, -1, -1, -1, -1, -1, -1, -1, 0, -1, -1, -1 };

@@ -9,12 +9,12 @@
 #define SHOWN __attribute__((visibility("default")))
 #endif
 
-extern void *const any_1[], *const any_2[];
+extern const void *const any_1[], *const any_2[];
 #ifdef LEVELS
-extern void *const v3_1[], *const v3_4[], *const v4_8[];
+extern const void *const v3_1[], *const v3_4[], *const v4_8[];
 #endif
 
-typedef struct { const char *name; int lanes; void *const *one, *const *several; } Level;
+typedef struct { const char *name; int lanes; const void *const *one, *const *several; } Level;
 
 static Level found(void)
 {
@@ -43,4 +43,4 @@ SHOWN const char *spacar_level(void) { return found().name; }
 SHOWN int spacar_lanes(void) { return found().lanes; }
 
 /* The functions for one case, or for as many as `spacar_lanes`. */
-SHOWN void *const *spacar_functions(int lanes) { return lanes == 1 ? found().one : found().several; }
+SHOWN const void *const *spacar_functions(int lanes) { return lanes == 1 ? found().one : found().several; }

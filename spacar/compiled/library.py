@@ -29,8 +29,20 @@ class CBatch(ctypes.Structure):
 
     _fields_ = [
         *((name, ctypes.c_int) for name in ("kind", "n", "nxe", "nee", "np", "inertia")),
-        ("x", INTEGERS), ("e", INTEGERS), ("p", DOUBLES),
+        ("x", INTEGERS), ("e", INTEGERS), ("p", DOUBLES), ("foreign", ctypes.c_void_p),
     ]  # fmt: skip
+
+
+class CForeign(ctypes.Structure):
+    """`Foreign` of elements.c."""
+
+    _fields_ = [(name, DOUBLES) for name in ("x", "v", "near", "e", "V", "H", "M", "h")]
+
+
+class CUser(ctypes.Structure):
+    """`User` of elements.c."""
+
+    _fields_ = [(name, DOUBLES) for name in ("x", "xd", "e", "ed", "force", "sigma")]
 
 
 class CSpec(ctypes.Structure):
@@ -39,16 +51,20 @@ class CSpec(ctypes.Structure):
     _fields_ = [
         *((name, ctypes.c_int) for name in (
             "nx", "ne", "n_fixed_x", "n_rows", "n_equations", "n_batches", "n_stiffness", "n_damping", "prescribed",
-            "n_constant", "n_free", "x_input", "n_x_input", "x_dynamic", "n_x_dynamic", "e_input", "n_e_input",
-            "e_dynamic", "n_e_dynamic", "polynomial",
+            "n_constant", "n_free", "x_input", "n_x_input", "x_dynamic", "n_x_dynamic", "x_kinematic", "n_x_kinematic",
+            "e_input", "n_e_input", "e_dynamic", "n_e_dynamic", "e_kinematic", "n_e_kinematic",
+            "polynomial", "n_position", "n_moments", "n_coupled",
         )),
         ("batches", ctypes.c_void_p),
         ("constant_row", INTEGERS), ("constant_column", INTEGERS), ("constant_mass", DOUBLES),
         *((name, DOUBLES) for name in ("scale", "e_scale", "force", "field", "preload")),
         *((name, INTEGERS) for name in ("s_rows", "s_columns", "d_rows", "d_columns")),
         *((name, DOUBLES) for name in ("s_values", "d_values")),
-        ("free", INTEGERS),
+        ("moment_rows", INTEGERS), ("moment_columns", INTEGERS), ("moments", DOUBLES),
+        ("coupled_rows", INTEGERS), ("coupled_columns", INTEGERS), ("coupled", DOUBLES),
+        ("free", INTEGERS), ("position", INTEGERS),
         *((name, DOUBLES) for name in ("x0", "x_motion", "e_motion")),
+        ("user", ctypes.c_void_p), ("ask", ctypes.c_void_p),
     ]  # fmt: skip
 
 
@@ -71,7 +87,7 @@ FUNCTIONS: dict[str, tuple[Any, ...]] = {  # in the order of the table in engine
         INTEGER, POINTER, POINTER, INTEGER, INTEGER, POINTER, POINTER, NUMBER, NUMBER, NUMBER, NUMBER, POINTER, POINTER,
         INTEGER, NUMBER, NUMBER,
     ),
-    "complete": (None, POINTER, POINTER, POINTER, POINTER),
+    "complete": (None, POINTER, POINTER, POINTER, POINTER, POINTER),
     "gradient": (INTEGER, POINTER, POINTER, POINTER, POINTER),
     "determinant": (None, POINTER, POINTER, POINTER),
     "reduced_mass": (INTEGER, POINTER, POINTER),
@@ -81,12 +97,18 @@ FUNCTIONS: dict[str, tuple[Any, ...]] = {  # in the order of the table in engine
 
 
 class Engine:
-    """The functions of one build, for `lanes` cases at a time."""
+    """The functions of one build, for `lanes` cases at a time. `kinds`: number and count of parameters by name."""
+
+    kinds: dict[str, tuple[int, int]]
 
     def __init__(self, loaded: ctypes.CDLL, lanes: int) -> None:
         self.lanes = lanes
         addresses = loaded.spacar_functions(lanes)
-        for k, (name, (result, *arguments)) in enumerate(FUNCTIONS.items()):
+        self.kinds = {}
+        for k, word in enumerate(ctypes.string_at(addresses[0]).decode("ascii").split()):
+            name, _, count = word.partition("/")
+            self.kinds[name] = k, int(count)
+        for k, (name, (result, *arguments)) in enumerate(FUNCTIONS.items(), 1):
             setattr(self, name, ctypes.CFUNCTYPE(result, *arguments)(addresses[k]))
 
     begin: Any

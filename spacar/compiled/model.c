@@ -37,8 +37,52 @@ static int written(real value)
     return memcmp(&first, &UNTOUCHED, sizeof first) != 0;
 }
 
+/* All entries of the matrices of a foreign batch: (rows, nxe, n) from `source` on. */
+static void add_foreign(Entries *list, const Batch *k, const int *rows, int n_rows, int source)
+{
+    for (int r = 0; r < n_rows; r++)
+        for (int j = 0; j < k->nxe; j++)
+            for (int i = 0; i < k->n; i++) add(list, rows[i * n_rows + r], k->x[i * k->nxe + j], source++);
+}
+
+/* Pairs of entries of V whose product is an entry of V^T M_e V; their number. */
+static int pairs(const Model *m, Entries *list, int source, int *first, int *second, real *weight)
+{
+    int n = 0;
+    for (int k = 0; k < m->s.n_coupled; k++) {
+        const int r = m->s.coupled_rows[k], c = m->s.coupled_columns[k];
+        for (int a = m->v_start[r]; a < m->v_start[r + 1]; a++)
+            for (int b = m->v_start[c]; b < m->v_start[c + 1]; b++, n++) {
+                if (!list) continue;
+                add(list, m->v_column[a], m->v_column[b], source + n);
+                first[n] = m->v_place[a];
+                second[n] = m->v_place[b];
+                weight[n] = m->s.coupled[k];
+            }
+    }
+    return n;
+}
+
+/* MEE: where the products of V^T M_e V are; `values` grows by them. */
+static int find_coupling(Model *m, int n_values)
+{
+    const int n = pairs(m, NULL, 0, NULL, NULL, NULL);
+    if (entries_begin(&m->coupling, n)) return NO_MEMORY;
+    if (!n) return OK;
+    m->coupling_first = cleared(n, sizeof(int));
+    m->coupling_second = cleared(n, sizeof(int));
+    m->coupling_weight = cleared(n, sizeof(real));
+    real *values = cleared(n_values + n, sizeof(real));
+    if (!m->coupling_first || !m->coupling_second || !m->coupling_weight || !values) { free(values); return NO_MEMORY; }
+    memcpy(values, m->values, sizeof(real) * n_values);
+    free(m->values);
+    m->values = values;
+    pairs(m, &m->coupling, n_values, m->coupling_first, m->coupling_second, m->coupling_weight);
+    return OK;
+}
+
 /* What the functions of an element write is an entry; the rest of the element matrix is structurally zero. They are called
-   once with marked values in the matrices. */
+   once with marked values in the matrices. The number of values, or NO_MEMORY. */
 static int find_entries(Model *m, Entries *V)
 {
     const Spec *s = &m->s;
@@ -67,6 +111,12 @@ static int find_entries(Model *m, Entries *V)
     element = 0;
     for (int b = 0; b < s->n_batches; b++) {
         const Batch *k = &s->batches[b];
+        if (k->foreign) {
+            add_foreign(V, k, k->e, k->nee, m->v_offset[element]);
+            if (k->inertia) add_foreign(&m->mass, k, k->x, k->nxe, m->m_offset[element]);
+            element += k->n;
+            continue;
+        }
         for (int i = 0; i < k->n; i++, element++) {
             const int *ix = k->x + i * k->nxe, *ie = k->e + i * k->nee;
             real *v = m->values + m->v_offset[element], *M = m->values + m->m_offset[element];
@@ -88,7 +138,7 @@ static int find_entries(Model *m, Entries *V)
         m->values[at + k] = s->constant_mass[k];
         add(&m->mass, s->constant_row[k], s->constant_column[k], at + k);
     }
-    return OK;
+    return n_values;
 }
 
 /* V by rows. */
@@ -121,13 +171,15 @@ static void put(Sparse *system, int row, int column, int source)
 static int assemble(Model *m)
 {
     const Spec *s = &m->s;
-    const int n = s->n_equations, first = s->n_fixed_x, nf = s->n_free, nr = s->n_rows, entries = m->v_start[s->ne];
+    const int n = s->n_equations, nc = s->n_position, first = s->n_fixed_x, nf = s->n_free, nr = s->n_rows;
+    const int entries = m->v_start[s->ne];
     const int q = s->n_x_dynamic + s->n_e_dynamic;
     m->width = (q + ROW) / ROW * ROW;
     int *place = cleared(s->nx, sizeof(int)), status = place ? OK : NO_MEMORY;
-    if (!status) status = sparse_begin(&m->position, n, entries, m->width);
+    if (!status) status = sparse_begin(&m->position, nc, entries, m->width);
+    if (!status && !m->holonomic) status = sparse_begin(&m->velocity, n, entries, 1);
     if (!status) status = entries_begin(&m->dynamic, entries);
-    if (!status && !s->prescribed) status = sparse_begin(&m->motion, nf + nr, m->mass.n + 2 * entries, 1);
+    if (!status && !s->prescribed) status = sparse_begin(&m->motion, nf + nr, m->mass.n + m->coupling.n + 2 * entries, 1);
     if (!status) status = entries_begin(&m->given, m->mass.n);
     if (!status) {
         for (int k = 0; k < m->mass.n; k++) {
@@ -137,12 +189,18 @@ static int assemble(Model *m)
             EACH_LANE if (LANE(field, w) != 0.0) known = 1;
             if (known) add(&m->given, m->mass.row[k], j, m->mass.source[k]);
         }
-        m->position.n_entries = m->motion.n_entries = 0;
-        for (int r = 0; r < n; r++)
-            for (int k = m->v_start[r]; k < m->v_start[r + 1]; k++) {
+        m->position.n_entries = m->velocity.n_entries = m->motion.n_entries = 0;
+        for (int i = 0; i < nc; i++)
+            for (int r = s->position[i], k = m->v_start[r]; k < m->v_start[r + 1]; k++) {
                 const int j = m->v_column[k] - first, d = m->v_column[k] - s->x_dynamic;
-                if (j >= 0 && j < n) put(&m->position, r, j, m->v_place[k]);
-                if (d >= 0 && d < s->n_x_dynamic) add(&m->dynamic, r, d, m->v_place[k]);
+                if (j >= 0 && j < nc) put(&m->position, i, j, m->v_place[k]);
+                if (d >= 0 && d < s->n_x_dynamic) add(&m->dynamic, i, d, m->v_place[k]);
+            }
+        for (int r = 0; r < n && !m->holonomic; r++)
+            for (int k = m->v_start[r]; k < m->v_start[r + 1]; k++) {
+                const int j = m->v_column[k] - first, u = m->v_column[k] - s->x_kinematic;
+                if (j >= 0 && j < nc) put(&m->velocity, r, j, m->v_place[k]);
+                if (u >= 0 && u < s->n_x_kinematic) put(&m->velocity, r, nc + u, m->v_place[k]);
             }
     }
     if (!status && !s->prescribed) {
@@ -151,6 +209,10 @@ static int assemble(Model *m)
         for (int k = 0; k < m->mass.n; k++) {
             const int i = place[m->mass.row[k]], j = place[m->mass.column[k]];
             if (i >= 0 && j >= 0) put(&m->motion, i, j, m->mass.source[k]);
+        }
+        for (int k = 0; k < m->coupling.n; k++) {
+            const int i = place[m->coupling.row[k]], j = place[m->coupling.column[k]];
+            if (i >= 0 && j >= 0) put(&m->motion, i, j, m->coupling.source[k]);
         }
         for (int r = 0; r < nr; r++)
             for (int k = m->v_start[r]; k < m->v_start[r + 1]; k++) {
@@ -162,8 +224,8 @@ static int assemble(Model *m)
     }
     free(place);
     /* Products for the transfer functions against those for the saddle-point form, about four per entry. */
-    const long products = (long)(q + 1) * (m->position.n_entries + m->mass.n) + (long)q * q * s->nx / 2;
-    m->reduced = products < 4L * m->motion.n_entries;
+    const long products = (long)(q + 1) * (m->position.n_entries + m->mass.n + m->coupling.n) + (long)q * q * s->nx / 2;
+    m->reduced = m->holonomic && products < 4L * m->motion.n_entries;
     return status;
 }
 
@@ -171,7 +233,10 @@ static void spacar_end(Model *m)
 {
     if (!m) return;
     sparse_end(&m->position);
+    sparse_end(&m->velocity);
     sparse_end(&m->motion);
+    entries_end(&m->coupling);
+    free(m->coupling_first); free(m->coupling_second); free(m->coupling_weight);
     entries_end(&m->mass);
     entries_end(&m->given);
     entries_end(&m->dynamic);
@@ -192,17 +257,20 @@ static Model *spacar_begin(const Spec *spec)
     for (int b = 0; b < spec->n_batches; b++) elements += spec->batches[b].n;
     m->v_offset = cleared(elements, sizeof(int));
     m->m_offset = cleared(elements, sizeof(int));
+    m->holonomic = spec->n_position == spec->n_equations && !spec->n_e_kinematic;
+    for (int i = 0; i < spec->n_position; i++) if (spec->position[i] != i) m->holonomic = 0;
     Entries V = {0};
-    int status = m->v_offset && m->m_offset ? find_entries(m, &V) : NO_MEMORY;
-    if (!status) status = sort_rows(m, &V);
+    const int n_values = m->v_offset && m->m_offset ? find_entries(m, &V) : NO_MEMORY;
+    int status = n_values < 0 ? NO_MEMORY : sort_rows(m, &V);
+    if (!status) status = find_coupling(m, n_values);
     entries_end(&V);
     if (!status) status = assemble(m);
-    real *work = status ? NULL : cleared(10 * (nx + ne), sizeof(real));
+    real *work = status ? NULL : cleared(10 * (nx + ne) + nx, sizeof(real));
     if (!work) { spacar_end(m); return NULL; }
     real **vectors[] = {&m->h, &m->near, &m->next_e, &m->given_ed, &m->given_edd};
     for (int k = 0; k < 5; k++, work += ne) *vectors[k] = work;
-    real **coordinates[] = {&m->convected, &m->force, &m->next_x, &m->next_xd, &m->next_xdd};
-    for (int k = 0; k < 5; k++, work += nx) *coordinates[k] = work;
+    real **coordinates[] = {&m->convected, &m->applied, &m->force, &m->next_x, &m->next_xd, &m->next_xdd};
+    for (int k = 0; k < 6; k++, work += nx) *coordinates[k] = work;
     m->b = work;
     m->stage = m->b + nx + ne;
     m->piece = m->stage + 2 * (nx + ne);
@@ -227,17 +295,19 @@ static int spacar_gradient(const Model *m, int *row, int *column, real *value)
     return n;
 }
 
-/* Of the inverse of the matrix of the position at the last evaluated state: mantissa 2^exponent. */
+static const Sparse *of_rates(const Model *m) { return m->holonomic ? &m->position : &m->velocity; }
+
+/* Of the inverse of the matrix of the velocities at the last evaluated state: mantissa 2^exponent. */
 static void spacar_determinant(const Model *m, double *mantissa, double *exponent)
 {
-    determinant(&m->position, mantissa, exponent);
+    determinant(of_rates(m), mantissa, exponent);
 }
 
-/* Reciprocal condition in the 1-norm of diag(row) A diag(column), A the matrix of the position at the last evaluated state:
+/* Reciprocal condition in the 1-norm of diag(row) A diag(column), A the matrix of the velocities at the last evaluated state:
    n solutions. The smallest of the lanes. */
 static double spacar_rcond(Model *m, const double *row, const double *column)
 {
-    const Sparse *s = &m->position;
+    const Sparse *s = of_rates(m);
     const int n = s->n;
     real norm = EVERY(0.0), inverse = EVERY(0.0);
     memset(m->b, 0, sizeof(real) * n);

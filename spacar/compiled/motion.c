@@ -10,8 +10,23 @@ static real rounding(const Model *m, const real *x, const real *e_given)
 {
     real size = EVERY(1.0);
     for (int i = 0; i < m->s.nx; i++) size = lanes_larger(size, x[i] / m->s.scale[i]);
-    for (int i = 0; i < m->s.n_equations; i++) size = lanes_larger(size, e_given[i] / m->s.e_scale[i]);
+    for (int i = 0; i < m->s.n_position; i++)
+        size = lanes_larger(size, e_given[m->s.position[i]] / m->s.e_scale[m->s.position[i]]);
     return ROUNDING * size;
+}
+
+/* Complete a velocity or acceleration v, which comes with the given components and zeros: V v = e_rate - h. */
+static void dependent(Model *m, real *v, const real *e_rate, const real *h)
+{
+    const Spec *s = &m->s;
+    const int n = s->n_equations, nc = s->n_position, first = s->n_fixed_x;
+    real *r = m->b;
+    for (int i = 0; i < n; i++) r[i] = h ? e_rate[i] - h[i] : e_rate[i];
+    if (s->n_x_input || s->n_x_dynamic) for (int i = 0; i < n; i++) r[i] -= rate(m, i, v);
+    if (m->holonomic) { solve(&m->position, r, v + first); return; }
+    solve(&m->velocity, r, r);
+    memcpy(v + first, r, sizeof(real) * nc);
+    memcpy(v + s->x_kinematic, r + nc, sizeof(real) * s->n_x_kinematic);
 }
 
 /* Position and velocity. x comes with the given values and a guess of the calculable ones, xd and ed with the given rates.
@@ -22,17 +37,17 @@ static real rounding(const Model *m, const real *x, const real *e_given)
 static int place(Model *m, real *x, real *xd, real *e, const real *near, const real *e_given, const real *e_rate,
                  double converged)
 {
-    const int n = m->s.n_equations, first = m->s.n_fixed_x;
+    const int n = m->s.n_position, first = m->s.n_fixed_x, *row = m->s.position;
     real *r = m->b;
     double before = INFINITY, last = INFINITY;
     real before_step = EVERY(INFINITY);
     int halvings = 0;
     for (int iteration = 1; iteration <= MAX_ITERATIONS; iteration++) {
-        strain(m, x, near, e);
+        if (strain(m, x, near, e)) return NOT_ANSWERED;
         real residual = EVERY(0.0), total = EVERY(0.0);
         for (int i = 0; i < n; i++) {
-            const real difference = e[i] - e_given[i];
-            residual = lanes_larger(residual, difference / m->s.e_scale[i]);
+            const real difference = e[row[i]] - e_given[row[i]];
+            residual = lanes_larger(residual, difference / m->s.e_scale[row[i]]);
             total += difference;
         }
         const double norm = largest_lane(residual);
@@ -44,7 +59,7 @@ static int place(Model *m, real *x, real *xd, real *e, const real *near, const r
         }
         before = norm;
         halvings = 0;
-        for (int i = 0; i < n; i++) r[i] = e[i] - e_given[i];
+        for (int i = 0; i < n; i++) r[i] = e[row[i]] - e_given[row[i]];
         const int chord = !m->reduced && iteration == 1 && m->factored && norm > converged;
         const int status = chord ? OK : factor(&m->position, m->values);
         m->factored = !status;
@@ -64,21 +79,35 @@ static int place(Model *m, real *x, real *xd, real *e, const real *near, const r
             before_step = step;
             continue;
         }
-        memset(xd + first, 0, sizeof(real) * n);
-        memcpy(r, e_rate, sizeof(real) * n);
-        if (m->s.n_x_input || m->s.n_x_dynamic) for (int i = 0; i < n; i++) r[i] -= rate(m, i, xd);
-        solve(&m->position, r, xd + first);
+        if (!m->holonomic) {
+            const int of_velocity = factor(&m->velocity, m->values);
+            if (of_velocity) return of_velocity;
+        }
+        dependent(m, xd, e_rate, NULL);
         return iteration;
     }
     return NO_CONVERGENCE;
 }
 
-static void stresses(const Model *m, const real *e, const real *xd, real *sigma)
+/* Constitutive stresses, and the applied forces but gravity on moving elements. OK or NOT_ANSWERED. */
+static int stresses(const Model *m, double t, const real *x, const real *e, const real *xd, real *sigma)
 {
     const Spec *s = &m->s;
+    memcpy(m->applied, s->force, sizeof(real) * s->nx);
+    for (int k = 0; k < s->n_moments; k++) m->applied[s->moment_rows[k]] += s->moments[k] * x[s->moment_columns[k]];
     memcpy(sigma, s->preload, sizeof(real) * s->ne);
     for (int i = 0; i < s->n_stiffness; i++) sigma[s->s_rows[i]] += s->s_values[i] * e[s->s_columns[i]];
     for (int i = 0; i < s->n_damping; i++) sigma[s->d_rows[i]] += s->d_values[i] * rate(m, s->d_columns[i], xd);
+    const User *user = s->user;
+    if (!user) return OK;
+    memcpy(user->x, x, sizeof(real) * s->nx);
+    memcpy(user->xd, xd, sizeof(real) * s->nx);
+    memcpy(user->e, e, sizeof(real) * s->ne);
+    for (int r = 0; r < s->ne; r++) user->ed[r] = rate(m, r, xd);
+    if (s->ask(ASK_STRESS, 0, t)) return NOT_ANSWERED;
+    for (int i = 0; i < s->nx; i++) m->applied[i] += user->force[i];
+    for (int r = s->n_rows; r < s->ne; r++) sigma[r] += user->sigma[r];
+    return OK;
 }
 
 /* f + M g - h - M xdd_given - V^T sigma of the rows from first_row, at every coordinate. */
@@ -86,11 +115,13 @@ static void out_of_balance(const Model *m, const real *xdd, const real *sigma, i
 {
     const Spec *s = &m->s;
     const Entries *given = s->prescribed ? &m->mass : &m->given; /* without degrees of freedom all accelerations are known */
-    for (int i = 0; i < s->nx; i++) out[i] = s->force[i] - m->convected[i];
+    for (int i = 0; i < s->nx; i++) out[i] = m->applied[i] - m->convected[i];
     for (int k = 0; k < given->n; k++) {
         const int j = given->column[k];
         out[given->row[k]] += m->values[given->source[k]] * (s->field[j] - xdd[j]);
     }
+    for (int k = 0; k < m->coupling.n; k++)
+        out[m->coupling.row[k]] -= m->values[m->coupling.source[k]] * xdd[m->coupling.column[k]];
     for (int r = first_row; r < s->ne; r++) subtract_transposed(m, r, sigma[r], out);
 }
 
@@ -139,8 +170,14 @@ static int reduced_form(Model *m, const real *edd_given, real *xdd, real *sigma,
     memset(MX, 0, sizeof(real) * nx * width);
     for (int k = 0; k < m->mass.n; k++)
         add_row(MX + m->mass.row[k] * width, m->values[m->mass.source[k]], X + m->mass.column[k] * width, width);
+    for (int k = 0; k < m->coupling.n; k++) { /* gravity does not act on it */
+        const real value = m->values[m->coupling.source[k]];
+        const int i = m->coupling.row[k], j = m->coupling.column[k];
+        add_row(MX + i * width, value, X + j * width, width);
+        MX[i * width + q] += value * s->field[j];
+    }
     real *force = m->force;
-    for (int i = 0; i < nx; i++) force[i] = s->force[i] - m->convected[i] - MX[i * width + q];
+    for (int i = 0; i < nx; i++) force[i] = m->applied[i] - m->convected[i] - MX[i * width + q];
     for (int r = s->n_rows; r < s->ne; r++) subtract_transposed(m, r, sigma[r], force);
     memset(A, 0, sizeof(real) * (q + 1) * width);
     for (int i = first; i < nx; i++) {
@@ -164,20 +201,22 @@ static int reduced_form(Model *m, const real *edd_given, real *xdd, real *sigma,
 
 /* xdd comes with the given accelerations (zero elsewhere); it is completed, and so is sigma when wanted. The position system
    must be factored. */
-static int accelerate(Model *m, const real *x, const real *xd, const real *e, const real *edd_given, real *xdd, real *sigma,
-                      int want_stress)
+static int accelerate(Model *m, double t, const real *x, const real *xd, const real *e, const real *edd_given, real *xdd,
+                      real *sigma, int want_stress)
 {
     const Spec *s = &m->s;
     const int n = s->n_equations, nf = s->n_free, nr = s->n_rows;
-    inertia(m, x, xd);
-    stresses(m, e, xd, sigma);
+    if (inertia(m, x, xd) || stresses(m, t, x, e, xd, sigma)) return NOT_ANSWERED;
     real *b = m->b, sum = EVERY(0.0);
     if (s->prescribed) { /* no dynamic degree of freedom: kinematics, then reactions from the transposed system */
-        for (int i = 0; i < n; i++) b[i] = edd_given[i] - m->h[i] - rate(m, i, xdd);
-        solve(&m->position, b, xdd + s->n_fixed_x);
+        const int nc = s->n_position;
+        dependent(m, xdd, edd_given, m->h);
         out_of_balance(m, xdd, sigma, n, m->force);
-        solve_transposed(&m->position, m->force + s->n_fixed_x, sigma);
-        for (int i = 0; i < n; i++) sum += sigma[i] + xdd[s->n_fixed_x + i];
+        memcpy(b, m->force + s->n_fixed_x, sizeof(real) * nc);
+        if (!m->holonomic) memcpy(b + nc, m->force + s->x_kinematic, sizeof(real) * s->n_x_kinematic);
+        solve_transposed(m->holonomic ? &m->position : &m->velocity, b, sigma);
+        for (int i = 0; i < n; i++) sum += sigma[i];
+        for (int i = s->n_fixed_x; i < s->nx; i++) sum += xdd[i];
         return isfinite(largest_lane(sum)) ? OK : NOT_FINITE;
     }
     if (m->reduced) return reduced_form(m, edd_given, xdd, sigma, want_stress);

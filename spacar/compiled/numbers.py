@@ -10,24 +10,30 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.compiled.element_parameters import SUPPORTED, kinds
+from spacar.compiled.element_parameters import SUPPORTED
+from spacar.compiled.library import engine
 from spacar.dynamics.array_evaluator import Dynamics
-from spacar.dynamics.forces import StressLaw, gravity_field
+from spacar.dynamics.forces import StressLaw, gravity_field, moment_gradient
+from spacar.elements.family import Family
 from spacar.mechanism.layout import Batch
-from spacar.mechanism.mechanism import Drive, Mechanism, Polynomial
+from spacar.mechanism.mechanism import Drive, Loads, Mechanism, Polynomial
 
 Entries = tuple[Index, Index, Array]  # rows, columns, values (n, cases)
 
 
 @dataclass(frozen=True)
 class Elements:
-    """A batch: kind, whether M depends on x, coordinates (n, nxe), deformations (n, nee), parameters (n, np, cases)."""
+    """A batch: kind, whether M depends on x, coordinates (n, nxe), deformations (n, nee), parameters (n, np, cases).
+
+    `family`: the NumPy family where there is no form in C (kind FOREIGN).
+    """
 
     kind: int
     moving: bool
     x: Index
     e: Index
     parameters: Array
+    family: Family | None = None
 
 
 @dataclass(frozen=True)
@@ -38,6 +44,8 @@ class Numbers:
     mass: Entries  # constant ones
     stiffness: Entries
     damping: Entries
+    moments: Entries  # forces that are linear in x
+    coupling: Entries  # M_e of MEE
     force: Array  # (nx, cases) constant nodal forces, gravity field at the coordinates, reference configuration
     field: Array
     x0: Array
@@ -57,6 +65,7 @@ class Numbers:
         return Numbers(
             tuple(replace(b, parameters=some(b.parameters)) for b in self.elements),
             entries(self.mass), entries(self.stiffness), entries(self.damping),
+            entries(self.moments), entries(self.coupling),
             some(self.force), some(self.field), some(self.x0), some(self.preload), some(self.x_motion),
             some(self.e_motion),
         )  # fmt: skip
@@ -70,8 +79,9 @@ def of_one(dynamics: Dynamics) -> Numbers:
         return np.array(array, np.float64)[..., None]
 
     return Numbers(
-        tuple(_elements(b, one(SUPPORTED[b.family.form][1](b.family).T)) for b in supported(m)),
+        tuple(_elements(b, kind, one(p.T)) for b, (kind, p) in ((b, _form(b.family)) for b in evaluated(m))),
         _only(constant_mass(m)), _only(law.stiffness), _only(law.damping),
+        _only(moments(dynamics.loads)), _only(m.deformation_inertia),
         one(dynamics.loads.force), one(dynamics.forces.field), one(m.x0), one(law.preload),
         one(motion(drive, "x")), one(motion(drive, "e")),
     )  # fmt: skip
@@ -85,11 +95,11 @@ def of_copies(one: Mechanism, together: Mechanism, x_of: Index, e_of: Index) -> 
     cases = len(x_of)
     law = StressLaw.of(together, together.loads)
     elements = []
-    for b, all_ in zip(supported(one), supported(together), strict=True):
-        parameters = SUPPORTED[b.family.form][1](all_.family)
+    for b, all_ in zip(evaluated(one), evaluated(together), strict=True):
+        kind, parameters = _form(all_.family)
         p = parameters.reshape(len(parameters), cases, b.family.n)  # elements are in the order of their numbers
         assert np.array_equal(all_.x.reshape(len(b.x), cases, b.family.n), x_of[:, b.x].transpose(1, 0, 2))
-        elements.append(_elements(b, p.transpose(2, 0, 1)))
+        elements.append(_elements(b, kind, p.transpose(2, 0, 1)))
     inputs, deformed = (c["input"] for c in (one.numbering.x_class, one.numbering.e_class))
     x_rows = x_of[:, inputs] - together.numbering.x_class["input"].start
     e_rows = e_of[:, deformed] - together.numbering.e_class["input"].start
@@ -98,20 +108,54 @@ def of_copies(one: Mechanism, together: Mechanism, x_of: Index, e_of: Index) -> 
     return Numbers(
         tuple(elements),
         _sorted(constant_mass(together), x_of), _sorted(law.stiffness, e_of), _sorted(law.damping, e_of),
+        _sorted(moments(together.loads), x_of), _sorted(together.deformation_inertia, e_of),
         together.loads.force[x_of].T, field, together.x0[x_of].T, law.preload[e_of].T,
         x_motion.transpose(1, 2, 0), e_motion.transpose(1, 2, 0),
     )  # fmt: skip
 
 
-def supported(mechanism: Mechanism) -> list[Batch]:
-    """The batches with a compiled form; the others are lumped masses, which are constant entries of M."""
-    return [b for b in mechanism.batches if b.family.form in SUPPORTED]
+FOREIGN = -1  # kind of a batch that is evaluated by its NumPy family
 
 
-def _elements(batch: Batch, parameters: Array) -> Elements:
+def evaluated(mechanism: Mechanism) -> list[Batch]:
+    """The batches that are evaluated with the state; the others are lumped masses, which are constant entries of M."""
+    return [b for b in mechanism.batches if b.family.n_deformations or _moving(b.family)]
+
+
+def without_form(mechanism: Mechanism) -> list[str]:
+    """Keywords of the batches that have no functions in C."""
+    return sorted({b.family.keyword for b in evaluated(mechanism) if _form(b.family)[0] == FOREIGN})
+
+
+def _moving(family: Family) -> bool:
+    return family.has_mass and not family.constant_mass
+
+
+def _form(family: Family) -> tuple[int, Array]:
+    """The kind in C and the parameters (n_parameters, n). A kind that the engine does not know as it is is FOREIGN."""
+    if family.form in SUPPORTED:
+        name, of_family = SUPPORTED[family.form]
+        kind, count = engine().kinds.get(name, (FOREIGN, 0))
+        parameters = of_family(family)
+        if count == len(parameters):
+            return kind, parameters
+    return FOREIGN, np.zeros((0, family.n))
+
+
+def _elements(batch: Batch, kind: int, parameters: Array) -> Elements:
     family = batch.family
-    kind = kinds().index(SUPPORTED[family.form][0])
-    return Elements(kind, family.has_mass and not family.constant_mass, batch.x.T, batch.e.T, parameters)
+    foreign = family if kind == FOREIGN else None
+    return Elements(kind, _moving(family), batch.x.T, batch.e.T, parameters, foreign)
+
+
+def moments(loads: Loads) -> tuple[Index, Index, Array]:
+    """Constant global moments as entries (row, column, value) of forces that are linear in x."""
+    rows = loads.moment_rows
+    if not rows.size:
+        return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0)
+    G = moment_gradient(loads.moment)
+    shape = G.shape
+    return np.broadcast_to(rows[:, None], shape).ravel(), np.broadcast_to(rows[None], shape).ravel(), G.ravel()
 
 
 def _only(entries: Entries) -> Entries:

@@ -6,8 +6,8 @@
    Matrices", chapters 5 and 10). A later factorization has no choice; it returns its largest
    multiplier, and above GROWTH, or when that is not a number, the order has to be chosen again. */
 
-enum { OK = 0, NO_CONVERGENCE = -1, SINGULAR = -2, NOT_FINITE = -3, JUMP = -4, NO_MEMORY = -5 };
-static const double THRESHOLD = 0.1, GROWTH = 1e3;
+enum { OK = 0, NO_CONVERGENCE = -1, SINGULAR = -2, NOT_FINITE = -3, JUMP = -4, NO_MEMORY = -5, NOT_ANSWERED = -6 };
+static const double THRESHOLD = 0.1, GROWTH = 100.0;
 
 typedef struct {
     int n, n_entries, planned, even; /* even: sign of the permutations */

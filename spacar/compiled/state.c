@@ -17,7 +17,8 @@ static void prescribed(const Spec *s, const real *row, double t, real *value, re
 static int evaluate(Model *m, State *at, double t, const real *y, double converged, double jump, int want_stress)
 {
     const Spec *s = &m->s;
-    const int nx = s->nx, first = s->n_fixed_x, n = s->n_equations, a = s->n_x_dynamic, q = a + s->n_e_dynamic;
+    const int nx = s->nx, first = s->n_fixed_x, n = s->n_position, a = s->n_x_dynamic, q = a + s->n_e_dynamic;
+    const real *kinematic = y + q, *rates = kinematic + s->n_x_kinematic + s->n_e_kinematic;
     real *x = m->next_x, *xd = m->next_xd, *xdd = m->next_xdd;
     const double dt = at->known ? t - at->t : 0.0;
     memcpy(x, s->x0, sizeof(real) * nx);
@@ -36,6 +37,7 @@ static int evaluate(Model *m, State *at, double t, const real *y, double converg
             for (int i = first; i < first + n; i++) x[i] += m->transfer[i * m->width + c] * off;
         }
     m->transfer_of = NULL;
+    if (!s->polynomial && s->ask(ASK_MOTION, 0, t)) return NOT_ANSWERED;
     for (int i = 0; i < s->n_x_input; i++) {
         const int k = s->x_input + i;
         prescribed(s, s->x_motion + 3 * i, t, &x[k], &xd[k], &xdd[k]);
@@ -44,19 +46,21 @@ static int evaluate(Model *m, State *at, double t, const real *y, double converg
         const int k = s->e_input + i;
         prescribed(s, s->e_motion + 3 * i, t, &at->given_e[k], &m->given_ed[k], &m->given_edd[k]);
     }
-    for (int i = 0; i < a; i++) { x[s->x_dynamic + i] = y[i]; xd[s->x_dynamic + i] = y[q + i]; }
+    for (int i = 0; i < a; i++) { x[s->x_dynamic + i] = y[i]; xd[s->x_dynamic + i] = rates[i]; }
     for (int i = a; i < q; i++) {
         at->given_e[s->e_dynamic + i - a] = y[i];
-        m->given_ed[s->e_dynamic + i - a] = y[q + i];
+        m->given_ed[s->e_dynamic + i - a] = rates[i];
     }
+    memcpy(x + s->x_kinematic, kinematic, sizeof(real) * s->n_x_kinematic);
+    memcpy(at->given_e + s->e_kinematic, kinematic + s->n_x_kinematic, sizeof(real) * s->n_e_kinematic);
     memcpy(m->near, at->e, sizeof(real) * s->ne);
-    memcpy(m->near, at->given_e, sizeof(real) * n); /* the rows that are given come first */
+    for (int i = 0; i < n; i++) m->near[s->position[i]] = at->given_e[s->position[i]];
     const int iterations = place(m, x, xd, m->next_e, m->near, at->given_e, m->given_ed, converged);
     if (iterations < 0) return iterations;
     real moved = EVERY(0.0);
     for (int i = 0; i < nx; i++) moved = lanes_larger(moved, (x[i] - at->x[i]) / s->scale[i]);
     if (!(largest_lane(moved) <= jump)) return JUMP;
-    const int status = accelerate(m, x, xd, m->next_e, m->given_edd, xdd, at->sigma, want_stress);
+    const int status = accelerate(m, t, x, xd, m->next_e, m->given_edd, xdd, at->sigma, want_stress);
     if (status < 0) return status;
     memcpy(at->e, m->next_e, sizeof(real) * s->ne);
     memcpy(at->x, x, sizeof(real) * nx);
@@ -75,15 +79,17 @@ static int evaluate(Model *m, State *at, double t, const real *y, double converg
 static int spacar_evaluate(Model *m, State *at, double t, const real *y, double converged, double jump, int want_stress)
 {
     const Spec *s = &m->s;
-    const int a = s->n_x_dynamic, q = a + s->n_e_dynamic;
+    const int a = s->n_x_dynamic, q = a + s->n_e_dynamic, k = q + s->n_x_kinematic, positions = k + s->n_e_kinematic;
     int status = evaluate(m, at, t, y, converged, jump, want_stress);
     for (double part = 0.5; status == JUMP && at->known && part >= SMALLEST_PIECE; part *= 0.5) {
         int reached = OK;
         while (reached >= 0 && status == JUMP) {
             for (int i = 0; i < a; i++) m->piece[i] = at->x[s->x_dynamic + i];
             for (int i = a; i < q; i++) m->piece[i] = at->e[s->e_dynamic + i - a];
-            for (int i = 0; i < q; i++) m->piece[i] += part * (y[i] - m->piece[i]);
-            memcpy(m->piece + q, y + q, sizeof(real) * q);
+            for (int i = q; i < k; i++) m->piece[i] = at->x[s->x_kinematic + i - q];
+            for (int i = k; i < positions; i++) m->piece[i] = at->e[s->e_kinematic + i - k];
+            for (int i = 0; i < positions; i++) m->piece[i] += part * (y[i] - m->piece[i]);
+            memcpy(m->piece + positions, y + positions, sizeof(real) * q);
             reached = evaluate(m, at, at->t + part * (t - at->t), m->piece, converged, jump, 0);
             if (reached >= 0) status = evaluate(m, at, t, y, converged, jump, want_stress);
         }
@@ -97,12 +103,14 @@ static int spacar_rhs(Model *m, State *at, double t, const real *y, real *out, d
     const Spec *s = &m->s;
     const int status = spacar_evaluate(m, at, t, y, converged, jump, 0);
     if (status < 0) return status;
-    const int a = s->n_x_dynamic, q = a + s->n_e_dynamic;
-    memcpy(out, y + q, sizeof(real) * q);
-    memcpy(out + q, at->xdd + s->x_dynamic, sizeof(real) * a);
+    const int a = s->n_x_dynamic, q = a + s->n_e_dynamic, k = q + s->n_x_kinematic, positions = k + s->n_e_kinematic;
+    memcpy(out, y + positions, sizeof(real) * q);
+    memcpy(out + q, at->xd + s->x_kinematic, sizeof(real) * s->n_x_kinematic);
+    for (int i = k; i < positions; i++) out[i] = rate(m, s->e_kinematic + i - k, at->xd);
+    memcpy(out + positions, at->xdd + s->x_dynamic, sizeof(real) * a);
     for (int i = a; i < q; i++) {
         const int r = s->e_dynamic + i - a;
-        out[q + i] = rate(m, r, at->xdd) + m->h[r];
+        out[positions + i] = rate(m, r, at->xdd) + m->h[r];
     }
     return status;
 }
@@ -113,7 +121,7 @@ static int spacar_rhs(Model *m, State *at, double t, const real *y, real *out, d
 static int spacar_stages(Model *m, State *at, int from, int n, const double *c, const double *a, double t, double h, double earliest,
                   double latest, const real *y, real *K, int stride, double converged, double jump)
 {
-    const int size = 2 * (m->s.n_x_dynamic + m->s.n_e_dynamic);
+    const int size = 2 * (m->s.n_x_dynamic + m->s.n_e_dynamic) + m->s.n_x_kinematic + m->s.n_e_kinematic;
     for (int i = from; i < n; i++) {
         real *stage = m->stage;
         memset(stage, 0, sizeof(real) * size);
@@ -127,10 +135,11 @@ static int spacar_stages(Model *m, State *at, int from, int n, const double *c, 
     return n;
 }
 
-/* What frames have besides: rates of all deformations, gravity M g and total forces M xdd + h + V^T sigma. */
-static void spacar_complete(Model *m, State *at, real *gravity, real *total)
+/* What frames have besides: rates of all deformations, applied forces, gravity M g and total forces M xdd + h + V^T sigma. */
+static void spacar_complete(Model *m, State *at, real *applied, real *gravity, real *total)
 {
     const Spec *s = &m->s;
+    memcpy(applied, m->applied, sizeof(real) * s->nx);
     for (int r = 0; r < s->ne; r++) {
         at->ed[r] = rate(m, r, at->xd);
         at->edd[r] = rate(m, r, at->xdd) + m->h[r];
@@ -143,5 +152,7 @@ static void spacar_complete(Model *m, State *at, real *gravity, real *total)
         gravity[i] += value * s->field[j];
         total[i] += value * at->xdd[j];
     }
+    for (int k = 0; k < m->coupling.n; k++)
+        total[m->coupling.row[k]] += m->values[m->coupling.source[k]] * at->xdd[m->coupling.column[k]];
     for (int r = 0; r < s->ne; r++) subtract_transposed(m, r, -at->sigma[r], total);
 }

@@ -14,6 +14,7 @@ from spacar.dynamics.mass_check import dynamic_mass, is_checked, require_regular
 from spacar.dynamics.motion_equations import Accelerations, EquationsOfMotion
 from spacar.frame import Frame
 from spacar.kinematics.constraint_condition import condition_number
+from spacar.kinematics.predictor import State
 from spacar.kinematics.regularity import PositionMatrix
 from spacar.mechanism.mechanism import Drive, Loads, Mechanism
 from spacar.mechanism.numbering import Numbering
@@ -112,6 +113,14 @@ class Dynamics(EquationsOfMotion):
         other.use(self.model)
         other.kinematics.start_from(self.kinematics)
         return other
+
+    def memory(self) -> tuple[Placement, State | None]:
+        at = self.placement()
+        return Placement(at.x.copy(), at.xd.copy(), at.e.copy(), at.e_given.copy()), self.last
+
+    def remember(self, memory: tuple[Placement, State | None]) -> None:
+        self.stand(memory[0])
+        self.last, self.before = memory[1], None
 
     def condition(self) -> float:
         return condition_number(self.kinematics)

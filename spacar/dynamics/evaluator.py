@@ -13,6 +13,7 @@ or what is watched: the driver (`spacar.forward.driver`) does, and hands them ov
     6  settled  the NumPy evaluator standing there, with sweeps and factors: for linearization, transfer functions,
                 diagnoses. The evaluator itself goes on undisturbed
     7  companion  another evaluator of the same model that follows its own path from here, for stored states
+    8  memory   a copy of all that the evaluator remembers, which a companion can `remember`
 
 `spacar.dynamics.Dynamics` (NumPy) and `spacar.compiled.CompiledDynamics` (C) fulfil it, and
 `tests/dynamics/test_evaluators.py` compares them duty by duty. Batches of cases have duties 2 and 3 only.
@@ -21,7 +22,7 @@ or what is watched: the driver (`spacar.forward.driver`) does, and hands them ov
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import Any, Protocol
 
 from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
@@ -89,3 +90,9 @@ class Evaluator(Integrable, Protocol):
 
     def companion(self) -> Evaluator:
         """Another evaluator of the same model, which follows its own path from the present configuration."""
+
+    def memory(self) -> Any:
+        """A copy of the configuration and motion at the last evaluated state."""
+
+    def remember(self, memory: Any) -> None:
+        """Go on from the `memory` of this evaluator or of a companion."""

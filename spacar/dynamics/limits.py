@@ -43,7 +43,11 @@ class Limits:
 
     def check(self, evaluator: Evaluator, frame: Frame) -> None:
         """Raises AnalysisError 'element.range' or 'element.lift-off' with element, time and advice."""
-        self.regularity.check(frame.t)
+        try:
+            self.regularity.check(frame.t)
+        except AnalysisError:
+            self.check_elements(evaluator, frame)  # an element that has collapsed explains more
+            raise
         self.check_elements(evaluator, frame)
 
     def check_elements(self, evaluator: Evaluator, frame: Frame) -> None:

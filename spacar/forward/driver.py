@@ -18,16 +18,20 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.dynamics.evaluator import Evaluator, Integrable
 from spacar.dynamics.limits import Limits
+from spacar.dynamics.loaded_mechanism import LoadedMechanism
 from spacar.errors import AnalysisError, Report
 from spacar.forward.continuity import Continuity
 from spacar.frame import Frame
-from spacar.integrators import METHODS, EvenTimes, integrate
+from spacar.integrators import AUTOMATIC, METHODS, EvenTimes, integrate
 from spacar.integrators.problem import Jacobian, Output
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.kinematics.regularity import HalfTurns
 from spacar.linearization.state_jacobian import state_jacobian
 from spacar.mechanism.mechanism import SolverSettings
 
+# Tolerance of one step / ERROR, for every code with variable steps alike. Errors of the steps add up, and the watch of
+# dead points takes the degrees of freedom as known to ERROR: a hundred steps may err to the same side.
+STEP = 0.01
 # Position tolerance of intermediate states / tolerance of a step. The velocity has an error of this order, which the
 # error estimate of the integrator must not see: with 853 and ERROR 1e-10 a position tolerance of 1e-11 made a
 # pendulum take 34 s instead of 1.7 s.
@@ -36,6 +40,7 @@ POSITION = 1e-3
 # stiff modes that no iteration can remove (16 elements with 595: 1 Jacobian instead of 16 with 1e-11; 1e-13 is not
 # better).
 ITERATED = 1e-12
+FAR = 8  # steps between outputs beyond which an output is not placed from the one before
 
 Times = Sequence[float] | EvenTimes | np.ndarray
 Watch = Callable[[float, Array], None]
@@ -53,53 +58,64 @@ class Tolerances:
     def of(cls, settings: SolverSettings, divisor: float = 1.0) -> Tolerances:
         """Those of ERROR and INTEGRAT; `divisor`: how much smaller the norm of a step is than that of a case in it."""
         method = METHODS[settings.integrator]
-        atol, rtol = settings.atol / divisor, settings.rtol / divisor
+        share = STEP / divisor if method.variable_step else 1.0 / divisor
+        atol, rtol = share * settings.atol, share * settings.rtol
         if method.needs_jacobian:
             return cls(atol, rtol, ITERATED)
         return cls(atol, rtol, POSITION * min(atol, rtol) if method.variable_step else CONVERGED)
 
 
-@dataclass(frozen=True, slots=True)
 class Integrand:
-    """The `Problem` of the integrators: calls of an evaluator, with what the driver adds to them."""
+    """The `Problem` of the integrators: calls of an evaluator, with what the driver adds to them.
 
-    n_positions: int
-    rhs: Callable[[float, Array], Array]
-    stages: Callable[..., int] | None
-    jacobian: Jacobian | None
-    accepted: Watch | None
-    rejected: Callable[[], None] | None
-    by_case: tuple[int, int, int] | None
-    component_name: Callable[[int], str]
+    `within`: position tolerance; `report`: where it is said that the method has changed; `rejected`: brings the
+    evaluator to the last accepted step, as a stage of a step that is too long may have led it far away.
+    """
 
+    def __init__(
+        self, evaluator: Integrable, within: float, jacobian: Jacobian | None, accepted: Watch | None, report: Report,
+        rejected: Callable[[], None] | None = None,
+    ) -> None:  # fmt: skip
+        self.rejected = rejected
+        self.n_positions, self.by_case = evaluator.n_positions, evaluator.by_case
+        self.component_name = evaluator.component_name
+        self.jacobian, self.accepted = jacobian, accepted
+        self.within = self.usual = within
+        self.report = report
+        self._rhs, self._together = evaluator.rhs, evaluator.stages
+        self.stages = self._stages if self._together is not None else None
 
-def integrand(
-    evaluator: Integrable, within: float, jacobian: Jacobian | None, accepted: Watch | None,
-    rejected: Callable[[], None] | None = None,
-) -> Integrand:  # fmt: skip
-    """The evaluator with this position tolerance."""
-    rhs, together = evaluator.rhs, evaluator.stages
+    def rhs(self, t: float, y: Array) -> Array:
+        return self._rhs(t, y, self.within)
 
-    def stages(*step: Any) -> int:
-        assert together is not None
-        return together(*step, within)
+    def exact(self, t: float, y: Array) -> Array:
+        """F with a position that is exact enough for differences."""
+        return self._rhs(t, y, ITERATED)
 
-    return Integrand(
-        evaluator.n_positions, lambda t, y: rhs(t, y, within), together and stages, jacobian, accepted,
-        rejected, evaluator.by_case, evaluator.component_name,
-    )  # fmt: skip
+    def _stages(self, *step: Any) -> int:
+        assert self._together is not None
+        return self._together(*step, self.within)
+
+    def switched(self, t: float, code: int, omega: float | None) -> None:
+        """The automatic method goes on with another code; for good, when `omega` is given."""
+        self.within = ITERATED if METHODS[code].needs_jacobian else self.usual
+        if omega is not None:
+            self.report.add(
+                f"from t = {t:.9g}: INTEGRAT {code} ({METHODS[code].name}), as the highest vibration or decay of the"
+                f" model ({omega:.3g} rad/s) limits the steps of an explicit method"
+            )
 
 
 def integrated(
     evaluator: Integrable, y: Array, times: Times, settings: SolverSettings, tolerances: Tolerances, *,
-    breaks: Sequence[float] = (), watch: Watch | None = None, back: Callable[[], None] | None = None,
-    jacobian: Jacobian | None = None,
+    breaks: Sequence[float] = (), watch: Watch | None = None, jacobian: Jacobian | None = None,
+    report: Report | None = None, back: Callable[[], None] | None = None,
 ) -> Iterator[Output]:  # fmt: skip
     """States at the output times, with the work done since the last one. Raises AnalysisError.
 
     `watch` is called after accepted steps, `back` after rejected ones.
     """
-    problem = integrand(evaluator, tolerances.position, jacobian, watch, back)
+    problem = Integrand(evaluator, tolerances.position, jacobian, watch, report or Report(), back)
     return integrate(
         problem, y, times, settings.integrator, tolerances.atol, tolerances.rtol, settings.step, breaks=breaks
     )
@@ -122,19 +138,57 @@ def frames(
         return
     tolerances = Tolerances.of(settings, divisor)
     jacobian: Jacobian | None = None
-    if METHODS[settings.integrator].needs_jacobian:
-        jacobian = partial(state_jacobian, evaluator, within=tolerances.position)
-    # Outputs are interpolated inside steps that may have passed a dead point: they follow their own path from the last
-    # one, not back from the end of the step.
+    if METHODS[settings.integrator].needs_jacobian or (settings.integrator == AUTOMATIC and _has_forces(model)):
+        jacobian = partial(state_jacobian, evaluator, within=ITERATED)
+    # Outputs are interpolated inside steps that may have passed a dead point: they are placed from the start of their
+    # step or the last output in it, not back from its end.
     shown = evaluator.companion()
     limits = Limits(shown, report)
+    trail = Trail(evaluator, watch) if moved_by is None else None
     for out in integrated(
         moved_by or evaluator, y, times, settings, tolerances,
-        breaks=model.drive.breaks, watch=watch, back=watch.back if watch else None, jacobian=jacobian,
+        breaks=model.drive.breaks, watch=trail.accepted if trail else watch, jacobian=jacobian,
+        back=watch.back if watch else None, report=report,
     ):  # fmt: skip
+        if trail:
+            trail.lead(shown)
         frame = checked(shown, float(out.t), out.y, limits)
         frame.statistics = work(out)
         yield shown, frame
+
+
+def _has_forces(model: LoadedMechanism) -> bool:
+    """Whether anything can make a vibration or a decay that is faster than the motion: stresses or forces that depend
+    on the state. A rigid mechanism has none, and no method for stiff models is looked for."""
+    return not model.law.passive or model.mechanism.user_signal is not None
+
+
+class Trail:
+    """Where an integrated evaluator stood at the ends of its last two steps, so that outputs between them are placed
+    from there: from the output before, many turns earlier perhaps, the way would be long and could be another one.
+
+    Where a few steps lie between outputs these follow their own way: a determinant that changes its sign along it tells
+    of a dead point at which steps that are too long have turned back.
+    """
+
+    def __init__(self, evaluator: Evaluator, watch: Watch | None) -> None:
+        self.evaluator, self.watch = evaluator, watch
+        self.at_begin: Any = None
+        self.at_end: Any = None
+        self.steps = 0  # since the last output
+
+    def accepted(self, t: float, y: Array) -> None:
+        """After every accepted step."""
+        self.steps += 1
+        self.at_begin, self.at_end = self.at_end, self.evaluator.memory()
+        if self.watch is not None:
+            self.watch(t, y)
+
+    def lead(self, shown: Evaluator) -> None:
+        """Let the evaluator of the outputs begin at the start of the step with t, if its last output was far before."""
+        if self.at_begin is not None and self.steps > FAR:
+            shown.remember(self.at_begin)
+        self.steps = 0
 
 
 def work(out: Output) -> dict[str, int]:

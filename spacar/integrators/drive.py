@@ -18,6 +18,7 @@ import numpy as np
 from spacar.errors import AnalysisError, UsageError
 
 from .adams import Adams
+from .automatic import Automatic
 from .failures import MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small, too_many_steps
 from .methods import METHODS, method
 from .problem import Evaluation, Output, Problem, Step, Tolerance
@@ -168,7 +169,12 @@ def _variable(
 ) -> Iterator[Step]:
     """Steps of a variable-step code through all segments."""
     run: Callable[[float, np.ndarray, float, float], Iterator[Step]]
-    run = integrator.steps if isinstance(integrator, Adams) else _one_step(integrator, step is None)
+    if isinstance(integrator, Adams):
+        run = integrator.steps
+    elif isinstance(integrator, Automatic):
+        run = integrator.loop(_one_step, step is None)
+    else:
+        run = _one_step(integrator, step is None)
     y = y0.copy()
     # Nothing is known beyond the first output: a longer first step could jump over a short pulse of an input.
     h = step if step is not None else float(times[1] - times[0])

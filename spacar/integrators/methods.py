@@ -1,7 +1,7 @@
 """The table of integration codes (INTEGRAT position 1): what each is, how it is run, where it comes from.
 
 ERROR is the tolerance of one step, for every code with variable steps alike (theory-system.md section 9). The error of
-a result adds up over the steps, more or less, as the motion decides: `spacar.studies.accuracy` estimates and keeps that.
+a result adds up over the steps, more or less, as the motion decides: `spacar.studies.accuracy` estimates and keeps it.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from typing import Any
 from spacar.errors import UsageError
 
 from .adams import Adams
+from .automatic import Automatic
 from .implicit import Rosenbrock1, Rosenbrock2, Rosenbrock3, SinglyDiagonallyImplicit
 from .nystrom import RungeKuttaNystrom
 from .radau import Radau
@@ -36,7 +37,11 @@ class Method:
     original: bool = True
 
 
+AUTOMATIC = -1  # the code where no INTEGRAT is given; nobody can write it
+
 _ROWS = (
+    Method(AUTOMATIC, "explicit Runge-Kutta 8(5,3), or Radau IIA of order 9 where a vibration limits the steps",
+           8, True, False, "automatic.py", Automatic, original=False),
     Method(0, "Adams predictor-corrector, order 1 to 12", 0, True, False, "Shampine & Gordon 1975", Adams),
     Method(130, "explicit Runge-Kutta, order 3", 3, False, False, "Bogacki & Shampine 1989",
            partial(ExplicitRungeKutta, BOGACKI_SHAMPINE)),
@@ -79,7 +84,7 @@ def method(code: int) -> Method:
     try:
         return METHODS[ALIASES.get(code, code)]
     except KeyError:
-        known = " ".join(map(str, METHODS))
+        known = " ".join(str(code) for code in METHODS if code != AUTOMATIC)
         raise UsageError(f"unknown integration code {code}; known are {known}", "integrator.code") from None
 
 
@@ -90,6 +95,6 @@ def named(word: int | str) -> Method:
         return method(int(text))
     code = NAMES.get(text.upper())
     if code is None:
-        known = f"{' '.join(map(str, METHODS))}, or {' '.join(NAMES)}"
+        known = f"{' '.join(str(code) for code in METHODS if code != AUTOMATIC)}, or {' '.join(NAMES)}"
         raise UsageError(f"method '{word}' does not exist; known are {known}", "integrator.code")
     return METHODS[code]

@@ -122,6 +122,11 @@ class Evaluation:
             raise AnalysisError(text, "integrator.not-finite", t=t, component=i)
         return f
 
+    @property
+    def has_jacobian(self) -> bool:
+        """Whether the problem gives one."""
+        return self._jacobian is not None
+
     def jacobian(self, t: float, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(dF/dy, dF/dt) at the clipped time."""
         self.statistics.n_jacobian += 1

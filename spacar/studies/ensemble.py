@@ -88,7 +88,7 @@ def ensemble(decks: Sequence[Deck], times: np.ndarray | None = None, **options: 
         raise UsageError(
             f"the cases cannot be run together: {reason or 'they differ in more than numbers'}", "study.batch"
         )
-    from spacar.compiled import why_general
+    from spacar.compiled import why_general, why_not_in_lanes
 
     single = build(first, 1, **options)
     together = build(copies(decks), 1, **options)
@@ -97,7 +97,7 @@ def ensemble(decks: Sequence[Deck], times: np.ndarray | None = None, **options: 
         assert settings.duration is not None
         times = np.linspace(0.0, settings.duration, settings.n_steps + 1)
     x_of, e_of = _places(single, together, len(decks), _stride(first))
-    if settings.integrator not in WITHOUT_LANES and why_general(single) is None:
+    if settings.integrator not in WITHOUT_LANES and not (why_general(single) or why_not_in_lanes(single)):
         return _in_lanes(single, together, times, x_of, e_of)
     found: list[list[Frame]] = [[] for _ in decks]
     for frame in _frames(together, times, x_of):

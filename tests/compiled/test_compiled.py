@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.compiled import CompiledDynamics, why_not
+from spacar.compiled import CompiledDynamics
 from spacar.compiled.library import unavailable
 from spacar.deck import parse_deck
 from spacar.dynamics import Dynamics
@@ -28,7 +28,6 @@ def test_frames_equal_those_of_the_general_path(name):
     of the largest value of each kind; rates and accelerations of rigid deformations are rounding of zero.
     """
     mechanism = spacar.frames(1, DATA / f"{name}.dat").mechanism
-    assert why_not(mechanism) is None
     general, compiled = Dynamics(mechanism), CompiledDynamics(mechanism)
     y, rng = general.start(), np.random.default_rng(4)
     np.testing.assert_array_equal(compiled.start(), y)
@@ -76,13 +75,6 @@ def test_a_simulation_is_the_same():
     b = spacar.run(1, DATA / "crankfl.dat", compiled=True, **options)
     np.testing.assert_allclose(b["x"], a["x"], atol=1e-8)
     np.testing.assert_allclose(b["sig"], a["sig"], atol=1e-5 * np.abs(a["sig"]).max())
-
-
-def test_what_cannot_be_compiled_runs_in_the_general_path_and_says_so():
-    run = spacar.frames(1, DATA / "trike2.dat", duration=0.02, n_steps=2)
-    assert len(list(run)) == 3
-    assert run.header["engine"][0] == "general"
-    assert "PLWHEEL" in run.header["engine"][1]
 
 
 def test_checks_see_the_state_that_c_evaluated():

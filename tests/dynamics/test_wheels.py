@@ -172,7 +172,7 @@ def test_tricycles_straight_ahead() -> None:
     """Normal forces published in theory-spatial.md section 14, sum = weight."""
     text = (DATA / "trike3v.dat").read_text()
     deck = spacar.parse_deck(text.replace("STARTDE 8 1 -0.5 0.0", "STARTDE 8 1 0.0 0.0"), "trike.dat", 1)
-    r = spacar.run(1, deck, n_steps=5)
+    r = spacar.run(1, deck, n_steps=5, atol=1e-8, rtol=1e-8)
     forces = np.array([r.element(w, 3, "sig") for w in (3, 6, 11)])
     np.testing.assert_allclose(forces, np.array([[-294.30], [-294.30], [-250.155]]) @ np.ones((1, 6)), atol=1e-9)
 
