@@ -3,7 +3,7 @@
 Evaluators (`spacar.dynamics.evaluator`) know nothing of what is decided here: the tolerances, the Jacobian of the codes
 that need one, what is watched after every accepted step, and how states and frames are collected at the output times.
 
-ERROR is the tolerance of one step.
+A step may err by STEP times ERROR, for every code alike (reference/theory-system.md section 9).
 """
 
 from __future__ import annotations

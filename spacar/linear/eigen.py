@@ -118,6 +118,9 @@ def damped_modes(K: Array, C: Array, M: Array, report: Report) -> Modes:
 
 def _eig(A: Array, report: Report) -> tuple[Complex, Complex]:
     """Eigenvalues and eigenvectors of a state matrix, and a warning about doubtful ones."""
+    if not np.isfinite(A).all():
+        text = "the linearized equations overflow: masses, stiffnesses or rates differ by too many orders of magnitude"
+        raise AnalysisError(text, "linear.overflow")
     values, vectors = np.linalg.eig(A)
     eta = backward_error.of_matrix(A, values, vectors)
     if eta.max(initial=0.0) > backward_error.rounding(len(A)):

@@ -163,6 +163,7 @@ def _is_dead_point(run: Run, solver: StationarySolver, level: LoadLevel, t: floa
         return False
     if not (reducible and solver.sparse):
         Regularity(matrix).check(t)
+        return False  # doubtful, which was said where the state was found, but not singular
     run.report.add(
         f"warning: at {level} the degrees of freedom do not determine the motion of {matrix.undetermined()} (a dead"
         " point): no matrices and no transfer functions are stored for this step; choose other degrees of freedom to"

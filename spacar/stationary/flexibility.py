@@ -88,7 +88,8 @@ def _inverted(S: Array, batch: Batch) -> Array:
     try:
         return np.linalg.inv(blocks).transpose(1, 2, 0)
     except np.linalg.LinAlgError:
-        worst = int(np.argmax(np.linalg.cond(blocks)))
+        finite = np.isfinite(blocks).all((1, 2))
+        worst = int(np.argmax(np.linalg.cond(blocks))) if finite.all() else int(np.argmin(finite))
         element = f"element {batch.family.numbers[worst]} ({batch.family.keyword})"
         text = f"the stiffness of {element} is singular to working precision: its deformations do not follow from its "
         text += "stresses; check ESTIFF (a beam that is extremely soft in shear has no bending stiffness of its own)"

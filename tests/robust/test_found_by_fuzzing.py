@@ -105,3 +105,22 @@ def test_a_nominal_result_without_a_name(tmp_path):
     status, _, err = run(3, tmp_path / "crank.dat", "--setpoints", ".")
     assert status == 2
     assert is_one_sentence(err)
+
+
+@pytest.mark.parametrize(
+    ("mode", "name", "old", "new", "ended", "found"),
+    [
+        (8, "lateral4", "1 0.0 2.0 0.0 1.0", "1 0.0 2.0 0.0 1e308", 1, "the stiffness of element 1 (BEAM)"),
+        (10, "plbeam5free", "EM 3 1.0", "EM 3 1e308", 1, "the linearized equations overflow"),
+        (9, "cardan", "4 5  0.707 -0.707 0.", "4 5  0.707 -0.707 1e8", 0, ""),
+    ],
+)
+def test_numbers_of_any_size(tmp_path, mode, name, old, new, ended, found):
+    """Products of the largest numbers overflow; an axis of 1e8 leaves the position all but undetermined."""
+    text = (DATA / f"{name}.dat").read_text()
+    assert old in text
+    (tmp_path / "far.dat").write_text(text.replace(old, new))
+    status, _, err = run(mode, tmp_path / "far.dat")
+    assert status == ended, err
+    assert found in err
+    assert "internal" not in err
