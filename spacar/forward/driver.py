@@ -42,6 +42,8 @@ POSITION = 1e-3
 ITERATED = 1e-12
 FAR = 8  # steps between outputs beyond which an output is not placed from the one before
 
+CAUSE = 0.1  # chosen: lambda0 of a node below which a dead point is its half turn, 11 degrees
+
 Times = Sequence[float] | EvenTimes | np.ndarray
 Watch = Callable[[float, Array], None]
 
@@ -211,9 +213,12 @@ def at_time(evaluator: Evaluator, t: float, y: Array) -> Frame:
     try:
         return evaluator.frame(t, y)
     except AnalysisError as error:
-        if "t = " not in str(error):
-            raise AnalysisError(f"at t = {t:.9g}: {error}", error.code, **error.data) from error
-        raise
+        raise timed(error, t) from error
+
+
+def timed(error: AnalysisError, t: float) -> AnalysisError:
+    """The failure with its time."""
+    return error if "t = " in str(error) else AnalysisError(f"at t = {t:.9g}: {error}", error.code, **error.data)
 
 
 # -- what is watched after every accepted step ----------------------------------------------------------------------
@@ -229,10 +234,11 @@ class Watched:
         if self.continuity is not None:
             try:
                 self.continuity.check(t, y)
-            except AnalysisError:
+            except AnalysisError as error:
                 # A beam that is bent too far for one element is the cause rather than the choice of coordinates.
                 Limits(self.evaluator, Report()).check(self.evaluator, self.evaluator.frame(t, y))
-                raise
+                self.half_turns.check(t, self.evaluator.placement().x, CAUSE)
+                raise timed(error, t) from error
 
     def back(self) -> None:
         """After a rejected step: its last stages may stand on another branch."""

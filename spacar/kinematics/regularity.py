@@ -118,12 +118,12 @@ class HalfTurns:
         self.nodes = sorted(nodes)
         self.lambda0 = np.array([n.x_index(node, 1) for node in self.nodes], np.int64)
 
-    def check(self, t: float, x: Array) -> None:
-        """Raises AnalysisError 'position.singular' at the configuration x (nx,)."""
-        near = np.flatnonzero(np.abs(x[self.lambda0]) < HALF_TURN)
+    def check(self, t: float, x: Array, within: float = HALF_TURN) -> None:
+        """Raises AnalysisError 'position.singular' at the configuration x (nx,) where lambda0 is that small."""
+        near = np.flatnonzero(np.abs(x[self.lambda0]) < within)
         if len(near):
             raise AnalysisError(
-                f"singular position at t = {t:.9g}: the rotation of node {self.nodes[near[0]]} has reached 180 degrees,"
+                f"singular position at t = {t:.9g}: the rotation of node {self.nodes[near[0]]} reaches 180 degrees,"
                 " where lambda1, lambda2, lambda3 (DYNX) are no coordinates; describe it by HINGE elements (DYNE)",
                 "position.singular",
             )

@@ -90,21 +90,18 @@ def test_a_slider_that_is_driven_past_its_dead_centre() -> None:
         assert words in str(error)
 
 
-@pytest.mark.parametrize(
-    "method",
-    [
-        [("INTEGRAT", 0)],
-        # its steps are so long that no accepted state has a determinant below a thousandth: to be found by the watch
-        pytest.param([], marks=pytest.mark.xfail(reason="853 jumps over the dead centre at 1e-8 and is reflected")),
-    ],
-    ids=["adams", "automatic"],
-)
-def test_a_free_slider_at_its_dead_centre_stops_or_warns(method: list[tuple]) -> None:
+def around(said: str, moment: float, margin: float) -> bool:
+    """Whether the times of a sentence are that moment, or lie on both sides of it."""
+    times = [float(word) for word in re.findall(r"(?:t =|and) ([0-9.]+[0-9])", said)]
+    return min(times) - margin <= moment <= max(times) + margin
+
+
+def test_a_free_slider_at_its_dead_centre_stops_or_warns() -> None:
     """The slider is no coordinate at the dead centre, t = 2.2924 from the energy integral: never silently."""
     dynamics = [("XM", 5, 1.0), ("XM", 2, 0.1), ("STARTDX", 5, 1, START, 0.1), ("TIMESTEP", 3.0, 30)]
     rows = [*SLIDER, ("DYNX", 5, 1)]
     for tolerance in (1e-4, 1e-6, 1e-8, 1e-10, 1e-12):
-        run = spacar.frames(1, Deck.build(rows, [*dynamics, *method, ("ERROR", tolerance, tolerance)]))
+        run = spacar.frames(1, Deck.build(rows, [*dynamics, ("ERROR", tolerance, tolerance)]))
         try:
             for _ in run:
                 pass
@@ -113,7 +110,7 @@ def test_a_free_slider_at_its_dead_centre_stops_or_warns(method: list[tuple]) ->
         else:
             (said,) = [line for line in run.report.lines if "dead point" in line]
         assert "singular position" in said
-        assert re.search(r"t = 2\.2[789]", said)
+        assert around(said, 2.2924, 0.025)
 
 
 def test_euler_parameters_as_coordinates_end_at_half_a_turn() -> None:
@@ -190,5 +187,5 @@ def test_an_integration_that_is_reflected_at_a_dead_point_stops(tolerance: float
         said = str(error)
     else:
         (said,) = run.report.lines
-    assert "t = 0.78" in said
+    assert around(said, 0.7815, 0.01)
     assert "dead point" in said
