@@ -34,7 +34,7 @@ CLASSES = ("Deck", "Result", "Run", "Frame")
         ({"n_steps": 0}, "the option n_steps = 0 must be positive and finite"),
         ({"compiled": "no"}, "the option compiled = 'no' must be True or False, not str"),
         ({"integrator": "155"}, "the option integrator = '155' must be a whole number, not str"),
-        ({"integrator": 7}, "integrator type 7 does not exist; the methods are 0, 130"),
+        ({"integrator": 7}, "integrator type 7 does not exist; the methods are -1, 0, 130"),
         ({"tolerances": 1e-3}, "there is no option 'tolerances'; the options are duration, n_steps"),
         ({"source_": "x"}, "there is no option 'source_'"),
     ],

@@ -204,5 +204,5 @@ class CompiledDynamics:
         applied, gravity, total = m.forces[:, :, 0].copy()
         return Frame(
             t=t, x=x, xd=xd, xdd=xdd, e=e, ed=ed, edd=edd, sig=sigma, fx=applied,
-            fxgrav=gravity, fxtot=total,
+            fxgrav=gravity, fxtot=total, lost=m.slots.lost,
         )  # fmt: skip

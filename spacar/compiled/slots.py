@@ -67,6 +67,7 @@ class Slots:
         arrays = self.x, self.xd, self.e, self.ed, self.force, self.sigma
         self.user_c = CUser(*(a.ctypes.data for a in arrays))
         self.error: BaseException | None = None
+        self.lost: dict[int, str] = {}  # about stresses of the user function that cannot act
         self.needed = bool(self.foreign) or user is not None or not isinstance(drive, Polynomial)
         self.ask = ASK(self._answer)
 
@@ -100,7 +101,7 @@ class Slots:
     def _stress(self, t: float) -> None:
         assert self.user is not None
         given = self.user(t, self.e, self.ed, self.x, self.xd)
-        self.force[:], self.sigma[:] = given.force, given.sigma
+        self.force[:], self.sigma[:], self.lost = given.force, given.sigma, given.lost
 
     def raise_error(self) -> None:
         """Raise what happened in the last call, if anything did."""

@@ -68,7 +68,7 @@ KEYWORDS = (
 )
 
 # The last three are ours.
-INTEGRATORS = (0, 130, 135, 140, 155, 220, 225, 310, 320, 330, 410, 420, 430, 553, 595, 853)
+INTEGRATORS = (-1, 0, 130, 135, 140, 155, 220, 225, 310, 320, 330, 410, 420, 430, 553, 595, 853)
 INTEGRATOR_ALIASES = {255: 225}  # input-language.md d14 names both
 
 

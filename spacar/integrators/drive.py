@@ -20,7 +20,7 @@ from spacar.errors import AnalysisError, UsageError
 from .adams import Adams
 from .automatic import Automatic
 from .failures import MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small, too_many_steps
-from .methods import METHODS, method
+from .methods import AUTOMATIC, METHODS, method
 from .problem import Evaluation, Output, Problem, Step, Tolerance
 from .times import EvenTimes
 
@@ -28,6 +28,8 @@ EPS = float(np.finfo(float).eps)
 DEFAULT_MAX_STEPS = 1_000_000
 # A fixed step not given: this part of the output step.
 STEPS_PER_OUTPUT = 10
+# codes of one step and one order with an error estimate of the state
+SINGLE_STEP = tuple(m.code for m in METHODS.values() if m.variable_step and m.order and m.code not in (225, AUTOMATIC))
 
 
 def integrate(
@@ -85,8 +87,8 @@ def steps(
     Raises UsageError for a code with fixed steps or of variable order, AnalysisError as `integrate`.
     """
     row = method(code)
-    if not row.variable_step or not row.order or row.code == 225:
-        known = ", ".join(str(m.code) for m in METHODS.values() if m.variable_step and m.order and m.code != 225)
+    if row.code not in SINGLE_STEP:
+        known = ", ".join(map(str, SINGLE_STEP))
         raise UsageError(f"method {code} cannot be used here; choose {known}", "integrator.code")
     integrator = row.build(Evaluation(problem, *window), len(y), tolerance)
     size = end - start if first is None else min(first, end - start)

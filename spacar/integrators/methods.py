@@ -38,7 +38,7 @@ class Method:
     original: bool = True
 
 
-AUTOMATIC = -1  # the code where no INTEGRAT is given; nobody can write it
+AUTOMATIC = -1  # the method chooses itself
 
 _ROWS = (
     Method(AUTOMATIC, "explicit Runge-Kutta 8(5,3), or Radau IIA of order 9 where a vibration limits the steps",
@@ -85,7 +85,7 @@ def method(code: int) -> Method:
     try:
         return METHODS[ALIASES.get(code, code)]
     except KeyError:
-        known = " ".join(str(code) for code in METHODS if code != AUTOMATIC)
+        known = " ".join(str(code) for code in METHODS)
         raise UsageError(f"unknown integration code {code}; known are {known}", "integrator.code") from None
 
 
@@ -96,6 +96,6 @@ def named(word: int | str) -> Method:
         return method(int(text))
     code = NAMES.get(text.upper())
     if code is None:
-        known = f"{' '.join(str(code) for code in METHODS if code != AUTOMATIC)}, or {' '.join(NAMES)}"
+        known = f"{' '.join(str(code) for code in METHODS)}, or {' '.join(NAMES)}"
         raise UsageError(f"method '{word}' does not exist; known are {known}", "integrator.code")
     return METHODS[code]

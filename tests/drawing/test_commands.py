@@ -166,12 +166,12 @@ def test_mp4_without_ffmpeg_is_refused_before_anything_is_drawn(results, monkeyp
 
 
 def test_animation_bar_on_terminals_only(results):
-    arguments = ["draw", results / "crank", "-o", results / "c.gif", "--frames", 5, "--dpi", 20]
+    arguments = ["draw", results / "crank", "-o", results / "c.gif", "--frames", 20, "--dpi", 20]
     assert call(*arguments).err == ""
     seen = call(*arguments, terminal=True)
     assert seen.status == 0
     assert "c.gif" in seen.err
-    assert "/5" in seen.err
+    assert "/20" in seen.err
 
 
 @pytest.mark.parametrize(

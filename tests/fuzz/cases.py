@@ -43,6 +43,7 @@ COMMANDS: dict[str, tuple[int, tuple[str, ...]]] = {  # arguments, options; neve
     "trade": (1, ("--integrators", "--tolerances", "--substeps", "--elements", "--target", "--steps", "--time", "--output")),
     "draw": (1, ("-o", "--steps", "--strobe", "--trace", "--view", "--section", "--opacity", "--hide", "--title", "--dpi")),
     "visual": (2, ("-o", "--step", "--title", "--dpi", "--view")),
+    "stress": (1, ("--step", "--element", "--points", "--csv", "--npz", "--json!")),
     "plot": (2, ("-o", "--against", "--csv", "--title", "--dpi")), "report": (1, ("--output", "--plot", "--log-lines")),
     "checksbf": (1, ("--json!",)), "getfrsbf": (3, ("--json!",)), "repinsbf": (3, ("--step",)),
     "loadsbd": (2, ("--to", "--output")), "loadsbm": (2, ("--to", "--output")), "combsbd": (3, ("--force!",)),

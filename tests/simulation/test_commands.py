@@ -123,7 +123,7 @@ def test_gain_from_numbers_and_from_a_function(folder, monkeypatch):
     assert f[6] == pytest.approx(n[6], abs=1e-9)
     for words, why in (
         (("--kp", "1,2"), "2 gains for 3 nominal inputs"),
-        (("--kp", "x"), "neither a list of numbers nor FILE.py:NAME"),
+        (("--kp", "x"), "neither a list of numbers nor FILE.csv nor FILE.py:NAME"),
         (("--kp", "gains.py:none"), "does not define a function none"),
         ((), "give either --kp or --omega"),
     ):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from spacar.arrays import Array
 from spacar.deck.keyword_table import KEYWORDS
 from spacar.frame import Frame
-from spacar.integrators import AUTOMATIC, METHODS
+from spacar.integrators import METHODS
 from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
 from spacar.stream import Run
@@ -92,7 +92,7 @@ def integration(mechanism: Mechanism, engine: tuple[str, str] | None = None) -> 
     """Name of the integrator and its accuracy settings; which engine evaluates, on what level or why."""
     s = mechanism.settings
     method = METHODS.get(s.integrator)
-    given = "no INTEGRAT" if s.integrator == AUTOMATIC else f"INTEGRAT {s.integrator}"
+    given = f"INTEGRAT {s.integrator}"
     lines = [f"Integrator: {given}, {method.name if method else 'unknown'}"]
     lines.append(f"Error tolerances: absolute {real(s.atol)}, relative {real(s.rtol)}")
     if s.step is not None:

@@ -64,7 +64,7 @@ function [ty, tz] = rectangle_twist(w, h, y, z)
     return
   end
   a = w / 2; b = h / 2;
-  n = 1:2:39;
+  n = 1:2:119;
   torsion = (2 * a) ^ 3 * 2 * b / 3 * (1 - 192 / pi ^ 5 * a / b * sum(tanh(n * pi * b / (2 * a)) ./ n .^ 5));
   n = 1:2:59;
   k = n * pi / (2 * a);
