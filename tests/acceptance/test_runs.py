@@ -208,7 +208,7 @@ def test_wrong_calls(folder):
         (["7", "crank", "--steps", "5"], "No such option '--steps'"),
         (["1", "crank", "--atol", "-1"], "Invalid value for '--atol'"),
         (["1", "crank", "--steps", "0"], "Invalid value for '--steps'"),
-        (["1", "crank", "--integrator", "7"], "--integrator 7 does not exist; the methods are 0, 130"),
+        (["1", "crank", "--integrator", "7"], "--integrator 7 does not exist; the methods are -1, 0, 130"),
         (["1", "massspring", "--time", "1"], "--time needs --steps"),
         (["chek", "crank"], "did you mean 'check'?"),
         (["crank"], "'crank' is neither a mode nor a command"),

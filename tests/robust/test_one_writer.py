@@ -18,14 +18,14 @@ from .processes import LONG, done, grows, model, shell, start, until
 
 def test_the_second_of_two_runs_is_refused_and_the_first_keeps_everything(tmp_path):
     model(tmp_path)
-    first = start(tmp_path, 1, "crank", "--steps", 4000)
+    first = start(tmp_path, 1, "crank", "--steps", 40_000)
     until(grows(tmp_path / "crank.sbd.part"), first)
     log = (tmp_path / "crank.log").read_text()
     status, _, err = done(tmp_path, 1, "crank", "--steps", 50)
     assert (status, len(err.splitlines())) == (2, 1)
     assert "another run is writing crank.sbd" in err
     assert first.wait(timeout=120) == 0
-    assert getfrsbf(tmp_path / "crank.sbd", "tdef") == [[4001]]
+    assert getfrsbf(tmp_path / "crank.sbd", "tdef") == [[40_001]]
     assert (tmp_path / "crank.log").read_text().startswith(log)  # nor did the second touch the log
     assert sorted(p.name for p in tmp_path.iterdir()) == ["crank.dat", "crank.log", "crank.sbd"]
 
