@@ -9,6 +9,8 @@ PARALLEL := -n $(WORKERS) --dist loadfile
 # One thread per process: the matrices are small, and test processes run side by side.
 export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
+# Bytecode is kept: pytest rewrites its 200 files once, not in every worker of every run.
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: crank test test-all test-matrix lint bench docs fuzz clean
 

@@ -35,7 +35,7 @@ smartquotes = False  # x' is an axis, not an apostrophe
 CONTENTS = {
     "Start": ("/README", "tutorial", "gallery"),
     "Use": ("keywords", "drawing", "python", "matlab", "simulation", "studies", "symbolic/tutorial"),
-    "Understand": ("theory", "theory-linear", "symbolic/theory", "decisions", "performance"),
+    "Understand": ("theory", "theory-linear", "limits", "symbolic/theory", "decisions", "performance"),
     "Reference": (
         "reference/index", "reference/theory-system", "reference/theory-planar", "reference/theory-spatial",
         "reference/input-language", "reference/files", "reference/messages", "reference/symbolic",

@@ -23,6 +23,7 @@ class Frame:
     d2x, d2e      (nx, nkdof**2), (ne, nkdof**2) second order transfer functions (OUTLEVEL)
     bigd          (ne, nx) derivative of the deformations (mode 0)
     xcompl        (nx,) directional nodal compliances [m/N ...] (mode 8)
+    xerr          (nx,) estimated largest error of the coordinates so far (accuracy)
     matrices      m0 c0 d0 k0 n0 g0 b0 ak0 bk0, and eigval eigvre eigvim lmult bmode, by their file name
     state_space   A B C D G sig0 u0 y0 m0 c0b k0b of the ltv file, by their file name
     log           transfer functions that only the log asks for: dx de d2x d2e d3x d3e bigd
@@ -48,6 +49,7 @@ class Frame:
     d2e: Array | None = None
     bigd: Array | None = None
     xcompl: Array | None = None
+    xerr: Array | None = None
     matrices: dict[str, Array] = field(default_factory=dict)
     state_space: dict[str, Array] = field(default_factory=dict)
     log: dict[str, Array] = field(default_factory=dict)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from spacar.mechanism import Mechanism
     from spacar.stream import Run
 
-X_VARIABLES = ("x", "xd", "xdd", "fx", "fxgrav", "fxtot", "xcompl")
+X_VARIABLES = ("x", "xd", "xdd", "fx", "fxgrav", "fxtot", "xcompl", "xerr")
 E_VARIABLES = ("e", "ed", "edd", "sig")
 # Named, not imported: pictures and summaries lie above results.
 DRAWING, SUMMARY = "spacar_drawing", "spacar.summary"
@@ -129,7 +129,7 @@ class Result:
         return getattr(frame, name, None)
 
     def node(self, number: int, coordinate: int, variable: str = "x") -> Array:
-        """(steps,) one coordinate (from 1) of the node `number`; variable: x, xd, xdd, fx, fxgrav, fxtot or xcompl."""
+        """(steps,) one coordinate (from 1) of a node; variable: x, xd, xdd, fx, fxgrav, fxtot, xcompl or xerr."""
         if variable not in X_VARIABLES:
             raise UsageError(
                 f"{variable} is no variable of nodes; these are {', '.join(X_VARIABLES)}", "result.variable"

@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from spacar.mechanism import Mechanism
 
 
+# Named, not imported: it lies above the analyses, which it runs several times.
+ACCURATE = "spacar.studies.accuracy:forward"
+
+
 class Sink(Protocol):
     """A consumer of frames: the log, a result file, a progress bar, a live plot.
 
@@ -27,6 +31,15 @@ class Sink(Protocol):
     def start(self, run: Run) -> None: ...
     def frame(self, frame: Frame) -> None: ...
     def finish(self, error: BaseException | None) -> None: ...
+
+
+@dataclass(frozen=True)
+class AccuracyRequest:
+    """Accuracy of the result that is asked for: error over amplitude (None: only measured), over these expressions
+    (none: all free coordinates)."""
+
+    target: float | None = None
+    variables: tuple[str, ...] = ()
 
 
 @dataclass
@@ -47,6 +60,7 @@ class Run:
     header    scalars and arrays that the analysis states before its first frame (NNOM, NU, NY, condition ...)
     n_frames  number of frames to come, None if unknown
     nominal   mode 3 only: the earlier mode 2 result
+    accuracy  of the result, that is estimated and kept by several runs; these choose the settings of `mechanism`
     """
 
     mode: Mode
@@ -55,9 +69,10 @@ class Run:
     header: dict[str, Any] = field(default_factory=dict)
     n_frames: int | None = None
     nominal: Any = None
+    accuracy: AccuracyRequest | None = None
 
     def __iter__(self) -> Iterator[Frame]:
-        module, _, name = self.mode.analysis.partition(":")
+        module, _, name = (ACCURATE if self.accuracy else self.mode.analysis).partition(":")
         analysis: Callable[[Run], Iterator[Frame]] = getattr(import_module(module), name)
         return self._with_lost_stresses(_without_warnings(analysis(self)))
 

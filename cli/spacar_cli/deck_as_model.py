@@ -49,7 +49,7 @@ class DeckModel(DeckParts):
     def driven(self, node: int, coordinate: int) -> str:
         """The prescribed value of a coordinate as an expression in t."""
         i = int(self.numbering.lnp[node - 1, coordinate]) - 1
-        row = self.result.mechanism.drive.x[i - self.numbering.x_class["input"].start]  # type: ignore[attr-defined]
+        row = self.mechanism.drive.x[i - self.numbering.x_class["input"].start]  # type: ignore[attr-defined]
         return self.polynomial(f"{node}_{coordinate + 1}", row)
 
     def polynomial(self, stem: str, row: Any) -> str:
@@ -67,11 +67,11 @@ class DeckModel(DeckParts):
             self._add(max(open_parts, key=self._readiness))
         self._supports()
         self._masses_and_forces()
-        gravity = [float(v) for v in self.result.mechanism.loads.gravity]
+        gravity = [float(v) for v in self.mechanism.loads.gravity]
         g = [self.parameter(name, value) for name, value in zip(("gx", "gy"), gravity, strict=True)]
         outputs = [f'"{p}.{a}" = "{p}.{a}"' for p in self.points.values() for a in "xy"]
         outputs += [f'"angle{n}" = "{a.angle}"' for n, a in self.angles.items() if a.frame != "N"]
-        settings = self.result.mechanism.settings
+        settings = self.mechanism.settings
         if settings.duration is not None:
             self.tables.append(f"[simulate]\ntime = {settings.duration!r}\nsteps = {max(settings.n_steps, 1)}\n")
         lines = [
@@ -281,7 +281,7 @@ class DeckModel(DeckParts):
             return
         if kind == "input":
             i = int(self.numbering.le[n - 1, 0]) - 1 - self.numbering.e_class["input"].start
-            drive = self.polynomial(f"_e{n}", self.result.mechanism.drive.e[i])  # type: ignore[attr-defined]
+            drive = self.polynomial(f"_e{n}", self.mechanism.drive.e[i])  # type: ignore[attr-defined]
             a, b = self._turn(p), self._turn(q)
             self.table("constraint", name=f"drive{n}", expression=f"{b.angle} - ({a.angle}) - ({drive})")
             return
@@ -398,7 +398,7 @@ class DeckModel(DeckParts):
                 self.table("constraint", name=f"drive_{n}", expression=f"{self._turn(n).angle} - ({self.driven(n, 0)})")
 
     def _masses_and_forces(self) -> None:
-        force = self.result.mechanism.loads.force
+        force = self.mechanism.loads.force
         for node in self.numbering.nodes:
             n = node.number
             mass = self.values("XM", n, 1)[0]

@@ -76,13 +76,15 @@ def export_deck(
         raise UsageError(f"{target} is a model of yours: choose another file with --output")
     deck = read_deck(path, 1)
     duration = time or build(deck, 1).settings.duration
+    options: dict[str, Any] = {"duration": duration or TIME, "n_steps": STEPS, "rtol": RTOL, "atol": RTOL}
     try:
-        result = spacar.run(1, deck, duration=duration or TIME, n_steps=STEPS, rtol=RTOL, atol=RTOL)
+        first = next(iter(spacar.frames(1, deck, **options)))
+        made = DeckModel(build(deck, 1), first.x, first.xd, shapes)
+        text = made.text()
+        result = spacar.run(1, deck, **options)
     except AnalysisError as error:
         advice = "" if duration else f" (the deck has no TIMESTEP, so that {TIME:g} s were tried: give another --time)"
         raise AnalysisError(f"{path.name}, mode 1: {error}{advice}", error.code) from None
-    made = DeckModel(result, shapes)
-    text = made.text()
     model = read_model_text(text, path.with_suffix(".toml"))
     try:
         eq = model.system.derive(strategy)

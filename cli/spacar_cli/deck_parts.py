@@ -11,7 +11,8 @@ import numpy as np
 from spacar.errors import UsageError
 
 if TYPE_CHECKING:
-    from spacar.result import Result
+    from spacar.arrays import Array
+    from spacar.mechanism import Mechanism
 
 UNKNOWN = ("USERSIG", "USERINP", "MEE", "XGYRO")
 
@@ -40,14 +41,15 @@ class Part:
 
 @dataclass
 class DeckParts:
-    """The parts of the deck that a run of mode 1 came from; `x`, `xd` are its first frame."""
+    """The parts of the deck of a mechanism; `x`, `xd` (nx,) are the first frame of mode 1."""
 
-    result: Result
+    mechanism: Mechanism
+    x: Array
+    xd: Array
 
     def __post_init__(self) -> None:
-        m = self.result.mechanism
+        m = self.mechanism
         self.deck, self.numbering, self.reference = m.deck, m.numbering, m.x0
-        self.x, self.xd = self.result["x"][0], self.result["xd"][0]
         self._refuse()
         self.parts = [self._part(*row) for row in self.numbering.elements]
 

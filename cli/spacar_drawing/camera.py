@@ -14,12 +14,13 @@ NAMED = {"iso": (-55.0, 24.0), "xy": (-90.0, 90.0), "xz": (-90.0, 0.0), "yz": (0
 
 @dataclass(frozen=True)
 class Camera:
-    """Axes of the picture in space: right, up, and towards the viewer; each (3,)."""
+    """Axes of the picture in space: right, up, and towards the viewer; each (3,). `metre`: unit on the axes [m]."""
 
     right: Array
     up: Array
     near: Array
     planar: bool
+    metre: float = 1.0
 
     @classmethod
     def plane(cls) -> Camera:

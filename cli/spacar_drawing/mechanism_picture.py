@@ -36,7 +36,8 @@ class Extras:
 
 
 def camera_of(scene: Scene, view: str) -> Camera:
-    return Camera.plane() if scene.planar else Camera.towards(*view_angles(view))
+    camera = Camera.plane() if scene.planar else Camera.towards(*view_angles(view))
+    return replace(camera, metre=scene.metre)
 
 
 def mechanism_shapes(scene: Scene, x: Array, look: Look, extras: Extras) -> list[Shape]:

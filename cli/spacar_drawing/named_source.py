@@ -13,25 +13,9 @@ from numpy.typing import NDArray
 from spacar import expressions
 from spacar.arrays import Array
 from spacar.errors import UsageError
-from spacar_drawing.scene import Scene
 
 if TYPE_CHECKING:
-    from spacar_formats.sbf import SbfFile
-
     from spacar_drawing.picture_source import PictureSource
-
-GROUPS = {"Q": "QNAME", "S": "SNAME", "U": "UNAME", "Y": "YNAME"}
-
-
-def named_columns(file: SbfFile) -> dict[str, Array]:
-    """(steps,) by name: states, inputs and outputs of a result of `spacar symbolic`; of another result nothing."""
-    named: dict[str, Array] = {}
-    if "symbolic" in file.header.get("KIND", ""):
-        for letter, names in GROUPS.items():
-            if file.has(letter):
-                values = np.asarray(file.get(letter)).reshape(file.steps, -1)
-                named |= dict(zip((str(n) for n in file.header[names]), values.T, strict=True))
-    return named
 
 
 class _Names(ast.NodeTransformer):
@@ -96,12 +80,3 @@ def named_values(source: PictureSource, text: str) -> tuple[Array, str]:
         expression = expressions.parse(ast.unparse(_Names(text, names).visit(tree)))
     values, _ = expressions.evaluate(expression, _Columns(source))
     return np.broadcast_to(np.asarray(values, float), (source.steps,)), "t" if text == "t" else ""
-
-
-def nothing(title: str) -> Scene:
-    """A moving scene without elements: mode 1 says that the steps are times."""
-    none, whole = np.zeros((0, 0)), np.zeros((0, 0), int)
-    return Scene(
-        planar=True, mode=1, title=title, keywords=(), lnp=whole, le=whole, ln=whole, frame_p=none, frame_q=none,
-        length=none, data=none, stiffness=none, damping=none, quadratic=whole, nxp=whole, nep=whole,
-    )  # fmt: skip

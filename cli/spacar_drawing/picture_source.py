@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +15,7 @@ from spacar.arrays import Array
 from spacar.errors import UsageError
 from spacar.modes import find_mode
 from spacar.stream import Run
-from spacar_drawing.named_source import named_columns, nothing
+from spacar_drawing.named_columns import named_columns, nothing
 from spacar_drawing.scene import Scene
 from spacar_drawing.settings import PictureSettings, parse_settings, read_settings
 
@@ -105,9 +105,10 @@ def open_source(name: str | Path, stale_ok: bool = False, drawn: bool = True) ->
         return flat if cols == 1 else flat.reshape(-1, cols, rows).transpose(0, 2, 1)
 
     header = dict(file.header.items())
+    settings = PictureSettings() if beside is None else read_settings(beside)
     return PictureSource(
-        nothing(stem) if missing else Scene.of_header(header, stem),
-        PictureSettings() if beside is None else read_settings(beside),
+        nothing(stem) if missing else Scene.of_header(header, stem, settings.metre),
+        settings,
         file.steps,
         str(file.path),
         beside if beside is not None and beside.is_file() else None,
@@ -124,7 +125,8 @@ def source_of_result(result: Result, settings: PictureSettings | None = None) ->
     frames: Sequence[Any] = result.frames
     names = {"t": "t", "fxt": "fxtot"}
     if settings is None:
-        settings = parse_settings(result.mechanism.deck.visualization)
+        deck = result.mechanism.deck
+        settings = replace(parse_settings(deck.visualization), metre=deck.metre)
 
     def read(variable: str, k: int | None) -> Array | None:
         ident = ALIASES.get(variable.lower(), variable.lower())
@@ -135,4 +137,5 @@ def source_of_result(result: Result, settings: PictureSettings | None = None) ->
         return np.array(values if k is None else values[0], float)
 
     title = Path(result.mechanism.deck.source).stem
-    return PictureSource(Scene.of_header(header, title), settings, len(frames), title, None, read, header)
+    scene = Scene.of_header(header, title, settings.metre)
+    return PictureSource(scene, settings, len(frames), title, None, read, header)

@@ -46,6 +46,7 @@ class Scene:
     length    (elements,) undeformed length [m];  data (elements, k) radii, pitch;  stiffness, damping (elements, 6)
     quadratic (elements,) measure of the strains and whether they have second order terms, table kdform (files.md 4)
     nxp, nep  (5,) coordinates and deformations per class
+    metre     unit of length on axes and scales of pictures [m]
     """
 
     planar: bool
@@ -64,6 +65,7 @@ class Scene:
     quadratic: Index
     nxp: Index
     nep: Index
+    metre: float = 1.0
 
     @property
     def analysis(self) -> Mode:
@@ -71,7 +73,7 @@ class Scene:
         return find_mode(self.mode)
 
     @classmethod
-    def of_header(cls, header: Mapping[str, Any], title: str = "") -> Scene:
+    def of_header(cls, header: Mapping[str, Any], title: str = "", metre: float = 1.0) -> Scene:
         """The scene of the header variables of a `.sbd` file (identifiers in capitals)."""
 
         def table(name: str, dtype: type = float) -> Any:
@@ -96,6 +98,7 @@ class Scene:
             quadratic=np.ravel(table("KDEF", int)),
             nxp=np.ravel(table("NXP", int)),
             nep=np.ravel(table("NEP", int)),
+            metre=metre,
         )
 
     @cached_property

@@ -46,6 +46,7 @@ class PictureSettings:
     enlarge: float | None = None
     vibration_mode: int | None = None
     buckling_mode: int | None = None
+    metre: float = 1.0  # unit of length of the input file, from UNITS
 
     def section(self, element: int, truss: bool = False) -> SectionShape | None:
         table = self.trusses if truss else self.beams
@@ -67,12 +68,13 @@ def read_settings(source: Path) -> PictureSettings:
     if source.is_file():
         scanned = scan(source.read_text("utf-8", "replace"))
         lines = scanned.visualization or ()
-        if any(word.text.upper() == "BEAMSEC" for word in scanned.words):
+        if any(word.text.upper() in ("BEAMSEC", "UNITS") for word in scanned.words):
             from spacar.deck import read_deck
             from spacar.errors import InputError
 
             try:
-                return parse_settings(read_deck(source).visualization)
+                deck = read_deck(source)
+                return replace(parse_settings(deck.visualization), metre=deck.metre)
             except InputError:  # the file was changed since; without its sections
                 pass
     beside = source.with_suffix(".spv")

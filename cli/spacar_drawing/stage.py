@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spacar.arrays import Array
+from spacar.deck.length_unit import shown_in
 from spacar.errors import escaped
 from spacar_drawing.camera import Camera
 
@@ -47,7 +48,7 @@ def furnish(figure: Figure, bounds: tuple[Array, Array], camera: Camera, title: 
     axes.set_ylim(middle[1] - half[1], middle[1] + half[1])
     axes.set_aspect("equal")
     if camera.planar:
-        _plane_grid(axes)
+        _plane_grid(axes, camera.metre)
     else:
         _space_grid(axes, camera, low, high)
     if title:
@@ -89,7 +90,12 @@ def corners(low: Array, high: Array) -> Array:
     return np.where(pick, high, low)
 
 
-def _plane_grid(axes: Axes) -> None:
+def _length(value: float, metre: float) -> str:
+    """A number on an axis."""
+    return f"{value / metre:g}".replace("-", "\N{MINUS SIGN}")
+
+
+def _plane_grid(axes: Axes, metre: float) -> None:
     axes.set_facecolor("white")
     axes.grid(True, color=RULE, lw=0.6)
     axes.set_axisbelow(True)
@@ -97,8 +103,12 @@ def _plane_grid(axes: Axes) -> None:
     for side in axes.spines.values():
         side.set_color("#cfd5da")
         side.set_linewidth(0.8)
-    axes.set_xlabel("x (m)", fontsize=8.5, color=INK)
-    axes.set_ylabel("y (m)", fontsize=8.5, color=INK)
+    unit = shown_in("m", metre)[1]
+    if metre != 1.0:
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_formatter(lambda value, _: _length(value, metre))
+    axes.set_xlabel(f"x ({unit})", fontsize=8.5, color=INK)
+    axes.set_ylabel(f"y ({unit})", fontsize=8.5, color=INK)
 
 
 def ticks(low: float, high: float, most: int = 5) -> Array:
@@ -151,7 +161,7 @@ def _space_grid(axes: Axes, camera: Camera, low: Array, high: Array) -> None:
         beside = out[0] < -0.8  # numbers to the left of an edge end at it
         for place, value in zip(places, lists[k], strict=True):
             axes.annotate(
-                f"{value:g}".replace("-", "\N{MINUS SIGN}"),
+                _length(value, camera.metre),
                 tuple(place),
                 xytext=tuple((5 if beside else 9) * out),
                 textcoords="offset points",
@@ -163,7 +173,7 @@ def _space_grid(axes: Axes, camera: Camera, low: Array, high: Array) -> None:
                 annotation_clip=False,
             )
         axes.annotate(
-            f"{name} (m)",
+            f"{name} ({shown_in('m', camera.metre)[1]})",
             tuple(0.5 * (a + b)),
             xytext=tuple((40 if beside else 27) * out),
             textcoords="offset points",

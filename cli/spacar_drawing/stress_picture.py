@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spacar.arrays import Array
+from spacar.deck.length_unit import shown_in
 from spacar.errors import UsageError
 from spacar_drawing.drawn_shapes import Faces, Label, Line, Shape, merge_bounds
 from spacar_drawing.element_pictures import beam_line, body
@@ -36,15 +37,16 @@ class Course:
 
 
 def courses(scene: Scene, sig: Array, e: Array, settings: PictureSettings, quantity: str, n: int) -> list[Course]:
-    """The quantity along every element that has it. Raises UsageError when no element has."""
+    """The quantity along every element that has it, in the unit of the scene. Raises UsageError when no element has."""
     found = []
+    factor = shown_in(QUANTITIES[quantity][1], scene.metre)[0]
     for element in scene.elements:
         r = resultants(scene, element, sig, e, n)
         if r is None or element.number in settings.hidden:
             continue
         values = along(quantity, r, settings.section(element.number, element.shape == "truss"))
         if values is not None:
-            found.append(Course(element, values))
+            found.append(Course(element, factor * values))
     if not found:
         need = (
             "no element has a cross-section: give BEAMVIS, CROSSTYPE or --section"
@@ -84,6 +86,7 @@ def stress_still(
     )
     paint(axes, camera, shapes)
     name, unit = QUANTITIES[quantity]
+    unit = shown_in(unit, scene.metre)[1]
     _scale(figure, axes, ScalarMappable(norm, colours), f"{name} ({unit})")
     return figure
 
@@ -124,7 +127,8 @@ def diagram_still(
     box = merge_bounds([s for s in shapes if not isinstance(s, Label)])
     if box is not None:
         bounds = np.minimum(bounds[0], box[0]), np.maximum(bounds[1], box[1])
-    figure, axes = new_figure(bounds, camera, _title(scene, extras, quantity, note, QUANTITIES[quantity][1]))
+    unit = shown_in(QUANTITIES[quantity][1], scene.metre)[1]
+    figure, axes = new_figure(bounds, camera, _title(scene, extras, quantity, note, unit))
     paint(axes, camera, shapes)
     return figure
 

@@ -15,7 +15,7 @@ from spacar_formats.sbf.record_layout import INTEGER, TEXT
 
 COORDINATES = ("X", "XD", "XDD", "FX", "FXGRAV", "FXT")
 DEFORMATIONS = ("E", "ED", "EDD", "SIG")
-TEXTS = ("ETYPE", "SOURCE", "SHA256", "VERSION")
+TEXTS = ("ETYPE", "ACCWAY", "SOURCE", "SHA256", "VERSION")
 COUNTS = ("NX", "NE", "NDOF", "NDDOF", "NKDOF", "NKDDOF", "NNOM", "NU", "NY", "NRBM", "NYS", "MODE", "DFT")
 ROWS = ("LE", "LN", "RXYZ", "RQ", "DR0", "STIF", "EDAMP", "RL0", "KDEF")  # a row, or a number, for every element
 COLUMNS = {"LNP": (4,), "LE": (6, 8), "LN": (4, 6), "RXYZ": (9,), "RQ": (9,), "NXP": (5,), "NEP": (5,)}
@@ -110,7 +110,7 @@ class _Tables:
                 if ident in self.steps and total is not None:
                     size = self.steps[ident].size
                     self.require(size == total, f"{ident} has {size} numbers a step, {total} are needed")
-        for ident, needed in (("DX", nx), ("DXC", nx), ("XCOMPL", nx), ("DE", ne), ("DEC", ne)):
+        for ident, needed in (("DX", nx), ("DXC", nx), ("XCOMPL", nx), ("XERR", nx), ("DE", ne), ("DEC", ne)):
             if ident in self.steps and needed is not None:
                 found, empty = self.steps[ident].rows, not self.steps[ident].size
                 self.require(found == needed or empty, f"{ident} has {found} rows, {needed} are needed")

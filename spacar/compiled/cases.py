@@ -13,10 +13,11 @@ from spacar.arrays import Array
 from spacar.compiled.compiled_model import CompiledModel
 from spacar.compiled.library import lanes_of_processor
 from spacar.compiled.numbers import Numbers
+from spacar.dynamics.loaded_mechanism import Moving, unexplained
 from spacar.errors import AnalysisError
 from spacar.kinematics import Kinematics
 from spacar.kinematics.kinematics import CONVERGED
-from spacar.kinematics.regularity import COLLAPSE, HALF_TURN, HalfTurns
+from spacar.kinematics.regularity import HALF_TURN, HalfTurns
 from spacar.mechanism.mechanism import Mechanism
 
 
@@ -38,8 +39,8 @@ class CompiledCases:
         self.lambda0 = HalfTurns(n).lambda0
         self.by_case = (len(of), self.size, lanes)
         self._accepted = [(state.x.copy(), state.e.copy()) for state in self.states]
-        self._sign = np.zeros((len(of), lanes))
-        self._largest = np.full((len(of), lanes), -np.inf)
+        self._seen: list[tuple[Moving, Array] | None] = [None] * len(of)  # last accepted state, sign of the determinant
+        self._scale = kinematics.scale[:, None]
         self._out = np.zeros_like(self.y0)
 
     def _addresses(self, array: Array) -> list[int]:
@@ -80,18 +81,26 @@ class CompiledCases:
         return f"component {component} of case {min(block * self.lanes + lane, self.n_cases - 1) + 1}"
 
     def watch(self, t: float, y: Array) -> None:
-        """Raises AnalysisError where a case comes near a dead point or half a turn: it has to be followed alone."""
+        """Raises AnalysisError where a case comes to a dead point or half a turn, or its velocities jump (see
+        `spacar.forward.continuity`): it has to be followed alone."""
         for block, (model, state) in enumerate(zip(self.models, self.states, strict=True)):
             if (np.abs(state.x[self.lambda0]) < HALF_TURN).any():
                 raise _failed(t)
-            sign, size = model.determinant()
-            known = self._sign[block]
-            if ((known != 0.0) & (sign != known)).any() or (size < self._largest[block] + COLLAPSE).any():
+            sign = model.determinant()[0].copy()
+            place, xd, xdd = state.of_x.copy()
+            now = Moving(float(state.c.t), place, xd, xdd, state.e)
+            seen, self._seen[block] = self._seen[block], (now, sign)
+            if seen is not None and ((seen[1] != sign).any() or unexplained(seen[0], now, self._scale).any()):
                 raise _failed(t)
             x, e = self._accepted[block]
             x[:], e[:] = state.x, state.e
-            known[:] = sign
-            np.maximum(self._largest[block], size, out=self._largest[block])
+
+    def rejected(self) -> None:
+        """Back to the last accepted step."""
+        for state, seen, (_, e) in zip(self.states, self._seen, self._accepted, strict=True):
+            if seen is not None:
+                at = seen[0]
+                state.resume(at.t, np.stack((at.x, at.xd, at.xdd)), e)
 
     def variables(self, t: float, y: Array) -> dict[str, Array]:
         """What frames have, (nx, cases) and (ne, cases), at a state.

@@ -17,7 +17,7 @@ from spacar.arrays import Array
 from spacar.compiled.compiled_model import CompiledModel
 from spacar.compiled.numbers import of_one
 from spacar.dynamics.array_evaluator import Dynamics, component_name
-from spacar.dynamics.loaded_mechanism import LoadedMechanism, Placement
+from spacar.dynamics.loaded_mechanism import LoadedMechanism, Moving, Placement
 from spacar.dynamics.mass_check import require_regular_mass
 from spacar.frame import Frame
 from spacar.kinematics.constraint_condition import of_gradient
@@ -101,6 +101,17 @@ class CompiledDynamics:
     def placement(self) -> Placement:
         s = self.state
         return Placement(s.x[:, 0], s.xd[:, 0], s.e[:, 0], s.given_e[:, 0])
+
+    def moving(self) -> Moving | None:
+        s = self.state
+        if not s.c.known:  # what C could not do the general evaluator has done
+            same = np.array_equal(self.general.kinematics.x, s.x[:, 0])
+            return self.general.moving() if same else None
+        x, xd, xdd = s.of_x[:, :, 0].copy()
+        return Moving(float(s.c.t), x, xd, xdd, s.e[:, 0].copy())
+
+    def resume(self, at: Moving) -> None:
+        self.state.resume(at.t, np.stack((at.x, at.xd, at.xdd))[:, :, None], at.e[:, None])
 
     def _stand(self, at: Placement) -> None:
         """Go on from there, without the memory of earlier states."""

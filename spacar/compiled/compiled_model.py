@@ -64,6 +64,11 @@ class State:
         self.x[:], self.e[:] = x, e
         self.c.known = 0
 
+    def resume(self, t: float, of_x: Array, e: Array) -> None:
+        """The state at t with x, xd, xdd (3, nx, cases) and e (ne, cases) is the last evaluated one again."""
+        self.of_x[:], self.e[:] = of_x, e
+        self.c.t, self.c.known = t, 1
+
 
 class CompiledModel:
     """One `Model` of model.c. `scales` (nx,), (ne,): sizes of what is in x and e; `n_equations`: given deformations."""

@@ -173,7 +173,8 @@ def pictured_constants(crosstype: str, dims: tuple[float, ...]) -> SectionConsta
     """Constants of a cross-section as pictures name it (CROSSTYPE, with inner diameters), None for one without any."""
     nu = 0.3  # in the shear coefficients only
     if crosstype == "CIRCHOL":
-        return _ring(*dims, nu)
+        outer, inner = dims
+        return _ring(outer, inner, nu)
     shape = SHAPES.get(crosstype)
     return None if shape is None else shape.constants(*dims, nu)
 

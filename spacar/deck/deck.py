@@ -14,6 +14,7 @@ from spacar.deck.lexer import visualization_of
 from spacar.deck.mode_blocks import Purpose
 from spacar.deck.section_block import BeamSection
 from spacar.deck.statement import Statement, Value
+from spacar.deck.table_sections import UNITS
 from spacar.deck.table_types import BlockKind
 from spacar.errors import Message, UsageError
 
@@ -60,6 +61,12 @@ class Deck:
         for place, statement in enumerate((*self.statements, *self.shorthand)):
             index.setdefault(statement.keyword, []).append((place, statement))
         return index
+
+    @property
+    def metre(self) -> float:
+        """The unit of length of the file in metres (UNITS); everything in `statements` is in SI."""
+        units = self.first("UNITS")
+        return 1.0 if units is None else UNITS[str(units.values[0]).lower()]
 
     def of(self, *keywords: str, block: int | None = None) -> list[Statement]:
         """All statements with one of the keywords (and in the block), in file order."""

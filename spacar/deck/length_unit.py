@@ -29,6 +29,14 @@ def _count(product: str) -> int:
     return sum(int(m[1] or 1) for word in product.split() if (m := _METRE.match(word)))
 
 
+def shown_in(unit: str, metre: float) -> tuple[float, str]:
+    """Factor on a number in SI, and the text of its unit, when it is shown with 1e-3 m (mm) as the unit of length."""
+    if metre == 1.0:
+        return 1.0, unit
+    plain = unit.translate({ord("\N{SUPERSCRIPT TWO}"): "^2"})
+    return metre ** -metres(plain), re.sub(r"\bm(?=[\^\N{SUPERSCRIPT TWO}]|\b)", "mm", unit)
+
+
 def length_power(
     keyword: str, place: int, parameter: Parameter, values: Sequence[Value], kinds: Sequence[ElementType], role: str
 ) -> int:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.dynamics.loaded_mechanism import LoadedMechanism, Placement
+from spacar.dynamics.loaded_mechanism import LoadedMechanism, Moving, Placement
 from spacar.dynamics.mass_check import dynamic_mass, is_checked, require_regular_mass
 from spacar.dynamics.motion_equations import EquationsOfMotion
 from spacar.frame import Frame
@@ -87,6 +87,15 @@ class Dynamics(EquationsOfMotion):
         """Configuration and velocity of the last evaluated state."""
         k = self.kinematics
         return Placement(k.x, self.xd, self.sweep.near, k.e_given)
+
+    def moving(self) -> Moving | None:
+        """The last evaluated state with its accelerations."""
+        return None if self.last is None else Moving(*self.last, self.sweep.e.copy())
+
+    def resume(self, at: Moving) -> None:
+        """Go on from a state with its accelerations."""
+        self.kinematics.start_at(at.x, at.e)
+        self.last, self.before = (at.t, at.x, at.xd, at.xdd), None
 
     def stand(self, at: Placement) -> None:
         """Go on from where another evaluator of the same mechanism stands, without its memory of earlier states."""

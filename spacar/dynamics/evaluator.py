@@ -5,7 +5,7 @@ state that it evaluated, because a position has several solutions and the one ne
 its state; it can be read (`placement`) and handed on. An evaluator knows nothing of tolerances, output times, Jacobians
 or what is watched: the driver (`spacar.forward.driver`) does, and hands them over with every call.
 
-    1  place    `start` goes to the start state; `placement` says where the evaluator stands
+    1  place    `start` goes to the start state; `placement`, `moving` say where the evaluator stands
     2  rhs      F(t, y), the position solved to `within`; raises AnalysisError that explains
     3  stages   those of a Runge-Kutta step in one call, or None: then they are asked from `rhs` one by one
     4  frame    everything that is stored of a state, the position solved to rounding
@@ -25,7 +25,7 @@ from typing import Protocol
 
 from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
-from spacar.dynamics.loaded_mechanism import LoadedMechanism, Placement
+from spacar.dynamics.loaded_mechanism import LoadedMechanism, Moving, Placement
 from spacar.frame import Frame
 from spacar.kinematics.regularity import PositionMatrix
 
@@ -65,6 +65,12 @@ class Evaluator(Integrable, Protocol):
 
     def placement(self) -> Placement:
         """Configuration and velocity of the last evaluated state."""
+
+    def moving(self) -> Moving | None:
+        """The last evaluated state with its accelerations; None where they are not known."""
+
+    def resume(self, at: Moving) -> None:
+        """Go on from there: the next evaluations begin with its expansion, as if nothing had come after it."""
 
     def frame(self, t: float, y: Array) -> Frame:
         """Everything that is stored of a state."""

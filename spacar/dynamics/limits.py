@@ -39,7 +39,7 @@ class Limits:
         self.compression = np.zeros(len(wheels))
         self.report = report
         self.warned: set[int] = set()
-        self.regularity = Regularity(evaluator.position_matrix(), report)
+        self.regularity = Regularity(evaluator.position_matrix())
 
     def check(self, evaluator: Evaluator, frame: Frame) -> None:
         """Raises AnalysisError 'element.range' or 'element.lift-off' with element, time and advice."""

@@ -4,9 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from spacar.arrays import Array
 from spacar.dynamics.forces import StressLaw
 from spacar.mechanism.mechanism import Drive, Loads, Mechanism
+
+SHARE = 0.1  # of a velocity
+NOISE = 1e-6  # of the largest scaled velocity: what is slower says nothing
 
 
 @dataclass(frozen=True)
@@ -37,3 +43,26 @@ class Placement:
     xd: Array
     e: Array
     e_given: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Moving:
+    """The last evaluated state with its accelerations: t; x, xd, xdd (nx,) or (nx, cases); e (ne,). It stays valid."""
+
+    t: float
+    x: Array
+    xd: Array
+    xdd: Array
+    e: Array
+
+
+def unexplained(a: Moving, b: Moving, scale: Array) -> NDArray[np.bool_]:
+    """Coordinates whose velocities change from a to b by more than their accelerations explain, as xd.
+
+    `scale` (nx,), or (nx, 1) for cases side by side. See `spacar.forward.continuity`.
+    """
+    h = b.t - a.t
+    v, acceleration = np.maximum(np.abs(a.xd), np.abs(b.xd)), np.maximum(np.abs(a.xdd), np.abs(b.xdd))
+    change = np.abs(b.xd - a.xd - (0.5 * h) * (a.xdd + b.xdd))
+    noise = (v / scale).max(axis=0, initial=0.0) * scale * NOISE
+    return np.asarray(change > abs(h) * acceleration + SHARE * v + noise)

@@ -97,7 +97,7 @@ def short_troubles(l: Array, l0: Array) -> list[Trouble]:
     return [
         Trouble(
             int(k),
-            f"length {l[k]:.3g} m is less than {SHORT:g} of the undeformed length {l0[k]:.6g} m: "
+            f"has collapsed: its length {l[k]:.3g} m is less than {SHORT:g} of the undeformed {l0[k]:.6g} m: "
             "its direction is lost",
             True,
         )

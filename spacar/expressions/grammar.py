@@ -9,7 +9,7 @@ from spacar.errors import UsageError
 from spacar.expressions.functions import FUNCTIONS
 
 LONGEST = 500  # characters of an expression: bounds the depth of its tree and the time to read it
-X_NAMES = ("x", "xd", "xdd", "fx", "fxgrav", "fxtot", "xcompl")
+X_NAMES = ("x", "xd", "xdd", "fx", "fxgrav", "fxtot", "xcompl", "xerr")
 E_NAMES = ("e", "ed", "edd", "sig")
 VECTORS, MATRICES = ("eigval", "lmult"), ("m0", "c0", "d0", "k0", "n0", "g0")
 ALIASES = {"fxt": "fxtot"}  # its name in the .sbd file
@@ -18,7 +18,8 @@ INDICES = {
 }  # fmt: skip
 MEANING = {
     "x": "coordinate", "xd": "velocity", "xdd": "acceleration", "fx": "applied force", "fxgrav": "gravity force",
-    "fxtot": "force", "fxt": "force", "xcompl": "compliance", "e": "deformation", "ed": "deformation rate",
+    "fxtot": "force", "fxt": "force", "xcompl": "compliance", "xerr": "estimated error",
+    "e": "deformation", "ed": "deformation rate",
     "edd": "deformation acceleration", "sig": "stress resultant", "eigval": "eigenvalue", "lmult": "load multiplier",
     "t": "time",
 }  # fmt: skip

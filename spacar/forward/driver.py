@@ -19,11 +19,12 @@ from spacar.arrays import Array
 from spacar.dynamics.evaluator import Evaluator, Integrable
 from spacar.dynamics.limits import Limits
 from spacar.errors import AnalysisError, Report
+from spacar.forward.continuity import Continuity
 from spacar.frame import Frame
 from spacar.integrators import METHODS, EvenTimes, integrate
 from spacar.integrators.problem import Jacobian, Output
 from spacar.kinematics.kinematics import CONVERGED
-from spacar.kinematics.regularity import DeadPoints, HalfTurns
+from spacar.kinematics.regularity import HalfTurns
 from spacar.linearization.state_jacobian import state_jacobian
 from spacar.mechanism.mechanism import SolverSettings
 
@@ -67,11 +68,15 @@ class Integrand:
     stages: Callable[..., int] | None
     jacobian: Jacobian | None
     accepted: Watch | None
+    rejected: Callable[[], None] | None
     by_case: tuple[int, int, int] | None
     component_name: Callable[[int], str]
 
 
-def integrand(evaluator: Integrable, within: float, jacobian: Jacobian | None, accepted: Watch | None) -> Integrand:
+def integrand(
+    evaluator: Integrable, within: float, jacobian: Jacobian | None, accepted: Watch | None,
+    rejected: Callable[[], None] | None = None,
+) -> Integrand:  # fmt: skip
     """The evaluator with this position tolerance."""
     rhs, together = evaluator.rhs, evaluator.stages
 
@@ -81,16 +86,20 @@ def integrand(evaluator: Integrable, within: float, jacobian: Jacobian | None, a
 
     return Integrand(
         evaluator.n_positions, lambda t, y: rhs(t, y, within), together and stages, jacobian, accepted,
-        evaluator.by_case, evaluator.component_name,
+        rejected, evaluator.by_case, evaluator.component_name,
     )  # fmt: skip
 
 
 def integrated(
     evaluator: Integrable, y: Array, times: Times, settings: SolverSettings, tolerances: Tolerances, *,
-    breaks: Sequence[float] = (), watch: Watch | None = None, jacobian: Jacobian | None = None,
+    breaks: Sequence[float] = (), watch: Watch | None = None, back: Callable[[], None] | None = None,
+    jacobian: Jacobian | None = None,
 ) -> Iterator[Output]:  # fmt: skip
-    """States at the output times, with the work done since the last one. Raises AnalysisError."""
-    problem = integrand(evaluator, tolerances.position, jacobian, watch)
+    """States at the output times, with the work done since the last one. Raises AnalysisError.
+
+    `watch` is called after accepted steps, `back` after rejected ones.
+    """
+    problem = integrand(evaluator, tolerances.position, jacobian, watch, back)
     return integrate(
         problem, y, times, settings.integrator, tolerances.atol, tolerances.rtol, settings.step, breaks=breaks
     )
@@ -98,7 +107,7 @@ def integrated(
 
 def frames(
     evaluator: Evaluator, y: Array, times: Times, settings: SolverSettings, report: Report, *,
-    watch: Watch | None = None, divisor: float = 1.0, moved_by: Integrable | None = None,
+    watch: Watched | None = None, divisor: float = 1.0, moved_by: Integrable | None = None,
 ) -> Iterator[tuple[Evaluator, Frame]]:  # fmt: skip
     """Frames of the motion that starts with y, and the evaluator that stands there.
 
@@ -121,7 +130,7 @@ def frames(
     limits = Limits(shown, report)
     for out in integrated(
         moved_by or evaluator, y, times, settings, tolerances,
-        breaks=model.drive.breaks, watch=watch, jacobian=jacobian,
+        breaks=model.drive.breaks, watch=watch, back=watch.back if watch else None, jacobian=jacobian,
     ):  # fmt: skip
         frame = checked(shown, float(out.t), out.y, limits)
         frame.statistics = work(out)
@@ -154,22 +163,32 @@ def at_time(evaluator: Evaluator, t: float, y: Array) -> Frame:
 
 
 # -- what is watched after every accepted step ----------------------------------------------------------------------
-def watched(evaluator: Evaluator, dead_points: bool = True) -> Watch | None:
-    """Half turns of nodes, and dead points; None where there is nothing to watch."""
-    half_turns, matrix = HalfTurns(evaluator.model.mechanism.numbering), evaluator.position_matrix()
-    reflections = DeadPoints(matrix) if dead_points and matrix.has_determinant else None
-    if not half_turns.nodes and reflections is None:
-        return None
+class Watched:
+    """Half turns of nodes, and the continuity of the motion at dead points."""
 
-    def check(t: float, y: Array) -> None:
-        if half_turns.nodes:
-            half_turns.check(t, evaluator.placement().x)
-        if reflections is not None:
+    def __init__(self, evaluator: Evaluator, half_turns: HalfTurns, continuity: Continuity | None) -> None:
+        self.evaluator, self.half_turns, self.continuity = evaluator, half_turns, continuity
+
+    def __call__(self, t: float, y: Array) -> None:
+        if self.half_turns.nodes:
+            self.half_turns.check(t, self.evaluator.placement().x)
+        if self.continuity is not None:
             try:
-                reflections.check(t)
+                self.continuity.check(t, y)
             except AnalysisError:
                 # A beam that is bent too far for one element is the cause rather than the choice of coordinates.
-                Limits(evaluator, Report()).check(evaluator, evaluator.frame(t, y))
+                Limits(self.evaluator, Report()).check(self.evaluator, self.evaluator.frame(t, y))
                 raise
 
-    return check
+    def back(self) -> None:
+        """After a rejected step: its last stages may stand on another branch."""
+        if self.continuity is not None and self.continuity.steps:
+            self.evaluator.resume(self.continuity.steps[-1].at)
+
+
+def watched(evaluator: Evaluator, report: Report) -> Watched | None:
+    """What is watched after every accepted step; None where there is nothing."""
+    mechanism, matrix = evaluator.model.mechanism, evaluator.position_matrix()
+    half_turns, settings = HalfTurns(mechanism.numbering), mechanism.settings
+    continuity = Continuity(evaluator, matrix, report, (settings.atol, settings.rtol)) if len(matrix.columns) else None
+    return Watched(evaluator, half_turns, continuity) if half_turns.nodes or continuity is not None else None

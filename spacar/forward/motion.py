@@ -30,7 +30,7 @@ def motion(run: Run) -> Iterator[tuple[Evaluator, Frame]]:
     run.n_frames = len(times)
     if run.mechanism.numbering.nkddof and len(times) > 1:
         run.header["integrator"] = METHODS[settings.integrator].name
-    yield from frames(evaluator, y, times, settings, run.report, watch=watched(evaluator))
+    yield from frames(evaluator, y, times, settings, run.report, watch=watched(evaluator, run.report))
 
 
 def chosen(run: Run) -> Evaluator:

@@ -151,7 +151,7 @@ class Adams:
 
         Raises AnalysisError `integrator.step-too-small`, or the error of F after ten reductions of the step.
         """
-        rhs, statistics, phi, d = self.evaluation.rhs, self.evaluation.statistics, self.phi, self.d
+        rhs, phi, d = self.evaluation.rhs, self.phi, self.d
         h_min = 4.0 * np.finfo(float).eps * max(abs(t), abs(t_end), t_end - t)
         self.y[:] = y
         phi[0] = rhs(t, self.y)
@@ -188,7 +188,7 @@ class Adams:
                     np.add(self.y_new, self.predicted, self.y_new)
                     change = np.subtract(rhs(t_new, self.y_new), expected[1])
             except AnalysisError as cause:
-                statistics.n_rejected += 1
+                self.evaluation.step_rejected()
                 reductions += 1
                 starting = False
                 if reductions > MAX_REDUCTIONS or h * REDUCTION < h_min:
@@ -199,7 +199,7 @@ class Adams:
 
             if not error <= 1.0:
                 # --- reject: the history was not touched
-                statistics.n_rejected += 1
+                self.evaluation.step_rejected()
                 rejections += 1
                 starting = False
                 if 0.5 * h < h_min:

@@ -212,13 +212,13 @@ def _one_step(
                         break
                 except AnalysisError as cause:
                     reductions += 1
-                    evaluation.statistics.n_rejected += 1
+                    evaluation.step_rejected()
                     if reductions > MAX_REDUCTIONS or h * REDUCTION < h_min:
                         raise not_evaluated(cause, t, h, reductions) from cause
                     h *= REDUCTION
                     growth = 1.0
                     continue
-                evaluation.statistics.n_rejected += 1
+                evaluation.step_rejected()
                 growth = 1.0
                 reduced = h * max(smallest, 0.9 * error ** (-1.0 / exponent))
                 if reduced < h_min:

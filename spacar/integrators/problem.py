@@ -20,14 +20,14 @@ class Problem(Protocol):
 
     Positions include the kinematic coordinates of a non-holonomic system; the second-order codes 220 and 225
     need `len(y) == 2 * n_positions`. `rhs` may return the same array at every call: integrators copy what
-    they keep. It must neither change nor keep the `y` it is given. Five optional members are used when they
-    are present: `jacobian(t, y)`, which the linearly implicit and implicit codes need, (dF/dy, dF/dt) with shapes
-    (n, n) and (n,), `accepted(t, y) -> None`, called after each accepted step so that a problem can update its
-    branch memory, `component_name(i) -> str`, the name of state component `i` in messages, and
-    `stages(done, c, a, t, h, window, y, K) -> int`, which evaluates F(t + c_i h, y + h a_i K) into the rows i of
-    K from `done` on, at times clipped to the window, and returns the first row that it could not do (that one
-    is then asked from `rhs`, which says why), and `by_case`, the shape (blocks, components, lanes) of a state of
-    many cases, each of which keeps the tolerance (Runge-Kutta codes).
+    they keep. It must neither change nor keep the `y` it is given. Six optional members are used when they are
+    present: `jacobian(t, y)`, which the linearly implicit and implicit codes need, (dF/dy, dF/dt) with shapes (n, n)
+    and (n,), `accepted(t, y) -> None`, called after each accepted step so that a problem can update its branch
+    memory, `rejected() -> None`, called after each rejected one so that it goes back to that, `component_name(i) ->
+    str`, the name of state component `i` in messages, and `stages(done, c, a, t, h, window, y, K) -> int`, which
+    evaluates F(t + c_i h, y + h a_i K) into the rows i of K from `done` on, at times clipped to the window, and
+    returns the first row that it could not do (that one is then asked from `rhs`, which says why), and `by_case`, the
+    shape (blocks, components, lanes) of a state of many cases, each of which keeps the tolerance (Runge-Kutta codes).
     """
 
     @property
@@ -91,7 +91,9 @@ class Evaluation:
     `integrator.not-finite` when F has an infinite or undefined component.
     """
 
-    __slots__ = ("_jacobian", "_rhs", "accepted", "by_case", "first", "last", "problem", "stages", "statistics")
+    __slots__ = (
+        "_jacobian", "_rhs", "accepted", "by_case", "first", "last", "problem", "rejected", "stages", "statistics",
+    )  # fmt: skip
 
     def __init__(self, problem: Problem, first: float, last: float) -> None:
         self.problem = problem
@@ -101,6 +103,7 @@ class Evaluation:
         self._rhs = problem.rhs
         self._jacobian: Jacobian | None = getattr(problem, "jacobian", None)
         self.accepted: Callable[[float, np.ndarray], None] | None = getattr(problem, "accepted", None)
+        self.rejected: Callable[[], None] | None = getattr(problem, "rejected", None)
         self.stages: Callable[..., int] | None = getattr(problem, "stages", None)
         self.by_case: tuple[int, int, int] | None = getattr(problem, "by_case", None)
 
@@ -130,6 +133,12 @@ class Evaluation:
         self.statistics.n_steps += 1
         if self.accepted is not None:
             self.accepted(t, y)
+
+    def step_rejected(self) -> None:
+        """Counts a step that is tried again, and tells the problem that its state is the last accepted one."""
+        self.statistics.n_rejected += 1
+        if self.rejected is not None:
+            self.rejected()
 
     def name(self, i: int) -> str:
         """State component `i` in words."""

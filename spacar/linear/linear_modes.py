@@ -161,7 +161,7 @@ def _is_dead_point(run: Run, solver: StationarySolver, level: LoadLevel, t: floa
     if not len(matrix.columns) or (solver.solution.determined and matrix.rcond() > matrix.zero):
         return False
     if not (reducible and solver.sparse):
-        Regularity(matrix, run.report).check(t)
+        Regularity(matrix).check(t)
     run.report.add(
         f"warning: at {level} the degrees of freedom do not determine the motion of {matrix.undetermined()} (a dead"
         " point): no matrices and no transfer functions are stored for this step; choose other degrees of freedom to"

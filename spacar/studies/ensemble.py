@@ -28,7 +28,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
 from spacar.dynamics.array_evaluator import Dynamics
-from spacar.errors import Report, UsageError
+from spacar.errors import AnalysisError, Report, UsageError
 from spacar.forward.driver import Tolerances, frames, integrated, watched, work
 from spacar.frame import Frame, StoredFrames
 from spacar.integrators import METHODS
@@ -118,7 +118,8 @@ def _in_lanes(single: Mechanism, together: Mechanism, times: Array, x_of: Array,
     cases = CompiledCases(single, of_copies(single, together, x_of, e_of), _start(together, x_of, e_of))
     stored: list[dict[str, Array]] = []
     statistics: list[dict[str, int]] = []
-    for out in integrated(cases, cases.y0, times, settings, Tolerances.of(settings), watch=cases.watch):
+    tolerances = Tolerances.of(settings)
+    for out in integrated(cases, cases.y0, times, settings, tolerances, watch=cases.watch, back=cases.rejected):
         stored.append(cases.variables(float(out.t), out.y))
         statistics.append(work(out))
     arrays = {name: np.stack([s[name] for s in stored]).transpose(2, 0, 1) for name in (*X_FIELDS, *E_FIELDS)}
@@ -196,11 +197,14 @@ def _frames(mechanism: Mechanism, times: np.ndarray, x_of: np.ndarray) -> Iterat
     method = METHODS[settings.integrator]
     dynamics = Dynamics(mechanism)
     y = dynamics.start()
+    passed = Report()
     together = frames(
         dynamics, y, times, settings, Report(),
-        watch=watched(dynamics, dead_points=False),
+        watch=watched(dynamics, passed),
         divisor=float(np.sqrt(n)) if method.variable_step and method.code != METHOD_WITH_SUM else 1.0,
         moved_by=ReducedCopies(dynamics, x_of) if ReducedCopies.suits(mechanism, n) else None,
     )  # fmt: skip
     for _, frame in together:
+        if passed.lines:  # each case says it in its own log
+            raise AnalysisError("a case of the batch passed a dead point", "study.batch")
         yield frame

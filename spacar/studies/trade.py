@@ -5,9 +5,7 @@ A `Setup` is one way to compute the same thing. Every setup is run (the referenc
 of the chosen variables at the output times, its median wall time and its right-hand sides; `assess` turns rows into
 errors.
 
-Error of a setup: the maximum over variables and output times of |v - v_ref| / amplitude, where the amplitude of a
-variable is its span over the output times of the reference, or its largest magnitude when it hardly changes (span
-below 1e-6 of it) and in the stationary modes. So 1e-6 means: a millionth of the motion of that variable.
+Error of a setup: that of `spacar.studies.error_norm`, with amplitudes of the reference.
 """
 
 from __future__ import annotations
@@ -28,6 +26,7 @@ from spacar.mechanism import build
 from spacar.modes import find_mode
 from spacar.options import integrator
 from spacar.result import Result
+from spacar.studies.error_norm import amplitudes, distance
 from spacar.studies.models import linear_strain, refine, rigid
 from spacar.studies.perturbation import perturbation, require_perturbation
 from spacar.studies.quantities import Quantity, quantity
@@ -39,8 +38,6 @@ MOST_VARIABLES = 60  # chosen without being asked
 REFERENCE_METHODS = (853, 0)
 REFERENCE_TOLERANCE = 1e-12  # smallest
 REFERENCE_MARGIN = 0.01  # tolerance of the reference / smallest error that is looked at
-CONSTANT = 1e-6  # a variable whose span is a smaller part of its magnitude is compared with the magnitude
-STILL = 1e-9  # a variable that stays below this part of the largest one is left out
 
 
 @dataclass(frozen=True)
@@ -277,19 +274,6 @@ def reference(trade: Trade, rows: Sequence[Row], wanted: Sequence[Setup]) -> Ref
         error += result.error
         words.append(f"meshes {', '.join(map(str, meshes))} elements a beam, {result.text}")
     return Reference(best, amplitude, error, "; ".join(words))
-
-
-def amplitudes(values: Array, stationary: bool) -> Array:
-    """(variables,) scale of each variable; inf for one that stays at zero, so that it does not count."""
-    size = np.abs(values).max(axis=1)
-    span = np.ptp(values, axis=1)
-    scale = np.where((span > CONSTANT * size) & (not stationary), span, size)
-    return np.where(size > STILL * size.max(initial=0.0), scale, np.inf)
-
-
-def distance(a: Array, b: Array, amplitude: Array) -> float:
-    """The error norm of the study: max |a - b| / amplitude."""
-    return float(np.max(np.abs(a - b) / amplitude[:, None], initial=0.0))
 
 
 def assess(trade: Trade, rows: Sequence[Row], wanted: Sequence[Setup], ref: Reference) -> list[Entry]:

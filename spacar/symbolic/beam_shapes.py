@@ -174,13 +174,18 @@ def _rational(value: Fraction) -> sp.Rational:
     return sp.Rational(value.numerator, value.denominator)
 
 
+@lru_cache(maxsize=4096)
+def _scaled(a: sp.Expr, b: sp.Expr, L: sp.Expr) -> sp.Expr:
+    return a * b * L
+
+
 def product_integral(f: sp.Expr, g: sp.Expr, x: sp.Symbol, L: sp.Expr) -> sp.Expr:
     """∫ f g dx from 0 to L: a dimensionless rational number times the scales of f and g where both are polynomials."""
     a, b = _dimensionless(sp.sympify(f), x, L), _dimensionless(sp.sympify(g), x, L)
     if a is None or b is None:
         return integral(f * g, x, L)
     number = sum((c * d / (n + m + 1) for n, c in a[1] for m, d in b[1]), Fraction(0))
-    return _rational(number) * a[0] * b[0] * L
+    return _rational(number) * _scaled(a[0], b[0], L)
 
 
 def weighted_integral(weight: sp.Expr, f: sp.Expr, g: sp.Expr, x: sp.Symbol, L: sp.Expr) -> sp.Expr:

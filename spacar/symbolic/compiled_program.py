@@ -63,6 +63,7 @@ class CompiledFunction:
         self._buffer["p"][: len(numbers)] = list(numbers.values())
         self._fed = [(i, (feeds or {})[s.name]) for i, (s, e) in enumerate(program.inputs.items()) if e is None]
         self._call("eom_once", "p", "c")
+        self._rhs, self._rhs_places = self.library.rhs, [self._at[a] for a in ("c", "p", "y", "u", "ydot")]
 
     def _call(self, name: str, *arguments: str, time: float | None = None) -> int:
         addresses = [self._at[a] for a in arguments]
@@ -77,8 +78,25 @@ class CompiledFunction:
     def __call__(self, t: float, y: Any) -> np.ndarray:
         """ẏ at (t, y). ArithmeticError when the mass matrix is not positive definite."""
         self._at_state(t, y)
-        self._report(self._call("rhs", "c", "p", "y", "u", "ydot", time=t))
+        self._report(self._rhs(t, *self._rhs_places))
         return self._buffer["ydot"].copy()
+
+    def many(self, t: Any, y: Any) -> np.ndarray:
+        """ẏ (count, n) at times t (count,) and states y (count, n): the loop is in C, without the price of a call.
+
+        ArithmeticError, with the number of the first state, when its mass matrix is not positive definite.
+        """
+        states = np.ascontiguousarray(y, dtype=float).reshape(-1, len(self.program.state))
+        times = np.ascontiguousarray(np.broadcast_to(np.asarray(t, dtype=float), (len(states),)))
+        inputs = np.zeros((len(states), max(len(self.program.inputs), 1)))[:, : len(self.program.inputs)].copy()
+        for i, function in self._fed:
+            inputs[:, i] = [function(*row) for row in zip(times.tolist(), states.tolist(), strict=True)]
+        rates = np.empty_like(states)
+        addresses = [ctypes.c_void_p(a.ctypes.data) for a in (times, states, inputs, rates)]
+        bad = self.library.rhs_many(len(states), addresses[0], self._at["c"], self._at["p"], *addresses[1:])
+        if bad:
+            raise ArithmeticError(f"the right-hand side cannot be evaluated at state {bad}")
+        return rates
 
     def jac(self, t: float, y: Any) -> np.ndarray:
         """∂ẏ/∂y at (t, y)."""
@@ -146,6 +164,7 @@ def _build(text: str, tied: bool) -> Any:
     loaded = ctypes.CDLL(str(library))
     folder.cleanup()  # the loaded library stays mapped
     real, address = ctypes.c_double, ctypes.c_void_p
+    loaded.rhs_many.argtypes = [ctypes.c_int, *[address] * 6]
     solving = ("rhs", "jac", "outputs")
     arrays = {"eom_once": 2, "accel": 7 if tied else 5, "eom_step": 8 if tied else 6}
     arrays |= {"eom_manifold": 6} if tied else {}

@@ -8,16 +8,13 @@ of constraints. Quantities of points are computed when they are asked for.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
+from typing import Any
 
 import sympy as sp
 
 from spacar.errors import UsageError
 from spacar.symbolic.system_parts import CrossSection, GeometricPoint
 from spacar.symbolic.unit_vectors import TIME
-
-if TYPE_CHECKING:
-    from spacar.symbolic.description import Description
 
 KINDS = ("", "v", "a")
 AXES = "xyz"
@@ -26,7 +23,8 @@ AXES = "xyz"
 class ModelNames(Mapping[str, sp.Expr]):
     """Names of a description, with `more` of the caller; `outputs`: also what only solved equations give."""
 
-    def __init__(self, system: Description, more: Mapping[str, sp.Expr], outputs: bool) -> None:
+    # `system` is a Description, which stands above
+    def __init__(self, system: Any, more: Mapping[str, sp.Expr], outputs: bool) -> None:
         self.system, self.outputs = system, outputs
         self._scalars: dict[str, sp.Expr] = dict(system.parameters_declared or {})
         self._scalars |= {str(f.func): f for f in [*system.coordinates, *system.speeds]}

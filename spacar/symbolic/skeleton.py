@@ -30,7 +30,7 @@ PIECES = 6
 
 
 @dataclass
-class _Line:
+class _SkeletonLine:
     """An element: `rigid`, `beam` or `spring`; nodes are places in the lists of positions and orientations."""
 
     kind: str
@@ -48,7 +48,7 @@ class _Parts:
     positions: list[sp.Matrix] = field(default_factory=list)
     fixed: list[bool] = field(default_factory=list)
     orientations: list[sp.Matrix] = field(default_factory=list)
-    lines: list[_Line] = field(default_factory=list)
+    lines: list[_SkeletonLine] = field(default_factory=list)
     _points: dict[GeometricPoint, int] = field(default_factory=dict)
     _frames: dict[ReferenceFrame, int] = field(default_factory=dict)
 
@@ -96,7 +96,7 @@ def skeleton(system: MultibodySystem) -> _Parts:
     for spring in system.springs:
         a, b = parts.point(spring.a), parts.point(spring.b)
         if a is not None and b is not None:
-            parts.lines.append(_Line("spring", (a, b)))
+            parts.lines.append(_SkeletonLine("spring", (a, b)))
     return parts
 
 
@@ -110,9 +110,9 @@ def _link(parts: _Parts, point: GeometricPoint, base: int, end: int) -> None:
         along = parts.cosines.components(point.offset, frame)
         if not along.atoms(AppliedUndef) and not along.has(TIME):
             turn = parts.orientation(frame)
-            parts.lines.append(_Line("rigid", (base, end), (turn, turn), along))
+            parts.lines.append(_SkeletonLine("rigid", (base, end), (turn, turn), along))
             return
-    parts.lines.append(_Line("bar", (base, end)))
+    parts.lines.append(_SkeletonLine("bar", (base, end)))
 
 
 def _middle_line(parts: _Parts, beam: Beam) -> None:
@@ -143,7 +143,7 @@ def _middle_line(parts: _Parts, beam: Beam) -> None:
     kind = "beam" if beam.fields else "rigid"
     for k in range(PIECES):
         ends, sections = (nodes[k], nodes[k + 1]), (turns[k], turns[k + 1])
-        parts.lines.append(_Line(kind, ends, sections, sp.Matrix([1, 0, 0])))
+        parts.lines.append(_SkeletonLine(kind, ends, sections, sp.Matrix([1, 0, 0])))
 
 
 def _turned(axis: int, angle: sp.Expr) -> sp.Matrix:
@@ -163,17 +163,32 @@ class Picture:
 
 
 def picture(system: MultibodySystem, run: SimulatedMotion, values: Mapping[str, float]) -> Picture | None:
-    """The skeleton with numbers along a motion; None when there is nothing to be drawn."""
+    """The skeleton with numbers along a motion; None when there is nothing to be drawn.
+
+    A place may need a parameter that the equations do not, and that has no value: then there is no picture either.
+    """
     parts = skeleton(system)
+    known = {*values, *run.names, *run.input_names}
+    if not _parameters(parts) <= known:
+        return None
     places = _numbers(parts.positions, run, values).reshape(len(run.time), -1, 3)
     turns = _numbers(parts.orientations, run, values).reshape(len(run.time), -1, 3, 3)
     if not places.shape[1]:
         return None
     planar = not places[..., 2].any() and (not turns.size or bool(np.all(turns[..., 2, 2] == 1.0)))
+    if not (np.isfinite(places).all() and np.isfinite(turns).all()):
+        return None
     used = sorted({n for line in parts.lines for n in line.ends} | _masses(parts))
     if not used:
         return None
     return _tables(parts, places, turns, planar, used, _directions(parts, run, values))
+
+
+def _parameters(parts: _Parts) -> set[str]:
+    """Names in the expressions of a skeleton, time left out."""
+    rows = [*parts.positions, *parts.orientations, *(line.along for line in parts.lines if line.along is not None)]
+    atoms = set().union(*(row.atoms(AppliedUndef, sp.Symbol) for row in rows)) if rows else set()
+    return {str(a.func) if isinstance(a, AppliedUndef) else a.name for a in atoms if a != TIME}
 
 
 def _masses(parts: _Parts) -> set[int]:

@@ -11,7 +11,7 @@ import spacar
 from spacar.deck import parse_deck
 from spacar.deck.cross_section import MATERIALS, SHAPES, rectangle_torsion
 from spacar.deck.divide import divided
-from spacar.deck.length_unit import metres
+from spacar.deck.length_unit import metres, shown_in
 from spacar.errors import InputError, UsageError
 
 
@@ -163,6 +163,14 @@ def test_millimetres():
 )
 def test_powers_of_the_metre(unit, power):
     assert metres(unit) == power
+
+
+def test_units_that_are_shown():
+    factor, unit = shown_in("N/m^2", 1e-3)
+    assert unit == "N/mm^2"
+    assert factor == pytest.approx(1e-6)
+    assert shown_in("N m", 1e-3)[1] == "N mm"
+    assert shown_in("N m^2", 1.0) == (1.0, "N m^2")
 
 
 def test_known_materials_are_isotropic():

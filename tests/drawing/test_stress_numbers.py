@@ -150,6 +150,8 @@ def test_the_command(tmp_path, monkeypatch, capsys):
     assert main(["stress", "bar", "--points", "3", "--csv", "s.csv", "--npz", "s.npz"]) == 0
     printed = capsys.readouterr().out
     assert "Largest of all" in printed
+    assert "y (mm)" in printed
+    assert "N/mm" in printed
     assert main(["stress", "bar", "--points", "3", "--json"]) == 0
     found = {one["quantity"]: one for one in json.loads(capsys.readouterr().out)}
     r = spacar.run(7, "bar.dat").stress(points=3)

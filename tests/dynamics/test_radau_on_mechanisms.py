@@ -28,7 +28,7 @@ def cantilever(n: int, damping: float = 0.0) -> Deck:
     return parse_deck("\n".join(rows), mode=1)
 
 
-def run(deck: Deck, code: int, error: float, compiled: bool = False) -> tuple[np.ndarray, dict[str, int]]:
+def run(deck: Deck, code: int, error: float, compiled: bool | None = False) -> tuple[np.ndarray, dict[str, int]]:
     """Positions at all outputs, and the work."""
     r = spacar.run(1, deck, integrator=code, atol=error, rtol=error, compiled=compiled)
     names = ("steps", "rhs", "jacobians", "rejected")
@@ -80,9 +80,9 @@ def test_energy_is_conserved(code: int) -> None:
 @pytest.mark.parametrize(("n", "codes"), [(8, (553,)), pytest.param(16, CODES, marks=pytest.mark.slow)])
 def test_unresolved_frequencies_do_not_limit_the_steps(n: int, codes: tuple[int, ...]) -> None:
     """Sixteen elements, 15,000 rad/s: an explicit code needs 5,000 steps whatever the error asked for."""
-    reference, _ = run(cantilever(n), 595, 1e-4)
+    reference, _ = run(cantilever(n), 595, 1e-4, None)  # whichever is there: the compiled path is faster
     for code in codes:
-        found, work = run(cantilever(n), code, 3e-3)
+        found, work = run(cantilever(n), code, 3e-3, None)
         assert work["steps"] < 150
         np.testing.assert_allclose(found, reference, rtol=0, atol=3e-3)
 

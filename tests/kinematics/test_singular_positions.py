@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 
 import numpy as np
@@ -36,6 +37,12 @@ def failure(rows: list[tuple], dynamics: list[tuple], mode: int = 1) -> tuple[An
     raise AssertionError("no failure")
 
 
+def time_of(error: AnalysisError) -> float:
+    found = re.search(r"t = ([0-9.]*[0-9])", str(error))
+    assert found
+    return float(found[1])
+
+
 def test_a_driven_parallelogram_passes_its_dead_points() -> None:
     """Output times straddle the dead points: the cranks stay parallel over three turns."""
     dynamics = [("INPUTX", 2, 1, 0.0, 1.0, 0.0), ("TIMESTEP", 20.0, 200)]
@@ -50,7 +57,10 @@ def test_a_free_parallelogram_passes_its_dead_points_with_a_warning() -> None:
     r = spacar.run(1, Deck.build([*PARALLELOGRAM, ("DYNX", 2)], dynamics))
     np.testing.assert_allclose(r.node(2, 1), r.t, atol=1e-6)
     np.testing.assert_allclose(r.node(5, 1), r.node(2, 1), atol=1e-6)
-    assert any("passed a singular position" in line and "t = 1.5 and 1.6" in line for line in r.report)
+    (line,) = [line for line in r.report if "passed a singular position" in line]
+    found = re.search(r"between t = (\S+) and (\S+) ", line)
+    assert found
+    assert float(found[1]) < np.pi / 2 < float(found[2])
 
 
 def test_an_output_time_at_a_dead_point_is_refused() -> None:
@@ -90,10 +100,11 @@ def test_a_free_slider_at_its_dead_centre_stops_or_warns() -> None:
             for _ in run:
                 pass
         except AnalysisError as error:
-            assert "t = 2.29" in str(error)  # noqa: PT017
-            assert "singular position" in str(error)  # noqa: PT017
+            said = str(error)
         else:
-            assert any("between t = 2.2 and 2.3" in line and "dead point" in line for line in run.report.lines)
+            (said,) = [line for line in run.report.lines if "dead point" in line]
+        assert "singular position" in said
+        assert re.search(r"t = 2\.2[789]", said)
 
 
 def test_euler_parameters_as_coordinates_end_at_half_a_turn() -> None:
@@ -132,8 +143,9 @@ def test_an_element_that_is_shortened_to_nothing(rows: list[tuple], mass: int, d
     error, frames = failure([*rows, *more], [*dynamics, ("TIMESTEP", 4.0, 8)])
     assert error.code == "element.range"
     assert frames == 4
-    for words in ("element 1", rows[0][0], "collapsed", "undeformed 1 m", "t = 2"):
+    for words in ("element 1", rows[0][0], "collapsed", "undeformed 1 m"):
         assert words in str(error)
+    assert time_of(error) == pytest.approx(2.0, abs=1e-6)
 
 
 def test_nodes_that_meet() -> None:
@@ -142,14 +154,16 @@ def test_nodes_that_meet() -> None:
     dynamics = [("XM", 2, 1.0), ("STARTDX", 2, 1, 1.0, -0.5), ("TIMESTEP", 4.0, 8)]
     error, _ = failure(rows, dynamics)
     assert "element 1 (PLTRUSS)" in str(error)
-    assert "t = 2" in str(error)
+    assert time_of(error) == pytest.approx(2.0, abs=1e-6)
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4, pytest.param(1e-5, marks=pytest.mark.slow)])
 def test_an_integration_that_is_reflected_at_a_dead_point_stops(tolerance: float) -> None:
     """A diagonal as degree of freedom is longest where two bars are in line, t = 0.7815; beyond, it gets shorter again.
 
-    With wide tolerances the integration jumped over the point and came back on the old branch, with a wrong energy.
+    Both bars are in line with their neighbours at once there, so that the determinant has a double zero. With wide
+    tolerances the integration jumped over the point and came back on the old branch, with a wrong energy, or passed
+    it: the one is an error, the other a warning.
     """
     rows = [
         ("PLTRUSS", 1, 1, 2), ("PLTRUSS", 2, 2, 3), ("PLTRUSS", 3, 3, 4), ("PLTRUSS", 4, 1, 3),
@@ -159,7 +173,13 @@ def test_an_integration_that_is_reflected_at_a_dead_point_stops(tolerance: float
         ("XM", 2, 1.0), ("XM", 3, 2.0), ("EM", 3, 0.5), ("ESTIFF", 4, 1.0), ("STARTDE", 4, 1, 0.1, 1.0),
         ("GRAVITY", 0.3, -1.0), ("TIMESTEP", 1.0, 20), ("ERROR", tolerance, tolerance),
     ]  # fmt: skip
-    error, _ = failure(rows, dynamics)
-    assert error.code == "position.singular"
-    assert "t = 0.78" in str(error)
-    assert "dead point" in str(error)
+    run = spacar.frames(1, Deck.build(rows, dynamics))
+    try:
+        for _ in run:
+            pass
+    except AnalysisError as error:
+        said = str(error)
+    else:
+        (said,) = run.report.lines
+    assert "t = 0.78" in said
+    assert "dead point" in said

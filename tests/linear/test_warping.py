@@ -192,3 +192,28 @@ def test_torsional_vibration_in_time():
     loads = [*starts, ("TIMESTEP", period, 8), ("INTEGRAT", 853), ("ERROR", 1e-13, 1e-9)]
     turned = spacar.run(1, bar(2, 1, shaft, loads=loads, **options)).node(8, 2)
     np.testing.assert_allclose(turned / turned[0], np.cos(np.linspace(0, 2 * np.pi, 9)), atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("deflection", "expected"),
+    [(0.0, (7.436e6, 7.436e6, 2.1877)), (5e-3, (3.791e6, 1.784e6, 21.043)), (1e-2, (1.536e6, 7.146e5, 33.347))],
+)
+def test_support_stiffness_of_a_deflected_leaf_spring(deflection, expected):
+    """Section 9, n = 4: ky with the rotation about x locked and free [N/m], and krx [N m/rad]; four digits and more.
+
+    The solid has 3.790e6, 1.771e6, 20.76 at 5 mm and 1.576e6, 7.252e5, 33.47 at 10 mm; BEAM a third of that.
+    """
+    n, end = 4, 12
+    found = []
+    for locked in (True, False):
+        deck = bar(n, 8, STRIP, length=0.1, mass=STRIP_MASS, shear=(6.375e-8, 6.375e-4),
+                   released=(2, 3, 4, 5) if locked else (3, 4, 5),
+                   fixed=[(1,), (2,), (3,), (end + 3,), (end + 2, 2, 3, 4) if locked else (end + 2, 3, 4)],
+                   prescribed=(end + 1, 3), loads=[("INPUTX", end + 1, 3, 0.0), ("DELINPX", end + 1, 3, deflection),
+                                                   ("ITERSTEP", 20, 8, 1e-9, 8, 2)])  # fmt: skip
+        r = spacar.run(8, deck)
+        compliance, numbering = r["xcompl"][-1], r.mechanism.numbering
+        found.append(1 / compliance[numbering.x_index(end + 1, 2)])
+        if not locked:  # theta = 2 lambda1, and M is half of the force dual to lambda1
+            found.append(1 / (4 * compliance[numbering.x_index(end + 2, 2)]))
+    np.testing.assert_allclose(found, expected, rtol=2e-4)

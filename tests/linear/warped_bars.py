@@ -16,13 +16,14 @@ def bar(
     mass: tuple[float, ...] = (),
     dynamic: tuple[int, ...] = (1, 2, 3, 4, 5, 6),
     released: tuple[int, ...] = (),
+    prescribed: tuple[int, ...] = (),
     fixed: Any = ((1,), (2,), (3,)),
     f1: float = 0.0,
     loads: Any = (),
     shear: tuple[float, float] = (0.0, 0.0),
 ) -> Deck:
     """n elements; stiffness EA GIt EIy EIz ECw (missing: 0); fixed: arguments of FIX; loads: rows of the dynamics
-    block; released: dynamic modes of the first element that are calculable."""
+    block; released: dynamic modes of the first element that are calculable; prescribed: arguments of INPUTX."""
     coefficients = [stiffness.get(k, 0.0) for k in ("EA", "GIt", "EIy", "EIz")]
     kinematics: list[Any] = []
     dynamics: list[Any] = list(loads)
@@ -37,4 +38,6 @@ def bar(
         if mass:
             dynamics.append(("EM", k + 1, *mass))
     kinematics += [("FIX", *row) for row in fixed]
+    if prescribed:
+        kinematics.append(("INPUTX", *prescribed))
     return Deck.build(kinematics, dynamics, mode=mode)

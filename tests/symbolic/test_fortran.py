@@ -62,7 +62,10 @@ class Fortran:
         return bad, result
 
 
-@pytest.mark.parametrize(("count", "closed", "flexible"), [(2, False, False), (3, True, False), (1, True, True)])
+@pytest.mark.parametrize(
+    ("count", "closed", "flexible"),
+    [(2, False, False), pytest.param(3, True, False, marks=pytest.mark.slow), (1, True, True)],
+)
 def test_fortran_equals_python(tmp_path, count, closed, flexible):
     program = links(count, closed, flexible)
     feeds = {"F": lambda t, y: 0.7}

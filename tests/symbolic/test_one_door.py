@@ -13,8 +13,8 @@ import pytest
 pytest.importorskip("sympy")
 
 from spacar_cli.main import main
+from spacar_drawing.picture_source import open_source
 from spacar_drawing.scene import positions, rotations
-from spacar_drawing.source import open_source
 from spacar_formats.locate import open_result
 
 from spacar.errors import UsageError
@@ -197,3 +197,35 @@ def test_compile_is_one_call_and_gives_the_same_numbers():
     assert np.allclose(run["q"], again["q"], atol=1e-9)
     with pytest.raises(UsageError, match="parameter L has no value"):
         program.compile({"g": 1.0, "m": 1.0})
+
+
+@pytest.mark.skipif(compiler() is None, reason="no C compiler")
+def test_many_states_in_one_call():
+    S = MultibodySystem(gravity=("0", "-g", "0"))
+    q, _ = S.coordinate("q", speed="s")
+    B = S.frame("B", S.N, 3, q)
+    S.particle("bob", S.point("P", S.O, S.expression("L") * B[1]), "m")
+    S.torque(B, (S.input("M") + S.input("D", "-d*s")) * S.N[3])
+    values, feeds = {"g": 9.81, "m": 2.0, "L": 0.5, "d": 0.1}, {"M": lambda t, y: 0.3 * t + y[0]}
+    f = S.derive("recursive").program().compile(values, feeds)
+    states = np.random.default_rng(1).uniform(-2, 2, (40, 2))
+    times = np.linspace(0, 1, 40)
+    assert np.array_equal(f.many(times, states), [f(t, y) for t, y in zip(times, states, strict=True)])
+    assert np.array_equal(f.many(0.5, states[:3]), [f(0.5, y) for y in states[:3]])
+    weightless = S.derive("recursive").program().compile(values | {"m": 0.0}, feeds)
+    with pytest.raises(ArithmeticError, match="at state 1"):
+        weightless.many(times, states)
+
+
+def test_a_place_without_a_number_is_no_error(tmp_path, monkeypatch):
+    """A point that no equation needs, at a parameter that has no value: the motion is computed, nothing is drawn."""
+    monkeypatch.chdir(tmp_path)
+    point = '[[point]]\nname = "Q"\nbase = "P"\noffset = ["a", 0, 0]\nin = "B"\n'
+    text = MODEL.replace("[outputs]", f"{point}[outputs]").replace("g = 9.81", 'g = 9.81\na = ""')
+    (tmp_path / "m.toml").write_text(text)
+    status, _, err = spacar("symbolic", "simulate", "m.toml", "--steps", "2", "--time", "0.1")
+    assert status == 0, err
+    assert spacar("draw", "m")[0] == 2
+    status, _, err = spacar("symbolic", "simulate", "m.toml", "--steps", "2", "--time", "0.1", "--set", "a=0.2")
+    assert status == 0, err
+    assert spacar("draw", "m", "-o", "m.png")[0] == 0

@@ -17,7 +17,7 @@ from spacar.errors import SpacarError, UsageError
 from spacar.modes import Mode, find_mode
 from spacar.options import BEAMS, integrator
 from spacar.stream import Outcome, Run, Sink
-from spacar_cli import releasing
+from spacar_cli import accuracy_options, releasing
 from spacar_cli.environment import Environment
 from spacar_cli.input_files import input_file, result_stem
 from spacar_cli.number_types import POSITIVE, TOLERANCE, Whole
@@ -43,7 +43,8 @@ def command_of_mode(word: str) -> click.Command:
     """The command for a word such as `1` or `-7`, with the options that this mode has. Raises UsageError."""
     mode = find_mode(int(word))
     releases = not mode.forces
-    params: list[click.Parameter] = [click.Argument(["file"], type=click.Path(path_type=Path), required=not releases)]
+    needed = not (releases or mode.integrated)  # there the word may have gone to an option
+    params: list[click.Parameter] = [click.Argument(["file"], type=click.Path(path_type=Path), required=needed)]
     params.append(
         click.Option(
             ["--output-dir", "-o"],
@@ -60,6 +61,7 @@ def command_of_mode(word: str) -> click.Command:
         for flag, field, kind, text in OVERRIDES:
             switch = {"is_flag": True, "default": None} if kind is bool else {"type": kind}
             params.append(click.Option([flag, field], help=text, **switch))
+        params += accuracy_options.options()
     if mode.takes_setpoints:
         params.append(
             click.Option(["--setpoints"], help="Result of mode 2 to linearize along, instead of the search by name.")
@@ -99,6 +101,7 @@ def run_mode(
     **options: Any,
 ) -> ExitStatus:
     """Run the analysis and report. Errors before the log exists are raised, others are told and logged."""
+    file, asked = accuracy_options.taken(file, options)
     if file is None:  # `spacar 0 --release FILE`: the word belongs to the argument
         if not release:
             raise UsageError("Missing argument 'FILE'.", "usage")
@@ -120,7 +123,7 @@ def run_mode(
             stem.with_name(f"{stem.name}.log"),
             mode,
             Path("standard input") if piped else source,
-            _flags(overrides, setpoints),
+            _flags(overrides, setpoints) | accuracy_options.flags(asked),
         )
     except BaseException:
         give_up(results)
@@ -130,7 +133,7 @@ def run_mode(
     window: LivePlot | None = None
     try:
         begin(results)
-        run = frames(mode.number, model, **overrides)
+        run = frames(mode.number, model, **overrides, **asked)
         if mode.takes_setpoints:
             _set_nominal(run, source, setpoints)
         _check_timestep(run)
@@ -263,6 +266,8 @@ def _as_json(
         report["messages"] = [str(m) for m in run.mechanism.deck.messages]
         if "engine" in run.header:
             report["engine"], report["engine_note"] = run.header["engine"]
+        if "accuracy" in run.header:
+            report["accuracy"] = run.header["accuracy"].record()
         diagnosis = run.header.get("diagnosis")
         if diagnosis is not None:
             report["constraints"] = releasing.as_record(diagnosis)

@@ -46,8 +46,8 @@ def command(
     """Normal force, shear forces, torque, moments, bimoment and stresses along the beams of a result (NAME.sbd).
 
     Prints the largest value of every element, and where the largest of all are: step, element, place from p (0) to q
-    (1), point of the section. Stresses need cross-sections: BEAMSEC, or BEAMVIS or CROSSTYPE of the VISUALIZATION
-    section.
+    (1), point of the section; with UNITS mm in mm and N/mm^2. Files and JSON are in SI. Stresses need cross-sections:
+    BEAMSEC, or BEAMVIS or CROSSTYPE of the VISUALIZATION section.
     """
     from spacar_drawing.picture_source import open_source
     from spacar_drawing.stress_numbers import stress_results
@@ -78,7 +78,7 @@ def command(
         return
     if not any(one.quantity == "mises" for one in largest):
         tell(environment, "information", "no element has a cross-section: no stresses (BEAMSEC, BEAMVIS, CROSSTYPE)")
-    for line in _lines(found):
+    for line in _lines(found, source.scene.metre):
         environment.say(line)
 
 
@@ -102,26 +102,31 @@ def _csv(found: StressResults) -> str:
     return out.getvalue()
 
 
-def _lines(found: StressResults) -> list[str]:
-    """Two tables: the largest of every element, and of all."""
+def _lines(found: StressResults, metre: float) -> list[str]:
+    """Two tables, of the largest of every element and of all, in the unit of length of the input file [m]."""
     import numpy as np
     from spacar_drawing.stresses import QUANTITIES
     from spacar_formats.log.text_layout import table
 
+    from spacar.deck.length_unit import shown_in
+
     extremes = found.of_elements()
     used = [name for name, value in extremes.items() if np.nan_to_num(value).any()]
-    heads = ["element", *(f"{name} ({QUANTITIES[name][1]})" for name in used)]
-    columns = [extremes[name].tolist() for name in used]
+    shown = {name: shown_in(unit, metre) for name, (_, unit) in QUANTITIES.items()}
+    heads = ["element", *(f"{name} ({shown[name][1]})" for name in used)]
+    columns = [(shown[name][0] * extremes[name]).tolist() for name in used]
     rows = [
         [number, *("" if v != v else f"{v:.6g}" for v in values)]
         for number, *values in zip(found.elements.tolist(), *columns, strict=True)
     ]
     lines = ["Largest values along every element", "", *table(heads, rows), "", "Largest of all", ""]
-    heads = ["quantity", "value", "unit", "step", "element", "place", "y (m)", "z (m)"]
+    length = shown_in("m", metre)[1]
+    heads = ["quantity", "value", "unit", "step", "element", "place", f"y ({length})", f"z ({length})"]
     largest = [
         [
-            one.quantity, f"{one.value:.6g}", one.unit, one.step, one.element, f"{one.xi:.4g}",
-            *("" if v != v else f"{v:.6g}" for v in (one.y, one.z)),
+            one.quantity, f"{shown[one.quantity][0] * one.value:.6g}", shown[one.quantity][1], one.step, one.element,
+            f"{one.xi:.4g}",
+            *("" if v != v else f"{v / metre:.6g}" for v in (one.y, one.z)),
         ]
         for one in _largest(found)
     ]  # fmt: skip

@@ -1,4 +1,5 @@
-"""C99: eom_once(p, c), eom_step(c, p, y, u, M, f), accel(p, y, u, M, f), eom_feed, eom_rates, rhs, outputs, jac.
+"""C99: eom_once(p, c), eom_step(c, p, y, u, M, f), accel(p, y, u, M, f), eom_feed, eom_rates, rhs, outputs, jac;
+rhs_many for many states at once.
 
 With constraints eom_step and accel also give J and h = γ, and eom_manifold the residuals.
 
@@ -100,6 +101,16 @@ int outputs(double t, const double *c, const double *p, const double *y, double 
 {outputs}}}
 """
 
+_MANY = """\
+/* rhs of count states, one after the other; the number of the first (from 1) at which it fails, else 0 */
+int rhs_many(int count, const double *t, const double *c, const double *p, const double *y, double *u, double *ydot)
+{
+    for (int i = 0; i < count; i++)
+        if (rhs(t[i], c, p, y + i*NY, u + i*NU, ydot + i*NY)) return i + 1;
+    return 0;
+}
+"""
+
 _JAC = """\
 /* d(ydot)/dy, row by row */
 int jac(double t, const double *c, const double *p, const double *y, double *u, double *J)
@@ -147,7 +158,7 @@ def _solving(program: OrderedProgram, jacobian: bool) -> list[str]:
     rhs = _RHS.format(arrays=arrays, filled=filled, solve=solve, outputs=out)
     if tied:
         rhs = rhs.replace("    return bad = ", "    int bad = ", 1)
-    parts = [_ACCEL_CONSTRAINED if tied else _ACCEL, solvers.C if tied else _LDL, rhs]
+    parts = [_ACCEL_CONSTRAINED if tied else _ACCEL, solvers.C if tied else _LDL, rhs, _MANY]
     if jacobian:
         many = "constrained(M, J_, K + NQ*NY, K + NY*NY, NY)" if tied else "solve(M, K + NQ*NY, NY)"
         parts.append(_JAC.format(arrays=arrays, filled=filled, solve=many))

@@ -1,0 +1,178 @@
+"""`accuracy`: the error asked for is kept against closed forms, its estimate is honest, what is not met is said."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from scipy.special import ellipj, ellipk
+
+import spacar
+from spacar.deck import parse_deck
+from spacar.errors import UsageError
+
+OSCILLATOR = """
+PLTRUSS 1 1 2
+X 2 1. 0.
+FIX 1
+FIX 2 2
+DYNE 1 1
+END HALT
+XM 2 0.5
+ESTIFF 1 200.
+STARTDE 1 1 0.01 0.
+TIMESTEP 3.1415926535897931 40
+END END
+"""
+PENDULUM = """
+PLRBEAM 1 1 2 3
+X 3 0.1411200080598672 0.9899924966004454
+FIX 1
+DYNX 2 1
+END HALT
+EM 1 0.
+XM 3 1.
+GRAVITY 0. -9.81
+TIMESTEP 4. 40
+END END
+"""
+# two rods from the upright position: changes of the start grow e^(6 t) times, roughly
+TUMBLING = """
+PLRBEAM 1 1 4 2
+PLRBEAM 2 2 5 3
+X 2 0.1 1.
+X 3 0.3 2.
+FIX 1
+DYNX 4 1
+DYNX 5 1
+END HALT
+EM 1 1.
+EM 2 1.
+GRAVITY 0. -9.81
+TIMESTEP {duration} 24
+END END
+"""
+
+
+def oscillation(t):
+    """x = 1 + 0.01 cos 20 t, omega = sqrt(200 / (1 * 0.5)): ten periods."""
+    return 1.0 + 0.01 * np.cos(20.0 * t)
+
+
+def swing(t):
+    """Pendulum of 1 m released at rest 3 rad from below: sin(theta/2) = k cd(omega t, k), k = sin 1.5."""
+    k = np.sin(1.5)
+    sn = ellipj(np.sqrt(9.81) * t + ellipk(k * k), k * k)[0]
+    return np.sin(2.0 * np.arcsin(k * sn))
+
+
+CASES = {"oscillator": (OSCILLATOR, "x[2,1]", oscillation), "pendulum": (PENDULUM, "x[3,1]", swing)}
+
+
+@pytest.mark.parametrize("target", [1e-3, 1e-5, 1e-7])
+@pytest.mark.parametrize("name", CASES)
+def test_the_error_asked_for_is_kept(name, target):
+    """Against closed forms; and the true error is within the estimate that the run states."""
+    text, variable, exact = CASES[name]
+    result = spacar.run(1, parse_deck(text, mode=1), accuracy=target, variables=[variable])
+    found = result.header["accuracy"]
+    node = int(variable[2])
+    error = np.abs(result.node(node, 1) - exact(result.t)).max() / np.ptp(exact(result.t))
+    assert found.met
+    assert found.estimate <= target
+    assert error <= found.estimate + 1e-12
+    assert len({a.integrator for a in found.attempts}) == 2
+    bars = result.node(node, 1, "xerr")
+    assert np.all(np.diff(bars) >= 0.0)
+    assert bars[-1] / np.ptp(exact(result.t)) == pytest.approx(found.estimate, rel=1e-2)
+
+
+def test_without_a_target_the_run_itself_is_measured():
+    """Same numbers as the plain run, with the true error within a factor of two of the estimate."""
+    deck = parse_deck(OSCILLATOR, mode=1)
+    plain = spacar.run(1, deck)
+    result = spacar.run(1, deck, accuracy=True)
+    np.testing.assert_array_equal(result["x"], plain["x"])
+    error = np.abs(result.node(2, 1) - oscillation(result.t)).max() / np.ptp(oscillation(result.t))
+    found = result.header["accuracy"]
+    assert found.target is None
+    assert found.met is None
+    assert error / 2 < found.estimate < 2 * error
+
+
+def test_fixed_steps_are_measured():
+    """Kutta's method has an error far above any tolerance: it is found."""
+    deck = parse_deck(OSCILLATOR.replace("TIMESTEP", "INTEGRAT 140 0.02\nTIMESTEP"), mode=1)
+    result = spacar.run(1, deck, accuracy=True)
+    error = np.abs(result.node(2, 1) - oscillation(result.t)).max() / np.ptp(oscillation(result.t))
+    assert error > 1e-4
+    assert result.header["accuracy"].estimate == pytest.approx(error, rel=0.05)
+
+
+def test_chaos_is_told():
+    """Beyond some time no tolerance keeps the accuracy: what was reached is said, and until when it holds."""
+    deck = parse_deck(TUMBLING.format(duration=12.0), mode=1)
+    result = spacar.run(1, deck, accuracy=1e-10)
+    found = result.header["accuracy"]
+    assert not found.met
+    assert found.estimate > 1e-10
+    assert 0.0 < found.until < 12.0
+    assert any(line.startswith("warning: accuracy 1e-10 is not met") for line in result.report)
+    assert "chaos" in found.way or "rounding" in found.way
+
+
+def test_nothing_to_integrate():
+    """Prescribed motion has no error of integration."""
+    text = OSCILLATOR.replace("DYNE 1 1", "INPUTE 1 1").replace("STARTDE 1 1 0.01 0.", "INPUTE 1 1 0. 0.01 0.")
+    result = spacar.run(1, parse_deck(text, mode=1), accuracy=1e-6)
+    assert result.header["accuracy"].estimate == 0.0
+
+
+def test_mode_4_gets_it_too():
+    result = spacar.run(4, parse_deck(OSCILLATOR, mode=4), accuracy=1e-6)
+    assert result.header["accuracy"].met
+    assert len(result["m0"]) == len(result["xerr"]) == 41
+    assert result.mechanism.settings.integrator == result.header["accuracy"].attempts[-1].integrator
+
+
+@pytest.mark.parametrize(
+    ("mode", "options", "words"),
+    [
+        (7, {"accuracy": 1e-3}, "modes 1 and 4"),
+        (1, {"accuracy": 2.0}, "between 0 and 1"),
+        (1, {"accuracy": "fine"}, "between 0 and 1"),
+        (1, {"variables": ["x[2,1]"]}, "give an accuracy"),
+    ],
+)
+def test_what_is_refused(mode, options, words):
+    with pytest.raises(UsageError, match=words):
+        spacar.frames(mode, parse_deck(OSCILLATOR, mode=mode), **options)
+
+
+def test_an_unknown_variable_is_named():
+    with pytest.raises(UsageError, match="node 9"):
+        spacar.run(1, parse_deck(OSCILLATOR, mode=1), accuracy=1e-3, variables=["x[9,1]"])
+
+
+def test_on_the_command_line(tmp_path, monkeypatch, capsys):
+    """Log, result file, JSON; a word that is no number is the file; the file's own settings are replaced."""
+    from spacar_cli.main import main
+    from spacar_formats.loadsbd import loadsbd
+
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "osc.dat").write_text(OSCILLATOR)
+    assert main(["1", "osc", "--accuracy", "1e-5", "--variable", "x[2,1]", "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)["accuracy"]
+    assert report["met"]
+    assert report["estimate"] <= 1e-5
+    assert report["cost"] > 1.0
+    assert "accuracy 1e-05 is met" in (tmp_path / "osc.log").read_text()
+    data = loadsbd("osc")
+    assert data["accuracy"].ravel()[:2] == pytest.approx([report["estimate"], 1e-5])
+    assert data["xerr"].shape == data["x"].shape
+    assert main(["1", "--accuracy", "osc", "-q"]) == 0
+    assert "estimated error of the result" in (tmp_path / "osc.log").read_text()
+    assert main(["1", "osc", "--accuracy", "much", "-q"]) == 2
+    assert "'much' is not a valid float" in capsys.readouterr().err
+    assert main(["1", "osc", "--variable", "x[2,1]", "-q"]) == 2
