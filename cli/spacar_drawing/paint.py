@@ -138,7 +138,7 @@ def _spatial(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
     return artists
 
 
-def _alike(polygons: Sequence[Array]) -> Array:
+def _alike(polygons: Sequence[Array]) -> Any:
     """(n, k, 2) polygons with equally many corners, by repeating the last one: matplotlib takes them in one piece."""
     k = max(p.shape[1] for p in polygons)
     return np.concatenate([np.concatenate((p, np.repeat(p[:, -1:], k - p.shape[1], axis=1)), axis=1) for p in polygons])

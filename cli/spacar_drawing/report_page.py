@@ -48,7 +48,9 @@ def report_page(source: PictureSource, expressions: Sequence[str] = (), log_line
     if scene.analysis.stationary:
         parts.append(_modes(source, extras))
     curves = [evaluate(source, text) for text in expressions] or key_curves(source)
-    parts.append(_results(source, curves))
+    resting = [] if expressions else [c for c in curves if not np.any(c.values)]  # what was asked for is always shown
+    curves = [c for c in curves if all(c is not r for r in resting)]
+    parts.append(_results(source, curves, resting))
     if source.steps > 2:
         parts.append(_plots(source, curves))
     parts.append(_log(source, log_lines))
@@ -201,10 +203,11 @@ def _freedoms(source: PictureSource) -> str:
     return f"<h2>Degrees of freedom</h2><p>{text}.</p>{table}"
 
 
-def _results(source: PictureSource, curves: Sequence[Curve]) -> str:
-    """Start, end and extremes of the curves; of a single step the values."""
+def _results(source: PictureSource, curves: Sequence[Curve], resting: Sequence[Curve]) -> str:
+    """Start, end and extremes of the curves; of a single step the values. The resting ones are only named."""
+    left = f"<p>Zero at all steps: {escape(', '.join(c.text for c in resting))}.</p>" if resting else ""
     if not curves:
-        return ""
+        return f"<h2>Key results</h2>{left}" if left else ""
     rows: list[tuple[str, ...]] = []
     times = np.ravel(source.get("t"))
     unit = "" if source.scene.analysis.stationary else " s"
@@ -224,7 +227,7 @@ def _results(source: PictureSource, curves: Sequence[Curve]) -> str:
             )
         )
     head = ("", "value") if source.steps == 1 else ("", "first", "last", "smallest", "largest")
-    return "<h2>Key results</h2>" + _table(rows, head, "numbers")
+    return "<h2>Key results</h2>" + _table(rows, head, "numbers") + left
 
 
 def _plots(source: PictureSource, curves: Sequence[Curve]) -> str:

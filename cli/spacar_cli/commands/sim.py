@@ -18,8 +18,12 @@ from spacar_cli.status import tell
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
 @click.pass_obj
 def command(environment: Environment, file: Path, output: Path | None, quiet: bool) -> None:
-    """Simulate the blocks and wires of a model file (docs/simulation.md); writes the signals and FILE_sim.log."""
+    """Simulate the blocks and wires of a model file (docs/simulation.md).
+
+    Writes the signals, FILE_sim.log, and FILE_sim.sbd with the motion of the mechanism for draw, plot and report.
+    """
     from spacar_formats.histories import export_signals
+    from spacar_formats.plant_motion import write_motions
     from spacar_formats.safety import write_text
     from spacar_formats.simfile import read_model
 
@@ -41,6 +45,10 @@ def command(environment: Environment, file: Path, output: Path | None, quiet: bo
         if block.n_out:
             arrays[name] = response[name]
     export_signals(arrays, target)
+    stem = target.with_suffix("")
+    if stem.with_suffix(".dat").is_file():  # the results of the model itself stay
+        stem = stem.with_name(f"{stem.name}_sim")
+    motions = write_motions(response, stem)
     lines = [f"simulation of {source.name}: {len(response.t)} times up to t = {response.t[-1]:.9g} s"]
     for name, block in model.diagram.blocks.items():
         kind = type(block).__name__
@@ -51,4 +59,5 @@ def command(environment: Environment, file: Path, output: Path | None, quiet: bo
     lines.append("work: " + ", ".join(f"{count} {what}" for what, count in response.statistics.items()))
     write_text(target.with_suffix(".log"), "\n".join(lines) + "\n")
     if not quiet:
-        environment.say(f"{source.name}: {len(response.t)} times in {seconds:.2f} s: {target}")
+        files = " ".join(str(path) for path in (target, *motions))
+        environment.say(f"{source.name}: {len(response.t)} times in {seconds:.2f} s: {files}")

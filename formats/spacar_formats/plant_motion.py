@@ -1,0 +1,45 @@
+"""The motion of a mechanism in a controlled simulation as a `.sbd` file, like that of mode 1 (reference/files.md 4).
+
+At every output time the states and inputs of the Spasim block give the whole state of its mechanism, so that `spacar
+draw`, `spacar plot` and `spacar report` work on the result as on one of mode 1.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from spacar.modes import find_mode
+from spacar.simulation.engine import Response
+from spacar.simulation.plant import Spasim
+from spacar.stream import Run
+from spacar_formats.sinks import begin, give_up, result_sinks
+
+
+def write_motions(response: Response, stem: Path) -> list[Path]:
+    """Write `stem.sbd`; with several mechanisms `stem_BLOCK.sbd` each. Returns the paths.
+
+    Raises UsageError when a file cannot be written, AnalysisError when the disk refuses bytes.
+    """
+    plants = [b for b in response.diagram.blocks.values() if isinstance(b, Spasim)]
+    names = [stem.name] if len(plants) == 1 else [f"{stem.name}_{plant.name}" for plant in plants]
+    return [_write(response, plant, stem.with_name(name)) for plant, name in zip(plants, names, strict=True)]
+
+
+def _write(response: Response, plant: Spasim, stem: Path) -> Path:
+    (sink,) = result_sinks(stem, ("sbd",))
+    error: BaseException | None = None
+    try:
+        begin([sink])
+        sink.start(Run(find_mode(1), plant.mechanism))
+        x, u = response.x[:, response.states[plant.name]], response.u[:, response.inputs[plant.name]]
+        for t, state, inputs in zip(response.t.tolist(), x, u, strict=True):
+            sink.frame(plant.frame(t, state, inputs))
+    except BaseException as failed:
+        error = failed
+        raise
+    finally:
+        try:
+            sink.finish(error)
+        finally:
+            give_up([sink])
+    return sink.path
