@@ -2,8 +2,8 @@
 
 python benchmarks/accuracy.py [MODEL ...]
 
-Obtained: the error norm of `spacar.studies.error_norm` over the free coordinates against a reference of method 853 with ERROR
-REFERENCE, tighter than any run of the search. Cost: time of all runs of the search over that of
+Obtained: the error norm of `spacar.studies.error_norm` over the free coordinates against a reference of method 853
+with ERROR REFERENCE, tighter than any run of the search. Cost: time of all runs of the search over that of
 the cheapest single run (methods 155, 853, 0, ERROR in decades) that reaches the target.
 """
 
@@ -114,7 +114,8 @@ def cheapest(deck: Deck, ref: Reference) -> dict[float, float]:
 
 
 def main(names: list[str]) -> None:
-    print("| model | asked | obtained | estimate | obtained / asked | runs | time [s] | of the last | of the cheapest |")
+    print("| model | asked | obtained | estimate | obtained / asked | runs | time [s] "
+          "| of the last | of the cheapest |")
     print("|---|---|---|---|---|---|---|---|---|")
     ratios = []
     for name in names or MODELS:

@@ -14,8 +14,8 @@ The next tolerance is the largest for which this will be MARGIN of the target if
 
 Explicit methods, 853 in turn with 155 (Adams, 0, at tight tolerances), are taken while the highest frequency of the
 model allows it: rho T / STABLE steps, rho the largest eigenvalue of the start state. Beyond EXPENSIVE steps it is 553
-and then 595 (Radau of orders 5 and 9). Both damp vibrations that they do not resolve, so they could err alike: three runs
-at least are demanded of them, over which the differences must fall.
+and then 595 (Radau of orders 5 and 9). Both damp vibrations that they do not resolve, so they could err alike: three
+runs at least are demanded of them, over which the differences must fall.
 """
 
 from __future__ import annotations
