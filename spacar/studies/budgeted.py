@@ -34,7 +34,7 @@ Tick = Callable[[str, float], None]
 
 
 @dataclass
-class BudgetedSearch:
+class TradeSearch:
     """Rows of what has run, the settings that were tried in their order, the reference and its settings."""
 
     trade: Trade
@@ -45,11 +45,11 @@ class BudgetedSearch:
     skipped: int = 0
 
 
-def search(trade: Trade, target: float, budget: float, tick: Tick = lambda _what, _left: None) -> BudgetedSearch:
+def search(trade: Trade, target: float, budget: float, tick: Tick = lambda _what, _left: None) -> TradeSearch:
     """Reference, then the settings from cheap to dear, within `budget` seconds. Raises UsageError, and AnalysisError
     when the reference cannot be computed in its part of the budget."""
     begun = time.perf_counter()
-    found = BudgetedSearch(trade)
+    found = TradeSearch(trade)
 
     def left(part: float = 1.0) -> float:
         return max(part * budget - (time.perf_counter() - begun), 0.1)

@@ -46,7 +46,9 @@ def test_flexible_and_prescribed_members():
     base = read_deck(DATA / "crankfl.dat", 1)
     settings = [setting("ESTIFF.*[EI]"), setting("INPUTX.2.1[start rate]")]
     decks = [change(base, settings, values) for values in ((13.0, 150.0), (6.0, 100.0), (9.0, 50.0))]
-    options = {"integrator": 853, "rtol": TOLERANCE, "atol": TOLERANCE, "duration": 0.004, "n_steps": 2}
+    # the rates of the vibrations are far larger than the deformations: a hundredth of the tolerance for a step
+    step = 0.01 * TOLERANCE
+    options = {"integrator": 853, "rtol": step, "atol": step, "duration": 0.004, "n_steps": 2}
     compare(decks, options, ("x", "e", "xd", "ed"))
 
 
