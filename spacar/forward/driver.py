@@ -236,7 +236,7 @@ class Watched:
                 self.continuity.check(t, y)
             except AnalysisError as error:
                 # A beam that is bent too far for one element is the cause rather than the choice of coordinates.
-                Limits(self.evaluator, Report()).check(self.evaluator, self.evaluator.frame(t, y))
+                Limits(self.evaluator, Report()).check(self.evaluator, at_time(self.evaluator, t, y))
                 self.half_turns.check(t, self.evaluator.placement().x, CAUSE)
                 raise timed(error, t) from error
 
