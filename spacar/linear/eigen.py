@@ -24,7 +24,7 @@ from spacar.linearization.state_matrix import assembled_state_matrix
 
 Complex = NDArray[np.complex128]
 SYMMETRIC = 1e-9  # relative asymmetry below which a matrix counts as symmetric (rounding of assembled sums)
-POLISHED = 1e-4  # modes with omega^2 below this fraction of the largest are improved
+POLISHED = 1e-2  # modes with omega^2 below this fraction of the largest are improved; the others have n eps/POLISHED
 ROUNDING = 1e-12  # omega^2 below this fraction of the largest may be rigid motions
 
 
