@@ -25,7 +25,7 @@ from spacar.kinematics.transfer import velocity_transfer
 from spacar.mechanism import build
 from spacar.mechanism.build import E_STATEMENTS, X_STATEMENTS
 from spacar.mechanism.mechanism import Mechanism
-from spacar.stroke.stroke_move import AXES, StrokeMove, move_of
+from spacar.stroke.stroke_move import StrokeMove, move_of, parse_move
 
 Row = tuple[Value, ...]
 Place = tuple[str, int, int]  # "x" or "e", node or element, coordinate or mode
@@ -95,8 +95,6 @@ def _stroke_rows(mechanism: Mechanism, move: StrokeMove, end: float) -> list[Row
 
 def load_row(text: str, mechanism: Mechanism, metre: float) -> Row:
     """The XF statement of `7y=-10`, in SI. Raises UsageError."""
-    from spacar.stroke.stroke_move import parse_move
-
     found = parse_move(text, mechanism.numbering, metre, pushed=True)
     value = found.low or found.high
     if found.low and found.high:
@@ -208,15 +206,3 @@ def _candidate(mechanism: Mechanism, share: Array, drives: Sequence[Place]) -> P
         text = "no dynamic degree of freedom (DYNE, DYNX) can give way to the drive; prescribe it in the file (INPUTX)"
         raise UsageError(text, "flexure.move")
     return best[1]
-
-
-def axis_of(move: StrokeMove, planar: bool) -> Array:
-    """Unit vector (3,) of the axis of a coordinate of a node; zero for a deformation."""
-    axis = np.zeros(3)
-    if move.deformation:
-        return axis
-    if planar and move.unit != "m":
-        axis[2] = 1.0
-    else:
-        axis[AXES.index(move.text[-1])] = 1.0
-    return axis

@@ -22,13 +22,13 @@ from spacar.mechanism import build
 from spacar.mechanism.mechanism import Mechanism
 from spacar.options import checked_options
 from spacar.result import Result
-from spacar.stroke.driven_deck import Row, axis_of, driven, load_row, own_move
+from spacar.stroke.driven_deck import Row, driven, load_row, own_move
 from spacar.stroke.error_motions import error_motions
 from spacar.stroke.flexure_results import Flexure
 from spacar.stroke.observed_node import ObservedNode
 from spacar.stroke.station import Station, free_compliance, station
 from spacar.stroke.stroke_move import StrokeMove, parse_move
-from spacar.stroke.work import drive_work, load_work
+from spacar.stroke.work import drive_work, load_work, moment_work
 
 WITH_INITIAL = 2  # ITERSTEP type: the initial loading first, then the additional one
 
@@ -92,20 +92,20 @@ class _Side:
         self.stroke: list[float] = []
         self.force: list[float] = []
         self.slope: list[float] = []
-        self.others: list[Array] = []  # forces besides the actuator, (nx,)
+        self.others: list[Array] = []  # forces (nx,) besides the actuator and constant moments
 
     def add(self, s: Station, pushed: float, turning: float) -> None:
         """`pushed`: force of the actuator if it is given;  turning: rotation of its node by a unit of it."""
         move, frame = self.move, s.frame
         change = float(frame.e[self.row] if move.deformation else frame.x[self.row] - self.mechanism.x0[self.row])
         stroke = float(move.stroke(change))
-        others = frame.fx + frame.fxgrav
+        others = self.mechanism.loads.force + frame.fxgrav
         if move.pushed:
             force = pushed
             slope = 1.0 / turning if move.rotation and turning else s.slope
-            others = others - self._dual(frame.x, pushed)
         else:
-            dual = -frame.sig[self.row] if move.deformation else (frame.fxtot - others)[self.row]
+            applied = (frame.fx + frame.fxgrav)[self.row]
+            dual = -frame.sig[self.row] if move.deformation else frame.fxtot[self.row] - applied
             force = float(move.force(np.array(stroke), dual))
             slope = float(move.stiffness(np.array(stroke), dual, np.array(s.slope)))
         self.stations.append(s)
@@ -113,17 +113,6 @@ class _Side:
         self.force.append(force)
         self.slope.append(slope)
         self.others.append(others)
-
-    def _dual(self, x: Array, force: float) -> Array:
-        """The force of the actuator in terms of the coordinates, (nx,)."""
-        out = np.zeros(len(x))
-        if not self.move.rotation:
-            out[self.row] = force
-            return out
-        where = ObservedNode.of(self.mechanism.numbering, self.move.number)
-        rows = where.rows[where.points :]
-        out[rows] = where.map(x)[where.points :, where.points :].T @ (force * axis_of(self.move, where.planar))
-        return out
 
 
 def _side(
@@ -179,7 +168,7 @@ def _joined(deck: Deck, move: StrokeMove, sides: Sequence[_Side], pivot: Sequenc
     lines = list(dict.fromkeys(line for side in sides for line in side.report.lines))
     result = Result(first.mechanism, 10, shots, tuple(lines), {})
     node = first.node
-    x = np.array([s.frame.x for s in stations])
+    x, loads = np.array([s.frame.x for s in stations]), first.mechanism.loads
     by_stroke = [_per_stroke(move, value) for value in stroke]
     moving = [node.spatial(s.velocity * rate) for s, rate in zip(stations, by_stroke, strict=True)]
     errors = error_motions(
@@ -189,7 +178,9 @@ def _joined(deck: Deck, move: StrokeMove, sides: Sequence[_Side], pivot: Sequenc
     )  # fmt: skip
     return Flexure(
         deck.source, move, node, deck.metre, zero, stroke, force, slope,
-        drive_work(stroke, force, slope, zero), load_work(np.array([side.others[k] for side, k in order]), x, zero),
+        drive_work(stroke, force, slope, zero),
+        load_work(np.array([side.others[k] for side, k in order]), x, zero)
+        + moment_work(loads.moment, x[:, loads.moment_rows.T], zero),
         tuple(stations), errors, result,
     )  # fmt: skip
 
