@@ -18,6 +18,7 @@ from spacar_drawing.step_pictures import chosen_steps, picture, series
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from spacar.stroke import Flexure
     from spacar_drawing.stress_numbers import StressResults
 
 DPI = 150.0
@@ -119,6 +120,22 @@ def stress(
     from spacar_drawing.stress_numbers import stress_results
 
     return stress_results(source_of(result), steps, elements, points)
+
+
+def flexure_page(study: Flexure, path: str | Path | None = None, *, view: str = "iso", body: bool = False) -> str:
+    """One self-contained HTML page of `spacar.flexure`, as text; also written to `path` when that is given.
+
+    study   what `spacar.flexure` gave;  view  of spatial pictures, as for `draw`
+    body    stiffness along axes that turn with the node instead of the global ones
+    """
+    from spacar_formats.safety import write_text
+
+    from spacar_drawing.stroke_page import stroke_page
+
+    text = stroke_page(study, view, body)
+    if path is not None:
+        write_text(Path(path), text)
+    return text
 
 
 def inline_picture(result: Result) -> str:

@@ -22,7 +22,6 @@ from spacar.deck.statement import Statement, Value
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import UsageError
 from spacar.kinematics.transfer import velocity_transfer
-from spacar.mechanism import build
 from spacar.mechanism.build import E_STATEMENTS, X_STATEMENTS
 from spacar.mechanism.mechanism import Mechanism
 from spacar.stroke.stroke_move import StrokeMove, move_of, parse_move
@@ -52,7 +51,7 @@ def own_move(deck: Deck, mechanism: Mechanism) -> StrokeMove:
         if not turned or len(s.values) == 4:
             move = move_of(n, False, node, k + turned)
             return replace(move, low=min(0.0, s.real(k)), high=max(0.0, s.real(k)), pushed=True)
-    text = f"{deck.source} prescribes no single coordinate (DELINPX, DELINPE, DELXF): say which one is moved and how far"
+    text = f"{deck.source} moves no single coordinate (DELINPX, DELINPE, DELXF): say which one is moved and how far"
     raise UsageError(f"{text}, for instance --move 7x=0.01", "flexure.move")
 
 
@@ -156,7 +155,8 @@ def _replaced(mechanism: Mechanism, move: StrokeMove) -> tuple[Place, str] | Non
     classes = n.e_class if move.deformation else n.x_class
     found = next(name for name, part in classes.items() if part.start <= i < part.stop)
     if found == "fixed":
-        raise UsageError(f"{move.text} is {'rigid' if move.deformation else 'fixed'}: it cannot be moved", "flexure.move")
+        text = f"{move.text} is {'rigid' if move.deformation else 'fixed'}: it cannot be moved"
+        raise UsageError(text, "flexure.move")
     if found == "kinematic":
         raise UsageError(f"{move.text} is a configuration coordinate of wheels", "flexure.move")
     here: Place = ("e" if move.deformation else "x", move.number, move.place)

@@ -38,7 +38,7 @@ class Flexure:
     """Over k states of the stroke, m directions of the node (x, y, z, rx, ry, rz; planar x, y, r), in SI units.
 
     source        name of the model;  move  the drive and its range;  node  whose stiffness and motion it is
-    metre         unit of length of the model in metres (tables and pages show it);  zero  index of the undeflected state
+    metre         unit of length of the model in metres (shown);  zero  index of the undeflected state
     stroke        (k,) of the drive from the reference configuration [m, rad]
     force         (k,) of the actuator [N, N m];  drive_stiffness  (k,) its derivative by the stroke
     work          (k,) of the actuator from the undeflected state [J];  load_work  (k,) of all other loads
@@ -145,44 +145,30 @@ class Flexure:
         told = [line.removeprefix("warning: ") for line in self.result.report if line.startswith("warning: ")]
         return told + [m.text for m in self.result.mechanism.deck.messages if m.severity == "warning"]
 
+    @property
+    def support(self) -> list[int]:
+        """Which of the m directions are supports: all but that of the drive, where the node is that of the drive."""
+        move = self.move
+        if move.deformation or move.number not in (self.node.position, self.node.orientation):
+            return list(range(len(self.directions)))
+        driven = move.text.lstrip("0123456789")
+        return [i for i, d in enumerate(self.directions) if d != driven]
+
     def columns(self, body: bool = False) -> list[Column]:
         """All quantities with one value a state, in SI; `body`: stiffness along axes of the node."""
-        move, e = self.move, self.errors
-        axes = [("x", 0), ("y", 1)] + ([] if self.node.planar else [("z", 2)])
-        found = [
+        move = self.move
+        stress, element, place = self.largest_stress
+        return [
             Column("stroke", f"stroke of {move.text}", move.unit, self.stroke),
             Column("force", "actuator force", move.force_unit, self.force),
             Column("drive_stiffness", "drive stiffness", move.stiffness_unit, self.drive_stiffness),
             Column("work", "work of the actuator", "J", self.work),
             Column("load_work", "work of the other loads", "J", self.load_work),
             Column("energy", "strain energy", "J", self.energy),
-        ]
-        for title, name, values, unit in (
-            ("displacement", "u", e.displacement, "m"), ("deviation from the line", "line", e.line_error, "m"),
-            ("pivot shift", "pivot", e.pivot_shift, "m"), ("pole", "pole", e.pole, "m"),
-        ):  # fmt: skip
-            found += [Column(f"{name}_{a}", f"{title}, {a}", unit, values[:, i]) for a, i in axes]
-        turning = [("z", 2)] if self.node.planar else [("x", 0), ("y", 1), ("z", 2)]
-        found += [Column(f"rotation_{a}", f"rotation, {a}", "rad", e.rotation[:, i]) for a, i in turning]
-        if not self.node.planar:
-            found += [Column(f"tilt_{a}", f"tilt of the axis, {a}", "rad", e.tilt[:, i]) for a, i in turning]
-        for title, name, locked in (("support stiffness", "k", True), ("stiffness, drive free", "kfree", False)):
-            values = self.stiffness(locked, body)
-            for i, (d, row) in enumerate(zip(self.directions, self.node.names, strict=True)):
-                unit = "N/m" if row.startswith("u") else "N m/rad"
-                found.append(Column(f"{name}_{d}", f"{title}, {d}", unit, values[:, i]))
-        ratio = self.remaining(body)
-        found += [
-            Column(f"remaining_{d}", f"remaining support stiffness, {d}", "", ratio[:, i])
-            for i, d in enumerate(self.directions)
-        ]
-        for title, name, values in (
-            ("frequency, drive locked", "f", self.frequencies), ("frequency, drive free", "ffree", self.free_frequencies)
-        ):  # fmt: skip
-            found += [Column(f"{name}_{i + 1}", f"{title}, {i + 1}", "Hz", f) for i, f in enumerate(values.T)]
-        stress, element, place = self.largest_stress
-        return [
-            *found,
+            *self.motion_columns(),
+            *self._stiffness_columns(body),
+            *self._series("f", "frequency, drive locked", self.frequencies),
+            *self._series("ffree", "frequency, drive free", self.free_frequencies),
             Column("f_drive", "frequency of the drive, free", "Hz", self.of("drive_hertz")),
             Column("f_unwanted_free", "first other frequency, drive free", "Hz", self.of("unwanted_free")),
             Column("margin", "load multiplier, drive locked", "", self.of("margin")),
@@ -191,6 +177,48 @@ class Flexure:
             Column("mises_element", "its element", "", element),
             Column("mises_place", "its place in it", "", place),
         ]
+
+    def motion_columns(self) -> list[Column]:
+        """Displacement and rotation, then the errors of a line (deviation) or of an axis (pivot shift, tilt, pole)."""
+        e = self.errors
+        axes = [("x", 0), ("y", 1)] + ([] if self.node.planar else [("z", 2)])
+        turning = [("z", 2)] if self.node.planar else [("x", 0), ("y", 1), ("z", 2)]
+
+        def of(name: str, title: str, unit: str, values: Array) -> list[Column]:
+            return [
+                Column(f"{name}_{a}", f"{title}, {a}", unit, values[:, i]) for a, i in (axes if unit == "m" else turning)
+            ]
+
+        found = of("u", "displacement", "m", e.displacement) + of("rotation", "rotation", "rad", e.rotation)
+        if not e.turning:
+            return found + of("line", "deviation from the line", "m", e.line_error)
+        tilt = [] if self.node.planar else of("tilt", "tilt of the axis", "rad", e.tilt)
+        return [
+            *found,
+            Column("angle", "rotation about the axis", "rad", e.angle),
+            *of("pivot", "pivot shift", "m", e.pivot_shift),
+            *tilt,
+            *of("pole", "pole", "m", e.pole),
+        ]
+
+    def _stiffness_columns(self, body: bool) -> list[Column]:
+        found = []
+        units = ["N/m" if row.startswith("u") else "N m/rad" for row in self.node.names]
+        for title, name, locked in (("support stiffness", "k", True), ("stiffness, drive free", "kfree", False)):
+            values = self.stiffness(locked, body).T
+            found += [
+                Column(f"{name}_{d}", f"{title}, {d}", unit, v)
+                for d, unit, v in zip(self.directions, units, values, strict=True)
+            ]
+        ratio = self.remaining(body)
+        return found + [
+            Column(f"remaining_{d}", f"remaining support stiffness, {d}", "", ratio[:, i])
+            for i, d in enumerate(self.directions)
+        ]
+
+    @staticmethod
+    def _series(name: str, title: str, values: Array) -> list[Column]:
+        return [Column(f"{name}_{i + 1}", f"{title}, {i + 1}", "Hz", f) for i, f in enumerate(values.T)]
 
     def table(self, body: bool = False) -> dict[str, Array]:
         """The columns by name, (k,) each; `body` as in `columns`."""

@@ -11,6 +11,8 @@ missing is the error of the integrals.
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from spacar.arrays import Array
@@ -35,7 +37,7 @@ def moment_work(moments: Array, turns: Array, zero: int) -> Array:
     """(k,) work of constant global moments (n, 3) on nodes with the Euler parameters turns (k, n, 4) [J]."""
     parts = [
         sum(float(M @ rotation_vector(b, a)) for M, a, b in zip(moments, before, after, strict=True))
-        for before, after in zip(turns[:-1], turns[1:], strict=True)
+        for before, after in pairwise(turns)
     ]
     return _from_zero(np.array(parts, float), zero)
 
