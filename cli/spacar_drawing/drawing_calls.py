@@ -122,10 +122,13 @@ def stress(
     return stress_results(source_of(result), steps, elements, points)
 
 
-def flexure_page(study: Flexure, path: str | Path | None = None, *, view: str = "iso", body: bool = False) -> str:
+def flexure_page(
+    study: Flexure, path: str | Path | None = None, *, view: str | None = None, body: bool = False
+) -> str:
     """One self-contained HTML page of `spacar.flexure`, as text; also written to `path` when that is given.
 
-    study   what `spacar.flexure` gave;  view  of spatial pictures, as for `draw`
+    study   what `spacar.flexure` gave
+    view    of spatial pictures, as for `draw`; default: the plane of the motion, and iso for stresses
     body    stiffness along axes that turn with the node instead of the global ones
     """
     from spacar_formats.safety import write_text

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spacar.expressions import Unit
+from spacar.expressions import Unit, unit_text
 from spacar.stroke import Flexure
 from spacar.stroke.flexure_results import Column
 from spacar_drawing.curves import Curve
-from spacar_drawing.history import history_figure
-from spacar_drawing.stroke_tables import MOST_FREQUENCIES, NOTHING, shown_column
+from spacar_drawing.history import history_figure, panels
+from spacar_drawing.stage import INK
+from spacar_drawing.stroke_tables import MOST_FREQUENCIES, matters, shown_column
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
@@ -26,13 +29,7 @@ def force_figure(study: Flexure) -> Figure:
 def error_figure(study: Flexure) -> Figure | None:
     """Deviation from the line and rotations, or pivot shift and tilt; None when there is no error at all."""
     kinds = ("pivot_", "tilt_") if study.errors.turning else ("line_", "rotation_")
-    length = study.result.mechanism.length
-    chosen = [
-        c
-        for c in study.motion_columns()
-        if c.name.startswith(kinds)
-        and np.nanmax(np.abs(c.values), initial=0.0) > NOTHING * (length if c.unit == "m" else 1.0)
-    ]
+    chosen = [c for c in study.motion_columns() if c.name.startswith(kinds) and matters(study, c)]
     return _figure(study, chosen) if chosen else None
 
 
@@ -48,7 +45,7 @@ def stiffness_figure(study: Flexure, body: bool = False) -> Figure | None:
     for axes in figure.axes[: len({c.unit for c in k})]:
         low = min(np.nanmin(np.abs(line.get_ydata())) for line in axes.lines)
         if low > 0.0:
-            axes.set_yscale("log")
+            _logarithmic(axes)
     return figure
 
 
@@ -60,10 +57,9 @@ def frequency_figure(study: Flexure) -> Figure | None:
     if not found:
         return None
     figure = _figure(study, found)
-    if any(c.name.startswith("margin") for c in found):
-        axes = next(a for a in figure.axes if any("multiplier" in str(line.get_label()) for line in a.lines)
-                    or "multiplier" in a.get_ylabel())  # fmt: skip
-        axes.set_yscale("log")
+    for axes in figure.axes:
+        if axes.get_ylabel().startswith("load multiplier"):
+            _logarithmic(axes)
     return figure
 
 
@@ -86,7 +82,27 @@ def _named(study: Flexure, names: Sequence[str]) -> list[Column]:
 
 
 def _figure(study: Flexure, columns: Sequence[Column]) -> Figure:
-    return history_figure([_curve(study, c) for c in columns], _curve(study, _named(study, ("stroke",))[0]))
+    """A panel for every unit; columns of one kind ("support stiffness, y") have the kind on the axis."""
+    across = _curve(study, _named(study, ("stroke",))[0])
+    curves = [_curve(study, c) for c in columns]
+    kinds: dict[object, str] = {}
+    for unit in dict.fromkeys(c.unit for c in curves):
+        group = [c for c in curves if c.unit == unit]
+        heads = {c.text.partition(", ")[0] for c in group}
+        if len(group) > 1 and len(heads) == 1:
+            kinds[unit] = heads.pop()
+    shorter = [replace(c, text=c.text.partition(", ")[2]) if c.unit in kinds else c for c in curves]
+    figure = history_figure(shorter, across)
+    for axes, group in zip(figure.axes, panels(shorter), strict=True):
+        if group[0].unit in kinds:
+            text, kind = unit_text(group[0].unit), kinds[group[0].unit]
+            axes.set_ylabel(f"{kind} ({text})" if text else kind)
+    return figure
+
+
+def _logarithmic(axes: Axes) -> None:
+    axes.set_yscale("log")
+    axes.tick_params(axis="y", which="both", labelsize=8, colors=INK, length=0)
 
 
 def _curve(study: Flexure, column: Column) -> Curve:

@@ -1,4 +1,4 @@
-"""The page of `spacar flexure`: facts, extremes, pictures over the stroke, plots, tables; self-contained, no scripts."""
+"""The page of `spacar flexure`: facts, extremes, pictures over the stroke, plots, tables; it holds all it shows."""
 
 from __future__ import annotations
 
@@ -15,13 +15,15 @@ from spacar_drawing.picture_source import PictureSource, source_of_result
 from spacar_drawing.step_pictures import picture
 from spacar_drawing.stress_picture import stress_still
 from spacar_drawing.stroke_figures import all_figures
-from spacar_drawing.stroke_tables import cell_text, shown_column, stroke_tables
+from spacar_drawing.stroke_tables import cell_text, matters, shown_column, stroke_tables
 
 SHOWN = 5  # states in the picture over the stroke
+FLAT = 0.02  # of the largest displacement: a motion in a coordinate plane
 
 
-def stroke_page(study: Flexure, view: str = "iso", body: bool = False) -> str:
-    """The page as text; `view` of spatial pictures, `body`: stiffness along axes of the node."""
+def stroke_page(study: Flexure, view: str | None = None, body: bool = False) -> str:
+    """The page as text. `view` of spatial pictures (None: the plane of the motion, iso for stresses); `body`: stiffness
+    along axes of the node."""
     source = source_of_result(study.result)
     parts = [_facts(study), _warnings(study), _extremes(study, body), _pictures(study, source, view)]
     parts += ["<h2>Over the stroke</h2>"]
@@ -68,7 +70,7 @@ def extremes(study: Flexure, body: bool = False) -> list[tuple[str, ...]]:
     names += [f"k_{study.directions[i]}" for i in study.support]
     names += ["f_1", "f_drive", "margin", "margin_free", "mises"]
     kinds = ("pivot_", "tilt_") if study.errors.turning else ("line_",)
-    names += [c.name for c in study.motion_columns() if c.name.startswith(kinds)]
+    names += [c.name for c in study.motion_columns() if c.name.startswith(kinds) and matters(study, c)]
     by_name = {c.name: c for c in study.columns(body)}
     where = shown_column(study, by_name["stroke"])[1]
     rows = []
@@ -91,20 +93,37 @@ def _extremes(study: Flexure, body: bool) -> str:
     return "<h2>Key results</h2>" + html_table(extremes(study, body), head, "numbers")
 
 
-def _pictures(study: Flexure, source: PictureSource, view: str) -> str:
+def _pictures(study: Flexure, source: PictureSource, view: str | None) -> str:
+    """The range of motion, the undeflected state in full where it is inside; the largest stress."""
     numbers = evenly(1, len(study), SHOWN)
-    extras = Extras(view=view, title="")
+    undeflected = 0 < study.zero < len(study) - 1
+    if undeflected:
+        numbers = [*(k for k in numbers if k != study.zero + 1), study.zero + 1]
+    extras = Extras(view=view or _plane(study), title="")
+    full = "undeflected" if undeflected else "last"
     out = "<h2>Range of motion</h2>" + html_figure(
         picture(source, extras, numbers, [study.node.position], False),
-        f"{len(numbers)} states from the first to the last, the last one in full, and the path of node "
-        f"{study.node.position}.",
+        f"{len(numbers)} states of the stroke, the {full} one in full, and the path of node {study.node.position}.",
     )
-    stress = study.largest_stress[0]
+    stress, element, place = study.largest_stress
     if np.isfinite(stress).any() and np.nanmax(stress) > 0.0:
-        k = int(np.nanargmax(stress)) + 1
+        k = int(np.nanargmax(stress))
         still = stress_still(
-            source.scene, source.x(k), source.get("sig", k), source.get("e", k), source.settings, extras, "mises"
-        )
-        where = shown_column(study, Column("stroke", "", study.move.unit, study.stroke))
-        out += html_figure(still, f"Von Mises stress where it is largest, at {cell_text(where[1][k - 1])} {where[0]}.")
+            source.scene, source.x(k + 1), source.get("sig", k + 1), source.get("e", k + 1), source.settings,
+            Extras(view=view or "iso", title=""), "mises",
+        )  # fmt: skip
+        unit, where = shown_column(study, Column("stroke", "", study.move.unit, study.stroke))
+        at = {0.0: "at its end p", 1.0: "at its end q"}.get(float(place[k]), f"at {place[k]:.3g} of its length")
+        text = f"Von Mises stress at {cell_text(where[k])} {unit}, where it is largest: in element {element[k]} {at}."
+        out += html_figure(still, text)
     return out
+
+
+def _plane(study: Flexure) -> str:
+    """The coordinate plane in which the node moves, or to which its axis is normal; else a view from above."""
+    e = study.errors
+    if e.turning and np.abs(e.axis).max() > 1.0 - FLAT:
+        return ("yz", "xz", "xy")[int(np.argmax(np.abs(e.axis)))]
+    size = np.abs(e.displacement).max(axis=0)
+    k = int(np.argmin(size))
+    return ("yz", "xz", "xy")[k] if size[k] < FLAT * size.max() else "iso"

@@ -12,6 +12,8 @@ from spacar.stroke import Flexure
 from spacar.stroke.flexure_results import Column
 
 NOTHING = 1e-12  # of the size of the model, or rad: what is smaller is rounding and not shown
+TRACE = 1e-4  # of the largest one of the same kind
+ROUNDING = 1e-13  # of the largest value of a column
 RIGID = "rigid"
 MOST_FREQUENCIES = 3
 
@@ -31,21 +33,22 @@ def stroke_tables(study: Flexure, body: bool = False) -> list[StrokeTable]:
     by_name = {c.name: c for c in study.columns(body)}
     chosen = [study.directions[i] for i in study.support]
     axes = "axes of the node" if body else "global axes"
-    motion = [c for c in study.motion_columns() if not c.name.startswith("u_") or not study.errors.turning]
+    hidden = ("u_", "rotation_") if study.errors.turning else ()
+    motion = [c for c in study.motion_columns() if not c.name.startswith(hidden) and matters(study, c)]
     first = [f"f_{i}" for i in range(1, 1 + min(MOST_FREQUENCIES, study.frequencies.shape[1]))]
     last = [*first, "f_drive", "margin", "margin_free", "mises", "mises_element", "mises_place"]
-    ideal = "axis through the pole of the undeflected state" if study.errors.turning else "line of the undeflected state"
+    ideal = "axis" if study.errors.turning else "line"
     return [
         _table(study, "Force and energy", [by_name[n] for n in ("force", "drive_stiffness", "work", "energy")]),
-        _table(study, f"Motion of node {study.node.position}", [c for c in motion if _moves(study, c)],
-               f"errors against the {ideal}"),
+        _table(study, f"Motion of node {study.node.position}", motion,
+               f"errors against the {ideal} of the undeflected state"),
         _table(study, f"Support stiffness of node {study.node.position}, drive locked ({axes})",
                [by_name[f"k_{d}"] for d in chosen]),
         _table(study, "Remaining support stiffness", [by_name[f"remaining_{d}"] for d in chosen],
                "in % of the undeflected state"),
-        _table(study, "Frequencies, buckling, stress", [by_name[n] for n in last if np.any(by_name[n].values == by_name[n].values)],
-               "f_1, f_2 ... with the drive locked, f_1 is the first unwanted one; f_drive that of the free drive; "
-               "margin: lowest load multiplier, locked and free"),
+        _table(study, "Frequencies, buckling, stress", [by_name[n] for n in last if _known(by_name[n])],
+               "f 1, f 2 ... with the drive locked, f 1 is the first unwanted one; f drive: of the free drive; "
+               "margin: lowest load multiplier"),
     ]  # fmt: skip
 
 
@@ -54,7 +57,9 @@ def shown_column(study: Flexure, column: Column) -> tuple[str, Array]:
     if column.name.startswith("remaining"):
         return "%", 100.0 * column.values
     factor, unit = shown_in(column.unit, study.metre)
-    return unit, factor * column.values
+    finite = np.abs(column.values[np.isfinite(column.values)])
+    still = np.abs(column.values) <= ROUNDING * finite.max(initial=0.0)
+    return unit, factor * np.where(still, 0.0, column.values)
 
 
 def cell_text(value: float, digits: int = 5) -> str:
@@ -64,9 +69,17 @@ def cell_text(value: float, digits: int = 5) -> str:
     return RIGID if np.isinf(value) else f"{float(value) + 0.0:.{digits}g}"
 
 
-def _moves(study: Flexure, column: Column) -> bool:
+def _known(column: Column) -> bool:
+    return not bool(np.isnan(column.values).all())
+
+
+def matters(study: Flexure, column: Column) -> bool:
+    """Is it more than rounding, and more than a trace beside the same of the other axes?"""
+    kind = column.name[: column.name.rfind("_")]
+    group = [c for c in study.motion_columns() if c.name[: c.name.rfind("_")] == kind]
     length = study.result.mechanism.length if column.unit == "m" else 1.0
-    return bool(np.nanmax(np.abs(column.values), initial=0.0) > NOTHING * length)
+    largest = max(float(np.nanmax(np.abs(c.values), initial=0.0)) for c in group)
+    return bool(np.nanmax(np.abs(column.values), initial=0.0) > max(NOTHING * length, TRACE * largest))
 
 
 def _table(study: Flexure, title: str, columns: list[Column], note: str = "") -> StrokeTable:

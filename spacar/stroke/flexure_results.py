@@ -167,10 +167,10 @@ class Flexure:
             Column("energy", "strain energy", "J", self.energy),
             *self.motion_columns(),
             *self._stiffness_columns(body),
-            *self._series("f", "frequency, drive locked", self.frequencies),
-            *self._series("ffree", "frequency, drive free", self.free_frequencies),
-            Column("f_drive", "frequency of the drive, free", "Hz", self.of("drive_hertz")),
-            Column("f_unwanted_free", "first other frequency, drive free", "Hz", self.of("unwanted_free")),
+            *self._series("f", "frequency, locked", self.frequencies),
+            *self._series("ffree", "frequency, free", self.free_frequencies),
+            Column("f_drive", "frequency, free drive", "Hz", self.of("drive_hertz")),
+            Column("f_unwanted_free", "frequency, first other of the free drive", "Hz", self.of("unwanted_free")),
             Column("margin", "load multiplier, drive locked", "", self.of("margin")),
             Column("margin_free", "load multiplier, drive free", "", self.of("margin_free")),
             Column("mises", "largest von Mises stress", "N/m^2", stress),
@@ -185,9 +185,8 @@ class Flexure:
         turning = [("z", 2)] if self.node.planar else [("x", 0), ("y", 1), ("z", 2)]
 
         def of(name: str, title: str, unit: str, values: Array) -> list[Column]:
-            return [
-                Column(f"{name}_{a}", f"{title}, {a}", unit, values[:, i]) for a, i in (axes if unit == "m" else turning)
-            ]
+            chosen = axes if unit == "m" else turning
+            return [Column(f"{name}_{a}", f"{title}, {a}", unit, values[:, i]) for a, i in chosen]
 
         found = of("u", "displacement", "m", e.displacement) + of("rotation", "rotation", "rad", e.rotation)
         if not e.turning:
@@ -218,7 +217,7 @@ class Flexure:
 
     @staticmethod
     def _series(name: str, title: str, values: Array) -> list[Column]:
-        return [Column(f"{name}_{i + 1}", f"{title}, {i + 1}", "Hz", f) for i, f in enumerate(values.T)]
+        return [Column(f"{name}_{i + 1}", f"{title} {i + 1}", "Hz", f) for i, f in enumerate(values.T)]
 
     def table(self, body: bool = False) -> dict[str, Array]:
         """The columns by name, (k,) each; `body` as in `columns`."""

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 @click.option("--modes", type=Whole(1, 1000), default=6, show_default=True, help="How many frequencies are kept.")
 @click.option("--beams", type=click.Choice(BEAMS), help="Measure of the deformations of all beams, instead of ADEFORM.")
 @click.option("--report", type=click.Path(path_type=Path), metavar="PAGE.html", help="Write a self-contained page.")
-@click.option("--view", default="iso", show_default=True, help="Of its pictures: iso, xy, xz, yz or azimuth,elevation.")
+@click.option("--view", help="Of its pictures: iso, xy, xz, yz or azimuth,elevation; default the plane of the motion.")
 @click.option(
     "--csv", "csv_file", type=click.Path(path_type=Path, allow_dash=True),
     help="Write a row for every state as csv ('-': print them).",
@@ -50,7 +50,7 @@ def command(
     pivot: str | None,
     axes: str,
     report: Path | None,
-    view: str,
+    view: str | None,
     csv_file: Path | None,
     npz_file: Path | None,
     as_json: bool,
@@ -139,7 +139,8 @@ def _lines(study: Flexure, body: bool) -> list[str]:
     lines = []
     for part in stroke_tables(study, body):
         rows = [[_Right(cell) for cell in row] for row in part.rows]
-        lines += ["", part.title + (f" ({part.note})" if part.note else ""), "", *table(part.heads, rows)]
+        note = [f"  {part.note}"] if part.note else []
+        lines += ["", part.title, *note, "", *table(part.heads, rows)]
     return lines[1:]
 
 
