@@ -34,7 +34,7 @@ class ObservedNode:
                 raise UsageError(f"orientation node {number}: name its position node (--node)", "flexure.node")
             number, orientation = found.pop(), number
         elif not orientation:
-            beside = _partners(numbering, number, 1)
+            beside = _partners(numbering, number, 1) or _bodies(numbering, number)
             if len(beside) > 1:
                 text = f"node {number}: name its orientation node (one of {', '.join(map(str, sorted(beside)))})"
                 raise UsageError(text, "flexure.node")
@@ -85,6 +85,18 @@ class ObservedNode:
         if len(rest):
             turn[-len(rest) :] = rest
         return move, turn
+
+
+def _bodies(numbering: Numbering, number: int) -> set[int]:
+    """Orientation nodes of rigid bodies (position, orientation, position) whose second place is the node."""
+    found = set()
+    for element, keyword, nodes in numbering.elements:
+        kinds = ELEMENT_TYPES[keyword].nodes
+        if kinds == ("position", "orientation", "position") and nodes[2] == number:
+            rows = numbering.le[element - 1]
+            if (rows[rows > 0] <= numbering.e_class["fixed"].stop).all():
+                found.add(nodes[1])
+    return found
 
 
 def _partners(numbering: Numbering, number: int, side: int) -> set[int]:
