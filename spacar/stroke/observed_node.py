@@ -24,15 +24,17 @@ class ObservedNode:
 
     @classmethod
     def of(cls, numbering: Numbering, number: int, orientation: int = 0) -> ObservedNode:
-        """From either node; `orientation` names the other one where no element has both. Raises UsageError."""
+        """From either node; `orientation` names the other one where no element has both. A body that has several
+        position nodes at elements is seen at that of the lowest number. Raises UsageError."""
         kind = numbering.kind.get(number)
         if kind not in ("position", "orientation"):
             raise UsageError(f"there is no position or orientation node {number}", "flexure.node")
         if kind == "orientation":
             found = _partners(numbering, number, -1)
-            if len(found) != 1:
-                raise UsageError(f"orientation node {number}: name its position node (--node)", "flexure.node")
-            number, orientation = found.pop(), number
+            if not found:
+                text = f"orientation node {number}: no element has a position node beside it; name one (node)"
+                raise UsageError(text, "flexure.node")
+            number, orientation = min(found), number
         elif not orientation:
             beside = _partners(numbering, number, 1) or _bodies(numbering, number)
             if len(beside) > 1:
