@@ -164,7 +164,8 @@ def _replaced(mechanism: Mechanism, move: StrokeMove) -> tuple[Place, str] | Non
     if found in ("input", "dynamic"):
         return (drives[0], "DYNE" if drives[0][0] == "e" else "DYNX") if len(drives) == 1 else None
     dynamics = Dynamics(mechanism)
-    dynamics.start()
+    dynamics.kinematics.begin()
+    dynamics.place(0.0, dynamics.start_values())
     W = velocity_transfer(dynamics.kinematics)
     row = dynamics.sweep.gradient()[i] @ W if move.deformation else W[i]
     size = np.concatenate((mechanism.scale[n.q_x], mechanism.deformation_scale[n.q_e]))

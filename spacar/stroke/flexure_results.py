@@ -20,6 +20,7 @@ from spacar.stroke.stroke_move import StrokeMove
 
 DRAWING = "spacar_drawing"  # named, not imported: pictures and stresses lie above this room
 DIRECTION = {"ux": "x", "uy": "y", "uz": "z", "phi": "r", "phix": "rx", "phiy": "ry", "phiz": "rz"}
+UNBALANCED = 0.01  # of the energy: more is said
 POINTS = 9  # places along every beam where stresses are computed
 
 
@@ -106,6 +107,12 @@ class Flexure:
         return self.energy - self.energy[self.zero] - self.work - self.load_work
 
     @property
+    def imbalance(self) -> float:
+        """Largest missing energy over the largest of strain energy and work; 0 when there is none."""
+        size = max(float(np.max(np.abs(v))) for v in (self.energy, self.work, self.load_work))
+        return float(np.max(np.abs(self.missing_energy))) / size if size > 0.0 else 0.0
+
+    @property
     def frequencies(self) -> Array:
         """(k, f) with the drive locked [Hz]; the first is the first unwanted one, negative: unstable."""
         return np.array([s.hertz for s in self.stations])
@@ -143,7 +150,12 @@ class Flexure:
     def warnings(self) -> list[str]:
         """What a reader has to know, one sentence each."""
         told = [line.removeprefix("warning: ") for line in self.result.report if line.startswith("warning: ")]
-        return told + [m.text for m in self.result.mechanism.deck.messages if m.severity == "warning"]
+        if self.imbalance > UNBALANCED:
+            told.append(
+                f"the integral of the work misses {100.0 * self.imbalance:.2g} % of the energy: the force changes"
+                " within a step of the stroke; take more steps"
+            )
+        return told
 
     @property
     def support(self) -> list[int]:

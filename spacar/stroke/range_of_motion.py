@@ -59,6 +59,7 @@ def flexure(
     mechanism = build(deck, 10, **options)
     if not mechanism.numbering.holonomic or mechanism.numbering.nk:
         raise UsageError(f"{deck.source} has wheels: there is no stroke of a flexure", "flexure.wheels")
+    centre = _pivot(pivot, deck.metre, mechanism.numbering.planar)
     asked = _asked(deck, mechanism, move, force)
     whole = asked.within(min(asked.low, 0.0), max(asked.high, 0.0))
     extra = [load_row(text, mechanism, deck.metre) for text in loads]
@@ -68,7 +69,7 @@ def flexure(
     for end in ends:
         count = max(1, int(np.ceil(steps * abs(end) / farthest - 1e-9)))
         sides.append(_side(deck, mechanism, whole, end, count, extra, node, orientation, modes, options))
-    return _joined(deck, whole, sides, pivot)
+    return _joined(deck, whole, sides, centre)
 
 
 def _asked(deck: Deck, mechanism: Mechanism, move: str | None, force: str | None) -> StrokeMove:
@@ -148,7 +149,7 @@ def _observed(mechanism: Mechanism, move: StrokeMove, node: int | None, orientat
     return ObservedNode.of(n, move.number if node is None else node, orientation)
 
 
-def _joined(deck: Deck, move: StrokeMove, sides: Sequence[_Side], pivot: Sequence[float] | None) -> Flexure:
+def _joined(deck: Deck, move: StrokeMove, sides: Sequence[_Side], pivot: Array | None) -> Flexure:
     """Both sides as one stroke with increasing values, the undeflected state once."""
     first = sides[0]
     order = [(side, k) for side in sides for k in range(len(side.stations))]
@@ -174,7 +175,7 @@ def _joined(deck: Deck, move: StrokeMove, sides: Sequence[_Side], pivot: Sequenc
     errors = error_motions(
         np.array([node.place(s.frame.x) for s in stations]), np.array([node.turn(s.frame.x) for s in stations]),
         np.array([m for m, _ in moving]), np.array([w for _, w in moving]), zero, first.mechanism.length,
-        _pivot(pivot, deck.metre, node.planar),
+        pivot,
     )  # fmt: skip
     return Flexure(
         deck.source, move, node, deck.metre, zero, stroke, force, slope,
