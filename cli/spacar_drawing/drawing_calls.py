@@ -141,6 +141,22 @@ def flexure_page(
     return text
 
 
+def flexure_plot(
+    study: Flexure, path: str | Path | None = None, *, body: bool = False, dpi: float = DPI
+) -> Figure:
+    """A matplotlib figure of `spacar.flexure` over the stroke: remaining support stiffness, errors, frequencies, stress.
+
+    study   what `spacar.flexure` gave;  path: file that it is also written to (png, svg, pdf);  dpi: dots per inch
+    body    stiffness along axes that turn with the node instead of the global ones
+    """
+    from spacar_drawing.stroke_figures import overview_figure
+
+    figure = overview_figure(study, body)
+    if path is not None:
+        save(figure, Path(path), dpi)
+    return figure
+
+
 def inline_picture(result: Result) -> str:
     """The first step, or the last load step, as an HTML image that holds its data."""
     data = BytesIO()

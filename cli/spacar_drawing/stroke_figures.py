@@ -63,6 +63,17 @@ def frequency_figure(study: Flexure) -> Figure | None:
     return figure
 
 
+def overview_figure(study: Flexure, body: bool = False) -> Figure:
+    """What is left of the support stiffness, the error motions, first frequencies, and the largest stress."""
+    by_name = {c.name: c for c in study.columns(body)}
+    kind = "pivot_" if study.errors.turning else "line_"
+    left = [by_name[f"remaining_{study.directions[i]}"] for i in study.support]
+    errors = [c for c in study.motion_columns() if c.name.startswith(kind) and matters(study, c)]
+    rest = [by_name[name] for name in ("f_1", "f_drive", "mises") if np.isfinite(by_name[name].values).sum() > 1]
+    left = [c for c in left if np.isfinite(c.values).any()]
+    return _figure(study, [*left, *errors, *rest] or [by_name["force"]])
+
+
 def all_figures(study: Flexure, body: bool = False) -> list[tuple[Figure, str]]:
     """Every figure with its caption."""
     made = (

@@ -6,7 +6,7 @@ axis           direction a of the angular velocity in state 0, through the point
 pivot shift    p_k = x_k + R_k R_0^T (c_0 - x_0) - c_0, of the point of the body that is the pivot in state 0
 tilt           theta - (theta.a) a
 pole           c = x + (w x v)/w^2, with the velocities v of the node and w of the body by the drive: the instantaneous
-               centre, in space the point of the screw axis nearest to the node (Beggs, Kinematics, 1983, ch. 1)
+               centre, in space the point of the instantaneous screw axis nearest to the node
 """
 
 from __future__ import annotations

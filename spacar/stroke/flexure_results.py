@@ -66,7 +66,7 @@ class Flexure:
     def __repr__(self) -> str:
         low, high = self.stroke[0], self.stroke[-1]
         text = f"Flexure of {self.source}: {self.move.text} from {low:.6g} to {high:.6g} {self.move.unit}"
-        return f"{text}, {len(self)} states, node {self.node.position}; .table(), .stress, .report('page.html')"
+        return f"{text}, {len(self)} states, node {self.node.position}; .table(), .stress, .plot(), .report('page.html')"
 
     @property
     def directions(self) -> tuple[str, ...]:
@@ -246,6 +246,10 @@ class Flexure:
             "pivot": e.pivot, "frequencies": self.frequencies, "free_frequencies": self.free_frequencies,
         }  # fmt: skip
         return shaped | {name: value for name, value in self.table().items() if name not in shaped}
+
+    def plot(self, path: str | Path | None = None, **options: Any) -> Any:
+        """A matplotlib figure over the stroke, also written to `path`; options as `spacar_drawing.flexure_plot`."""
+        return import_module(DRAWING).flexure_plot(self, path, **options)
 
     def report(self, path: str | Path | None = None, **options: Any) -> str:
         """One self-contained HTML page, also written to `path`; options as `spacar_drawing.flexure_page`."""

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 @click.option("--beams", type=click.Choice(BEAMS), help="Measure of the deformations of all beams, instead of ADEFORM.")
 @click.option("--report", type=click.Path(path_type=Path), metavar="PAGE.html", help="Write a self-contained page.")
 @click.option("--view", help="Of its pictures: iso, xy, xz, yz or azimuth,elevation; default the plane of the motion.")
+@click.option("--plot", type=click.Path(path_type=Path), metavar="PICTURE", help="Write the curves: png, svg or pdf.")
 @click.option(
     "--csv", "csv_file", type=click.Path(path_type=Path, allow_dash=True),
     help="Write a row for every state as csv ('-': print them).",
@@ -51,6 +52,7 @@ def command(
     axes: str,
     report: Path | None,
     view: str | None,
+    plot: Path | None,
     csv_file: Path | None,
     npz_file: Path | None,
     as_json: bool,
@@ -64,6 +66,10 @@ def command(
     import spacar
     from spacar_cli.input_files import input_file
 
+    if plot is not None:
+        from spacar_drawing.files import check_name
+
+        check_name(plot, film=False)
     study = spacar.flexure(
         input_file(file), orientation=orientation or 0, pivot=None if pivot is None else _pivot(pivot), **asked
     )
@@ -75,6 +81,9 @@ def command(
 
         to_npz(study.arrays(), npz_file)
         environment.say(str(npz_file))
+    if plot is not None:
+        study.plot(plot, body=body)
+        environment.say(str(plot))
     if report is not None:
         study.report(report, view=view, body=body)
         environment.say(str(report))
