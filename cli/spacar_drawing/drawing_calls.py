@@ -8,6 +8,8 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from spacar_formats.safety import write_text
+
 from spacar.errors import UsageError
 from spacar.result import Result
 from spacar_drawing.files import FILM_DPI, film, save
@@ -131,8 +133,6 @@ def flexure_page(
     view    of spatial pictures, as for `draw`; default: the plane of the motion, and iso for stresses
     body    stiffness along axes that turn with the node instead of the global ones
     """
-    from spacar_formats.safety import write_text
-
     from spacar_drawing.stroke_page import stroke_page
 
     text = stroke_page(study, view, body)
@@ -144,7 +144,7 @@ def flexure_page(
 def flexure_plot(
     study: Flexure, path: str | Path | None = None, *, body: bool = False, dpi: float = DPI
 ) -> Figure:
-    """A matplotlib figure of `spacar.flexure` over the stroke: remaining support stiffness, errors, frequencies, stress.
+    """A matplotlib figure of `spacar.flexure`: remaining support stiffness, errors, frequencies, stress.
 
     study   what `spacar.flexure` gave;  path: file that it is also written to (png, svg, pdf);  dpi: dots per inch
     body    stiffness along axes that turn with the node instead of the global ones

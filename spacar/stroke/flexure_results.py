@@ -66,7 +66,8 @@ class Flexure:
     def __repr__(self) -> str:
         low, high = self.stroke[0], self.stroke[-1]
         text = f"Flexure of {self.source}: {self.move.text} from {low:.6g} to {high:.6g} {self.move.unit}"
-        return f"{text}, {len(self)} states, node {self.node.position}; .table(), .stress, .plot(), .report('page.html')"
+        text += f", {len(self)} states, node {self.node.position}"
+        return f"{text}; .table(), .stress, .plot(), .report('page.html')"
 
     @property
     def directions(self) -> tuple[str, ...]:

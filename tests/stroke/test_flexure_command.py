@@ -53,7 +53,7 @@ def test_tables_are_in_the_unit_of_the_file_and_files_in_metres(call, tmp_path):
     assert arrays["compliance"][:, 1, 1] == pytest.approx(1.0 / arrays["k_y"])
     study = spacar.flexure(tmp_path / "leafguide.dat", move="7x=5", steps=2)
     assert study.table()["f_1"] == pytest.approx(arrays["f_1"])
-    assert list(csv.reader(io.StringIO(call(*words, "--csv", "-")[1])))[0] == list(study.table())
+    assert next(csv.reader(io.StringIO(call(*words, "--csv", "-")[1]))) == list(study.table())
 
 
 def test_the_same_model_in_metres(tmp_path):
@@ -75,7 +75,7 @@ def test_the_page_holds_everything(call, tmp_path):
     assert "http" not in page.replace("http-equiv", "")
     assert "<script" not in page
     assert page.count("data:image/png;base64,") >= 5
-    for text in ("Key results", "Range of motion", "Support stiffness of node 9", "Energy balance", "frequency, locked 1"):
+    for text in ("Key results", "Range of motion", "Support stiffness of node 9", "Energy balance", "locked 1"):
         assert text in page
     assert "nan" not in re.sub(r'src="[^"]*"', "", page)
 

@@ -102,7 +102,8 @@ def test_a_drive_that_the_file_prescribes_gives_the_same(small):
         parse_deck(models.two_leaves(models.GUIDE, BEAMS, ("INPUTX 9 1",))), move="x[9,1]=-0.004:0.004", steps=4
     )
     ours, theirs = small.table(), inputs.table()
-    for name in ("force", "drive_stiffness", "energy", "line_y", "k_y", "k_r", "f_1", "ffree_1", "margin", "margin_free"):
+    names = ("force", "drive_stiffness", "energy", "line_y", "k_y", "k_r", "f_1", "ffree_1", "margin", "margin_free")
+    for name in names:
         assert theirs[name] == pytest.approx(ours[name], rel=1e-6, abs=1e-9), name
 
 

@@ -1,4 +1,4 @@
-"""A cross hinge over its rotation: stiffness, pivot shift, pole, work of moments; a rigid pendulum with an exact pole."""
+"""A cross hinge over its rotation: stiffness, pivot shift, pole, work of moments; a rigid body about a pin."""
 
 from __future__ import annotations
 
