@@ -87,22 +87,24 @@ def plot(
     result: Result | str | Path, *expressions: str, path: str | Path | None = None, against: str = "t",
     title: str | None = None, dpi: float = DPI,
 ) -> Figure:  # fmt: skip
-    """A matplotlib figure of expressions such as 'x[6,1]' (docs/expressions.md), a panel for each variable or unit.
+    """A matplotlib figure of expressions such as 'x[6,1]' (docs/expressions.md), a panel for each variable or unit; in
+    the unit of length of the input file.
 
     path     file that it is also written to (png, svg, pdf);  dpi: dots per inch of the file
     against  expression of the horizontal axis;  title: text above, instead of the name of the model
 
     Raises UsageError for an expression that cannot be evaluated, and for a file that cannot be written.
     """
-    from spacar_drawing.curves import evaluate
+    from spacar_drawing.curves import evaluate, in_units
     from spacar_drawing.history import history_figure
 
     if not expressions:
         raise UsageError("nothing to plot: give at least one expression, for instance 'x[6,1]'", "plot.nothing")
     source = source_of(result)
-    curves = [evaluate(source, text) for text in expressions]
+    metre = source.scene.metre
+    curves = [in_units(evaluate(source, text), metre) for text in expressions]
     head = source.scene.title if title is None else title
-    figure = history_figure(curves, evaluate(source, against), head, source.scene.analysis.stationary)
+    figure = history_figure(curves, in_units(evaluate(source, against), metre), head, source.scene.analysis.stationary)
     if path is not None:
         save(figure, Path(path), dpi)
     return figure

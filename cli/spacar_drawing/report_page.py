@@ -12,7 +12,7 @@ import numpy as np
 
 from spacar.deck import ELEMENT_TYPES
 from spacar.errors import UsageError
-from spacar_drawing.curves import Curve, evaluate
+from spacar_drawing.curves import Curve, evaluate, in_units
 from spacar_drawing.history import axis_text, history_figure
 from spacar_drawing.look import SYMBOL, look_of
 from spacar_drawing.mechanism_picture import Extras, draw_steps
@@ -43,6 +43,7 @@ def report_page(source: PictureSource, expressions: Sequence[str] = (), log_line
     if scene.analysis.stationary:
         parts.append(_modes(source, extras))
     curves = [evaluate(source, text) for text in expressions] or key_curves(source)
+    curves = [in_units(c, scene.metre) for c in curves]
     resting = [] if expressions else [c for c in curves if not np.any(c.values)]  # what was asked for is always shown
     curves = [c for c in curves if all(c is not r for r in resting)]
     parts.append(_results(source, curves, resting))
