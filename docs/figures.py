@@ -98,8 +98,27 @@ def beam_order(path: Path) -> None:
     figure.savefig(path, dpi=110)
 
 
+def flexure_curves(path: Path) -> None:
+    """The guide of the chapter on flexures over its stroke, as `spacar flexure --plot` draws it."""
+    import spacar
+
+    spacar.flexure(DATA / "leafguide.dat", move="7x=+-10").plot(path, dpi=90)
+
+
+def flexure_stroke(path: Path) -> None:
+    """The same guide at five states of its stroke."""
+    import spacar
+
+    study = spacar.flexure(DATA / "leafguide.dat", move="7x=+-10", steps=4)
+    study.result.draw(path, strobe=5, view="xy", traces=[7], title="", dpi=90)
+
+
 # picture -> function that writes it
-DRAWN: dict[str, Callable[[Path], None]] = {"beam-order.png": beam_order}
+DRAWN: dict[str, Callable[[Path], None]] = {
+    "beam-order.png": beam_order,
+    "flexure-curves.png": flexure_curves,
+    "flexure-stroke.png": flexure_stroke,
+}
 
 
 class Entry(NamedTuple):

@@ -17,13 +17,15 @@ if TYPE_CHECKING:
     from spacar.frame import Frame
     from spacar.result import Result
     from spacar.stream import Run
+    from spacar.stroke import flexure
 
 __version__ = "0.1.0"
-__all__ = ["Deck", "Frame", "Result", "Run", "frames", "parse_deck", "read_deck", "run"]
+__all__ = ["Deck", "Frame", "Result", "Run", "flexure", "frames", "parse_deck", "read_deck", "run"]
 
 _HOME = {
     "Deck": "spacar.deck", "parse_deck": "spacar.deck", "read_deck": "spacar.deck", "Frame": "spacar.frame",
     "Result": "spacar.result", "Run": "spacar.stream", "frames": "spacar.calls", "run": "spacar.calls",
+    "flexure": "spacar.stroke",
 }  # fmt: skip
 
 

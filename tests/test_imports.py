@@ -23,6 +23,7 @@ LATE = {
     "spacar.compiled", "spacar.symbolic", "spacar.simulation", "spacar.linear_systems", "spacar.elements",
     "spacar.mechanism.user_functions", "spacar.kinematics.lost_stiffness", "spacar_drawing.window",
     "spacar_drawing.report_page", "spacar_drawing.curves", "spacar_drawing.history", "spacar_drawing.stress_numbers",
+    "spacar_drawing.stroke_page", "spacar_drawing.stroke_figures",
 }  # fmt: skip
 
 

@@ -27,6 +27,7 @@ COMMANDS = {
     "bode": "Bode diagram of a .ltv result",
     "stress": "stress resultants and stresses along beams as numbers",
     "compliance": "compliance matrix of a node",
+    "flexure": "a flexure over its range of motion: stiffness, errors, frequencies ...",
     "getss": "state space matrices of one step of a .ltv result",
     "sim": "controlled simulation from a model file",
     "ltv": "response of a time-varying linear system (.ltv)",
