@@ -56,7 +56,7 @@ class PlanarBelt(Family):
     def __init__(self, group: ElementGroup) -> None:
         """Geometry: radii r_p, r_q. GeometryError where the pulleys are too close for a straight span."""
         self.keyword, self.numbers = group.keyword, group.numbers
-        self.radii = np.array([values[0:2] for values in group.geometry], float).reshape(-1, 2).T
+        self.radii = np.array([values[0:2] for values in group.geometry], group.x0.dtype).reshape(-1, 2).T
         self.data = self.radii.T.copy()
         self.rho = self.radii[0] - self.radii[1]
         d = group.x0[3:5] - group.x0[0:2]
@@ -68,9 +68,9 @@ class PlanarBelt(Family):
                 f"must be larger than |r_p - r_q| = {abs(self.rho[k]):.6g} m",
             )
         self.length, self.u0 = self._span(d)[0:2]
-        self.frame_p = chord.frame(d / np.hypot(d[0], d[1]))
+        self.frame_p = chord.frame(d / chord.distance(d))
         self.turn = 2.0 * np.pi * self.rho
-        self.per_turn = np.divide(1.0, self.turn, out=np.zeros(group.n), where=self.rho != 0.0)
+        self.per_turn = np.divide(1.0, self.turn, out=np.zeros_like(self.rho), where=self.rho != 0.0)
         self.EA, self.EdA = group.estiff[:, 0], group.edamp[:, 0]
         self._set_mass(group.em[:, 0], group.em[:, 1:3].T)
 
@@ -78,13 +78,13 @@ class PlanarBelt(Family):
         self.has_mass = bool(np.any(m != 0))
         self.unit = unit = m * self.length / 6.0
         r = self.radii
-        constant = np.zeros((6, 6, self.n))
+        constant = np.zeros((6, 6, self.n), unit.dtype)
         for k in (0, 1):
             constant[[k, 3 + k], [k, 3 + k]] = 2.0 * unit
             constant[[k, 3 + k], [3 + k, k]] = unit
         constant[2, 2], constant[5, 5] = 2.0 * unit * r * r
         constant[2, 5] = constant[5, 2] = unit * r[0] * r[1]
-        self.wound = np.zeros((6, self.n))
+        self.wound = np.zeros((6, self.n), unit.dtype)
         self.wound[2::3] = m * np.abs(r) ** 3 * wound
         self.wound[0::3] = self.wound[1::3] = m * np.abs(r) * wound
         constant[np.arange(6), np.arange(6)] += self.wound
