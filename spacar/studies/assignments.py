@@ -106,7 +106,7 @@ def change(deck: Deck, settings: Sequence[Setting], numbers: Sequence[float]) ->
     for place in sorted(edits, reverse=True):  # from the end, so that earlier columns stay
         text = splice(text, *edits[place])
     if edits:
-        deck = parse(text, deck.source, deck.mode, path=deck.path, visualization=deck.visualization)
+        deck = parse(text, deck.source, deck.mode, path=deck.path, visualization=deck.written_visualization)
     for target, position, value in later:  # arguments that were left out
         for k in range(len(target.places(deck))):
             deck = deck.with_value(target.places(deck)[k][0], position, value)
@@ -282,8 +282,11 @@ def parameters_of(deck: Deck, s: Statement) -> tuple[Parameter, ...]:
 
 def _of_shape(s: Statement, parameters: tuple[Parameter, ...]) -> tuple[Parameter, ...]:
     """The parameters of a SECTION with the names that the dimensions have in its shape."""
-    names = [what for what, _ in SHAPES[str(s.values[1]).upper()].dims]
-    dims = [replace(p, meaning=name) for p, name in zip(parameters[2:], names, strict=False)]
+    names = SHAPES[str(s.values[1]).upper()].dims
+    dims = [
+        replace(p, meaning=name, unit="" if power == 0 else "m" if power == 1 else f"m^{power}")
+        for p, (name, power) in zip(parameters[2:], names, strict=False)
+    ]
     return (*parameters[:2], *dims)
 
 
