@@ -44,8 +44,8 @@ class Block:
 
     def form(self, left: Array, right: Array) -> Array:
         """left^T (sum of the matrices) right, (k, m), of left (., k) and right (., m)."""
-        product = np.einsum("abn,bnm->anm", self.values, right[self.columns], optimize=True)
-        return np.asarray(np.einsum("ank,anm->km", left[self.rows], product, optimize=True))
+        product = np.einsum("abn,bnm->anm", self.values, right[self.columns])
+        return np.asarray(np.einsum("ank,anm->km", left[self.rows], product))
 
 
 class DirectedElements:

@@ -200,7 +200,7 @@ class PlanarBelt(Family):
         # with respect to theta, at fixed theta' and D theta
         dP = self._momenta(-rim[:, None] * n)
         dP_rate = self._momenta(-(r * a[2::3])[:, None] * n + (rim * theta_rate)[:, None] * u)
-        by_theta = np.zeros((6, *c.l.shape))
+        by_theta = np.zeros((6, *c.l.shape), dP_rate.dtype)
         by_theta[0:2], by_theta[3:5] = dP_rate
         moment = (P_rate * n).sum(1) + (dP_rate * u).sum(1) + theta_rate * ((dP * n).sum(1) - P_u)
         by_theta[2::3] = -r * moment
@@ -214,7 +214,7 @@ class PlanarBelt(Family):
         by_x = by_theta[:, None] * g + by_rate[:, None] * (hessian * v).sum(1) + (rim * P_n).sum(0) * hessian
         by_v = by_rate[:, None] * g
         for j in range(6):
-            rate = np.zeros((2, 2, *c.l.shape))  # of the pulley ends per unit of v_j
+            rate = np.zeros((2, 2, *c.l.shape), u.dtype)  # of the pulley ends per unit of v_j
             pulley, place = divmod(j, 3)
             if place == 2:
                 rate[pulley] = -r[pulley] * u

@@ -65,7 +65,7 @@ class PlanarTube(PlanarBeam):
         G, l0 = self.flow, self.length
         for k in np.flatnonzero((G != 0) & (self.fluid <= 0)):
             raise GeometryError(int(k), f"PLTUBE: mass flow {G[k]:g} kg/s without fluid mass per length (EM)")
-        U = np.divide(G, self.fluid, out=np.zeros_like(G), where=G != 0)
+        U = np.divide(G, self.fluid, out=np.zeros(self.n, np.result_type(G, self.fluid)), where=G != 0)
         momentum = self.shape_factor * G * U / l0
         self._A = ((TRANSPORT - TRANSPORT.T) / 60.0)[:, :, None] * G
         self._C = (STRETCH / -30.0)[:, :, None] * momentum
@@ -115,7 +115,7 @@ class PlanarTube(PlanarBeam):
         out = self._angle_columns(c, K[:, None, 1::2] * z.swapaxes(0, 1))
         if positions:
             for j in self.position_rows:
-                F = np.zeros((4, 2, self.n), K.dtype)
+                F = np.zeros((4, 2, self.n), np.result_type(K, c.t))
                 F[:, j % 3] = K[:, 2 * (j // 3)]
                 out[:, j] = self._project(c, F)
         return out
