@@ -7,7 +7,7 @@ places of its points. A largest stress has the derivative of the point where it 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 
@@ -23,7 +23,15 @@ from spacar_formats.sinks.result_header import sbd_header
 from spacar_drawing.scene import Element, Scene
 from spacar_drawing.sections import moments
 from spacar_drawing.settings import SectionShape, parse_settings
-from spacar_drawing.stresses import QUANTITIES, RESULTANTS, along, resultants, stress_field, worst
+from spacar_drawing.stresses import (
+    RESULTANTS,
+    Resultants,
+    along,
+    resultants,
+    section_points,
+    stress_field,
+    worst,
+)
 
 POINTS = 9  # places along an element, as `spacar stress` has them
 
@@ -39,13 +47,10 @@ class StressDerivatives:
         self.sections = [_sections(m) for m in directions]
         self.bars = {e.number: e for e in self.scene.elements if e.shape in ("beam", "truss")}
 
-    def unit(self, name: str) -> str:
-        return QUANTITIES[name][1]
-
     def __call__(
         self, name: str, numbers: Sequence[int], sigma: Array, e: Array, dsigma: Sequence[Array], de: Sequence[Array]
     ) -> tuple[float, Array]:
-        """Value and derivatives (directions,) of a quantity of QUANTITIES.
+        """Value and derivatives (directions,) of a stress resultant or a stress.
 
         numbers   element, and place 1 to 9 from p to q; without a place the largest modulus along the element
         sigma, e  (ne,) of the state;  dsigma, de: one (ne,) for every direction
@@ -54,26 +59,25 @@ class StressDerivatives:
         """
         element = self._bar(name, numbers)
         section = self.settings.section(element.number, element.shape == "truss")
-        values = along(name, _given(resultants(self.scene, element, sigma, e, POINTS)), section)
-        if values is None:
+        r = _given(resultants(self.scene, element, sigma, e, POINTS))
+        point = np.zeros(POINTS, int)
+        if name in RESULTANTS:
+            values = _along(name, r)
+        elif section is None or moments(section) is None:
             text = f"{name}[{element.number}]: the element has no cross-section; give BEAMSEC, BEAMVIS or CROSSTYPE"
             raise UsageError(text, "sensitivity.quantity")
+        else:
+            values, point = worst(name, *stress_field(section, r))
         place = numbers[1] - 1 if len(numbers) > 1 else int(np.argmax(np.abs(values)))
-        point = 0
-        if name not in RESULTANTS:
-            assert section is not None
-            point = int(worst(name, *stress_field(section, _given(resultants(self.scene, element, sigma, e, POINTS))))[1][place])
         rates = []
         for scene, sections, ds, d in zip(self.scenes, self.sections, dsigma, de, strict=True):
             r = _given(resultants(scene, element, sigma + 1j * STEP * ds, e + 1j * STEP * d, POINTS))
             if name in RESULTANTS:
-                moved = along(name, r, None)
-                assert moved is not None
-                rates.append(moved[place].imag / STEP)
-                continue
-            assert section is not None
-            normal, shear = stress_field(sections.get(element.number, section), r)
-            rates.append(_stress(name, normal[place, point], shear[place, point]).imag / STEP)
+                moved = _along(name, r)[place]
+            else:
+                assert section is not None
+                moved = _stress(name, sections.get(element.number, section), r, place, int(point[place]))
+            rates.append(moved.imag / STEP)
         return float(values[place]), np.array(rates)
 
     def _bar(self, name: str, numbers: Sequence[int]) -> Element:
@@ -88,15 +92,25 @@ class StressDerivatives:
         return found
 
 
-def _given(found):  # type: ignore[no-untyped-def]
+def _given(found: Resultants | None) -> Resultants:
     assert found is not None  # beams and trusses have resultants
     return found
 
 
-def _stress(name: str, normal: complex, shear: complex) -> complex:
+def _along(name: str, r: Resultants) -> Array:
+    found = along(name, r, None)
+    assert found is not None
+    return found
+
+
+def _stress(name: str, section: SectionShape, r: Resultants, place: int, point: int) -> complex:
+    """At one place along an element and one point of its section."""
+    y, z = section_points(section)
+    here = Resultants(**{f.name: None if (v := getattr(r, f.name)) is None else v[place : place + 1] for f in fields(r)})
+    normal, shear = (complex(a[0, 0]) for a in stress_field(section, here, (y[[point]], z[[point]])))
     if name == "normal":
         return normal
-    return shear if name == "shear" else complex(np.sqrt(normal * normal + 3.0 * shear * shear))
+    return shear if name == "shear" else (normal * normal + 3.0 * shear * shear) ** 0.5
 
 
 def _directed(scene: Scene, mechanism: Mechanism) -> Scene:

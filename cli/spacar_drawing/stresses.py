@@ -142,12 +142,17 @@ def _i_points(b: float, h: float, tw: float, tf: float) -> tuple[Array, Array]:
     return np.concatenate(y), np.concatenate(z)
 
 
-def stress_field(section: SectionShape, r: Resultants) -> tuple[Array, Array]:
-    """Normal stress and shear stress, each (places along the element, points of the section) [N/m^2]."""
+def stress_field(
+    section: SectionShape, r: Resultants, points: tuple[Array, Array] | None = None
+) -> tuple[Array, Array]:
+    """Normal stress and shear stress, each (places along the element, points of the section) [N/m^2].
+
+    `points`: y, z (m,) instead of those of `section_points`.
+    """
     m = moments(section)
     if m is None:
         raise ValueError("a LINE has no stresses")
-    y, z = section_points(section)
+    y, z = section_points(section) if points is None else points
     normal = (r.N / m.A)[:, None] - np.outer(r.Mz, y) / m.Iz + np.outer(r.My, z) / m.Iy
     omega = warping_function(section, y, z)
     if r.B is not None and omega is not None:
