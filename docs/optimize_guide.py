@@ -10,7 +10,6 @@ stand; both leaves are alike. Lengths in mm.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -42,8 +41,9 @@ def guide() -> str:
             lines += [f"DYNE {element} {held}"] * bool(held) + [f"RLSE {element} {free}"] * bool(free)
     top = 2 * PARTS + 1
     lines += [f"BEAM 13 {top} {top + 1} 41 42 0 0 1", f"BEAM 14 41 42 {top + 20} {top + 21} 0 0 1"]
-    lines += ["FIX 1", "FIX 2", "FIX 21", "FIX 22", "INPUTX 41 1", "END", "HALT", "XM 41 0.3", "XM 42 150 0 0 300 0 250"]
-    return "\n".join([*lines, f"DELINPX 41 1 {STROKE!r}", "ITERSTEP 20 4 1e-8 1 2", "END", "END", ""])
+    lines += ["FIX 1", "FIX 2", "FIX 21", "FIX 22", "INPUTX 41 1", "END", "HALT"]
+    lines += ["XM 41 0.3", "XM 42 150 0 0 300 0 250", f"DELINPX 41 1 {STROKE!r}", "ITERSTEP 20 4 1e-8 1 2"]
+    return "\n".join([*lines, "END", "END", ""])
 
 
 def parameters() -> tuple[list[str], np.ndarray, np.ndarray, np.ndarray]:
@@ -60,10 +60,14 @@ def parameters() -> tuple[list[str], np.ndarray, np.ndarray, np.ndarray]:
 
 @dataclass
 class Guide:
-    """The guide at any values of its parameters; `analyses` counts how often the model was analysed."""
+    """The guide at any values of its parameters.
+
+    analyses  how often the model was analysed;  course: after every iteration the analyses and the lowest frequency
+    """
 
     exact: bool = True
     analyses: int = 0
+    course: list[tuple[int, float]] = field(default_factory=list)
     known: dict[bytes, spacar.Sensitivity] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -117,25 +121,36 @@ def optimize(model: Guide, iterations: int = 60) -> OptimizeResult:
 
     def slopes(z: np.ndarray) -> np.ndarray:
         found = model.derivatives(model.low + z[:n] * size) * size
-        return np.block([[found[:nf] / 100.0, -np.ones((nf, 1))], [-found[nf:] / LIMIT, np.zeros((len(found) - nf, 1))]])
+        upper, lower = found[:nf] / 100.0, -found[nf:] / LIMIT
+        return np.block([[upper, -np.ones((len(upper), 1))], [lower, np.zeros((len(lower), 1))]])
 
-    downhill: Callable[[np.ndarray], np.ndarray] = lambda z: -np.eye(n + 1)[n]  # noqa: E731
-    lowest = float(model.at(model.start).values[:nf].min()) / 100.0
+    def note(z: np.ndarray) -> None:
+        found = model.at(model.low + z[:n] * size).values
+        model.course.append((model.analyses, float(found[:nf].min())))
+
+    downhill = np.append(np.zeros(n), -1.0)
+    lowest = float(model.at(model.start).values[:nf].min())
+    model.course.append((1, lowest))
     return minimize(
-        lambda z: -z[n], np.append((model.start - model.low) / size, lowest), jac=downhill, method="SLSQP",
-        bounds=[(0.0, 1.0)] * n + [(0.0, None)], constraints={"type": "ineq", "fun": values, "jac": slopes},
-        options={"maxiter": iterations, "ftol": 1e-4},
+        lambda z: -z[n], np.append((model.start - model.low) / size, lowest / 100.0), jac=lambda z: downhill,
+        method="SLSQP", bounds=[(0.0, 1.0)] * n + [(0.0, None)], callback=note,
+        constraints={"type": "ineq", "fun": values, "jac": slopes}, options={"maxiter": iterations, "ftol": 1e-4},
     )  # fmt: skip
 
 
+def found_parameters(model: Guide, found: OptimizeResult) -> np.ndarray:
+    """Parameters [mm] of the result of `optimize`."""
+    return np.asarray(model.low + found.x[:-1] * (model.high - model.low))
+
+
 def report(model: Guide, found: OptimizeResult) -> str:
-    p = model.low + found.x[:-1] * (model.high - model.low)
+    p = found_parameters(model, found)
     q = model.at(p).values
     n = len(model.frequencies)
     return (
         f"{found.nit} iterations, {model.analyses} analyses: lowest frequency {q[:n].min():.2f} Hz, largest stress "
-        f"{q[n:].max() / 1e6:.1f} MPa\n  thickness {np.round(p[:PARTS], 3)} mm, heights {np.round(p[PARTS:-2], 2)} mm, leaves at {np.round(p[-2:], 2)} mm\n"
-        f"  {found.message}"
+        f"{q[n:].max() / 1e6:.1f} MPa\n  thickness {np.round(p[:PARTS], 3)} mm\n"
+        f"  heights {np.round(p[PARTS:-2], 2)} mm, leaves at {np.round(p[-2:], 2)} mm\n  {found.message}"
     )
 
 

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from spacar.calls import frames, run
     from spacar.deck import Deck, parse_deck, read_deck
-    from spacar.derivatives.sensitivity import Sensitivity, sensitivity
     from spacar.frame import Frame
     from spacar.result import Result
+    from spacar.sensitivities.sensitivity import Sensitivity, sensitivity
     from spacar.stream import Run
 
 __version__ = "0.1.0"
@@ -25,7 +25,7 @@ __all__ = ["Deck", "Frame", "Result", "Run", "Sensitivity", "frames", "parse_dec
 _HOME = {
     "Deck": "spacar.deck", "parse_deck": "spacar.deck", "read_deck": "spacar.deck", "Frame": "spacar.frame",
     "Result": "spacar.result", "Run": "spacar.stream", "frames": "spacar.calls", "run": "spacar.calls",
-    "Sensitivity": "spacar.derivatives.sensitivity", "sensitivity": "spacar.derivatives.sensitivity",
+    "Sensitivity": "spacar.sensitivities.sensitivity", "sensitivity": "spacar.sensitivities.sensitivity",
 }  # fmt: skip
 
 

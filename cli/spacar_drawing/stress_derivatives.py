@@ -8,8 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
+from spacar_formats.sinks.result_header import sbd_header
 
 from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES
@@ -19,7 +21,6 @@ from spacar.errors import UsageError
 from spacar.mechanism import Mechanism
 from spacar.modes import find_mode
 from spacar.stream import Run
-from spacar_formats.sinks.result_header import sbd_header
 from spacar_drawing.scene import Element, Scene
 from spacar_drawing.sections import moments
 from spacar_drawing.settings import SectionShape, parse_settings
@@ -106,7 +107,9 @@ def _along(name: str, r: Resultants) -> Array:
 def _stress(name: str, section: SectionShape, r: Resultants, place: int, point: int) -> complex:
     """At one place along an element and one point of its section."""
     y, z = section_points(section)
-    here = Resultants(**{f.name: None if (v := getattr(r, f.name)) is None else v[place : place + 1] for f in fields(r)})
+    whole: dict[str, Any] = {f.name: getattr(r, f.name) for f in fields(r)}
+    part: dict[str, Any] = {k: None if v is None else v[place : place + 1] for k, v in whole.items()}
+    here = Resultants(**part)
     normal, shear = (complex(a[0, 0]) for a in stress_field(section, here, (y[[point]], z[[point]])))
     if name == "normal":
         return normal

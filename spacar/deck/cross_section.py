@@ -51,7 +51,9 @@ class Shape:
 def rectangle_torsion(w: float, t: float) -> float:
     """Torsion constant of a rectangle [m^4]."""
     a, b = sorted((0.5 * w, 0.5 * t))
-    function = complex_tanh if isinstance(a, complex) or isinstance(b, complex) else tanh
+    function: Callable[[float], float] = tanh
+    if isinstance(b / a, complex):  # a direction (spacar.deck.directed)
+        function = complex_tanh  # type: ignore[assignment]
     series = sum(function(n * pi * b / (2 * a)) / n**5 for n in range(1, 2 * TERMS, 2))
     return (2 * a) ** 3 * 2 * b / 3 * (1 - 192 / pi**5 * a / b * series)
 

@@ -145,7 +145,8 @@ class Deck:
 
     def for_mode(self, mode: Purpose) -> Deck:
         """The same text read for another `mode`."""
-        return parse(self.text, self.source, mode, path=self.path, data=self.data, visualization=self.written_visualization)
+        drawn = self.written_visualization
+        return parse(self.text, self.source, mode, path=self.path, data=self.data, visualization=drawn)
 
     @classmethod
     def build(

@@ -65,7 +65,10 @@ def _place(s: Statement) -> tuple[int, tuple[int, ...]]:
 
 
 def _moved(s: Statement, factors: dict[int, float]) -> Statement:
-    values = [np.complex128(complex(v, STEP * factors[k])) if k in factors else v for k, v in enumerate(s.values)]
+    values = list(s.values)
+    for k, factor in factors.items():
+        # compares by its real part, unlike a complex number of Python
+        values[k] = np.complex128(complex(float(values[k]), STEP * factor))  # type: ignore[call-overload]
     return replace(s, values=tuple(values))
 
 

@@ -21,7 +21,8 @@ MEANING = {
     "x": "coordinate", "xd": "velocity", "xdd": "acceleration", "fx": "applied force", "fxgrav": "gravity force",
     "fxtot": "force", "fxt": "force", "xcompl": "compliance", "xerr": "estimated error",
     "e": "deformation", "ed": "deformation rate",
-    "edd": "deformation acceleration", "sig": "stress resultant", "eigval": "eigenvalue", "frequency": "natural frequency", "lmult": "load multiplier",
+    "edd": "deformation acceleration", "sig": "stress resultant", "eigval": "eigenvalue",
+    "frequency": "natural frequency", "lmult": "load multiplier",
     "t": "time",
 }  # fmt: skip
 More = Mapping[str, tuple[int, ...]]
@@ -104,7 +105,8 @@ def _name(name: str, text: str, more: More) -> UsageError:
     if name in INDICES:
         form, count = (f"{name}[i, j]", "two numbers") if INDICES[name] == 2 else (f"{name}[i]", "a number")
         return wrong(text, f"{name} needs {count} in brackets; write {form}{_meant(name)}")
-    return wrong(text, f"{name} is not a variable: '{name}' is not known; variables are t, {', '.join((*INDICES, *more))}")
+    known = ", ".join((*INDICES, *more))
+    return wrong(text, f"{name} is not a variable: '{name}' is not known; variables are t, {known}")
 
 
 def _meant(name: str) -> str:

@@ -126,7 +126,7 @@ def classes(
 
 def reference_configuration(deck: Deck, numbering: Numbering, kind: type = float) -> Array:
     """Positions of X, zero angles, Euler parameters (1, 0, 0, 0)."""
-    x0 = np.zeros(numbering.nx, kind)
+    x0: Array = np.zeros(numbering.nx, kind)
     x0[numbering.lnp[numbering.normalization[:, 0] - 1, 0] - 1] = 1.0
     for s in deck.of("X", block=1):
         node, *values = s.values

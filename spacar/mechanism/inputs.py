@@ -20,7 +20,7 @@ def loads(deck: Deck, numbering: Numbering, batches: list[Batch], prefix: str = 
     Three numbers on a spatial orientation node are a global moment, four the forces dual to lambda
     (input-language.md 5.2).
     """
-    force = np.zeros(numbering.nx, kind)
+    force: Array = np.zeros(numbering.nx, kind)
     moments, rows = [], []
     for s in deck.of(f"{prefix}XF", block=2):
         node, values = int(s.values[0]), [number(v) for v in s.values[1:]]
@@ -33,11 +33,11 @@ def loads(deck: Deck, numbering: Numbering, batches: list[Batch], prefix: str = 
             for coordinate, value in enumerate(values[:size], 1):
                 force[numbering.x_index(node, coordinate)] += value
     dimension = 2 if numbering.planar else 3
-    gravity = np.zeros(dimension, kind)
+    gravity: Array = np.zeros(dimension, kind)
     for s in deck.of("GRAVITY" if not prefix else "DELGRAV", block=2):
         given = [number(v) for v in s.values[:dimension]]
         gravity[: len(given)] = given
-    preload = np.zeros(numbering.ne, kind)
+    preload: Array = np.zeros(numbering.ne, kind)
     for s in deck.of(f"{prefix}ESIG", block=2):
         for mode, stress in enumerate(s.values[1:], 1):
             preload[numbering.e_index(int(s.values[0]), mode)] = number(stress)

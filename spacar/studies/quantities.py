@@ -35,7 +35,10 @@ class Quantity:
 
 
 def quantity(text: str, more: More = NOTHING_MORE) -> Quantity:
-    """The quantity of `EXPRESSION` or `NAME: EXPRESSION`; its form is checked now, `more` as there. Raises UsageError."""
+    """The quantity of `EXPRESSION` or `NAME: EXPRESSION`; its form is checked now (`more`: as `parse`).
+
+    Raises UsageError.
+    """
     head, colon, tail = text.partition(":")
     name, expression = (head.strip(), tail.strip()) if colon else (text.strip(), text.strip())
     if not name:

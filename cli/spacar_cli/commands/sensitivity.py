@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -13,7 +13,7 @@ from spacar_cli.input_files import input_file
 from spacar_cli.status import tell
 
 if TYPE_CHECKING:
-    from spacar.derivatives.sensitivity import Sensitivity
+    from spacar.sensitivities.sensitivity import Sensitivity
 
 COLUMNS = ("quantity", "value", "unit", "parameter", "at", "unit of parameter", "derivative", "relative")
 
@@ -63,13 +63,13 @@ def command(
     They come from one analysis, to rounding: nothing is run again with changed numbers. Quantities are in SI,
     parameters in the unit of the file; `relative` is the change in per cent that one per cent of the parameter makes.
     """
-    from spacar.derivatives.sensitivity import sensitivity
+    from spacar.sensitivities.sensitivity import sensitivity
 
     source = input_file(file)
     if not parameters or not quantities:
         text = "give at least one --parameter, for instance 'ESTIFF.1[EI]', and one --quantity, 'frequency[1]'"
         raise UsageError(text, "usage.sensitivity")
-    options = {} if beams is None else {"beams": beams}
+    options: dict[str, Any] = {} if beams is None else {"beams": beams}
     names, values = _given(parameters)
     if any(v is not None for v in values):
         now = sensitivity(source, names, [], **options).parameter_values.tolist()
@@ -139,16 +139,13 @@ def _json(found: Sensitivity) -> str:
     def finite(values: list) -> list:
         return [finite(v) if isinstance(v, list) else v if v == v else None for v in values]
 
+    def named(names: tuple[str, ...], values: list[float], units: tuple[str, ...]) -> list[dict[str, str | float]]:
+        return [{"name": n, "value": v, "unit": u} for n, v, u in zip(names, values, units, strict=True)]
+
     return json.dumps(
         {
-            "parameters": [
-                {"name": n, "value": v, "unit": u}
-                for n, v, u in zip(found.parameters, found.parameter_values.tolist(), found.parameter_units, strict=True)
-            ],
-            "quantities": [
-                {"name": n, "value": v, "unit": u}
-                for n, v, u in zip(found.quantities, found.values.tolist(), found.quantity_units, strict=True)
-            ],
+            "parameters": named(found.parameters, found.parameter_values.tolist(), found.parameter_units),
+            "quantities": named(found.quantities, found.values.tolist(), found.quantity_units),
             "derivatives": finite(found.derivatives.tolist()),
             "notes": list(found.notes),
         }

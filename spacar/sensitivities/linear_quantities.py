@@ -9,14 +9,14 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.deck.directed import nothing_lost
-from spacar.derivatives.pencil_derivatives import Change, LinearizedState, Mode, null_vectors, together
-from spacar.derivatives.state_derivatives import StateDerivative
 from spacar.errors import AnalysisError, Report
 from spacar.expressions.frequencies import frequency_order
 from spacar.linear.buckling import BucklingModes, buckling_modes, directional_compliances
 from spacar.linear.eigen import Modes, is_symmetric, is_zero, matters, vibration_modes
 from spacar.linear.internal_unknowns import buckling_matrices, internal_unknowns
 from spacar.linearization.contractions import geometric_stiffness
+from spacar.sensitivities.pencil_derivatives import Change, LinearizedState, PencilMode, null_vectors, together
+from spacar.sensitivities.state_derivatives import StateDerivative
 
 
 @dataclass
@@ -169,7 +169,7 @@ class LinearQuantities:
         if len(k):
             right = at.mode(phi[:n], psi[:n], matrix, L.S, -value * (c @ phi[n:]))
             left = at.mode(phi[:n], psi[:n], matrix, L.S, -value * (c @ psi[n:]))
-            mode = Mode(mode.u, mode.w, right.tau, left.rho)
+            mode = PencilMode(mode.u, mode.w, right.tau, left.rho)
         weight = -psi.T @ G0 @ phi
         rates = self._rates(lambda d: d.buckling(mode, L.V, value, phi[n:], psi[n:]), weight)
         return np.real(rates)

@@ -33,11 +33,9 @@ def deck_numbers(deck: Deck, names: Sequence[str]) -> tuple[Deck, list[DeckNumbe
     """
     settings = [name if isinstance(name, Setting) else setting(name) for name in names]
     for given in settings:
-        missing = [
-            (t, s, p) for t in given.targets for s, p in t.places(deck) if p > len(s.values)
-        ]
+        missing = [(s, p) for t in given.targets for s, p in t.places(deck) if p > len(s.values)]
         if missing:
-            _, s, p = missing[0]
+            s, p = missing[0]
             default = parameters_of(deck, s)[p - 1].default
             if default not in (None, 0.0):
                 text = f"{s.subject}: argument {p} is left out; write its value into the file"
@@ -60,7 +58,7 @@ def _number(deck: Deck, directed: DirectedDeck, given: Setting) -> DeckNumber:
             unit = shown_in(parameters[p - 1].unit, deck.metre)[1]
     if max(values) - min(values) > 1e-12 * max(map(abs, values)):
         listed = ", ".join(f"{v:.9g}" for v in values[:4])
-        text = f"{given.name} stands for {len(values)} different numbers ({listed}); make them equal, or name them alone"
+        text = f"{given.name} stands for {len(values)} different numbers ({listed}); make them equal, or name one"
         raise UsageError(text, "sensitivity.parameter")
     return DeckNumber(given, values[0], unit)
 

@@ -16,12 +16,18 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.calls import frames
 from spacar.deck import Deck, read_deck
-from spacar.derivatives.expression_derivatives import Moving, derivative, steps_of, variables
-from spacar.derivatives.linear_quantities import LinearQuantities
-from spacar.derivatives.parameters import DeckNumber, deck_numbers, directions
-from spacar.derivatives.pencil_derivatives import LinearizedState
-from spacar.derivatives.state_derivatives import state_derivatives
-from spacar.derivatives.step_quantities import (
+from spacar.dynamics.motion_equations import Accelerations
+from spacar.errors import UsageError
+from spacar.expressions import Dimensions, unit_text
+from spacar.expressions.grammar import ALIASES, indices, parse
+from spacar.linearization.matrices import linearize
+from spacar.mechanism import Mechanism
+from spacar.sensitivities.expression_derivatives import ChainValue, derivative, steps_of, variables
+from spacar.sensitivities.linear_quantities import LinearQuantities
+from spacar.sensitivities.parameters import DeckNumber, deck_numbers, directions
+from spacar.sensitivities.pencil_derivatives import LinearizedState
+from spacar.sensitivities.state_derivatives import state_derivatives
+from spacar.sensitivities.step_quantities import (
     LINEAR,
     STRESS_INDICES,
     STRESSES,
@@ -30,12 +36,6 @@ from spacar.derivatives.step_quantities import (
     check_variable,
     stress_derivatives,
 )
-from spacar.dynamics.motion_equations import Accelerations
-from spacar.errors import UsageError
-from spacar.expressions import Dimensions, unit_text
-from spacar.expressions.grammar import ALIASES, Expression, indices, parse
-from spacar.linearization.matrices import linearize
-from spacar.mechanism import Mechanism
 from spacar.stationary import StationarySolver, load_program
 from spacar.stationary.loading import stored_levels
 from spacar.stream import Run
@@ -132,7 +132,7 @@ class _Analysis:
         for expression in self.expressions:
             places = steps_of(expression, self.steps)
             for node in variables(expression.tree):
-                variable = self._variable(node, expression)
+                variable = self._variable(node)
                 check_variable(variable, run.mechanism.numbering)
                 self.needed.setdefault(variable, set()).update(places)
         self.directions = directions(run.mechanism, numbers)
@@ -143,16 +143,13 @@ class _Analysis:
         return np.full(self.steps, np.nan, kind), np.full((self.steps, len(self.numbers)), np.nan, kind)
 
     @staticmethod
-    def _variable(node: Any, expression: Expression) -> Variable:
+    def _variable(node: Any) -> Variable:
         name = node.value.id
-        return ALIASES.get(name, name), indices(node, expression.text, STRESS_INDICES)
+        return ALIASES.get(name, name), indices(node, name, STRESS_INDICES)
 
     def run(self) -> Sensitivity:
         self._walk()
-        moving = [
-            derivative(e, lambda node, e=e: self._leaf(node, e), self.steps, len(self.numbers))
-            for e in self.expressions
-        ]
+        moving = [derivative(e, self._leaf, self.steps, len(self.numbers)) for e in self.expressions]
         for q, found in zip(self.wanted, moving, strict=True):
             self._require_number(q, found)
         shape = (len(moving), len(self.numbers))
@@ -167,7 +164,7 @@ class _Analysis:
             notes=tuple(self.prepared.report.lines),
         )
 
-    def _require_number(self, q: Quantity, found: Moving) -> None:
+    def _require_number(self, q: Quantity, found: ChainValue) -> None:
         if found.value.size != 1:
             text = f"{q.text} has a value at each of {found.value.size} steps; add @end or a function such as max()"
             raise UsageError(text, "sensitivity.quantity")
@@ -176,11 +173,11 @@ class _Analysis:
         if not np.isfinite(found.value).all():
             raise UsageError(f"{q.text} is {np.ravel(found.value)[0]}", "sensitivity.quantity")
 
-    def _leaf(self, node: Any, expression: Expression) -> Moving:
-        variable = self._variable(node, expression)
+    def _leaf(self, node: Any) -> ChainValue:
+        variable = self._variable(node)
         value, rate = self.found[variable]
         name, numbers = variable
-        return Moving(value, rate, STRESSES[name] if name in STRESSES else self._dimensions(name, numbers))
+        return ChainValue(value, rate, STRESSES[name] if name in STRESSES else self._dimensions(name, numbers))
 
     @property
     def _dimensions(self) -> Dimensions:

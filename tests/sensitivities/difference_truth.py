@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -21,7 +22,7 @@ def extrapolated(deck: Deck, names: Sequence[str], quantities: Sequence[str], di
 
     rows = [(at(h) - at(-h)) / (2.0 * h) for h in (step / 2.0**k for k in range(orders))]
     for k in range(1, orders):
-        rows = [(4.0**k * b - a) / (4.0**k - 1.0) for a, b in zip(rows, rows[1:], strict=False)]
+        rows = [(4.0**k * b - a) / (4.0**k - 1.0) for a, b in pairwise(rows)]
     return rows[0]
 
 

@@ -17,10 +17,10 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.deck.directed import STEP, nothing_lost
-from spacar.derivatives.directed_elements import DirectedElements
 from spacar.errors import AnalysisError
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
+from spacar.sensitivities.directed_elements import DirectedElements
 from spacar.stationary import LoadLevel, StationarySolver
 
 

@@ -13,8 +13,9 @@ vectors u = W phi, w = W psi of the pencil, tau, rho their stresses (sensitivity
     dlambda = - [w^T dA u + rho^T dV u + (dV w)^T tau] / (w^T A' u),     A' = dA/dlambda
 
 where dA holds the changes of S, Hs, L, M with the parameter and with the state it moves. For an eigenvalue that occurs
-m times u and w have m columns and the m derivatives are the eigenvalues of the small pencil of these brackets (Seyranian,
-Lund, Olhoff, Structural Optimization 8 (1994) 207-227). Compliances c = w^T f of unit forces f: dc = -[w^T dA u ...].
+m times u and w have m columns and the m derivatives are the eigenvalues of the small pencil of these brackets
+(Seyranian, Lund, Olhoff, Structural Optimization 8 (1994) 207-227). Compliances c = w^T f of unit forces f:
+dc = -[w^T dA u ...].
 """
 
 from __future__ import annotations
@@ -27,16 +28,16 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Array, Index
 from spacar.deck.directed import STEP, nothing_lost
-from spacar.derivatives.directed_elements import Block
-from spacar.derivatives.state_derivatives import StateDerivative
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.linearization.matrices import Linearization
+from spacar.sensitivities.directed_elements import ElementMatrices
+from spacar.sensitivities.state_derivatives import StateDerivative
 
 REPEATED = 1e-6  # relative distance below which eigenvalues count as one: closer ones have no vectors of their own
 
 
 @dataclass(frozen=True)
-class Mode:
+class PencilMode:
     """Right and left vectors u, w (nx, m) of an eigenvalue, their constitutive and constraint stresses tau, rho
     (ne, m)."""
 
@@ -70,13 +71,13 @@ class LinearizedState:
         """Of the dynamic degrees of freedom."""
         return np.asarray(self.L.stiffness[self.block])
 
-    def mode(self, phi: Array, psi: Array, matrix: Array, law: Array, load: Array | None = None) -> Mode:
+    def mode(self, phi: Array, psi: Array, matrix: Array, law: Array, load: Array | None = None) -> PencilMode:
         """The mode of reduced vectors phi, psi (nq, m).
 
         matrix (nx, nx) is A without its terms of deformations, law (ne, ne) those; load (nx, m): the unit forces.
         """
         u, w = self.W @ phi, self.W @ psi
-        return Mode(u, w, self._stresses(matrix @ u, law @ (self.L.V @ u), load),
+        return PencilMode(u, w, self._stresses(matrix @ u, law @ (self.L.V @ u), load),
                     self._stresses(matrix.T @ w, law.T @ (self.L.V @ w), load))  # fmt: skip
 
     def _stresses(self, force: Array, tau: Array, load: Array | None) -> Array:
@@ -112,40 +113,40 @@ class Change:
     heavy: bool = True  # with mass and damping
 
     @cached_property
-    def gradient(self) -> list[Block]:
+    def gradient(self) -> list[ElementMatrices]:
         return _rates(self.state.elements.gradient())
 
     @cached_property
-    def stiffness(self) -> list[Block]:
+    def stiffness(self) -> list[ElementMatrices]:
         return _rates(self.state.elements.stiffness(self.first))
 
     @cached_property
-    def damping(self) -> list[Block]:
+    def damping(self) -> list[ElementMatrices]:
         return _rates(self.state.elements.damping(self.first))
 
     @cached_property
-    def geometric(self) -> list[Block]:
+    def geometric(self) -> list[ElementMatrices]:
         return _rates(self.state.elements.geometric(self.state.sigma))
 
     @cached_property
-    def loading(self) -> list[Block]:
+    def loading(self) -> list[ElementMatrices]:
         return _rates(self.state.elements.loading(flow=True))
 
     @cached_property
-    def weight(self) -> list[Block]:
+    def weight(self) -> list[ElementMatrices]:
         """Loading without the fluid in tubes: what load multipliers multiply."""
         return _rates(self.state.elements.loading(flow=False))
 
     @cached_property
-    def flow(self) -> list[Block]:
+    def flow(self) -> list[ElementMatrices]:
         return _rates(self.state.elements.flow())
 
     @cached_property
-    def mass(self) -> list[Block]:
+    def mass(self) -> list[ElementMatrices]:
         return _rates(self.state.elements.mass())
 
     @cached_property
-    def deformation_mass(self) -> list[Block]:
+    def deformation_mass(self) -> list[ElementMatrices]:
         return _rates(self.state.elements.deformation_mass())
 
     @cached_property
@@ -165,11 +166,11 @@ class Change:
         both = np.stack((stiffness.real, stiffness.imag / STEP))
         return coupling.real, coupling.imag / STEP, both, np.concatenate(eliminated)
 
-    def strained(self, mode: Mode) -> Array:
+    def strained(self, mode: PencilMode) -> Array:
         """rho^T dV u + (dV w)^T tau."""
         return forms(self.gradient, mode.rho, mode.u) + forms(self.gradient, mode.tau, mode.w).T
 
-    def vibration(self, mode: Mode, V: Array, value: complex | float, squared: bool) -> Array:
+    def vibration(self, mode: PencilMode, V: Array, value: complex | float, squared: bool) -> Array:
         """The bracket for lambda, or for lambda^2 = -`value` without damping (`squared`)."""
         e_w, e_u = V @ mode.w, V @ mode.u
         out = self.strained(mode) + forms(self.stiffness, e_w, e_u)
@@ -180,12 +181,12 @@ class Change:
             out = out + value * (forms(self.damping, e_w, e_u) + forms(self.flow, mode.w, mode.u))
         return np.asarray(out)
 
-    def compliance(self, mode: Mode, V: Array) -> Array:
+    def compliance(self, mode: PencilMode, V: Array) -> Array:
         """Minus the derivatives of compliances on the diagonal."""
         out = self.strained(mode) + forms(self.stiffness, V @ mode.w, V @ mode.u)
         return np.asarray(out + forms(self.geometric, mode.w, mode.u) + forms(self.loading, mode.w, mode.u))
 
-    def buckling(self, mode: Mode, V: Array, value: float, inner: Array, inner_left: Array) -> Array:
+    def buckling(self, mode: PencilMode, V: Array, value: float, inner: Array, inner_left: Array) -> Array:
         """The bracket of a load multiplier; inner, inner_left (unknowns inside elements, m)."""
         out = self.strained(mode) + forms(self.stiffness, V @ mode.w, V @ mode.u)
         out = out + value * (forms(self.geometric, mode.w, mode.u) + forms(self.weight, mode.w, mode.u))
@@ -198,11 +199,11 @@ class Change:
         return np.asarray(out)
 
 
-def _rates(blocks: list[Block]) -> list[Block]:
+def _rates(blocks: list[ElementMatrices]) -> list[ElementMatrices]:
     return [b for block in blocks if (b := block.rate).values.any()]
 
 
-def forms(blocks: list[Block], left: Array, right: Array) -> Array:
+def forms(blocks: list[ElementMatrices], left: Array, right: Array) -> Array:
     """Sum of left^T block right, (k, m)."""
     out: Array = np.zeros((left.shape[1], right.shape[1]))
     for block in blocks:

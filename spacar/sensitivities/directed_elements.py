@@ -30,7 +30,7 @@ class Evaluated(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Block:
+class ElementMatrices:
     """Matrices of elements: `values` (rows, columns, n) at the places rows, columns (rows, n), (columns, n)."""
 
     rows: Index
@@ -38,9 +38,9 @@ class Block:
     values: Array
 
     @property
-    def rate(self) -> Block:
+    def rate(self) -> ElementMatrices:
         """The derivative."""
-        return Block(self.rows, self.columns, self.values.imag / STEP)
+        return ElementMatrices(self.rows, self.columns, self.values.imag / STEP)
 
     def form(self, left: Array, right: Array) -> Array:
         """left^T (sum of the matrices) right, (k, m), of left (., k) and right (., m)."""
@@ -115,64 +115,74 @@ class DirectedElements:
         return out
 
     # -- matrices ------------------------------------------------------------------------------------------------
-    def gradient(self) -> list[Block]:
+    def gradient(self) -> list[ElementMatrices]:
         """V."""
-        return [Block(b.e, b.x, V) for b, _, _, V in self.evaluated if len(b.e)]
+        return [ElementMatrices(b.e, b.x, V) for b, _, _, V in self.evaluated if len(b.e)]
 
-    def stiffness(self, first: int) -> list[Block]:
+    def stiffness(self, first: int) -> list[ElementMatrices]:
         """S of the rows from `first`."""
-        return [Block(b.e, b.e, _active(b.family.stiffness()[0], b.e, first)) for b, *_ in self.evaluated if len(b.e)]
+        return self._law(0, first)
 
-    def damping(self, first: int) -> list[Block]:
+    def damping(self, first: int) -> list[ElementMatrices]:
         """S_d of the rows from `first`."""
-        return [Block(b.e, b.e, _active(b.family.stiffness()[1], b.e, first)) for b, *_ in self.evaluated if len(b.e)]
+        return self._law(1, first)
 
-    def geometric(self, sigma: Array) -> list[Block]:
+    def _law(self, which: int, first: int) -> list[ElementMatrices]:
+        found = []
+        for b, *_ in self.evaluated:
+            if len(b.e):
+                keep = b.e >= first
+                found.append(ElementMatrices(b.e, b.e, b.family.stiffness()[which] * keep[:, None] * keep[None] + 0j))
+        return found
+
+    def geometric(self, sigma: Array) -> list[ElementMatrices]:
         """Hs(sigma)."""
         found = []
         for b, c, _, _ in self.evaluated:
             if len(b.e) and not b.family.constant_gradient:
                 block = np.zeros((len(b.x), len(b.x), b.family.n), complex)
                 b.family.geometric_stiffness(c, sigma[b.e] + 0j, block)
-                found.append(Block(b.x, b.x, block))
+                found.append(ElementMatrices(b.x, b.x, block))
         return found
 
-    def loading(self, flow: bool) -> list[Block]:
+    def loading(self, flow: bool) -> list[ElementMatrices]:
         """-df/dx of gravity and global moments, with `flow` also that of the fluid in tubes."""
         found = []
         for b, c, _, _ in self.evaluated:
             if b.family.has_mass and not b.family.constant_mass:
                 zero = np.zeros(b.x.shape, complex)
                 block = b.family.inertia_gradient(c, zero, -self.field[b.x])[0]
-                found.append(Block(b.x, b.x, block if flow else block - b.family.inertia_gradient(c, zero, zero)[0]))
+                if not flow:
+                    block = block - b.family.inertia_gradient(c, zero, zero)[0]
+                found.append(ElementMatrices(b.x, b.x, block))
         rows = self.loads.moment_rows
         if rows.size:
-            found.append(Block(rows, rows, -moment_gradient(self.loads.moment)))
+            found.append(ElementMatrices(rows, rows, -moment_gradient(self.loads.moment)))
         return found
 
-    def flow(self) -> list[Block]:
+    def flow(self) -> list[ElementMatrices]:
         """dh/dv at rest."""
         found = []
         for b, c, _, _ in self.evaluated:
             if b.family.has_mass and not b.family.constant_mass:
                 zero = np.zeros(b.x.shape, complex)
-                found.append(Block(b.x, b.x, b.family.inertia_gradient(c, zero, zero)[1]))
+                found.append(ElementMatrices(b.x, b.x, b.family.inertia_gradient(c, zero, zero)[1]))
         return found
 
-    def mass(self) -> list[Block]:
+    def mass(self) -> list[ElementMatrices]:
         """M of the coordinates."""
         found = []
         for b, c, _, _ in self.evaluated:
             if b.family.has_mass:
                 block = np.zeros((len(b.x), len(b.x), b.family.n), complex)
                 b.family.mass(c, block)
-                found.append(Block(b.x, b.x, block))
+                found.append(ElementMatrices(b.x, b.x, block))
         return found
 
-    def deformation_mass(self) -> list[Block]:
+    def deformation_mass(self) -> list[ElementMatrices]:
         """MEE."""
         rows, columns, values = self.mechanism.deformation_inertia
-        return [Block(rows[None], columns[None], values[None, None] + 0j)] if len(rows) else []
+        return [ElementMatrices(rows[None], columns[None], values[None, None] + 0j)] if len(rows) else []
 
     def internal(self, sigma: Array) -> list[tuple[Index, Array, Array, Array]]:
         """Unknowns inside elements (`spacar.linear.internal_unknowns`): places (n_coordinates, m), coupling
@@ -186,8 +196,3 @@ class DirectedElements:
                     stiffness, eliminated = inner.stiffness[has], np.real(inner.eliminated)[has] != 0
                     found.append((b.x[:, has], inner.coupling[:, has], stiffness, eliminated))
         return found
-
-
-def _active(S: Array, e: Index, first: int) -> Array:
-    keep = e >= first
-    return S * keep[:, None] * keep[None] + 0j

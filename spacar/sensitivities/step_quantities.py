@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.derivatives.linear_quantities import LinearQuantities
-from spacar.derivatives.state_derivatives import StateDerivative
 from spacar.errors import UsageError
 from spacar.expressions.expression_units import Unit, unit
 from spacar.expressions.result_places import ELEMENT, NODE, place
 from spacar.frame import Frame
 from spacar.mechanism.numbering import Numbering
+from spacar.sensitivities.linear_quantities import LinearQuantities
+from spacar.sensitivities.state_derivatives import StateDerivative
 
 if TYPE_CHECKING:
     from spacar.mechanism import Mechanism
@@ -52,13 +52,13 @@ def check_variable(variable: Variable, numbering: Numbering) -> None:
         text = f"'{name}' is no quantity of stationary states that has derivatives; these are {', '.join(KNOWN)}"
         raise UsageError(text, "sensitivity.quantity")
     if name in DEFORMATIONS:
-        place(numbering.le, *numbers, ELEMENT)
+        place(numbering.le, numbers[0], numbers[1], ELEMENT)
     elif name in (*COORDINATES, "xcompl"):
-        place(numbering.lnp, *numbers, NODE)
+        place(numbering.lnp, numbers[0], numbers[1], NODE)
 
 
 class StepQuantities:
-    """The state of a stored step: `frame`, its derivatives, and where asked for the linearized equations and stresses."""
+    """The state of a stored step: `frame`, its derivatives, and where wanted the linearized equations and stresses."""
 
     def __init__(
         self, frame: Frame, numbering: Numbering, states: list[StateDerivative], linear: LinearQuantities | None,
@@ -71,16 +71,16 @@ class StepQuantities:
         """Value and derivatives (directions,)."""
         name, numbers = variable
         if name in COORDINATES:
-            return self._stored(name, place(self.numbering.lnp, *numbers, NODE))
+            return self._stored(name, place(self.numbering.lnp, numbers[0], numbers[1], NODE))
         if name in DEFORMATIONS:
-            return self._stored(name, place(self.numbering.le, *numbers, ELEMENT))
+            return self._stored(name, place(self.numbering.le, numbers[0], numbers[1], ELEMENT))
         if name in STRESSES:
             dsigma, de = [s.dsigma for s in self.states], [s.de for s in self.states]
             value, rates = self.stresses(name, numbers, self.frame.sig, self.frame.e, dsigma, de)
             return float(value), rates
         assert self.linear is not None
         if name == "xcompl":
-            return self.linear.compliance(place(self.numbering.lnp, *numbers, NODE))
+            return self.linear.compliance(place(self.numbering.lnp, numbers[0], numbers[1], NODE))
         count = {"eigval": len, "frequency": lambda v: int(np.sum(v.imag >= 0.0)), "lmult": len}[name](
             self.linear.multipliers if name == "lmult" else self.linear.eigenvalues
         )

@@ -31,7 +31,8 @@ def test_everything_planar() -> None:
     """PLBEAM, PLTRUSS, PLTOR, PLRBEAM with shear, preload, MEE, damping, gravity, prescribed values, releases."""
     deck = still(linear_models.PLANAR.format(extra="", third=""))
     names = ["ESTIFF.1[EI]", "ESTIFF.1[4]", "ESTIFF.6", "EM.1", "EM.1[3]", "XM.5", "MEE.2.1", "MEE.1.2", "EDAMP.2[3]",
-             "X.5[2]", "X.10[3]", "ESIG.1[3]", "GRAVITY[2]", "XF.5[2]", "XF.6", "INPUTX.7.1", "INPUTE.4.1"]  # fmt: skip
+             "X.5[2]", "X.10[3]", "ESIG.1[3]", "GRAVITY[2]", "XF.5[2]", "XF.6", "INPUTX.7.1",
+             "INPUTE.4.1"]  # fmt: skip
     state = ["x[5,1]", "x[3,2]", "e[2,1]", "sig[1,2]", "sig[4,1]", "fxtot[7,1]", "fxgrav[5,2]", "fx[5,1]", "Mz[1,3]",
              "Qy[2,1]"]  # fmt: skip
     agree(deck, names, state, rel=1e-8)
@@ -91,10 +92,23 @@ def test_belt_and_pinbody() -> None:
             ("X", 3, 1.0, 0.1), ("X", 5, 1.6, 0.9), ("X", 7, 1.2, 0.4), ("X", 8, 2.0, 0.3),
             ("FIX", 1), ("FIX", 5), ("FIX", 6), ("FIX", 8), ("INPUTX", 2),
             ("DYNE", 1), ("DYNE", 2), ("DYNE", 3), ("RLSE", 5)]  # fmt: skip
-    dynamics = [("ESTIFF", 1, 30.0), ("ESTIFF", 2, 20.0), ("ESTIFF", 3, 2.0), ("ESTIFF", 5, 10.0), ("EM", 1, 0.1, 1.0, 1.0),
-                ("XM", 3, 1.0), ("XM", 4, 0.1), ("XM", 7, 0.3), ("XF", 7, 1.0, -0.5), ("INPUTX", 2, 1, 0.3)]  # fmt: skip
+    dynamics = [("ESTIFF", 1, 30.0), ("ESTIFF", 2, 20.0), ("ESTIFF", 3, 2.0), ("ESTIFF", 5, 10.0),
+                ("EM", 1, 0.1, 1.0, 1.0),
+                ("XM", 3, 1.0), ("XM", 4, 0.1), ("XM", 7, 0.3), ("XF", 7, 1.0, -0.5),
+                ("INPUTX", 2, 1, 0.3)]  # fmt: skip
     deck = Deck.build(rows, dynamics, mode=10)
-    names = ["PLBELT.1[6]", "ESTIFF.1", "ESTIFF.3", "ESTIFF.5", "X.3[2]", "X.7[3]", "X.5[2]", "INPUTX.2.1", "XF.7[2]", "EM.1"]
+    names = [
+        "PLBELT.1[6]",
+        "ESTIFF.1",
+        "ESTIFF.3",
+        "ESTIFF.5",
+        "X.3[2]",
+        "X.7[3]",
+        "X.5[2]",
+        "INPUTX.2.1",
+        "XF.7[2]",
+        "EM.1",
+    ]
     agree(deck, names, ["x[3,1]", "x[4,1]", "x[7,2]", "sig[1,1]", "sig[4,1]", "fxtot[2,1]", "frequency[1]", "lmult[1]"])
 
 
@@ -113,14 +127,22 @@ def test_spatial_chains(chain: str) -> None:
     rows = [(word, 1, 1, 2, 3, 4, 0.1, 1.0, 0.2, 1e-3), (word, 2, 3, 4, 5, 6, 0.0, 0.9, 0.3), ("X", 3, 0.5, 0.1, 0.2),
             ("X", 5, 0.9, 0.3, 0.1), *CLAMPED, ("DYNE", 1), ("DYNE", 2), *([more] if more else [])]  # fmt: skip
     flow = chain == "tube with flow"
-    em = (0.7, 0.3, 0.2 if flow else 0.0, 1.1, 0, 0.01, 0.006, 0.007, 0.001) if word == "TUBE" else (0.7, 0.01, 0.006, 0.007, 0.001)
-    dynamics = [("EM", 1, *em), ("EM", 2, *em), ("ESTIFF", 1, 90.0, 2.0, 3.0, 4.0, 0.01, 0.02), ("ESTIFF", 2, 80.0, 1.5, 2.0, 3.0),
-                ("XF", 5, 0.3, -0.6, 0.4), ("XF", 6, 0.1, 0.2, -0.1), ("XM", 5, 0.3), ("XM", 6, 0.02, 0.001, 0, 0.03, 0, 0.02),
+    em = (
+        (0.7, 0.3, 0.2 if flow else 0.0, 1.1, 0, 0.01, 0.006, 0.007, 0.001)
+        if word == "TUBE"
+        else (0.7, 0.01, 0.006, 0.007, 0.001)
+    )
+    dynamics = [("EM", 1, *em), ("EM", 2, *em), ("ESTIFF", 1, 90.0, 2.0, 3.0, 4.0, 0.01, 0.02),
+                ("ESTIFF", 2, 80.0, 1.5, 2.0, 3.0),
+                ("XF", 5, 0.3, -0.6, 0.4), ("XF", 6, 0.1, 0.2, -0.1), ("XM", 5, 0.3),
+                ("XM", 6, 0.02, 0.001, 0, 0.03, 0, 0.02),
                 ("GRAVITY", 0.0, 0.1, -0.5)]  # fmt: skip
     deck = Deck.build(rows, dynamics, mode=10)
-    names = ["X.3[2]", "X.5[4]", f"{word}.1[6]", f"{word}.1[9]", "ESTIFF.1[GIt]", "ESTIFF.2[EIy]", "ESTIFF.1[6]", "EM.1", "XF.5[3]",
+    names = ["X.3[2]", "X.5[4]", f"{word}.1[6]", f"{word}.1[9]", "ESTIFF.1[GIt]", "ESTIFF.2[EIy]", "ESTIFF.1[6]",
+             "EM.1", "XF.5[3]",
              "XF.6[2]", "XM.6[4]", "GRAVITY[3]"]  # fmt: skip
-    quantities = ["x[5,1]", "x[6,2]", "e[1,2]", "sig[1,3]", "fxtot[1,3]", "T[1,1]", "My[2,4]", "frequency[1]", "frequency[4]",
+    quantities = ["x[5,1]", "x[6,2]", "e[1,2]", "sig[1,3]", "fxtot[1,3]", "T[1,1]", "My[2,4]", "frequency[1]",
+                  "frequency[4]",
                   "xcompl[5,3]"]  # fmt: skip
     agree(deck, names, [*quantities, *([] if flow else ["lmult[1]"])], rel=1e-6)
 
@@ -128,17 +150,35 @@ def test_spatial_chains(chain: str) -> None:
 def test_spatial_joints() -> None:
     """PINBODY and RBEAM with inertia, SCREW with pitch, HINGE springs."""
     rows = [("BEAM", 1, 1, 2, 3, 4, 0.0, 1.0, 0.0), ("RBEAM", 2, 3, 4, 5, 0.0, 0.0, 1.0), ("PINBODY", 3, 3, 4, 6),
-            ("SCREW", 4, 3, 4, 7, 8, 1.0, 0.2, 0.1, 0.05), ("TRUSS", 5, 7, 9), ("HINGE", 6, 8, 10, 0.2, 1.0, 0.1), ("TRUSS", 7, 5, 11),
+            ("SCREW", 4, 3, 4, 7, 8, 1.0, 0.2, 0.1, 0.05), ("TRUSS", 5, 7, 9), ("HINGE", 6, 8, 10, 0.2, 1.0, 0.1),
+            ("TRUSS", 7, 5, 11),
             ("TRUSS", 8, 6, 11),
-            ("X", 3, 0.5, 0.1, 0.2), ("X", 5, 0.6, 0.5, 0.2), ("X", 6, 0.8, 0.1, 0.4), ("X", 7, 0.9, 0.2, 0.2), ("X", 9, 1.5, 0.8, 0.3),
-            ("X", 11, 0.9, 0.9, 0.9), *CLAMPED, ("FIX", 9), ("FIX", 11), ("DYNE", 1), ("DYNE", 4, 1), ("RLSE", 5), ("DYNE", 6),
+            ("X", 3, 0.5, 0.1, 0.2), ("X", 5, 0.6, 0.5, 0.2), ("X", 6, 0.8, 0.1, 0.4), ("X", 7, 0.9, 0.2, 0.2),
+            ("X", 9, 1.5, 0.8, 0.3),
+            ("X", 11, 0.9, 0.9, 0.9), *CLAMPED, ("FIX", 9), ("FIX", 11), ("DYNE", 1), ("DYNE", 4, 1), ("RLSE", 5),
+            ("DYNE", 6),
             ("RLSE", 7), ("RLSE", 8)]  # fmt: skip
-    dynamics = [("EM", 1, 0.7, 0.01, 0.006, 0.007), ("EM", 2, 0.4, 0.01, 0.01, 0.01), ("ESTIFF", 1, 90.0, 2.0, 3.0, 4.0),
-                ("ESTIFF", 4, 1.0), ("ESTIFF", 5, 12.0), ("ESTIFF", 6, 1.0, 2.0, 3.0), ("ESTIFF", 7, 9.0), ("ESTIFF", 8, 5.0),
-                ("XM", 7, 0.4), ("XM", 8, 0.05, 0, 0, 0.06, 0, 0.07), ("XM", 10, 0.02, 0, 0, 0.03, 0, 0.02), ("XF", 5, 0.3, -0.6, 0.4),
+    dynamics = [("EM", 1, 0.7, 0.01, 0.006, 0.007), ("EM", 2, 0.4, 0.01, 0.01, 0.01),
+                ("ESTIFF", 1, 90.0, 2.0, 3.0, 4.0),
+                ("ESTIFF", 4, 1.0), ("ESTIFF", 5, 12.0), ("ESTIFF", 6, 1.0, 2.0, 3.0), ("ESTIFF", 7, 9.0),
+                ("ESTIFF", 8, 5.0),
+                ("XM", 7, 0.4), ("XM", 8, 0.05, 0, 0, 0.06, 0, 0.07), ("XM", 10, 0.02, 0, 0, 0.03, 0, 0.02),
+                ("XF", 5, 0.3, -0.6, 0.4),
                 ("XF", 10, 0.05, 0.02, -0.1)]  # fmt: skip
     deck = Deck.build(rows, dynamics, mode=10)
-    names = ["SCREW.4[9]", "SCREW.4[6]", "RBEAM.2[6]", "X.5[3]", "X.7[2]", "X.6[4]", "ESTIFF.4", "ESTIFF.8", "EM.2", "XM.10[2]", "XF.10[3]"]
+    names = [
+        "SCREW.4[9]",
+        "SCREW.4[6]",
+        "RBEAM.2[6]",
+        "X.5[3]",
+        "X.7[2]",
+        "X.6[4]",
+        "ESTIFF.4",
+        "ESTIFF.8",
+        "EM.2",
+        "XM.10[2]",
+        "XF.10[3]",
+    ]
     agree(deck, names, ["x[5,2]", "x[7,1]", "x[10,3]", "e[4,1]", "sig[4,2]", "sig[2,1]", "sig[6,1]", "fxtot[9,1]",
                         "frequency[1]", "lmult[1]"], rel=1e-6)  # fmt: skip
 
@@ -146,9 +186,18 @@ def test_spatial_joints() -> None:
 def test_sections_materials_units_and_warping() -> None:
     """BEAMW described by SECTION, MATERIAL and BEAMSEC in mm, divided into parts, at two load steps."""
     deck = read_deck(DATA / "leafguide.dat", 10)
-    names = ["SECTION.leaf[t]", "SECTION.leaf[w]", "MATERIAL.spring[Young]", "MATERIAL.spring[density]", "X.4[3] & X.10[3]", "X.1[2]",
+    names = ["SECTION.leaf[t]", "SECTION.leaf[w]", "MATERIAL.spring[Young]", "MATERIAL.spring[density]",
+             "X.4[3] & X.10[3]", "X.1[2]",
              "DELXF.7[2]", "SECTION.bar[t]"]  # fmt: skip
-    quantities = ["x[7,1]@end", "sig[1,1]@2", "fxtot[1,1]@end", "mises[1]@end", "shear[4]@3", "B[1,1]@end", "frequency[1]@end"]
+    quantities = [
+        "x[7,1]@end",
+        "sig[1,1]@2",
+        "fxtot[1,1]@end",
+        "mises[1]@end",
+        "shear[4]@3",
+        "B[1,1]@end",
+        "frequency[1]@end",
+    ]
     agree(deck, names, quantities, rel=1e-6, step=1e-3)
 
 

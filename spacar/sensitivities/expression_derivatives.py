@@ -19,7 +19,7 @@ from spacar.expressions.functions import FUNCTIONS
 from spacar.expressions.grammar import Expression, when
 
 
-class Moving(NamedTuple):
+class ChainValue(NamedTuple):
     """A value (steps,) or (), its derivatives (..., directions), and its unit."""
 
     value: Array
@@ -27,10 +27,10 @@ class Moving(NamedTuple):
     unit: Unit | None
 
 
-Leaf = Callable[[ast.Subscript], Moving]
+Leaf = Callable[[ast.Subscript], ChainValue]
 
 
-def derivative(expression: Expression, variable: Leaf, steps: int, directions: int) -> Moving:
+def derivative(expression: Expression, variable: Leaf, steps: int, directions: int) -> ChainValue:
     """Of an expression whose variables `variable` gives over all steps. Raises UsageError for a wrong step."""
     return _Chain(expression.text, variable, steps, directions).of(expression.tree)
 
@@ -73,7 +73,7 @@ class _Chain:
     def __init__(self, text: str, variable: Leaf, steps: int, directions: int) -> None:
         self.text, self.variable, self.steps, self.directions = text, variable, steps, directions
 
-    def of(self, node: ast.expr) -> Moving:
+    def of(self, node: ast.expr) -> ChainValue:
         if isinstance(node, ast.Constant):
             return self.constant(np.asarray(float(node.value)))  # type: ignore[arg-type]
         if isinstance(node, ast.Name):
@@ -82,53 +82,53 @@ class _Chain:
             return self.variable(node)
         if isinstance(node, ast.UnaryOp):
             a = self.of(node.operand)
-            return Moving(-a.value, -a.rate, a.unit) if isinstance(node.op, ast.USub) else a
+            return ChainValue(-a.value, -a.rate, a.unit) if isinstance(node.op, ast.USub) else a
         if isinstance(node, ast.BinOp):
             return self.binary(node)
         assert isinstance(node, ast.Call)
         assert isinstance(node.func, ast.Name)
         return self.call(node.func.id, [self.of(a) for a in node.args])
 
-    def constant(self, value: Array) -> Moving:
-        return Moving(value, np.zeros((*value.shape, self.directions)), NONE)
+    def constant(self, value: Array) -> ChainValue:
+        return ChainValue(value, np.zeros((*value.shape, self.directions)), NONE)
 
-    def binary(self, node: ast.BinOp) -> Moving:
+    def binary(self, node: ast.BinOp) -> ChainValue:
         a = self.of(node.left)
         if isinstance(node.op, ast.MatMult):
             if a.value.shape != (self.steps,):
                 text = f"'{self.text}': @ stands behind a series, one value for every step"
                 raise UsageError(text, "expression.step")
             k = step_of(when(node.right, self.text), self.steps, self.text)
-            return Moving(a.value[k], a.rate[k], a.unit)
+            return ChainValue(a.value[k], a.rate[k], a.unit)
         b = self.of(node.right)
         x, y = a.value[..., None], b.value[..., None]
         with np.errstate(all="ignore"):
             if isinstance(node.op, (ast.Add, ast.Sub)):
                 sign = 1.0 if isinstance(node.op, ast.Add) else -1.0
-                return Moving(a.value + sign * b.value, a.rate + sign * b.rate, of_sum(a.unit, b.unit, self.text))
+                return ChainValue(a.value + sign * b.value, a.rate + sign * b.rate, of_sum(a.unit, b.unit, self.text))
             if isinstance(node.op, ast.Mult):
-                return Moving(a.value * b.value, a.rate * y + x * b.rate, combine(a.unit or NONE, b.unit or NONE))
+                return ChainValue(a.value * b.value, a.rate * y + x * b.rate, combine(a.unit or NONE, b.unit or NONE))
             if isinstance(node.op, ast.Div):
                 unit = combine(a.unit or NONE, b.unit or NONE, -1)
-                return Moving(a.value / b.value, a.rate / y - x * b.rate / y**2, unit)
+                return ChainValue(a.value / b.value, a.rate / y - x * b.rate / y**2, unit)
             single = float(b.value) if b.value.ndim == 0 and np.isrealobj(b.value) else None
             rate = np.where(a.rate != 0.0, y * x ** (y - 1.0) * a.rate, 0.0)
             if b.rate.any():
                 rate = rate + x**y * np.log(x) * b.rate
-            return Moving(a.value**b.value, rate, of_power(a.unit, b.unit, single, self.text))
+            return ChainValue(a.value**b.value, rate, of_power(a.unit, b.unit, single, self.text))
 
-    def call(self, name: str, arguments: list[Moving]) -> Moving:
+    def call(self, name: str, arguments: list[ChainValue]) -> ChainValue:
         unit = FUNCTIONS[name].unit(name, [a.unit for a in arguments], self.text)
         with np.errstate(all="ignore"):
             try:
                 value = np.asarray(FUNCTIONS[name].compute(*(a.value for a in arguments)))
-                return Moving(value, np.asarray(_rate(name, value[..., None], *arguments)), unit)
+                return ChainValue(value, np.asarray(_rate(name, value[..., None], *arguments)), unit)
             except TypeError:  # of NumPy for a function of real numbers
                 text = f"'{self.text}': {name} takes real numbers; write abs(), real() or imag() inside"
                 raise UsageError(text, "expression.complex") from None
 
 
-def _rate(name: str, value: Array, a: Moving, b: Moving | None = None) -> Array:
+def _rate(name: str, value: Array, a: ChainValue, b: ChainValue | None = None) -> Array:
     x = a.value[..., None]
     if b is not None:
         y = b.value[..., None]
@@ -149,7 +149,7 @@ def _rate(name: str, value: Array, a: Moving, b: Moving | None = None) -> Array:
     return np.asarray(factors[name]() * a.rate)
 
 
-def _of_series(name: str, value: Array, a: Moving) -> Array:
+def _of_series(name: str, value: Array, a: ChainValue) -> Array:
     series, rate = np.atleast_1d(a.value), a.rate.reshape(-1, a.rate.shape[-1])
     if name == "last":
         return np.asarray(rate[-1])

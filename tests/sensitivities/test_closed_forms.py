@@ -56,7 +56,9 @@ def test_oscillator() -> None:
     np.testing.assert_allclose(found.derivatives[0], [f / 192, -f / 6, -f / 4], rtol=1e-13)
     assert found.relative[0] == pytest.approx([0.5, -0.5, -0.5], rel=1e-13)
     damped = Deck.build(rows, [("XM", 2, 3.0), ("ESTIFF", 1, 96.0), ("EDAMP", 1, 4.8)], mode=10)
-    found = spacar.sensitivity(damped, ["ESTIFF.1", "XM.2", "EDAMP.1"], ["frequency[1]", "real(eigval[1])", "imag(eigval[1])"])
+    found = spacar.sensitivity(
+        damped, ["ESTIFF.1", "XM.2", "EDAMP.1"], ["frequency[1]", "real(eigval[1])", "imag(eigval[1])"]
+    )
     c, k, m = 2.4, 48.0, 3.0
     wd = np.sqrt(k / m - (c / (2 * m)) ** 2)
     np.testing.assert_allclose(found.derivatives[0], [f / 192, -f / 6, 0.0], rtol=1e-12, atol=1e-15)
@@ -93,11 +95,14 @@ def test_euler_column() -> None:
 
 def test_string_of_prestressed_trusses() -> None:
     """A mass between two rods with preload T: f^2 = 2 T/(l m)/(2 pi)^2, ESIG and INPUTX (a stretch) as parameters."""
-    rows = [("PLTRUSS", 1, 1, 2), ("PLTRUSS", 2, 2, 3), ("X", 2, 1.0, 0.0), ("X", 3, 2.0, 0.0), ("FIX", 1), ("FIX", 3, 2),
+    rows = [("PLTRUSS", 1, 1, 2), ("PLTRUSS", 2, 2, 3), ("X", 2, 1.0, 0.0), ("X", 3, 2.0, 0.0), ("FIX", 1),
+            ("FIX", 3, 2),
             ("INPUTX", 3, 1), ("DYNX", 2), ("RLSE", 1), ("RLSE", 2)]  # fmt: skip
     law = [("ESTIFF", 1, 500.0), ("ESTIFF", 2, 500.0), ("XM", 2, 0.5), ("ESIG", 1, 8.0), ("ESIG", 2, 8.0)]
     deck = Deck.build(rows, [*law, ("INPUTX", 3, 1, 2.02)], mode=10)
-    found = spacar.sensitivity(deck, ["ESIG.1 & ESIG.2", "INPUTX.3.1", "ESTIFF.*", "XM.2"], ["frequency[1]", "sig[1,1]", "fxtot[3,1]"])
+    found = spacar.sensitivity(
+        deck, ["ESIG.1 & ESIG.2", "INPUTX.3.1", "ESTIFF.*", "XM.2"], ["frequency[1]", "sig[1,1]", "fxtot[3,1]"]
+    )
     T, l = 8.0 + 500.0 * 0.01, 1.01
     f = np.sqrt(2 * T / (l * 0.5)) / (2 * np.pi)
     np.testing.assert_allclose(found.values, [f, T, T], rtol=1e-10)
@@ -111,10 +116,13 @@ def test_repeated_frequency(angle: float) -> None:
     """A mass on two equal springs at right angles: when one gets stiffer, one frequency keeps its value and the other
     has f/(2 k), in whatever directions the springs stand; when both do, both have."""
     c, s = np.cos(angle), np.sin(angle)
-    rows = [("PLTRUSS", 1, 1, 2), ("PLTRUSS", 2, 1, 3), ("X", 2, c, s), ("X", 3, -s, c), ("FIX", 2), ("FIX", 3), ("DYNX", 1),
+    rows = [("PLTRUSS", 1, 1, 2), ("PLTRUSS", 2, 1, 3), ("X", 2, c, s), ("X", 3, -s, c), ("FIX", 2), ("FIX", 3),
+            ("DYNX", 1),
             ("RLSE", 1), ("RLSE", 2)]  # fmt: skip
     deck = Deck.build(rows, [("XM", 1, 0.7), ("ESTIFF", 1, 9.0), ("ESTIFF", 2, 9.0)], mode=10)
-    found = spacar.sensitivity(deck, ["ESTIFF.1", "ESTIFF.2", "ESTIFF.*", "XM.1"], ["frequency[1]", "frequency[2]", "abs(eigval[1])"])
+    found = spacar.sensitivity(
+        deck, ["ESTIFF.1", "ESTIFF.2", "ESTIFF.*", "XM.1"], ["frequency[1]", "frequency[2]", "abs(eigval[1])"]
+    )
     f = np.sqrt(9.0 / 0.7) / (2 * np.pi)
     grown = f / 18.0
     np.testing.assert_allclose(found.values[:2], f, rtol=1e-12)
@@ -130,7 +138,11 @@ def test_repeated_multiplier() -> None:
             ("X", 5, 0.5, 0.0, 0.0), ("FIX", 1), ("FIX", 2), ("DYNE", 1), ("DYNE", 2)]  # fmt: skip
     law = [("ESTIFF", k, 1e5, 1.5, 2.0, 2.0) for k in (1, 2)] + [("EM", k, 0.1, 1e-5, 1e-5, 1e-5) for k in (1, 2)]
     deck = Deck.build(rows, [*law, ("XF", 5, -1.0, 0.0, 0.0)], mode=10)
-    found = spacar.sensitivity(deck, ["ESTIFF.*[EIy]", "ESTIFF.*[EIy] & ESTIFF.*[EIz]"], ["lmult[1]", "lmult[2]", "frequency[1]", "frequency[2]"])
+    found = spacar.sensitivity(
+        deck,
+        ["ESTIFF.*[EIy]", "ESTIFF.*[EIy] & ESTIFF.*[EIz]"],
+        ["lmult[1]", "lmult[2]", "frequency[1]", "frequency[2]"],
+    )
     np.testing.assert_allclose(found.values[1], found.values[0], rtol=1e-7)
     # both multipliers depend on the axial stiffness too (second order in the load): 1 N of 1e5 N, 1e-5
     np.testing.assert_allclose(found.derivatives[:2, 1], found.values[0] / 2.0, rtol=1e-4)
@@ -143,7 +155,17 @@ def test_strongly_bent_cantilever() -> None:
     """Tip turned by about 80 degrees: positions, reaction, stress, frequency, multiplier and compliance."""
     deck = cantilever(8, force=(-4.0, 14.0), more=[("ITERSTEP", 20, 4, 1e-10)])
     names = ["ESTIFF.3[EI]", "ESTIFF.1[EI]", "X.9[2]", "X.9[3]", "XF.17[2]", "XF.17[3]", "EM.4"]
-    quantities = ["x[17,1]", "x[17,2]", "x[18,1]", "fxtot[2,1]", "sig[4,2]", "Mz[3,5]", "frequency[1]", "lmult[1]", "xcompl[17,2]"]
+    quantities = [
+        "x[17,1]",
+        "x[17,2]",
+        "x[18,1]",
+        "fxtot[2,1]",
+        "sig[4,2]",
+        "Mz[3,5]",
+        "frequency[1]",
+        "lmult[1]",
+        "xcompl[17,2]",
+    ]
     found = agree(deck, names, quantities, rel=1e-7, step=2e-3)
     assert found.values[2] > 1.2
 
@@ -154,11 +176,14 @@ def test_section_and_material_of_a_tension_rod() -> None:
         "UNITS mm\nSECTION rod RECT 4 2\nMATERIAL m 2e5 0.3 7.8e-6\nBEAM 1 1 2 3 4 0 1 0\nX 3 100 0 0\nBEAMSEC 1 rod m 2\n"
         "FIX 1\nFIX 2\nDYNE 1\nEND\nHALT\nXF 3 500 0 0\nEND\nEND\n"
     )
-    found = spacar.sensitivity(spacar.parse_deck(text, mode=10), ["SECTION.rod[w]", "SECTION.rod[t]", "MATERIAL.m[Young]", "X.3[2]", "XF.3[2]"],
+    found = spacar.sensitivity(spacar.parse_deck(text, mode=10), ["SECTION.rod[w]", "SECTION.rod[t]",
+        "MATERIAL.m[Young]", "X.3[2]", "XF.3[2]"],
                                ["mises[1]", "x[3,1]", "N[1,3]"])  # fmt: skip
     assert found.parameter_units == ("mm", "mm", "N/mm^2", "mm", "N")
     stress, u = 500 / 8e-6, 0.5 * 100 * 1e-3 / (2e5 * 8 * 1e-3)
-    np.testing.assert_allclose(found.derivatives[0], [-stress / 4, -stress / 2, 0, 0, stress / 500], rtol=1e-6, atol=1e-3)
+    np.testing.assert_allclose(
+        found.derivatives[0], [-stress / 4, -stress / 2, 0, 0, stress / 500], rtol=1e-6, atol=1e-3
+    )
     np.testing.assert_allclose(found.derivatives[1], [-u / 4, -u / 2, -u / 2e5, 1e-3 + u / 100, u / 500], rtol=2e-3)
     np.testing.assert_allclose(found.derivatives[2], [0, 0, 0, 0, 1], rtol=1e-9, atol=1e-9)
 
@@ -171,7 +196,10 @@ def test_expressions_follow_the_chain_rule() -> None:
     (a, b, c), (da, db, dc) = plain.values, plain.derivatives
     wanted = {
         "hypot(x[7,1],x[7,2])@end": (np.hypot(a, b), (a * da + b * db) / np.hypot(a, b)),
-        "deg(atan2(x[7,2],x[7,1]))@end": (np.degrees(np.arctan2(b, a)), np.degrees((a * db - b * da) / (a * a + b * b))),
+        "deg(atan2(x[7,2],x[7,1]))@end": (
+            np.degrees(np.arctan2(b, a)),
+            np.degrees((a * db - b * da) / (a * a + b * b)),
+        ),
         "max(x[7,2])": (b, db),
         "span(x[7,2]) + 0*x[7,1]@end": None,
         "(x[7,2]@end/x[7,1]@end)**2": (b**2 / a**2, 2 * b / a * (db / a - b * da / a**2)),
@@ -191,7 +219,8 @@ def test_expressions_follow_the_chain_rule() -> None:
 
 def test_critical_states_have_no_derivatives() -> None:
     """Rods in a line under no load: nothing holds the middle node, the tangent is singular."""
-    rows = [("PLTRUSS", 1, 1, 2), ("PLTRUSS", 2, 2, 3), ("X", 2, 1.0, 0.0), ("X", 3, 2.0, 0.0), ("FIX", 1), ("FIX", 3), ("DYNX", 2),
+    rows = [("PLTRUSS", 1, 1, 2), ("PLTRUSS", 2, 2, 3), ("X", 2, 1.0, 0.0), ("X", 3, 2.0, 0.0), ("FIX", 1),
+            ("FIX", 3), ("DYNX", 2),
             ("RLSE", 1), ("RLSE", 2)]  # fmt: skip
     deck = Deck.build(rows, [("ESTIFF", 1, 5.0), ("ESTIFF", 2, 5.0), ("XM", 2, 1.0)], mode=10)
     with pytest.raises(AnalysisError, match="no derivatives at load step"):
