@@ -16,10 +16,15 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.calls import frames
 from spacar.deck import Deck, read_deck
+from spacar.dynamics.array_evaluator import Dynamics
+from spacar.dynamics.limits import Limits
 from spacar.dynamics.motion_equations import Accelerations
 from spacar.errors import UsageError
 from spacar.expressions import Dimensions, unit_text
 from spacar.expressions.grammar import ALIASES, indices, parse
+from spacar.kinematics.constraint_condition import condition_number
+from spacar.kinematics.regularity import Regularity
+from spacar.linear.linear_modes import say_lost_digits
 from spacar.linearization.matrices import linearize
 from spacar.mechanism import Mechanism
 from spacar.sensitivities.expression_derivatives import ChainValue, derivative, steps_of, variables
@@ -187,6 +192,16 @@ class _Analysis:
         nodes = frozenset(k for k, kind in n.kind.items() if kind == "position")
         return Dimensions(n.planar, True, nodes, keywords)
 
+    def _require_determined(self, d: Dynamics, step: int) -> None:
+        """The linearized equations need degrees of freedom that determine the configuration. Raises AnalysisError."""
+        header = self.prepared.header
+        if "condition" not in header:
+            header["condition"] = condition_number(d.kinematics)
+            say_lost_digits(self.prepared, reduced=False)
+        matrix = d.position_matrix()
+        if len(matrix.columns):
+            Regularity(matrix).check(float(step))
+
     def _walk(self) -> None:
         mechanism, report = self.prepared.mechanism, self.prepared.report
         last = max((k for steps in self.needed.values() for k in steps), default=-1)
@@ -196,7 +211,7 @@ class _Analysis:
         if solver.moving:
             text = f"{mechanism.deck.source}: no derivatives of steady motion; prescribe no rates"
             raise UsageError(text, "sensitivity.model")
-        stored = 0
+        stored, limits = 0, None
         for level in load_program(mechanism.settings):
             if stored > last:
                 return
@@ -209,9 +224,12 @@ class _Analysis:
                 d, state = solver.dynamics, solver.solution
                 convected = d.forces.inertia(d.sweep, d.xd)
                 frame = d.complete(float(stored), Accelerations(state.xdd, state.sigma, state.convective), convected)
+                limits = limits or Limits(d, report)
+                limits.check_elements(d, frame)
                 states = state_derivatives(solver, level, self.directions)
                 linear = None
                 if any(name in LINEAR for name, _ in here):
+                    self._require_determined(d, stored)
                     linear = LinearQuantities(LinearizedState(d, linearize(d, state.xdd, state.sigma)), states, report)
                 at = StepQuantities(frame, mechanism.numbering, states, linear, stresses)
                 for variable in here:

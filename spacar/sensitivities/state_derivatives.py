@@ -18,10 +18,13 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.deck.directed import STEP, nothing_lost
 from spacar.errors import AnalysisError
+from spacar.kinematics.kinematics import largest
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
 from spacar.sensitivities.directed_elements import DirectedElements
 from spacar.stationary import LoadLevel, StationarySolver
+from spacar.stationary.contract import Tangent
+from spacar.stationary.newton import SINGULAR
 
 
 @dataclass(frozen=True)
@@ -61,16 +64,18 @@ def state_derivatives(
             moved[n.x_class["fixed"]] = e.mechanism.x0.imag[n.x_class["fixed"]]
             moved[q.P] = e.drive.x.imag
             e.at(x + 1j * moved, near)
-            force = e.applied() - e.inertia(gravity=True) - e.stress_forces(sigma + 0j)
             given = np.zeros(n.ne)
             given[n.e_class["input"]] = e.drive.e.imag
             strained = e.deformations().imag
             # the constitutive law at the real deformations: only dS and dsigma_0 are left of it
             law = e.law(near + 0j).imag
+            # stresses of rows without stiffness are known: the tangent has no place for them
+            known = sigma + 1j * np.where(q.passive, law, 0.0)
+            force = e.applied() - e.inertia(gravity=True) - e.stress_forces(known)
             gap = C.coupled * (strained - given) + C.times(np.where(q.constrained, 0.0, law))
             rights.append(np.concatenate((force.imag[q.F], -C.size * gap)) / STEP)
             elements.append((e, moved / STEP))
-        solutions = _solutions(tangent, rights, level)
+        solutions = _solutions(tangent, rights, C.size, q.nf, level)
         found = []
         for (e, dx), z in zip(elements, solutions.T, strict=True):
             dx[q.F] = z[: q.nf]
@@ -84,16 +89,21 @@ def state_derivatives(
     return found
 
 
-def _solutions(tangent: object, rights: list[Array], level: LoadLevel) -> Array:
+def _solutions(tangent: Tangent, rights: list[Array], size: float, nf: int, level: LoadLevel) -> Array:
+    """Of all right-hand sides; the last one, a load of the size of the stiffness, tells whether the matrix is singular
+    to working precision, as in Newton's iteration."""
     if not rights:
         return np.zeros((0, 0))
+    probe = np.zeros(len(rights[0]))
+    probe[:nf] = size * (1.0 + np.arange(nf) / max(nf, 1))
     try:
-        solutions = np.asarray(tangent.solve(np.column_stack(rights)))  # type: ignore[attr-defined]
+        solutions = np.asarray(tangent.solve(np.column_stack([*rights, probe])))
     except SingularMatrixError as error:
         raise _critical(level, error) from None
-    if not np.isfinite(solutions).all():
-        raise _critical(level, "the derivatives are not finite")
-    return solutions
+    growth = largest(solutions[:nf, -1])
+    if not (growth < SINGULAR and np.isfinite(solutions).all()):
+        raise _critical(level, f"growth {growth:.2g}")
+    return solutions[:, :-1]
 
 
 def _critical(level: LoadLevel, reason: object) -> AnalysisError:

@@ -153,7 +153,7 @@ def test_repeated_multiplier() -> None:
 
 def test_strongly_bent_cantilever() -> None:
     """Tip turned by about 80 degrees: positions, reaction, stress, frequency, multiplier and compliance."""
-    deck = cantilever(8, force=(-4.0, 14.0), more=[("ITERSTEP", 20, 4, 1e-10)])
+    deck = cantilever(8, force=(-8.0, 34.0), more=[("ITERSTEP", 20, 4, 1e-10)])
     names = ["ESTIFF.3[EI]", "ESTIFF.1[EI]", "X.9[2]", "X.9[3]", "XF.17[2]", "XF.17[3]", "EM.4"]
     quantities = [
         "x[17,1]",
@@ -166,7 +166,7 @@ def test_strongly_bent_cantilever() -> None:
         "lmult[1]",
         "xcompl[17,2]",
     ]
-    found = agree(deck, names, quantities, rel=1e-7, step=2e-3)
+    found = agree(deck, names, quantities, rel=1e-7)
     assert found.values[2] > 1.2
 
 

@@ -1,6 +1,6 @@
 """Every element type, load and coefficient: derivatives of the whole state against differences of whole analyses.
 
-The differences (three steps of 1e-3 and less, extrapolated) are known to about 1e-9 of a quantity that a Newton
+The differences (two steps of 4e-4 and less, extrapolated) are known to about 1e-9 of a quantity that a Newton
 iteration leaves at 1e-11, by the step: 1e-7 of the derivatives, less for eigenvalues of matrices with wide spectra.
 """
 
@@ -198,7 +198,7 @@ def test_sections_materials_units_and_warping() -> None:
         "B[1,1]@end",
         "frequency[1]@end",
     ]
-    agree(deck, names, quantities, rel=1e-6, step=1e-3)
+    agree(deck, names, quantities, rel=1e-6)
 
 
 @pytest.mark.parametrize("seed", [1, 2, 5, 6, 9, 10])
@@ -208,5 +208,5 @@ def test_random_flexures(seed: int) -> None:
     deck = parse_deck(model.text(), mode=10)
     last = model.nodes - 1
     names = ["ESTIFF.1[EI]" if model.planar else "ESTIFF.1[EIy]", f"X.{last}[2]", f"X.{last}[3]", "XF.*[2]"]
-    agree(deck, names, [f"x[{last},1]", "sig[1,2]", "fxtot[1,1]"], seed=seed, rel=1e-6, step=1e-2)
-    agree(deck, names, ["frequency[1]", f"xcompl[{last},2]"], seed=seed, rel=1e-5, step=1e-2)
+    agree(deck, names, [f"x[{last},1]", "sig[1,2]", "fxtot[1,1]"], seed=seed, rel=1e-6, step=4e-3)
+    agree(deck, names, ["frequency[1]", f"xcompl[{last},2]"], seed=seed, rel=1e-5, step=4e-3)
