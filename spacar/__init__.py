@@ -16,16 +16,20 @@ if TYPE_CHECKING:
     from spacar.deck import Deck, parse_deck, read_deck
     from spacar.frame import Frame
     from spacar.result import Result
+    from spacar.sensitivities.sensitivity import Sensitivity, sensitivity
     from spacar.stream import Run
     from spacar.stroke import flexure
 
 __version__ = "0.1.0"
-__all__ = ["Deck", "Frame", "Result", "Run", "flexure", "frames", "parse_deck", "read_deck", "run"]
+__all__ = [
+    "Deck", "Frame", "Result", "Run", "Sensitivity", "flexure", "frames", "parse_deck", "read_deck", "run", "sensitivity",
+]  # fmt: skip
 
 _HOME = {
     "Deck": "spacar.deck", "parse_deck": "spacar.deck", "read_deck": "spacar.deck", "Frame": "spacar.frame",
     "Result": "spacar.result", "Run": "spacar.stream", "frames": "spacar.calls", "run": "spacar.calls",
     "flexure": "spacar.stroke",
+    "Sensitivity": "spacar.sensitivities.sensitivity", "sensitivity": "spacar.sensitivities.sensitivity",
 }  # fmt: skip
 
 

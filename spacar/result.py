@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Array
 from spacar.errors import SpacarError, UsageError
+from spacar.expressions.frequencies import frequencies
 from spacar.expressions.result_places import ELEMENT, NODE, place
 from spacar.frame import Frame, StoredFrames
 from spacar.mechanism.result_tables import model_tables
@@ -82,13 +83,7 @@ class Result:
         """(steps, n) |eigenvalue| / 2 pi [Hz] from low to high, one for each pair of complex eigenvalues; nan fills up
         steps with fewer. Raises UsageError when the mode computes no eigenvalues.
         """
-        every = self["eigval"]
-        rows = []
-        for values in every:
-            size = np.hypot(values[:, 0], values[:, 1]) / (2.0 * np.pi)
-            rows.append(np.sort(size[values[:, 1] >= 0.0]))  # real ones do not come in pairs
-        longest = max(map(len, rows))
-        return np.array([np.pad(row, (0, longest - len(row)), constant_values=np.nan) for row in rows])
+        return frequencies(self["eigval"])
 
     @property
     def lnp(self) -> NDArray[np.int64]:

@@ -49,6 +49,7 @@ RANKS = {
     "inverse": 10,
     "simulation": 11,
     "studies": 12, "stroke": 12,
+    "sensitivities": 13,
 }  # fmt: skip
 
 

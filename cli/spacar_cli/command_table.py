@@ -12,6 +12,7 @@ COMMANDS = {
     "keywords": "the keywords of the input language",
     "examples": "list or copy the example models",
     "sweep": "parameter study: many values, one row of quantities each",
+    "sensitivity": "exact derivatives of stationary quantities by numbers of the file",
     "trade": "speed against accuracy of a model, and the cheapest setting",
     "draw": "picture or animation of the mechanism at chosen steps",
     "visual": "vibration and buckling modes, constraints, stresses as pictures",
