@@ -19,8 +19,9 @@ import numpy as np
 
 from spacar.errors import SpacarError, UsageError
 from spacar.mechanism.user_functions import import_file
-from spacar.simulation.blocks import Block, Function, Gain, Sampled, Saturation, proportional_derivative
+from spacar.simulation.blocks import Block, Function, Gain, Sampled, proportional_derivative
 from spacar.simulation.diagram import Diagram
+from spacar.simulation.switching_blocks import Saturation
 from spacar_formats.ltvfile import read_ltv
 
 MOST_TIMES = 100_000_000
