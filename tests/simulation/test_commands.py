@@ -46,8 +46,8 @@ def test_closed_loop_from_the_model_file(folder, monkeypatch):
 @pytest.mark.parametrize(
     ("old", "new", "why"),
     [
-        ("block = pd", "block = pid", r"[pd]: block = pid; the blocks are spasim"),
-        ("omega = 28", "omga = 28", "[pd]: unknown key 'omga'; the keys are size, omega, damping"),
+        ("block = pd", "block = pdd", r"wrong.sim:24: [pd]: block = pdd; the blocks are spasim"),
+        ("omega = 28", "omga = 28", "wrong.sim:26: [pd]: unknown key 'omga'; the keys are size, omega, damping"),
         ("omega = 28\n", "", "[pd]: 'omega' is missing"),
         ("omega = 28", "omega = fast", "omega = fast is no number"),
         ("u0 -> robot\n", "u0 -> robbot\n", "[wires]: robbot: there is no block robbot"),

@@ -133,7 +133,7 @@ def test_mode_2_torques_retrace_the_path_through_a_spline():
 
 
 def test_accelerations_may_be_fed_back_but_not_to_a_sampled_law(robot):
-    """robotsim has accelerations among its outputs: fed back they are an algebraic loop, which is solved; to a sampled law refused."""
+    """Accelerations that are fed back are an algebraic loop, which is solved; to a sampled law it is refused."""
     plant = Spasim(DATA / "robotsim.dat")
     with pytest.raises(UsageError, match=r"algebraic loop: .*control.*accelerations"):
         closed_loop(plant, lambda t, y: np.zeros(3), TIMES, period=0.01)
@@ -141,7 +141,7 @@ def test_accelerations_may_be_fed_back_but_not_to_a_sampled_law(robot):
     start = closed_loop(plant, lambda t, y: moved, TIMES[:2], feedback="1-6")["plant:7-9"][0]
     fed = closed_loop(plant, lambda t, y: moved - 2.0 * y[6:9], TIMES[:2], rtol=1e-9)
     a, u = fed["plant:7-9"][0], fed["control"][0]
-    assert u == pytest.approx(moved - 2.0 * a, abs=1e-12)
+    assert u == pytest.approx(moved - 2.0 * a, abs=1e-10)
     assert 0.0 < a[0] < start[0]
     heavier = np.linalg.solve(np.diag([start[0] / 5.0, 1, 1]), [a[0], 0, 0])[0]  # J a = u with J = 5 / start
     assert heavier == pytest.approx(u[0], rel=1e-9)
