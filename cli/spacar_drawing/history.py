@@ -83,7 +83,7 @@ def history_figure(curves: Sequence[Curve], against: Curve, title: str = "", sta
                 frameon=False,
                 ncols=min(len(group), 5 if longest < 20 else 3),
                 loc="lower left",
-                bbox_to_anchor=(0, 1.0),
+                bbox_to_anchor=(0.06, 1.0),  # beside the power of ten of the axis
                 borderpad=0.1,
             )
     label = ("load step" if stationary else "time t (s)") if against.variable == "t" else axis_text(against)

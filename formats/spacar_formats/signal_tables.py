@@ -13,15 +13,15 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from spacar.simulation.blocks import Scope
-from spacar.simulation.diagram import wired_names
-from spacar.simulation.engine import Response
 from spacar_formats.claim import Claim
 from spacar_formats.sbf import SbfFile, SbfWriter
+
+if TYPE_CHECKING:
+    from spacar.simulation.engine import Response
 
 
 @dataclass(frozen=True)
@@ -63,6 +63,9 @@ class SignalTable:
 
 def table_of(response: Response) -> SignalTable:
     """The outputs of all blocks and the inputs of the scopes; without a scope the outputs of every mechanism."""
+    from spacar.simulation.blocks import Scope
+    from spacar.simulation.diagram import wired_names
+
     blocks: list[str] = []
     names: list[str] = []
     columns: list[np.ndarray] = []
