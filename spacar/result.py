@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 X_VARIABLES = ("x", "xd", "xdd", "fx", "fxgrav", "fxtot", "xcompl", "xerr")
 E_VARIABLES = ("e", "ed", "edd", "sig")
 # Named, not imported: pictures and summaries lie above results.
-DRAWING, SUMMARY = "spacar_drawing", "spacar.summary"
+DRAWING, SUMMARY, FILES = "spacar_drawing", "spacar.summary", "spacar_formats.getss"
 
 
 @dataclass(frozen=True, repr=False)
@@ -64,6 +64,14 @@ class Result:
     def stress(self, **options: Any) -> Any:
         """Stress resultants and stresses along the beams as numbers; options as `spacar_drawing.stress`."""
         return import_module(DRAWING).stress(self, **options)
+
+    def ss(self, step: int = 1) -> Any:
+        """A, B, C, D of a step (from 1, -1 the last) of mode 3, 4 or 9, with the names of states, inputs and outputs.
+
+        `A, B, C, D = result.ss()`; `.to_scipy()`, `.to_control()` for other libraries. Raises UsageError for another
+        mode or step.
+        """
+        return import_module(FILES).state_space_of(self, step)
 
     def __repr__(self) -> str:
         return str(import_module(SUMMARY).result_summary(self))
