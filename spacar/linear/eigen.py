@@ -174,7 +174,7 @@ def polished(K: Array, M: Array, squares: Array, shapes: Array) -> tuple[Array, 
     The reduction to a standard problem leaves an error of eps times the largest omega^2 in all of them. For the low
     ones X, with F = M X and Y = Q^-1 F of the shifted matrix Q = K + s^2 M, the projected problem (Y^T M Y) c = theta
     (F^T Y) c has theta = 1/(omega^2 + s^2) with small relative errors: K itself is not multiplied. Left alone where
-    it does not apply.
+    it does not apply (an unstable mode that is not among the low ones).
     """
     largest = float(np.max(np.abs(squares), initial=0.0))
     low = np.flatnonzero(np.abs(squares) < POLISHED * largest)
@@ -182,6 +182,7 @@ def polished(K: Array, M: Array, squares: Array, shapes: Array) -> tuple[Array, 
         return squares, shapes
     positive = squares[squares > ROUNDING * largest]
     s2 = 1e-3 * float(positive[0]) if len(positive) else POLISHED * largest
+    s2 = max(s2, -2.0 * float(squares[low[0]]))  # unstable modes have theta > 0 too
     d = 1.0 / np.sqrt(np.maximum(np.abs(np.diag(K)) + s2 * np.diag(M), 1e-300))
     F = M @ shapes[:, low]
     try:
