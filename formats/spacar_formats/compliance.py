@@ -59,19 +59,22 @@ def node_compliance(
         columns = np.r_[x_columns, nxp[2] + nxp[3] + nep[2] + np.arange(nep[3])]
         if find_mode(int(np.ravel(sbd.header["MODE"])[0])).takes_setpoints:  # the prescribed ones have the matrices
             columns = np.arange(nxp[2] + nep[2])
-        transfer, x = _array(sbd, "dx", step), _array(sbd, "x", step).ravel()
-        K = sum(_array(sbm, k, step) for k in ("k0", "n0", "g0"))
-        if max(columns, default=-1) >= transfer.shape[1] or np.shape(K) != (len(columns), len(columns)):
-            raise UsageError(f"{sbd.path} and {sbm.path} do not fit together", "compliance.size")
-        if not (np.isfinite(K).all() and np.isfinite(transfer).all() and np.isfinite(x).all()):
-            raise UsageError(f"{sbd.path} or {sbm.path} has numbers that are not finite", "compliance.finite")
-        DX = transfer[:, columns]
+        planar = lnp[partner - 1, 3] == 0
+        rows = np.r_[lnp[node - 1, : 2 if planar else 3], lnp[partner - 1, : 1 if planar else 4]] - 1
+        x = _array(sbd, "x", step).ravel()
         t = float(_array(sbd, "T", step)[0, 0])
         warnings = [*notes(sbd), *notes(sbm)]
-    planar = lnp[partner - 1, 3] == 0
-    rows = np.r_[lnp[node - 1, : 2 if planar else 3], lnp[partner - 1, : 1 if planar else 4]] - 1
+        if sbm.has("ktan"):  # of a large model
+            compliance = _sparse(_array(sbm, "ktan", step), nxp, rows)
+        else:
+            transfer = _array(sbd, "dx", step)
+            K = sum(_array(sbm, k, step) for k in ("k0", "n0", "g0"))
+            if max(columns, default=-1) >= transfer.shape[1] or np.shape(K) != (len(columns), len(columns)):
+                raise UsageError(f"{sbd.path} and {sbm.path} do not fit together", "compliance.size")
+            if not (np.isfinite(K).all() and np.isfinite(transfer).all() and np.isfinite(x).all()):
+                raise UsageError(f"{sbd.path} or {sbm.path} has numbers that are not finite", "compliance.finite")
+            compliance = _solve(np.asarray(K), transfer[:, columns][rows])
     fixed, body = (_planar if planar else _spatial)(x[lnp[partner - 1, : 1 if planar else 4] - 1])
-    compliance = _solve(np.asarray(K), DX[rows])
     return NodeCompliance(t, node, partner, fixed @ compliance @ fixed.T, body @ compliance @ body.T), warnings
 
 
@@ -116,6 +119,30 @@ def _spatial(lam: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def _planar(phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     c, s = np.cos(phi[0]), np.sin(phi[0])
     return np.eye(3), np.array([[c, s, 0], [-s, c, 0], [0, 0, 1.0]])
+
+
+def _sparse(entries: np.ndarray, nxp: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """dx/df of these coordinates from the tangent in mixed form (`ktan`, reference/files.md section 5)."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.linalg import splu
+
+    first, second = nxp[0] + np.arange(nxp[1]), nxp[:3].sum() + np.arange(nxp[3])
+    place = np.full(nxp.sum(), -1)
+    place[np.r_[first, second]] = np.arange(nxp[1] + nxp[3])
+    A = coo_array((entries[:, 2], (entries[:, 0].astype(int) - 1, entries[:, 1].astype(int) - 1))).tocsc()
+    moving = np.flatnonzero(place[rows] >= 0)
+    out = np.zeros((len(rows), len(rows)))
+    unit = np.zeros((A.shape[0], len(moving)))
+    unit[place[rows[moving]], np.arange(len(moving))] = 1.0
+    text = "the stiffness is singular (critical load or rigid motion): there is no compliance"
+    try:
+        solution = splu(A).solve(unit)[place[rows[moving]]]
+    except RuntimeError:
+        raise AnalysisError(text, "compliance.singular") from None
+    if not np.isfinite(solution).all():
+        raise AnalysisError(text, "compliance.singular")
+    out[np.ix_(moving, moving)] = solution
+    return out
 
 
 def _solve(K: np.ndarray, D: np.ndarray) -> np.ndarray:

@@ -30,11 +30,22 @@ ROUNDING = 1e-12  # omega^2 below this fraction of the largest may be rigid moti
 
 @dataclass(frozen=True)
 class Modes:
-    """values (n,), vectors (n_state, n): eigenvalues [rad/s] and state eigenvectors; n_positions rows are positions."""
+    """values (n,), vectors (n_state, n): eigenvalues [rad/s] and state eigenvectors; n_positions rows are positions.
+
+    motions (nx, n): what the coordinates do, where they are computed without transfer functions.
+    """
 
     values: Complex
     vectors: Complex
     n_positions: int
+    motions: Complex | None = None
+
+    def lowest(self, pairs: int) -> Modes:
+        """The last `pairs` pairs, conjugates never divided."""
+        first = max(len(self.values) - 2 * pairs, 0)
+        if first and self.values[first].imag < 0.0 and self.values[first - 1] == self.values[first].conj():
+            first -= 1
+        return Modes(self.values[first:], self.vectors[:, first:], self.n_positions)
 
     @property
     def zero(self) -> NDArray[np.bool_]:
@@ -220,16 +231,19 @@ def _matters(C: Array, M: Array, K: Array) -> bool:
     return bool(np.any(np.abs(C) > bound))
 
 
-def arranged(values: Complex, vectors: Complex, n_positions: int) -> Modes:
-    """Norm 1, real largest position component, decreasing modulus, conjugates together."""
-    vectors = vectors / np.linalg.norm(vectors, axis=0)
+def arranged(values: Complex, vectors: Complex, n_positions: int, motions: Complex | None = None) -> Modes:
+    """Norm 1, real largest position component, decreasing modulus, conjugates together; motions (nx, n) alike."""
+    size = np.linalg.norm(vectors, axis=0)
+    vectors = vectors / size
+    motions = motions / size if motions is not None else None
     if n_positions:
         largest = np.argmax(np.abs(vectors[:n_positions]), axis=0)
         pivot = vectors[largest, np.arange(len(values))]
         phase = np.where(pivot != 0.0, np.abs(pivot) / np.where(pivot != 0.0, pivot, 1.0), 1.0)
         vectors = vectors * phase
+        motions = motions * phase if motions is not None else None
     modulus = np.abs(values)
     # conjugates have equal moduli up to rounding: compare with fewer digits, then by imaginary part
     rounded = np.array([float(f"{m:.10e}") for m in modulus])
     order = np.lexsort((-values.imag, -np.abs(values.imag), -rounded))
-    return Modes(values[order], vectors[:, order], n_positions)
+    return Modes(values[order], vectors[:, order], n_positions, motions[:, order] if motions is not None else None)
