@@ -114,13 +114,20 @@ def _shifted(tangent: SparseTangent) -> tuple[float, LinearSystem]:
 
 
 def sparse_compliances(tangent: SparseTangent) -> Array:
-    """(nx,) directional compliances: one solution for every free coordinate; infinite where K is singular."""
+    """(nx,) directional compliances: the diagonal of the inverse of the banded tangent, or with sparse storage one
+    solution for every free coordinate; infinite where K is singular."""
     n = tangent.dynamics.numbering
     out = np.zeros(n.nx)
     try:
         system = tangent.factor(STATIC)
     except SingularMatrixError:
         out[tangent.F] = np.inf
+        return out
+    from spacar.linear_systems.banded import BandedSystem
+    from spacar.linear_systems.selected_inverse import inverse_diagonal
+
+    if isinstance(system, BandedSystem):
+        out[tangent.F] = inverse_diagonal(system)[: tangent.nf]
         return out
     for first in range(0, tangent.nf, COLUMNS):
         rows = tangent.F[first : first + COLUMNS]
