@@ -22,7 +22,7 @@ from spacar_drawing.mechanism_picture import Extras, draw_steps
 from spacar_drawing.mode_picture import constraint_still, mode_still
 from spacar_drawing.mode_shapes import buckling_modes, open_matrices, suitable_factor, vibration_modes
 from spacar_drawing.moving_figure import evenly
-from spacar_drawing.redundancy import redundancy
+from spacar_drawing.redundancy import redundancy, stored_gradient
 from spacar_drawing.report_style import STYLE
 
 if TYPE_CHECKING:
@@ -278,7 +278,7 @@ def _vibration_row(mode: ModeShape) -> tuple[str, ...]:
 def _constraints(source: PictureSource, extras: Extras) -> str:
     x = source.x(1)
     extent = look_of(source.scene, x[None], source.settings).size / SYMBOL
-    found = redundancy(source.scene, source.get("bigd", 1), extent)
+    found = redundancy(source.scene, stored_gradient(source, 1), extent)
     figure = constraint_still(source.scene, x, source.settings, extras, found, extent)
     text = f"{len(found.over)} over-constraints, {len(found.under)} under-constraints."
     return f"<h2>Constraints</h2><p>{text}</p>" + _figure(

@@ -60,11 +60,8 @@ def scatter(nx: int, blocks: list[tuple[Batch, Array]]) -> Matrix:
     """Sum of square element blocks as (nx, nx)."""
     rows = [np.broadcast_to(b.x[:, None, :], block.shape).ravel() for b, block in blocks]
     columns = [np.broadcast_to(b.x[None, :, :], block.shape).ravel() for b, block in blocks]
-    values = [block.ravel() for _, block in blocks]
-    empty = np.zeros(0)
-    return matrix(
-        np.concatenate([NOWHERE, *rows]), np.concatenate([NOWHERE, *columns]), np.concatenate([empty, *values]), (nx, nx)
-    )
+    values = np.concatenate([np.zeros(0), *(block.ravel() for _, block in blocks)])
+    return matrix(np.concatenate([NOWHERE, *rows]), np.concatenate([NOWHERE, *columns]), values, (nx, nx))
 
 
 def geometric_stiffness(sweep: ElementSweep, sigma: Array) -> Matrix:
