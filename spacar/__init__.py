@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 __all__ = [
-    "Deck", "Frame", "Result", "Run", "Sensitivity", "flexure", "frames", "parse_deck", "read_deck", "run", "sensitivity",
+    "Deck", "Frame", "Result", "Run", "Sensitivity",
+    "flexure", "frames", "parse_deck", "read_deck", "run", "sensitivity",
 ]  # fmt: skip
 
 _HOME = {

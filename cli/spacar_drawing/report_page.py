@@ -20,7 +20,7 @@ from spacar_drawing.mode_picture import constraint_still, mode_still
 from spacar_drawing.mode_shapes import buckling_modes, open_matrices, suitable_factor, vibration_modes
 from spacar_drawing.moving_figure import evenly
 from spacar_drawing.page_parts import html_figure, html_table, number_text, page
-from spacar_drawing.redundancy import redundancy
+from spacar_drawing.redundancy import redundancy, stored_gradient
 
 if TYPE_CHECKING:
 
@@ -266,7 +266,7 @@ def _vibration_row(mode: ModeShape) -> tuple[str, ...]:
 def _constraints(source: PictureSource, extras: Extras) -> str:
     x = source.x(1)
     extent = look_of(source.scene, x[None], source.settings).size / SYMBOL
-    found = redundancy(source.scene, source.get("bigd", 1), extent)
+    found = redundancy(source.scene, stored_gradient(source, 1), extent)
     figure = constraint_still(source.scene, x, source.settings, extras, found, extent)
     text = f"{len(found.over)} over-constraints, {len(found.under)} under-constraints."
     return f"<h2>Constraints</h2><p>{text}</p>" + html_figure(

@@ -62,6 +62,9 @@ def command_of_mode(word: str) -> click.Command:
             switch = {"is_flag": True, "default": None} if kind is bool else {"type": kind}
             params.append(click.Option([flag, field], help=text, **switch))
         params += accuracy_options.options()
+    if mode.stationary and (mode.buckling or not mode.third):
+        text = "Number of lowest modes, instead of MODES; 0: all of them, with the reduced matrices."
+        params.append(click.Option(["--modes"], type=Whole(min=0), help=text))
     if mode.takes_setpoints:
         params.append(
             click.Option(["--setpoints"], help="Result of mode 2 to linearize along, instead of the search by name.")
@@ -202,7 +205,7 @@ def _flags(overrides: dict[str, Any], setpoints: str | None) -> dict[str, Any]:
         if field in overrides:
             yes, _, no = flag.partition("/")
             given[no if kind is bool and not overrides[field] else yes] = True if kind is bool else overrides[field]
-    given |= {"--beams": overrides["beams"]} if "beams" in overrides else {}
+    given |= {f"--{name}": overrides[name] for name in ("beams", "modes") if name in overrides}
     return given | ({"--setpoints": setpoints} if setpoints else {})
 
 
