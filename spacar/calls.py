@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from spacar.deck import Deck, read_deck
 from spacar.errors import UsageError
 from spacar.mechanism import build
 from spacar.modes import Mode, find_mode
 from spacar.options import checked_options
-from spacar.result import Result
 from spacar.stream import AccuracyRequest, Run
+
+if TYPE_CHECKING:
+    from spacar.result import Result
 
 
 def frames(
@@ -71,4 +73,6 @@ def run(mode: int, source: str | Path | Deck, *, nominal: Any = None, **options:
     nominal   mode 3 only: result of mode 2, or of modes 7 to 10
     options   accuracy, variables, and what overrides the deck, see `frames`
     """
+    from spacar.result import Result  # the command line needs no results in memory
+
     return Result.collect(frames(mode, source, nominal=nominal, **options))

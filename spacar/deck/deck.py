@@ -10,9 +10,9 @@ from pathlib import Path
 
 from spacar.deck.deck_reader import NOT_UTF8, Span, read_text
 from spacar.deck.deck_writer import splice, write, write_rows
+from spacar.deck.expansion import BeamSection
 from spacar.deck.lexer import visualization_of
 from spacar.deck.mode_blocks import Purpose
-from spacar.deck.section_block import BeamSection
 from spacar.deck.statement import Statement, Value
 from spacar.deck.table_sections import UNITS
 from spacar.deck.table_types import BlockKind

@@ -33,9 +33,9 @@ from spacar.kinematics.advice import (
     effects,
     paste_lines,
 )
+from spacar.kinematics.difference_matrix import ZERO, scaled_difference_matrix
 from spacar.mechanism.mechanism import Mechanism
 
-ZERO = float(np.sqrt(np.finfo(float).eps))
 SHOWN = 1e-6  # smaller shares are not listed
 TIE = 9  # decimals of the weights: of equals the lowest number comes first, whatever the rounding
 
@@ -88,11 +88,6 @@ class Diagnosis:
                 for name in self.freedoms
             ]
         return lines
-
-
-def scaled_difference_matrix(mechanism: Mechanism, V: Array) -> Array:
-    """V (ne, nx) with dimensionless rows and columns."""
-    return V * mechanism.scale / mechanism.deformation_scale[:, None]
 
 
 def diagnose(mechanism: Mechanism, V: Array, x: Array | None = None) -> Diagnosis:
