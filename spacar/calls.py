@@ -14,17 +14,18 @@ from spacar.options import checked_options
 from spacar.stream import AccuracyRequest, Run
 
 if TYPE_CHECKING:
+    from spacar.deck.model import Model
     from spacar.result import Result
 
 
 def frames(
-    mode: int, source: str | Path | Deck, *, nominal: Any = None, accuracy: float | bool | None = None,
+    mode: int, source: str | Path | Deck | Model, *, nominal: Any = None, accuracy: float | bool | None = None,
     variables: Sequence[str] = (), **options: Any,
 ) -> Run:  # fmt: skip
     """Prepare an analysis: read, check and number the model; the frames come when the returned Run is iterated over.
 
-    mode      0 to 4, 7 to 10, see MODES;  source   path of the input file, or a Deck, which is checked
-              again when it was read for another mode
+    mode      0 to 4, 7 to 10, see MODES;  source   path of the input file, a Model, or a Deck, which is
+              checked again when it was read for another mode
     nominal   mode 3 only: result of mode 2, or of modes 7 to 10
     accuracy  modes 1 and 4: error of the result over the amplitude of each variable, estimated and kept by several
               runs; True: only estimated. In `header["accuracy"]` of the result, and `xerr` of its frames
@@ -36,7 +37,12 @@ def frames(
     """
     found = find_mode(mode)
     options, notes = checked_options(options)
-    deck = source if isinstance(source, Deck) else read_deck(source, found.number)
+    if isinstance(source, Deck):
+        deck = source
+    elif isinstance(source, str | Path):
+        deck = read_deck(source, found.number)
+    else:
+        deck = source.deck(found.number)
     if deck.mode != found.number:  # its checks and its third block are those of the mode it was read for
         deck = deck.for_mode(found.number)
     request = _accuracy(found, accuracy, variables)
@@ -66,10 +72,10 @@ def _accuracy(mode: Mode, accuracy: float | bool | None, variables: Sequence[str
     return AccuracyRequest(float(accuracy), tuple(variables))
 
 
-def run(mode: int, source: str | Path | Deck, *, nominal: Any = None, **options: Any) -> Result:
+def run(mode: int, source: str | Path | Deck | Model, *, nominal: Any = None, **options: Any) -> Result:
     """Run an analysis to its end and keep all frames in memory. Errors as `frames`.
 
-    mode      0 to 4, 7 to 10, see MODES;  source   path of the input file, or a Deck
+    mode      0 to 4, 7 to 10, see MODES;  source   path of the input file, a Deck, or a Model
     nominal   mode 3 only: result of mode 2, or of modes 7 to 10
     options   accuracy, variables, and what overrides the deck, see `frames`
     """
