@@ -18,14 +18,17 @@ if TYPE_CHECKING:
     from spacar.frame import Frame
     from spacar.result import Result
     from spacar.stream import Run
+    from spacar.studies.study_calls import sweep, trade
 
 __version__ = "0.1.0"
-__all__ = ["Deck", "Frame", "Model", "Result", "Run", "frames", "parse_deck", "read_deck", "run"]
+__all__ = [
+    "Deck", "Frame", "Model", "Result", "Run", "frames", "parse_deck", "read_deck", "run", "sweep", "trade",
+]  # fmt: skip
 
 _HOME = {
     "Deck": "spacar.deck", "Model": "spacar.deck.model", "parse_deck": "spacar.deck", "read_deck": "spacar.deck",
     "Frame": "spacar.frame", "Result": "spacar.result", "Run": "spacar.stream", "frames": "spacar.calls",
-    "run": "spacar.calls",
+    "run": "spacar.calls", "sweep": "spacar.studies.study_calls", "trade": "spacar.studies.study_calls",
 }  # fmt: skip
 
 

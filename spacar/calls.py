@@ -37,14 +37,7 @@ def frames(
     """
     found = find_mode(mode)
     options, notes = checked_options(options)
-    if isinstance(source, Deck):
-        deck = source
-    elif isinstance(source, str | Path):
-        deck = read_deck(source, found.number)
-    else:
-        deck = source.deck(found.number)
-    if deck.mode != found.number:  # its checks and its third block are those of the mode it was read for
-        deck = deck.for_mode(found.number)
+    deck = deck_of(source, found.number)
     request = _accuracy(found, accuracy, variables)
     prepared = Run(found, build(deck, found.number, **options), nominal=nominal, accuracy=request)
     for note in notes:
@@ -55,6 +48,15 @@ def frames(
         for message in lost_stiffness(deck, prepared.mechanism):
             prepared.report.add(str(message))
     return prepared
+
+
+def deck_of(source: str | Path | Deck | Model, mode: int) -> Deck:
+    """The checked deck of a path, a Model or a Deck, for a mode. Raises UsageError, InputError."""
+    if isinstance(source, str | Path):
+        return read_deck(source, mode)
+    deck = source if isinstance(source, Deck) else source.deck(mode)
+    # its checks and its third block are those of the mode it was read for
+    return deck if deck.mode == mode else deck.for_mode(mode)
 
 
 def _accuracy(mode: Mode, accuracy: float | bool | None, variables: Sequence[str]) -> AccuracyRequest | None:

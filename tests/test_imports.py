@@ -15,6 +15,7 @@ ROOMS = ("spacar", "formats", "cli/spacar_drawing")
 HEAVY = {
     "matplotlib", "PIL", "scipy", "numpy.polynomial", "rich", "sympy", "mpmath", "control", "concurrent",
     "multiprocessing", "importlib", "difflib", "hashlib", "html", "msvcrt", "fcntl", "shutil", "tempfile",
+    "pandas", "xarray",
 }  # fmt: skip
 # Ours, for some models or runs only: the compiled path and symbolic models need extras, the others load SciPy,
 # a window, or the spatial elements, which a planar model never needs. Who imports spacar_drawing mostly wants one

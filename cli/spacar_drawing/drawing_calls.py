@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from base64 import b64encode
 from collections.abc import Sequence
+from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from spacar.errors import UsageError
@@ -22,6 +24,20 @@ if TYPE_CHECKING:
 
 DPI = 150.0
 MOST_FRAMES = 150
+
+
+@dataclass(frozen=True)
+class InlineAnimation:
+    """A gif in memory, which a notebook shows: `data` its bytes, `title` that of the model."""
+
+    data: bytes
+    title: str
+
+    def __repr__(self) -> str:
+        return f"Animation of {self.title}: gif of {len(self.data) / 1000:.0f} kB, shown in a notebook"
+
+    def _repr_html_(self) -> str:
+        return f'<img alt="animation" src="data:image/gif;base64,{b64encode(self.data).decode()}">'
 
 
 def source_of(result: Result | str | Path) -> PictureSource:
@@ -51,18 +67,25 @@ def draw(
 
 
 def animate(
-    result: Result | str | Path, path: str | Path, *, steps: str | None = None, traces: Sequence[int] = (),
-    initial: bool = False, frames: int = MOST_FRAMES, fps: float = 25.0, dpi: float = FILM_DPI, **extras: Any,
-) -> Path:  # fmt: skip
-    """Write an animation as gif, or as mp4 where ffmpeg is installed; returns its path. Arguments as `draw`.
+    result: Result | str | Path, path: str | Path | None = None, *, steps: str | None = None,
+    traces: Sequence[int] = (), initial: bool = False, frames: int = MOST_FRAMES, fps: float = 25.0,
+    dpi: float = FILM_DPI, **extras: Any,
+) -> Path | InlineAnimation:  # fmt: skip
+    """Write an animation as gif, or as mp4 where ffmpeg is installed; returns its path. Without a path a gif that a
+    notebook shows. Arguments as `draw`.
 
     frames   most pictures in it;  fps: pictures a second
     """
     source = source_of(result)
     shown = series(source, Extras(**extras), chosen_steps(source, steps, None, True), traces, initial)
     pictures, count = shown.thinned(frames)
-    film(shown.moving(), pictures, count, Path(path), fps, dpi)
-    return Path(path)
+    if path is not None:
+        film(shown.moving(), pictures, count, Path(path), fps, dpi)
+        return Path(path)
+    with TemporaryDirectory() as folder:
+        made = Path(folder) / "animation.gif"
+        film(shown.moving(), pictures, count, made, fps, dpi)
+        return InlineAnimation(made.read_bytes(), source.scene.title)
 
 
 def report(

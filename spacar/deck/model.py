@@ -89,7 +89,7 @@ class Model(ModelStatements):
             self.statement("BEAMSEC", 1, number, section, material, *([parts] if parts != 1 else []))
 
     def visualization(self, *lines: str) -> None:
-        """Lines of the section VISUALIZATION, as they stand in a file: `m.visualization("BEAMVIS 0.01 0.01")`."""
+        """`lines` of the section VISUALIZATION, as they stand in a file: `m.visualization("BEAMVIS 0.01 0.01")`."""
         self._visualization += [line for text in lines for line in split_lines(str(text))]
 
     def statement(

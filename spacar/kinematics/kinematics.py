@@ -85,13 +85,14 @@ class Kinematics:
             from spacar.kinematics.failure import count_failure
 
             raise count_failure(self)
+        self.velocity_system: LinearSystem
         self.velocity_system, self.velocity_take = self._system(self.E, self.U, kind)
         self.velocity_map_is_position_map = bool(n.holonomic)
         if self.velocity_map_is_position_map:
             self.position_system, self._position_take = self.velocity_system, self.velocity_take
         else:
             self.position_system, self._position_take = self._system(self.h, self.c, kind)
-        self.scale = mechanism.scale
+        self.scale: Array = mechanism.scale
         self.h_scale = mechanism.deformation_scale[self.h]
         self.x = mechanism.x0.copy()
         self.e_given = np.zeros(n.ne)
