@@ -35,7 +35,8 @@ smartquotes = False  # x' is an axis, not an apostrophe
 CONTENTS = {
     "Start": ("/README", "tutorial", "gallery"),
     "Use": (
-        "keywords", "drawing", "expressions", "python", "matlab", "simulation", "studies", "symbolic/tutorial",
+        "keywords", "drawing", "expressions", "python", "matlab", "simulation", "studies", "convergence",
+        "symbolic/tutorial",
     ),
     "Understand": (
         "theory", "theory-linear", "limits", "symbolic/theory", "decisions", "performance", "promises",
