@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.arrays import Array
-from spacar.errors import SpacarError, UsageError
+from spacar.errors import UsageError
 from spacar.expressions.result_places import ELEMENT, NODE, place
 from spacar.frame import Frame, StoredFrames
 from spacar.mechanism.result_tables import model_tables
@@ -99,13 +99,7 @@ class Result:
 
     def _repr_html_(self) -> str:
         """The summary with a picture, for notebooks; without the picture where it cannot be drawn."""
-        from html import escape
-
-        text = f"<pre>{escape(repr(self))}</pre>"
-        try:
-            return text + str(import_module(DRAWING).inline_picture(self))
-        except (ImportError, SpacarError):  # no matplotlib, or nothing that could be drawn
-            return text
+        return str(import_module(SUMMARY).with_picture(repr(self), "inline_picture", self))
 
     @property
     def frequencies(self) -> Array:

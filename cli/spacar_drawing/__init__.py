@@ -11,6 +11,6 @@ function of `window` is called, and matplotlib is imported only where it draws.
 True
 """
 
-from spacar_drawing.drawing_calls import animate, draw, inline_picture, plot, report, stress
+from spacar_drawing.drawing_calls import animate, draw, inline_model, inline_picture, plot, report, stress
 
-__all__ = ["animate", "draw", "inline_picture", "plot", "report", "stress"]
+__all__ = ["animate", "draw", "inline_model", "inline_picture", "plot", "report", "stress"]

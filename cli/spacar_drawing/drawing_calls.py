@@ -10,6 +10,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
+from spacar.calls import run
+from spacar.deck import Deck
 from spacar.errors import UsageError
 from spacar.result import Result
 from spacar_drawing.files import FILM_DPI, film, save
@@ -20,6 +22,7 @@ from spacar_drawing.step_pictures import chosen_steps, picture, series
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from spacar.deck.model import Model
     from spacar_drawing.stress_numbers import StressResults
 
 DPI = 150.0
@@ -142,6 +145,14 @@ def stress(
     from spacar_drawing.stress_numbers import stress_results
 
     return stress_results(source_of(result), steps, elements, points)
+
+
+def inline_model(model: Deck | Model) -> str:
+    """The start position of a model as an HTML image; functions of its users are not called."""
+    from spacar.mechanism.user_functions import without_functions
+
+    deck = model if isinstance(model, Deck) else model.deck(0)
+    return inline_picture(run(0, without_functions(deck)))
 
 
 def inline_picture(result: Result) -> str:

@@ -48,6 +48,10 @@ class Deck:
         # The summary lies above this room: it asks the modes and, for results, the mechanism.
         return str(import_module("spacar.summary").deck_summary(self))
 
+    def _repr_html_(self) -> str:
+        """The summary with a picture of the start position, for notebooks; without it where it cannot be drawn."""
+        return str(import_module("spacar.summary").with_picture(repr(self), "inline_model", self))
+
     @cached_property
     def sha256(self) -> str:
         """Digest of the bytes of the file (or of the text) in hexadecimal."""

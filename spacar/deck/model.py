@@ -143,6 +143,10 @@ class Model(ModelStatements):
         counted = ", ".join(f"{n} {name}" for name, n in elements.items()) or "no elements"
         return f"Model {self.source}: {counted}; {len(self._rows)} statements\n  .deck(), str(), spacar.run(1, model)"
 
+    def _repr_html_(self) -> str:
+        """For notebooks: the model with a picture of the start position, once it is complete enough to be drawn."""
+        return str(import_module("spacar.summary").with_picture(repr(self), "inline_model", self))
+
     # -- inside -----------------------------------------------------------------------------------------------------
     def _places(self, text: str) -> dict[int, Place]:
         """Line of the text -> where its statement was called."""

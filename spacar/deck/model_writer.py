@@ -165,9 +165,10 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 
+from spacar.arrays import Array
 from spacar.deck.statement import Value
 
-Vector = Sequence[float]
+Vector = Sequence[float] | Array
 
 
 class ModelStatements(ABC):

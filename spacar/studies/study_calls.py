@@ -9,6 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
+from spacar.arrays import Array
 from spacar.calls import deck_of
 from spacar.deck import Deck
 from spacar.errors import UsageError
@@ -34,7 +35,7 @@ INTERVAL = ("duration", "n_steps")  # options of trade, which chooses the others
 
 def sweep(
     source: str | Path | Deck | Model,
-    change: Mapping[str, Sequence[float] | str],
+    change: Mapping[str, Sequence[float] | Array | str],
     results: str | Sequence[str],
     *,
     mode: int = 1,
@@ -199,7 +200,7 @@ def batches_of(
     return lambda study, todo: run_batches(study, todo, engine, jobs, bool(wanted))
 
 
-def _numbers(target: str, given: Sequence[float] | str) -> tuple[float, ...]:
+def _numbers(target: str, given: Sequence[float] | Array | str) -> tuple[float, ...]:
     """Values of a target, from numbers or a text such as 1:100:7:log. Raises UsageError."""
     if isinstance(given, str):
         return listed_values(given)
