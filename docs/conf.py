@@ -36,6 +36,7 @@ CONTENTS = {
     "Start": ("/README", "tutorial", "gallery"),
     "Use": (
         "keywords", "drawing", "flexures", "expressions", "python", "matlab", "simulation", "studies", "sensitivity",
+        "convergence",
         "symbolic/tutorial",
     ),
     "Understand": (

@@ -36,4 +36,5 @@ COMMANDS = {
     "spacntrl": "fold feedback into a .ltv system",
     "matlab": "the folder with the files for MATLAB and Octave",
     "symbolic": "equations of motion of a model file by computer algebra",
+    "completion": "completion of the command line by the TAB key, for bash, zsh, fish",
 }

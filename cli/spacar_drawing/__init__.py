@@ -11,6 +11,26 @@ call them. No window opens unless a function of `window` is called; matplotlib i
 True
 """
 
-from spacar_drawing.drawing_calls import animate, draw, flexure_page, flexure_plot, inline_picture, plot, report, stress
+from spacar_drawing.drawing_calls import (
+    animate,
+    draw,
+    flexure_page,
+    flexure_plot,
+    inline_model,
+    inline_picture,
+    plot,
+    report,
+    stress,
+)
 
-__all__ = ["animate", "draw", "flexure_page", "flexure_plot", "inline_picture", "plot", "report", "stress"]
+__all__ = [
+    "animate",
+    "draw",
+    "flexure_page",
+    "flexure_plot",
+    "inline_model",
+    "inline_picture",
+    "plot",
+    "report",
+    "stress",
+]

@@ -26,7 +26,6 @@ from spacar.integrators import AUTOMATIC, METHODS, EvenTimes, integrate
 from spacar.integrators.problem import Jacobian, Output
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.kinematics.regularity import HalfTurns
-from spacar.linearization.state_jacobian import state_jacobian
 from spacar.mechanism.mechanism import SolverSettings
 
 # Tolerance of one step / ERROR, for every code with variable steps alike. Errors of the steps add up, and the watch of
@@ -141,6 +140,8 @@ def frames(
     tolerances = Tolerances.of(settings, divisor)
     jacobian: Jacobian | None = None
     if METHODS[settings.integrator].needs_jacobian or (settings.integrator == AUTOMATIC and _has_forces(model)):
+        from spacar.linearization.state_jacobian import state_jacobian
+
         jacobian = partial(state_jacobian, evaluator, within=ITERATED)
     # Outputs are interpolated inside steps that may have passed a dead point: they are placed from the start of their
     # step or the last output in it, not back from its end.
