@@ -1,7 +1,7 @@
 """Pictures of mechanisms: pure functions from result arrays to drawable geometry, then matplotlib.
 
 source -> Scene and coordinates -> shapes (lines, faces, marks) -> paint on a matplotlib figure. The public functions
-are `draw`, `animate`, `plot`, `report` and `stress`; methods of `Result` call them. No window opens unless a
+are `draw`, `animate`, `plot`, `report`, `stress` and `view`; methods of `Result` call them. No window opens unless a
 function of `window` is called, and matplotlib is imported only where it draws.
 
 >>> import spacar
@@ -11,6 +11,6 @@ function of `window` is called, and matplotlib is imported only where it draws.
 True
 """
 
-from spacar_drawing.drawing_calls import animate, draw, inline_picture, plot, report, stress
+from spacar_drawing.drawing_calls import animate, draw, inline_picture, plot, report, stress, view
 
-__all__ = ["animate", "draw", "inline_picture", "plot", "report", "stress"]
+__all__ = ["animate", "draw", "inline_picture", "plot", "report", "stress", "view"]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Sequence
-from typing import TypeVar
+from dataclasses import dataclass
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,26 +62,46 @@ def beam_lines(scene: Scene, pose: Pose, elements: Sequence[Element], n: int) ->
     return points, y, z
 
 
-def bodies(scene: Scene, pose: Pose, look: Look, elements: Sequence[Element]) -> list[Shape]:
-    """Beams and rigid bodies along their elastic lines."""
+@dataclass(frozen=True)
+class Alike:
+    """Slender parts that look alike: n points on a line; width [points] of a line, or radius of a rod [symbol size]."""
 
-    def items() -> Iterable[tuple[tuple[Hashable, ...], Element]]:
+    elements: Sequence[Element]
+    n: int
+    colour: Colour
+    width: float
+    radius: float
+
+
+def body_groups(scene: Scene, look: Look, elements: Sequence[Element]) -> list[Alike]:
+    """Beams and rigid bodies by how they look; of bodies that hold nothing those that lie beside another one are not
+    drawn."""
+
+    def items() -> Iterable[tuple[tuple[Any, ...], Element]]:
         for e in elements:
             i = e.number - 1
             body = e.shape == "body"
-            if body and scene.free[i]:  # only there to be seen: holds nothing
-                if not scene.doubled[i]:
-                    yield (e.shape, False, 1.2, DRAWN_ONLY, *_look_of(look, e, paint.RIGID), ()), e
-                continue
             rigid = bool(body or scene.rigid[i])
             width, radius = (2.8, THICK_BEAM) if rigid else (2.2, THIN_BEAM)
-            colour = paint.RIGID if rigid else paint.FLEXIBLE
-            yield (e.shape, rigid, width, radius, *_look_of(look, e, colour), bool(e.warping)), e
+            if body and scene.free[i]:
+                if scene.doubled[i]:
+                    continue
+                width, radius = 1.2, DRAWN_ONLY
+            look_of_it = _look_of(look, e, paint.RIGID if rigid else paint.FLEXIBLE)
+            yield (e.shape, width, radius, look_of_it, bool(e.warping)), e
 
-    shapes: list[Shape] = []
-    for (shape, _, width, radius, colour, *_), alike in together(items()).items():
+    found = []
+    for (shape, width, radius, (colour, *_), _), alike in together(items()).items():
         n = look.points if shape == "beam" else 2 if scene.planar else 25  # short pieces sort better by depth
-        shapes += slender(scene, pose, look, alike, n, colour, width, radius)  # type: ignore[arg-type]
+        found.append(Alike(alike, n, colour, width, radius))
+    return found
+
+
+def bodies(scene: Scene, pose: Pose, look: Look, elements: Sequence[Element]) -> list[Shape]:
+    """Beams and rigid bodies along their elastic lines."""
+    shapes: list[Shape] = []
+    for g in body_groups(scene, look, elements):
+        shapes += slender(scene, pose, look, g.elements, g.n, g.colour, g.width, g.radius)
     return shapes
 
 
@@ -108,7 +129,7 @@ def slender(
     points, y, z = beam_lines(scene, pose, alike, n)
     if scene.planar:
         return planar_bodies(points, y, breadth(section), colour, width, alpha)
-    ends = _open_ends(scene, alike, points) if len(alike) > 1 and alpha >= 1 else None
+    ends = open_ends(scene, alike, points) if len(alike) > 1 and alpha >= 1 else None
     contour = outline(section) if section is not None else None
     if contour is not None and section is not None:
         return solid(contour, points, y, z, colour, alpha, settings.light, hole(section), None, ends)
@@ -118,7 +139,7 @@ def slender(
     return solid(disc_outline(radius * look.size, sides), points, y, z, colour, alpha, settings.light, ends=ends)
 
 
-def _open_ends(scene: Scene, alike: Sequence[Element], points: Array) -> NDArray[np.bool_]:
+def open_ends(scene: Scene, alike: Sequence[Element], points: Array) -> NDArray[np.bool_]:
     """(m, 2) whether an end can be seen: not where two of these bodies go on smoothly in each other."""
     nodes = scene.node_table[rows_of(alike)][:, [0, 2]]
     inward = np.stack((points[:, 1] - points[:, 0], points[:, -2] - points[:, -1]), axis=1)
@@ -154,24 +175,32 @@ def _pieces(points: Array, colour: Colour | Array, width: float, alpha: float) -
     return [Line(pair, (c[0], c[1], c[2]), width, 2, alpha=alpha) for pair, c in zip(pairs, colours, strict=True)]
 
 
+def bar_groups(scene: Scene, look: Look, elements: Sequence[Element]) -> list[Alike]:
+    """Trusses that are drawn as a straight bar, by how they look."""
+
+    def items() -> Iterable[tuple[tuple[Any, ...], Element]]:
+        for e in elements:
+            colour = look.colour(e.number, paint.DRIVE if scene.e_class(e.number, 1) == "input" else paint.TRUSS)
+            yield (colour, look.settings.section(e.number, truss=True), look.settings.opacity_of(e.number)), e
+
+    return [Alike(alike, 2, colour, 2.2, THIN_BEAM) for (colour, *_), alike in together(items()).items()]
+
+
 def bars(scene: Scene, pose: Pose, look: Look, elements: Sequence[Element]) -> list[Shape]:
-    """Trusses that are drawn as a straight bar, by their cross-section or without."""
+    """The same as shapes: by their cross-section or as lines."""
     settings = look.settings
-    rows = [
-        ((look.colour(e.number, paint.DRIVE if scene.e_class(e.number, 1) == "input" else paint.TRUSS),
-          settings.section(e.number, truss=True), settings.opacity_of(e.number)), e)
-        for e in elements
-    ]  # fmt: skip
     shapes: list[Shape] = []
-    for (colour, section, alpha), alike in together(rows).items():
+    for g in bar_groups(scene, look, elements):
+        first = g.elements[0].number
+        section, alpha = settings.section(first, truss=True), settings.opacity_of(first)
         contour = outline(section) if section is not None else None
         if section is None or contour is None:
-            nodes = scene.node_table[rows_of(alike)][:, [0, 2]]
-            shapes.append(Line(pose.place[nodes - 1], colour, 2.2, 2))
+            nodes = scene.node_table[rows_of(g.elements)][:, [0, 2]]
+            shapes.append(Line(pose.place[nodes - 1], g.colour, g.width, 2))
             continue
-        points, y, z = beam_lines(scene, pose, alike, 2)
+        points, y, z = beam_lines(scene, pose, g.elements, 2)
         if scene.planar:
-            shapes += planar_bodies(points, y, breadth(section), colour, 2.0, alpha)
+            shapes += planar_bodies(points, y, breadth(section), g.colour, 2.0, alpha)
         else:
-            shapes += solid(contour, points, y, z, colour, alpha, settings.light, hole(section))
+            shapes += solid(contour, points, y, z, g.colour, alpha, settings.light, hole(section))
     return shapes

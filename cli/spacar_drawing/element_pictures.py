@@ -34,22 +34,26 @@ def element_shapes(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
 def trusses(scene: Scene, pose: Pose, look: Look, elements: Sequence[Element]) -> list[Shape]:
     """Bars; with stiffness but free to change its length a spring, with damping only a dashpot, with nothing a dotted
     measuring line."""
+    straight, others = straight_and_free(scene, look, elements)
+    shapes = bars(scene, pose, look, straight)
+    for e in others:
+        shapes += free_truss(scene, pose, look, e)
+    return shapes
+
+
+def straight_and_free(scene: Scene, look: Look, elements: Sequence[Element]) -> tuple[list[Element], list[Element]]:
+    """Trusses that are drawn as bars, because they have a cross-section or keep their length; and the others."""
     straight: list[Element] = []
     others: list[Element] = []
-    shapes: list[Shape] = []
     for e in elements:
         section = look.settings.section(e.number, truss=True)
         shown = section is not None and outline(section) is not None
         bar = shown or scene.e_class(e.number, 1) in ("fixed", "input")
         (straight if bar else others).append(e)
-    if straight:
-        shapes += bars(scene, pose, look, straight)
-    for e in others:
-        shapes += _free_truss(scene, pose, look, e)
-    return shapes
+    return straight, others
 
 
-def _free_truss(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
+def free_truss(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
     ends = pose.place[[e.p - 1, e.q - 1]]
     i = e.number - 1
     if scene.stiffness[i, 0]:

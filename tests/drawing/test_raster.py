@@ -19,7 +19,7 @@ from spacar_drawing.step_pictures import series
 
 from .models import result_source
 
-# Root mean square of the difference in grey levels, of that to an empty picture: edges are smoothed in another way; this
+# Root mean square of the difference in grey levels, of that to an empty picture: edges are smoothed in another way; it
 # shows most where everything is thin (0.09 for the zigzags of the springs of the lever).
 ALIKE = 0.2
 
