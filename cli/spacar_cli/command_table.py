@@ -17,6 +17,7 @@ COMMANDS = {
     "draw": "picture or animation of the mechanism at chosen steps",
     "visual": "vibration and buckling modes, constraints, stresses as pictures",
     "plot": "time histories of results, or one quantity against another",
+    "view": "a page that turns, zooms and plays a result in a browser",
     "report": "one self-contained HTML page about a run",
     "checksbf": "what is in a result file, and whether it is sound",
     "getfrsbf": "print a variable of a result file",

@@ -1,8 +1,8 @@
 """Pictures of mechanisms: pure functions from result arrays to drawable geometry, then matplotlib.
 
 source -> Scene and coordinates -> shapes (lines, faces, marks) -> paint on a matplotlib figure. The public functions
-are `draw`, `animate`, `plot`, `report`, `stress`, `flexure_page` and `flexure_plot`; methods of `Result` and `Flexure`
-call them. No window opens unless a function of `window` is called; matplotlib is imported only where it draws.
+are `draw`, `animate`, `plot`, `report`, `stress`, `view`, `flexure_page` and `flexure_plot`; methods of `Result` and
+`Flexure` call them. No window opens unless a function of `window` is called; matplotlib is imported only where it draws.
 
 >>> import spacar
 >>> from spacar_drawing import draw
@@ -21,6 +21,7 @@ from spacar_drawing.drawing_calls import (
     plot,
     report,
     stress,
+    view,
 )
 
 __all__ = [
@@ -33,4 +34,5 @@ __all__ = [
     "plot",
     "report",
     "stress",
+    "view",
 ]

@@ -95,18 +95,40 @@ def animate(
 
 
 def report(
-    result: Result | str | Path, expressions: Sequence[str] = (), *, log_lines: int = 120, view: str = "iso"
-) -> str:
+    result: Result | str | Path, expressions: Sequence[str] = (), *, log_lines: int = 120, view: str = "iso",
+    viewer: bool = False,
+) -> str:  # fmt: skip
     """One self-contained HTML page about a run, as text; `expressions` are plotted instead of the degrees of freedom.
 
     log_lines  lines of the log from its beginning and its end, where the result is a file with a log beside it
-    view       of a spatial mechanism, as for `draw`
+    view       of a spatial mechanism, as for `draw`;  viewer: with the moving picture of `view` in it
 
     Raises UsageError for an expression that cannot be evaluated.
     """
     from spacar_drawing.report_page import report_page
 
-    return report_page(source_of(result), expressions, log_lines, view)
+    return report_page(source_of(result), expressions, log_lines, view, viewer)
+
+
+def view(
+    result: Result | str | Path, path: str | Path | None = None, *, frames: int = MOST_FRAMES, view: str = "iso",
+    fps: float = 25.0,
+) -> str:  # fmt: skip
+    """One self-contained HTML page that turns, zooms and plays the mechanism in a browser, as text.
+
+    path  file that it is also written to;  frames: most steps that it holds
+    view  with which it begins, of a spatial mechanism;  fps: pictures a second while it plays
+
+    Raises UsageError for a view that is none, and for a file that cannot be written.
+    """
+    from spacar_formats.safety import write_text
+
+    from spacar_drawing.viewer_page import view_page
+
+    page = view_page(source_of(result), frames, view, fps)
+    if path is not None:
+        write_text(Path(path), page)
+    return page
 
 
 def plot(

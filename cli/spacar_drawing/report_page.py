@@ -1,4 +1,4 @@
-"""The report of a run: a self-contained HTML page with embedded pictures, without scripts."""
+"""The report of a run: a self-contained HTML page with embedded pictures, without scripts but that of the viewer."""
 
 from __future__ import annotations
 
@@ -33,11 +33,20 @@ MOST_MODES = 4
 _NAMED = (("Coordinates", "QNAME"), ("Speeds", "SNAME"), ("Inputs", "UNAME"), ("Outputs", "YNAME"))
 
 
-def report_page(source: PictureSource, expressions: Sequence[str] = (), log_lines: int = 120, view: str = "iso") -> str:
-    """The page of a result. Raises UsageError for an expression that cannot be evaluated."""
+def report_page(
+    source: PictureSource,
+    expressions: Sequence[str] = (),
+    log_lines: int = 120,
+    view: str = "iso",
+    viewer: bool = False,
+) -> str:
+    """The page of a result; `viewer`: with the moving picture of `spacar view` in it.
+
+    Raises UsageError for an expression that cannot be evaluated.
+    """
     scene = source.scene
     extras = Extras(view=view, title="")
-    parts = [_summary(source), _model(source, extras), _freedoms(source)]
+    parts = [_summary(source), _model(source, extras), _viewer(source, view) if viewer else "", _freedoms(source)]
     if not source.named and not scene.analysis.forces:
         parts.append(_constraints(source, extras))
     if scene.analysis.stationary:
@@ -174,6 +183,14 @@ def _model(source: PictureSource, extras: Extras) -> str:
         if float(np.max(np.ptp(xs, axis=0), initial=0.0)) > 0:
             out += html_figure(moving, f"{len(chosen)} evenly spread steps, the last one in full.")
     return out
+
+
+def _viewer(source: PictureSource, view: str) -> str:
+    """The page of `spacar view` in a frame of its own, which cannot reach this page."""
+    from spacar_drawing.viewer_page import view_page
+
+    page = escape(view_page(source, view=view), quote=True)
+    return f'<h2>Motion</h2><iframe class="viewer" sandbox="allow-scripts" title="motion" srcdoc="{page}"></iframe>'
 
 
 def _freedoms(source: PictureSource) -> str:
