@@ -60,7 +60,7 @@ def _accuracy(
             raise UsageError("the variables are those whose accuracy is asked for; give an accuracy", "usage.accuracy")
         return None
     if not (mode.integrated or mode.stationary):
-        text = f"an accuracy is asked of motions and stationary solutions, modes 1, 4, 7 to 10, not of mode {mode.number}"
+        text = f"an accuracy is asked of motions and stationary solutions (1, 4, 7 to 10), not of mode {mode.number}"
         raise UsageError(text, "usage.accuracy")
     if mode.stationary and not mesh:
         text = "the accuracy of a stationary solution is that of its mesh, which is not to be looked at"

@@ -155,7 +155,7 @@ def divisible(run: Run) -> tuple[tuple[int, ...], dict[int, str]]:
 
 
 @dataclass
-class Outcome:
+class MeshResult:
     """What is shown: frames, the error of their coordinates (steps, nx), estimate and how it came about."""
 
     frames: Sequence[Frame]
@@ -189,7 +189,7 @@ def motion(run: Run) -> Iterator[Frame]:
     yield from _shown(run, search, _found(search, request.target), reasons)
 
 
-def _found(search: MeshSearch, target: float | None) -> Outcome:
+def _found(search: MeshSearch, target: float | None) -> MeshResult:
     return _measured(search) if target is None or search.run.mode.number in OWN else _refined(search, target)
 
 
@@ -212,7 +212,7 @@ def _groups(beams: Sequence[int], most: int) -> list[tuple[int, ...]]:
     return [tuple(int(b) for b in part) for part in parts]
 
 
-def _refined(search: MeshSearch, target: float) -> Outcome:
+def _refined(search: MeshSearch, target: float) -> MeshResult:
     """Meshes until the estimate is within the target."""
     ones = dict.fromkeys(search.beams, 1)
     own = search.compute(ones, search.measure)
@@ -242,7 +242,7 @@ def _refined(search: MeshSearch, target: float) -> Outcome:
         last, other = chain[-1], chain[-2] if len(chain) > 1 else chain[-1]
         estimate = _difference(last, other) if last is not other else np.nan
         way = f"the mesh could not be refined further: {error}"
-        return Outcome(last.frames, _bars(last, other, estimate), estimate, way, [*meshes, last])
+        return MeshResult(last.frames, _bars(last, other, estimate), estimate, way, [*meshes, last])
 
 
 def _active(
@@ -264,7 +264,7 @@ def _stalled(chain: list[Mesh]) -> bool:
     return now < SMALL and now > STALLED * before
 
 
-def _extrapolated(given: Mechanism, chain: list[Mesh], left: float, active: Sequence[int], n: int) -> Outcome:
+def _extrapolated(given: Mechanism, chain: list[Mesh], left: float, active: Sequence[int], n: int) -> MeshResult:
     """The best of the last three meshes, with what they say of its error."""
     fine = chain[-1]
     in_time = 2.0 * max(m.time for m in chain[-3:])
@@ -272,7 +272,7 @@ def _extrapolated(given: Mechanism, chain: list[Mesh], left: float, active: Sequ
     way = f"meshes of {which} beams in the place of {_list(active)}"
     if len(chain) == 2:
         error = _difference(fine, chain[0]) + left + in_time
-        return Outcome(fine.frames, _bars(fine, chain[0], error), error, f"{way}, not extrapolated", [])
+        return MeshResult(fine.frames, _bars(fine, chain[0], error), error, f"{way}, not extrapolated", [])
     a, b, c = chain[-3:]
     rows = extrapolate_rows(a.found.values, b.found.values, c.found.values, c.found.amplitude)
     error = float(rows.errors.max(initial=0.0)) + left + in_time
@@ -284,7 +284,7 @@ def _extrapolated(given: Mechanism, chain: list[Mesh], left: float, active: Sequ
     bars = np.abs(np.array([f.x for f in frames]) - np.array([f.x for f in b.frames]))
     scale = _difference(c, b)
     bars *= min(1.0, error / scale) if scale > 0.0 else 1.0
-    return Outcome(frames, bars, error, way, [])
+    return MeshResult(frames, bars, error, way, [])
 
 
 def _list(numbers: Sequence[int]) -> str:
@@ -326,7 +326,7 @@ def _between(given: Mechanism, coarse: Sequence[Frame], middle: Sequence[Frame],
     return found
 
 
-def _measured(search: MeshSearch) -> Outcome:
+def _measured(search: MeshSearch) -> MeshResult:
     """The mesh of the user as it is, and its difference from refined ones."""
     ones = dict.fromkeys(search.beams, 1)
     own = search.compute(ones, search.run.mechanism.settings.beams)
@@ -345,13 +345,13 @@ def _measured(search: MeshSearch) -> Outcome:
             n *= 2
     except AnalysisError as error:
         unknown = np.full((len(own.frames), len(own.frames[0].x)), np.nan)
-        return Outcome(own.frames, unknown, np.nan, f"the mesh could not be refined: {error}", meshes)
+        return MeshResult(own.frames, unknown, np.nan, f"the mesh could not be refined: {error}", meshes)
     bars = np.abs(np.array([f.x for f in own.frames]) - np.array([f.x for f in found.frames]))
     way = f"the mesh of the model against {found.way}"
-    return Outcome(own.frames, bars, away + found.estimate, way, meshes)
+    return MeshResult(own.frames, bars, away + found.estimate, way, meshes)
 
 
-def _shown(run: Run, search: MeshSearch, found: Outcome, reasons: dict[int, str]) -> Iterator[Frame]:
+def _shown(run: Run, search: MeshSearch, found: MeshResult, reasons: dict[int, str]) -> Iterator[Frame]:
     """Report, header and frames of an outcome."""
     assert search.own is not None
     target = run.accuracy.target if run.accuracy else None

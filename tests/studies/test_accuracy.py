@@ -168,7 +168,7 @@ def test_mode_4_gets_it_too():
 @pytest.mark.parametrize(
     ("mode", "options", "words"),
     [
-        (0, {"accuracy": 1e-3}, "modes 1, 4, 7 to 10"),
+        (0, {"accuracy": 1e-3}, "not of mode 0"),
         (1, {"accuracy": 2.0}, "between 0 and 1"),
         (1, {"accuracy": "fine"}, "between 0 and 1"),
         (1, {"variables": ["x[2,1]"]}, "give an accuracy"),
