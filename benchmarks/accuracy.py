@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import sys
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import models
 import numpy as np
@@ -186,54 +186,62 @@ BETA = np.array((1.8751040687119611, 4.694091132974175, 7.854757438237613))  # c
 
 @dataclass(frozen=True)
 class MeshCase:
-    """A model in a mode, expressions, their exact values and amplitudes."""
+    """A model in a mode; which `coordinates`, how many `frequencies` [rad/s] and whether the load multiplier count."""
 
     deck: Deck
     mode: int
-    variables: tuple[str, ...]
-    exact: Array
-    amplitude: Array
+    coordinates: tuple[tuple[int, int], ...] = ()
+    frequencies: int = 0
+    multiplier: bool = False
+    exact: Array = field(default_factory=lambda: np.zeros(0))
+    amplitude: Array = field(default_factory=lambda: np.zeros(0))
 
-    def error(self, result: spacar.Result) -> float:
-        from spacar.studies.quantities import quantity
+    def of(self, result: spacar.Result) -> Array:
+        values = [result.node(*c)[-1] for c in self.coordinates]
+        if self.frequencies:
+            values += list(2.0 * np.pi * result.frequencies[-1][: self.frequencies])
+        return np.array(values + ([abs(result["lmult"][-1][0])] if self.multiplier else []))
 
-        values = np.array([quantity(v).series(result)[-1] for v in self.variables])
+    def variables(self) -> list[str]:
+        """The same as expressions of the model: eigenvalues come by decreasing modulus."""
+        names = [f"x[{node},{c}]" for node, c in self.coordinates]
+        if self.frequencies:
+            count = len(spacar.run(self.mode, self.deck)["eigval"][-1])
+            names += [f"abs(eigval[{count - 2 * k}])" for k in range(self.frequencies)]
+        return names + (["abs(lmult[1])"] if self.multiplier else [])
+
+    def values(self, deck: Deck, **options: object) -> Array:
+        return self.of(spacar.run(self.mode, deck, **options))
+
+    def error(self, values: Array) -> float:
         return float(np.max(np.abs(values - self.exact) / self.amplitude))
 
 
-def mesh_cases() -> dict[str, MeshCase]:
-    bent = parse_deck(models.cantilever(2, EI=102.0, length=10.0, dynamics=("XF 5 0. 14.",)), mode=7)
-    tip = np.array((3.810897752359167, 8.404448390735478))
-    straight = parse_deck(models.cantilever(3, EI=1.0, length=1.0, dynamics=()), mode=7)
-    euler, lateral = np.array([np.pi**2]), np.array([5.6746723])
-    cases = {
-        "elastica, tip": MeshCase(bent, 7, ("x[5,1]", "x[5,2]"), tip, np.full(2, tip.max())),
-        "cantilever, three frequencies": MeshCase(
-            straight, 7, tuple(f"abs(eigval[{k}])" for k in (1, 3, 5)), BETA**2, BETA**2
-        ),
-        "column2, Euler": MeshCase(parse_deck(models.example("column2"), mode=8), 8, ("lmult[1]",), euler, euler),
-        "lateral4, lateral buckling": MeshCase(
-            parse_deck(models.example("lateral4"), mode=8), 8, ("abs(lmult[1])",), lateral, lateral
-        ),
-    }
-    guide = parse_deck(models.example("leafguide"), mode=7)
-    names = ("x[7,1]", "x[7,2]", "abs(eigval[1])", "abs(eigval[3])", "abs(eigval[5])")
-    empty = MeshCase(guide, 7, names, np.zeros(5), np.ones(5))
-    a, b, c = (_values(empty, refine(guide, n)) for n in (4, 8, 16))
+def mesh_case(name: str) -> MeshCase:
+    if name == "elastica, tip":
+        deck = parse_deck(models.cantilever(2, EI=102.0, length=10.0, dynamics=("XF 5 0. 14.",)), mode=7)
+        tip = np.array((3.810897752359167, 8.404448390735478))
+        return MeshCase(deck, 7, ((5, 1), (5, 2)), exact=tip, amplitude=np.full(2, tip.max()))
+    if name == "cantilever, three frequencies":
+        deck = parse_deck(models.cantilever(3, EI=1.0, length=1.0, dynamics=()), mode=7)
+        return MeshCase(deck, 7, frequencies=3, exact=BETA**2, amplitude=BETA**2)
+    if name == "column2, Euler":
+        exact = np.array([np.pi**2])
+        return MeshCase(parse_deck(models.example("column2"), mode=8), 8, multiplier=True, exact=exact, amplitude=exact)
+    if name == "lateral4, lateral buckling":
+        exact = np.array([5.6746723])
+        deck = parse_deck(models.example("lateral4"), mode=8)
+        return MeshCase(deck, 8, multiplier=True, exact=exact, amplitude=exact)
+    empty = MeshCase(parse_deck(models.example("leafguide"), mode=7), 7, ((7, 1), (7, 2)), frequencies=3)
+    a, b, c = (empty.values(refine(empty.deck, n)) for n in (4, 8, 16))
     once = b + (b - a) / 3.0, c + (c - b) / 3.0
     exact = once[1] + (once[1] - once[0]) / 15.0
-    moved = float(np.abs(exact[:2] - np.array((0.0, 100e-3))).max())
-    cases["leafguide, body and three frequencies"] = replace(
-        empty, exact=exact, amplitude=np.array([moved, moved, *np.abs(exact[2:])])
-    )
-    return cases
+    moved = float(np.abs(exact[:2] - np.array((0.0, 0.1))).max())
+    return replace(empty, exact=exact, amplitude=np.array([moved, moved, *exact[2:]]))
 
 
-def _values(case: MeshCase, deck: Deck, **options: object) -> Array:
-    from spacar.studies.quantities import quantity
-
-    result = spacar.run(case.mode, deck, **options)
-    return np.array([quantity(v).series(result)[-1] for v in case.variables])
+MESHES = ("elastica, tip", "cantilever, three frequencies", "column2, Euler", "lateral4, lateral buckling",
+          "leafguide, body and three frequencies")  # fmt: skip
 
 
 def cheapest_mesh(case: MeshCase) -> dict[float, float]:
@@ -242,11 +250,11 @@ def cheapest_mesh(case: MeshCase) -> dict[float, float]:
         for n in (1, 2, 4, 8, 16, 32, 64):
             begun = time.perf_counter()
             try:
-                values = _values(case, refine(case.deck, n), beams=beams)
+                values = case.values(refine(case.deck, n), beams=beams)
             except AnalysisError:
                 continue
             seconds = time.perf_counter() - begun
-            error = float(np.max(np.abs(values - case.exact) / case.amplitude))
+            error = case.error(values)
             for target in TARGETS:
                 if error <= target:
                     best[target] = min(best[target], seconds)
@@ -258,16 +266,16 @@ def cheapest_mesh(case: MeshCase) -> dict[float, float]:
 def meshes(names: list[str]) -> None:
     head()
     ratios = []
-    cases = mesh_cases()
-    for name in names or cases:
-        case = cases[name]
-        _values(case, case.deck)  # nothing is imported for the first time later on
+    for name in names or MESHES:
+        case = mesh_case(name)
+        variables = case.variables()
+        case.values(case.deck)  # nothing is imported for the first time later on
         best = cheapest_mesh(case)
         for target in TARGETS:
             begun = time.perf_counter()
-            result = spacar.run(case.mode, case.deck, accuracy=target, variables=case.variables)
+            result = spacar.run(case.mode, case.deck, accuracy=target, variables=variables)
             seconds, found = time.perf_counter() - begun, result.header["accuracy"]
-            error = case.error(result)
+            error = case.error(case.of(result))
             ratios.append(error / target)
             pieces = max(found.pieces.values(), default=1)
             over = f"{seconds / best[target]:.2f}" if np.isfinite(best[target]) else "no single mesh"

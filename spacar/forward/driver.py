@@ -155,9 +155,10 @@ def frames(
     shown = evaluator.companion()
     limits = Limits(shown, report)
     trail = Trail(evaluator, watch) if moved_by is None else None
+    breaks = (*model.drive.breaks, *getattr(model.mechanism.user_signal, "breaks", ()))
     for out in integrated(
         moved_by or evaluator, y, times, settings, tolerances,
-        breaks=model.drive.breaks, watch=trail.accepted if trail else watch, jacobian=jacobian,
+        breaks=breaks, watch=trail.accepted if trail else watch, jacobian=jacobian,
         back=watch.back if watch else None, report=report,
     ):  # fmt: skip
         if trail:

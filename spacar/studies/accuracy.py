@@ -45,7 +45,8 @@ MULTISTEP, TIGHT = 0, 1e-6  # what takes the place of 155 below this tolerance
 STABLE = 5.0  # h rho at which method 853 leaves its region of stability on the imaginary axis, about
 EXPENSIVE = 10_000  # steps of stability beyond which implicit methods are taken
 LARGEST_JACOBIAN = 600  # states; above, its eigenvalues take longer than a short run, and implicit methods are taken
-LOOSEST, TIGHTEST = 1e-3, 2e-13  # tolerances that are tried
+LOOSEST, TIGHTEST = 1e-2, 2e-13  # tolerances that are tried
+FIRST = 10.0  # tolerance of the first run over the target: the result of most motions is better than ERROR
 GAIN = 10.0  # of the second tolerance over the first
 MARGIN = 0.5  # of the target that the next run aims at
 FURTHEST = 1e-4  # tolerance of the next run over the last one, at least
@@ -240,7 +241,7 @@ def measured(search: Search, methods: tuple[int, int]) -> tuple[Computed, Comput
 def tightened(search: Search, methods: tuple[int, int], target: float) -> tuple[Computed, Computed, float, float]:
     """As `measured`, of the last of a sequence of runs that ends when its estimated error is within the target."""
     turn = 0
-    tolerance = min(max(target, TIGHTEST * GAIN), LOOSEST)
+    tolerance = min(max(FIRST * target, TIGHTEST * GAIN), LOOSEST)
     before: Computed | None = None
     last, gained_before, wanted = np.inf, 1.0, 2 if methods == EXPLICIT else 3
     while True:
