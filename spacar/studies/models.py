@@ -68,13 +68,15 @@ def divisible_beams(deck: Deck) -> tuple[tuple[int, ...], dict[int, str]]:
     return tuple(n for n in flexible if n not in kept), kept
 
 
-def rigid(deck: Deck) -> Deck:
-    """The mechanism with all dynamic deformations of its beams fixed: DYNE of beams and what belongs to it left out.
+def rigid(deck: Deck, beams: Iterable[int] = ()) -> Deck:
+    """The mechanism with all dynamic deformations of its beams (of these, when some are named) fixed: DYNE of beams and
+    what belongs to it left out.
 
-    Raises UsageError when no beam has a dynamic deformation.
+    Raises UsageError when none of them has a dynamic deformation.
     """
+    named = set(beams)
     modes = {n: {m for m, c in found.items() if c == "DYNE"} for n, found in beam_modes(deck.statements).items()}
-    stiff = {n for n, fixed in modes.items() if fixed}
+    stiff = {n for n, fixed in modes.items() if fixed and (not named or n in named)}
     if not stiff:
         raise UsageError(f"{deck.source} has no beam with dynamic deformations (DYNE)", "study.rigid")
     free = {n for n, found in beam_modes(deck.statements).items() if set(found.values()) - {"DYNE"}}
