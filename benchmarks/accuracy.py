@@ -3,8 +3,8 @@
 python benchmarks/accuracy.py [motions | meshes] [MODEL ...]
 
 Motions: the error norm of `spacar.studies.error_norm` over the free coordinates against a reference of method 853 with
-ERROR REFERENCE (595 with ten times of it for stiff models), on the mesh of the model. Cost: time of all runs of the search over
-that of the cheapest single run (methods 155, 853, 0, 595, ERROR in decades) that reaches the target.
+ERROR REFERENCE (595 with ten times of it for stiff models), on the mesh of the model. Cost: time of all runs of the
+search over that of the cheapest single run (155, 853, 0, 595, ERROR in decades) that reaches the target.
 
 Meshes: tip of the elastica and frequencies of a cantilever, Euler and lateral buckling against closed forms; the guide
 of leaf springs against 16, 32 and 64 beams a leaf, extrapolated. Cost: over the cheapest single mesh of 1, 2 ... 64
