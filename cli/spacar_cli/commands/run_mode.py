@@ -44,7 +44,7 @@ def command_of_mode(word: str) -> click.Command:
     """The command for a word such as `1` or `-7`, with the options that this mode has. Raises UsageError."""
     mode = find_mode(int(word))
     releases = not mode.forces
-    needed = not (releases or mode.integrated)  # there the word may have gone to an option
+    needed = not (releases or accuracy_options.of(mode))  # there the word may have gone to an option
     params: list[click.Parameter] = [click.Argument(["file"], type=click.Path(path_type=Path), required=needed)]
     params.append(
         click.Option(
@@ -62,7 +62,8 @@ def command_of_mode(word: str) -> click.Command:
         for flag, field, kind, text in OVERRIDES:
             switch = {"is_flag": True, "default": None} if kind is bool else {"type": kind}
             params.append(click.Option([flag, field], help=text, **switch))
-        params += accuracy_options.options()
+    if accuracy_options.of(mode):
+        params += accuracy_options.options(mode)
     if mode.stationary and (mode.buckling or not mode.third):
         text = "Number of lowest modes, instead of MODES; 0: all of them, with the reduced matrices."
         params.append(click.Option(["--modes"], type=Whole(min=0), help=text))
