@@ -94,6 +94,9 @@ FUNCTIONS: dict[str, tuple[Any, ...]] = {  # in the order of the table in engine
     "guard": (NUMBER, POINTER, POINTER),
     "rcond": (NUMBER, POINTER, POINTER, POINTER),
 }  # fmt: skip
+OF_ONE_CASE = {  # behind them, in the engine for one case
+    name: (INTEGER, POINTER, POINTER) for name in ("adams_begin", "adams", "runge_kutta")
+}
 
 
 class Engine:
@@ -108,7 +111,8 @@ class Engine:
         for k, word in enumerate(ctypes.string_at(addresses[0]).decode("ascii").split()):
             name, _, count = word.partition("/")
             self.kinds[name] = k, int(count)
-        for k, (name, (result, *arguments)) in enumerate(FUNCTIONS.items(), 1):
+        functions = FUNCTIONS | OF_ONE_CASE if lanes == 1 else FUNCTIONS
+        for k, (name, (result, *arguments)) in enumerate(functions.items(), 1):
             setattr(self, name, ctypes.CFUNCTYPE(result, *arguments)(addresses[k]))
 
     begin: Any
@@ -122,6 +126,9 @@ class Engine:
     reduced_mass: Any
     guard: Any
     rcond: Any
+    adams_begin: Any
+    adams: Any
+    runge_kutta: Any
 
 
 @lru_cache
