@@ -179,9 +179,10 @@ def _cable(n: int, axial: float) -> tuple[Any, list[Any], Any]:
     for k in range(n):
         mbs.AddObject(
             items.ObjectANCFCable2D(
-                length=h, massPerLength=b.density, bendingStiffness=b.EI, axialStiffness=axial, nodeNumbers=nodes[k:k + 2]
+                length=h, massPerLength=b.density, bendingStiffness=b.EI, axialStiffness=axial,
+                nodeNumbers=nodes[k : k + 2],
             )
-        )
+        )  # fmt: skip
     ground = mbs.AddNode(items.NodePointGround())
     fixed = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0))
     for coordinate in (0, 1, 3):
@@ -192,13 +193,15 @@ def _cable(n: int, axial: float) -> tuple[Any, list[Any], Any]:
     return mbs, nodes, s
 
 
-def bent(n: int, load_steps: int, axial: float) -> np.ndarray:
-    """S5: place of the tip."""
+def bent(n: int, load_steps: int, axial: float, tolerance: float) -> np.ndarray:
+    """S5: place of the tip; `tolerance` of Newton's method."""
     mbs, nodes, s = _cable(n, axial)
     end = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=nodes[-1]))
     mbs.AddLoad(items.LoadForceVector(markerNumber=end, loadVector=[0, BEAM.force, 0]))
     mbs.Assemble()
     s.staticSolver.numberOfLoadSteps = load_steps
+    s.staticSolver.newton.relativeTolerance = tolerance
+    s.staticSolver.newton.absoluteTolerance = 0.01 * tolerance
     mbs.SolveStatic(s)
     return np.asarray(mbs.GetNodeOutput(nodes[-1], exu.OutputVariableType.Position))[:2]
 
