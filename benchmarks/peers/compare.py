@@ -2,12 +2,12 @@
 
     python benchmarks/peers/compare.py [--only S1b ...] [--repeats 9] [--general] [--json FILE]
 
-Whole time: from the text of the model (ours: file read, checked, built; theirs: model built) to the last output in memory,
-one thread. Every setting is run once for its error; those that are compared are then timed in turn, A B A B, and the
-ratio is that of the smallest times of the processor, which other programs on the machine change least.
+Whole time: from the text of the model (ours: file read, checked, built; theirs: model built) to the last output in
+memory, one thread. Every setting is run once for its error; those that are compared are then timed in turn, A B A B,
+and the ratio is that of the smallest processor times, which other work on the machine changes least.
 
-Three rows a level: `default` is our default command at the fastest ERROR that reaches the level; `best` our fastest setting,
-picked afterwards; both against the fastest setting of the others, picked afterwards. `asked` is what one knows
+Three rows a level: `default` is our default command at the fastest ERROR that reaches the level; `best` our fastest
+setting, picked afterwards; both against the fastest setting of the others, picked afterwards. `asked` is what one knows
 beforehand: the error asked for is the level, on both sides, with the errors obtained.
 
 Memory is the largest of a process of its own that computes the setting once, less that of one that imports only.
@@ -28,9 +28,9 @@ from time import process_time
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # before NumPy is imported
 sys.path.insert(0, str(Path(__file__).parent))
 
-from scenarios import LEVELS, OURS, TITLES, Setting, error, missing, settings  # noqa: E402
+from scenarios import LEVELS, OURS, TITLES, Setting, error, missing, settings
 
-from spacar.errors import SpacarError  # noqa: E402
+from spacar.errors import SpacarError
 
 SLOW = 1.0  # [s] a setting that takes longer is not compared
 
@@ -88,9 +88,9 @@ def memory(name: str, t: Tried, general: bool) -> float:
     """Largest memory of a process that computes the setting, less that of one that imports [MB]."""
     code = (
         "import resource, sys; sys.path.insert(0, sys.argv[1]); import scenarios; "
-        "s = [s for s in scenarios.settings(sys.argv[2], bool(int(sys.argv[5]))) if s.program == sys.argv[3] and s.label"
-        " == sys.argv[4]][0]; a = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss; s.solve(); "
-        "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - a)"
+        "s = [s for s in scenarios.settings(sys.argv[2], bool(int(sys.argv[5])))"
+        " if s.program == sys.argv[3] and s.label == sys.argv[4]][0]; "
+        "most = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss; a = most(); s.solve(); print(most() - a)"
     )
     words = [sys.executable, "-c", code, str(Path(__file__).parent), name, t.setting.program, t.setting.label]
     done = subprocess.run([*words, str(int(general))], capture_output=True, text=True, check=True)

@@ -82,7 +82,7 @@ def arm(tolerance: float, constant: bool) -> np.ndarray:
 
 
 def crank(tolerance: float) -> np.ndarray:
-    """S1b: the crank angle at t = 1 ... 10 s; mass and forces of the open chain, the rod angle from the loop by hand."""
+    """S1b: the crank angle at t = 1 ... 10 s; forces of the open chain, the angle of the rod from the loop by hand."""
     c = CRANK
     model = pin.Model()
     model.gravity.linear = np.array([0.0, -c.gravity, 0.0])

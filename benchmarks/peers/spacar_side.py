@@ -1,4 +1,4 @@
-"""The scenarios in spacar: a file in memory of the machine, read, checked, built, computed; every function returns the answer."""
+"""The scenarios in spacar: a file is read, checked, built and computed; every function returns the answer."""
 
 from __future__ import annotations
 

@@ -109,6 +109,23 @@ static int adams_trial(March *r, Adams *a, double t_new, int k, const double *g,
     return derivative(r, t_new, a->y_new, a->d);
 }
 
+/* y(t) in the last step, which ended at March's t, from the polynomial of the step. */
+static int spacar_adams_value(const March *r, const Adams *a, double t, double *out)
+{
+    const int n = r->n, k = a->k;
+    const double tau = t - r->t;
+    double row[MAX_ORDER + 1], before = 0.0;
+    for (int q = 0; q <= k; q++) row[q] = 1.0 / (q + 1);
+    for (int i = 0; i < n; i++) out[i] = a->y[i] + tau * a->phi[i];
+    for (int j = 0; j < k; j++) {
+        const double gamma = (tau + before) / a->psi[j], eta = tau / a->psi[j];
+        for (int q = 0; q < k - j; q++) row[q] = gamma * row[q] - eta * row[q + 1];
+        before = a->psi[j];
+        for (int i = 0; i < n; i++) out[i] += tau * row[0] * a->phi[(j + 1) * n + i];
+    }
+    return 0;
+}
+
 /* Steps until the next output or the end. The first call goes on from `spacar_adams_begin`, others from the last call. */
 static int spacar_adams(March *r, Adams *a)
 {

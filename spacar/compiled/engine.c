@@ -16,6 +16,6 @@ const void *const BUILD[] = {
     spacar_begin, spacar_end, spacar_evaluate, spacar_rhs, spacar_stages, spacar_complete, spacar_gradient,
     spacar_determinant, spacar_reduced_mass, spacar_guard, spacar_rcond,
 #if LANES == 1
-    spacar_adams_begin, spacar_adams, spacar_runge_kutta,
+    spacar_adams_begin, spacar_adams, spacar_adams_value, spacar_runge_kutta,
 #endif
 };

@@ -10,7 +10,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable, Iterator
 from functools import partial
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -84,9 +84,12 @@ class Lookout(Protocol):
     half: float
     capacity: int
 
-    def closer(self, t: float, y: Array, peak: float, before: list[Accepted] | None) -> tuple[float, bool, Accepted | None]:
+    def closer(
+        self, t: float, y: Array, peak: float, before: list[Accepted] | None
+    ) -> tuple[float, bool, Accepted | None]:
         """Look at the step to t, where the evaluator stands; peak of the determinants and the steps `before` it (None:
-        all have been shown here). Returns peak, whether to look at the next one too, and the step. Raises AnalysisError.
+        all have been shown here). Returns peak, whether to look at the next one too, and the step (None: not known).
+        Raises AnalysisError.
         """
 
     def passed(self, n: int, begin: Moving | None) -> None:
@@ -108,6 +111,7 @@ class Marching:
         self.gamma_star = np.array(GAMMA_STAR)
         self.calls = ASK(self._ask), TELL(self._tell)
         self.error: BaseException | None = None
+        self.kept: tuple[Any, ...] = ()  # what C points at
         ask, tell = (ctypes.cast(call, POINTER).value for call in self.calls)
         self.c = CMarch(
             model.handle, evaluator.state.address, ask, tell, self.records.ctypes.data, self.scale.ctypes.data,
@@ -129,11 +133,11 @@ class Marching:
         c.n_steps = c.n_rhs = c.n_rejected = 0
         run, kept = self._adams(method) if isinstance(method, Adams) else self._runge_kutta(method)
         counted = evaluation.statistics
-        status = PAUSED
+        status = self.status = PAUSED
         while status != ARRIVED:
             c.until = evaluation.next_output(c.t)
             c.converged = self.within()
-            status = run()
+            status = self.status = run()
             kept()
             steps, c.n_steps = c.n_steps, 0
             counted.n_steps += steps
@@ -143,13 +147,14 @@ class Marching:
             if status in (TOO_SMALL, NOT_EVALUATED, INTERRUPTED):
                 self._failed(status)
             self.lookout.passed(steps, self._before())
-            yield Step(c.t, self.y, method.interpolate, (c.sizes[1], c.sizes[0]))
+            yield Step(c.t, self.y, self.value, (c.sizes[1], c.sizes[0]))
 
     # -- methods --------------------------------------------------------------------------------------------------
     def _adams(self, a: Adams) -> tuple[Callable[[], int], Callable[[], None]]:
         """The call of C, and what is told to the object after it."""
         arrays = a.phi, a.expected, a.y, a.y_new, a.predicted, a.d, a.weight, self.gamma_star
         s = CAdams(*(v.ctypes.data for v in arrays))
+        self.kept = s, arrays
         self.y = a.y
         at = ctypes.c_void_p(ctypes.addressof(s))
         status = self.engine.adams_begin(self.address, at)
@@ -157,27 +162,34 @@ class Marching:
             self._failed(NOT_EVALUATED if status == 1 else INTERRUPTED, started=False)
 
         def kept() -> None:
-            a.k, a.t, a.psi = s.k, self.c.t, list(s.psi)
-            np.multiply(a.d, a.weight, out=a.scaled)
+            if self.status == TOO_SMALL:
+                np.multiply(a.d, a.weight, out=a.scaled)
 
+        def value(t: float) -> Array:
+            """y(t) in the last step."""
+            out = np.empty_like(a.y)
+            self.engine.adams_value(self.address, at, t, out.ctypes.data)
+            return out
+
+        self.value = value
         return partial(self.engine.adams, self.address, at), kept
 
     def _runge_kutta(self, m: ExplicitRungeKutta) -> tuple[Callable[[], int], Callable[[], None]]:
         tableau = m.tableau
         c, a, errors, safety = m.coefficients()
         exponent, smallest, largest = m.controller
-        self.kept = c, a, errors
         s = CRungeKutta(
             c.ctypes.data, a.ctypes.data, tableau.b.ctypes.data, errors.ctypes.data, m.stages.ctypes.data,
             m.y.ctypes.data, m.y_new.ctypes.data, m.scaled.ctypes.data, exponent, smallest, largest, safety, TINY, 0.0,
             len(tableau.c), len(c), errors.shape[1], len(errors) - 1,
         )  # fmt: skip
-        self.y = m.y_new
+        self.y, self.kept = m.y_new, (s, c, a, errors)
         at = ctypes.c_void_p(ctypes.addressof(s))
 
         def kept() -> None:
             m.taken(self.c.begin, s.h)
 
+        self.value = m.interpolate
         return partial(self.engine.runge_kutta, self.address, at), kept
 
     def _failed(self, status: int, started: bool = True) -> None:

@@ -65,7 +65,7 @@ class Continuity:
         self.entered: tuple[Accepted, float] | None = None  # last step before a dead point that is being left, its time
 
     def resume(self, before: list[Accepted], peak: float) -> None:
-        """Go on behind steps that have been looked at elsewhere, with the largest determinant since its last minimum."""
+        """Go on behind steps that were looked at elsewhere; `peak` of the determinant since its last minimum."""
         self.steps.clear()
         self.steps.extend(before)
         self.peak = peak
