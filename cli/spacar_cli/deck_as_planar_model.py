@@ -203,7 +203,7 @@ class PlanarModel(DeckText):
         a, b = self._turn(p), self._turn(q)
         law = self.joint_law(part, f"{b.angle} - ({a.angle})", f"{b.rate} - ({a.rate})")
         if law:
-            self.table("torque", name=f"T_{n}", frame=b.frame, reaction=a.frame, vector=[0, 0, f"-{law}"])
+            self.table("torque", name=f"T_{n}", frame=b.frame, reaction=a.frame, vector=[0, 0, f"-({law})"])
 
     def _beam(self, part: Part, p: int, turn_p: int, q: int, turn_q: int) -> None:
         """A flexible beam from p, clamped in the frame there; its tip carries the frame at q."""

@@ -222,7 +222,7 @@ class DeckText(DeckParts):
             for stem, word in (("S", "ESTIFF"), ("Sd", "EDAMP"), ("sig", "ESIG"))
         ]
         terms = [f"{names[0]}*({angle})", f"{names[1]}*({rate})", names[2]]
-        return " - ".join(t for t, name in zip(terms, names, strict=True) if name != "0")
+        return " + ".join(t for t, name in zip(terms, names, strict=True) if name != "0")
 
     # -- supports, masses, forces --------------------------------------------------------------------------------
 

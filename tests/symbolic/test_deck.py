@@ -192,7 +192,7 @@ def test_what_is_written_is_a_model_and_a_program(folder):
     ("source", "old", "new", "words"),
     [
         ("finger.dat", "", "", "PLBELT 4 cannot be exported: only PLBEAM, PLRBEAM, PLTRUSS, PLTOR can"),
-        ("robotsim.dat", "", "", "cannot be exported: only planar mechanisms can"),
+        ("cardan.dat", "", "", "HINGE 4 cannot be exported: it closes a loop of orientations"),
         (ARM, "ESTIFF 4 5.", "EDAMP 1 0. 1.", "PLBEAM 1 cannot be exported: its damping EDAMP"),
         (ARM, "ESTIFF 1 0. 40.", "ESTIFF 1 0. 40. 0.1", "PLBEAM 1 cannot be exported: it has shear flexibility"),
         (ARM, "DYNE 1 2 3", "DYNE 1 2", "PLBEAM 1 cannot be exported: deformations that are fixed, dynamic, fixed"),

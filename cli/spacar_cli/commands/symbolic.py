@@ -99,8 +99,8 @@ def export(
 ) -> None:  # fmt: skip
     """Write the equations of MODEL as a self-contained program.
 
-    An input file NAME.dat of the modes becomes a model file NAME.toml, or with --language a program: planar mechanisms
-    of rigid links and joints, springs, and flexible beams by assumed shapes. Its motion is compared with mode 1.
+    An input file NAME.dat of the modes becomes a model file NAME.toml, or with --language a program: mechanisms of
+    rigid links and joints, springs, and flexible beams by assumed shapes. Its motion is compared with mode 1.
     """
     if model.suffix.lower() == ".dat":
         from spacar_cli.deck_export import export_deck
