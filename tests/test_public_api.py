@@ -16,8 +16,8 @@ from spacar.integrators import METHODS
 HOUSE = Path(__file__).parents[1]
 DATA = HOUSE / "data"
 CALLS = {"run": spacar.run, "frames": spacar.frames}
-FUNCTIONS = ("run", "frames", "read_deck", "parse_deck", "flexure")
-CLASSES = ("Deck", "Result", "Run", "Frame")
+FUNCTIONS = ("run", "frames", "read_deck", "parse_deck", "flexure", "sensitivity", "sweep", "trade")
+CLASSES = ("Deck", "Model", "Result", "Run", "Frame")
 
 
 @pytest.mark.parametrize("name", CALLS)

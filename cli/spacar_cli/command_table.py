@@ -12,10 +12,12 @@ COMMANDS = {
     "keywords": "the keywords of the input language",
     "examples": "list or copy the example models",
     "sweep": "parameter study: many values, one row of quantities each",
+    "sensitivity": "exact derivatives of stationary quantities by numbers of the file",
     "trade": "speed against accuracy of a model, and the cheapest setting",
     "draw": "picture or animation of the mechanism at chosen steps",
     "visual": "vibration and buckling modes, constraints, stresses as pictures",
     "plot": "time histories of results, or one quantity against another",
+    "view": "a page that turns, zooms and plays a result in a browser",
     "report": "one self-contained HTML page about a run",
     "checksbf": "what is in a result file, and whether it is sound",
     "getfrsbf": "print a variable of a result file",
@@ -35,4 +37,5 @@ COMMANDS = {
     "spacntrl": "fold feedback into a .ltv system",
     "matlab": "the folder with the files for MATLAB and Octave",
     "symbolic": "equations of motion of a model file by computer algebra",
+    "completion": "completion of the command line by the TAB key, for bash, zsh, fish",
 }

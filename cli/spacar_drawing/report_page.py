@@ -1,4 +1,4 @@
-"""The report of a run: a self-contained HTML page with embedded pictures, without scripts."""
+"""The report of a run: a self-contained HTML page with embedded pictures, without scripts but that of the viewer."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from spacar_drawing.mode_picture import constraint_still, mode_still
 from spacar_drawing.mode_shapes import buckling_modes, open_matrices, suitable_factor, vibration_modes
 from spacar_drawing.moving_figure import evenly
 from spacar_drawing.page_parts import html_figure, html_table, number_text, page
-from spacar_drawing.redundancy import redundancy
+from spacar_drawing.redundancy import redundancy, stored_gradient
 
 if TYPE_CHECKING:
 
@@ -33,11 +33,20 @@ MOST_MODES = 4
 _NAMED = (("Coordinates", "QNAME"), ("Speeds", "SNAME"), ("Inputs", "UNAME"), ("Outputs", "YNAME"))
 
 
-def report_page(source: PictureSource, expressions: Sequence[str] = (), log_lines: int = 120, view: str = "iso") -> str:
-    """The page of a result. Raises UsageError for an expression that cannot be evaluated."""
+def report_page(
+    source: PictureSource,
+    expressions: Sequence[str] = (),
+    log_lines: int = 120,
+    view: str = "iso",
+    viewer: bool = False,
+) -> str:
+    """The page of a result; `viewer`: with the moving picture of `spacar view` in it.
+
+    Raises UsageError for an expression that cannot be evaluated.
+    """
     scene = source.scene
     extras = Extras(view=view, title="")
-    parts = [_summary(source), _model(source, extras), _freedoms(source)]
+    parts = [_summary(source), _model(source, extras), _viewer(source, view) if viewer else "", _freedoms(source)]
     if not source.named and not scene.analysis.forces:
         parts.append(_constraints(source, extras))
     if scene.analysis.stationary:
@@ -176,6 +185,14 @@ def _model(source: PictureSource, extras: Extras) -> str:
     return out
 
 
+def _viewer(source: PictureSource, view: str) -> str:
+    """The page of `spacar view` in a frame of its own, which cannot reach this page."""
+    from spacar_drawing.viewer_page import view_page
+
+    page = escape(view_page(source, view=view), quote=True)
+    return f'<h2>Motion</h2><iframe class="viewer" sandbox="allow-scripts" title="motion" srcdoc="{page}"></iframe>'
+
+
 def _freedoms(source: PictureSource) -> str:
     if source.named:
         facts = [(title, ", ".join(_texts(source, ident)) or "none") for title, ident in _NAMED]
@@ -266,7 +283,7 @@ def _vibration_row(mode: ModeShape) -> tuple[str, ...]:
 def _constraints(source: PictureSource, extras: Extras) -> str:
     x = source.x(1)
     extent = look_of(source.scene, x[None], source.settings).size / SYMBOL
-    found = redundancy(source.scene, source.get("bigd", 1), extent)
+    found = redundancy(source.scene, stored_gradient(source, 1), extent)
     figure = constraint_still(source.scene, x, source.settings, extras, found, extent)
     text = f"{len(found.over)} over-constraints, {len(found.under)} under-constraints."
     return f"<h2>Constraints</h2><p>{text}</p>" + html_figure(

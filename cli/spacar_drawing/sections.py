@@ -76,10 +76,10 @@ def warping_function(section: SectionShape, y: Array, z: Array) -> Array | None:
     in the web: in the middle line of a wall no shear strain, d omega/dy = z.
     """
     if section.shape == "RECT":
-        return -y * z if section.dims[0] >= section.dims[1] else y * z
+        return -y * z if section.dims[0].real >= section.dims[1].real else y * z
     if section.shape == "I":
         _, h, _, tf = section.dims
-        return np.where(np.abs(z) >= 0.5 * h - tf, y * np.sign(z) * 0.5 * (h - tf), 0.0)
+        return np.where(np.abs(z.real) >= (0.5 * h - tf).real, y * np.sign(z.real) * 0.5 * (h - tf), 0.0)
     return None
 
 
@@ -93,14 +93,14 @@ def warping_shear(section: SectionShape, y: Array, z: Array) -> tuple[Array, Arr
     if section.shape == "RECT":
         w, h = section.dims[:2]
         Cw = (w * h) ** 3 / 144.0
-        if w >= h:
+        if w.real >= h.real:
             return np.zeros_like(y), y * (h**2 - 4.0 * z**2) / (8.0 * Cw)
         return -z * (w**2 - 4.0 * y**2) / (8.0 * Cw), np.zeros_like(y)
     if section.shape == "I":
         b, h, _, tf = section.dims
-        flange = np.abs(z) >= 0.5 * h - tf
+        flange = np.abs(z.real) >= (0.5 * h - tf).real
         peak = 1.5 / ((h - tf) * b * tf)
-        return np.where(flange, -np.sign(z) * peak * (1.0 - (2.0 * y / b) ** 2), 0.0), np.zeros_like(y)
+        return np.where(flange, -np.sign(z.real) * peak * (1.0 - (2.0 * y / b) ** 2), 0.0), np.zeros_like(y)
     return None
 
 
@@ -110,7 +110,7 @@ def rectangle_twist_stress(w: float, h: float, y: Array, z: Array) -> tuple[Arra
     Saint-Venant's series (Timoshenko and Goodier, art. 109) with the stress function phi, tau_xy = d phi/dz,
     tau_xz = -d phi/dy, for the side w along y, h along z; solved across the shorter side, where it converges fast.
     """
-    if w > h:
+    if w.real > h.real:
         t_z, t_y = rectangle_twist_stress(h, w, z, y)
         return -t_y, -t_z
     a, b = 0.5 * w, 0.5 * h  # a <= b
@@ -118,10 +118,12 @@ def rectangle_twist_stress(w: float, h: float, y: Array, z: Array) -> tuple[Arra
     k = n * np.pi / (2 * a)
     sign = (-1.0) ** ((n - 1) // 2)
     # cosh(kz)/cosh(kb) without overflow
-    zz = np.clip(np.abs(z.ravel()), 0, b)
+    side = np.sign(z.real.ravel())
+    zz = side * z.ravel()
+    zz = np.where(zz.real > b.real, b, zz)
     decay = np.exp(k * (zz - b))
     ratio_c = decay * (1 + np.exp(-2 * k * zz)) / (1 + np.exp(-2 * k * b))
-    ratio_s = decay * (1 - np.exp(-2 * k * zz)) / (1 + np.exp(-2 * k * b)) * np.sign(z.ravel())
+    ratio_s = decay * (1 - np.exp(-2 * k * zz)) / (1 + np.exp(-2 * k * b)) * side
     yy = y.ravel()
     factor = 16 * a / np.pi**2  # per G theta
     t_xy = -factor * np.sum(sign / n**2 * np.cos(k * yy) * ratio_s, axis=0)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from spacar.errors import UsageError
+from spacar.errors import AnalysisError, UsageError
 from spacar.linear.node_compliance import compliance_of, planar_maps, spatial_maps
 from spacar.modes import find_mode
 from spacar_formats.locate import notes, open_result
@@ -56,19 +56,22 @@ def node_compliance(
         columns = np.r_[x_columns, nxp[2] + nxp[3] + nep[2] + np.arange(nep[3])]
         if find_mode(int(np.ravel(sbd.header["MODE"])[0])).takes_setpoints:  # the prescribed ones have the matrices
             columns = np.arange(nxp[2] + nep[2])
-        transfer, x = _array(sbd, "dx", step), _array(sbd, "x", step).ravel()
-        K = sum(_array(sbm, k, step) for k in ("k0", "n0", "g0"))
-        if max(columns, default=-1) >= transfer.shape[1] or np.shape(K) != (len(columns), len(columns)):
-            raise UsageError(f"{sbd.path} and {sbm.path} do not fit together", "compliance.size")
-        if not (np.isfinite(K).all() and np.isfinite(transfer).all() and np.isfinite(x).all()):
-            raise UsageError(f"{sbd.path} or {sbm.path} has numbers that are not finite", "compliance.finite")
-        DX = transfer[:, columns]
+        planar = lnp[partner - 1, 3] == 0
+        rows = np.r_[lnp[node - 1, : 2 if planar else 3], lnp[partner - 1, : 1 if planar else 4]] - 1
+        x = _array(sbd, "x", step).ravel()
         t = float(_array(sbd, "T", step)[0, 0])
         warnings = [*notes(sbd), *notes(sbm)]
-    planar = lnp[partner - 1, 3] == 0
-    rows = np.r_[lnp[node - 1, : 2 if planar else 3], lnp[partner - 1, : 1 if planar else 4]] - 1
+        if sbm.has("ktan"):  # of a large model
+            compliance = _sparse(_array(sbm, "ktan", step), nxp, rows)
+        else:
+            transfer = _array(sbd, "dx", step)
+            K = sum(_array(sbm, k, step) for k in ("k0", "n0", "g0"))
+            if max(columns, default=-1) >= transfer.shape[1] or np.shape(K) != (len(columns), len(columns)):
+                raise UsageError(f"{sbd.path} and {sbm.path} do not fit together", "compliance.size")
+            if not (np.isfinite(K).all() and np.isfinite(transfer).all() and np.isfinite(x).all()):
+                raise UsageError(f"{sbd.path} or {sbm.path} has numbers that are not finite", "compliance.finite")
+            compliance = compliance_of(np.asarray(K), transfer[:, columns][rows])
     fixed, body = (planar_maps if planar else spatial_maps)(x[lnp[partner - 1, : 1 if planar else 4] - 1])
-    compliance = compliance_of(np.asarray(K), DX[rows])
     return NodeCompliance(t, node, partner, fixed @ compliance @ fixed.T, body @ compliance @ body.T), warnings
 
 
@@ -96,3 +99,27 @@ def _orientation(lnp: np.ndarray, ln: np.ndarray, node: int) -> int:
         return found.pop()
     reason = f"one of {', '.join(map(str, sorted(found)))}" if found else "no element has one at this node"
     raise UsageError(f"node {node}: name its orientation node ({reason})", "compliance.node")
+
+
+def _sparse(entries: np.ndarray, nxp: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """dx/df of these coordinates from the tangent in mixed form (`ktan`, reference/files.md section 5)."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.linalg import splu
+
+    first, second = nxp[0] + np.arange(nxp[1]), nxp[:3].sum() + np.arange(nxp[3])
+    place = np.full(nxp.sum(), -1)
+    place[np.r_[first, second]] = np.arange(nxp[1] + nxp[3])
+    A = coo_array((entries[:, 2], (entries[:, 0].astype(int) - 1, entries[:, 1].astype(int) - 1))).tocsc()
+    moving = np.flatnonzero(place[rows] >= 0)
+    out = np.zeros((len(rows), len(rows)))
+    unit = np.zeros((A.shape[0], len(moving)))
+    unit[place[rows[moving]], np.arange(len(moving))] = 1.0
+    text = "the stiffness is singular (critical load or rigid motion): there is no compliance"
+    try:
+        solution = splu(A).solve(unit)[place[rows[moving]]]
+    except RuntimeError:
+        raise AnalysisError(text, "compliance.singular") from None
+    if not np.isfinite(solution).all():
+        raise AnalysisError(text, "compliance.singular")
+    out[np.ix_(moving, moving)] = solution
+    return out

@@ -64,6 +64,8 @@ class Dimensions:
         """The unit of a variable that exists; None for those of the linearized equations."""
         if name == "t":
             return NONE if self.stationary else unit(s=1)
+        if name == "frequency":
+            return unit(Hz=1)
         if name in ("eigval", "lmult"):
             return unit(s=-1) if name == "eigval" else NONE
         order = ORDERS.get(name)

@@ -24,8 +24,8 @@ def command(
     """Compliance of a position node and its orientation node in a result of mode 7, 8, 9 or 10.
 
     The displacements and small rotations (6, planar 3) by unit forces and moments at the loaded state, along the global
-    axes and along the axes of the orientation node. Needs dx in the result (OUTLEVEL 0 1, the default of these modes).
-    The tables are in the unit of length of the input (UNITS), JSON in SI.
+    axes and along the axes of the orientation node. Needs dx in the result (OUTLEVEL 0 1, the default of these modes),
+    or of a large model its sparse tangent ktan. The tables are in the unit of length of the input (UNITS), JSON in SI.
     """
     import numpy as np
     from spacar_drawing.picture_source import open_source

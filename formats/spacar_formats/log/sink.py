@@ -26,6 +26,10 @@ from spacar_formats.safety import backup_path
 
 NOTICE = "Licensed under the Apache License, version 2.0; provided without warranty of any kind."
 
+# Failures that docs/convergence.md explains, by the beginning of their codes.
+EXPLAINED = ("position.", "statics.", "integrator.", "dynamics.singular-mass", "mechanism.count")
+ADVICE = "Causes, and what to try: docs/convergence.md of spacar, by message."
+
 
 class LogSink:
     """Writes NAME.log. Raises UsageError when the file cannot be created.
@@ -112,7 +116,8 @@ class LogSink:
             return [*found, "The input is wrong; nothing was analysed."]
         code = error.code if isinstance(error, SpacarError) else "internal"
         name = "" if isinstance(error, SpacarError) else f"{type(error).__name__}: "
-        return [f"error: {name}{error} [{code}]", "The analysis failed.", *kept]
+        advice = [ADVICE] if code.startswith(EXPLAINED) else []
+        return [f"error: {name}{error} [{code}]", "The analysis failed.", *advice, *kept]
 
     def _write(self, lines: Iterable[str]) -> None:
         text = "\n".join(lines)
