@@ -2,7 +2,7 @@
 
 source -> Scene and coordinates -> shapes (lines, faces, marks) -> paint on a matplotlib figure. The public functions
 are `draw`, `animate`, `plot`, `report`, `stress`, `view`, `flexure_page` and `flexure_plot`; methods of `Result` and
-`Flexure` call them. No window opens unless a function of `window` is called; matplotlib is imported only where it draws.
+`Flexure` call them. No window opens unless a function of `window` is called; matplotlib is imported where it draws.
 
 >>> import spacar
 >>> from spacar_drawing import draw

@@ -72,13 +72,35 @@ def moments(section: SectionShape) -> Moments | None:
 def warping_function(section: SectionShape, y: Array, z: Array) -> Array | None:
     """Unit warping omega [m^2] at points of a section (theory-warping.md section 2), None where it does not warp.
 
-    Rectangle -y z; I section -y z_m in the flanges, z_m their middle lines, and zero in the web.
+    Rectangle -y z, thin along z (+y z, thin along y); I section y z_m in the flanges, z_m their middle lines, and zero
+    in the web: in the middle line of a wall no shear strain, d omega/dy = z.
     """
     if section.shape == "RECT":
-        return -y * z
+        return -y * z if section.dims[0].real >= section.dims[1].real else y * z
     if section.shape == "I":
         _, h, _, tf = section.dims
-        return np.where(np.abs(z.real) >= (0.5 * h - tf).real, -y * np.sign(z.real) * 0.5 * (h - tf), 0.0)
+        return np.where(np.abs(z.real) >= (0.5 * h - tf).real, y * np.sign(z.real) * 0.5 * (h - tf), 0.0)
+    return None
+
+
+def warping_shear(section: SectionShape, y: Array, z: Array) -> tuple[Array, Array] | None:
+    """Shear stresses (tau_xy, tau_xz) [1/m^3] at points of a section per warping torque -dB/dx; None without warping.
+
+    They balance the change of the normal stress B omega/Cw along the beam, d tau_xz/dz = T_w omega/Cw, and vanish on
+    the faces; their torque is the warping torque. Rectangle, as in a plate: tau_xz = T_w y (t^2 - 4 z^2)/(8 Cw), thin
+    along z; 9 T_w/(w^2 t) in the middle of the edges. I section: the shear force T_w/(h - tf) of a flange, parabolic.
+    """
+    if section.shape == "RECT":
+        w, h = section.dims[:2]
+        Cw = (w * h) ** 3 / 144.0
+        if w.real >= h.real:
+            return np.zeros_like(y), y * (h**2 - 4.0 * z**2) / (8.0 * Cw)
+        return -z * (w**2 - 4.0 * y**2) / (8.0 * Cw), np.zeros_like(y)
+    if section.shape == "I":
+        b, h, _, tf = section.dims
+        flange = np.abs(z.real) >= (0.5 * h - tf).real
+        peak = 1.5 / ((h - tf) * b * tf)
+        return np.where(flange, -np.sign(z.real) * peak * (1.0 - (2.0 * y / b) ** 2), 0.0), np.zeros_like(y)
     return None
 
 

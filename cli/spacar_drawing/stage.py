@@ -158,14 +158,14 @@ def _space_grid(axes: Axes, camera: Camera, low: Array, high: Array) -> None:
         along = (b - a) / np.linalg.norm(b - a)
         out = np.array([-along[1], along[0]])
         out *= np.sign(out @ (0.5 * (a + b) - centre)) or 1.0
-        beside = out[0] < -0.8  # numbers to the left of an edge end at it
+        beside, behind = out[0] < -0.8, out[0] > 0.8  # numbers beside an upright edge end or begin at it
         for place, value in zip(places, lists[k], strict=True):
             axes.annotate(
                 _length(value, camera.metre),
                 tuple(place),
-                xytext=tuple((5 if beside else 9) * out),
+                xytext=tuple((5 if beside or behind else 9) * out),
                 textcoords="offset points",
-                ha="right" if beside else "center",
+                ha="right" if beside else "left" if behind else "center",
                 va="center",
                 fontsize=7.5,
                 color=INK,
@@ -175,11 +175,11 @@ def _space_grid(axes: Axes, camera: Camera, low: Array, high: Array) -> None:
         axes.annotate(
             f"{name} ({shown_in('m', camera.metre)[1]})",
             tuple(0.5 * (a + b)),
-            xytext=tuple((40 if beside else 27) * out),
+            xytext=tuple((40 if beside else 34 if behind else 27) * out),
             textcoords="offset points",
             ha="center",
             va="center",
-            rotation=90.0 if out[0] > 0.8 else 0.0,  # the margin to the right is narrow
+            rotation=90.0 if behind else 0.0,  # the margin to the right is narrow
             fontsize=8.5,
             color=INK,
             zorder=3,

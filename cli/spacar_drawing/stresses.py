@@ -7,8 +7,8 @@ Qy = (Mz_p - Mz_q)/l0, Qz = (My_q - My_p)/l0. Planar beams: e2, e3 have the oppo
 Q of (5), which is exact at the ends. Spatial beams: first order terms only.
 
 With warping (theory-warping.md section 5): the bimoment runs linearly from l0^2 sigma7 to l0^2 sigma8, the torque is
-l0 (sigma2 + sigma7 - sigma8), of which GIt times the local twist rate has Saint-Venant's shear stresses; normal stress
-B omega/Cw. The small shear stresses that belong to warping itself are left out.
+l0 (sigma2 + sigma7 - sigma8), of which GIt times the local twist rate has Saint-Venant's shear stresses; the rest, the
+warping torque, has those that balance the change of the normal stress B omega/Cw (`sections.warping_shear`).
 
 Stresses at the points of a cross-section: sigma_x = N/A - Mz y/Iz + My z/Iy; shear of the torque (circle T r/J,
 rectangle by Saint-Venant's series, hollow rectangle by Bredt) and of the shear forces (parabola with the peak 3/2 Q/A
@@ -24,7 +24,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar_drawing.scene import Element, Scene
-from spacar_drawing.sections import Moments, moments, rectangle_twist_stress, warping_function
+from spacar_drawing.sections import Moments, moments, rectangle_twist_stress, warping_function, warping_shear
 from spacar_drawing.settings import SectionShape
 
 GRID = 15  # points across a section in each direction
@@ -181,6 +181,10 @@ def stress_field(
         shear_y = shear_z = np.full(len(y), 2.0 / m.A)
     tau_y = np.outer(twisting, ty) + np.outer(r.Qy, shear_y)
     tau_z = np.outer(twisting, tz) + np.outer(r.Qz, shear_z)
+    warped = None if r.Ts is None else warping_shear(section, y, z)
+    if r.Ts is not None and warped is not None:
+        tau_y = tau_y + np.outer(r.T - r.Ts, warped[0])
+        tau_z = tau_z + np.outer(r.T - r.Ts, warped[1])
     if np.iscomplexobj(normal):  # a direction (spacar_drawing.stress_derivatives)
         return normal, np.sqrt(tau_y * tau_y + tau_z * tau_z)
     return normal, np.hypot(tau_y, tau_z)

@@ -43,9 +43,7 @@ def stiffness_figure(study: Flexure, body: bool = False) -> Figure | None:
         return None
     figure = _figure(study, [*k, *left])
     for axes in figure.axes[: len({c.unit for c in k})]:
-        low = min(np.nanmin(np.abs(line.get_ydata())) for line in axes.lines)
-        if low > 0.0:
-            _logarithmic(axes)
+        _logarithmic(axes)
     return figure
 
 
@@ -112,6 +110,11 @@ def _figure(study: Flexure, columns: Sequence[Column]) -> Figure:
 
 
 def _logarithmic(axes: Axes) -> None:
+    """Where the values span more than a decade and have one sign."""
+    values = np.concatenate([np.asarray(line.get_ydata(), float) for line in axes.lines])
+    values = values[np.isfinite(values)]
+    if not len(values) or values.min() <= 0.0 or values.max() < 10.0 * values.min():
+        return
     axes.set_yscale("log")
     axes.tick_params(axis="y", which="both", labelsize=8, colors=INK, length=0)
 

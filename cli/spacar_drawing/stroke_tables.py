@@ -38,18 +38,22 @@ def stroke_tables(study: Flexure, body: bool = False) -> list[StrokeTable]:
     first = [f"f_{i}" for i in range(1, 1 + min(MOST_FREQUENCIES, study.frequencies.shape[1]))]
     last = [*first, "f_drive", "margin", "margin_free", "mises", "mises_element", "mises_place"]
     ideal = "axis" if study.errors.turning else "line"
-    return [
+    if np.isnan(by_name["mises"].values).all():
+        last = [name for name in last if not name.startswith("mises")]
+    left = [by_name[f"remaining_{d}"] for d in chosen]
+    tables = [
         _table(study, "Force and energy", [by_name[n] for n in ("force", "drive_stiffness", "work", "energy")]),
         _table(study, f"Motion of node {study.node.position}", motion,
                f"errors against the {ideal} of the undeflected state"),
         _table(study, f"Support stiffness of node {study.node.position}, drive locked ({axes})",
                [by_name[f"k_{d}"] for d in chosen]),
-        _table(study, "Remaining support stiffness", [by_name[f"remaining_{d}"] for d in chosen],
+        _table(study, "Remaining support stiffness", [c for c in left if _known(c)],
                "in % of the undeflected state"),
         _table(study, "Frequencies, buckling, stress", [by_name[n] for n in last if _known(by_name[n])],
                "f 1, f 2 ... with the drive locked, f 1 is the first unwanted one; f drive: of the free drive; "
                "margin: lowest load multiplier"),
     ]  # fmt: skip
+    return [table for table in tables if len(table.heads) > 1]
 
 
 def shown_column(study: Flexure, column: Column) -> tuple[str, Array]:

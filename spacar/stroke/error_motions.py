@@ -17,6 +17,7 @@ import numpy as np
 
 from spacar.arrays import Array
 
+NEAR = 3.0  # sizes of the mechanism: a pole so near is a pivot
 AT_INFINITY = 1e-9  # |w| length / |v| below which the body only translates
 
 
@@ -28,7 +29,7 @@ class ErrorMotions:
     body only translates)
     angle    (k,) rotation about the axis [rad];  tangent, axis  (3,) unit vectors, zero where they do not exist
     pivot    (3,) the ideal pivot in the undeflected state [m]
-    turning  is the ideal motion a rotation: is the pivot nearer than `length` to the node?
+    turning  is the ideal motion a rotation: is the pivot nearer than NEAR times the size of the mechanism to the node?
     """
 
     displacement: Array
@@ -45,25 +46,27 @@ class ErrorMotions:
 
 
 def error_motions(
-    places: Array, turns: Array, moves: Array, spins: Array, zero: int, length: float, pivot: Array | None = None
-) -> ErrorMotions:
+    places: Array, turns: Array, moves: Array, spins: Array, zero: int, length: float, pivot: Array | None = None,
+    turned: bool = False,
+) -> ErrorMotions:  # fmt: skip
     """Of a node at `places` (k, 3) with Euler parameters `turns` (k, 4), velocities `moves` and `spins` (k, 3) by the
     drive, `zero` the undeflected state, `length` the size of the mechanism [m], `pivot` (3,) the ideal pivot, if it is
-    not the pole of the undeflected state."""
+    not the pole of the undeflected state; `turned`: the drive turns the body itself."""
     displacement = places - places[zero]
     rotation = np.array([rotation_vector(turn, turns[zero]) for turn in turns])
     pole = np.array([_pole(*state, length) for state in zip(places, moves, spins, strict=True)])
     tangent, axis = _unit(moves[zero]), _unit(spins[zero])
     if not np.isfinite(pole[zero]).all():
         axis = np.zeros(3)
-    turning = pivot is not None or bool(np.linalg.norm(pole[zero] - places[zero]) < length)
+    distance = float(np.linalg.norm(pole[zero] - places[zero]))  # nan where the body only translates
+    turning = pivot is not None or distance < NEAR * length or (turned and np.isfinite(distance))
     centre = pole[zero] if pivot is None else pivot
     arm = centre - places[zero]
     shift = displacement + np.array([rotated(theta, arm) for theta in rotation]) - arm
     angle = rotation @ axis
     return ErrorMotions(
         displacement, rotation, displacement - np.outer(displacement @ tangent, tangent), shift,
-        rotation - np.outer(angle, axis), pole, angle, tangent, axis, centre, turning,
+        rotation - np.outer(angle, axis), pole, angle, tangent, axis, centre, bool(turning),
     )  # fmt: skip
 
 

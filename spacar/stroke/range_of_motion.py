@@ -30,6 +30,7 @@ from spacar.stroke.station import Station, free_compliance, station
 from spacar.stroke.stroke_move import StrokeMove, parse_move
 from spacar.stroke.work import drive_work, load_work, moment_work
 
+OURS = {"load_steps", "store_every", "stationary_type"}
 WITH_INITIAL = 2  # ITERSTEP type: the initial loading first, then the additional one
 
 
@@ -53,6 +54,8 @@ def flexure(
     Raises UsageError and InputError for what is asked wrongly, AnalysisError where a state cannot be computed.
     """
     options = checked_options(options)[0]
+    if taken := OURS & options.keys():
+        raise UsageError(f"{', '.join(sorted(taken))}: the steps of the stroke are set by `steps`", "flexure.steps")
     if steps < 1 or modes < 1:
         raise UsageError(f"steps = {steps} and modes = {modes} must be at least 1", "flexure.steps")
     deck = (source if isinstance(source, Deck) else read_deck(source, 10)).for_mode(10)
@@ -175,7 +178,7 @@ def _joined(deck: Deck, move: StrokeMove, sides: Sequence[_Side], pivot: Array |
     errors = error_motions(
         np.array([node.place(s.frame.x) for s in stations]), np.array([node.turn(s.frame.x) for s in stations]),
         np.array([m for m, _ in moving]), np.array([w for _, w in moving]), zero, first.mechanism.length,
-        pivot,
+        pivot, move.unit == "rad" and move.number == node.orientation,
     )  # fmt: skip
     return Flexure(
         deck.source, move, node, deck.metre, zero, stroke, force, slope,

@@ -10,8 +10,11 @@ import json
 
 import numpy as np
 import pytest
+from scipy.integrate import simpson
 from spacar_cli.main import main
 from spacar_drawing import stress
+from spacar_drawing.sections import warping_function, warping_shear
+from spacar_drawing.settings import SectionShape
 from spacar_drawing.stresses import QUANTITIES
 
 import spacar
@@ -110,12 +113,42 @@ def test_bimoment_and_warping_stress():
     one = found.largest("normal")
     assert abs(one.value) == pytest.approx(36 * B / (w * t) ** 2, rel=1e-3)
     assert (one.element, one.xi, abs(one.y), abs(one.z)) == (1, 0.0, w / 2, t / 2)
-    # shear stress from GIt times the twist rate, zero at the clamp and T(1 - 1/cosh kL) at the free end
+    # shear stress from GIt times the twist rate, zero at the clamp and T(1 - 1/cosh kL) at the free end; at the clamp
+    # that of the warping torque, as in a plate: 3/2 times the shear force of a strip that turns about its middle line
     end = int(np.flatnonzero(found.elements == 16)[0])
     twist = M * (1 - 1 / np.cosh(k))
     plain = bar(f"XF 5 {twist} 0. 0.", section=f"RECT {w} {t}").stress().largest("shear").value
     assert found["shear"][0, end, -1] == pytest.approx(plain, rel=2e-3)
-    assert found["shear"][0, 0, 0] < 1e-3 * plain
+    assert found["shear"][0, 0, 0] == pytest.approx(9 * M / (w**2 * t), rel=2e-3)
+    np.testing.assert_allclose(np.abs(found.places["shear"][0, 0, 0]), [w / 2, 0.0], atol=1e-12)
+
+
+@pytest.mark.parametrize("dims", [(0.05, 5e-4), (5e-4, 0.05), (0.02, 0.01)])
+def test_warping_shear_of_a_rectangle(dims):
+    """It balances the change of the normal stress at every point, vanishes on the outline and has the torque T_w."""
+    w, h = dims
+    section, Cw = SectionShape("RECT", dims), (w * h) ** 3 / 144
+    y, z = np.meshgrid(np.linspace(-0.5, 0.5, 101) * w, np.linspace(-0.5, 0.5, 101) * h, indexing="ij")
+    ty, tz = warping_shear(section, y, z)
+    change = -warping_function(section, y, z) / Cw  # dB/dx = -1
+    divergence = np.gradient(ty, y[:, 0], axis=0) + np.gradient(tz, z[0], axis=1)
+    np.testing.assert_allclose((change + divergence)[1:-1, 1:-1], 0.0, atol=1e-9 * np.abs(change).max())
+    faces = np.concatenate((ty[0], ty[-1], tz[:, 0], tz[:, -1]))
+    np.testing.assert_allclose(faces, 0.0, atol=1e-12 * np.hypot(ty, tz).max())
+    torque = simpson(simpson(y * tz - z * ty, x=z[0]), x=y[:, 0])
+    assert torque == pytest.approx(1.0, rel=1e-9)
+
+
+def test_warping_shear_of_an_i_section():
+    """The flanges carry T_w/(h - tf) each, in opposite directions."""
+    b, h, tw, tf = 0.1, 0.2, 5.6e-3, 8.5e-3
+    y = np.linspace(-0.5, 0.5, 101) * b
+    section = SectionShape("I", (b, h, tw, tf))
+    forces = [simpson(warping_shear(section, y, np.full(101, side * 0.5 * (h - tf)))[0], x=y) * tf for side in (1, -1)]
+    np.testing.assert_allclose(forces, [-1 / (h - tf), 1 / (h - tf)], rtol=1e-6)
+    change = -warping_function(section, y, np.full(101, 0.5 * (h - tf))) / (tf * b**3 * (h - tf) ** 2 / 24)
+    slope = np.gradient(warping_shear(section, y, np.full(101, 0.5 * (h - tf)))[0], y)
+    np.testing.assert_allclose((change + slope)[1:-1], 0.0, atol=1e-9 * np.abs(change).max())
 
 
 def test_planar_beams():

@@ -114,6 +114,7 @@ XM 4 2.
 END END
 """
     study = spacar.flexure(parse_deck(text), move="e[1,1]=+-0.5", steps=4, node=4, orientation=3)
+    assert study.errors.turning
     assert study.errors.pole == pytest.approx(np.zeros((9, 3)), abs=1e-12)
     assert study.errors.pivot_shift == pytest.approx(np.zeros((9, 3)), abs=1e-12)
     assert study.errors.angle == pytest.approx(study.stroke, abs=1e-12)

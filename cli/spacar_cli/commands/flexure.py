@@ -11,7 +11,7 @@ from spacar.errors import UsageError
 from spacar.options import BEAMS
 from spacar_cli.environment import Environment
 from spacar_cli.number_types import Whole
-from spacar_cli.status import tell
+from spacar_cli.status import tell, tell_messages
 
 if TYPE_CHECKING:
     from spacar.stroke import Flexure
@@ -70,8 +70,10 @@ def command(
         from spacar_drawing.files import check_name
 
         check_name(plot, film=False)
+    deck = spacar.read_deck(input_file(file), 10)
+    tell_messages(environment, deck.messages, ("warning",))
     study = spacar.flexure(
-        input_file(file), orientation=orientation or 0, pivot=None if pivot is None else _pivot(pivot), **asked
+        deck, orientation=orientation or 0, pivot=None if pivot is None else _pivot(pivot), **asked
     )
     body = axes == "body"
     for warning in study.warnings:

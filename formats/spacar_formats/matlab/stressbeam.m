@@ -18,8 +18,9 @@ function [stress, coordinates, elements, extrema] = stressbeam(file, elements, s
 % Normal stress N/A - Mz y/Iz + My z/Iy; shear of the torque (circle T r/J, rectangle by Saint-Venant's series, hollow
 % rectangle by Bredt) and of the shear forces (parabola with the peak 3/2 Q/A, circle 4/3 Q/A, thin walls 2 Q/A); von
 % Mises sqrt(sigma^2 + 3 tau^2). Resultants: docs/reference/theory-spatial.md section 3.5, theory-planar.md section 3.1.
-% The same numbers as those of `spacar visual --stress`. The torque of a BEAMW is the part with Saint-Venant's shear stress;
-% its bimoment B adds -144 B y z/(w t)^3, 36 |B|/(w t)^2 at the corners, when OPTIONS.warping says so.
+% The same numbers as those of `spacar visual --stress`, but without the shear stress of warping: the torque of a BEAMW is the
+% part with Saint-Venant's shear stress; its bimoment B adds -144 B y z/(w t)^3, 36 |B|/(w t)^2 at the corners, when
+% OPTIONS.warping says so.
 %
 % See also getfrsbf, spavisual.
   if nargin < 5, error('spacar:arguments', 'stressbeam needs a file, elements, a step, options and sections'); end
