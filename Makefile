@@ -23,8 +23,9 @@ define environment
 	fi
 endef
 
-# The C text of the engine: an installation with another one builds it again.
-ENGINE := hatch_build.py $(wildcard spacar/compiled/*.c)
+# The C text of the engine and what it is generated from: an installation with another one builds it again.
+ENGINE := hatch_build.py $(wildcard spacar/compiled/*.c) \
+          $(addprefix spacar/compiled/,definitions.py element_parameters.py generate.py)
 
 $(VENV)/.installed: pyproject.toml $(ENGINE)
 	$(environment)
@@ -69,7 +70,9 @@ lint: $(VENV)/.installed-dev
 fuzz: $(VENV)/.installed-dev
 	$(BIN)/python -m tests.fuzz $(FUZZ)
 
+# Beside other programs, where they are installed (pip install -e '.[peers]'), then our own cases. PEERS="--only S1b" ...
 bench: $(VENV)/.installed-dev
+	$(BIN)/python benchmarks/peers/compare.py $(PEERS)
 	$(BIN)/python benchmarks/run.py
 
 docs: $(VENV)/.installed-docs

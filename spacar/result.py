@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Array
 from spacar.errors import UsageError
+from spacar.expressions.frequencies import frequencies
 from spacar.expressions.result_places import ELEMENT, NODE, place
 from spacar.frame import Frame, StoredFrames
 from spacar.mechanism.result_tables import model_tables
@@ -26,7 +27,7 @@ X_VARIABLES = ("x", "xd", "xdd", "fx", "fxgrav", "fxtot", "xcompl", "xerr")
 E_VARIABLES = ("e", "ed", "edd", "sig")
 # Named, not imported: pictures and summaries lie above results.
 DRAWING, SUMMARY = "spacar_drawing", "spacar.summary"
-SAVING, TABLES = "spacar_formats.saving", "spacar_formats.tables"
+FILES, SAVING, TABLES = "spacar_formats.getss", "spacar_formats.saving", "spacar_formats.tables"
 
 
 @dataclass(frozen=True, repr=False)
@@ -70,6 +71,14 @@ class Result:
         """Stress resultants and stresses along the beams as numbers; options as `spacar_drawing.stress`."""
         return import_module(DRAWING).stress(self, **options)
 
+    def ss(self, step: int = 1) -> Any:
+        """A, B, C, D of a step (from 1, -1 the last) of mode 3, 4 or 9, with the names of states, inputs and outputs.
+
+        `A, B, C, D = result.ss()`; `.to_scipy()`, `.to_control()` for other libraries. Raises UsageError for another
+        mode or step.
+        """
+        return import_module(FILES).state_space_of(self, step)
+
     def save(self, name: str | Path, wait: bool = False) -> tuple[Path, ...]:
         """Write NAME.log, NAME.sbd and what else the mode fills, as `spacar MODE NAME` does. Their paths, log first.
 
@@ -106,13 +115,7 @@ class Result:
         """(steps, n) |eigenvalue| / 2 pi [Hz] from low to high, one for each pair of complex eigenvalues; nan fills up
         steps with fewer. Raises UsageError when the mode computes no eigenvalues.
         """
-        every = self["eigval"]
-        rows = []
-        for values in every:
-            size = np.hypot(values[:, 0], values[:, 1]) / (2.0 * np.pi)
-            rows.append(np.sort(size[values[:, 1] >= 0.0]))  # real ones do not come in pairs
-        longest = max(map(len, rows))
-        return np.array([np.pad(row, (0, longest - len(row)), constant_values=np.nan) for row in rows])
+        return frequencies(self["eigval"])
 
     @property
     def lnp(self) -> NDArray[np.int64]:

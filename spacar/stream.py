@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 # Named, not imported: it lies above the analyses, which it runs several times.
-ACCURATE = "spacar.studies.accuracy:forward"
+ACCURATE = "spacar.studies.accurate_frames:frames"
 SAVING = "spacar_formats.saving"  # result files lie above the core
 
 
@@ -38,10 +38,11 @@ class Sink(Protocol):
 @dataclass(frozen=True)
 class AccuracyRequest:
     """Accuracy of the result that is asked for: error over amplitude (None: only measured), over these expressions
-    (none: all free coordinates)."""
+    (none: what `spacar.studies.result_quantities` says). `mesh`: flexible beams may be divided for it."""
 
     target: float | None = None
     variables: tuple[str, ...] = ()
+    mesh: bool = True
 
 
 @dataclass

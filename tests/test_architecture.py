@@ -48,7 +48,8 @@ RANKS = {
     "linear": 9,
     "inverse": 10,
     "simulation": 11,
-    "studies": 12,
+    "studies": 12, "stroke": 12,
+    "sensitivities": 13,
 }  # fmt: skip
 
 

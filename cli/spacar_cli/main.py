@@ -21,6 +21,7 @@ from spacar.errors import UsageError
 from spacar.modes import MODES
 from spacar_cli.command_table import COMMANDS
 from spacar_cli.environment import Environment, give_up_output, open_missing_streams
+from spacar_cli.interruption import lasting
 from spacar_cli.status import ExitStatus, tell, tell_error
 
 if TYPE_CHECKING:
@@ -133,7 +134,7 @@ def main(arguments: Sequence[str] | None = None, environment: Environment | None
         words = [word for word in words if word != "--debug"]
     else:
         warnings.simplefilter("ignore")  # of libraries; ours are messages
-    with redirect_stdout(env.stdout), redirect_stderr(env.stderr):
+    with redirect_stdout(env.stdout), redirect_stderr(env.stderr), lasting():
         try:
             if any("\0" in word for word in words):
                 raise UsageError("a word of the command line has a zero byte in it", "usage")

@@ -41,7 +41,7 @@ def count_failure(kinematics: Position) -> AnalysisError:
     """Numbers of unknowns and equations differ."""
     mechanism = kinematics.mechanism
     kinematics.sweep.strain(mechanism.x0)
-    diagnosis = diagnose(mechanism, kinematics.sweep.gradient())
+    diagnosis = diagnose(mechanism, kinematics.sweep)
     rows, columns = diagnosis.n_rows, diagnosis.n_columns
     if rows == columns:
         rows, columns = len(kinematics.h), len(kinematics.c)
@@ -59,10 +59,7 @@ def count_failure(kinematics: Position) -> AnalysisError:
 
 def singular_failure(kinematics: Position, x: Array, error: SingularMatrixError) -> AnalysisError:
     """The matrix of the position problem is singular at x."""
-    if len(kinematics.E) > LARGEST_DIAGNOSED:
-        text = f"the position cannot be determined: {error}; `spacar 0` looks for the reason"
-        return AnalysisError(text, "position.singular")
-    diagnosis = diagnose(kinematics.mechanism, kinematics.sweep.gradient(), x)
+    diagnosis = diagnose(kinematics.mechanism, kinematics.sweep, x)
     text = (
         f"the position cannot be determined: {error}; {_candidates(diagnosis)};"
         " choose other degrees of freedom, or the mechanism is in a singular position"
@@ -118,7 +115,7 @@ def _singular_choice(kinematics: Position, x: Array) -> str:
     """The cause, when the choice of degrees of freedom is singular at the reference configuration already; else ""."""
     mechanism, sweep = kinematics.mechanism, kinematics.sweep
     sweep.strain(mechanism.x0)
-    diagnosis = diagnose(mechanism, sweep.gradient(), mechanism.x0)
+    diagnosis = diagnose(mechanism, sweep, mechanism.x0)
     sweep.strain(x)
     if not (diagnosis.over or diagnosis.under):
         return ""

@@ -43,10 +43,12 @@ from spacar.errors import AnalysisError
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.kinematics.fold import is_single_root
 from spacar.linear_systems import LinearSystem, SingularMatrixError, assemble
+from spacar.linear_systems.matrix import DENSE_LIMIT, matrix
 from spacar.mechanism.mechanism import Mechanism
 
 CONVERGED = 1e-11  # largest scaled correction that ends Newton's iteration: the relative error of velocities
 ROUNDING = 64.0 * float(np.finfo(float).eps)  # of the scaled residual, per unit of the numbers that enter it
+MANY_RATES = 20_000  # rates at once from which one product with a sparse matrix is faster than a sum a column
 MAX_ITERATIONS = 20
 MAX_HALVINGS = 5
 GROWN = 1e-6  # chosen: a residual that doubles but stays below has its correction not halved. Accepts nothing; without
@@ -316,17 +318,22 @@ class Kinematics:
         Serves velocities (e_rate = ed), accelerations (e_rate = edd - H(xd, xd)) and columns of transfer functions.
         """
         v = given.copy()
-        Vv = self.sweep.rate(v) if v.ndim == 1 else self.sweep_rates(v)
-        v[self.U] = self.velocity_system.solve(e_rate[self.E] - Vv[self.E])
+        right = e_rate[self.E]  # a copy
+        if v.ndim == 1:
+            right -= self.sweep.rate(v)[self.E]
+        else:
+            columns = np.flatnonzero(v.any(axis=0))
+            right[:, columns] -= self.sweep_rates(v[:, columns])[self.E]
+        v[self.U] = self.velocity_system.solve(right)
         return v
 
     def sweep_rates(self, v: Array) -> Array:
         """V v for several columns, (ne, k)."""
-        return (
-            np.column_stack([self.sweep.rate(column) for column in v.T])
-            if v.shape[1]
-            else np.zeros((self.numbering.ne, 0))
-        )
+        ne, nx = self.numbering.ne, self.numbering.nx
+        if v.shape[1] * ne > MANY_RATES and max(ne, nx) > DENSE_LIMIT:
+            rates = matrix(self.sweep.v_rows, self.sweep.v_columns, self.sweep.v_entries, (ne, nx)) @ v
+            return np.asarray(rates)
+        return np.column_stack([self.sweep.rate(column) for column in v.T]) if v.shape[1] else np.zeros((ne, 0))
 
     def reactions(self, force: Array, sigma: Array) -> None:
         """Multipliers: write sigma[E] so that (force + V^T sigma) vanishes on U (theory-system.md (10)).

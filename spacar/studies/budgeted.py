@@ -21,7 +21,18 @@ from spacar.studies.accuracy import stiff
 from spacar.studies.error_norm import distance
 from spacar.studies.models import flexible_beams, refine
 from spacar.studies.rows import Row
-from spacar.studies.trade import Job, Reference, Setup, Trade, reference, reference_setups, run_setup
+from spacar.studies.trade import (
+    Job,
+    Reference,
+    Setup,
+    Trade,
+    assess,
+    recommend,
+    reference,
+    reference_setups,
+    run_setup,
+)
+from spacar.studies.unneeded import Price, prices
 
 METHODS, STIFF_METHODS = (155, 853, 0), (595, 553)
 MESHES = (1, 2, 4, 8)  # elements in the place of a beam, stationary modes
@@ -43,13 +54,14 @@ class TradeSearch:
     against: list[Setup] = field(default_factory=list)
     reference: Reference | None = None
     skipped: int = 0
+    end: float = 0.0  # of the budget, on the clock of time.perf_counter
 
 
 def search(trade: Trade, target: float, budget: float, tick: Tick = lambda _what, _left: None) -> TradeSearch:
     """Reference, then the settings from cheap to dear, within `budget` seconds. Raises UsageError, and AnalysisError
     when the reference cannot be computed in its part of the budget."""
     begun = time.perf_counter()
-    found = TradeSearch(trade)
+    found = TradeSearch(trade, end=begun + budget)
 
     def left(part: float = 1.0) -> float:
         return max(part * budget - (time.perf_counter() - begun), 0.1)
@@ -88,6 +100,20 @@ def search(trade: Trade, target: float, budget: float, tick: Tick = lambda _what
         ladders = [ladder for ladder in (*ladders[1:], ladders[0]) if ladder]  # all methods in turn
     found.skipped = sum(map(len, ladders))
     return found
+
+
+def unneeded(found: TradeSearch, target: float, tick: Tick = lambda _what, _left: None) -> list[Price]:
+    """What the recommended setting could do without, as far as the budget goes; without one nothing."""
+    ref = found.reference
+    assert ref is not None
+    best = recommend(assess(found.trade, found.rows, found.tried, ref), target, ref)
+    if best is None or best.setup is None:
+        return []
+
+    def left() -> float:
+        return found.end - time.perf_counter()
+
+    return list(prices(found.trade, best.setup, ref, left, lambda what: tick(f"without {what}", left())))
 
 
 def _ladders(trade: Trade, target: float, hard: bool) -> list[list[Setup]]:

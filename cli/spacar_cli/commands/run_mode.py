@@ -44,7 +44,7 @@ def command_of_mode(word: str) -> click.Command:
     """The command for a word such as `1` or `-7`, with the options that this mode has. Raises UsageError."""
     mode = find_mode(int(word))
     releases = not mode.forces
-    needed = not (releases or mode.integrated)  # there the word may have gone to an option
+    needed = not (releases or accuracy_options.of(mode))  # there the word may have gone to an option
     params: list[click.Parameter] = [click.Argument(["file"], type=click.Path(path_type=Path), required=needed)]
     params.append(
         click.Option(
@@ -62,7 +62,11 @@ def command_of_mode(word: str) -> click.Command:
         for flag, field, kind, text in OVERRIDES:
             switch = {"is_flag": True, "default": None} if kind is bool else {"type": kind}
             params.append(click.Option([flag, field], help=text, **switch))
-        params += accuracy_options.options()
+    if accuracy_options.of(mode):
+        params += accuracy_options.options(mode)
+    if mode.stationary and (mode.buckling or not mode.third):
+        text = "Number of lowest modes, instead of MODES; 0: all of them, with the reduced matrices."
+        params.append(click.Option(["--modes"], type=Whole(min=0), help=text))
     if mode.takes_setpoints:
         params.append(
             click.Option(["--setpoints"], help="Result of mode 2 to linearize along, instead of the search by name.")
@@ -207,7 +211,7 @@ def _flags(overrides: dict[str, Any], setpoints: str | None) -> dict[str, Any]:
         if field in overrides:
             yes, _, no = flag.partition("/")
             given[no if kind is bool and not overrides[field] else yes] = True if kind is bool else overrides[field]
-    given |= {"--beams": overrides["beams"]} if "beams" in overrides else {}
+    given |= {f"--{name}": overrides[name] for name in ("beams", "modes") if name in overrides}
     return given | ({"--setpoints": setpoints} if setpoints else {})
 
 

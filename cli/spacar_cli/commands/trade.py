@@ -203,7 +203,7 @@ def _within_budget(
     plot: Path | None, quiet: bool, as_json: bool,
 ) -> ExitStatus:  # fmt: skip
     """The settings that suit the model, cheapest first, until the time is used; the recommendation as a command."""
-    from spacar.studies.budgeted import command_line, search
+    from spacar.studies.budgeted import command_line, search, unneeded
     from spacar.studies.trade import assess, recommend
 
     def tick(what: str, left: float) -> None:
@@ -212,6 +212,7 @@ def _within_budget(
 
     try:
         found = search(trade, target, budget, tick)
+        prices = unneeded(found, target, tick)
     finally:
         if environment.error_is_terminal and not quiet:
             print("\r\x1b[K", end="", file=environment.stderr, flush=True)
@@ -227,7 +228,10 @@ def _within_budget(
 
         draw(entries, ref.error, target, trade.stationary, f"{name}, mode {trade.mode}", plot)
     if as_json:
-        environment.say(json.dumps(_document(entries, ref, target, best) | {"command": command or None}))
+        environment.say(json.dumps(_document(entries, ref, target, best) | {
+            "command": command or None,
+            "prices": [vars(p) for p in prices],
+        }))
     elif not quiet:
         rows = [(*_cells(e)[:-1], "stopped" if "stopped after" in e.reason else _cells(e)[-1]) for e in entries]
         say_table(environment, HEADER, rows, None if best is None else entries.index(best))
@@ -235,6 +239,8 @@ def _within_budget(
         environment.say(_sentence(best, target, ref))
         if found.skipped:
             environment.say(f"{found.skipped} settings were not tried: the budget of {budget:g} s is used (--budget)")
+        for price in prices:
+            environment.say(price.line(target, best.seconds if best is not None else math.nan))
         if command:
             environment.say(command)
     for entry in entries:

@@ -70,7 +70,7 @@ class LogSink:
         if self._frames == 1:
             self._write([*_condition(run), *_dynamics(run), *_settings(run)])
             self._write(heading("Initial state" if timed else "Solution" if run.mode.forces else "Configuration"))
-            self._write(step_sections.state(n, frame, motion=run.mode.forces))
+            self._write(step_sections.state(n, frame, run.mode.forces, run.mechanism.deck.metre))
             if timed:
                 self._write([*linear_sections.matrices(n, frame), *heading("Steps")])
         if timed:
@@ -80,12 +80,12 @@ class LogSink:
             return
         if self._frames > 1:
             title = f"Solution {self._frames}, load step {real(frame.t)}"
-            self._write([*heading(title), *step_sections.state(n, frame)])
+            self._write([*heading(title), *step_sections.state(n, frame, metre=run.mechanism.deck.metre)])
         self._write(_statistics(frame))
         self._write(step_sections.transfer_functions(run, frame))
         self._write(linear_sections.eigenvalues(n, frame))
         self._write(linear_sections.buckling(n, frame))
-        self._write(linear_sections.compliances(n, frame))
+        self._write(linear_sections.compliances(n, frame, run.mechanism.deck.metre))
         self._write(linear_sections.matrices(n, frame))
 
     def finish(self, error: BaseException | None) -> None:
