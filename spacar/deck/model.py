@@ -131,7 +131,8 @@ class Model(ModelStatements):
         """Write the input file; `.dat` is appended to a name without ending. Raises UsageError. Returns its path."""
         target = Path(path)
         target = target if target.suffix else target.with_name(target.name + ".dat")
-        import_module(FILES_DOOR).write_text(target, str(self))
+        write = import_module(FILES_DOOR).write_text
+        write(target, str(self))
         return target
 
     def __str__(self) -> str:

@@ -146,7 +146,7 @@ def argument_name(parameter: Parameter) -> str:
         return f"{NAMES[stem]}_{digit}"
     if meaning.startswith("shear parameter"):
         return {"EI/(GAk)": "shear", "EIy/(GAkz)": "shear_z", "EIz/(GAky)": "shear_y"}[meaning.split()[-1]]
-    head = re.split(r"[(,:]", meaning)[0].replace("'", "").strip()
+    head = re.split(r"[(,:;]", meaning)[0].replace("'", "").strip()
     words = head.split()
     if re.fullmatch(r"[A-Za-z]+\d?", words[-1]) and re.search(r"[A-Z0-9]|^g[xyz]$", words[-1]):
         return words[-1]

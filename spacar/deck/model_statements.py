@@ -1128,6 +1128,19 @@ class ModelStatements(ABC):
             "ITERSTEP", 2, iterations, load_steps, tolerance, store_every, analysis, initial_steps, follow_path,
         )
 
+    def modes(self, lowest_modes: int) -> None:
+        """MODES: number of modes of vibration and buckling (modes 7, 8, 10).
+
+        lowest_modes  number of lowest modes; 0: all
+
+        Ours. Without it all modes of a model with up to 200 dynamic degrees of freedom are computed, and the 20 lowest
+        of a larger one at rest. A larger model has sparse matrices instead of the reduced ones then; 0 asks for
+        everything.
+
+        At most once in a file.
+        """
+        self.statement("MODES", 2, lowest_modes)
+
     def traject(self, trajectory: int) -> None:
         """TRAJECT: starts a trajectory; holds until the next TRAJECT.
 
