@@ -29,6 +29,7 @@ COMMANDS = {
     "compliance": "compliance matrix of a node",
     "getss": "state space matrices of one step of a .ltv result",
     "sim": "controlled simulation from a model file",
+    "fmu": "the mechanism as a functional mock-up unit for other simulators",
     "ltv": "response of a time-varying linear system (.ltv)",
     "mrltv": "modal reduction of a .ltv system",
     "spacntrl": "fold feedback into a .ltv system",

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spacar.errors import UsageError
+from spacar_formats.ltvfile import read_ltv
 
 if TYPE_CHECKING:
     from spacar_formats.sim_blocks import Key
@@ -110,8 +111,6 @@ class Section:
 
     def stored(self) -> tuple[Any, str, bool]:
         """The result file of a set-point block, the interpolation and whether the ends are held."""
-        from spacar_formats.ltvfile import read_ltv
-
         data, notes = read_ltv(self.path("file"))
         self.warnings += notes
         return data, self.text("interpolation"), self.flag("hold")
