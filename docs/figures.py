@@ -98,8 +98,15 @@ def beam_order(path: Path) -> None:
     figure.savefig(path, dpi=110)
 
 
+def robot_loop(path: Path) -> None:
+    """The closed loop of the manual with its scopes."""
+    for line in ("2 robotinv --quiet", "3 robotinvlin --quiet", "sim robotsim"):
+        main(line.split())
+    main([*"draw robotsim_sim --trace 8 --frames 24 --dpi 48 --fps 8 -o".split(), str(path)])
+
+
 # picture -> function that writes it
-DRAWN: dict[str, Callable[[Path], None]] = {"beam-order.png": beam_order}
+DRAWN: dict[str, Callable[[Path], None]] = {"beam-order.png": beam_order, "robotsim-loop.gif": robot_loop}
 
 
 class Entry(NamedTuple):
