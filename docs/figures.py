@@ -99,10 +99,10 @@ def beam_order(path: Path) -> None:
 
 
 def robot_loop(path: Path) -> None:
-    """The closed loop of the manual with its scopes."""
+    """The closed loop of the manipulator with its scopes."""
     for line in ("2 robotinv --quiet", "3 robotinvlin --quiet", "sim robotsim"):
         main(line.split())
-    main([*"draw robotsim_sim --trace 8 --frames 24 --dpi 48 --fps 8 -o".split(), str(path)])
+    main([*["draw", "robotsim_sim", "--trace", "8", "--frames", "24", "--dpi", "48", "--fps", "8", "-o"], str(path)])
 
 
 # picture -> function that writes it

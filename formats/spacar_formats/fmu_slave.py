@@ -17,7 +17,7 @@ from spacar.simulation.co_simulation import CoSimulation
 from spacar.simulation.plant import Spasim
 
 
-class SpacarPlant(Fmi2Slave):  # type: ignore[misc]
+class SpacarPlant(Fmi2Slave):
     """Inputs and outputs of the mechanism as variables of the unit [SI units]."""
 
     def __init__(self, **options: Any) -> None:

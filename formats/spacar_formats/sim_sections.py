@@ -8,18 +8,30 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from spacar.errors import UsageError
 from spacar_formats.ltvfile import read_ltv
 
-if TYPE_CHECKING:
-    from spacar_formats.sim_blocks import Key
-
 COMMENT = re.compile(r"(^|\s)[#%].*$")
+
+
+@dataclass(frozen=True)
+class Key:
+    """A key of a section: its kind (number, numbers, matrix, integer, flag, text, file), meaning, default and unit.
+
+    default   None: needed; "": may be left out
+    """
+
+    name: str
+    kind: str
+    text: str
+    default: str | None = ""
+    unit: str = ""
 
 
 class Section:

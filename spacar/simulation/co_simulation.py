@@ -59,7 +59,7 @@ class CoSimulation:
         stops: Sequence[float] = sorted({b for b in self.plant.breaks if t < b < end} | {end})
         problem = _Held(self.plant, np.array(self.u, float))
         for stop in stops:
-            for taken in steps(problem, t, x, stop, (t, stop), self.code, self.tolerance, self._size, np.inf):  # type: ignore[arg-type]
+            for taken in steps(problem, t, x, stop, (t, stop), self.code, self.tolerance, self._size, np.inf):
                 self._size = max(float(taken.t) - t, self._size or 0.0) if taken.t >= stop else float(taken.t) - t
                 t, x = float(taken.t), np.array(taken.y)
                 if t >= stop:

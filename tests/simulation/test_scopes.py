@@ -142,8 +142,9 @@ def test_a_diagram_without_mechanism_has_its_signals_too(here):
 def test_scopes_stand_beside_the_mechanism(here):
     from PIL import Image
 
-    assert run("draw", "held_sim", "-o", "with.png", "-o", "with.gif", "--frames", 2, "--dpi", 40)[0] == 0
-    assert run("draw", "held_sim", "-o", "without.png", "-o", "without.gif", "--no-scopes", "--frames", 2, "--dpi", 40)[0] == 0
+    for name, option in (("with", "--scopes"), ("without", "--no-scopes")):
+        files = ("-o", f"{name}.png", "-o", f"{name}.gif")
+        assert run("draw", "held_sim", option, *files, "--frames", 2, "--dpi", 40)[0] == 0
     for ending in ("png", "gif"):
         with Image.open(f"with.{ending}") as wide, Image.open(f"without.{ending}") as narrow:
             assert wide.size[0] > 1.4 * narrow.size[0]
