@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar import expressions
+from spacar.deck.length_unit import shown_in
 from spacar.errors import UsageError
 from spacar.expressions import NONE, Dimensions, Unit
 from spacar_drawing.named_source import named_values
@@ -89,6 +90,17 @@ def evaluate(source: PictureSource, text: str) -> Curve:
     if np.iscomplexobj(values):
         raise UsageError(f"'{text}' is complex; plot its abs(), real() or imag()", "plot.complex")
     return _shown(source, Curve(expression.text, values, unit, expression.variable))
+
+
+def in_units(curve: Curve, metre: float) -> Curve:
+    """The curve in the unit of length of the input, for pictures and tables; as it is where its unit is not known."""
+    if metre == 1.0 or not curve.unit:
+        return curve
+    powers = dict(curve.unit)
+    power = powers.pop("m", 0)
+    if power:
+        powers[shown_in("m", metre)[1]] = power
+    return replace(curve, values=np.asarray(curve.values) * metre**-power, unit=tuple(sorted(powers.items())))
 
 
 def _shown(source: PictureSource, curve: Curve) -> Curve:

@@ -18,6 +18,7 @@ from spacar_cli.number_types import Whole
 @common
 @click.option(
     "--steps",
+    "--step",
     "-s",
     metavar="STEPS",
     help=(

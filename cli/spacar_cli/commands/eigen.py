@@ -126,11 +126,12 @@ def _pictures(
     across: np.ndarray = np.array([s.t for s in steps])
     text = "load step" if np.array_equal(across, np.round(across)) else "time (s)"
     if against is not None:
-        from spacar_drawing.curves import evaluate
+        from spacar_drawing.curves import evaluate, in_units
         from spacar_drawing.history import axis_text
         from spacar_drawing.picture_source import open_source
 
-        curve = evaluate(open_source(file), against)
+        source = open_source(file)
+        curve = in_units(evaluate(source, against), source.scene.metre)
         across, text = np.ravel(curve.values)[np.array(numbers) - 1], axis_text(curve)
     figure = root_figure(steps, across, text, Path(file).stem)
     for path in output:

@@ -62,7 +62,7 @@ def command(
 
     Without --output the picture is NAME_plot.png beside the result.
     """
-    from spacar_drawing.curves import curves_of, evaluate, warnings
+    from spacar_drawing.curves import curves_of, evaluate, in_units, warnings
     from spacar_drawing.files import check_name, save
     from spacar_drawing.history import csv_text, history_figure
     from spacar_drawing.picture_source import open_source
@@ -87,6 +87,8 @@ def command(
             environment.say(str(csv_file))
     if not outputs and not show:
         return
+    metre = source.scene.metre
+    curves, across = [in_units(c, metre) for c in curves], in_units(across, metre)
     figure = history_figure(
         curves, across, source.scene.title if title is None else title, source.scene.analysis.stationary
     )
