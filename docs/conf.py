@@ -44,7 +44,7 @@ CONTENTS = {
     ),
     "Reference": (
         "reference/index", "reference/theory-system", "reference/theory-planar", "reference/theory-spatial",
-        "reference/input-language", "reference/files", "reference/messages", "reference/symbolic",
+        "reference/input-language", "reference/blocks", "reference/files", "reference/messages", "reference/symbolic",
         "reference/later-versions", "reference/bibliography", "reference/theory-warping", "reference/sections",
         "reference/theory-beam-order4",
     ),

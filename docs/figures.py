@@ -99,6 +99,13 @@ def beam_order(path: Path) -> None:
     figure.savefig(path, dpi=110)
 
 
+def robot_loop(path: Path) -> None:
+    """The closed loop of the manipulator with its scopes."""
+    for line in ("2 robotinv --quiet", "3 robotinvlin --quiet", "sim robotsim"):
+        main(line.split())
+    main([*["draw", "robotsim_sim", "--trace", "8", "--frames", "24", "--dpi", "48", "--fps", "8", "-o"], str(path)])
+
+
 def flexure_curves(path: Path) -> None:
     """The guide of the chapter on flexures over its stroke, as `spacar flexure --plot` draws it."""
     import spacar
@@ -173,6 +180,7 @@ DRAWN: dict[str, Callable[[Path], None]] = {
     "flexure-curves.png": flexure_curves,
     "flexure-stroke.png": flexure_stroke,
     "optimized-guide.png": optimized_guide,
+    "robotsim-loop.gif": robot_loop,
     "view.png": viewer,
 }
 

@@ -29,7 +29,7 @@ EXTRAS = {  # optional packages, each for one room
     "spacar/symbolic": {"sympy", "tomli", "mpmath"},
     "spacar/compiled": {"sympy"},
     "spacar/simulation": {"control"},
-    "formats/spacar_formats": {"control", "pandas", "xarray"},
+    "formats/spacar_formats": {"control", "pythonfmu", "pandas", "xarray"},
     "cli/spacar_cli": {"sympy", "tomli", "control", "dask", "distributed"},
 }
 OPTIONAL = {"symbolic", "compiled"}  # packages of the core that only an extra needs

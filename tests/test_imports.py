@@ -13,7 +13,7 @@ HOUSE = Path(__file__).resolve().parents[1]
 ROOMS = ("spacar", "formats", "cli/spacar_drawing")
 # Slow to import, not there on every system or only with an extra; of the standard library what only rare branches need.
 HEAVY = {
-    "matplotlib", "PIL", "scipy", "numpy.polynomial", "rich", "sympy", "mpmath", "control", "concurrent",
+    "matplotlib", "PIL", "scipy", "numpy.polynomial", "rich", "sympy", "mpmath", "control", "pythonfmu", "concurrent",
     "multiprocessing", "importlib", "difflib", "hashlib", "html", "msvcrt", "fcntl", "shutil", "tempfile",
     "pandas", "xarray",
 }  # fmt: skip

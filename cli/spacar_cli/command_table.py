@@ -32,6 +32,7 @@ COMMANDS = {
     "flexure": "a flexure over its range of motion: stiffness, errors, frequencies ...",
     "getss": "state space matrices of one step of a .ltv result",
     "sim": "controlled simulation from a model file",
+    "fmu": "the mechanism as a functional mock-up unit for other simulators",
     "ltv": "response of a time-varying linear system (.ltv)",
     "mrltv": "modal reduction of a .ltv system",
     "spacntrl": "fold feedback into a .ltv system",

@@ -59,6 +59,7 @@ def draw(
                 moving = shown.moving()
                 if table is not None:
                     line = beside(moving.figure, table, np.ravel(source.get("t")), table.panels)
+                    moving.beside = [*moving.beside, *line.lines]
                     few = evenly(0, len(shown.numbers) - 1, frames)
                     pictures = _with_line(line, pictures, [source.time(shown.numbers[i]) for i in few])
                 film(moving, pictures, count, path, choices.fps, min(choices.dpi, FILM_DPI), tick)

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 COLOURS = ("#2f74b5", "#c2703d", "#3d8b5f", "#8e5ea2", "#c0272d", "#6b4a2b", "#5d6d7a", "#b8a11b")
 PANEL = 2.15  # inches
+LEGEND, LINE = 104, 7  # letters in a row of the legend; what the line before a name takes of them
 
 
 def axis_text(curve: Curve) -> str:
@@ -51,7 +52,8 @@ def history_figure(curves: Sequence[Curve], against: Curve, title: str = "", sta
 
     groups = panels(curves)
     n = len(groups)
-    height = n * PANEL + 0.85 if n > 1 else 3.6
+    rows = [-(-len(g) // _columns(g)) - 1 for g in groups]  # of the legends, beyond the first
+    height = (n * PANEL + 0.85 if n > 1 else 3.6) + 0.17 * rows[0] + 0.17 * (n - 1) * max(rows)
     figure = Figure(figsize=(7.2, height), dpi=110)
     all_axes = figure.subplots(n, 1, sharex=True, squeeze=False)[:, 0]
     across = np.asarray(against.values)
@@ -77,11 +79,10 @@ def history_figure(curves: Sequence[Curve], against: Curve, title: str = "", sta
         for side in axes.spines.values():
             side.set(color="#cfd5da", linewidth=0.8)
         if len(group) > 1 or group[0].group:
-            longest = max(len(c.text) for c in group)
             axes.legend(
-                fontsize=8 if longest < 20 else 7,
+                fontsize=8,
                 frameon=False,
-                ncols=min(len(group), 5 if longest < 20 else 3),
+                ncols=_columns(group),
                 loc="lower left",
                 bbox_to_anchor=(0.06, 1.0),  # beside the power of ten of the axis
                 borderpad=0.1,
@@ -89,19 +90,27 @@ def history_figure(curves: Sequence[Curve], against: Curve, title: str = "", sta
     label = ("load step" if stationary else "time t (s)") if against.variable == "t" else axis_text(against)
     all_axes[-1].set_xlabel(label, fontsize=8.5, color=INK, parse_math=False)
     figure.align_ylabels(all_axes)
-    top = 0.45 if title or len(groups[0]) > 1 else 0.15
-    if title and len(groups[0]) > 1:
+    named = len(groups[0]) > 1 or bool(groups[0][0].group)
+    top = 0.45 if title or named else 0.15
+    if title and named:
         top = 0.62
+    top += 0.17 * rows[0]
     figure.subplots_adjust(
         left=0.12,
         right=0.965,
         bottom=0.52 / height,
         top=1 - top / height,
-        hspace=0.32 if any(len(g) > 1 for g in groups) else 0.16,
+        hspace=(0.32 if any(len(g) > 1 or g[0].group for g in groups) else 0.16) + 0.1 * max(rows),
     )
     if title:
         figure.text(0.12, 1 - 0.12 / height, escaped(title), fontsize=10, color=INK, va="top", parse_math=False)
     return figure
+
+
+def _columns(group: Sequence[Curve]) -> int:
+    """Names of curves in a row of the legend: as many as fit into the width, their lines included."""
+    longest = max(len(c.text) for c in group)
+    return max(min(len(group), LEGEND // (longest + LINE)), 1)
 
 
 def csv_text(curves: Sequence[Curve], against: Curve) -> str:

@@ -35,7 +35,7 @@ class MovingFigure:
     axes: Axes
     camera: Camera
     artists: list[Any] = field(default_factory=list)  # of the picture that is shown, beside the raster
-    beside: Sequence[Axes] = ()  # what else moves: the slider of a window
+    beside: Sequence[Any] = ()  # artists that move too: the slider of a window, the line of the scopes
     raster: Any = None
     background: Any = None
     listens: bool = False  # to the canvas: a window that was covered or made larger is drawn by others

@@ -18,6 +18,7 @@ from spacar_formats.exports import to_mat, to_npz
 from spacar_formats.locate import open_result
 from spacar_formats.safety import replacing
 from spacar_formats.sbf import SbfFile
+from spacar_formats.signal_names import state_names
 
 if TYPE_CHECKING:
     from spacar.result import Result
@@ -85,8 +86,6 @@ class StateSpaceStep:
 
 def state_space_of(result: Result, step: int = 1) -> StateSpaceStep:
     """The same of a result in memory. Raises UsageError for a mode without state space and for no such step."""
-    from spacar_formats.signal_names import state_names
-
     count = len(result.frames)
     k = count + step if step < 0 else step - 1
     if not 0 <= k < count:

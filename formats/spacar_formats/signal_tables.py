@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+import spacar
 from spacar_formats.claim import Claim
 from spacar_formats.sbf import SbfFile, SbfWriter
 
@@ -117,8 +118,6 @@ def read_table(file: SbfFile) -> SignalTable | None:
 
 def write_table(stem: Path, t: Sequence[float] | np.ndarray, table: SignalTable, source: Path) -> Path:
     """`stem.sbd` with time and signals only. Raises UsageError when it cannot be written."""
-    import spacar
-
     path = stem.with_name(f"{stem.name}.sbd")
     header = {"TITLE": stem.name, "KIND": "signals", "VERSION": f"spacar {spacar.__version__}", "SOURCE": source.name}
     claim = Claim(path)

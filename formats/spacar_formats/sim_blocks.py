@@ -16,21 +16,7 @@ from spacar.errors import UsageError
 from spacar.mechanism.user_functions import import_file
 from spacar.simulation import blocks, control_blocks, sampled_blocks, sources, switching_blocks
 from spacar.simulation.blocks import Block
-from spacar_formats.sim_sections import Section
-
-
-@dataclass(frozen=True)
-class Key:
-    """A key of a section: its kind (number, numbers, matrix, integer, flag, text, file), meaning, default and unit.
-
-    default   None: needed; "": may be left out
-    """
-
-    name: str
-    kind: str
-    text: str
-    default: str | None = ""
-    unit: str = ""
+from spacar_formats.sim_sections import Key, Section
 
 
 @dataclass(frozen=True)

@@ -8,17 +8,30 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from spacar.errors import UsageError
-
-if TYPE_CHECKING:
-    from spacar_formats.sim_blocks import Key
+from spacar_formats.ltvfile import read_ltv
 
 COMMENT = re.compile(r"(^|\s)[#%].*$")
+
+
+@dataclass(frozen=True)
+class Key:
+    """A key of a section: its kind (number, numbers, matrix, integer, flag, text, file), meaning, default and unit.
+
+    default   None: needed; "": may be left out
+    """
+
+    name: str
+    kind: str
+    text: str
+    default: str | None = ""
+    unit: str = ""
 
 
 class Section:
@@ -110,8 +123,6 @@ class Section:
 
     def stored(self) -> tuple[Any, str, bool]:
         """The result file of a set-point block, the interpolation and whether the ends are held."""
-        from spacar_formats.ltvfile import read_ltv
-
         data, notes = read_ltv(self.path("file"))
         self.warnings += notes
         return data, self.text("interpolation"), self.flag("hold")

@@ -19,8 +19,8 @@ import numpy as np
 from spacar.errors import SpacarError, UsageError
 from spacar.simulation.blocks import Block
 from spacar.simulation.diagram import Diagram
-from spacar_formats.sim_blocks import BLOCKS, BY_NAME, Key
-from spacar_formats.sim_sections import Section, read_sections
+from spacar_formats.sim_blocks import BLOCKS, BY_NAME
+from spacar_formats.sim_sections import Key, Section, read_sections
 
 MOST_TIMES = 100_000_000
 SETTINGS = (

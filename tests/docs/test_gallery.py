@@ -50,9 +50,9 @@ def test_commands_run_the_mode_that_the_page_of_figures_uses():
 
 
 def test_pictures_are_small():
-    """A clone carries every picture for ever: below 3 MB together, and no single one above 300 kB but animations."""
+    """A clone carries every picture for ever: below 3.5 MB together, and no single one above 300 kB but animations."""
     sizes = {p.name: p.stat().st_size for p in DOCS.rglob("*") if p.suffix in (".png", ".gif", ".svg")}
-    assert sum(sizes.values()) < 3e6
+    assert sum(sizes.values()) < 3.5e6
     assert max(s for n, s in sizes.items() if not n.endswith(".gif")) < 3e5
 
 

@@ -1,0 +1,31 @@
+"""`spacar fmu FILE`: the mechanism as a functional mock-up unit for other simulators."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from spacar_cli.environment import Environment
+from spacar_cli.input_files import input_file
+from spacar_cli.number_types import POSITIVE, TOLERANCE
+
+
+@click.command("fmu")
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--output", "-o", type=click.Path(path_type=Path), help="File to write; default FILE.fmu.")
+@click.option("--rtol", type=TOLERANCE, default=1e-6, show_default=True, help="Relative error tolerance.")
+@click.option("--atol", type=POSITIVE, default=1e-8, show_default=True, help="Absolute error tolerance.")
+@click.pass_obj
+def command(environment: Environment, file: Path, output: Path | None, rtol: float, atol: float) -> None:
+    """Export the mechanism with its INPUTS, INPUTF and OUT... as FILE.fmu (FMI 2.0, co-simulation).
+
+    Between two communication points the inputs are held and the motion is integrated with the tolerances. Needs
+    pythonfmu (pip install 'spacar[fmu]'); the Python that opens the unit needs spacar.
+    """
+    from spacar_formats.fmu import export_fmu
+
+    source = input_file(file)
+    target = output or source.with_suffix(".fmu")
+    plant = export_fmu(source, target, rtol, atol)
+    environment.say(f"{target}: {plant.n_in} inputs, {plant.n_out} outputs, FMI 2.0 for co-simulation")
