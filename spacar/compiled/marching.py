@@ -92,8 +92,8 @@ class Lookout(Protocol):
         Raises AnalysisError.
         """
 
-    def passed(self, n: int, begin: Moving | None) -> None:
-        """So many steps have been made; `begin`: where the last one began."""
+    def passed(self, n: int, begin: Callable[[], Moving | None]) -> None:
+        """So many steps have been made; `begin` says where the last one began."""
 
 
 class Marching:
@@ -146,7 +146,7 @@ class Marching:
             c.n_rhs = c.n_rejected = 0
             if status in (TOO_SMALL, NOT_EVALUATED, INTERRUPTED):
                 self._failed(status)
-            self.lookout.passed(steps, self._before())
+            self.lookout.passed(steps, self._before)
             yield Step(c.t, self.y, self.value, (c.sizes[1], c.sizes[0]))
 
     # -- methods --------------------------------------------------------------------------------------------------
