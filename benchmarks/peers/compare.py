@@ -84,12 +84,17 @@ def fastest(rows: Iterable[Tried], level: float) -> Tried | None:
     return min((t for t in rows if t.error <= level), key=lambda t: t.seconds, default=None)
 
 
-def memory(name: str, t: Tried) -> float:
-    """Largest memory of a process that computes the setting once, with this program alone [MB]."""
+def memory(name: str, t: Tried) -> float | None:
+    """Largest memory of a process that computes the setting once, with this program alone [MB]; None but on Linux.
+
+    From /proc, as the number of `getrusage` begins with that of the process which started it.
+    """
+    if not Path("/proc/self/status").exists():
+        return None
     code = (
-        "import resource, sys; sys.path.insert(0, sys.argv[1]); import scenarios; "
+        "import sys; sys.path.insert(0, sys.argv[1]); import scenarios; "
         "[s.solve() for s in scenarios.PROGRAMS[sys.argv[3]](sys.argv[2]) if s.label == sys.argv[4]]; "
-        "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
+        "print([line.split()[1] for line in open('/proc/self/status') if line.startswith('VmHWM')][0])"
     )
     words = [sys.executable, "-c", code, str(Path(__file__).parent), name, t.setting.program, t.setting.label]
     done = subprocess.run(words, capture_output=True, text=True, check=True)

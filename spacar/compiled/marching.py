@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from spacar.compiled.compiled_evaluator import CompiledDynamics
 
 ARRIVED, AT_OUTPUT, PAUSED, TOO_SMALL, NOT_EVALUATED, INTERRUPTED = range(6)  # as in march.c
-MOST = 1000  # steps in one call, so that Ctrl-C is heard
+MOST, COMPONENTS = 1000, 20_000  # steps in one call, and steps times components of x and e, so that Ctrl-C is heard
 
 ASK = ctypes.CFUNCTYPE(INTEGER, NUMBER, POINTER, POINTER)
 TELL = ctypes.CFUNCTYPE(INTEGER, NUMBER, POINTER)
@@ -113,9 +113,10 @@ class Marching:
         self.error: BaseException | None = None
         self.kept: tuple[Any, ...] = ()  # what C points at
         ask, tell = (ctypes.cast(call, POINTER).value for call in self.calls)
+        most = max(1, min(MOST, COMPONENTS // (nx + ne)))
         self.c = CMarch(
             model.handle, evaluator.state.address, ask, tell, self.records.ctypes.data, self.scale.ctypes.data,
-            n, lookout.capacity, self.records.shape[1], lookout.look, lookout.back, MOST, MAX_REDUCTIONS, REDUCTION,
+            n, lookout.capacity, self.records.shape[1], lookout.look, lookout.back, most, MAX_REDUCTIONS, REDUCTION,
         )  # fmt: skip
         self.c.jump, self.c.half, self.c.share, self.c.noise = LARGEST_JUMP, lookout.half, SHARE, NOISE
         self.address = ctypes.c_void_p(ctypes.addressof(self.c))
