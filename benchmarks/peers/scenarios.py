@@ -71,7 +71,7 @@ def _ours(name: str) -> Iterator[Setting]:
     side = import_module("spacar_side")
     if name in ("S5", "S8"):
         solve = side.bent if name == "S5" else side.frequencies
-        for n in (5, 10, 20, 40, 80, 160) if name == "S5" else (2, 3, 5, 10, 20, 40, 80, 160):
+        for n in (40, 60, 72, 80, 160) if name == "S5" else (5, 10, 13, 20, 40, 45, 80, 130):
             yield Setting(OURS, f"{n} elements", partial(solve, n), by_default=True)
     elif name == "S1a":
         yield Setting(OURS, "default", partial(side.answer, name, None, None), 0.0, by_default=True)
