@@ -12,7 +12,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # Bytecode is kept: pytest rewrites its 200 files once, not in every worker of every run.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: crank test test-all test-matrix lint bench docs fuzz clean
+.PHONY: crank test test-all test-matrix lint bench docs man fuzz clean
 
 # A half-made environment (interrupted, or without pip) is made again; uv serves where Debian's python3-venv is missing.
 define environment
@@ -78,6 +78,11 @@ bench: $(VENV)/.installed-dev
 docs: $(VENV)/.installed-docs
 	$(BIN)/sphinx-build -q -W -n --keep-going -c docs . $(OUT)/site
 	@echo "pages: $(OUT)/site/index.html"
+
+# the manual page spacar(1), which wheels install
+man: $(VENV)/.installed
+	$(BIN)/python -m spacar_cli.man_page > docs/man/spacar.1
+	@echo "read it: man -l docs/man/spacar.1"
 
 clean:
 	rm -rf $(OUT) build dist wheels .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -23,7 +23,7 @@ static double adams_norm(const Adams *a, int n, const double *v, double factor, 
 
 static void adams_weights(const March *r, Adams *a)
 {
-    for (int i = 0; i < r->n; i++) a->weight[i] = 1.0 / (fabs(a->y[i]) * r->rtol + r->atol);
+    for (int i = 0; i < r->n; i++) a->weight[i] = 1.0 / (fabs(a->y[i]) * r->rtol + r->atol[i]);
 }
 
 /* Coefficients of a step h of order k whose last `equal` steps are equal: psi at its end, g and sigma (k + 1), beta (k). */

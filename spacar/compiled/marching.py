@@ -39,10 +39,10 @@ class CMarch(ctypes.Structure):
 
     _fields_ = [
         ("model", POINTER), ("at", POINTER), ("ask", POINTER), ("tell", POINTER), ("records", DOUBLES),
-        ("scale", DOUBLES),
+        ("scale", DOUBLES), ("atol", DOUBLES),
         *((name, INTEGER) for name in ("n", "capacity", "width", "look", "back", "most", "max_reductions")),
         *((name, NUMBER) for name in (
-            "reduction", "atol", "rtol", "longest", "converged", "jump", "earliest", "latest", "half", "share", "noise",
+            "reduction", "rtol", "longest", "converged", "jump", "earliest", "latest", "half", "share", "noise",
             "t", "t_end", "until", "h", "error", "peak", "begin",
         )),
         ("sizes", NUMBER * 2),
@@ -108,6 +108,7 @@ class Marching:
         self.shape = n, nx
         self.records = np.zeros((lookout.capacity, 4 + n + 3 * nx + ne))
         self.scale = np.ascontiguousarray(evaluator.model.mechanism.scale)
+        self.atol = np.empty(n)  # absolute error of every component
         self.gamma_star = np.array(GAMMA_STAR)
         self.calls = ASK(self._ask), TELL(self._tell)
         self.error: BaseException | None = None
@@ -116,7 +117,8 @@ class Marching:
         most = max(1, min(MOST, COMPONENTS // (nx + ne)))
         self.c = CMarch(
             model.handle, evaluator.state.address, ask, tell, self.records.ctypes.data, self.scale.ctypes.data,
-            n, lookout.capacity, self.records.shape[1], lookout.look, lookout.back, most, MAX_REDUCTIONS, REDUCTION,
+            self.atol.ctypes.data, n, lookout.capacity, self.records.shape[1], lookout.look, lookout.back, most,
+            MAX_REDUCTIONS, REDUCTION,
         )  # fmt: skip
         self.c.jump, self.c.half, self.c.share, self.c.noise = LARGEST_JUMP, lookout.half, SHARE, NOISE
         self.address = ctypes.c_void_p(ctypes.addressof(self.c))
@@ -127,7 +129,7 @@ class Marching:
         """Steps of a method that has been started at t, at least those with an output, up to t_end."""
         c, evaluation = self.c, method.evaluation
         self.method = method
-        c.atol, c.rtol = method.tolerance
+        self.atol[:], c.rtol = method.tolerance
         c.t, c.t_end, c.h, c.longest = t, t_end, h, longest
         c.earliest, c.latest = evaluation.first, evaluation.last
         c.sizes[:] = 0.0, 0.0

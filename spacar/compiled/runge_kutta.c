@@ -34,7 +34,7 @@ static int rk_trial(March *r, RungeKutta *p)
     for (int k = p->two; k >= 0; k--) { /* the first one stays in `scaled` */
         combine(p, n, p->estimated, p->errors + k * p->estimated, p->scaled);
         for (int i = 0; i < n; i++) {
-            p->scaled[i] /= r->atol + r->rtol * fmax(fabs(p->y[i]), fabs(p->y_new[i]));
+            p->scaled[i] /= r->atol[i] + r->rtol * fmax(fabs(p->y[i]), fabs(p->y_new[i]));
             square[k] += p->scaled[i] * p->scaled[i] / n;
         }
     }

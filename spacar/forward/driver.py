@@ -3,7 +3,8 @@
 Evaluators (`spacar.dynamics.evaluator`) know nothing of what is decided here: the tolerances, the Jacobian of the codes
 that need one, what is watched after every accepted step, and how states and frames are collected at the output times.
 
-A step may err by STEP times ERROR, for every code alike (reference/theory-system.md section 9).
+A step may err by STEP times ERROR, for every code alike (reference/theory-system.md section 9); the absolute part of a
+deformation is measured by the displacement that it causes (`spacar.forward.displaced`).
 """
 
 from __future__ import annotations
@@ -28,13 +29,14 @@ from spacar.dynamics.loaded_mechanism import (
     Moving,
 )
 from spacar.errors import AnalysisError, Report
+from spacar.forward.charts import ChartWatch
 from spacar.forward.continuity import HALF, REMEMBERED, Continuity
+from spacar.forward.displaced import displaced
 from spacar.frame import Frame
 from spacar.integrators import AUTOMATIC, METHODS, EvenTimes, integrate
 from spacar.integrators.problem import Jacobian, March, Output
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.kinematics.regularity import HalfTurns
-from spacar.linearization.state_jacobian import state_jacobian
 from spacar.mechanism.mechanism import SolverSettings
 
 # Tolerance of one step / ERROR, for every code with variable steps alike. Errors of the steps add up, and the watch of
@@ -58,21 +60,26 @@ Watch = Callable[[float, Array], None]
 
 @dataclass(frozen=True)
 class Tolerances:
-    """Errors that a step may have, and the largest scaled correction that ends the iteration of a position."""
+    """Errors that a step may have, and the largest scaled correction that ends the iteration of a position.
 
-    atol: float
+    atol   of every component of the state (n,), or the same for all
+    """
+
+    atol: float | Array
     rtol: float
     position: float
 
     @classmethod
-    def of(cls, settings: SolverSettings, divisor: float = 1.0) -> Tolerances:
-        """Those of ERROR and INTEGRAT; `divisor`: how much smaller the norm of a step is than that of a case in it."""
+    def of(cls, settings: SolverSettings, divisor: float = 1.0, g: Array | None = None) -> Tolerances:
+        """Those of ERROR and INTEGRAT; `divisor`: how much smaller the norm of a step is than that of a case in it;
+        `g` (n,): displacement that a component causes, where it is not 1."""
         method = METHODS[settings.integrator]
         share = STEP / divisor if method.variable_step else 1.0 / divisor
         atol, rtol = share * settings.atol, share * settings.rtol
+        each = atol if g is None or not method.variable_step else atol / g
         if method.needs_jacobian:
-            return cls(atol, rtol, ITERATED)
-        return cls(atol, rtol, POSITION * min(atol, rtol) if method.variable_step else CONVERGED)
+            return cls(each, rtol, ITERATED)
+        return cls(each, rtol, POSITION * min(atol, rtol) if method.variable_step else CONVERGED)
 
 
 class Integrand:
@@ -150,18 +157,21 @@ def frames(
         for t in times:
             yield evaluator, checked(evaluator, float(t), y, limits)
         return
-    tolerances = Tolerances.of(settings, divisor)
+    tolerances = Tolerances.of(settings, divisor, displaced(evaluator))
     jacobian: Jacobian | None = None
     if METHODS[settings.integrator].needs_jacobian or (settings.integrator == AUTOMATIC and _has_forces(model)):
+        from spacar.linearization.state_jacobian import state_jacobian
+
         jacobian = partial(state_jacobian, evaluator, within=ITERATED)
     # Outputs are interpolated inside steps that may have passed a dead point: they are placed from the start of their
     # step or the last output in it, not back from its end.
     shown = evaluator.companion()
     limits = Limits(shown, report)
     trail = Trail(evaluator, watch) if moved_by is None else None
+    breaks = (*model.drive.breaks, *getattr(model.mechanism.user_signal, "breaks", ()))
     for out in integrated(
         moved_by or evaluator, y, times, settings, tolerances,
-        breaks=model.drive.breaks, watch=trail.accepted if trail else watch, jacobian=jacobian,
+        breaks=breaks, watch=trail.accepted if trail else watch, jacobian=jacobian,
         back=watch.back if watch else None, report=report, trail=trail,
     ):  # fmt: skip
         if trail:
@@ -266,12 +276,16 @@ def timed(error: AnalysisError, t: float) -> AnalysisError:
 
 # -- what is watched after every accepted step ----------------------------------------------------------------------
 class Watched:
-    """Half turns of nodes, and the continuity of the motion at dead points."""
+    """Half turns of nodes, the charts of those that may pass them, and the continuity of the motion at dead points."""
 
-    def __init__(self, evaluator: Evaluator, half_turns: HalfTurns, continuity: Continuity | None) -> None:
-        self.evaluator, self.half_turns, self.continuity = evaluator, half_turns, continuity
+    def __init__(
+        self, evaluator: Evaluator, half_turns: HalfTurns, continuity: Continuity | None, charts: ChartWatch | None
+    ) -> None:
+        self.evaluator, self.half_turns, self.continuity, self.charts = evaluator, half_turns, continuity, charts
 
     def __call__(self, t: float, y: Array) -> None:
+        if self.charts is not None:
+            self.charts.check(t, y, self.evaluator.placement().x)
         if self.half_turns.nodes:
             self.half_turns.check(t, self.evaluator.placement().x)
         if self.continuity is not None:
@@ -286,7 +300,7 @@ class Watched:
     @property
     def look(self) -> int:
         """Which of many steps are looked at closer, see `spacar.forward.continuity`."""
-        if self.half_turns.nodes:
+        if self.half_turns.nodes or self.charts is not None:
             return ALWAYS
         if self.continuity is None:
             return NEVER
@@ -311,9 +325,12 @@ class Watched:
             self.evaluator.resume(self.continuity.steps[-1].at)
 
 
-def watched(evaluator: Evaluator, report: Report) -> Watched | None:
+def watched(evaluator: Evaluator, report: Report, charts: ChartWatch | None = None) -> Watched | None:
     """What is watched after every accepted step; None where there is nothing."""
     mechanism, matrix = evaluator.model.mechanism, evaluator.position_matrix()
-    half_turns, settings = HalfTurns(mechanism.numbering), mechanism.settings
+    half_turns = HalfTurns(mechanism.numbering, without=charts.chart.dependent if charts else ())
+    settings = mechanism.settings
     continuity = Continuity(evaluator, matrix, report, (settings.atol, settings.rtol)) if len(matrix.columns) else None
-    return Watched(evaluator, half_turns, continuity) if half_turns.nodes or continuity is not None else None
+    if not half_turns.nodes and continuity is None and charts is None:
+        return None
+    return Watched(evaluator, half_turns, continuity, charts)

@@ -38,7 +38,7 @@ def integrate(
     y0: np.ndarray,
     times: Sequence[float] | np.ndarray,
     code: int = 0,
-    atol: float = 1e-5,
+    atol: float | np.ndarray = 1e-5,
     rtol: float = 1e-4,
     step: float | None = None,
     max_steps: int = DEFAULT_MAX_STEPS,
@@ -49,7 +49,8 @@ def integrate(
     y0        initial state (positions, velocities), shape (n,)
     times     output times in s, increasing, at least two; the problem is never evaluated outside of them
     code      a key of METHODS
-    atol      absolute error; for 410, 420, 430 the tolerance of the Newton iteration; > 0
+    atol      absolute error, of each component (n,) or of all; for 410, 420, 430 the tolerance of the Newton
+              iteration; > 0
     rtol      relative error of the variable-step codes, >= 0
     step      step of fixed-step codes (default a tenth of the output step), first step of the others, in s
     max_steps largest number of steps between two outputs
@@ -69,7 +70,7 @@ def integrate(
         raise UsageError(f"INTEGRAT: {row.name} needs the Jacobian of the problem", "integrator.jacobian")
     evaluation = Evaluation(problem, first, last)
     evaluation.times = output_times
-    integrator = row.build(evaluation, len(state), Tolerance(float(atol), float(rtol)))
+    integrator = row.build(evaluation, len(state), Tolerance(_one_or_each(atol), float(rtol)))
     segments = _segments(first, last, breaks)
     loop = _variable if row.variable_step else _fixed
     steps = loop(integrator, evaluation, state, output_times, segments, step)
@@ -97,7 +98,13 @@ def steps(
     return _one_step(integrator, first is None, longest)(start, y, end, size)
 
 
-def _check(y0: np.ndarray, times: np.ndarray | EvenTimes, atol: float, rtol: float, step: float | None) -> None:
+def _one_or_each(atol: float | np.ndarray) -> float | np.ndarray:
+    return np.array(atol, float) if np.ndim(atol) else float(atol)
+
+
+def _check(
+    y0: np.ndarray, times: np.ndarray | EvenTimes, atol: float | np.ndarray, rtol: float, step: float | None
+) -> None:
     """Raises UsageError that says what is wrong with the arguments of `integrate`."""
 
     def wrong(text: str, code: str) -> NoReturn:
@@ -112,7 +119,7 @@ def _check(y0: np.ndarray, times: np.ndarray | EvenTimes, atol: float, rtol: flo
         if len(bad):
             a, b = times[bad[0]], times[bad[0] + 1]
             wrong(f"output times must increase: {b:.9g} s follows {a:.9g} s", "integrator.times")
-    if not (atol > 0.0 and rtol >= 0.0):
+    if not (np.all(np.asarray(atol) > 0.0) and np.shape(atol) in ((), y0.shape) and rtol >= 0.0):
         text = f"the absolute error must be positive and the relative one not negative, not {atol} and {rtol}"
         wrong(f"ERROR: {text}", "integrator.tolerance")
     if step is not None and not step > 0.0:

@@ -82,9 +82,9 @@ class Step(NamedTuple):
 
 class Tolerance(NamedTuple):
     """Absolute and relative error, ERROR positions 1 and 2; the weight of y_i is `relative * |y_i| +
-    absolute`."""
+    absolute`, the absolute one (n,) or the same for all."""
 
-    absolute: float
+    absolute: float | np.ndarray
     relative: float
 
 

@@ -92,6 +92,7 @@ class Loaded:
     function: Callable[..., Any]
     load: Callable[..., Loaded]
     arguments: tuple[Any, ...]
+    breaks: tuple[float, ...] = ()  # times at which it jumps [s], from `breaks` of its module
 
     def __call__(self, *arguments: Any) -> Any:
         return self.function(*arguments)
@@ -112,7 +113,25 @@ def load_function(deck: Deck, statement: Statement) -> Loaded:
     function = getattr(module, path.stem, None) or getattr(module, name, None)
     if not callable(function):
         raise refuse(f"{path} does not define a function {name}")
-    return Loaded(function, load_function, (deck, statement))
+    return Loaded(function, load_function, (deck, statement), _breaks(module, path, refuse))
+
+
+def _breaks(module: ModuleType, path: Path, refuse: Callable[[str], Exception]) -> tuple[float, ...]:
+    """The times of jumps that a module declares."""
+    given = getattr(module, "breaks", ())
+    try:
+        times = np.asarray(given, dtype=float)
+    except (TypeError, ValueError):
+        times = np.full((1, 1), np.nan)
+    if times.ndim != 1 or not np.isfinite(times).all():
+        raise refuse(f"breaks of {path} must be a list of times [s], numbers, not {one_line_of(given)}")
+    return tuple(float(t) for t in times)
+
+
+def one_line_of(value: object) -> str:
+    """A value in words for a message, shortened."""
+    text = repr(value).splitlines()[0]
+    return text if len(text) < 80 else f"{text[:77]}..."
 
 
 def import_file(path: Path, refuse: Callable[[str], Exception]) -> ModuleType:
@@ -201,7 +220,7 @@ def load_user_signal(deck: Deck, statement: Statement, numbering: Numbering) -> 
     """USERSIG as a function (t, e, ed, x, xd) -> UserForces."""
     function, name = load_function(deck, statement), str(statement.values[0])
     along = isinstance(deck.mode, int) and find_mode(deck.mode).takes_setpoints
-    return UserLaw(function, name, numbering, numbering.le - 1, numbering.lnp - 1, along)
+    return UserLaw(function, name, numbering, numbering.le - 1, numbering.lnp - 1, along, function.breaks)
 
 
 @dataclass(frozen=True)
@@ -214,6 +233,7 @@ class UserLaw:
     le: Index
     lnp: Index
     prescribed_act: bool  # along set-points the prescribed deformations are the degrees of freedom
+    breaks: tuple[float, ...] = ()
     places: dict[tuple[Any, ...], int] = field(default_factory=dict, repr=False, compare=False)  # that were looked up
 
     def __call__(self, t: float, e: Array, ed: Array, x: Array, xd: Array) -> UserForces:
@@ -280,7 +300,8 @@ class UserDrive:
         cls, deck: Deck, statement: Statement, numbering: Numbering, base: Polynomial, settings: SolverSettings
     ) -> UserDrive:
         interval = settings.duration / settings.n_steps if settings.duration and settings.n_steps else 1.0
-        return cls(load_function(deck, statement), str(statement.values[0]), numbering, base, interval)
+        function = load_function(deck, statement)
+        return cls(function, str(statement.values[0]), numbering, base, interval, function.breaks)
 
     def at(self, t: float) -> DriveState:
         e_rows, x_rows = call(self.function, self.name, t, round(t / self.interval))
