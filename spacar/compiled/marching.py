@@ -10,22 +10,21 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable, Iterator
 from functools import partial
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
 from spacar.arrays import Array
+from spacar.compiled.compiled_model import CompiledModel, State
 from spacar.compiled.library import DOUBLES, INTEGER, NUMBER, POINTER
-from spacar.dynamics.loaded_mechanism import ALWAYS, NOISE, SHARE, Accepted, Moving
+from spacar.dynamics.loaded_mechanism import ALWAYS, NOISE, SHARE, Accepted, LoadedMechanism, Moving
 from spacar.errors import AnalysisError
 from spacar.integrators.adams import GAMMA_STAR, MAX_ORDER, Adams
 from spacar.integrators.failures import MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small
 from spacar.integrators.problem import Step
 from spacar.integrators.runge_kutta import TINY, ExplicitRungeKutta
 from spacar.kinematics.kinematics import LARGEST_JUMP
-
-if TYPE_CHECKING:
-    from spacar.compiled.compiled_evaluator import CompiledDynamics
+from spacar.mechanism.numbering import Numbering
 
 ARRIVED, AT_OUTPUT, PAUSED, TOO_SMALL, NOT_EVALUATED, INTERRUPTED = range(6)  # as in march.c
 MOST, COMPONENTS = 1000, 20_000  # steps in one call, and steps times components of x and e, so that Ctrl-C is heard
@@ -96,10 +95,22 @@ class Lookout(Protocol):
         """So many steps have been made; `begin` says where the last one began."""
 
 
+class InC(Protocol):
+    """What is asked of the evaluator in C."""
+
+    solver: CompiledModel
+    state: State
+    numbering: Numbering
+    n_positions: int
+
+    @property
+    def model(self) -> LoadedMechanism: ...
+
+
 class Marching:
     """The steps of one motion."""
 
-    def __init__(self, evaluator: CompiledDynamics, lookout: Lookout, within: Callable[[], float]) -> None:
+    def __init__(self, evaluator: InC, lookout: Lookout, within: Callable[[], float]) -> None:
         model = evaluator.solver
         nx, ne = evaluator.numbering.nx, evaluator.numbering.ne
         n = evaluator.n_positions + evaluator.numbering.nddof
