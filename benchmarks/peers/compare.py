@@ -1,6 +1,6 @@
 """The scenarios beside Exudyn and Pinocchio: ratios of whole times at equal error, measured in turn in one run.
 
-    python benchmarks/peers/compare.py [--only S1b ...] [--repeats 9] [--general] [--json FILE]
+    python benchmarks/peers/compare.py [--only S1b ...] [--repeats 9] [--json FILE]
 
 Whole time: from the text of the model (ours: file read, checked, built; theirs: model built) to the last output in
 memory, one thread. Every setting is run once for its error; those that are compared are then timed in turn, A B A B,
@@ -10,7 +10,7 @@ Three rows a level: `default` is our default command at the fastest ERROR that r
 setting, picked afterwards; both against the fastest setting of the others, picked afterwards. `asked` is what one knows
 beforehand: the error asked for is the level, on both sides, with the errors obtained.
 
-Memory is the largest of a process of its own that computes the setting once, less that of one that imports only.
+Memory is the largest of a process of its own that computes the setting once: Python, NumPy and the program included.
 """
 
 from __future__ import annotations
@@ -43,12 +43,12 @@ class Tried:
     memory: float | None = None
 
 
-def tried(name: str, general: bool) -> list[Tried]:
+def tried(name: str) -> list[Tried]:
     """Every setting once: its error and time."""
     found = []
     slow: set[str] = set()
     loaded: set[str] = set()
-    for s in settings(name, general):
+    for s in settings(name):
         family = s.program + s.label.partition(" 1e-")[0]
         if family in slow:
             continue
@@ -84,23 +84,27 @@ def fastest(rows: Iterable[Tried], level: float) -> Tried | None:
     return min((t for t in rows if t.error <= level), key=lambda t: t.seconds, default=None)
 
 
-def memory(name: str, t: Tried, general: bool) -> float:
-    """Largest memory of a process that computes the setting, less that of one that imports [MB]."""
+def memory(name: str, t: Tried) -> float | None:
+    """Largest memory of a process that computes the setting once, with this program alone [MB]; None but on Linux.
+
+    From /proc, as the number of `getrusage` begins with that of the process which started it.
+    """
+    if not Path("/proc/self/status").exists():
+        return None
     code = (
-        "import resource, sys; sys.path.insert(0, sys.argv[1]); import scenarios; "
-        "s = [s for s in scenarios.settings(sys.argv[2], bool(int(sys.argv[5])))"
-        " if s.program == sys.argv[3] and s.label == sys.argv[4]][0]; "
-        "most = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss; a = most(); s.solve(); print(most() - a)"
+        "import sys; sys.path.insert(0, sys.argv[1]); import scenarios; "
+        "[s.solve() for s in scenarios.PROGRAMS[sys.argv[3]](sys.argv[2]) if s.label == sys.argv[4]]; "
+        "print([line.split()[1] for line in open('/proc/self/status') if line.startswith('VmHWM')][0])"
     )
     words = [sys.executable, "-c", code, str(Path(__file__).parent), name, t.setting.program, t.setting.label]
-    done = subprocess.run([*words, str(int(general))], capture_output=True, text=True, check=True)
+    done = subprocess.run(words, capture_output=True, text=True, check=True)
     return float(done.stdout.split()[-1]) / 1024.0
 
 
 def scenario(name: str, options: argparse.Namespace) -> list[dict[str, object]]:
     """The rows of one scenario."""
     print(f"== {name}: {TITLES[name]}", flush=True)
-    rows = tried(name, options.general)
+    rows = tried(name)
     ours = [t for t in rows if t.setting.program == OURS]
     others = [t for t in rows if t.setting.program != OURS]
     found = []
@@ -113,14 +117,15 @@ def scenario(name: str, options: argparse.Namespace) -> list[dict[str, object]]:
         ]  # fmt: skip
         in_turn({id(t): t for _, *both in pairs for t in both if t is not None}.values(), options.repeats)
         for what, we, they in pairs:
-            if what == "best" and we is pairs[0][1]:
+            if (what == "best" and we is pairs[0][1]) or (what == "asked" and (we is None or they is None)):
                 continue
             found.append(_row(name, level, what, we, they, options))
     return found
 
 
 def _asks(t: Tried, level: float) -> bool:
-    return t.setting.known is not None and 0.5 < t.setting.known / level < 2.0
+    known = t.setting.known
+    return known is not None and (known == 0.0 or 0.5 < known / level < 2.0)
 
 
 def _row(
@@ -132,10 +137,10 @@ def _row(
     sides = []
     for t in (we, they):
         if t is None:
-            sides.append("not reached" if what != "asked" else "no setting")
+            sides.append("not reached")
             continue
         if t.memory is None and options.memory:
-            t.memory = memory(name, t, options.general)
+            t.memory = memory(name, t)
         room = "" if t.memory is None else f", {t.memory:.0f} MB"
         sides.append(f"{1e3 * t.seconds:8.2f} ms{room}  {t.setting.program}: {t.setting.label} ({t.error:.0e})")
     print(f"  {level:.0e} {what:7s} {text}  {sides[0]:62s} | {sides[1]}", flush=True)
@@ -153,7 +158,6 @@ def main(words: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", nargs="*", default=None, help="names of scenarios")
     parser.add_argument("--repeats", type=int, default=9)
-    parser.add_argument("--general", action="store_true", help="our general path too (S1a)")
     parser.add_argument("--no-memory", dest="memory", action="store_false")
     parser.add_argument("--json", type=Path, default=None)
     options = parser.parse_args(words)

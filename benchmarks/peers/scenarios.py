@@ -29,8 +29,8 @@ OURS = "spacar"
 
 @dataclass(frozen=True)
 class Setting:
-    """One way to solve a scenario. `known`: the error for which a user would choose it beforehand (None: no choice that
-    one knows beforehand); `by_default`: our default command, with nothing but the accuracy."""
+    """One way to solve a scenario. `known`: the error for which a user would choose it beforehand (0: for any; None: no
+    choice that one knows beforehand); `by_default`: our default command, with nothing but the accuracy."""
 
     program: str
     label: str
@@ -53,9 +53,9 @@ def error(name: str, answer: np.ndarray) -> float:
     return float(np.linalg.norm(answer - np.array(end, float)) / LENGTH[name])
 
 
-def settings(name: str, general: bool) -> Iterator[Setting]:
+def settings(name: str) -> Iterator[Setting]:
     """All that are tried: ours first; programs that are not installed are left out."""
-    yield from _ours(name, general)
+    yield from _ours(name)
     if find_spec("exudyn"):
         yield from _exudyn(name)
     if find_spec("pinocchio"):
@@ -67,16 +67,14 @@ def missing() -> list[str]:
     return [name for name, module in (("Exudyn", "exudyn"), ("Pinocchio", "pinocchio")) if not find_spec(module)]
 
 
-def _ours(name: str, general: bool) -> Iterator[Setting]:
+def _ours(name: str) -> Iterator[Setting]:
     side = import_module("spacar_side")
     if name in ("S5", "S8"):
         solve = side.bent if name == "S5" else side.frequencies
-        for n in (5, 10, 20, 40, 80, 160) if name == "S5" else (2, 3, 5, 10, 20, 40, 80, 160):
+        for n in (40, 60, 72, 80, 160) if name == "S5" else (5, 10, 13, 20, 40, 45, 80, 130):
             yield Setting(OURS, f"{n} elements", partial(solve, n), by_default=True)
     elif name == "S1a":
-        for path in ("", ", general") if general else ("",):
-            run = partial(side.answer, name, None, None, bool(path))
-            yield Setting(OURS, f"default{path}", run, 1e-8, by_default=not path)
+        yield Setting(OURS, "default", partial(side.answer, name, None, None), 0.0, by_default=True)
     else:
         for k in range(3 if name == "S1b" else 1, 13):
             run = partial(side.answer, name, 10.0**-k, None)
@@ -118,3 +116,6 @@ def _pinocchio(name: str) -> Iterator[Setting]:
     what = "angle by hand" if name == "S1b" else "aba"
     for k in range(4, 13):
         yield Setting("Pinocchio", f"{what}, LSODA, 1e-{k}", partial(solve, 10.0**-k), 10.0**-k)
+
+
+PROGRAMS = {OURS: _ours, "Exudyn": _exudyn, "Pinocchio": _pinocchio}

@@ -36,19 +36,17 @@ def beam(n: int, bent: bool) -> Path:
     return path
 
 
-def run(name: str, error: float | None, code: int | None, general: bool = False) -> spacar.Result:
+def run(name: str, error: float | None, code: int | None) -> spacar.Result:
     """`error`: ERROR of the run, absolute and relative; `code`: INTEGRAT, None: what a file without it gets."""
     options = {} if error is None else {"atol": error, "rtol": error}
     if code is not None:
         options["integrator"] = code
-    if general:
-        options["compiled"] = False
     return spacar.run(1, folder() / f"{name}.dat", **options)
 
 
-def answer(name: str, error: float | None, code: int | None, general: bool = False) -> np.ndarray:
+def answer(name: str, error: float | None, code: int | None) -> np.ndarray:
     """S1a ... S4c."""
-    result = run(name, error, code, general)
+    result = run(name, error, code)
     if name == "S1a":
         return result.node(6, 1, "xdd")
     if name == "S1b":

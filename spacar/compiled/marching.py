@@ -10,25 +10,24 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable, Iterator
 from functools import partial
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
 from spacar.arrays import Array
+from spacar.compiled.compiled_model import CompiledModel, State
 from spacar.compiled.library import DOUBLES, INTEGER, NUMBER, POINTER
-from spacar.dynamics.loaded_mechanism import ALWAYS, NOISE, SHARE, Accepted, Moving
+from spacar.dynamics.loaded_mechanism import ALWAYS, NOISE, SHARE, Accepted, LoadedMechanism, Moving
 from spacar.errors import AnalysisError
 from spacar.integrators.adams import GAMMA_STAR, MAX_ORDER, Adams
 from spacar.integrators.failures import MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small
 from spacar.integrators.problem import Step
 from spacar.integrators.runge_kutta import TINY, ExplicitRungeKutta
 from spacar.kinematics.kinematics import LARGEST_JUMP
-
-if TYPE_CHECKING:
-    from spacar.compiled.compiled_evaluator import CompiledDynamics
+from spacar.mechanism.numbering import Numbering
 
 ARRIVED, AT_OUTPUT, PAUSED, TOO_SMALL, NOT_EVALUATED, INTERRUPTED = range(6)  # as in march.c
-MOST = 1000  # steps in one call, so that Ctrl-C is heard
+MOST, COMPONENTS = 1000, 20_000  # steps in one call, and steps times components of x and e, so that Ctrl-C is heard
 
 ASK = ctypes.CFUNCTYPE(INTEGER, NUMBER, POINTER, POINTER)
 TELL = ctypes.CFUNCTYPE(INTEGER, NUMBER, POINTER)
@@ -92,14 +91,26 @@ class Lookout(Protocol):
         Raises AnalysisError.
         """
 
-    def passed(self, n: int, begin: Moving | None) -> None:
-        """So many steps have been made; `begin`: where the last one began."""
+    def passed(self, n: int, begin: Callable[[], Moving | None]) -> None:
+        """So many steps have been made; `begin` says where the last one began."""
+
+
+class InC(Protocol):
+    """What is asked of the evaluator in C."""
+
+    solver: CompiledModel
+    state: State
+    numbering: Numbering
+    n_positions: int
+
+    @property
+    def model(self) -> LoadedMechanism: ...
 
 
 class Marching:
     """The steps of one motion."""
 
-    def __init__(self, evaluator: CompiledDynamics, lookout: Lookout, within: Callable[[], float]) -> None:
+    def __init__(self, evaluator: InC, lookout: Lookout, within: Callable[[], float]) -> None:
         model = evaluator.solver
         nx, ne = evaluator.numbering.nx, evaluator.numbering.ne
         n = evaluator.n_positions + evaluator.numbering.nddof
@@ -114,9 +125,11 @@ class Marching:
         self.error: BaseException | None = None
         self.kept: tuple[Any, ...] = ()  # what C points at
         ask, tell = (ctypes.cast(call, POINTER).value for call in self.calls)
+        most = max(1, min(MOST, COMPONENTS // (nx + ne)))
         self.c = CMarch(
             model.handle, evaluator.state.address, ask, tell, self.records.ctypes.data, self.scale.ctypes.data,
-            self.atol.ctypes.data, n, lookout.capacity, self.records.shape[1], lookout.look, lookout.back, MOST, MAX_REDUCTIONS, REDUCTION,
+            self.atol.ctypes.data, n, lookout.capacity, self.records.shape[1], lookout.look, lookout.back, most,
+            MAX_REDUCTIONS, REDUCTION,
         )  # fmt: skip
         self.c.jump, self.c.half, self.c.share, self.c.noise = LARGEST_JUMP, lookout.half, SHARE, NOISE
         self.address = ctypes.c_void_p(ctypes.addressof(self.c))
@@ -147,7 +160,7 @@ class Marching:
             c.n_rhs = c.n_rejected = 0
             if status in (TOO_SMALL, NOT_EVALUATED, INTERRUPTED):
                 self._failed(status)
-            self.lookout.passed(steps, self._before())
+            self.lookout.passed(steps, self._before)
             yield Step(c.t, self.y, self.value, (c.sizes[1], c.sizes[0]))
 
     # -- methods --------------------------------------------------------------------------------------------------

@@ -199,7 +199,7 @@ class Trail:
         self.evaluator, self.watch = evaluator, watch
         self.at_begin: Any = None
         self.at_end: Any = None
-        self.begin: Moving | None = None  # instead of them, where many steps are made at a time
+        self.begin: Callable[[], Moving | None] | None = None  # instead of them, where many steps are made at a time
         self.steps = 0  # since the last output
 
     # -- of many steps at a time: `spacar.compiled.marching.Lookout` ----------------------------------------------
@@ -223,8 +223,8 @@ class Trail:
         """Look at one of them."""
         return (peak, False, None) if self.watch is None else self.watch.closer(t, y, peak, before)
 
-    def passed(self, n: int, begin: Moving | None) -> None:
-        """So many have been made, the last one from `begin`."""
+    def passed(self, n: int, begin: Callable[[], Moving | None]) -> None:
+        """So many have been made; `begin` says where the last one began."""
         self.steps += n
         self.begin = begin
 
@@ -238,7 +238,9 @@ class Trail:
     def lead(self, shown: Evaluator) -> None:
         """Let the evaluator of the outputs begin at the start of the step with t, if its last output was far before."""
         if self.steps > FAR and self.begin is not None:
-            shown.resume(self.begin)
+            begin = self.begin()
+            if begin is not None:
+                shown.resume(begin)
         elif self.steps > FAR and self.at_begin is not None:
             shown.remember(self.at_begin)
         self.steps = 0

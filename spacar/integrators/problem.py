@@ -3,7 +3,6 @@ evaluation."""
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from math import isfinite
@@ -98,7 +97,7 @@ class Evaluation:
     """
 
     __slots__ = (
-        "_jacobian", "_rhs", "accepted", "by_case", "first", "last", "march", "problem", "rejected", "stages",
+        "_jacobian", "_next", "_rhs", "accepted", "by_case", "first", "last", "march", "problem", "rejected", "stages",
         "statistics", "times",
     )  # fmt: skip
 
@@ -115,10 +114,14 @@ class Evaluation:
         self.by_case: tuple[int, int, int] | None = getattr(problem, "by_case", None)
         self.march: March | None = getattr(problem, "march", None)
         self.times: Sequence[float] | np.ndarray = (first, last)
+        self._next = 0
 
     def next_output(self, t: float) -> float:
-        """The first output time after t."""
-        return float(self.times[min(bisect_right(self.times, t), len(self.times) - 1)])
+        """The first output time after t, which never goes back."""
+        last = len(self.times) - 1
+        while self._next < last and self.times[self._next] <= t:
+            self._next += 1
+        return float(self.times[self._next])
 
     def rhs(self, t: float, y: np.ndarray) -> np.ndarray:
         """F at the clipped time, shape (n,)."""

@@ -16,7 +16,7 @@ from __future__ import annotations
 import ast
 import importlib.util
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import isfinite
 from pathlib import Path
 from types import ModuleType
@@ -234,6 +234,7 @@ class UserLaw:
     lnp: Index
     prescribed_act: bool  # along set-points the prescribed deformations are the degrees of freedom
     breaks: tuple[float, ...] = ()
+    places: dict[tuple[Any, ...], int] = field(default_factory=dict, repr=False, compare=False)  # that were looked up
 
     def __call__(self, t: float, e: Array, ed: Array, x: Array, xd: Array) -> UserForces:
         n = self.numbering
@@ -259,8 +260,12 @@ class UserLaw:
         return result
 
     def _place(self, find: Callable[[int, int], int], row: Sequence[float], what: str, k: int, t: float) -> int:
+        known = self.places.get((what, row[0], row[1]))
+        if known is not None:
+            return known
         try:
-            return find(*whole(row))
+            found = self.places[what, row[0], row[1]] = find(*whole(row))
+            return found
         except KeyError:
             text = (
                 f"{self.name} at t = {t:.9g}: row {k + 1} of {what} names {row[0]:g} {row[1]:g}, which does not exist"
