@@ -4,25 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from spacar.deck import Deck, read_deck
 from spacar.errors import UsageError
 from spacar.mechanism import build
 from spacar.modes import Mode, find_mode
 from spacar.options import checked_options
-from spacar.result import Result
 from spacar.stream import AccuracyRequest, Run
+
+if TYPE_CHECKING:
+    from spacar.deck.model import Model
+    from spacar.result import Result
 
 
 def frames(
-    mode: int, source: str | Path | Deck, *, nominal: Any = None, accuracy: float | bool | None = None,
+    mode: int, source: str | Path | Deck | Model, *, nominal: Any = None, accuracy: float | bool | None = None,
     variables: Sequence[str] = (), mesh: bool = True, **options: Any,
 ) -> Run:  # fmt: skip
     """Prepare an analysis: read, check and number the model; the frames come when the returned Run is iterated over.
 
-    mode      0 to 4, 7 to 10, see MODES;  source   path of the input file, or a Deck, which is checked
-              again when it was read for another mode
+    mode      0 to 4, 7 to 10, see MODES;  source   path of the input file, a Model, or a Deck, which is
+              checked again when it was read for another mode
     nominal   mode 3 only: result of mode 2, or of modes 7 to 10
     accuracy  modes 1, 4, 7 to 10: error of the result over the amplitude of each variable, estimated and kept by
               several runs; True: only estimated. In `header["accuracy"]` of the result, and `xerr` of its frames
@@ -36,9 +39,7 @@ def frames(
     """
     found = find_mode(mode)
     options, notes = checked_options(options)
-    deck = source if isinstance(source, Deck) else read_deck(source, found.number)
-    if deck.mode != found.number:  # its checks and its third block are those of the mode it was read for
-        deck = deck.for_mode(found.number)
+    deck = deck_of(source, found.number)
     request = _accuracy(found, accuracy, variables, mesh)
     prepared = Run(found, build(deck, found.number, **options), nominal=nominal, accuracy=request)
     for note in notes:
@@ -49,6 +50,15 @@ def frames(
         for message in lost_stiffness(deck, prepared.mechanism):
             prepared.report.add(str(message))
     return prepared
+
+
+def deck_of(source: str | Path | Deck | Model, mode: int) -> Deck:
+    """The checked deck of a path, a Model or a Deck, for a mode. Raises UsageError, InputError."""
+    if isinstance(source, str | Path):
+        return read_deck(source, mode)
+    deck = source if isinstance(source, Deck) else source.deck(mode)
+    # its checks and its third block are those of the mode it was read for
+    return deck if deck.mode == mode else deck.for_mode(mode)
 
 
 def _accuracy(
@@ -72,11 +82,13 @@ def _accuracy(
     return AccuracyRequest(float(accuracy), tuple(variables), mesh)
 
 
-def run(mode: int, source: str | Path | Deck, *, nominal: Any = None, **options: Any) -> Result:
+def run(mode: int, source: str | Path | Deck | Model, *, nominal: Any = None, **options: Any) -> Result:
     """Run an analysis to its end and keep all frames in memory. Errors as `frames`.
 
-    mode      0 to 4, 7 to 10, see MODES;  source   path of the input file, or a Deck
+    mode      0 to 4, 7 to 10, see MODES;  source   path of the input file, a Deck, or a Model
     nominal   mode 3 only: result of mode 2, or of modes 7 to 10
     options   accuracy, variables, and what overrides the deck, see `frames`
     """
+    from spacar.result import Result  # the command line needs no results in memory
+
     return Result.collect(frames(mode, source, nominal=nominal, **options))

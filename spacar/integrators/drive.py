@@ -22,6 +22,7 @@ from .automatic import Automatic
 from .failures import MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small, too_many_steps
 from .methods import AUTOMATIC, METHODS, method
 from .problem import Evaluation, Output, Problem, Step, Tolerance
+from .runge_kutta import ExplicitRungeKutta
 from .times import EvenTimes
 
 EPS = float(np.finfo(float).eps)
@@ -68,6 +69,7 @@ def integrate(
     if row.needs_jacobian and getattr(problem, "jacobian", None) is None:
         raise UsageError(f"INTEGRAT: {row.name} needs the Jacobian of the problem", "integrator.jacobian")
     evaluation = Evaluation(problem, first, last)
+    evaluation.times = output_times
     integrator = row.build(evaluation, len(state), Tolerance(_one_or_each(atol), float(rtol)))
     segments = _segments(first, last, breaks)
     loop = _variable if row.variable_step else _fixed
@@ -152,7 +154,7 @@ def _outputs(
     before = statistics.counts()
     i, n = 1, len(times)
     next_time, step_start, limit = float(times[1]), float(times[0]), max_steps
-    for t, y, interpolate in steps:
+    for t, y, interpolate, _ in steps:
         while next_time <= t:
             result = y.copy() if next_time == t else interpolate(next_time)
             now = statistics.counts()
@@ -190,7 +192,8 @@ def _variable(
     for start, end, evaluation.first, evaluation.last in segments:
         t, before, size = start, 0.0, 0.0
         for taken in run(start, y, end, min(h, end - start)):
-            before, size, t = size, taken.t - t, taken.t
+            before, size = taken.sizes or (size, taken.t - t)
+            t = taken.t
             yield taken
         # After a break not longer than before it; the last step may have been shortened to end there.
         y, h = taken.y.copy(), max(before, size)
@@ -212,6 +215,9 @@ def _one_step(
         if estimate:
             h = min(h, _first_step(evaluation, integrator, t, y, f.copy()))
         h = max(min(h, longest), h_min)
+        if evaluation.march is not None and isinstance(integrator, ExplicitRungeKutta):
+            yield from evaluation.march(integrator, t, t_end, h, longest)
+            return
         final = False
         while not final:
             integrator.begin(t)

@@ -17,7 +17,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.errors import AnalysisError
-from spacar.kinematics.diagnosis import ZERO, scaled_difference_matrix
+from spacar.kinematics.difference_matrix import ZERO, scaled_difference_matrix
 from spacar.kinematics.fold import is_single_root
 from spacar.linear_systems.dense import DenseSystem
 from spacar.linear_systems.reciprocal_condition import reciprocal_condition

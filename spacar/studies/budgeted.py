@@ -136,19 +136,25 @@ def _divisible(trade: Trade) -> bool:
     return True
 
 
-def command_line(trade: Trade, setup: Setup, name: str) -> str:
-    """The run of this setting as words for the shell; a finer mesh, which no option makes, is said after it."""
-    words = ["spacar", str(trade.mode), name]
+def run_options(trade: Trade, setup: Setup) -> dict[str, str | int | float]:
+    """The options of `spacar.run` for a setting; a finer mesh is none of them."""
+    options: dict[str, str | int | float] = {}
     if setup.measure:
-        words += ["--beams", setup.measure]
+        options["beams"] = setup.measure
     if setup.integrator is not None:
-        words += ["--integrator", str(setup.integrator)]
+        options["integrator"] = setup.integrator
     if setup.tolerance is not None:
         settings = frames(trade.mode, trade.deck, **trade.options).mechanism.settings
         ratio = settings.atol / settings.rtol if settings.rtol > 0.0 else 1.0
-        words += ["--rtol", f"{setup.tolerance:.3g}", "--atol", f"{setup.tolerance * ratio:.3g}"]
-    for option, flag in (("duration", "--time"), ("n_steps", "--steps")):
-        if option in trade.options:
-            words += [flag, str(trade.options[option])]
+        options |= {"rtol": setup.tolerance, "atol": setup.tolerance * ratio}
+    return options | {name: trade.options[name] for name in ("duration", "n_steps") if name in trade.options}
+
+
+def command_line(trade: Trade, setup: Setup, name: str) -> str:
+    """The run of this setting as words for the shell; a finer mesh, which no option makes, is said after it."""
+    flags = {"duration": "--time", "n_steps": "--steps"}
+    words = ["spacar", str(trade.mode), name]
+    for option, value in run_options(trade, setup).items():
+        words += [flags.get(option, f"--{option}"), f"{value:.3g}" if option in ("rtol", "atol") else str(value)]
     line = " ".join(words)
     return line if setup.elements == 1 else f"{line}   (with {setup.elements} elements in the place of each beam)"
