@@ -234,7 +234,7 @@ def mesh_case(name: str) -> MeshCase:
         exact = np.array([5.6746723])
         deck = parse_deck(models.example("lateral4"), mode=8)
         return MeshCase(deck, 8, multiplier=True, exact=exact, amplitude=exact)
-    empty = MeshCase(parse_deck(models.example("leafguide"), mode=7), 7, ((7, 1), (7, 2)), frequencies=3)
+    empty = MeshCase(parse_deck(models.example("leafguide"), mode=7), 7, ((7, 1), (7, 2)), frequencies=1)
     a, b, c = (empty.values(refine(empty.deck, n)) for n in (4, 8, 16))
     once = b + (b - a) / 3.0, c + (c - b) / 3.0
     exact = once[1] + (once[1] - once[0]) / 15.0
@@ -242,7 +242,7 @@ def mesh_case(name: str) -> MeshCase:
 
 
 MESHES = ("elastica, tip", "cantilever, three frequencies", "column2, Euler", "lateral4, lateral buckling",
-          "leafguide, body and three frequencies")  # fmt: skip
+          "leafguide, body and first frequency")  # fmt: skip
 
 
 def cheapest_mesh(case: MeshCase) -> dict[float, float]:
