@@ -14,7 +14,7 @@ pytest.importorskip("sympy")
 
 DATA = Path(__file__).resolve().parents[2] / "data"
 # a free body of two rods, on it a hinge about a skew axis with spring, damper and preload, a rod with rotary inertia
-# and products of inertia of its section, an elastic truss to the ground, a force, gravity, a body with products of inertia
+# and products of inertia of its section, an elastic truss to the ground, a force, gravity, inertias of a node
 FREE = """
 RBEAM 1 1 2 3
 RBEAM 2 1 2 4
