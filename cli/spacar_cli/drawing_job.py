@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from spacar_drawing.files import FILM, FILM_DPI, check_name, film, save
+from spacar_drawing.mechanism_picture import Extras
 from spacar_drawing.picture_source import open_source
 from spacar_drawing.step_pictures import chosen_steps, picture, series
 
@@ -19,6 +20,7 @@ def draw(
     environment: Environment,
     file: str,
     choices: Choices,
+    extras: Extras,
     steps: str | None,
     strobe: int | None,
     trace: Sequence[int],
@@ -39,11 +41,11 @@ def draw(
     stills = [p for p in outputs if p.suffix.lower() not in FILM]
     films = [p for p in outputs if p.suffix.lower() in FILM]
     if stills:
-        figure = picture(changed, choices.extras(), chosen_steps(changed, steps, strobe, False), nodes, initial)
+        figure = picture(changed, extras, chosen_steps(changed, steps, strobe, False), nodes, initial)
         for path in stills:
             save(figure, path, choices.dpi)
     if films or choices.show:
-        shown = series(changed, choices.extras(), chosen_steps(changed, steps, None, True), nodes, initial)
+        shown = series(changed, extras, chosen_steps(changed, steps, None, True), nodes, initial)
         pictures, count = shown.thinned(frames)
         for path in films:
             with frame_progress(environment.error_is_terminal, count, path.name) as tick:
@@ -51,7 +53,5 @@ def draw(
         if choices.show:
             from spacar_drawing.window import slider_window
 
-            slider_window(
-                shown.whole, len(shown.numbers), 0, shown.bounds, shown.camera, scene.title, choices.fps
-            )
+            slider_window(shown.whole, len(shown.numbers), 0, shown.bounds, shown.camera, scene.title, choices.fps)
     return list(outputs)
