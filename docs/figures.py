@@ -41,6 +41,7 @@ FIGURES: dict[str, tuple[str, ...]] = {
         "7 plbeam5",
         "draw plbeam5 --symbols loads,reactions,axes --scale 0.6 -o {}",
     ),
+    "section-stress.png": ("7 leafguide", "stress leafguide -e 1 --at 0 --picture {}"),
     "lateral4-buckling.png": ("8 lateral4", "visual lateral4 -o {}"),
     "lateral4-stress.png": ("8 lateral4", "visual lateral4 --stress mises -o {}"),
     "robot.png": ("2 robotinv", "draw robotinv --strobe 7 -o {}"),

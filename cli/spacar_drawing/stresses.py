@@ -142,12 +142,15 @@ def _i_points(b: float, h: float, tw: float, tf: float) -> tuple[Array, Array]:
     return np.concatenate(y), np.concatenate(z)
 
 
-def stress_field(section: SectionShape, r: Resultants) -> tuple[Array, Array]:
-    """Normal stress and shear stress, each (places along the element, points of the section) [N/m^2]."""
+def stress_field(section: SectionShape, r: Resultants, at: tuple[Array, Array] | None = None) -> tuple[Array, Array]:
+    """Normal stress and shear stress, each (places along the element, points of the section) [N/m^2].
+
+    at   y, z (m,) [m] of points in the section; default those of `section_points`
+    """
     m = moments(section)
     if m is None:
         raise ValueError("a LINE has no stresses")
-    y, z = section_points(section)
+    y, z = section_points(section) if at is None else at
     normal = (r.N / m.A)[:, None] - np.outer(r.Mz, y) / m.Iz + np.outer(r.My, z) / m.Iy
     omega = warping_function(section, y, z)
     if r.B is not None and omega is not None:
@@ -207,8 +210,12 @@ def worst(quantity: str, normal: Array, shear: Array) -> tuple[Array, Array]:
 
     normal, shear   (n, points) as `stress_field` gives them
     """
-    field = {"normal": normal, "shear": shear}.get(quantity)
-    if field is None:
-        field = np.sqrt(normal**2 + 3 * shear**2)
+    field = of_quantity(quantity, normal, shear)
     point = np.argmax(np.abs(field), axis=1)
     return field[np.arange(len(field)), point], point
+
+
+def of_quantity(quantity: str, normal: Array, shear: Array) -> Array:
+    """One of STRESSES at every point: normal, shear, or von Mises sqrt(normal^2 + 3 shear^2)."""
+    given = {"normal": normal, "shear": shear}.get(quantity)
+    return np.sqrt(normal**2 + 3 * shear**2) if given is None else given
