@@ -12,6 +12,7 @@ COMMANDS = {
     "keywords": "the keywords of the input language",
     "examples": "list or copy the example models",
     "sweep": "parameter study: many values, one row of quantities each",
+    "sensitivity": "exact derivatives of stationary quantities by numbers of the file",
     "trade": "speed against accuracy of a model, and the cheapest setting",
     "draw": "picture or animation of the mechanism at chosen steps",
     "visual": "vibration and buckling modes, constraints, stresses as pictures",
@@ -28,6 +29,7 @@ COMMANDS = {
     "bode": "Bode diagram of a .ltv result",
     "stress": "stress resultants and stresses along beams as numbers",
     "compliance": "compliance matrix of a node",
+    "flexure": "a flexure over its range of motion: stiffness, errors, frequencies ...",
     "getss": "state space matrices of one step of a .ltv result",
     "sim": "controlled simulation from a model file",
     "ltv": "response of a time-varying linear system (.ltv)",
@@ -35,4 +37,5 @@ COMMANDS = {
     "spacntrl": "fold feedback into a .ltv system",
     "matlab": "the folder with the files for MATLAB and Octave",
     "symbolic": "equations of motion of a model file by computer algebra",
+    "completion": "completion of the command line by the TAB key, for bash, zsh, fish",
 }

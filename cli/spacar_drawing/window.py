@@ -32,12 +32,17 @@ LIVE_INTERVAL = 0.1  # s between two pictures of a run
 ROOM = 0.1  # beyond a side that the mechanism left, of the extent seen so far
 
 
-def open_window(title: str) -> Any:
-    """An empty window figure. Raises UsageError where no window can be opened."""
+def check_display() -> None:
+    """Raises UsageError where there is no display to open a window on."""
     if sys.platform.startswith("linux") and not any(
         os.environ.get(v) for v in ("DISPLAY", "WAYLAND_DISPLAY", "MPLBACKEND")
     ):
         raise UsageError("no window can be opened here (no display); write a file with --output instead", "draw.window")
+
+
+def open_window(title: str) -> Any:
+    """An empty window figure. Raises UsageError where no window can be opened."""
+    check_display()
     import matplotlib.pyplot as plt
 
     figure = plt.figure(figsize=(8.4, 7.0))

@@ -63,7 +63,7 @@ def test_check_tells_file_line_and_what_is_wrong(results, line, told):
 def test_modes_of_the_report_say_their_number_in_the_picture(name, words, results, monkeypatch):
     titles = []
     monkeypatch.setattr(
-        report_page, "_figure", lambda figure, *_: titles.append(figure.axes[0].get_title(loc="left")) or ""
+        report_page, "html_figure", lambda figure, *_: titles.append(figure.axes[0].get_title(loc="left")) or ""
     )
     report_page.report_page(open_source(results / name), log_lines=0)
     modes = [t for t in titles if "mode" in t]

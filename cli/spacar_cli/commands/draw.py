@@ -19,6 +19,7 @@ from spacar_cli.number_types import Real, Whole
 @common
 @click.option(
     "--steps",
+    "--step",
     "-s",
     metavar="STEPS",
     help=(
@@ -52,6 +53,9 @@ from spacar_cli.number_types import Real, Whole
     metavar="KINDS",
     help="Symbols of these kinds, with commas between: loads, reactions, masses, gravity, axes; or all.",
 )
+@click.option(
+    "--scopes/--no-scopes", default=True, show_default=True, help="Scopes of a simulation beside the mechanism."
+)
 @click.pass_obj
 def command(
     environment: Environment,
@@ -65,6 +69,7 @@ def command(
     frames: int,
     scale: float,
     symbols: str | None,
+    scopes: bool,
     **common_options: Any,
 ) -> None:
     """Draw the mechanism of a result file (NAME.sbd) at one or more steps.
@@ -78,8 +83,8 @@ def command(
     if steps and strobe:
         raise UsageError("--steps and --strobe exclude each other")
     extras = replace(choices.extras(), scale=scale, symbols=symbol_kinds(symbols))
-    nodes = () if no_trace else trace
-    for path in draw(environment, file, choices, extras, steps, strobe, nodes, no_trace, initial, frames):
+    drawn = () if no_trace else trace
+    for path in draw(environment, file, choices, extras, steps, strobe, drawn, no_trace, initial, frames, scopes):
         _say(environment, path)
 
 

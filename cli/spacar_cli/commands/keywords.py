@@ -25,13 +25,18 @@ PICTURES = "VISUALIZATION section behind the blocks, or NAME.spv; each setting o
 @click.argument("name", required=False)
 @click.pass_obj
 def command(environment: Environment, name: str | None) -> None:
-    """List all keywords by block, or explain NAME: its arguments, units, defaults and forms."""
+    """List all keywords by block, or explain NAME: its arguments, units, defaults and forms.
+
+    The blocks of a simulation (.sim files) are listed and explained too.
+    """
     for line in overview() if name is None else explanation(name):
         environment.say(line)
 
 
 def overview() -> Iterator[str]:
     """One line for every keyword, block by block."""
+    from spacar_formats.sim_blocks import BLOCKS
+
     for block in BlockKind:
         rows = [k for (_, b), k in KEYWORDS.items() if b is block]
         width = max(len(k.name) for k in rows)
@@ -44,12 +49,22 @@ def overview() -> Iterator[str]:
     yield f"{PICTURES}:"
     yield from (f"  {name:<{width}}  {rule.help}" for name, rule in RULES.items())
     yield ""
+    width = max(len(b.name) for b in BLOCKS)
+    yield "blocks of a simulation (.sim):"
+    yield from (f"  {b.name:<{width}}  {b.text}" for b in BLOCKS)
+    yield ""
 
 
 def explanation(name: str) -> Iterator[str]:
     """All meanings of a keyword or setting, one for each block where it may stand. Raises UsageError."""
     from spacar_drawing.settings_table import RULES, SPELLINGS
+    from spacar_formats import sim_blocks
 
+    if name.lower() in sim_blocks.BY_NAME:
+        yield from sim_blocks.explanation(name.lower())
+        yield ""
+        if not blocks_of(ALIASES.get(name.upper(), name.upper())):
+            return
     wanted = ALIASES.get(name.upper(), name.upper())
     setting = SPELLINGS.get(wanted, wanted)
     blocks = blocks_of(wanted)
