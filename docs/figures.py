@@ -37,6 +37,11 @@ FIGURES: dict[str, tuple[str, ...]] = {
     "finger-mode.png": ("7 finger", "visual finger -o {}"),
     "cantilever-moment.png": ("7 plbeam5", "visual plbeam5 --diagram Mz -o {}"),
     "cantilever-modes.gif": ("7 plbeam5free", "visual plbeam5free -m 2 --dpi 70 -o {}"),
+    "symbols.png": (
+        "7 plbeam5",
+        "draw plbeam5 --symbols loads,reactions,axes --scale 0.6 -o {}",
+    ),
+    "section-stress.png": ("7 leafguide", "stress leafguide -e 1 --at 0 --picture {}"),
     "lateral4-buckling.png": ("8 lateral4", "visual lateral4 -o {}"),
     "lateral4-stress.png": ("8 lateral4", "visual lateral4 --stress mises -o {}"),
     "robot.png": ("2 robotinv", "draw robotinv --strobe 7 -o {}"),

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from spacar_drawing.files import FILM, FILM_DPI, check_name, film, save
+from spacar_drawing.mechanism_picture import Extras
 from spacar_drawing.moving_figure import evenly
 from spacar_drawing.picture_source import open_source
 from spacar_drawing.scope_panels import TimeLine, beside
@@ -23,6 +24,7 @@ def draw(
     environment: Environment,
     file: str,
     choices: Choices,
+    extras: Extras,
     steps: str | None,
     strobe: int | None,
     trace: Sequence[int],
@@ -46,13 +48,13 @@ def draw(
     table = source.signals if scopes and source.signals is not None and source.signals.panels else None
     if stills:
         numbers = chosen_steps(changed, steps, strobe, False)
-        figure = picture(changed, choices.extras(), numbers, nodes, initial)
+        figure = picture(changed, extras, numbers, nodes, initial)
         if table is not None:
             beside(figure, table, np.ravel(source.get("t")), table.panels).show(source.time(numbers[-1]))
         for path in stills:
             save(figure, path, choices.dpi)
     if films or choices.show:
-        shown = series(changed, choices.extras(), chosen_steps(changed, steps, None, True), nodes, initial)
+        shown = series(changed, extras, chosen_steps(changed, steps, None, True), nodes, initial)
         for path in films:
             pictures, count = shown.thinned(frames)
             with frame_progress(environment.error_is_terminal, count, path.name) as tick:

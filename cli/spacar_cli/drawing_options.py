@@ -44,9 +44,7 @@ COMMON = (
             "as in the VISUALIZATION section. May be repeated."
         ),
     ),
-    click.option(
-        "--opacity", type=Real(0, 1), help="Opacity of solids, instead of TRANSPARENCY (1: opaque)."
-    ),
+    click.option("--opacity", type=Real(0, 1), help="Opacity of solids, instead of TRANSPARENCY (1: opaque)."),
     click.option("--light/--no-light", default=None, help="Shade solids or not, instead of LIGHT."),
     click.option(
         "--hide",
@@ -129,6 +127,17 @@ class Choices:
         if self.light is not None:
             settings = replace(settings, light=self.light)
         return replace(settings, hidden=settings.hidden | set(self.hide))
+
+
+def symbol_kinds(text: str | None) -> tuple[str, ...]:
+    """The kinds of `--symbols`, all of them for "all". Raises UsageError."""
+    from spacar_drawing.symbols import KINDS
+
+    words = [word.strip().lower() for word in (text or "").split(",") if word.strip()]
+    for word in words:
+        if word not in (*KINDS, "all"):
+            raise UsageError(f"--symbols {word}: expected {', '.join(KINDS)}, with commas between, or all")
+    return KINDS if "all" in words else tuple(words)
 
 
 def sections_of(texts: Sequence[str]) -> dict[int, SectionShape]:

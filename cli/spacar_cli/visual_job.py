@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +29,15 @@ from spacar_cli.environment import Environment
 from spacar_cli.frame_progress import frame_progress
 
 
+@dataclass(frozen=True)
+class StressWish:
+    """Quantities of --stress and --diagram, and whether the stress is shown over the section."""
+
+    stress: str | None
+    diagram: str | None
+    over_section: bool
+
+
 def visual(
     environment: Environment,
     file: str,
@@ -38,8 +47,7 @@ def visual(
     factor: float | None,
     step: int | None,
     rest: bool,
-    stress: str | None,
-    diagram: str | None,
+    wish: StressWish,
     as_list: bool,
 ) -> list[str]:
     """Draw what was asked for; returns the lines to print. Raises UsageError."""
@@ -47,8 +55,8 @@ def visual(
     source = replace(source, settings=choices.overridden(source.settings))
     check_elements(choices.hide, [e.number for e in source.scene.elements], "--hide: element")
     step = _step(source, step)
-    if stress or diagram:
-        return _stresses(source, choices, step, stress, diagram)
+    if wish.stress or wish.diagram:
+        return _stresses(source, choices, step, wish)
     kind = _kind(source, mode)
     if kind == "constraints":
         return _constraints(source, choices, step)
@@ -172,10 +180,11 @@ def _constraints(source: PictureSource, choices: Choices, step: int) -> list[str
     return _finish(figure, outputs, choices)
 
 
-def _stresses(source: PictureSource, choices: Choices, step: int, stress: str | None, diagram: str | None) -> list[str]:
+def _stresses(source: PictureSource, choices: Choices, step: int, wish: StressWish) -> list[str]:
     from spacar_drawing.step_pictures import step_text
-    from spacar_drawing.stress_picture import diagram_still, stress_still
+    from spacar_drawing.stress_picture import diagram_still, section_still, stress_still
 
+    stress, diagram = wish.stress, wish.diagram
     if stress and diagram:
         raise UsageError("--stress and --diagram exclude each other")
     x, sig, e = source.x(step), np.ravel(source.get("sig", step)), np.ravel(source.get("e", step))
@@ -183,7 +192,7 @@ def _stresses(source: PictureSource, choices: Choices, step: int, stress: str | 
     note = step_text(source, step).removeprefix(source.scene.title).strip()
     outputs = _outputs(source, choices, quantity)
     _stills_only(outputs)
-    draw = stress_still if stress else diagram_still
+    draw = (section_still if wish.over_section else stress_still) if stress else diagram_still
     figure = draw(source.scene, x, sig, e, source.settings, choices.extras(), quantity, note)
     return _finish(figure, outputs, choices)
 

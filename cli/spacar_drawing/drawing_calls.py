@@ -61,7 +61,8 @@ def draw(
     strobe   so many evenly spread steps instead
     traces   numbers of the nodes whose paths are drawn;  initial: outline of the first step
     dpi      dots per inch of the file
-    extras   node_numbers, element_numbers, supports (bool), view ("iso", "xy", "-60,25"), title: fields of `Extras`
+    extras   node_numbers, element_numbers, supports (bool), view ("iso", "xy", "-60,25"), title, symbols ("loads",
+             "reactions", "masses", "gravity", "axes"), scale (of deflections): fields of `Extras`
 
     Raises UsageError for steps or variables that the result has not, and for a file that cannot be written.
     """

@@ -22,18 +22,24 @@ from spacar_drawing.stage import new_figure
 from spacar_drawing.supports import node_marks, number_labels, support_shapes, trace_lines
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)
 class Extras:
-    """What is drawn besides the mechanism itself."""
+    """What is drawn besides the mechanism itself, and how.
+
+    symbols  of KINDS in symbols.py;  scale  of the deflections from the start, which is then drawn in thin grey
+    """
 
     node_numbers: bool = False
     element_numbers: bool = False
     supports: bool = True
     view: str = "iso"
     title: str | None = None
+    symbols: tuple[str, ...] = ()
+    scale: float = 1.0
 
 
 def camera_of(scene: Scene, view: str) -> Camera:
@@ -100,11 +106,13 @@ def draw_steps(
     traces: Sequence[int] = (),
     behind: Array | None = None,
     look: Look | None = None,
+    more: Sequence[Shape] = (),
+    note: str = "",
 ) -> Figure:
     """One figure of the configurations xs (steps, nx): the last one in full, the earlier ones pale, oldest palest.
 
     `every_step` (all steps, nx) are the configurations for the traces of the nodes `traces`; `behind` (nx,) is drawn as
-    a dashed outline.
+    a dashed outline. `more` shapes come on top, `note` stands in the lower left corner.
     """
     look = look or look_of(scene, xs if every_step is None else every_step, settings)
     camera = camera_of(scene, extras.view)
@@ -115,6 +123,9 @@ def draw_steps(
         box = merge_bounds(shapes)
         if box is not None:
             low, high = np.minimum(low, box[0]), np.maximum(high, box[1])
+    around = merge_bounds(more)
+    if around is not None:
+        low, high = np.minimum(low, around[0]), np.maximum(high, around[1])
     if behind is not None:
         shapes += outline_shapes(scene, behind, look, settings.initial_colour or colours.GHOST)
     figure, axes = new_figure((low, high), camera, scene.title if extras.title is None else extras.title)
@@ -122,5 +133,12 @@ def draw_steps(
     for i, x in enumerate(xs[:-1]):
         shapes += ghost_shapes(scene, x, look, 0.18 + 0.30 * (i + 1) / n)
     shapes += mechanism_shapes(scene, xs[-1], look, extras)
-    paint(axes, camera, shapes)
+    paint(axes, camera, [*shapes, *more])
+    corner_note(axes, note)
     return figure
+
+
+def corner_note(axes: Axes, text: str) -> None:
+    """A line in the lower left corner of the picture."""
+    if text:
+        axes.text(0.005, 0.01, text, transform=axes.transAxes, fontsize=7.5, color="#4d565e", zorder=31)

@@ -15,6 +15,7 @@ from spacar_drawing.paint import paint, paint_labels
 from spacar_drawing.stage import new_figure
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -35,7 +36,7 @@ class MovingFigure:
     axes: Axes
     camera: Camera
     artists: list[Any] = field(default_factory=list)  # of the picture that is shown, beside the raster
-    beside: Sequence[Any] = ()  # artists that move too: the slider of a window, the line of the scopes
+    beside: Sequence[Artist] = ()  # what else moves: the slider of a window, the line of scopes
     raster: Any = None
     background: Any = None
     listens: bool = False  # to the canvas: a window that was covered or made larger is drawn by others
@@ -96,8 +97,8 @@ class MovingFigure:
     def _overlay(self) -> None:
         for artist in (self.raster, *self.artists, self.axes._left_title):  # type: ignore[attr-defined]
             self.axes.draw_artist(artist)
-        for axes in self.beside:
-            self.figure.draw_artist(axes)
+        for artist in self.beside:
+            self.figure.draw_artist(artist)
 
 
 def evenly(first: int, last: int, count: int) -> list[int]:

@@ -268,7 +268,13 @@ def _modes(source: PictureSource, extras: Extras) -> str:
         out += f"<h2>{kind.capitalize()} modes</h2>" + html_table(rows, head, "numbers")
         for m in found[:MOST_MODES]:
             still = mode_still(
-                source.scene, x, source.settings, extras, m, suitable_factor(source.scene, m, extent), True
+                source.scene,
+                x,
+                source.settings,
+                replace(extras, title=m.label),
+                m,
+                suitable_factor(source.scene, m, extent),
+                True,
             )
             out += html_figure(still, m.label.replace("   ", ": ", 1), "half")
     return out

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacar.arrays import Array
 from spacar.deck.cross_section import pictured_constants, rectangle_torsion
@@ -42,6 +43,23 @@ def hole(section: SectionShape, n: int = 20) -> Array | None:
     if section.shape == "CIRCHOL":
         return disc_outline(0.5 * section.dims[1], n)
     return None
+
+
+def inside(section: SectionShape, y: Array, z: Array) -> NDArray[np.bool_]:
+    """Whether points lie in the material of a section, its outline included. False everywhere for LINE."""
+    d, a, b = section.dims, np.abs(y), np.abs(z)
+    edge = 1.0 + 1e-9  # points on the outline are in it, whatever the rounding
+    if section.shape in ("RECT", "RECTHOL"):
+        found = (a <= 0.5 * d[0] * edge) & (b <= 0.5 * d[1] * edge)
+        return found & ~((a < 0.5 * d[2]) & (b < 0.5 * d[3])) if section.shape == "RECTHOL" else found
+    if section.shape in ("CIRC", "CIRCHOL"):
+        r = np.hypot(y, z)
+        found = r <= 0.5 * d[0] * edge
+        return found & (r * edge >= 0.5 * d[1]) if section.shape == "CIRCHOL" else found
+    if section.shape == "I":
+        flange = (a <= 0.5 * d[0] * edge) & (b >= (0.5 * d[1] - d[3]) / edge)
+        return (flange | (a <= 0.5 * d[2] * edge)) & (b <= 0.5 * d[1] * edge)
+    return np.zeros(np.shape(y), bool)
 
 
 def breadth(section: SectionShape | None) -> float:

@@ -9,54 +9,13 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence
 from difflib import get_close_matches
 from pathlib import Path
-from typing import NamedTuple
 
 from spacar.deck import Deck
 from spacar.deck.lexer import integer_of, number_of, scan, split_lines
 from spacar.errors import Message
 from spacar.mechanism.build import element_list
 from spacar_drawing.settings import DIMENSIONS, _words
-
-
-class Rule(NamedTuple):
-    """Numbers behind a setting: how many (None: any number), their kind, and what they are."""
-
-    how_many: int | None
-    kind: str  # element, node, unit (0 to 1), switch (0 or 1), positive, real, number (integer from 1), shape
-    what: str
-
-
-RULES = {
-    "BEAMPROPS": Rule(None, "element", "element numbers"),
-    "TRUSSPROPS": Rule(None, "element", "element numbers"),
-    "GRAPHICS": Rule(None, "element", "element numbers"),
-    "DONOTDRAW": Rule(None, "element", "element numbers"),
-    "INITIAL": Rule(0, "real", ""),
-    "CROSSTYPE": Rule(1, "shape", "shape"),
-    "CROSSDIM": Rule(None, "positive", "dimensions"),
-    "BEAMVIS": Rule(None, "section", "shape, element numbers and dimensions"),
-    "TRUSSVIS": Rule(None, "section", "shape, element numbers and dimensions"),
-    "HINGEVIS": Rule(3, "hinge", "numbers: element, radius, length"),
-    "FACECOLOR": Rule(3, "unit", "numbers from 0 to 1: red, green, blue"),
-    "COLOR": Rule(3, "unit", "numbers from 0 to 1: red, green, blue"),
-    "OPACITY": Rule(1, "unit", "number from 0 to 1"),
-    "TRANSPARENCY": Rule(1, "unit", "number from 0 to 1"),
-    "LIGHT": Rule(1, "switch", "number, 0 or 1"),
-    "TRAJECT": Rule(1, "switch", "number, 0 or 1"),
-    "TRAJECTNODE": Rule(None, "node", "node numbers"),
-    "STEPLINE": Rule(1, "positive", "positive number"),
-    "ENLARGEFACTOR": Rule(1, "real", "number"),
-    "VIBRATIONMODE": Rule(1, "number", "mode number"),
-    "BUCKLINGMODE": Rule(1, "number", "mode number"),
-}
-SPELLINGS = {"FACECOLOUR": "FACECOLOR", "COLOUR": "COLOR", "TRANSPERANCY": "TRANSPARENCY"}
-NEEDS_GROUP = {
-    "CROSSTYPE": ("BEAMPROPS", "TRUSSPROPS"),
-    "CROSSDIM": ("BEAMPROPS", "TRUSSPROPS"),
-    "FACECOLOR": ("GRAPHICS",),
-    "OPACITY": ("GRAPHICS",),
-    "COLOR": ("INITIAL",),
-}
+from spacar_drawing.settings_table import NEEDS_GROUP, RULES, SPELLINGS, Rule
 
 
 def check_settings(source: Path, deck: Deck | None) -> list[Message]:

@@ -12,11 +12,13 @@ from spacar_formats.getfrsbf import step_numbers
 from spacar.arrays import Array
 from spacar.errors import UsageError
 from spacar_drawing.camera import Camera
-from spacar_drawing.drawn_shapes import Shape, merge_bounds
-from spacar_drawing.look import GHOST, look_of
+from spacar_drawing.drawn_shapes import Line, Shape, merge_bounds
+from spacar_drawing.look import GHOST, Look, look_of
+from spacar_drawing.magnified import magnified, start_of
 from spacar_drawing.mechanism_picture import (
     Extras,
     camera_of,
+    corner_note,
     draw_steps,
     mechanism_shapes,
     outline_shapes,
@@ -25,10 +27,12 @@ from spacar_drawing.mechanism_picture import (
 from spacar_drawing.moving_figure import MovingFigure, Pictures, evenly
 from spacar_drawing.picture_source import PictureSource
 from spacar_drawing.supports import trace_lines
+from spacar_drawing.symbols import Symbols
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+REST = "#9aa4ac"  # of the position without deflection
 SAMPLES = 60  # configurations that decide the range of an animation
 
 
@@ -77,15 +81,44 @@ def picture(
             if source.scene.analysis.stationary:
                 span = f"load steps {numbers[0]} to {numbers[-1]}"
             title = f"{source.scene.title}   {len(numbers)} steps, {span}"
+    place = _Placed(source, extras.scale)
+    symbols = Symbols.of(source, extras.symbols, numbers[-1:]) if extras.symbols else None
+    xs = np.stack([place(x) for x in configurations(source, numbers)])
+    every = np.stack([place(x) for x in source.x()]) if nodes else None
+    look = look_of(source.scene, xs if every is None else every, source.settings)
     return draw_steps(
         source.scene,
-        configurations(source, numbers),
+        xs,
         source.settings,
-        replace(extras, title=title),
-        every_step=source.x() if nodes else None,
+        replace(extras, title=place.title(title)),
+        every_step=every,
         traces=nodes,
-        behind=source.x(1) if initial else None,
+        behind=place(source.x(1)) if initial else None,
+        look=look,
+        more=[*place.undeformed(look), *(symbols.shapes(numbers[-1], xs[-1], look) if symbols else [])],
+        note=symbols.legend if symbols else "",
     )
+
+
+class _Placed:
+    """Configurations as they are drawn: with their deflections from the start enlarged, if that is wanted."""
+
+    def __init__(self, source: PictureSource, scale: float) -> None:
+        self.scene, self.scale = source.scene, scale
+        self.start = start_of(source) if scale != 1.0 else None
+
+    def __call__(self, x: Array) -> Array:
+        return x if self.start is None else magnified(self.scene, self.start, x, self.scale)
+
+    def title(self, text: str) -> str:
+        return text if self.start is None else f"{text}   deflections \N{MULTIPLICATION SIGN} {self.scale:g}"
+
+    def undeformed(self, look: Look) -> list[Shape]:
+        """The start in thin grey, behind enlarged deflections."""
+        if self.start is None:
+            return []
+        lines = outline_shapes(self.scene, self.start, look, REST)
+        return [replace(s, dashes=(), width=0.9) for s in lines if isinstance(s, Line)]
 
 
 @dataclass(frozen=True)
@@ -99,6 +132,7 @@ class Series:
     bounds: tuple[Array, Array]
     still: Sequence[Shape]
     pictures: Pictures
+    note: str = ""
 
     def thinned(self, count: int) -> tuple[Pictures, int]:
         """At most `count` of them, evenly spread, and how many there are."""
@@ -112,27 +146,39 @@ class Series:
 
     def moving(self) -> MovingFigure:
         """A figure for them, with what stays already in it."""
-        return MovingFigure.create(self.bounds, self.camera, self.still)
+        moving = MovingFigure.create(self.bounds, self.camera, self.still)
+        corner_note(moving.axes, self.note)
+        return moving
 
 
 def series(
     source: PictureSource, extras: Extras, numbers: Sequence[int], nodes: Sequence[int], initial: bool
 ) -> Series:
     """The steps as a series, with room for all of them and for the paths of `nodes`."""
-    scene = source.scene
-    sample = configurations(source, [numbers[i] for i in evenly(0, len(numbers) - 1, SAMPLES)])
+    scene, place = source.scene, _Placed(source, extras.scale)
+    some = [numbers[i] for i in evenly(0, len(numbers) - 1, SAMPLES)]
+    sample = np.stack([place(x) for x in configurations(source, some)])
     look = look_of(scene, sample, source.settings)
     low, high = series_bounds(scene, sample, look, extras, SAMPLES)
-    still: list[Shape] = trace_lines(scene, source.x(), nodes) if nodes else []
+    symbols = Symbols.of(source, extras.symbols, numbers) if extras.symbols else None
+    for k, x in zip(some, sample, strict=True) if symbols else ():
+        around = merge_bounds(symbols.shapes(k, x, look)) if symbols else None
+        if around is not None:
+            low, high = np.minimum(low, around[0]), np.maximum(high, around[1])
+    still: list[Shape] = trace_lines(scene, np.stack([place(x) for x in source.x()]), nodes) if nodes else []
+    still += place.undeformed(look)
     if initial:
-        still += outline_shapes(scene, source.x(1), look, source.settings.initial_colour or GHOST)
+        still += outline_shapes(scene, place(source.x(1)), look, source.settings.initial_colour or GHOST)
     box = merge_bounds(still)
     if box is not None:
         low, high = np.minimum(low, box[0]), np.maximum(high, box[1])
 
     def show(i: int) -> tuple[Sequence[Shape], str]:
         k = numbers[i]
-        title = extras.title if extras.title is not None else step_text(source, k)
-        return mechanism_shapes(scene, source.x(k), look, extras), title
+        title = extras.title if extras.title is not None else place.title(step_text(source, k))
+        x = place(source.x(k))
+        more = symbols.shapes(k, x, look) if symbols else []
+        return [*mechanism_shapes(scene, x, look, extras), *more], title
 
-    return Series(source, extras, numbers, camera_of(scene, extras.view), (low, high), still, show)
+    note = symbols.legend if symbols else ""
+    return Series(source, extras, numbers, camera_of(scene, extras.view), (low, high), still, show, note)

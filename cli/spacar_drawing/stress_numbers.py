@@ -153,7 +153,7 @@ def stress_results(
         parts = [
             [worst(name, *field) for name in STRESSES]
             for first in range(0, len(every.N), size)
-            for field in [stress_field(section, _part(every, slice(first, first + size)))]
+            for field in [stress_field(section, part_of(every, slice(first, first + size)))]
         ]
         for j, name in enumerate(STRESSES):
             value, point = (np.concatenate([part[j][i] for part in parts]) for i in range(2))
@@ -173,7 +173,9 @@ def _joined(parts: Sequence[Resultants]) -> Resultants:
     return Resultants(**{f.name: together(f.name) for f in fields(Resultants)})
 
 
-def _part(r: Resultants, places: slice) -> Resultants:
+def part_of(r: Resultants, places: slice) -> Resultants:
+    """The resultants at some of their places."""
+
     def part(name: str) -> Any:
         value = getattr(r, name)
         return None if value is None else value[places]

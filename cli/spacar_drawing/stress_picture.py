@@ -11,14 +11,15 @@ from spacar.arrays import Array
 from spacar.deck.length_unit import shown_in
 from spacar.errors import UsageError
 from spacar_drawing.bodies import beam_lines, slender
-from spacar_drawing.drawn_shapes import Faces, Label, Line, Shape, merge_bounds
+from spacar_drawing.drawn_shapes import Faces, Label, Line, Shape, merge_bounds, sweep
 from spacar_drawing.look import look_of
 from spacar_drawing.mechanism_picture import Extras, camera_of, mechanism_shapes, series_bounds
 from spacar_drawing.paint import paint
 from spacar_drawing.scene import Element, Pose, Scene
+from spacar_drawing.sections import outline
 from spacar_drawing.settings import PictureSettings
 from spacar_drawing.stage import INK, new_figure
-from spacar_drawing.stresses import QUANTITIES, STRESSES, along, resultants
+from spacar_drawing.stresses import QUANTITIES, STRESSES, along, of_quantity, resultants, stress_field
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -89,6 +90,73 @@ def stress_still(
     unit = shown_in(unit, scene.metre)[1]
     _scale(figure, axes, ScalarMappable(norm, colours), f"{name} ({unit})")
     return figure
+
+
+def section_still(
+    scene: Scene, x: Array, sig: Array, e: Array, settings: PictureSettings, extras: Extras, quantity: str,
+    note: str = "",
+) -> Figure:  # fmt: skip
+    """As `stress_still`, with the stress at every point of the surface instead of the largest in the section: over the
+    height of planar beams, around the outline of spatial ones. Raises UsageError when no element has a section."""
+    from matplotlib import colormaps
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    look = look_of(scene, x[None], settings)
+    n = max(look.points, 17)
+    factor, unit = shown_in(QUANTITIES[quantity][1], scene.metre)
+    pose = Pose.of(scene, x)
+    found: list[tuple[Array, Array]] = []  # quadrilaterals and the stress in them
+    drawn = set()
+    for element in scene.elements:
+        section = settings.section(element.number, element.shape == "truss")
+        r = resultants(scene, element, sig, e, n)
+        contour = outline(section, 40) if section is not None else None
+        if r is None or section is None or contour is None or element.number in settings.hidden:
+            continue
+        points, y, z = (v[0] for v in beam_lines(scene, pose, [element], n))
+        around = _finer(contour) if not scene.planar else _across(contour)
+        middle = 0.5 * (around + np.roll(around, -1, axis=0)) if not scene.planar else 0.5 * (around[:-1] + around[1:])
+        stress = of_quantity(quantity, *stress_field(section, r, (middle[:, 0], middle[:, 1])))
+        corners = sweep(around, points, y, z).reshape(n - 1, len(around), 4, 3)[:, : len(middle)]
+        found.append((corners.reshape(-1, 4, 3), factor * (0.5 * (stress[:-1] + stress[1:])).ravel()))
+        drawn.add(element.number)
+    if not found:
+        raise UsageError(
+            f"{QUANTITIES[quantity][0]}: no element has a cross-section: give BEAMVIS, CROSSTYPE or --section",
+            "draw.stress",
+        )
+    low, high = _range([values for _, values in found], quantity in ("mises", "shear"))
+    norm, colours = Normalize(low, high), colormaps["viridis" if quantity in ("mises", "shear") else "coolwarm"]
+    camera = camera_of(scene, extras.view)
+    rest = look_of(scene, x[None], _hiding(settings, settings.hidden | drawn))
+    shapes: list[Shape] = list(mechanism_shapes(scene, x, rest, extras))
+    shapes += [Faces(quads, np.asarray(colours(norm(v)))[:, :3], None, 1.0, 1, False) for quads, v in found]
+    bounds = series_bounds(scene, x[None], look, extras)
+    name = QUANTITIES[quantity][0].removeprefix("largest ")
+    title = "   ".join(p for p in (scene.title, note, name) if p) if extras.title is None else extras.title
+    figure, axes = new_figure(bounds, camera, title)
+    paint(axes, camera, shapes)
+    _scale(figure, axes, ScalarMappable(norm, colours), f"{name} ({unit})")
+    return figure
+
+
+def _finer(contour: Array) -> Array:
+    """The outline (k, 2) with points between its corners, none further apart than a sixteenth of the larger side."""
+    after = np.roll(contour, -1, axis=0)
+    most = float(np.max(np.ptp(contour, axis=0))) / 16
+    pieces = [
+        a + np.arange(m)[:, None] / m * (b - a)
+        for a, b in zip(contour, after, strict=True)
+        for m in [max(1, int(np.ceil(np.linalg.norm(b - a) / most - 1e-9)))]
+    ]
+    return np.concatenate(pieces)
+
+
+def _across(contour: Array) -> Array:
+    """(17, 2) points over the width along y', which is the height of a planar beam in its picture."""
+    width = np.linspace(contour[:, 0].min(), contour[:, 0].max(), 17)
+    return np.stack((width, np.zeros(17)), axis=1)
 
 
 def diagram_still(

@@ -219,8 +219,12 @@ def worst(quantity: str, normal: Array, shear: Array) -> tuple[Array, Array]:
 
     normal, shear   (n, points) as `stress_field` gives them
     """
-    field = {"normal": normal, "shear": shear}.get(quantity)
-    if field is None:
-        field = np.sqrt(normal**2 + 3 * shear**2)
+    field = of_quantity(quantity, normal, shear)
     point = np.argmax(np.abs(field), axis=1)
     return field[np.arange(len(field)), point], point
+
+
+def of_quantity(quantity: str, normal: Array, shear: Array) -> Array:
+    """One of STRESSES at every point: normal, shear, or von Mises sqrt(normal^2 + 3 shear^2)."""
+    given = {"normal": normal, "shear": shear}.get(quantity)
+    return np.sqrt(normal**2 + 3 * shear**2) if given is None else given

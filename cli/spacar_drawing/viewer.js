@@ -263,13 +263,16 @@
   }
 
   const number = (v) => (v === 0 ? "0" : Math.abs(v) >= 1e-3 && Math.abs(v) < 1e5 ? String(+v.toPrecision(6)) : v.toExponential(4));
+  // coordinates are kept with 24 bits: nothing smaller than that is shown
+  const grain = Math.pow(10, Math.floor(Math.log10(reach)) - 6);
+  const rounded = (v) => Math.round(v / grain) * grain;
   function tell() {
     const rows = [];
     if (state.node >= 0) {
       const now = 3 * (nodes * state.k + state.node), start = 3 * state.node;
       rows.push(["node", model.nodes[state.node]]);
       for (let c = 0; c < (model.planar ? 2 : 3); c++) {
-        const here = (nodeP[now + c] + model.centre[c]) / model.metre, first = (nodeP[start + c] + model.centre[c]) / model.metre;
+        const here = rounded(nodeP[now + c] + model.centre[c]) / model.metre, first = rounded(nodeP[start + c] + model.centre[c]) / model.metre;
         rows.push(["xyz"[c] + ` (${model.unit})`, number(here)]);
         rows.push(["\u0394" + "xyz"[c], number(here - first)]);
       }

@@ -26,7 +26,8 @@ def model_tables(mechanism: Mechanism) -> dict[str, Any]:
 
     ndof nddof nkdof nkddof nx ne (numbers); nxp nep (5,); lnp (nodes, 4), le (elements, 6), ln (elements, 4), it
     (1, elements); kdform rl0 [m] (elements,); rxyz rxyzq (elements, 9); dr0 (elements, k) [m]; estiff edamp esig einit
-    (elements, 6), em (elements, 9). With warping le (elements, 8), ln (elements, 6) and the widths of WIDER.
+    (elements, 6), em (elements, 9); x0 (nx,) start coordinates, xm (nodes, 6) lumped masses [kg] and inertias [kg m^2],
+    grav (3,) gravity [m/s^2] without load increments. With warping le (elements, 8), ln (elements, 6), widths of WIDER.
     """
     n = mechanism.numbering
     tables = counts(n) | {"nx": n.nx, "ne": n.ne, "nxp": n.nxp, "nep": n.nep}
@@ -35,7 +36,8 @@ def model_tables(mechanism: Mechanism) -> dict[str, Any]:
     wider = WIDER if n.warped else {}
     for name, keyword, width in PARAMETERS:
         tables[name] = _parameters(mechanism, keyword, wider.get(name, width))
-    return tables | {"einit": _initial_deformations(mechanism, wider.get("einit", 6))}
+    tables["einit"] = _initial_deformations(mechanism, wider.get("einit", 6))
+    return tables | {"x0": mechanism.x0, "xm": _node_masses(mechanism), "grav": _gravity(mechanism)}
 
 
 def counts(n: Numbering) -> dict[str, int]:
@@ -71,6 +73,24 @@ def _parameters(mechanism: Mechanism, keyword: str, width: int) -> Array:
         values = s.values[1 : 1 + width]
         table[int(s.values[0]) - 1, : len(values)] = values
     return table
+
+
+def _node_masses(mechanism: Mechanism) -> Array:
+    """(highest node, 6): the values of XM behind the node number, those of the last one for a node."""
+    table = np.zeros((len(mechanism.numbering.lnp), 6))
+    for s in mechanism.deck.of("XM", block=2):
+        values = [float(v) for v in s.values[1:7]]
+        table[int(s.values[0]) - 1, : len(values)] = values
+    return table
+
+
+def _gravity(mechanism: Mechanism) -> Array:
+    """(3,) the acceleration of GRAVITY, zero without it."""
+    found = np.zeros(3)
+    for s in mechanism.deck.of("GRAVITY", block=2):
+        values = [float(v) for v in s.values[:3]]
+        found[: len(values)] = values
+    return found
 
 
 def _initial_deformations(mechanism: Mechanism, width: int) -> Array:

@@ -20,7 +20,7 @@ from .conftest import DATA
 SBD_HEADER = {
     "VERSION", "SOURCE", "SHA256", "ETYPE", "MODE", "NDOF", "NDDOF", "NKDOF", "NKDDOF", "NX", "NE",
     "NXP", "NEP", "LNP", "LE", "LN", "IT", "KDEF", "RXYZ", "RQ", "DR0", "RL0",
-    "STIF", "EDAMP", "EM", "EINIT", "ESIG",
+    "STIF", "EDAMP", "EM", "EINIT", "ESIG", "X0", "XM", "GRAV",
 }  # fmt: skip
 SBD_STEP = {"T", "X", "XD", "XDD", "FX", "FXGRAV", "FXT", "E", "ED", "EDD", "SIG"}
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import click
 
 from spacar.errors import UsageError
-from spacar_cli.drawing_options import Choices, common
+from spacar_cli.drawing_options import Choices, common, symbol_kinds
 from spacar_cli.environment import Environment
-from spacar_cli.number_types import Whole
+from spacar_cli.number_types import Real, Whole
 
 
 @click.command("draw")
@@ -38,8 +39,19 @@ from spacar_cli.number_types import Whole
 @click.option(
     "--initial", is_flag=True, help="Dashed outline of the first step behind the others, in the INITIAL COLOR."
 )
+@click.option("--frames", type=Whole(min=2), default=150, show_default=True, help="Most pictures in an animation.")
 @click.option(
-    "--frames", type=Whole(min=2), default=150, show_default=True, help="Most pictures in an animation."
+    "--scale",
+    type=Real(),
+    default=1.0,
+    show_default=True,
+    metavar="F",
+    help="Draw the deflections from the start F times as large, with the start in thin grey.",
+)
+@click.option(
+    "--symbols",
+    metavar="KINDS",
+    help="Symbols of these kinds, with commas between: loads, reactions, masses, gravity, axes; or all.",
 )
 @click.option(
     "--scopes/--no-scopes", default=True, show_default=True, help="Scopes of a simulation beside the mechanism."
@@ -55,6 +67,8 @@ def command(
     no_trace: bool,
     initial: bool,
     frames: int,
+    scale: float,
+    symbols: str | None,
     scopes: bool,
     **common_options: Any,
 ) -> None:
@@ -68,8 +82,9 @@ def command(
     choices = Choices(**common_options)
     if steps and strobe:
         raise UsageError("--steps and --strobe exclude each other")
+    extras = replace(choices.extras(), scale=scale, symbols=symbol_kinds(symbols))
     drawn = () if no_trace else trace
-    for path in draw(environment, file, choices, steps, strobe, drawn, no_trace, initial, frames, scopes):
+    for path in draw(environment, file, choices, extras, steps, strobe, drawn, no_trace, initial, frames, scopes):
         _say(environment, path)
 
 

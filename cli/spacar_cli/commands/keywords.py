@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import click
 
@@ -13,7 +14,11 @@ from spacar.deck.table_types import BlockKind, Keyword, Variant
 from spacar.errors import UsageError
 from spacar_cli.environment import Environment
 
+if TYPE_CHECKING:
+    from spacar_drawing.settings_table import Rule
+
 WIDTH = 100
+PICTURES = "VISUALIZATION section behind the blocks, or NAME.spv; each setting on a line of its own"
 
 
 @click.command("keywords")
@@ -38,6 +43,12 @@ def overview() -> Iterator[str]:
         yield f"{block.value}:"
         yield from (f"  {k.name:<{width}}  {k.help}" for k in rows)
         yield ""
+    from spacar_drawing.settings_table import RULES
+
+    width = max(map(len, RULES))
+    yield f"{PICTURES}:"
+    yield from (f"  {name:<{width}}  {rule.help}" for name, rule in RULES.items())
+    yield ""
     width = max(len(b.name) for b in BLOCKS)
     yield "blocks of a simulation (.sim):"
     yield from (f"  {b.name:<{width}}  {b.text}" for b in BLOCKS)
@@ -45,7 +56,8 @@ def overview() -> Iterator[str]:
 
 
 def explanation(name: str) -> Iterator[str]:
-    """All meanings of a keyword, one for each block where it may stand. Raises UsageError."""
+    """All meanings of a keyword or setting, one for each block where it may stand. Raises UsageError."""
+    from spacar_drawing.settings_table import RULES, SPELLINGS
     from spacar_formats import sim_blocks
 
     if name.lower() in sim_blocks.BY_NAME:
@@ -54,15 +66,40 @@ def explanation(name: str) -> Iterator[str]:
         if not blocks_of(ALIASES.get(name.upper(), name.upper())):
             return
     wanted = ALIASES.get(name.upper(), name.upper())
+    setting = SPELLINGS.get(wanted, wanted)
     blocks = blocks_of(wanted)
-    if not blocks:
+    if not blocks and setting not in RULES:
         from difflib import get_close_matches
 
-        near = get_close_matches(wanted, {keyword for keyword, _ in KEYWORDS}, 3)
+        near = get_close_matches(wanted, {keyword for keyword, _ in KEYWORDS} | set(RULES), 3)
         hint = f"; nearest: {', '.join(near)}" if near else "; `spacar keywords` lists them"
         raise UsageError(f"there is no keyword {name.upper()}{hint}", "usage.keyword")
     for block in blocks:
         yield from _keyword(KEYWORDS[wanted, block])
+    if setting in RULES:
+        yield from _setting(setting)
+
+
+def _setting(name: str) -> Iterator[str]:
+    """A setting of the pictures."""
+    from spacar_drawing.settings_table import NEEDS_GROUP, RULES, SPELLINGS
+
+    rule = RULES[name]
+    yield f"{name}: {rule.help}"
+    yield f"  {PICTURES}"
+    others = [given for given, meant in SPELLINGS.items() if meant == name]
+    if others:
+        yield f"  also written {', '.join(others)}"
+    if name in NEEDS_GROUP:
+        yield f"  behind a line {' or '.join(NEEDS_GROUP[name])}"
+    yield f"  {_behind(rule)}; nothing else stands on the line"
+    yield ""
+
+
+def _behind(rule: Rule) -> str:
+    if rule.how_many == 0:
+        return "no arguments"
+    return f"{rule.what}" if rule.how_many is None else f"{rule.how_many} {rule.what}"
 
 
 def _keyword(keyword: Keyword) -> Iterator[str]:

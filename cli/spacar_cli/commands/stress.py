@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING
 
 import click
 
+from spacar.errors import UsageError
 from spacar_cli.environment import Environment
-from spacar_cli.number_types import Whole
+from spacar_cli.number_types import Real, Whole
 from spacar_cli.status import tell
 
 if TYPE_CHECKING:
+    from spacar_drawing.picture_source import PictureSource
     from spacar_drawing.stress_numbers import StressResults
 
 
@@ -28,6 +30,19 @@ if TYPE_CHECKING:
     help="Write a row for every step, element and place as csv ('-': print them).",
 )
 @click.option("--npz", "npz_file", type=click.Path(path_type=Path), help="Write all arrays as a NumPy archive.")
+@click.option(
+    "--picture",
+    type=click.Path(path_type=Path),
+    help="Draw the section of one element (-e) at one place (--at) with its stresses: png, svg or pdf.",
+)
+@click.option("--at", "place", type=Real(0, 1), default=0.0, show_default=True, help="Place of the picture: 0 p, 1 q.")
+@click.option(
+    "--quantity",
+    type=click.Choice(("normal", "shear", "mises")),
+    default="normal",
+    show_default=True,
+    help="Stress of the picture.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the largest values in JSON.")
 @click.option("--stale-ok", is_flag=True, help="Use a result although its input file has changed since.")
 @click.pass_obj
@@ -40,6 +55,9 @@ def command(
     points: int,
     csv_file: Path | None,
     npz_file: Path | None,
+    picture: Path | None,
+    place: float,
+    quantity: str,
     as_json: bool,
     stale_ok: bool,
 ) -> None:
@@ -54,6 +72,10 @@ def command(
 
     source = open_source(file, stale_ok=stale_ok)
     steps = None if step is None else [source.steps + 1 + step if step < 0 else step]
+    if picture is not None:
+        _picture(source, picture, steps, elements, place, quantity)
+        environment.say(str(picture))
+        return
     found = stress_results(source, steps, elements or None, points)
     if npz_file is not None:
         from spacar_formats.exports import to_npz
@@ -80,6 +102,21 @@ def command(
         tell(environment, "information", "no element has a cross-section: no stresses (BEAMSEC, BEAMVIS, CROSSTYPE)")
     for line in _lines(found, source.scene.metre):
         environment.say(line)
+
+
+def _picture(
+    source: PictureSource, path: Path, steps: list[int] | None, elements: tuple[int, ...], place: float, quantity: str
+) -> None:
+    """The stresses over one section; of the last step unless one is given. Raises UsageError."""
+    from spacar_drawing.files import check_name, save
+    from spacar_drawing.stress_section import section_figure, section_stress
+
+    if len(elements) != 1:
+        raise UsageError(f"--picture is of one element: give one -e, not {len(elements)}")
+    check_name(path, film=False)
+    found = section_stress(source, (steps or [source.steps])[0], elements[0], place)
+    title = f"{source.scene.title}   element {found.element} at {found.xi:.4g}, step {found.step}"
+    save(section_figure(found, quantity, source.scene.metre, title), path)
 
 
 def _largest(found: StressResults) -> list:

@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from spacar.errors import UsageError
 from spacar_cli.drawing_options import Choices, common
 from spacar_cli.environment import Environment
 from spacar_cli.number_types import Real, Whole
@@ -47,6 +48,11 @@ QUANTITIES = ("N", "Qy", "Qz", "T", "My", "Mz", "mises", "normal", "shear")
     type=click.Choice(QUANTITIES, case_sensitive=False),
     help="The same quantities as ordinates beside the beams.",
 )
+@click.option(
+    "--over-section",
+    is_flag=True,
+    help="With --stress mises, normal or shear: the stress at every point of the surface, instead of the largest.",
+)
 @click.option("--list", "as_list", is_flag=True, help="Print the modes instead of drawing them.")
 @click.pass_obj
 def command(
@@ -60,6 +66,7 @@ def command(
     rest: bool,
     stress: str | None,
     diagram: str | None,
+    over_section: bool,
     as_list: bool,
     **common_options: Any,
 ) -> None:
@@ -69,8 +76,11 @@ def command(
     MODE chooses the kind of picture where a result has several: 7 vibration, 8 buckling after a run of mode 10.
     Without --output the picture is NAME_WHAT.png beside the result; gif and mp4 show a period of the mode.
     """
-    from spacar_cli.visual_job import visual
+    from spacar_cli.visual_job import StressWish, visual
 
     choices = Choices(**common_options)
-    for line in visual(environment, file, mode, choices, mode_numbers, factor, step, rest, stress, diagram, as_list):
+    if over_section and stress not in ("mises", "normal", "shear"):
+        raise UsageError("--over-section shows a stress: give --stress mises, normal or shear")
+    wanted = StressWish(stress, diagram, over_section)
+    for line in visual(environment, file, mode, choices, mode_numbers, factor, step, rest, wanted, as_list):
         environment.say(line)
