@@ -99,7 +99,7 @@ def beam_order(path: Path) -> None:
 
 
 def optimized_guide(path: Path) -> None:
-    """The example of sensitivity.md: the leaf before and after, the lowest frequency over the stroke, and what it cost."""
+    """The example of sensitivity.md: the leaf before and after, the lowest frequency over the stroke, and the cost."""
     import matplotlib
 
     matplotlib.use("Agg")

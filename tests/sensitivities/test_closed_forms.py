@@ -173,8 +173,8 @@ def test_strongly_bent_cantilever() -> None:
 def test_section_and_material_of_a_tension_rod() -> None:
     """sigma = F/(w t), u = F L/(E w t), tau of torsion scales with 1/(w t^2) of a fixed shape: in mm."""
     text = (
-        "UNITS mm\nSECTION rod RECT 4 2\nMATERIAL m 2e5 0.3 7.8e-6\nBEAM 1 1 2 3 4 0 1 0\nX 3 100 0 0\nBEAMSEC 1 rod m 2\n"
-        "FIX 1\nFIX 2\nDYNE 1\nEND\nHALT\nXF 3 500 0 0\nEND\nEND\n"
+        "UNITS mm\nSECTION rod RECT 4 2\nMATERIAL m 2e5 0.3 7.8e-6\nBEAM 1 1 2 3 4 0 1 0\nX 3 100 0 0\n"
+        "BEAMSEC 1 rod m 2\nFIX 1\nFIX 2\nDYNE 1\nEND\nHALT\nXF 3 500 0 0\nEND\nEND\n"
     )
     found = spacar.sensitivity(spacar.parse_deck(text, mode=10), ["SECTION.rod[w]", "SECTION.rod[t]",
         "MATERIAL.m[Young]", "X.3[2]", "XF.3[2]"],
