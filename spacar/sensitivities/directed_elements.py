@@ -89,13 +89,45 @@ class DirectedElements:
             np.add.at(out, b.x, np.einsum("ebn,en->bn", V, sigma[b.e]))
         return out
 
-    def inertia(self, gravity: bool) -> Array:
-        """h at rest, minus gravity if that is wanted, (nx,)."""
+    def inertia(self, v: Array, a: Array, gravity: bool) -> Array:
+        """M a + h with velocities v and accelerations a (nx,), minus gravity if that is wanted, (nx,)."""
         out = np.zeros(self.nx, complex)
+        acceleration = a - self.field if gravity else a
         for b, c, _, _ in self.evaluated:
             if b.family.has_mass:
-                a = -self.field[b.x] if gravity else np.zeros(b.x.shape, complex)
-                np.add.at(out, b.x, b.family.inertia_force(c, np.zeros(b.x.shape, complex), a))
+                np.add.at(out, b.x, b.family.inertia_force(c, v[b.x] + 0j, acceleration[b.x] + 0j))
+        return out
+
+    def strain_rate(self, v: Array) -> Array:
+        """V v (ne,)."""
+        out = np.zeros(self.ne, complex)
+        for b, _, _, V in self.evaluated:
+            out[b.e] = np.einsum("ebn,bn->en", V, v[b.x])
+        return out
+
+    def convective(self, v: Array) -> Array:
+        """H(v, v) (ne,)."""
+        out = np.zeros(self.ne, complex)
+        for b, c, _, _ in self.evaluated:
+            if len(b.e) and not b.family.constant_gradient:
+                block = np.zeros((len(b.e), b.family.n), complex)
+                b.family.convective_strain(c, v[b.x] + 0j, block)
+                out[b.e] = block
+        return out
+
+    def viscous(self, rates: Array) -> Array:
+        """S_d de/dt of all rows (ne,)."""
+        out = np.zeros(self.ne, complex)
+        for b, _, _, _ in self.evaluated:
+            if len(b.e):
+                out[b.e] += np.einsum("abn,bn->an", b.family.stiffness()[1], rates[b.e])
+        return out
+
+    def coupling(self, accelerations: Array) -> Array:
+        """Stresses of MEE for second rates of the deformations (ne,)."""
+        out = np.zeros(self.ne, complex)
+        rows, columns, values = self.mechanism.deformation_inertia
+        np.add.at(out, rows, values * accelerations[columns])
         return out
 
     def applied(self) -> Array:
@@ -106,9 +138,9 @@ class DirectedElements:
             np.add.at(out, rows, (moment_gradient(self.loads.moment) * self.x[rows]).sum(axis=1))
         return out
 
-    def law(self, deformations: Array, preload: bool = True) -> Array:
-        """S e, and the preload, of all rows (ne,)."""
-        out = self.loads.preload + 0.0 if preload else np.zeros(self.ne, complex)
+    def law(self, deformations: Array) -> Array:
+        """S e and the preload of all rows (ne,)."""
+        out = self.loads.preload + np.zeros(self.ne, complex)
         for b, _, _, _ in self.evaluated:
             if len(b.e):
                 out[b.e] += np.einsum("abn,bn->an", b.family.stiffness()[0], deformations[b.e])

@@ -98,9 +98,9 @@ def sensitivity(
     at           numbers that the parameters are given first
     options      what overrides the deck, as for `run`
 
-    Raises UsageError for names that the model does not have and for models whose derivatives are not followed
-    (wheels, user functions, steady motion), InputError, and AnalysisError as modes 7 to 10 and 'sensitivity.singular'
-    at critical states.
+    In steady motion (prescribed rates) the state, forces and stresses only. Raises UsageError for names that the model
+    does not have and for models whose derivatives are not followed (wheels, user functions), InputError, and
+    AnalysisError as modes 7 to 10 and 'sensitivity.singular' at critical states.
     """
     names = [parameters] if isinstance(parameters, str) else list(parameters)
     wanted = [quantity(q, STRESS_INDICES) for q in ([quantities] if isinstance(quantities, str) else quantities)]
@@ -208,9 +208,9 @@ class _Analysis:
         names = {name for name, _ in self.needed}
         stresses = stress_derivatives(mechanism, self.directions, MODE) if names & STRESSES.keys() else None
         solver = StationarySolver(mechanism, report)
-        if solver.moving:
-            text = f"{mechanism.deck.source}: no derivatives of steady motion; prescribe no rates"
-            raise UsageError(text, "sensitivity.model")
+        if solver.moving and names & set(LINEAR):
+            text = f"{mechanism.deck.source}: no derivatives of {', '.join(sorted(names & set(LINEAR)))} in steady motion"
+            raise UsageError(f"{text}; prescribe no rates", "sensitivity.model")
         stored, limits = 0, None
         for level in load_program(mechanism.settings):
             if stored > last:

@@ -92,7 +92,9 @@ def test_no_element_loses_a_direction(model: str) -> None:
         sigma = rng.standard_normal(elements.ne) * (1.0 + 1e-50j)
         parts = [elements.gradient(), elements.stiffness(0), elements.damping(0), elements.geometric(sigma)]
         parts += [elements.loading(flow=True), elements.loading(flow=False), elements.flow(), elements.mass()]
-        vectors = [elements.stress_forces(sigma), elements.inertia(gravity=True), elements.applied()]
+        v, a = rng.standard_normal((2, elements.nx)) * (1.0 + 1e-50j)
+        vectors = [elements.stress_forces(sigma), elements.inertia(v, a, gravity=True), elements.applied()]
+        vectors += [elements.strain_rate(v), elements.convective(v), elements.viscous(sigma), elements.coupling(sigma)]
         vectors.append(elements.law(elements.deformations()))
         elements.internal(sigma)
     assert all(np.isfinite(m.rate.values).all() for part in parts for m in part)

@@ -49,6 +49,27 @@ def test_everything_spatial() -> None:
                         "frequency[1]", "lmult[1]", "xcompl[6,1]", "imag(eigval[3])"], rel=1e-6)  # fmt: skip
 
 
+@pytest.mark.parametrize("method", [0, 1])
+def test_steady_motion(method: int) -> None:
+    """Everything planar with prescribed rates: centrifugal forces, dampers, MEE; also where the iteration of the file
+    (ITERSTEP type 1) leaves terms of its tangent out."""
+    text = linear_models.PLANAR.format(extra=f"ITERSTEP 60 4 1e-10 1 {method}", third="")
+    if method == 1:  # slower, that the iteration without them converges
+        text = text.replace("1.6 0.3 0.2", "1.6 0.03").replace("0.1 0.2 0.3", "0.1 0.02")
+    names = ["ESTIFF.1[EI]", "ESTIFF.6", "EM.1", "EM.1[3]", "XM.5", "MEE.2.1", "MEE.1.2", "EDAMP.2[3]", "X.5[2]", "X.10[3]",
+             "ESIG.1[3]", "GRAVITY[2]", "XF.5[2]", "INPUTX.7.1[start rate]", "INPUTE.4.1[start rate]", "INPUTX.7.1"]  # fmt: skip
+    state = ["x[5,1]", "x[3,2]", "e[2,1]", "sig[1,2]", "sig[4,1]", "fxtot[7,1]", "fxgrav[5,2]", "Mz[1,3]"]
+    agree(parse_deck(text, mode=10), names, state, rel=1e-6)
+
+
+def test_steady_motion_in_space() -> None:
+    """The same with gyrostats, hinges and beams in space."""
+    names = ["ESTIFF.1[GIt]", "EM.1", "XM.7[4]", "MEE.1.3", "EDAMP.3[4]", "X.6[2]", "XGYRO.7[2]", "INPUTX.8.1[start rate]",
+             "INPUTE.5.1[start rate]", "GRAVITY[2]", "HINGE.2[4]"]  # fmt: skip
+    deck = parse_deck(linear_models.SPATIAL.format(extra="ITERSTEP 60 8 1e-10", third=""), mode=10)
+    agree(deck, names, ["x[6,1]", "x[7,2]", "e[2,1]", "sig[1,2]", "sig[5,1]", "fxtot[8,1]", "T[3,1]"], rel=1e-6)
+
+
 PLANAR_RODS = [("X", 3, 0.8, 0.3), ("X", 5, 1.5, 0.1)]
 PLANAR_CHAINS = {
     "angle": (
