@@ -209,8 +209,9 @@ class _Analysis:
         stresses = stress_derivatives(mechanism, self.directions, MODE) if names & STRESSES.keys() else None
         solver = StationarySolver(mechanism, report)
         if solver.moving and names & set(LINEAR):
-            text = f"{mechanism.deck.source}: no derivatives of {', '.join(sorted(names & set(LINEAR)))} in steady motion"
-            raise UsageError(f"{text}; prescribe no rates", "sensitivity.model")
+            asked = ", ".join(sorted(names & set(LINEAR)))
+            text = f"{mechanism.deck.source}: no derivatives of {asked} in steady motion; prescribe no rates"
+            raise UsageError(text, "sensitivity.model")
         stored, limits = 0, None
         for level in load_program(mechanism.settings):
             if stored > last:

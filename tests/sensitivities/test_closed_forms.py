@@ -265,7 +265,8 @@ def test_rotating_spring() -> None:
     """Steady rotation: k e = m w^2 (l0 + e), so e = l0/(k/(m w^2) - 1); EA, mass, speed and length."""
     rows = [("PLBEAM", 1, 1, 2, 3, 4), ("X", 3, 0.4, 0.0), ("FIX", 1), ("INPUTX", 2), ("DYNE", 1, 1)]
     law = [("ESTIFF", 1, 80.0, 1.0), ("XM", 3, 0.5), ("INPUTX", 2, 1, 0.0, 12.0), ("ITERSTEP", 20, 4, 1e-10)]
-    found = spacar.sensitivity(Deck.build(rows, law, mode=10), ["ESTIFF.1", "XM.3", "INPUTX.2.1[start rate]", "X.3[2]"],
+    found = spacar.sensitivity(Deck.build(rows, law, mode=10), ["ESTIFF.1", "XM.3", "INPUTX.2.1[start rate]",
+        "X.3[2]"],
                                ["e[1,1]", "sig[1,1]", "x[3,1]", "N[1,5]"])  # fmt: skip
     k, m, w, l0 = 80.0 / 0.4, 0.5, 12.0, 0.4
     ratio = k / (m * w * w)
@@ -275,5 +276,7 @@ def test_rotating_spring() -> None:
     np.testing.assert_allclose(found.values, [e, k * e, l0 + e, k * e], rtol=1e-10)
     np.testing.assert_allclose(found.derivatives[0], want, rtol=1e-9)
     np.testing.assert_allclose(found.derivatives[2], np.add(want, [0, 0, 0, 1]), rtol=1e-9)
-    np.testing.assert_allclose(found.derivatives[1], np.multiply(k, want) + [e / l0, 0, 0, -k * e / l0], rtol=1e-9)
+    np.testing.assert_allclose(
+        found.derivatives[1], np.add(np.multiply(k, want), [e / l0, 0, 0, -k * e / l0]), rtol=1e-9
+    )
     np.testing.assert_allclose(found.derivatives[3], found.derivatives[1], rtol=1e-12)
