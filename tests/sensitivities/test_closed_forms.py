@@ -132,6 +132,20 @@ def test_repeated_frequency(angle: float) -> None:
     assert any("occurs 2 times" in note for note in found.notes)
 
 
+def test_repeated_damped_eigenvalue() -> None:
+    """The same mass with equal dampers too: one pair keeps its modulus, the other has that of m, c, k."""
+    c, s = np.cos(0.4), np.sin(0.4)
+    rows = [("PLTRUSS", 1, 1, 2), ("PLTRUSS", 2, 1, 3), ("X", 2, c, s), ("X", 3, -s, c), ("FIX", 2), ("FIX", 3)]
+    rows += [("DYNX", 1), ("RLSE", 1), ("RLSE", 2)]
+    law = [("XM", 1, 0.7)] + [(word, k, v) for word, v in (("ESTIFF", 9.0), ("EDAMP", 0.6)) for k in (1, 2)]
+    found = spacar.sensitivity(Deck.build(rows, law, mode=10), ["ESTIFF.1", "EDAMP.2", "XM.1"],
+                               ["frequency[1]", "frequency[2]"])  # fmt: skip
+    f = np.sqrt(9.0 / 0.7) / (2 * np.pi)  # |lambda| = sqrt(k/m) whatever c
+    np.testing.assert_allclose(found.values, f, rtol=1e-12)
+    np.testing.assert_allclose(found.derivatives[0], [0.0, 0.0, -f / 1.4], rtol=1e-9, atol=1e-11)
+    np.testing.assert_allclose(found.derivatives[1], [f / 18.0, 0.0, -f / 1.4], rtol=1e-9, atol=1e-11)
+
+
 def test_repeated_multiplier() -> None:
     """A column with a square section buckles in every direction; a change of EIy lifts one of the two multipliers."""
     rows = [("BEAM", 1, 1, 2, 3, 4, 0.0, 0.3, 1.0), ("BEAM", 2, 3, 4, 5, 6, 0.0, 0.3, 1.0), ("X", 3, 0.25, 0.0, 0.0),

@@ -133,7 +133,8 @@ def test_belt_and_pinbody() -> None:
         "XF.7[2]",
         "EM.1",
     ]
-    agree(deck, names, ["x[3,1]", "x[4,1]", "x[7,2]", "sig[1,1]", "sig[4,1]", "fxtot[2,1]", "frequency[1]", "lmult[1]"])
+    agree(deck, names, ["x[3,1]", "x[4,1]", "x[7,2]", "sig[1,1]", "sig[4,1]", "fxtot[2,1]", "frequency[1]",
+        "lmult[1]"])
 
 
 SPATIAL_CHAINS = {
@@ -177,7 +178,8 @@ def test_directions_and_flow() -> None:
             ("X", 3, 1.0, 0.2, 0.1), *CLAMPED, ("DYNE", 1), ("PINBODY", 2, 3, 4, 5), ("TRUSS", 3, 5, 6), ("RLSE", 3),
             ("ORPINBOD", 2, 1.0, 0.1, 0.0, 0.1, 1.0, 0.2), ("DRPINBOD", 2, 0.31, 0.02, 0.19), ("X", 5, 1.3, 0.2, 0.3),
             ("X", 6, 1.5, 0.9, 0.9), ("FIX", 6)]  # fmt: skip
-    law = [("EM", 1, 0.7, 0.3, 0.1, 1.1, 2, 0.01, 0.006, 0.007, 0.001), ("ESTIFF", 1, 90.0, 2.0, 3.0, 4.0), ("XM", 5, 0.4),
+    law = [("EM", 1, 0.7, 0.3, 0.1, 1.1, 2, 0.01, 0.006, 0.007, 0.001), ("ESTIFF", 1, 90.0, 2.0, 3.0, 4.0),
+           ("XM", 5, 0.4),
            ("ESTIFF", 3, 5.0), ("XF", 5, 0.1, 0.3, -0.2), ("ITERSTEP", 20, 1, 1e-10)]  # fmt: skip
     names = ["ORTUBE.1[3]", "ORTUBE.1[6]", "ORTUBE.1[9]", "X.3[2]", "EM.1[4]", "ORPINBOD.2[3]", "DRPINBOD.2[3]"]
     quantities = ["x[3,1]", "x[5,2]", "sig[1,2]", "sig[2,1]", "fxtot[1,1]", "frequency[1]"]
@@ -185,7 +187,8 @@ def test_directions_and_flow() -> None:
     rows = [("PLTUBE", 1, 1, 2, 3, 4), ("PLTUBE", 2, 3, 4, 5, 6), ("X", 3, 0.5, 0.0), ("X", 5, 1.0, 0.1), *CLAMPED,
             ("DYNE", 1), ("DYNE", 2)]  # fmt: skip
     law = [("ESTIFF", 1, 50.0, 3.0), ("ESTIFF", 2, 40.0, 2.0), ("EM", 1, 0.7, 0.4, 0.9, 1.1, 2), ("XF", 5, 0.0, 0.2),
-           ("EM", 2, 0.5, 0.4, 0.9, 1.0, 2), ("DELOMF", 1, 0.3), ("DELOMF", 2, 0.3), ("ITERSTEP", 20, 2, 1e-10, 1, 2)]  # fmt: skip
+           ("EM", 2, 0.5, 0.4, 0.9, 1.0, 2), ("DELOMF", 1, 0.3), ("DELOMF", 2, 0.3),
+           ("ITERSTEP", 20, 2, 1e-10, 1, 2)]  # fmt: skip
     quantities = ["x[5,2]@end", "sig[2,2]@end", "frequency[1]@end"]
     agree(Deck.build(rows, law, mode=10), ["DELOMF.1", "DELOMF.2", "EM.1[4]", "EM.2[3]"], quantities, rel=1e-6)
 
