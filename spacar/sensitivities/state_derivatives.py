@@ -30,11 +30,13 @@ from spacar.stationary.newton import SINGULAR
 
 @dataclass(frozen=True)
 class StateDerivative:
-    """`elements` evaluated at x + i STEP dx; derivatives dx (nx,), de, dsigma (ne,); sigma (ne,), i STEP dsigma in
-    it; fx, fxgrav, fxtot: derivatives of what the frames call so, (nx,)."""
+    """`elements` evaluated at x + i STEP dx; sigma (ne,), v, a (nx,) with their directions, sigma with what MEE adds;
+    derivatives dx (nx,), de, dsigma (ne,); fx, fxgrav, fxtot: of what the frames call so, (nx,)."""
 
     elements: DirectedElements
     sigma: Array
+    v: Array
+    a: Array
     dx: Array
     de: Array
     dsigma: Array
@@ -91,7 +93,7 @@ def state_derivatives(
             fx, fxgrav, fxtot = (r.imag / STEP for r in rates)
             de = e.deformations().imag / STEP
             dsigma = dsigma - e.coupling(motion.second_rates(e, v, a)).imag / STEP
-            found.append(StateDerivative(e, s, dx, de, dsigma, fx, fxgrav, fxtot))
+            found.append(StateDerivative(e, s, v, a, dx, de, dsigma, fx, fxgrav, fxtot))
     return found
 
 

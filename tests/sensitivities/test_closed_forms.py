@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from difference_truth import agree
 
 import spacar
 from spacar import Deck
-from spacar.errors import AnalysisError, UsageError
+from spacar.errors import AnalysisError, InputError, UsageError
 
 L, EI, M = 0.5, 2.0, 0.3  # m, N m^2, kg/m
 
@@ -36,7 +38,8 @@ def test_tip_deflection() -> None:
     """w = F L^3/(3 EI): dw/dF, dw/dEI, and dw/dL by moving all nodes; F so small that w/L squared is rounding."""
     F = 1e-7
     lengths = [f"X.{2 * k + 1}[2]" for k in range(1, 5)]
-    found = spacar.sensitivity(cantilever(force=(0.0, F)), ["XF.9[3]", "ESTIFF.*[EI]", *lengths], ["x[9,2]", "Mz[1,1]"])
+    found = spacar.sensitivity(cantilever(force=(0.0, F)), ["XF.9[3]", "ESTIFF.*[EI]", *lengths], ["x[9,2]",
+        "Mz[1,1]"])
     w = F * L**3 / (3 * EI)
     assert found.values[0] == pytest.approx(w, rel=1e-9)
     assert found.derivatives[0, 0] == pytest.approx(w / F, rel=1e-9)
@@ -269,10 +272,16 @@ def test_what_there_is_not(parameters: list[str], quantities: list[str], words: 
 
 
 def test_models_that_are_not_followed() -> None:
-    rows = [("PLTRUSS", 1, 1, 2), ("X", 2, 1.0, 0.0), ("FIX", 1), ("INPUTX", 2), ("RLSE", 1)]
-    moving = Deck.build(rows, [("INPUTX", 2, 1, 1.0, 0.5)], mode=10)
-    with pytest.raises(UsageError, match="no derivatives of frequency, lmult in steady motion"):
-        spacar.sensitivity(moving, ["X.2[2]"], ["lmult[1]", "frequency[1]"])
+    with pytest.raises(InputError, match="non-holonomic element in mode 10"):
+        spacar.sensitivity(Path(__file__).parents[2] / "data" / "trike2.dat", ["XM.*"], ["x[1,1]"])
+    rows = [("BEAM", 1, 1, 2, 3, 4, 0.0, 1.0, 0.0), ("X", 3, 1.0, 0.0, 0.0), ("FIX", 1), ("INPUTX", 2, 4),
+            ("FIX", 2, 2, 3)]
+    rows += [("DYNE", 1), ("ADEFORM",)]
+    law = [("INPUTX", 2, 4, 0.0, 0.5), ("ESTIFF", 1, 90.0, 2.0, 3.0, 4.0), ("EM", 1, 1.0, 0.01, 0.01, 0.01)]
+    deck = Deck.build(rows, law, mode=10)
+    with pytest.raises(UsageError, match="in steady motion with BEAM in the angle measure"):
+        spacar.sensitivity(deck, ["EM.1"], ["frequency[1]"])
+    assert np.isfinite(spacar.sensitivity(deck, ["EM.1"], ["frequency[1]"], beams="sine").derivatives).all()
 
 
 def test_rotating_spring() -> None:
@@ -281,13 +290,16 @@ def test_rotating_spring() -> None:
     law = [("ESTIFF", 1, 80.0, 1.0), ("XM", 3, 0.5), ("INPUTX", 2, 1, 0.0, 12.0), ("ITERSTEP", 20, 4, 1e-10)]
     found = spacar.sensitivity(Deck.build(rows, law, mode=10), ["ESTIFF.1", "XM.3", "INPUTX.2.1[start rate]",
         "X.3[2]"],
-                               ["e[1,1]", "sig[1,1]", "x[3,1]", "N[1,5]"])  # fmt: skip
+                               ["e[1,1]", "sig[1,1]", "x[3,1]", "N[1,5]", "frequency[1]"])  # fmt: skip
     k, m, w, l0 = 80.0 / 0.4, 0.5, 12.0, 0.4
     ratio = k / (m * w * w)
     e = l0 / (ratio - 1)
     by_ratio = -e / (ratio - 1)
     want = [by_ratio * ratio / 80.0, -by_ratio * ratio / m, -2 * by_ratio * ratio / w, e / l0 - by_ratio * ratio / l0]
-    np.testing.assert_allclose(found.values, [e, k * e, l0 + e, k * e], rtol=1e-10)
+    f = np.sqrt(k / m - w * w) / (2 * np.pi)  # at constant speed
+    np.testing.assert_allclose(found.values, [e, k * e, l0 + e, k * e, f], rtol=1e-10)
+    slopes = np.array([k / m / 80.0, -k / m / m, -2 * w, -k / m / l0]) / (8 * np.pi**2 * f)
+    np.testing.assert_allclose(found.derivatives[4], slopes, rtol=1e-9)
     np.testing.assert_allclose(found.derivatives[0], want, rtol=1e-9)
     np.testing.assert_allclose(found.derivatives[2], np.add(want, [0, 0, 0, 1]), rtol=1e-9)
     np.testing.assert_allclose(
