@@ -35,7 +35,8 @@ smartquotes = False  # x' is an axis, not an apostrophe
 CONTENTS = {
     "Start": ("/README", "tutorial", "gallery"),
     "Use": (
-        "keywords", "drawing", "expressions", "python", "matlab", "simulation", "studies", "sensitivity",
+        "keywords", "drawing", "flexures", "expressions", "python", "matlab", "simulation", "studies", "sensitivity",
+        "convergence",
         "symbolic/tutorial",
     ),
     "Understand": (

@@ -11,6 +11,7 @@ import os
 import re
 import shlex
 import shutil
+import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
@@ -98,6 +99,21 @@ def beam_order(path: Path) -> None:
     figure.savefig(path, dpi=110)
 
 
+def flexure_curves(path: Path) -> None:
+    """The guide of the chapter on flexures over its stroke, as `spacar flexure --plot` draws it."""
+    import spacar
+
+    spacar.flexure(DATA / "leafguide.dat", move="7x=+-10").plot(path, dpi=90)
+
+
+def flexure_stroke(path: Path) -> None:
+    """The same guide at five states of its stroke."""
+    import spacar
+
+    study = spacar.flexure(DATA / "leafguide.dat", move="7x=+-10", steps=4)
+    study.result.draw(path, strobe=5, view="xy", traces=[7], title="", dpi=90)
+
+
 def optimized_guide(path: Path) -> None:
     """The example of sensitivity.md: the leaf before and after, the lowest frequency over the stroke, and the cost."""
     import matplotlib
@@ -133,8 +149,32 @@ def optimized_guide(path: Path) -> None:
     figure.savefig(path, dpi=110)
 
 
+def viewer(path: Path) -> None:
+    """The page of `spacar view` in Chromium; without Chromium the picture that there is stays."""
+    browser = shutil.which("chromium") or shutil.which("google-chrome")
+    if browser is None:
+        print(f"{path.name}: left as it is, no Chromium found")
+        return
+    main(["1", "trike3v", "--quiet"])
+    main(["view", "trike3v"])
+    subprocess.run(
+        [
+            browser, "--headless", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader",
+            "--enable-unsafe-swiftshader", "--hide-scrollbars", "--window-size=900,560", f"--screenshot={path}",
+            f"{Path('trike3v_view.html').resolve().as_uri()}#step=40&node=5",
+        ],
+        check=True, timeout=300, capture_output=True,
+    )  # fmt: skip
+
+
 # picture -> function that writes it
-DRAWN: dict[str, Callable[[Path], None]] = {"beam-order.png": beam_order, "optimized-guide.png": optimized_guide}
+DRAWN: dict[str, Callable[[Path], None]] = {
+    "beam-order.png": beam_order,
+    "flexure-curves.png": flexure_curves,
+    "flexure-stroke.png": flexure_stroke,
+    "optimized-guide.png": optimized_guide,
+    "view.png": viewer,
+}
 
 
 class Entry(NamedTuple):

@@ -87,7 +87,11 @@ class Report:
     """Warnings and pieces of information that a run collects for its log, each said once."""
 
     lines: list[str] = field(default_factory=list)
+    _said: set[str] = field(default_factory=set, init=False, repr=False, compare=False)
 
     def add(self, line: str) -> None:
-        if line not in self.lines:
+        if len(self._said) != len(self.lines):  # somebody else has written
+            self._said = set(self.lines)
+        if line not in self._said:
             self.lines.append(line)
+            self._said.add(line)

@@ -21,7 +21,8 @@ class Frame:
     dx, de        (nx, nkdof), (ne, nkdof) configuration transfer functions (OUTLEVEL)
     dxc, dec      (nx, ndof), (ne, ndof) velocity transfer functions (OUTLEVEL)
     d2x, d2e      (nx, nkdof**2), (ne, nkdof**2) second order transfer functions (OUTLEVEL)
-    bigd          (ne, nx) derivative of the deformations (mode 0)
+    bigd          (ne, nx) derivative of the deformations (mode 0);  bigds (entries, 3) the same of a large model: row,
+                  column (from 1), value
     xcompl        (nx,) directional nodal compliances [m/N ...] (mode 8)
     xerr          (nx,) estimated largest error of the coordinates so far (accuracy)
     matrices      m0 c0 d0 k0 n0 g0 b0 ak0 bk0, and eigval eigvre eigvim lmult bmode, by their file name
@@ -49,6 +50,7 @@ class Frame:
     d2x: Array | None = None
     d2e: Array | None = None
     bigd: Array | None = None
+    bigds: Array | None = None
     xcompl: Array | None = None
     xerr: Array | None = None
     matrices: dict[str, Array] = field(default_factory=dict)

@@ -31,6 +31,8 @@ def checked_options(options: dict[str, Any]) -> tuple[dict[str, Any], list[str]]
         found[name] = _converted(name, value, types[name])
         if name in POSITIVE and not 0 < found[name] < float("inf"):
             raise UsageError(f"the option {name} = {value!r} must be positive and finite", "usage.option")
+        if name == "modes" and found[name] < 0:
+            raise UsageError(f"the option modes = {value!r} must not be negative (0: all)", "usage.option")
         if name in LARGEST and found[name] > LARGEST[name]:
             raise UsageError(f"the option {name} = {value!r} is at most {LARGEST[name]:g}", "usage.option")
         if name == "beams" and found[name] not in BEAMS:

@@ -17,6 +17,7 @@ COMMANDS = {
     "draw": "picture or animation of the mechanism at chosen steps",
     "visual": "vibration and buckling modes, constraints, stresses as pictures",
     "plot": "time histories of results, or one quantity against another",
+    "view": "a page that turns, zooms and plays a result in a browser",
     "report": "one self-contained HTML page about a run",
     "checksbf": "what is in a result file, and whether it is sound",
     "getfrsbf": "print a variable of a result file",
@@ -28,6 +29,7 @@ COMMANDS = {
     "bode": "Bode diagram of a .ltv result",
     "stress": "stress resultants and stresses along beams as numbers",
     "compliance": "compliance matrix of a node",
+    "flexure": "a flexure over its range of motion: stiffness, errors, frequencies ...",
     "getss": "state space matrices of one step of a .ltv result",
     "sim": "controlled simulation from a model file",
     "ltv": "response of a time-varying linear system (.ltv)",
@@ -35,4 +37,5 @@ COMMANDS = {
     "spacntrl": "fold feedback into a .ltv system",
     "matlab": "the folder with the files for MATLAB and Octave",
     "symbolic": "equations of motion of a model file by computer algebra",
+    "completion": "completion of the command line by the TAB key, for bash, zsh, fish",
 }

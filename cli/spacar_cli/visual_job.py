@@ -19,7 +19,7 @@ from spacar_drawing.mode_shapes import (
 )
 from spacar_drawing.moving_figure import MovingFigure
 from spacar_drawing.picture_source import PictureSource, open_source
-from spacar_drawing.redundancy import redundancy
+from spacar_drawing.redundancy import redundancy, stored_gradient
 
 from spacar.arrays import Array
 from spacar.errors import UsageError
@@ -165,7 +165,7 @@ def _mode(
 def _constraints(source: PictureSource, choices: Choices, step: int) -> list[str]:
     x = source.x(step)
     extent = extent_of(source, x)
-    found = redundancy(source.scene, source.get("bigd", step), extent)
+    found = redundancy(source.scene, stored_gradient(source, step), extent)
     outputs = _outputs(source, choices, "constraints")
     _stills_only(outputs)
     figure = constraint_still(source.scene, x, source.settings, choices.extras(), found, extent)

@@ -6,7 +6,8 @@ analysis does not store them (3, 4, 9) from its matrices: with Q = C0 + D0 and K
     d(q_k)/dt = Bk0 q_k + Ak0 u,   M0 du/dt = -Q u - K q_k              (reference/files.md section 5)
 
 Both of a pair (conjugate, or plus and minus without damping) are one mode. Order: unstable modes first, the fastest
-growing one as mode 1, then the others by the modulus of their eigenvalue. Buckling: the order of lmult.
+growing one as mode 1, then the others by the modulus of their eigenvalue, zero modes last. Buckling: the order of
+lmult.
 Motion: dx times the vector in the columns of the dynamic and kinematic degrees of freedom (files.md section 3).
 """
 
@@ -19,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 from spacar_formats.locate import open_result
-from spacar_formats.vibration import modes_of_stored_matrices
+from spacar_formats.vibration import modes_of_stored_matrices, shown_order
 
 from spacar.arrays import Array
 from spacar.errors import Report, UsageError
@@ -105,9 +106,14 @@ def vibration_modes(source: PictureSource, matrices: Any, step: int) -> list[Mod
     else:
         found = modes_of_stored_matrices(matrices, step, Report())
         values, vectors = found.values, found.vectors
-    motion = source.get("dx", step)[:, dynamic_columns(source.header)]
-    n = motion.shape[1]
-    order = _order(values)
+    if matrices.has("eigxre"):  # of a large model without dx
+        shapes = get("eigxre") + 1j * get("eigxim")
+        n = len(vectors) // 2
+    else:
+        motion = source.get("dx", step)[:, dynamic_columns(source.header)]
+        n = motion.shape[1]
+        shapes = motion @ vectors[:n]
+    order = shown_order(values)
     modes: list[ModeShape] = []
     seen: list[tuple[complex, NDArray[np.complex128]]] = []
     largest = float(np.max(np.abs(values), initial=0.0)) or 1.0
@@ -116,29 +122,17 @@ def vibration_modes(source: PictureSource, matrices: Any, step: int) -> list[Mod
         size = float(np.linalg.norm(vector))
         if size < 1e-9 * max(float(np.linalg.norm(vectors[:, i])), 1e-300):
             continue  # only a velocity: the other vector of a double zero eigenvalue
-        vector = vector / size
-        vector = vector * np.exp(-1j * np.angle(vector[np.argmax(np.abs(vector))]))
+        pivot = vector[np.argmax(np.abs(vector))]
+        factor = np.abs(pivot) / pivot / size
+        vector, shape = vector * factor, shapes[:, i] * factor
         if any(_pair(values[i], v, largest) and abs(abs(np.vdot(w, vector)) - 1) < 1e-6 for v, w in seen):
             continue
         value = values[i] if abs(values[i]) > SAME * largest else 0.0
         seen.append((complex(values[i]), vector))
         if value.imag < 0:
-            value, vector = np.conj(value), np.conj(vector)
-        modes.append(ModeShape(len(modes) + 1, "vibration", complex(value), vector, motion @ vector))
+            value, vector, shape = np.conj(value), np.conj(vector), np.conj(shape)
+        modes.append(ModeShape(len(modes) + 1, "vibration", complex(value), vector, shape))
     return modes
-
-
-def _order(values: NDArray[np.complex128]) -> list[int]:
-    """Unstable ones first (fastest growth first), then by modulus; of a pair the growing, or positive imaginary one."""
-    largest = float(np.max(np.abs(values), initial=0.0)) or 1.0
-
-    def key(i: int) -> tuple[float, ...]:
-        v = values[i]
-        if v.real > SAME * largest:
-            return (0, -v.real, -v.imag)
-        return (1, round(abs(v) / largest, 9), -v.imag)
-
-    return sorted(range(len(values)), key=key)
 
 
 def _pair(a: complex, b: complex, largest: float) -> bool:
@@ -151,14 +145,17 @@ def buckling_modes(source: PictureSource, matrices: Any, step: int) -> list[Mode
     """All buckling modes of a step with a finite load multiplier."""
     multipliers = np.ravel(matrices.get("lmult", step)).astype(float)
     vectors = np.atleast_2d(np.asarray(matrices.get("bmode", step), float)).reshape(-1, len(multipliers))
-    motion = source.get("dx", step)[:, dynamic_columns(source.header)]
+    if matrices.has("bmodex"):  # of a large model without dx
+        shapes = np.asarray(matrices.get("bmodex", step), float).reshape(-1, len(multipliers))
+    else:
+        shapes = source.get("dx", step)[:, dynamic_columns(source.header)][:, : len(vectors)] @ vectors
     modes = []
     for i, multiplier in enumerate(multipliers):
         vector = vectors[:, i]
         size = float(np.linalg.norm(vector))
         if np.isfinite(multiplier) and np.isfinite(size) and size > 0:
             unit = (vector / size).astype(complex)
-            modes.append(ModeShape(i + 1, "buckling", complex(multiplier), unit, motion[:, : len(unit)] @ unit))
+            modes.append(ModeShape(i + 1, "buckling", complex(multiplier), unit, shapes[:, i] / size + 0j))
     return modes
 
 

@@ -1,10 +1,6 @@
-"""The compliance matrix of a node (reference/files.md section 5, "Forces on Euler parameters").
+"""The compliance matrix of a node of a stored result: `spacar.linear.node_compliance` with the matrices of the files.
 
-    C = T DX K^-1 DX^T T^T,  K = K0 + N0 + G0 of the dynamic degrees of freedom (mode 3: of all), DX their columns of dx
-
-T turns coordinates into displacements and small rotations: spatial diag(I, 2 Lambda_bar) along the global axes and
-diag(R^T, 2 Lambda) along the axes of the body, Lambda_bar = [-l, l0 I + l~], Lambda = [-l, l0 I - l~]; planar the
-identity and diag(R^T, 1).
+The stiffness is that of the dynamic degrees of freedom (mode 3: of all).
 """
 
 from __future__ import annotations
@@ -16,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from spacar.errors import AnalysisError, UsageError
+from spacar.linear.node_compliance import compliance_of, planar_maps, spatial_maps
 from spacar.modes import find_mode
 from spacar_formats.locate import notes, open_result
 from spacar_formats.sbf import SbfFile
@@ -59,19 +56,22 @@ def node_compliance(
         columns = np.r_[x_columns, nxp[2] + nxp[3] + nep[2] + np.arange(nep[3])]
         if find_mode(int(np.ravel(sbd.header["MODE"])[0])).takes_setpoints:  # the prescribed ones have the matrices
             columns = np.arange(nxp[2] + nep[2])
-        transfer, x = _array(sbd, "dx", step), _array(sbd, "x", step).ravel()
-        K = sum(_array(sbm, k, step) for k in ("k0", "n0", "g0"))
-        if max(columns, default=-1) >= transfer.shape[1] or np.shape(K) != (len(columns), len(columns)):
-            raise UsageError(f"{sbd.path} and {sbm.path} do not fit together", "compliance.size")
-        if not (np.isfinite(K).all() and np.isfinite(transfer).all() and np.isfinite(x).all()):
-            raise UsageError(f"{sbd.path} or {sbm.path} has numbers that are not finite", "compliance.finite")
-        DX = transfer[:, columns]
+        planar = lnp[partner - 1, 3] == 0
+        rows = np.r_[lnp[node - 1, : 2 if planar else 3], lnp[partner - 1, : 1 if planar else 4]] - 1
+        x = _array(sbd, "x", step).ravel()
         t = float(_array(sbd, "T", step)[0, 0])
         warnings = [*notes(sbd), *notes(sbm)]
-    planar = lnp[partner - 1, 3] == 0
-    rows = np.r_[lnp[node - 1, : 2 if planar else 3], lnp[partner - 1, : 1 if planar else 4]] - 1
-    fixed, body = (_planar if planar else _spatial)(x[lnp[partner - 1, : 1 if planar else 4] - 1])
-    compliance = _solve(np.asarray(K), DX[rows])
+        if sbm.has("ktan"):  # of a large model
+            compliance = _sparse(_array(sbm, "ktan", step), nxp, rows)
+        else:
+            transfer = _array(sbd, "dx", step)
+            K = sum(_array(sbm, k, step) for k in ("k0", "n0", "g0"))
+            if max(columns, default=-1) >= transfer.shape[1] or np.shape(K) != (len(columns), len(columns)):
+                raise UsageError(f"{sbd.path} and {sbm.path} do not fit together", "compliance.size")
+            if not (np.isfinite(K).all() and np.isfinite(transfer).all() and np.isfinite(x).all()):
+                raise UsageError(f"{sbd.path} or {sbm.path} has numbers that are not finite", "compliance.finite")
+            compliance = compliance_of(np.asarray(K), transfer[:, columns][rows])
+    fixed, body = (planar_maps if planar else spatial_maps)(x[lnp[partner - 1, : 1 if planar else 4] - 1])
     return NodeCompliance(t, node, partner, fixed @ compliance @ fixed.T, body @ compliance @ body.T), warnings
 
 
@@ -101,32 +101,25 @@ def _orientation(lnp: np.ndarray, ln: np.ndarray, node: int) -> int:
     raise UsageError(f"node {node}: name its orientation node ({reason})", "compliance.node")
 
 
-def _spatial(lam: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """T along global and along body axes, (6, 7)."""
-    l0, l = lam[0], lam[1:]
-    tilde = np.array([[0, -l[2], l[1]], [l[2], 0, -l[0]], [-l[1], l[0], 0]])
-    bar = np.column_stack((-l, l0 * np.eye(3) + tilde))
-    plain = np.column_stack((-l, l0 * np.eye(3) - tilde))
-    fixed, body = np.zeros((6, 7)), np.zeros((6, 7))
-    fixed[:3, :3], fixed[3:, 3:] = np.eye(3), 2 * bar
-    body[:3, :3], body[3:, 3:] = (bar @ plain.T).T, 2 * plain
-    return fixed, body
+def _sparse(entries: np.ndarray, nxp: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """dx/df of these coordinates from the tangent in mixed form (`ktan`, reference/files.md section 5)."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.linalg import splu
 
-
-def _planar(phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    c, s = np.cos(phi[0]), np.sin(phi[0])
-    return np.eye(3), np.array([[c, s, 0], [-s, c, 0], [0, 0, 1.0]])
-
-
-def _solve(K: np.ndarray, D: np.ndarray) -> np.ndarray:
-    """D K^-1 D^T, K scaled to a unit diagonal."""
-    if not len(K):
-        return np.zeros((len(D), len(D)))
-    d = np.sqrt(np.abs(np.diag(K)))
-    scale = 1.0 / np.where(d > 0.0, d, d.max(initial=0.0) or 1.0)
-    scaled = K * np.outer(scale, scale)
-    if np.linalg.cond(scaled) > 1e14:
-        text = "the stiffness is singular (critical load or rigid motion): there is no compliance"
+    first, second = nxp[0] + np.arange(nxp[1]), nxp[:3].sum() + np.arange(nxp[3])
+    place = np.full(nxp.sum(), -1)
+    place[np.r_[first, second]] = np.arange(nxp[1] + nxp[3])
+    A = coo_array((entries[:, 2], (entries[:, 0].astype(int) - 1, entries[:, 1].astype(int) - 1))).tocsc()
+    moving = np.flatnonzero(place[rows] >= 0)
+    out = np.zeros((len(rows), len(rows)))
+    unit = np.zeros((A.shape[0], len(moving)))
+    unit[place[rows[moving]], np.arange(len(moving))] = 1.0
+    text = "the stiffness is singular (critical load or rigid motion): there is no compliance"
+    try:
+        solution = splu(A).solve(unit)[place[rows[moving]]]
+    except RuntimeError:
+        raise AnalysisError(text, "compliance.singular") from None
+    if not np.isfinite(solution).all():
         raise AnalysisError(text, "compliance.singular")
-    Ds = D * scale
-    return np.asarray(Ds @ np.linalg.solve(scaled, Ds.T))
+    out[np.ix_(moving, moving)] = solution
+    return out

@@ -129,6 +129,12 @@ class _Tables:
             for ident in ("EIGVRE", "EIGVIM"):
                 cols = self.steps[ident].cols if ident in self.steps else -1
                 self.require(cols == n, f"{ident} does not have a column for each of {n} eigenvalues")
+            for ident in ("EIGXRE", "EIGXIM"):
+                cols = self.steps[ident].cols if ident in self.steps else n
+                self.require(cols == n, f"{ident} does not have a column for each of {n} eigenvalues")
+        for ident in ("KTAN", "MTAN"):
+            if ident in self.steps:
+                self.require(self.steps[ident].cols == 3, f"{ident} does not have three columns")
 
     def state_space(self) -> None:
         steps = {ident: (record.rows, record.cols) for ident, record in self.steps.items()}

@@ -90,6 +90,8 @@ def _check_settings(scene: CheckMaterial, s: Statement) -> None:
         one_of(findings, s, 4, (0, 1, 2, 3), "type of analysis")
         at_least(findings, s, 5, 0, "number of load steps for the initial solution")
         one_of(findings, s, 6, (0, 1), "follow the equilibrium path")
+    elif s.keyword == "MODES":
+        at_least(findings, s, 0, 0, "number of modes")
     elif s.keyword == "XGYRO":
         one_of(findings, s, 5, (0, 1), "type of rotor")
     elif s.keyword == "EM" and scene.outline.types[s.integer(0)].carries_flow:

@@ -10,9 +10,9 @@ from pathlib import Path
 
 from spacar.deck.deck_reader import NOT_UTF8, Span, read_text
 from spacar.deck.deck_writer import splice, write, write_rows
+from spacar.deck.expansion import BeamSection
 from spacar.deck.lexer import visualization_of
 from spacar.deck.mode_blocks import Purpose
-from spacar.deck.section_block import BeamSection
 from spacar.deck.statement import Statement, Value
 from spacar.deck.table_sections import UNITS
 from spacar.deck.table_types import BlockKind
@@ -48,6 +48,10 @@ class Deck:
     def __repr__(self) -> str:
         # The summary lies above this room: it asks the modes and, for results, the mechanism.
         return str(import_module("spacar.summary").deck_summary(self))
+
+    def _repr_html_(self) -> str:
+        """The summary with a picture of the start position, for notebooks; without it where it cannot be drawn."""
+        return str(import_module("spacar.summary").with_picture(repr(self), "inline_model", self))
 
     @cached_property
     def sha256(self) -> str:

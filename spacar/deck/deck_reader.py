@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 from spacar.deck.arguments import read_statement
 from spacar.deck.deck_checks import check
+from spacar.deck.expansion import WORDS, Expansion
 from spacar.deck.findings import Findings
 from spacar.deck.keyword_table import KEYWORDS, BlockKind, blocks_of
 from spacar.deck.lexer import LONGEST_LINE, SourceText, integer_of, scan
 from spacar.deck.mode_blocks import Purpose, third_block, uses
 from spacar.deck.outline import Outline
-from spacar.deck.section_block import WORDS, Expansion, expand
 from spacar.deck.splitter import Raw, split, third_kind
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
@@ -77,7 +77,7 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
                 outline.broken.add((raw.keyword, _number(raw)))
                 outline.broken_blocks.add(raw.block)
     given, before = tuple([read[id(raw)] for raw in parts.statements if id(raw) in read]), outline
-    expansion = expand(given, outline, findings)
+    expansion = _expansion(given, outline, findings)
     statements, outline = expansion.statements, expansion.outline
     check(statements, outline, mode, third, {block: skipped.get(block, findings) for block in (1, 2, 3)})
     for block, found in skipped.items():
@@ -90,6 +90,15 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
         statements, scanned.visualization, tuple(findings.messages), third, parts.spans, shorthand, expansion,
         given, before,
     )  # fmt: skip
+
+
+def _expansion(statements: tuple[Statement, ...], outline: Outline, findings: Findings) -> Expansion:
+    """Beams by geometry to plain statements; most models have none, and do not load what makes them."""
+    if not any(s.keyword in WORDS for s in statements):
+        return Expansion(statements, outline, (), ())
+    from spacar.deck.section_block import expand
+
+    return expand(statements, outline, findings)
 
 
 def _metre(raws: list[Raw], findings: Findings) -> float:

@@ -65,6 +65,18 @@ KEYWORDS = (
             "reached; position 7 = 1 follows the equilibrium path beyond it to where it reaches the load again.",
         ),
     ),
+    Keyword(
+        "MODES",
+        _D,
+        "number of modes of vibration and buckling (modes 7, 8, 10)",
+        (form((integer("number of lowest modes; 0: all"),)),),
+        unique=0,
+        notes=(
+            "Ours. Without it all modes of a model with up to 200 dynamic degrees of freedom are computed, and the 20 "
+            "lowest of a larger one at rest. A larger model has sparse matrices instead of the reduced ones then; 0 "
+            "asks for everything.",
+        ),
+    ),
 )
 
 # The last three are ours.

@@ -139,9 +139,10 @@ class Edit:
 def edits(deck: Deck, pairs: list[tuple[int, int]]) -> tuple[list[Edit], list[tuple[int, int]]]:
     """The DYNE statements that change when these (element, mode) are released, and the pairs that no DYNE names."""
     wanted, found = set(pairs), []
+    keyword = {s.integer(0): s.keyword for s in reversed(deck.of(*ELEMENT_TYPES, block=1))}
     for s in deck.of("DYNE", block=1):
         element = s.integer(0)
-        count = len(ELEMENT_TYPES[_keyword(deck, element)].modes)
+        count = len(ELEMENT_TYPES[keyword[element]].modes)
         modes = tuple(dict.fromkeys(s.integers(1))) or tuple(range(1, count + 1))
         released = tuple(m for m in modes if (element, m) in wanted)
         if released:
@@ -150,20 +151,17 @@ def edits(deck: Deck, pairs: list[tuple[int, int]]) -> tuple[list[Edit], list[tu
     return found, [pair for pair in pairs if pair not in done]
 
 
-def _keyword(deck: Deck, element: int) -> str:
-    return next(s.keyword for s in deck.of(*ELEMENT_TYPES, block=1) if s.integer(0) == element)
-
-
 def paste_lines(deck: Deck, parts: list[OverconstraintPart]) -> list[str]:
     """Lines for the input file that release these deformations, those that do not keep the physics with a comment."""
     changed, rest = edits(deck, [(p.element, p.mode) for p in parts])
+    of = {(p.element, p.mode): p for p in parts}
     lines = []
     for edit in changed:
         s = edit.statement
         old = " ".join(str(v) for v in s.values)
         lines += [f"% in place of DYNE {old} (line {s.line}):", *edit.lines]
     for pair in rest:
-        part = next(p for p in parts if (p.element, p.mode) == pair)
+        part = of[pair]
         if part.effect == PRESCRIBED:
             lines.append(f"% in place of INPUTE {part.element} {part.mode}:")
         lines.append(f"RLSE {part.element} {part.mode}   % {part.text}")

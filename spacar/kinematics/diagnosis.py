@@ -6,7 +6,8 @@ multiplied by L and a row of a deformation in metres divided by L. Singular valu
 
 Left null vectors are over-constraints: combinations of deformations that no motion can change independently, so that
 the stresses along them are undetermined. Right null vectors are under-constraints: motions of the calculable
-coordinates that no deformation feels. With several at once, releases (or new degrees of freedom) are proposed one
+coordinates that no deformation feels. A large matrix stays sparse, and only its null spaces are computed
+(`null_space`). With several at once, releases (or new degrees of freedom) are proposed one
 after the other: the largest component in the null space, which is then projected on the rest. Releases are taken
 from the deformations whose release keeps the physics as long as these can help, then from rigid ones that the others
 hold as well, at last from those that put a hinge into the model (`advice`).
@@ -33,9 +34,12 @@ from spacar.kinematics.advice import (
     effects,
     paste_lines,
 )
+from spacar.kinematics.difference_matrix import ZERO, scaled_difference_matrix
+from spacar.kinematics.element_sweep import ElementSweep
+from spacar.kinematics.null_space import LARGEST_DECOMPOSED, norm_estimate, null_space
+from spacar.kinematics.self_stress import scaled_part
 from spacar.mechanism.mechanism import Mechanism
 
-ZERO = float(np.sqrt(np.finfo(float).eps))
 SHOWN = 1e-6  # smaller shares are not listed
 TIE = 9  # decimals of the weights: of equals the lowest number comes first, whatever the rounding
 
@@ -51,7 +55,9 @@ class Diagnosis:
     parts, advice      the same as `deformations` (flexible ones first) and `releases`, with numbers and effects
     paste              lines for the input file that carry out the releases
     freedoms           coordinates to be made degrees of freedom (or supported), one per under-constraint
-    singular           (k,) singular values, descending;  condition  s_1/s_n, infinite if not square and regular
+    singular           (k,) singular values, descending (of a large matrix the largest, and the
+                       smallest beside the null space);  condition  s_1/s_n, infinite if not
+                       square and regular
     """
 
     n_rows: int
@@ -90,25 +96,14 @@ class Diagnosis:
         return lines
 
 
-def scaled_difference_matrix(mechanism: Mechanism, V: Array) -> Array:
-    """V (ne, nx) with dimensionless rows and columns."""
-    return V * mechanism.scale / mechanism.deformation_scale[:, None]
-
-
-def diagnose(mechanism: Mechanism, V: Array, x: Array | None = None) -> Diagnosis:
-    """Analyse the constraints at the configuration x (None: that of reference) of V = dD/dx, (ne, nx)."""
+def diagnose(mechanism: Mechanism, sweep: ElementSweep, x: Array | None = None) -> Diagnosis:
+    """Analyse the constraints at the configuration x (None: that of reference), where the sweep is."""
     numbering = mechanism.numbering
     xs, es = numbering.x_class, numbering.e_class
     rows = np.arange(es["dynamic"].stop)
     columns = np.r_[xs["calculable"].start : xs["calculable"].stop, xs["kinematic"].start : xs["kinematic"].stop]
-    D = scaled_difference_matrix(mechanism, V)[np.ix_(rows, columns)]
-    if D.size:
-        left, s, right = np.linalg.svd(D)
-    else:
-        left, s, right = np.eye(len(rows)), np.zeros(0), np.eye(len(columns))
-    rank = int(np.sum(s > ZERO * s[0])) if len(s) else 0
-    over, under = len(rows) - rank, len(columns) - rank
-    null_rows, null_columns = left[:, rank:], right[rank:].T
+    null_rows, null_columns, s, condition = _decomposed(mechanism, sweep, rows, columns)
+    over, under = null_rows.shape[1], null_columns.shape[1]
     regular = not over and not under
     parts, advice, paste = _advice(mechanism, rows, null_rows, x) if over else ((), (), ())
     return Diagnosis(
@@ -117,15 +112,33 @@ def diagnose(mechanism: Mechanism, V: Array, x: Array | None = None) -> Diagnosi
         over=over,
         under=under,
         deformations=tuple((p.share, p.name) for p in parts),
-        coordinates=_ranked(null_columns, [numbering.x_name(int(i)) for i in columns]),
+        coordinates=_ranked(null_columns, [numbering.x_name(int(i)) for i in columns] if under else []),
         releases=tuple(p.name for p in advice),
         freedoms=tuple(numbering.x_name(int(columns[i])) for i in pick(null_columns, _independent(mechanism, columns))),
         singular=s,
-        condition=float(s[0] / s[-1]) if regular and len(s) else (1.0 if regular else float("inf")),
+        condition=condition if regular else float("inf"),
         parts=parts,
         advice=advice,
         paste=paste,
     )
+
+
+def _decomposed(
+    mechanism: Mechanism, sweep: ElementSweep, rows: Index, columns: Index
+) -> tuple[Array, Array, Array, float]:
+    """Left and right null space of the scaled matrix, singular values (see Diagnosis), condition if regular."""
+    if max(len(rows), len(columns)) > LARGEST_DECOMPOSED:
+        D = scaled_part(mechanism, sweep, rows, columns)
+        size = norm_estimate(D)
+        left, others = null_space(D.T.tocsr(), size, ZERO)
+        right = null_space(D, size, ZERO)[0]
+        return left, right, np.array([size, others[0]]), size / float(others[0])
+    D = scaled_difference_matrix(mechanism, sweep.gradient())[np.ix_(rows, columns)]
+    if not D.size:
+        return np.eye(len(rows)), np.eye(len(columns)), np.zeros(0), 1.0
+    left, s, right = np.linalg.svd(D)
+    rank = int(np.sum(s > ZERO * s[0]))
+    return left[:, rank:], right[rank:].T, s, float(s[0] / s[-1]) if s[-1] > 0.0 else float("inf")
 
 
 def _advice(

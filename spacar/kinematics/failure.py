@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
@@ -10,7 +9,8 @@ import numpy as np
 from spacar.arrays import Array, Index
 from spacar.deck import ELEMENT_TYPES
 from spacar.errors import AnalysisError
-from spacar.kinematics.diagnosis import ZERO, Diagnosis, diagnose, scaled_difference_matrix
+from spacar.kinematics.diagnosis import Diagnosis, diagnose
+from spacar.kinematics.difference_matrix import ZERO, scaled_difference_matrix
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
@@ -37,19 +37,11 @@ class Position(Protocol):
     def rounding(self, x: Array, e: Array) -> float: ...
 
 
-class Unplaced(Exception):
-    """A Newton iteration that did not reach its target. Smaller steps may; explaining costs more than trying."""
-
-    def __init__(self, explain: Callable[[], AnalysisError]) -> None:
-        super().__init__()
-        self.explain = explain
-
-
 def count_failure(kinematics: Position) -> AnalysisError:
     """Numbers of unknowns and equations differ."""
     mechanism = kinematics.mechanism
     kinematics.sweep.strain(mechanism.x0)
-    diagnosis = diagnose(mechanism, kinematics.sweep.gradient())
+    diagnosis = diagnose(mechanism, kinematics.sweep)
     rows, columns = diagnosis.n_rows, diagnosis.n_columns
     if rows == columns:
         rows, columns = len(kinematics.h), len(kinematics.c)
@@ -67,10 +59,7 @@ def count_failure(kinematics: Position) -> AnalysisError:
 
 def singular_failure(kinematics: Position, x: Array, error: SingularMatrixError) -> AnalysisError:
     """The matrix of the position problem is singular at x."""
-    if len(kinematics.E) > LARGEST_DIAGNOSED:
-        text = f"the position cannot be determined: {error}; `spacar 0` looks for the reason"
-        return AnalysisError(text, "position.singular")
-    diagnosis = diagnose(kinematics.mechanism, kinematics.sweep.gradient(), x)
+    diagnosis = diagnose(kinematics.mechanism, kinematics.sweep, x)
     text = (
         f"the position cannot be determined: {error}; {_candidates(diagnosis)};"
         " choose other degrees of freedom, or the mechanism is in a singular position"
@@ -126,7 +115,7 @@ def _singular_choice(kinematics: Position, x: Array) -> str:
     """The cause, when the choice of degrees of freedom is singular at the reference configuration already; else ""."""
     mechanism, sweep = kinematics.mechanism, kinematics.sweep
     sweep.strain(mechanism.x0)
-    diagnosis = diagnose(mechanism, sweep.gradient(), mechanism.x0)
+    diagnosis = diagnose(mechanism, sweep, mechanism.x0)
     sweep.strain(x)
     if not (diagnosis.over or diagnosis.under):
         return ""

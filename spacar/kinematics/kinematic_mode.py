@@ -8,12 +8,15 @@ import numpy as np
 
 from spacar.frame import Frame
 from spacar.kinematics.constraint_condition import ESTIMATED_FROM, condition_number
-from spacar.kinematics.diagnosis import ZERO, Diagnosis, diagnose
+from spacar.kinematics.diagnosis import Diagnosis, diagnose
+from spacar.kinematics.difference_matrix import ZERO
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.kinematics.kinematics import Kinematics
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
 from spacar.stream import Run
+
+LARGEST_DENSE = 1_000_000  # numbers of bigd (8 MB); more are stored sparse
 
 
 def check(run: Run) -> Iterator[Frame]:
@@ -22,17 +25,25 @@ def check(run: Run) -> Iterator[Frame]:
     n = mechanism.numbering
     sweep = ElementSweep(mechanism)
     sweep.strain(mechanism.x0)
-    V = sweep.gradient()
-    diagnosis = _large_and_regular(mechanism) or diagnose(mechanism, V)
+    diagnosis = _large_and_regular(mechanism) or diagnose(mechanism, sweep)
     run.n_frames = 1
     run.header["condition"] = diagnosis.condition
     run.header["diagnosis"] = diagnosis
     for line in diagnosis.lines():
         run.report.add(line)
+    V, entries = None, None
+    if n.ne * n.nx <= LARGEST_DENSE:
+        V = sweep.gradient()
+    else:
+        entries = np.column_stack((sweep.v_rows + 1.0, sweep.v_columns + 1.0, sweep.v_entries))
+        run.report.add(
+            f"the derivative of the deformations is stored as {len(entries)} rows (row, column, value) `bigds` instead"
+            f" of the matrix `bigd` of {n.ne} x {n.nx}"
+        )
     zero_x, zero_e = np.zeros(n.nx), np.zeros(n.ne)
     yield Frame(
         t=0.0, x=mechanism.x0.copy(), xd=zero_x, xdd=zero_x, e=sweep.e.copy(), ed=zero_e, edd=zero_e,
-        sig=zero_e, fx=zero_x, fxgrav=zero_x, fxtot=zero_x, bigd=V,
+        sig=zero_e, fx=zero_x, fxgrav=zero_x, fxtot=zero_x, bigd=V, bigds=entries,
     )  # fmt: skip
 
 

@@ -31,20 +31,24 @@ most 10 times. Where the prediction already goes farther, the way is divided at 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
+from typing import Any
 
 import numpy as np
 
 from spacar.arrays import Array, Index
+from spacar.errors import AnalysisError
 from spacar.kinematics.element_sweep import ElementSweep
-from spacar.kinematics.failure import Unplaced, count_failure, position_failure, singular_failure
 from spacar.kinematics.fold import is_single_root
 from spacar.linear_systems import LinearSystem, SingularMatrixError, assemble
+from spacar.linear_systems.matrix import DENSE_LIMIT, matrix
 from spacar.mechanism.mechanism import Mechanism
 
 CONVERGED = 1e-11  # largest scaled correction that ends Newton's iteration: the relative error of velocities
 ROUNDING = 64.0 * float(np.finfo(float).eps)  # of the scaled residual, per unit of the numbers that enter it
+MANY_RATES = 20_000  # rates at once from which one product with a sparse matrix is faster than a sum a column
 MAX_ITERATIONS = 20
 MAX_HALVINGS = 5
 GROWN = 1e-6  # chosen: a residual that doubles but stays below has its correction not halved. Accepts nothing; without
@@ -54,6 +58,14 @@ FARTHEST_GUESS = 0.5 * LARGEST_JUMP  # from farther Newton's method could end at
 MAX_DEPTH = 10
 MOST_PREDICTED = 10.0 * LARGEST_JUMP  # a first-order prediction that goes farther says nothing
 MOST_PIECES = 50_000  # of a prescribed motion between two positions: some 6000 turns
+
+
+class Unplaced(Exception):
+    """A Newton iteration that did not reach its target. Smaller steps may; explaining costs more than trying."""
+
+    def __init__(self, explain: Callable[[], AnalysisError]) -> None:
+        super().__init__()
+        self.explain = explain
 
 
 class Kinematics:
@@ -72,6 +84,8 @@ class Kinematics:
         self.h = np.flatnonzero(~n.slips[: es["kinematic"].stop])
         self.c = np.arange(xs["calculable"].start, xs["calculable"].stop)
         if len(self.h) != len(self.c) or len(self.E) != len(self.U):
+            from spacar.kinematics.failure import count_failure
+
             raise count_failure(self)
         self.velocity_system: LinearSystem
         self.velocity_system, self.velocity_take = self._system(self.E, self.U, kind)
@@ -218,7 +232,7 @@ class Kinematics:
             grown = bool(history) and norm > 2.0 * history[-1]
             if not norm < np.inf or (grown and norm > max(GROWN, self.rounding(x, target))):
                 if halvings == MAX_HALVINGS:
-                    raise Unplaced(partial(position_failure, self, x, residual, history, iteration))
+                    raise Unplaced(partial(_position_failure, self, x, residual, history, iteration))
                 halvings += 1
                 correction *= 0.5
                 x[c] += correction
@@ -234,7 +248,7 @@ class Kinematics:
                 self._factor_position()
                 solution = self.position_system.solve(right)
             except SingularMatrixError as error:
-                raise Unplaced(partial(singular_failure, self, x, error)) from None
+                raise Unplaced(partial(_singular_failure, self, x, error)) from None
             correction = solution[:, 0] if together else solution
             x[c] -= correction
             size, before = largest(correction / scale), size
@@ -256,7 +270,7 @@ class Kinematics:
                 v = v_given.copy()  # type: ignore[union-attr]
                 v[self.U] = solution[:, 1]
                 return v
-        raise Unplaced(partial(position_failure, self, x, residual, history, MAX_ITERATIONS))
+        raise Unplaced(partial(_position_failure, self, x, residual, history, MAX_ITERATIONS))
 
     def rounding(self, x: Array, target: Array) -> float:
         """How well the scaled residual of the position is known at x (nx,) for these given deformations (h,)."""
@@ -304,17 +318,22 @@ class Kinematics:
         Serves velocities (e_rate = ed), accelerations (e_rate = edd - H(xd, xd)) and columns of transfer functions.
         """
         v = given.copy()
-        Vv = self.sweep.rate(v) if v.ndim == 1 else self.sweep_rates(v)
-        v[self.U] = self.velocity_system.solve(e_rate[self.E] - Vv[self.E])
+        right = e_rate[self.E]  # a copy
+        if v.ndim == 1:
+            right -= self.sweep.rate(v)[self.E]
+        else:
+            columns = np.flatnonzero(v.any(axis=0))
+            right[:, columns] -= self.sweep_rates(v[:, columns])[self.E]
+        v[self.U] = self.velocity_system.solve(right)
         return v
 
     def sweep_rates(self, v: Array) -> Array:
         """V v for several columns, (ne, k)."""
-        return (
-            np.column_stack([self.sweep.rate(column) for column in v.T])
-            if v.shape[1]
-            else np.zeros((self.numbering.ne, 0))
-        )
+        ne, nx = self.numbering.ne, self.numbering.nx
+        if v.shape[1] * ne > MANY_RATES and max(ne, nx) > DENSE_LIMIT:
+            rates = matrix(self.sweep.v_rows, self.sweep.v_columns, self.sweep.v_entries, (ne, nx)) @ v
+            return np.asarray(rates)
+        return np.column_stack([self.sweep.rate(column) for column in v.T]) if v.shape[1] else np.zeros((ne, 0))
 
     def reactions(self, force: Array, sigma: Array) -> None:
         """Multipliers: write sigma[E] so that (force + V^T sigma) vanishes on U (theory-system.md (10)).
@@ -329,3 +348,16 @@ class Kinematics:
 def largest(values: Array) -> float:
     """max |values|, nan if any is; 0 when empty."""
     return float(np.abs(values).max()) if len(values) else 0.0
+
+
+# Explanations are loaded when an iteration has failed: a run that goes well does not need them.
+def _position_failure(*about: Any) -> AnalysisError:
+    from spacar.kinematics.failure import position_failure
+
+    return position_failure(*about)
+
+
+def _singular_failure(*about: Any) -> AnalysisError:
+    from spacar.kinematics.failure import singular_failure
+
+    return singular_failure(*about)

@@ -64,7 +64,7 @@ def _diagnose(deck: Deck) -> Diagnosis:
     mechanism = build(deck, 0)
     sweep = ElementSweep(mechanism)
     sweep.strain(mechanism.x0)
-    return diagnose(mechanism, sweep.gradient())
+    return diagnose(mechanism, sweep)
 
 
 def _edited(text: str, changed: list[Edit]) -> str:

@@ -12,12 +12,20 @@ which is the test, to the second order: the self-stresses whose geometric stiffn
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.kinematics.element_sweep import ElementSweep
+from spacar.kinematics.null_space import LARGEST_DECOMPOSED, norm_estimate, null_space, on_null_space
+from spacar.mechanism.layout import Batch
 from spacar.mechanism.mechanism import Mechanism
 
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+MORE_MOTIONS = 8  # random motions beyond the number of stresses
 ZERO = float(np.sqrt(np.finfo(float).eps))
 
 
@@ -31,6 +39,8 @@ def redundancies(mechanism: Mechanism, rows: Index, x: Array | None = None) -> A
     sweep = ElementSweep(mechanism)
     sweep.strain(mechanism.x0 if x is None else x)
     moving = np.arange(n.x_class["fixed"].stop, n.nx)
+    if max(len(rows), len(moving)) > LARGEST_DECOMPOSED:
+        return _of_large(mechanism, sweep, rows, moving)
     row_scale, scale = mechanism.deformation_scale[rows], mechanism.scale[moving]
     R = sweep.gradient()[np.ix_(rows, moving)] * scale / row_scale[:, None]
     if not R.size:
@@ -47,16 +57,59 @@ def redundancies(mechanism: Mechanism, rows: Index, x: Array | None = None) -> A
         K = _geometric_stiffness(sweep, sigma)[np.ix_(moving, moving)] * scale * scale[:, None]
         size = max(size, float(np.linalg.norm(K)))
         columns.append((motions.T @ K @ motions).ravel())
-    _, s, right = np.linalg.svd(np.array(columns).T, full_matrices=True)
+    _, s, right = np.linalg.svd(np.linalg.qr(np.array(columns).T, mode="r"), full_matrices=True)
     resisting = int(np.sum(s > ZERO * size))
     return np.asarray(stresses @ right[resisting:].T)
 
 
+def scaled_part(mechanism: Mechanism, sweep: ElementSweep, rows: Index, columns: Index) -> csr_array:
+    """The rows and columns of V at the sweep, dimensionless and sparse."""
+    from scipy.sparse import coo_array
+
+    scaled = sweep.v_entries * mechanism.scale[sweep.v_columns] / mechanism.deformation_scale[sweep.v_rows]
+    V = coo_array((scaled, (sweep.v_rows, sweep.v_columns)), (sweep.ne, sweep.nx)).tocsr()
+    return V[rows][:, columns]
+
+
+def _of_large(mechanism: Mechanism, sweep: ElementSweep, rows: Index, moving: Index) -> Array:
+    """The same without dense matrices. The geometric stiffness of a stress c vanishes on the motions when v^T K(c) v is
+    zero for some random motions v, more of them than there are stresses (with probability one)."""
+    n = mechanism.numbering
+    R = scaled_part(mechanism, sweep, rows, moving)
+    norm = norm_estimate(R)
+    stresses = null_space(R.T.tocsr(), norm, ZERO)[0]
+    count = stresses.shape[1]
+    if not count or not n.holonomic:
+        return stresses
+    v = np.zeros((n.nx, count + MORE_MOTIONS))
+    v[moving] = on_null_space(R, norm, np.random.default_rng(1).standard_normal((len(moving), v.shape[1])))
+    v *= mechanism.scale[:, None]
+    work, size = np.zeros((v.shape[1], count)), 0.0
+    for j, c in enumerate(stresses.T):
+        sigma = np.zeros(n.ne)
+        sigma[rows] = c / mechanism.deformation_scale[rows]
+        square = 0.0
+        for b in sweep.curved:
+            block = _block(sweep, b, sigma)
+            part, scale = v[b.x], mechanism.scale[b.x]
+            work[:, j] += np.einsum("ink,ijn,jnk->k", part, block, part, optimize=True)
+            square += float(np.sum((block * scale[:, None] * scale[None]) ** 2))
+        size = max(size, float(np.sqrt(square)))
+    _, s, right = np.linalg.svd(work, full_matrices=True)
+    resisting = int(np.sum(s > ZERO * size))
+    return np.asarray(stresses @ right[resisting:].T)
+
+
+def _block(sweep: ElementSweep, b: Batch, sigma: Array) -> Array:
+    """Sum of sigma_i times the second derivatives of e_i, element by element (n_coordinates, n_coordinates, n)."""
+    block = np.zeros((len(b.x), len(b.x), b.family.n))
+    b.family.geometric_stiffness(sweep.configuration[b.index], sigma[b.e], block)
+    return block
+
+
 def _geometric_stiffness(sweep: ElementSweep, sigma: Array) -> Array:
-    """Sum of sigma_i times the second derivatives of e_i, (nx, nx)."""
+    """The same of all elements, (nx, nx)."""
     out = np.zeros((sweep.nx, sweep.nx))
     for b in sweep.curved:
-        block = np.zeros((len(b.x), len(b.x), b.family.n))
-        b.family.geometric_stiffness(sweep.configuration[b.index], sigma[b.e], block)
-        np.add.at(out, (b.x[:, None, :], b.x[None, :, :]), block)
+        np.add.at(out, (b.x[:, None, :], b.x[None, :, :]), _block(sweep, b, sigma))
     return out

@@ -30,10 +30,14 @@ SINGULAR = 1e-14
 
 @dataclass(frozen=True)
 class BucklingModes:
-    """multipliers (n,), infinite where the load has no effect; modes (n, n) of norm 1 over the dynamic rows."""
+    """multipliers (n,), infinite where the load has no effect; modes (n, n) of norm 1 over the dynamic rows.
+
+    motions (nx, n): what the coordinates do, where they are computed without transfer functions.
+    """
 
     multipliers: Array
     modes: Array
+    motions: Array | None = None
 
     def first(self, n: int) -> BucklingModes:
         """The n lowest, and of the modes the first n rows, of norm 1 again: without unknowns inside elements."""

@@ -24,17 +24,28 @@ from spacar.linearization.state_matrix import assembled_state_matrix
 
 Complex = NDArray[np.complex128]
 SYMMETRIC = 1e-9  # relative asymmetry below which a matrix counts as symmetric (rounding of assembled sums)
-POLISHED = 1e-4  # modes with omega^2 below this fraction of the largest are improved
+POLISHED = 1e-2  # modes with omega^2 below this fraction of the largest are improved; the others have n eps/POLISHED
 ROUNDING = 1e-12  # omega^2 below this fraction of the largest may be rigid motions
 
 
 @dataclass(frozen=True)
 class Modes:
-    """values (n,), vectors (n_state, n): eigenvalues [rad/s] and state eigenvectors; n_positions rows are positions."""
+    """values (n,), vectors (n_state, n): eigenvalues [rad/s] and state eigenvectors; n_positions rows are positions.
+
+    motions (nx, n): what the coordinates do, where they are computed without transfer functions.
+    """
 
     values: Complex
     vectors: Complex
     n_positions: int
+    motions: Complex | None = None
+
+    def lowest(self, pairs: int) -> Modes:
+        """The last `pairs` pairs, conjugates never divided."""
+        first = max(len(self.values) - 2 * pairs, 0)
+        if first and self.values[first].imag < 0.0 and self.values[first - 1] == self.values[first].conj():
+            first -= 1
+        return Modes(self.values[first:], self.vectors[:, first:], self.n_positions)
 
     @property
     def zero(self) -> NDArray[np.bool_]:
@@ -174,7 +185,7 @@ def polished(K: Array, M: Array, squares: Array, shapes: Array) -> tuple[Array, 
     The reduction to a standard problem leaves an error of eps times the largest omega^2 in all of them. For the low
     ones X, with F = M X and Y = Q^-1 F of the shifted matrix Q = K + s^2 M, the projected problem (Y^T M Y) c = theta
     (F^T Y) c has theta = 1/(omega^2 + s^2) with small relative errors: K itself is not multiplied. Left alone where
-    it does not apply.
+    it does not apply (an unstable mode that is not among the low ones).
     """
     largest = float(np.max(np.abs(squares), initial=0.0))
     low = np.flatnonzero(np.abs(squares) < POLISHED * largest)
@@ -182,6 +193,7 @@ def polished(K: Array, M: Array, squares: Array, shapes: Array) -> tuple[Array, 
         return squares, shapes
     positive = squares[squares > ROUNDING * largest]
     s2 = 1e-3 * float(positive[0]) if len(positive) else POLISHED * largest
+    s2 = max(s2, -2.0 * float(squares[low[0]]))  # unstable modes have theta > 0 too
     d = 1.0 / np.sqrt(np.maximum(np.abs(np.diag(K)) + s2 * np.diag(M), 1e-300))
     F = M @ shapes[:, low]
     try:
@@ -219,16 +231,19 @@ def matters(C: Array, M: Array, K: Array) -> bool:
     return bool(np.any(np.abs(C) > bound))
 
 
-def arranged(values: Complex, vectors: Complex, n_positions: int) -> Modes:
-    """Norm 1, real largest position component, decreasing modulus, conjugates together."""
-    vectors = vectors / np.linalg.norm(vectors, axis=0)
+def arranged(values: Complex, vectors: Complex, n_positions: int, motions: Complex | None = None) -> Modes:
+    """Norm 1, real largest position component, decreasing modulus, conjugates together; motions (nx, n) alike."""
+    size = np.linalg.norm(vectors, axis=0)
+    vectors = vectors / size
+    motions = motions / size if motions is not None else None
     if n_positions:
         largest = np.argmax(np.abs(vectors[:n_positions]), axis=0)
         pivot = vectors[largest, np.arange(len(values))]
         phase = np.where(pivot != 0.0, np.abs(pivot) / np.where(pivot != 0.0, pivot, 1.0), 1.0)
         vectors = vectors * phase
+        motions = motions * phase if motions is not None else None
     modulus = np.abs(values)
     # conjugates have equal moduli up to rounding: compare with fewer digits, then by imaginary part
     rounded = np.array([float(f"{m:.10e}") for m in modulus])
     order = np.lexsort((-values.imag, -np.abs(values.imag), -rounded))
-    return Modes(values[order], vectors[:, order], n_positions)
+    return Modes(values[order], vectors[:, order], n_positions, motions[:, order] if motions is not None else None)

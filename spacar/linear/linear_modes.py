@@ -20,6 +20,7 @@ from spacar.linear.buckling import NO_STRESS, BucklingModes, buckling_modes, dir
 from spacar.linear.eigen import Modes, vibration_modes
 from spacar.linear.idle_inputs import IdleInputs
 from spacar.linear.internal_unknowns import buckling_matrices, internal_unknowns
+from spacar.linear.large_results import buckling_motions, sparse_matrices, vibration_motions
 from spacar.linear.linearization_signals import linearization_signals
 from spacar.linear.lowest import WANTED, lowest_buckling, lowest_vibration, sparse_compliances
 from spacar.linear.state_space import Signal, chosen_rows, has_feedthrough, state_space
@@ -30,10 +31,11 @@ from spacar.stationary.loading import stored_levels
 from spacar.stationary.tangent import SparseTangent
 from spacar.stream import Run
 
-LARGE = 600  # dynamic degrees of freedom; above, no dense matrices are formed
+LARGE = 200  # dynamic degrees of freedom; above, no dense matrices are formed (break-even, docs/performance.md "Sizes")
+SHARE = 4  # all modes of a model cost less than its lowest ones if these are more than one of four
 NO_TWIST_GRADIENT = (
     "warning: load multipliers of large systems leave out the twist gradient of beams in the angle measure, so they"
-    " converge with order 2 in the length of the elements; OUTLEVEL 0 1 asks for the dense matrices, that contain it"
+    " converge with order 2 in the length of the elements; MODES 0 asks for the dense matrices, that contain it"
 )
 LOST = 1e-6  # chosen: relative error of the matrices that a user shall know of
 
@@ -89,12 +91,17 @@ def state_space_matrices(run: Run) -> Iterator[Frame]:
 
 @dataclass(frozen=True)
 class LinearizedSolution:
-    """A stored stationary solution with its linearization L, or for large systems the sparse tangent instead."""
+    """A stored stationary solution with its linearization L, or for large systems the sparse tangent instead.
+
+    `wanted`: number of lowest modes; `reduced`: no dense matrices at any step of the run.
+    """
 
     frame: Frame
     dynamics: Dynamics
     L: Linearization | None
     tangent: SparseTangent | None
+    wanted: int
+    reduced: bool
 
 
 def stationary(run: Run, reducible: bool = True) -> Iterator[LinearizedSolution]:
@@ -105,10 +112,13 @@ def stationary(run: Run, reducible: bool = True) -> Iterator[LinearizedSolution]
     run.n_frames = stored_levels(settings)
     solver = StationarySolver(mechanism, run.report)
     reduced = reducible and solver.sparse and n.nddof > LARGE and settings.sbd_level is None
+    wanted = n.nddof if settings.modes == 0 else settings.modes or (WANTED if reduced else n.nddof)
+    reduced = reduced and wanted * SHARE <= n.nddof
     if reduced:
         run.report.add(
-            f"{n.nddof} dynamic degrees of freedom (more than {LARGE}): only the {WANTED} lowest modes, no"
-            " matrices and no transfer functions are computed; OUTLEVEL 0 1 asks for all of them"
+            f"{n.nddof} dynamic degrees of freedom (more than {LARGE}): the {wanted} lowest modes with their motions and"
+            " sparse matrices are computed, no reduced matrices and no transfer functions; --modes N or MODES N changes"
+            " the number, 0 asks for everything"
         )
     output = TransferOutput(run)
     limits: Limits | None = None
@@ -134,11 +144,13 @@ def stationary(run: Run, reducible: bool = True) -> Iterator[LinearizedSolution]
         if reduced or singular:
             tangent = solver.sparse_tangent()
             tangent.sigma = state.sigma
-            yield LinearizedSolution(frame, dynamics, None, tangent)
+            if reduced:
+                frame.matrices.update(sparse_matrices(tangent))
+            yield LinearizedSolution(frame, dynamics, None, tangent, wanted, reduced)
             continue
         L = linearize(dynamics, state.xdd, state.sigma)
         _store_matrices(frame, L, dynamics)
-        yield LinearizedSolution(output.add(frame, dynamics.kinematics), dynamics, L, None)
+        yield LinearizedSolution(output.add(frame, dynamics.kinematics), dynamics, L, None, wanted, reduced)
 
 
 def say_lost_digits(run: Run, reduced: bool) -> None:
@@ -189,25 +201,31 @@ def _store_vibration(run: Run, solution: LinearizedSolution) -> None:
         run.report.add("no dynamic degrees of freedom: there are no eigenvalues")
         return
     if solution.tangent is not None:
-        modes = _sparse_vibration(run, solution.tangent)
+        modes = _sparse_vibration(run, solution.tangent, solution.wanted)
     else:
         assert solution.L is not None
         rows = chosen_rows(solution.L, solution.dynamics)
         modes = vibration_modes(solution.L, *rows, run.report, run.mechanism.numbering.twist_rates)
     store = solution.frame.matrices
+    if solution.reduced:
+        store.update(vibration_motions(modes))
+    elif solution.wanted < run.mechanism.numbering.nddof:
+        modes = modes.lowest(solution.wanted)
     store["eigval"] = np.column_stack((modes.values.real, modes.values.imag))
     store["eigvre"], store["eigvim"] = modes.vectors.real, modes.vectors.imag
 
 
-def _sparse_vibration(run: Run, tangent: SparseTangent) -> Modes:
+def _sparse_vibration(run: Run, tangent: SparseTangent, wanted: int) -> Modes:
+    n = run.mechanism.numbering
+    wanted = min(wanted, n.nddof)
     try:
-        return lowest_vibration(tangent, run.report)
+        return lowest_vibration(tangent, run.report, wanted)
     except SingularMatrixError as error:
         text = "no frequencies, they are stored as nan: stiffness and mass together are singular in this configuration"
         run.report.add(f"warning: {text} ({error})")
-        n = run.mechanism.numbering.nddof
-        wanted, unknown = 2 * min(WANTED, n), complex(np.nan, np.nan)
-        return Modes(np.full(wanted, unknown), np.full((2 * n, wanted), unknown), n)
+        unknown = complex(np.nan, np.nan)
+        vectors, motions = np.full((2 * n.nddof, 2 * wanted), unknown), np.full((n.nx, 2 * wanted), unknown)
+        return Modes(np.full(2 * wanted, unknown), vectors, n.nddof, motions)
 
 
 def _store_buckling(run: Run, solution: LinearizedSolution, required: bool = True) -> None:
@@ -229,7 +247,7 @@ def _store_buckling(run: Run, solution: LinearizedSolution, required: bool = Tru
         if tangent is not None:
             if internal_unknowns(solution.dynamics, tangent.sigma)[1].size:
                 run.report.add(NO_TWIST_GRADIENT)
-            modes = lowest_buckling(tangent, run.report)
+            modes = lowest_buckling(tangent, run.report, solution.wanted)
             if not len(modes.multipliers):
                 run.report.add(NO_STRESS)
         else:
@@ -239,9 +257,12 @@ def _store_buckling(run: Run, solution: LinearizedSolution, required: bool = Tru
         if required:
             raise
         run.report.add(f"warning: no load multipliers, they are stored as nan: {error}")
-        n = len(dynamic) if tangent is None else min(WANTED, len(dynamic))
+        n = min(solution.wanted, len(dynamic))
         modes = BucklingModes(np.full(n, np.nan), np.full((len(dynamic), n), np.nan))
-    frame.matrices["lmult"], frame.matrices["bmode"] = modes.multipliers, modes.modes
+    n = min(solution.wanted, len(modes.multipliers))
+    frame.matrices["lmult"], frame.matrices["bmode"] = modes.multipliers[:n], modes.modes[:, :n]
+    if solution.reduced:
+        frame.matrices.update(buckling_motions(modes, run.mechanism.numbering.nx))
 
 
 def _announce(run: Run) -> tuple[list[Signal], list[Signal]]:

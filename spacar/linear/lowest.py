@@ -50,8 +50,10 @@ def lowest_vibration(tangent: SparseTangent, report: Report, wanted: int = WANTE
         root = np.sqrt(squares.astype(complex))
         values, x = np.concatenate((1j * root, -1j * root)), np.hstack((x, x)).astype(complex)
     q = _degrees_of_freedom(tangent, x)
-    modes = arranged(values, np.vstack((q, q * np.where(np.isnan(values), 1.0, values))), len(q))
+    modes = arranged(values, np.vstack((q, q * np.where(np.isnan(values), 1.0, values))), len(q), x)
+    assert modes.motions is not None
     modes.vectors[:, np.isnan(modes.values)] = np.nan
+    modes.motions[:, np.isnan(modes.values)] = np.nan
     return modes
 
 
@@ -91,8 +93,10 @@ def lowest_buckling(tangent: SparseTangent, report: Report, wanted: int = WANTED
     unknown = np.isnan(multipliers)
     known = np.flatnonzero(~unknown)
     order = np.concatenate((known[order_of(multipliers[known])], np.flatnonzero(unknown)))
-    modes = _degrees_of_freedom(tangent, x[:, order])
-    return BucklingModes(multipliers[order], modes / np.linalg.norm(modes, axis=0))
+    x = x[:, order]
+    modes = _degrees_of_freedom(tangent, x)
+    size = np.linalg.norm(modes, axis=0)
+    return BucklingModes(multipliers[order], modes / size, x / size)
 
 
 def _shifted(tangent: SparseTangent) -> tuple[float, LinearSystem]:
@@ -110,13 +114,20 @@ def _shifted(tangent: SparseTangent) -> tuple[float, LinearSystem]:
 
 
 def sparse_compliances(tangent: SparseTangent) -> Array:
-    """(nx,) directional compliances: one solution for every free coordinate; infinite where K is singular."""
+    """(nx,) directional compliances: the diagonal of the inverse of the banded tangent, or with sparse storage one
+    solution for every free coordinate; infinite where K is singular."""
     n = tangent.dynamics.numbering
     out = np.zeros(n.nx)
     try:
         system = tangent.factor(STATIC)
     except SingularMatrixError:
         out[tangent.F] = np.inf
+        return out
+    from spacar.linear_systems.banded import BandedSystem
+    from spacar.linear_systems.selected_inverse import inverse_diagonal
+
+    if isinstance(system, BandedSystem):
+        out[tangent.F] = inverse_diagonal(system)[: tangent.nf]
         return out
     for first in range(0, tangent.nf, COLUMNS):
         rows = tangent.F[first : first + COLUMNS]
@@ -212,10 +223,10 @@ def _random(tangent: SparseTangent, wanted: int, parts: int = 1) -> Array:
 def _degrees_of_freedom(tangent: SparseTangent, x: Array) -> Array:
     """q_d of displacement shapes (nx, k)."""
     d = tangent.dynamics
-    n, sweep = d.numbering, d.sweep
-    parts = (x.real, x.imag) if np.iscomplexobj(x) else (x,)
-    e = [np.array([sweep.rate(column) for column in p.T]).reshape(p.shape[1], -1).T for p in parts]
-    rates = e[0] + 1j * e[1] if len(e) == 2 else e[0]
+    n = d.numbering
+    rates = d.kinematics.sweep_rates(x.real)
+    if np.iscomplexobj(x):
+        rates = rates + 1j * d.kinematics.sweep_rates(x.imag)
     return np.vstack((x[n.x_class["dynamic"]], rates[n.e_class["dynamic"]]))
 
 
@@ -229,7 +240,7 @@ def _lost(
     size = np.maximum(np.abs(theta), LEAST * np.max(np.abs(theta), initial=0.0)) * np.linalg.norm(z, axis=0)
     residual = np.linalg.norm(image - z * theta, axis=0) / np.where(size > 0.0, size, 1.0)
     lost = ~(residual <= NO_DIGIT)
-    advice = "OUTLEVEL 0 1 asks for all of them"
+    advice = "MODES 0 asks for all of them"
     if lost.any():
         advice += f"; {int(lost.sum())} of which no digit is known are nan"
     backward_error.warn(report, residual, values, what, SUFFICIENT, advice)

@@ -1,6 +1,6 @@
 """Contractions of the second and third derivatives and of the inertia terms, assembled over all families.
 
-Every function returns a dense array; the sparse forms for long chains are in `spacar.stationary.tangent`.
+Every function returns a `spacar.linear_systems.matrix`: dense for a small model, sparse for a large one.
 Notation of theory-system.md section 0.
 """
 
@@ -10,33 +10,38 @@ from collections.abc import Callable
 
 import numpy as np
 
-from spacar.arrays import Array
+from spacar.arrays import Array, Index
 from spacar.elements.family import Family
 from spacar.kinematics.element_sweep import ElementSweep
+from spacar.linear_systems.matrix import Matrix, matrix
 from spacar.mechanism.layout import Batch
 
+NOWHERE: Index = np.zeros(0, np.int64)
 
-def _by_rows(sweep: ElementSweep, fill: Callable[[Batch, Array], None]) -> Array:
+
+def _by_rows(sweep: ElementSweep, fill: Callable[[Batch, Array], None]) -> Matrix:
     """Sum of element blocks (n_deformations, n_coordinates, n) as (ne, nx)."""
-    out = np.zeros((sweep.ne, sweep.nx))
+    rows, columns, values = [NOWHERE], [NOWHERE], [np.zeros(0)]
     for batch in sweep.curved:
         block = np.zeros((len(batch.e), len(batch.x), batch.family.n))
         fill(batch, block)
-        out[batch.e[:, None, :], batch.x[None, :, :]] = block
-    return out
+        rows.append(np.broadcast_to(batch.e[:, None, :], block.shape).ravel())
+        columns.append(np.broadcast_to(batch.x[None, :, :], block.shape).ravel())
+        values.append(block.ravel())
+    return matrix(np.concatenate(rows), np.concatenate(columns), np.concatenate(values), (sweep.ne, sweep.nx))
 
 
-def gradient_rate(sweep: ElementSweep, v: Array) -> Array:
+def gradient_rate(sweep: ElementSweep, v: Array) -> Matrix:
     """H1(v), (ne, nx)."""
     return _by_rows(sweep, lambda b, out: b.family.gradient_rate(sweep.configuration[b.index], v[b.x], out))
 
 
-def gradient_transport(sweep: ElementSweep, v: Array) -> Array:
+def gradient_transport(sweep: ElementSweep, v: Array) -> Matrix:
     """H2(v), (ne, nx)."""
     return _by_rows(sweep, lambda b, out: b.family.gradient_transport(sweep.configuration[b.index], v[b.x], out))
 
 
-def rate_gradient(sweep: ElementSweep, v: Array) -> Array:
+def rate_gradient(sweep: ElementSweep, v: Array) -> Matrix:
     """T(v), (ne, nx)."""
     return _by_rows(sweep, lambda b, out: b.family.rate_gradient(sweep.configuration[b.index], v[b.x], out))
 
@@ -51,24 +56,27 @@ def geometric_blocks(sweep: ElementSweep, sigma: Array) -> list[tuple[Batch, Arr
     return blocks
 
 
-def scatter(nx: int, blocks: list[tuple[Batch, Array]]) -> Array:
+def scatter(nx: int, blocks: list[tuple[Batch, Array]]) -> Matrix:
     """Sum of square element blocks as (nx, nx)."""
-    out = np.zeros((nx, nx))
-    for b, block in blocks:
-        np.add.at(out, (b.x[:, None, :], b.x[None, :, :]), block)
-    return out
+    rows = [np.broadcast_to(b.x[:, None, :], block.shape).ravel() for b, block in blocks]
+    columns = [np.broadcast_to(b.x[None, :, :], block.shape).ravel() for b, block in blocks]
+    values = np.concatenate([np.zeros(0), *(block.ravel() for _, block in blocks)])
+    return matrix(np.concatenate([NOWHERE, *rows]), np.concatenate([NOWHERE, *columns]), values, (nx, nx))
 
 
-def geometric_stiffness(sweep: ElementSweep, sigma: Array) -> Array:
+def geometric_stiffness(sweep: ElementSweep, sigma: Array) -> Matrix:
     """Hs(sigma), (nx, nx)."""
     return scatter(sweep.nx, geometric_blocks(sweep, sigma))
 
 
-def mass_matrix(sweep: ElementSweep) -> Array:
+def mass_matrix(sweep: ElementSweep) -> Matrix:
     """M, (nx, nx), from the entries of the last mass evaluation."""
-    M = np.zeros((sweep.nx, sweep.nx))
-    np.add.at(M, (sweep.m_rows, sweep.m_columns), sweep.m_entries)
-    return M
+    return matrix(sweep.m_rows, sweep.m_columns, sweep.m_entries, (sweep.nx, sweep.nx))
+
+
+def gradient_matrix(sweep: ElementSweep) -> Matrix:
+    """V, (ne, nx), at the present configuration."""
+    return matrix(sweep.v_rows, sweep.v_columns, sweep.v_entries, (sweep.ne, sweep.nx))
 
 
 def inertia_blocks(

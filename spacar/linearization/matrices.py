@@ -24,8 +24,10 @@ from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.forces import StressLaw, moment_gradient
 from spacar.kinematics.transfer import configuration_transfer, velocity_transfer
+from spacar.linear_systems.matrix import Matrix, dense, diagonal_matrix, is_zero_matrix, matrix, zero_matrix
 from spacar.linearization.contractions import (
     geometric_stiffness,
+    gradient_matrix,
     gradient_rate,
     gradient_transport,
     inertia_blocks,
@@ -48,6 +50,9 @@ class Linearization:
     inertia_x, inertia_v  (nx, nx) d(M a + h + V^T sigma)/dx at fixed sigma, dh/dv
     load_x, load_v        (nx, nx) -df/dx, -df/dv
     S, Sd   (ne, ne) constitutive matrices of the active rows, the stated ones of user functions included
+
+    Those of type Matrix are sparse when the model is large (`spacar.linear_systems.matrix`); Z ... Yev only at rest,
+    where they vanish.
     """
 
     m0: Array
@@ -62,21 +67,21 @@ class Linearization:
     We: Array
     G: Array
     Ge: Array
-    Z: Array
-    Ze: Array
-    Y: Array
-    Ye: Array
-    Yv: Array
-    Yev: Array
+    Z: Matrix
+    Ze: Matrix
+    Y: Matrix
+    Ye: Matrix
+    Yv: Matrix
+    Yev: Matrix
     sigma: Array
-    V: Array
-    M: Array
-    inertia_x: Array
-    inertia_v: Array
-    load_x: Array
-    load_v: Array
-    S: Array
-    Sd: Array
+    V: Matrix
+    M: Matrix
+    inertia_x: Matrix
+    inertia_v: Matrix
+    load_x: Matrix
+    load_v: Matrix
+    S: Matrix
+    Sd: Matrix
 
     @property
     def stiffness(self) -> Array:
@@ -101,10 +106,11 @@ def linearize(
     law = law or dynamics.law
     x, xd = k.x, dynamics.xd
     sweep.mass()
-    V, M = sweep.gradient(), mass_matrix(sweep)
+    V, M = gradient_matrix(sweep), mass_matrix(sweep)
     W = velocity_transfer(k)
     G = configuration_transfer(k, W)
-    We, Ge = V @ W, V @ G
+    We = V @ W
+    Ge = We if G is W else V @ G
     user = dynamics.forces.user(t, sweep.e, V @ xd, x, xd) if dynamics.forces.user is not None else None
     edd = V @ xdd + sweep.convective(xd)
     sigma = equilibrium_stresses(dynamics, xdd, edd, sigma, user)
@@ -115,26 +121,37 @@ def linearize(
     by_x, by_v = inertia_blocks(sweep, xd, xdd)
     inertia_x, h_v = scatter(n.nx, by_x), scatter(n.nx, by_v)
     gravity_x = load_gradient(dynamics)
-    Me = _dense(dynamics.mechanism.deformation_inertia, n.ne)
+    Me = matrix(*dynamics.mechanism.deformation_inertia, (n.ne, n.ne))
     Hs = geometric_stiffness(sweep, sigma + Me @ edd)
-    S, Sd = _dense(law.stiffness, n.ne), _dense(law.damping, n.ne)
+    S, Sd = matrix(*law.stiffness, (n.ne, n.ne)), matrix(*law.damping, (n.ne, n.ne))
     force_k, force_d = np.zeros(n.nx), np.zeros(n.nx)
     if user is not None:
         active = np.arange(n.ne) >= law.first
-        S, Sd = S + np.diag(user.sigma_k * active), Sd + np.diag(user.sigma_d * active)
+        S, Sd = S + diagonal_matrix(user.sigma_k * active), Sd + diagonal_matrix(user.sigma_d * active)
         force_k, force_d = user.force_k, user.force_d
+    load_x, load_v = diagonal_matrix(force_k), diagonal_matrix(force_d)
     ak0, bk0 = _kinematic(dynamics, W, We, Z, Ze)
+    m0, c0 = _between(W, M, W) + _between(We, Me, We), _between(W, h_v, W)
+    d0, n0 = _between(We, Sd, We) + _between(W, load_v, W), _between(W, inertia_x, G)
+    if moving:
+        c0 += W.T @ (M @ Yv) + _between(We, Me, Yev)
+        n0 += W.T @ (M @ Y + h_v @ Z + load_v @ Z) + _between(We, Sd, Ze) + _between(We, Me, Ye)
     return Linearization(
-        m0=W.T @ M @ W + We.T @ Me @ We,
-        c0=W.T @ (M @ Yv + h_v @ W) + We.T @ Me @ Yev,
-        d0=We.T @ Sd @ We + W.T @ (force_d[:, None] * W),
-        k0=We.T @ S @ Ge + W.T @ (force_k[:, None] * G),
-        n0=W.T @ (M @ Y + inertia_x @ G + h_v @ Z + force_d[:, None] * Z) + We.T @ (Sd @ Ze + Me @ Ye),
-        g0=W.T @ ((Hs + gravity_x) @ G),
+        m0=m0, c0=c0, d0=d0,
+        k0=_between(We, S, Ge) + _between(W, load_x, G),
+        n0=n0,
+        g0=_between(W, Hs + gravity_x, G),
         ak0=ak0, bk0=bk0, W=W, We=We, G=G, Ge=Ge, Z=Z, Ze=Ze, Y=Y, Ye=Ye, Yv=Yv, Yev=Yev,
         sigma=sigma, V=V, M=M, inertia_x=inertia_x + Hs, inertia_v=h_v,
-        load_x=gravity_x + np.diag(force_k), load_v=np.diag(force_d), S=S, Sd=Sd,
+        load_x=gravity_x + load_x, load_v=load_v, S=S, Sd=Sd,
     )  # fmt: skip
+
+
+def _between(left: Array, A: Matrix, right: Array) -> Array:
+    """left^T A right, dense; products with zero are left out."""
+    if is_zero_matrix(A):
+        return np.zeros((left.shape[1], right.shape[1]))
+    return np.asarray((left.T @ A) @ right)
 
 
 def equilibrium_stresses(dynamics: Dynamics, xdd: Array, edd: Array, sigma: Array, user: UserForces | None) -> Array:
@@ -149,24 +166,26 @@ def equilibrium_stresses(dynamics: Dynamics, xdd: Array, edd: Array, sigma: Arra
     return sigma
 
 
-def load_gradient(dynamics: Dynamics) -> Array:
+def load_gradient(dynamics: Dynamics) -> Matrix:
     """-df/dx of gravity and of constant global moments, (nx, nx); what user functions state belongs to K0 and D0."""
     n, sweep = dynamics.numbering, dynamics.sweep
-    out = np.zeros((n.nx, n.nx))
+    out = zero_matrix((n.nx, n.nx))
     forces = dynamics.forces
     zero = np.zeros(n.nx)
     if forces.heavy and sweep.moving:
         with_g, _ = inertia_blocks(sweep, zero, -forces.field)
         without, _ = inertia_blocks(sweep, zero, zero)
-        out += scatter(n.nx, with_g) - scatter(n.nx, without)
+        out = scatter(n.nx, with_g) - scatter(n.nx, without)
     rows = forces.loads.moment_rows
     if rows.size:
-        np.add.at(out, (rows[:, None, :], rows[None, :, :]), -moment_gradient(forces.loads.moment))
+        gradient = -moment_gradient(forces.loads.moment)
+        i, j = (np.broadcast_to(r, gradient.shape).ravel() for r in (rows[:, None, :], rows[None, :, :]))
+        out = out + matrix(i, j, gradient.ravel(), (n.nx, n.nx))
     return out
 
 
 def _rates(
-    dynamics: Dynamics, V: Array, W: Array, G: Array, xdd: Array
+    dynamics: Dynamics, V: Matrix, W: Array, G: Array, xdd: Array
 ) -> tuple[Array, Array, Array, Array, Array, Array]:
     k, sweep, xd = dynamics.kinematics, dynamics.sweep, dynamics.xd
     zero_x = np.zeros_like
@@ -182,23 +201,18 @@ def _rates(
     return Z, Ze, Y, Ye, Yv, V @ Yv + swept
 
 
-def _no_rates(ne: int, nx: int, ndof: int, nkdof: int) -> tuple[Array, Array, Array, Array, Array, Array]:
+def _no_rates(ne: int, nx: int, ndof: int, nkdof: int) -> tuple[Matrix, ...]:
     """At rest Z, Y and Yv vanish."""
-    xs, es = np.zeros((nx, nkdof)), np.zeros((ne, nkdof))
-    return xs, es, xs, es, np.zeros((nx, ndof)), np.zeros((ne, ndof))
+    xs, es = zero_matrix((nx, nkdof)), zero_matrix((ne, nkdof))
+    return xs, es, xs, es, zero_matrix((nx, ndof)), zero_matrix((ne, ndof))
 
 
-def _kinematic(dynamics: Dynamics, W: Array, We: Array, Z: Array, Ze: Array) -> tuple[Array, Array]:
+def _kinematic(dynamics: Dynamics, W: Array, We: Array, Z: Matrix, Ze: Matrix) -> tuple[Array, Array]:
     """Ak0 = [I; W_xk; We_ek], Bk0 = [0; Z_xk; Ze_ek]."""
     n = dynamics.numbering
     xk, ek = n.x_class["kinematic"], n.e_class["kinematic"]
     ak0 = np.vstack((np.eye(n.ndof), W[xk], We[ek]))
-    bk0 = np.vstack((np.zeros((n.ndof, n.nkdof)), Z[xk], Ze[ek]))
+    bk0 = np.zeros((n.nkdof, n.nkdof))
+    if n.nk:
+        bk0[n.ndof :] = np.vstack((dense(Z[xk]), dense(Ze[ek])))
     return ak0, bk0
-
-
-def _dense(entries: tuple[Array, Array, Array], size: int) -> Array:
-    rows, columns, values = entries
-    out = np.zeros((size, size))
-    np.add.at(out, (rows, columns), values)
-    return out

@@ -133,7 +133,7 @@ def additional_drive(deck: Deck, numbering: Numbering, kind: type = float) -> Dr
 
 
 def settings(deck: Deck) -> SolverSettings:
-    """TIMESTEP, INTEGRAT, ERROR, ITERSTEP, OUTLEVEL with their defaults (input-language.md 4.2, 5.4, 5.5)."""
+    """TIMESTEP, INTEGRAT, ERROR, ITERSTEP, OUTLEVEL, MODES with their defaults (input-language.md 4.2, 5.4, 5.5)."""
     names = {
         "TIMESTEP": ("duration", "n_steps"),
         "INTEGRAT": ("integrator", "step"),
@@ -143,6 +143,7 @@ def settings(deck: Deck) -> SolverSettings:
             "follow_path",
         ),
         "OUTLEVEL": ("log_level", "sbd_level"),
+        "MODES": ("modes",),
     }  # fmt: skip
     found: dict[str, Any] = {}
     for keyword, fields in names.items():

@@ -118,7 +118,7 @@ UserSignal = Callable[[float, Array, Array, Array, Array], UserForces]  # t, e, 
 
 @dataclass(frozen=True)
 class SolverSettings:
-    """Numbers of TIMESTEP, INTEGRAT, ERROR, ITERSTEP and OUTLEVEL with their defaults."""
+    """Numbers of TIMESTEP, INTEGRAT, ERROR, ITERSTEP, OUTLEVEL and MODES with their defaults."""
 
     duration: float | None = None
     n_steps: int = 0
@@ -135,6 +135,7 @@ class SolverSettings:
     follow_path: int = 0  # 1: beyond limit points of the loading
     log_level: int = 0
     sbd_level: int | None = None  # None: the default of the mode
+    modes: int | None = None  # lowest modes of vibration and buckling that are wanted; 0: all; None: by the size
     compiled: bool = True  # equations in C where that is possible (spacar.compiled); of the run, not of the deck
     beams: str = ""  # "angle" or "sine": measure of all beams and tubes instead of ADEFORM; an option of the run
 

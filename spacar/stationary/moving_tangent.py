@@ -18,8 +18,10 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.linear_systems import SingularMatrixError
+from spacar.linear_systems.matrix import dense
 from spacar.linearization.contractions import (
     geometric_stiffness,
+    gradient_matrix,
     gradient_rate,
     gradient_transport,
     inertia_blocks,
@@ -46,7 +48,7 @@ class MovingTangent:
         d, sweep, C = q.d, q.d.sweep, q.flexibility
         nx, motion, user = d.numbering.nx, point.motion, point.user
         V, flexible = sweep.gradient(), C.dense()
-        K = geometric_stiffness(sweep, point.sigma) + load_gradient(d)
+        K = dense(geometric_stiffness(sweep, point.sigma) + load_gradient(d))
         offset = np.zeros((q.ne, nx))
         if user is not None:
             K += np.diag(user.force_k)
@@ -54,9 +56,9 @@ class MovingTangent:
         if self.exact:
             v, a = (q.rest, q.rest) if motion is None else (motion.v, motion.a)
             by_x, by_v = inertia_blocks(sweep, v, a)
-            K += scatter(nx, by_x)
+            K += dense(scatter(nx, by_x))
             if motion is not None:
-                Z, ed, Y, edd = _rates(q, V, point)
+                Z, ed, Y, edd = _rates(q, point)
                 K += scatter(nx, by_v) @ Z + mass_matrix(sweep) @ Y
                 i, j, value = d.law.damping
                 np.add.at(offset, i, value[:, None] * ed[j])
@@ -95,13 +97,14 @@ class MovingTangent:
         return float(np.linalg.slogdet(self._square)[0]) * (-1.0) ** self.q.ne
 
 
-def _rates(q: StationaryEquations, V: Array, point: Iterate) -> tuple[Array, Array, Array, Array]:
+def _rates(q: StationaryEquations, point: Iterate) -> tuple[Array, Array, Array, Array]:
     """Z (nx, nx), d(ed)/dx (ne, nx), Y, d(edd)/dx."""
     sweep, k, motion = q.d.sweep, q.d.kinematics, point.motion
     assert motion is not None
     nothing = np.zeros((q.d.numbering.nx,) * 2)
     by_v, by_a = gradient_rate(sweep, motion.v), gradient_rate(sweep, motion.a) + rate_gradient(sweep, motion.v)
-    Z = k.dependent(nothing, -by_v)
+    V = gradient_matrix(sweep)
+    Z = k.dependent(nothing, -dense(by_v))
     swept = by_a + (by_v + gradient_transport(sweep, motion.v)) @ Z
     Y = k.dependent(nothing, -swept)
     return Z, V @ Z + by_v, Y, V @ Y + swept

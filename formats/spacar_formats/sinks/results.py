@@ -20,7 +20,7 @@ from spacar_formats.sinks.result_header import ltv_header, sbd_header, sbm_heade
 
 Header = Callable[[Run, Container[str]], Mapping[str, Any]]  # of a run and the names of its step variables
 STATE = ("x", "xd", "xdd", "fx", "fxgrav", "e", "ed", "edd", "sig")
-OPTIONAL = ("dx", "de", "dxc", "dec", "d2x", "d2e", "bigd", "xcompl", "xerr")
+OPTIONAL = ("dx", "de", "dxc", "dec", "d2x", "d2e", "bigd", "bigds", "xcompl", "xerr")
 
 
 class ResultSink:
