@@ -20,7 +20,8 @@ import spacar
 from spacar import Deck
 from spacar.deck import read_deck
 from spacar.deck.directed import nothing_lost
-from spacar.errors import SpacarError
+from spacar.elements.pltruss import PlanarTruss, TrussConfiguration
+from spacar.errors import SpacarError, UsageError
 from spacar.mechanism.build import along, build
 from spacar.sensitivities.directed_elements import DirectedElements
 from spacar.sensitivities.step_quantities import STRESSES
@@ -99,6 +100,23 @@ def test_no_element_loses_a_direction(model: str) -> None:
         elements.internal(sigma)
     assert all(np.isfinite(m.rate.values).all() for part in parts for m in part)
     assert all(np.isfinite(v).all() for v in vectors)
+
+
+def test_an_element_without_complex_steps_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An element (of a user, say) that drops imaginary parts: one sentence, and no derivative without them."""
+
+    def dropping(self: PlanarTruss, x: np.ndarray, *more: np.ndarray) -> TrussConfiguration:
+        _, e, _ = more
+        e[0] = np.asarray(x[0], float)
+        return TrussConfiguration(x[0], x[:2])
+
+    rows = [("PLTRUSS", 1, 1, 2), ("X", 2, 2.0, 0.0), ("FIX", 1), ("FIX", 2, 2), ("DYNE", 1)]
+    deck = Deck.build(rows, [("XM", 2, 3.0), ("ESTIFF", 1, 96.0)], mode=10)
+    mechanism = build(deck, 10)
+    monkeypatch.setattr(PlanarTruss, "strain", dropping)
+    elements = DirectedElements(along(mechanism, deck), LoadLevel(1.0, 0.0))
+    with pytest.raises(UsageError, match="an element does not take complex steps"), nothing_lost():
+        elements.at(mechanism.x0 + 1e-50j, np.zeros(elements.ne))
 
 
 def test_a_state_without_linearization_in_a_long_chain() -> None:
