@@ -127,7 +127,7 @@ def flexure_stroke(path: Path) -> None:
 
 
 def optimized_guide(path: Path) -> None:
-    """The example of sensitivity.md: the leaf before and after, the lowest frequency over the stroke, and what it cost."""
+    """The example of sensitivity.md: the leaf before and after, the lowest frequency over the stroke, and the cost."""
     import matplotlib
 
     matplotlib.use("Agg")

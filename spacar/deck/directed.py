@@ -23,6 +23,7 @@ from spacar.deck.length_unit import length_power
 from spacar.deck.section_block import expand
 from spacar.deck.statement import Statement
 from spacar.deck.table_types import Parameter
+from spacar.errors import UsageError
 
 STEP = 1e-50  # of complex steps: its square is far below rounding, products of a few stay above the smallest float
 
@@ -74,7 +75,13 @@ def _moved(s: Statement, factors: dict[int, float]) -> Statement:
 
 @contextmanager
 def nothing_lost() -> Iterator[None]:
-    """In this context a complex number that would be made real is an error."""
+    """In this context a complex number that would be made real is an error: UsageError 'sensitivity.model'."""
     with warnings.catch_warnings():
         warnings.simplefilter("error", np.exceptions.ComplexWarning)
-        yield
+        try:
+            yield
+        except (np.exceptions.ComplexWarning, TypeError) as error:
+            if "complex" not in str(error).lower():
+                raise
+            text = f"derivatives of this model are not followed: an element does not take complex steps ({error})"
+            raise UsageError(text, "sensitivity.model") from error

@@ -352,7 +352,7 @@ def orientations(frame_p: Array, frame_q: Array) -> Array:
     n = frame_p.shape[-1]
     start = [parameters_of_frame(f) for f in (frame_p, frame_q)]
     start[1] = start[1] * np.where((start[0] * start[1]).sum(0) < 0.0, -1.0, 1.0)
-    C = np.zeros((2, 4, 4, n), frame_p.dtype)
+    C = np.zeros((2, 4, 4, n), np.result_type(frame_p, frame_q))
     for s, (r, *v) in enumerate(start):
         C[s, range(4), range(4)] = r
         for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):

@@ -16,7 +16,8 @@ Duties of a family
    is minus the inertia force of the acceleration -g at the position coordinates.
 5. Output arrays are zero on entry where a family writes nothing: it may leave structural zeros alone.
 6. Nothing here loops over elements, and everything works for complex x where the formulas are analytic
-   (complex-step tests), except branch choices (`near`).
+   (complex-step tests), except branch choices (`near`). Constructors take complex numbers of the deck too (x0,
+   geometry, em, estiff, edamp with a direction, `spacar.deck.directed`): arrays of constants have their type.
 """
 
 from __future__ import annotations

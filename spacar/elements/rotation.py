@@ -86,7 +86,7 @@ def relative_parameters(frame_p: Array, frame_q: Array) -> Array:
     lam_q.
     """
     n = frame_p.shape[-1]
-    F = np.zeros((4, 2, 4, 4, n), frame_p.dtype)
+    F = np.zeros((4, 2, 4, 4, n), np.result_type(frame_p, frame_q))
     F[0, 0] = np.eye(4)[..., None]
     F[1:, 0] = relative_matrix(frame_p).transpose(2, 0, 1, 3)
     if not np.array_equal(frame_p, frame_q):

@@ -6,7 +6,8 @@ any linear system: residuals, and the blocks of the stiffness and mass of every 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +15,7 @@ import numpy as np
 from spacar.arrays import Array, Index
 from spacar.deck.directed import STEP
 from spacar.dynamics.forces import moment_gradient
-from spacar.elements.family import Configuration
+from spacar.elements.family import Configuration, Family
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.mechanism import DriveState, Loads, Mechanism
 from spacar.stationary.loading import LoadLevel, SteadyDrive, loads_at, with_flow
@@ -89,13 +90,45 @@ class DirectedElements:
             np.add.at(out, b.x, np.einsum("ebn,en->bn", V, sigma[b.e]))
         return out
 
-    def inertia(self, gravity: bool) -> Array:
-        """h at rest, minus gravity if that is wanted, (nx,)."""
+    def inertia(self, v: Array, a: Array, gravity: bool) -> Array:
+        """M a + h with velocities v and accelerations a (nx,), minus gravity if that is wanted, (nx,)."""
         out = np.zeros(self.nx, complex)
+        acceleration = a - self.field if gravity else a
         for b, c, _, _ in self.evaluated:
             if b.family.has_mass:
-                a = -self.field[b.x] if gravity else np.zeros(b.x.shape, complex)
-                np.add.at(out, b.x, b.family.inertia_force(c, np.zeros(b.x.shape, complex), a))
+                np.add.at(out, b.x, b.family.inertia_force(c, v[b.x] + 0j, acceleration[b.x] + 0j))
+        return out
+
+    def strain_rate(self, v: Array) -> Array:
+        """V v (ne,)."""
+        out = np.zeros(self.ne, complex)
+        for b, _, _, V in self.evaluated:
+            out[b.e] = np.einsum("ebn,bn->en", V, v[b.x])
+        return out
+
+    def convective(self, v: Array) -> Array:
+        """H(v, v) (ne,)."""
+        out = np.zeros(self.ne, complex)
+        for b, c, _, _ in self.evaluated:
+            if len(b.e) and not b.family.constant_gradient:
+                block = np.zeros((len(b.e), b.family.n), complex)
+                b.family.convective_strain(c, v[b.x] + 0j, block)
+                out[b.e] = block
+        return out
+
+    def viscous(self, rates: Array) -> Array:
+        """S_d de/dt of all rows (ne,)."""
+        out = np.zeros(self.ne, complex)
+        for b, _, _, _ in self.evaluated:
+            if len(b.e):
+                out[b.e] += np.einsum("abn,bn->an", b.family.stiffness()[1], rates[b.e])
+        return out
+
+    def coupling(self, accelerations: Array) -> Array:
+        """Stresses of MEE for second rates of the deformations (ne,)."""
+        out = np.zeros(self.ne, complex)
+        rows, columns, values = self.mechanism.deformation_inertia
+        np.add.at(out, rows, values * accelerations[columns])
         return out
 
     def applied(self) -> Array:
@@ -106,9 +139,9 @@ class DirectedElements:
             np.add.at(out, rows, (moment_gradient(self.loads.moment) * self.x[rows]).sum(axis=1))
         return out
 
-    def law(self, deformations: Array, preload: bool = True) -> Array:
-        """S e, and the preload, of all rows (ne,)."""
-        out = self.loads.preload + 0.0 if preload else np.zeros(self.ne, complex)
+    def law(self, deformations: Array) -> Array:
+        """S e and the preload of all rows (ne,)."""
+        out = self.loads.preload + np.zeros(self.ne, complex)
         for b, _, _, _ in self.evaluated:
             if len(b.e):
                 out[b.e] += np.einsum("abn,bn->an", b.family.stiffness()[0], deformations[b.e])
@@ -145,28 +178,53 @@ class DirectedElements:
                 found.append(ElementMatrices(b.x, b.x, block))
         return found
 
-    def loading(self, flow: bool) -> list[ElementMatrices]:
-        """-df/dx of gravity and global moments, with `flow` also that of the fluid in tubes."""
-        found = []
+    def loading(self, flow: bool, v: Array | None = None, a: Array | None = None) -> list[ElementMatrices]:
+        """-df/dx of gravity and global moments, with `flow` also d(M a + h)/dx, at rest that of the fluid in tubes."""
+        still = np.zeros(self.nx, complex)
+        v, a = still if v is None else v, still if a is None else a
+        heavy, _ = self.inertia_gradient(v, a, gravity=True)
+        if not flow:
+            light, _ = self.inertia_gradient(v, a, gravity=False)
+            heavy = [replace(h, values=h.values - g.values) for h, g in zip(heavy, light, strict=True)]
+        rows = self.loads.moment_rows
+        moments = [ElementMatrices(rows, rows, -moment_gradient(self.loads.moment))] if rows.size else []
+        return heavy + moments
+
+    def inertia_gradient(
+        self, v: Array, a: Array, gravity: bool
+    ) -> tuple[list[ElementMatrices], list[ElementMatrices]]:
+        """d(M a + h)/dx, minus that of gravity if wanted, and dh/dv."""
+        by_x, by_v = [], []
+        acceleration = a - self.field if gravity else a
         for b, c, _, _ in self.evaluated:
             if b.family.has_mass and not b.family.constant_mass:
-                zero = np.zeros(b.x.shape, complex)
-                block = b.family.inertia_gradient(c, zero, -self.field[b.x])[0]
-                if not flow:
-                    block = block - b.family.inertia_gradient(c, zero, zero)[0]
-                found.append(ElementMatrices(b.x, b.x, block))
-        rows = self.loads.moment_rows
-        if rows.size:
-            found.append(ElementMatrices(rows, rows, -moment_gradient(self.loads.moment)))
-        return found
+                x, rate = b.family.inertia_gradient(c, v[b.x] + 0j, acceleration[b.x] + 0j)
+                by_x.append(ElementMatrices(b.x, b.x, x))
+                by_v.append(ElementMatrices(b.x, b.x, rate))
+        return by_x, by_v
 
     def flow(self) -> list[ElementMatrices]:
         """dh/dv at rest."""
+        still = np.zeros(self.nx, complex)
+        return self.inertia_gradient(still, still, gravity=False)[1]
+
+    def gradient_rate(self, v: Array) -> list[ElementMatrices]:
+        """H1(v)."""
+        return self._by_rows(v, lambda f, c, vb, out: f.gradient_rate(c, vb, out))
+
+    def rate_gradient(self, v: Array) -> list[ElementMatrices]:
+        """T(v)."""
+        return self._by_rows(v, lambda f, c, vb, out: f.rate_gradient(c, vb, out))
+
+    def _by_rows(
+        self, v: Array, write: Callable[[Family, Configuration, Array, Array], None]
+    ) -> list[ElementMatrices]:
         found = []
         for b, c, _, _ in self.evaluated:
-            if b.family.has_mass and not b.family.constant_mass:
-                zero = np.zeros(b.x.shape, complex)
-                found.append(ElementMatrices(b.x, b.x, b.family.inertia_gradient(c, zero, zero)[1]))
+            if len(b.e) and not b.family.constant_gradient:
+                block = np.zeros((len(b.e), len(b.x), b.family.n), complex)
+                write(b.family, c, v[b.x] + 0j, block)
+                found.append(ElementMatrices(b.e, b.x, block))
         return found
 
     def mass(self) -> list[ElementMatrices]:

@@ -16,6 +16,11 @@ from spacar.linear.eigen import Modes, is_symmetric, is_zero, matters, vibration
 from spacar.linear.internal_unknowns import buckling_matrices, internal_unknowns
 from spacar.linearization.contractions import geometric_stiffness
 from spacar.sensitivities.pencil_derivatives import Change, LinearizedState, PencilMode, null_vectors, together
+from spacar.sensitivities.reduced_derivatives import (
+    ReducedDerivatives,
+    reduced_derivatives,
+    require_third_derivatives,
+)
 from spacar.sensitivities.state_derivatives import StateDerivative
 
 
@@ -26,11 +31,18 @@ class LinearQuantities:
     at: LinearizedState
     states: list[StateDerivative]
     report: Report
+    moving: bool = False
     _found: dict[tuple[str, int], list[Array]] = field(default_factory=dict)
 
     @cached_property
     def _changes(self) -> list[Change]:
         return [Change(s, self.at.first) for s in self.states]
+
+    @cached_property
+    def _reduced(self) -> list[ReducedDerivatives]:
+        for state in self.states[:1]:
+            require_third_derivatives(state)
+        return [reduced_derivatives(self.at, s) for s in self.states]
 
     # -- vibration -----------------------------------------------------------------------------------------------
     @cached_property
@@ -89,7 +101,7 @@ class LinearQuantities:
             return self._found[key][0]
         L, at = self.at.L, self.at
         Me = at.Me
-        if self._undamped:
+        if self._undamped and not self.moving:
             square = float((-value * value).real)
             phi = self._modes.vectors[: len(K), group].real
             mode = at.mode(phi, phi, at.tangent - square * L.M, L.S - square * Me)
@@ -99,29 +111,35 @@ class LinearQuantities:
         else:
             size = np.abs(np.diag(K)) + np.abs(value) ** 2 * np.abs(np.diag(M))
             phi, psi = null_vectors(value**2 * M + value * C + K, size, len(group))
-            matrix = value**2 * L.M + value * (L.inertia_v + L.load_v) + at.tangent
-            mode = at.mode(phi, psi, matrix, L.S + value * L.Sd + value**2 * Me)
             weight = -psi.T @ (2.0 * value * M + C) @ phi
-            rates = self._rates(lambda c: c.vibration(mode, L.V, value, squared=False), weight)
+            if self.moving:
+                found = [psi.T @ (value**2 * r.M + value * r.C + r.K) @ phi for r in self._reduced]
+                rates = self._eigenvalues_of(found, weight)
+            else:
+                matrix = value**2 * L.M + value * (L.inertia_v + L.load_v) + at.tangent
+                mode = at.mode(phi, psi, matrix, L.S + value * L.Sd + value**2 * Me)
+                rates = self._rates(lambda c: c.vibration(mode, L.V, value, squared=False), weight)
         if len(group) > 1:
             self._say(f"eigenvalue {index + 1} occurs {len(group)} times: its derivatives are one-sided")
         self._found[key] = [rates]
         return rates
 
     def _rates(self, bracket, weight: Array, symmetric: bool = False) -> Array:  # type: ignore[no-untyped-def]
-        """Eigenvalues of the small pencils bracket - rate weight, (directions, m)."""
-        found = []
         with nothing_lost():
-            for change in self._changes:
-                B = bracket(change)
-                if B.shape == (1, 1):
-                    found.append(B[0] / weight[0])
-                elif symmetric:
-                    lower = np.linalg.cholesky(weight)
-                    half = np.linalg.solve(lower, np.linalg.solve(lower, B).T)
-                    found.append(np.linalg.eigvalsh(0.5 * (half + half.T)))
-                else:
-                    found.append(np.linalg.eigvals(np.linalg.solve(weight, B)))
+            return self._eigenvalues_of([bracket(change) for change in self._changes], weight, symmetric)
+
+    def _eigenvalues_of(self, brackets: list[Array], weight: Array, symmetric: bool = False) -> Array:
+        """Of the small pencils bracket - rate weight, (directions, m)."""
+        found = []
+        for B in brackets:
+            if B.shape == (1, 1):
+                found.append(B[0] / weight[0])
+            elif symmetric:
+                lower = np.linalg.cholesky(weight)
+                half = np.linalg.solve(lower, np.linalg.solve(lower, B).T)
+                found.append(np.linalg.eigvalsh(0.5 * (half + half.T)))
+            else:
+                found.append(np.linalg.eigvals(np.linalg.solve(weight, B)))
         return np.array(found).reshape(len(self.states), weight.shape[0])
 
     # -- buckling ------------------------------------------------------------------------------------------------
@@ -163,6 +181,10 @@ class LinearQuantities:
         K0, G0 = self._pencil
         phi, psi = null_vectors(K0 + value * G0, np.abs(np.diag(K0)), count)
         n = len(at.dynamic)
+        weight = -psi.T @ G0 @ phi
+        if self.moving:  # no unknowns inside elements: the angle measure in space is refused
+            brackets = [psi.T @ (r.K0 + value * r.G0) @ phi for r in self._reduced]
+            return np.real(self._eigenvalues_of(brackets, weight))
         c, k, eliminated = internal_unknowns(at.dynamics, L.sigma)
         matrix = value * (geometric_stiffness(at.dynamics.sweep, L.sigma) + L.load_x + (c * (eliminated / k)) @ c.T)
         mode = at.mode(phi[:n], psi[:n], matrix, L.S, np.zeros((at.dynamics.numbering.nx, count)))
@@ -170,7 +192,6 @@ class LinearQuantities:
             right = at.mode(phi[:n], psi[:n], matrix, L.S, -value * (c @ phi[n:]))
             left = at.mode(phi[:n], psi[:n], matrix, L.S, -value * (c @ psi[n:]))
             mode = PencilMode(mode.u, mode.w, right.tau, left.rho)
-        weight = -psi.T @ G0 @ phi
         rates = self._rates(lambda d: d.buckling(mode, L.V, value, phi[n:], psi[n:]), weight)
         return np.real(rates)
 
@@ -188,6 +209,9 @@ class LinearQuantities:
             return value, np.full(len(self.states), 0.0 if np.isfinite(value) else np.nan)
         K = self.at.stiffness
         phi, psi = np.linalg.solve(K, row)[:, None], np.linalg.solve(K.T, row)[:, None]
+        if self.moving:
+            found = [r.W[place] @ (phi + psi)[:, 0] - psi[:, 0] @ r.K @ phi[:, 0] for r in self._reduced]
+            return value, np.array(found)
         unit = np.zeros((len(self.at.W), 1))
         unit[place] = 1.0
         mode = self.at.mode(phi, psi, self.at.tangent, self.at.L.S, unit)

@@ -98,9 +98,9 @@ def sensitivity(
     at           numbers that the parameters are given first
     options      what overrides the deck, as for `run`
 
-    Raises UsageError for names that the model does not have and for models whose derivatives are not followed
-    (wheels, user functions, steady motion), InputError, and AnalysisError as modes 7 to 10 and 'sensitivity.singular'
-    at critical states.
+    Raises UsageError for names that the model does not have and for models whose derivatives are not followed (user
+    functions; the linearized equations of spatial beams in the angle measure in steady motion), InputError (wheels),
+    and AnalysisError as modes 7 to 10 and 'sensitivity.singular' at critical states.
     """
     names = [parameters] if isinstance(parameters, str) else list(parameters)
     wanted = [quantity(q, STRESS_INDICES) for q in ([quantities] if isinstance(quantities, str) else quantities)]
@@ -208,9 +208,6 @@ class _Analysis:
         names = {name for name, _ in self.needed}
         stresses = stress_derivatives(mechanism, self.directions, MODE) if names & STRESSES.keys() else None
         solver = StationarySolver(mechanism, report)
-        if solver.moving:
-            text = f"{mechanism.deck.source}: no derivatives of steady motion; prescribe no rates"
-            raise UsageError(text, "sensitivity.model")
         stored, limits = 0, None
         for level in load_program(mechanism.settings):
             if stored > last:
@@ -230,7 +227,8 @@ class _Analysis:
                 linear = None
                 if any(name in LINEAR for name, _ in here):
                     self._require_determined(d, stored)
-                    linear = LinearQuantities(LinearizedState(d, linearize(d, state.xdd, state.sigma)), states, report)
+                    about = LinearizedState(d, linearize(d, state.xdd, state.sigma))
+                    linear = LinearQuantities(about, states, report, solver.moving)
                 at = StepQuantities(frame, mechanism.numbering, states, linear, stresses)
                 for variable in here:
                     values, rates = self.found[variable]

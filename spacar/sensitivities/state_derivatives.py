@@ -17,6 +17,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.deck.directed import STEP, nothing_lost
+from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError
 from spacar.kinematics.kinematics import largest
 from spacar.linear_systems import SingularMatrixError
@@ -29,11 +30,13 @@ from spacar.stationary.newton import SINGULAR
 
 @dataclass(frozen=True)
 class StateDerivative:
-    """`elements` evaluated at x + i STEP dx; derivatives dx (nx,), de, dsigma (ne,); sigma (ne,), i STEP dsigma in
-    it; fx, fxgrav, fxtot: derivatives of what the frames call so, (nx,)."""
+    """`elements` evaluated at x + i STEP dx; sigma (ne,), v, a (nx,) with their directions, sigma with what MEE adds;
+    derivatives dx (nx,), de, dsigma (ne,); fx, fxgrav, fxtot: of what the frames call so, (nx,)."""
 
     elements: DirectedElements
     sigma: Array
+    v: Array
+    a: Array
     dx: Array
     de: Array
     dsigma: Array
@@ -53,9 +56,10 @@ def state_derivatives(
         q, tangent = solver.factorized()
     except SingularMatrixError as error:
         raise _critical(level, error) from None
-    d = solver.dynamics
-    x, sigma, near = d.kinematics.x, solver.solution.sigma, d.sweep.e
-    C, n = q.flexibility, d.numbering
+    d, n, C = solver.dynamics, solver.mechanism.numbering, q.flexibility
+    x, near = d.kinematics.x, d.sweep.e
+    motion = _SteadyMotion(d, solver.solution.xdd, solver.moving)
+    sigma = solver.solution.sigma + motion.coupling
     elements, rights = [], []
     with nothing_lost():
         for mechanism in directions:
@@ -64,14 +68,15 @@ def state_derivatives(
             moved[n.x_class["fixed"]] = e.mechanism.x0.imag[n.x_class["fixed"]]
             moved[q.P] = e.drive.x.imag
             e.at(x + 1j * moved, near)
+            v, a = motion.of(e)
             given = np.zeros(n.ne)
             given[n.e_class["input"]] = e.drive.e.imag
             strained = e.deformations().imag
-            # the constitutive law at the real deformations: only dS and dsigma_0 are left of it
-            law = e.law(near + 0j).imag
+            # the constitutive law at the real deformations: only changes of its numbers and of rates are left of it
+            law = (e.law(near + 0j) + motion.stresses(e, v, a)).imag
             # stresses of rows without stiffness are known: the tangent has no place for them
             known = sigma + 1j * np.where(q.passive, law, 0.0)
-            force = e.applied() - e.inertia(gravity=True) - e.stress_forces(known)
+            force = e.applied() - e.inertia(v, a, gravity=True) - e.stress_forces(known)
             gap = C.coupled * (strained - given) + C.times(np.where(q.constrained, 0.0, law))
             rights.append(np.concatenate((force.imag[q.F], -C.size * gap)) / STEP)
             elements.append((e, moved / STEP))
@@ -81,12 +86,50 @@ def state_derivatives(
             dx[q.F] = z[: q.nf]
             dsigma = C.size * z[q.nf :]
             e.at(x + 1j * STEP * dx, near)
+            v, a = motion.of(e)
             s = sigma + 1j * STEP * dsigma
-            light, heavy = e.inertia(gravity=False), e.inertia(gravity=True)
+            light, heavy = e.inertia(v, a, gravity=False), e.inertia(v, a, gravity=True)
             rates = (e.applied(), light - heavy, light + e.stress_forces(s))
-            fx, fxgrav, fxtot = (v.imag / STEP for v in rates)
-            found.append(StateDerivative(e, s, dx, e.deformations().imag / STEP, dsigma, fx, fxgrav, fxtot))
+            fx, fxgrav, fxtot = (r.imag / STEP for r in rates)
+            de = e.deformations().imag / STEP
+            dsigma = dsigma - e.coupling(motion.second_rates(e, v, a)).imag / STEP
+            found.append(StateDerivative(e, s, v, a, dx, de, dsigma, fx, fxgrav, fxtot))
     return found
+
+
+class _SteadyMotion:
+    """Velocities and accelerations of steady motion, zero at rest, and how they move with a direction.
+
+    V v = ed and V a = -H(v, v) on the fixed, prescribed and dynamic rows hold along every direction:
+    V dv = d(ed) - dV v,  V da = -dH(v, v) - dV a, with the factors of the configuration.
+    """
+
+    def __init__(self, dynamics: Dynamics, a: Array, moving: bool) -> None:
+        self.d, self.v, self.a, self.moving = dynamics, dynamics.xd, a, moving
+        sweep = dynamics.sweep
+        edd = sweep.rate(a) + sweep.convective(self.v)
+        self.coupling = dynamics.coupling.stress(edd) if dynamics.coupling.present else np.zeros(len(edd))
+
+    def of(self, e: DirectedElements) -> tuple[Array, Array]:
+        """v and a (nx,) with their directions, at the configuration of the elements."""
+        if not self.moving:
+            return self.v + 0j, self.a + 0j
+        n, k = self.d.numbering, self.d.kinematics
+        xd, ed = np.zeros(n.nx), np.zeros(n.ne)
+        xd[n.x_class["input"]], ed[n.e_class["input"]] = e.drive.xd.imag, e.drive.ed.imag
+        v = self.v + 1j * k.dependent(xd, ed - e.strain_rate(self.v + 0j).imag)
+        swept = e.convective(v).imag + e.strain_rate(self.a + 0j).imag
+        return v, self.a + 1j * k.dependent(np.zeros(n.nx), -swept)
+
+    def second_rates(self, e: DirectedElements, v: Array, a: Array) -> Array:
+        """edd (ne,)."""
+        return e.strain_rate(a) + e.convective(v)
+
+    def stresses(self, e: DirectedElements, v: Array, a: Array) -> Array:
+        """Of dampers and MEE (ne,)."""
+        if not self.moving:
+            return np.zeros(e.ne, complex)
+        return e.viscous(e.strain_rate(v)) + e.coupling(self.second_rates(e, v, a))
 
 
 def _solutions(tangent: Tangent, rights: list[Array], size: float, nf: int, level: LoadLevel) -> Array:

@@ -15,6 +15,7 @@ from spacar.mechanism.mechanism import Mechanism
 from spacar.stationary.contract import Tangent
 from spacar.stationary.level_evaluator import LevelEvaluator
 from spacar.stationary.loading import LoadLevel, SteadyDrive, loads_at
+from spacar.stationary.moving_tangent import MovingTangent
 from spacar.stationary.newton import LENGTHS
 from spacar.stationary.stability import Stability, critical_motion
 from spacar.stationary.stationary_equations import Given, Iterate, Motion, StationaryEquations
@@ -76,10 +77,15 @@ class StationarySolver:
         return self._evaluator.sparse
 
     def factorized(self) -> tuple[StationaryEquations, Tangent]:
-        """The equations, and the tangent factored at the solution that was stored last. Raises SingularMatrixError."""
+        """The equations, and the exact tangent factored at the solution that was stored last.
+
+        Raises SingularMatrixError.
+        """
         assert self._walk is not None
-        self._evaluator.tangent.factor(self._walk.point)
-        return self._evaluator.equations, self._evaluator.tangent
+        e = self._evaluator
+        tangent = e.tangent if e.tangent.exact else MovingTangent(e.equations, without_n0=False)
+        tangent.factor(self._walk.point)
+        return e.equations, tangent
 
     @property
     def moving(self) -> bool:

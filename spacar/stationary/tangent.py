@@ -20,6 +20,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from spacar.arrays import Array, Index
+from spacar.deck import ELEMENT_TYPES
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.forces import moment_gradient
 from spacar.linear_systems import LinearSystem, SingularMatrixError, assemble
@@ -60,7 +61,7 @@ class SparseTangent:
         self.elastic, self.active = self.flexibility.elastic, self.flexibility.active
         m = dynamics.mechanism  # gravity may come with the additional loading only
         heavy = any(loads is not None and loads.gravity.any() for loads in (m.loads, m.additional, dynamics.loads))
-        loaded = [b for b in sweep.moving if heavy or hasattr(b.family, "with_flow")]
+        loaded = [b for b in sweep.moving if heavy or _is_tube(b)]
         moment_rows = _moment_rows(dynamics)
         self.parts = {
             "geometric": TangentTerm(self.place, *_square(sweep.curved), self._geometric),
@@ -181,6 +182,12 @@ class SparseTangent:
 
 
 STATIC = {"geometric": 1.0, "load": 1.0, "moment": 1.0}
+
+
+def _is_tube(b: Batch) -> bool:
+    """May a fluid flow through the elements, whose momentum loads them?"""
+    kind = ELEMENT_TYPES.get(b.family.keyword)
+    return kind is not None and kind.carries_flow
 
 
 def _moment_rows(d: Dynamics) -> Index:

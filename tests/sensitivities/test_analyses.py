@@ -20,7 +20,8 @@ import spacar
 from spacar import Deck
 from spacar.deck import read_deck
 from spacar.deck.directed import nothing_lost
-from spacar.errors import SpacarError
+from spacar.elements.pltruss import PlanarTruss, TrussConfiguration
+from spacar.errors import SpacarError, UsageError
 from spacar.mechanism.build import along, build
 from spacar.sensitivities.directed_elements import DirectedElements
 from spacar.sensitivities.step_quantities import STRESSES
@@ -61,11 +62,13 @@ def test_a_coefficient_that_is_zero() -> None:
     rows = [("PLTRUSS", 1, 1, 2), ("PLTRUSS", 2, 1, 2), ("X", 2, 2.0, 0.0), ("FIX", 1), ("FIX", 2, 2), ("DYNE", 1),
             ("RLSE", 2)]  # fmt: skip
     law = [("XM", 2, 3.0), ("ESTIFF", 1, 96.0), ("ESTIFF", 2, 0.0), ("EM", 2, 0.0), ("XF", 2, 5.0)]
-    found = spacar.sensitivity(Deck.build(rows, law, mode=10), ["ESTIFF.1", "ESTIFF.2", "EM.2"], ["x[2,1]", "xcompl[2,1]"])
+    deck = Deck.build(rows, law, mode=10)
+    found = spacar.sensitivity(deck, ["ESTIFF.1", "ESTIFF.2", "EM.2"], ["x[2,1]", "xcompl[2,1]"])
     u = 5.0 / 48.0
     np.testing.assert_allclose(found.derivatives[0], [-u / 96, -u / 96, 0.0], rtol=1e-12)
     np.testing.assert_allclose(found.derivatives[1], [-1 / 48 / 96, -1 / 48 / 96, 0.0], rtol=1e-12)
-    stress = spacar.sensitivity(Deck.build(rows, [*law, ("ESIG", 2, 1.5)], mode=10), ["ESIG.2", "XF.2"], ["x[2,1]", "sig[1,1]"])
+    preloaded = Deck.build(rows, [*law, ("ESIG", 2, 1.5)], mode=10)
+    stress = spacar.sensitivity(preloaded, ["ESIG.2", "XF.2"], ["x[2,1]", "sig[1,1]"])
     np.testing.assert_allclose(stress.derivatives, [[-1 / 48, 1 / 48], [-1.0, 1.0]], rtol=1e-12)
     at_rest = spacar.sensitivity(Deck.build(rows, law[:-1], mode=10), ["ESTIFF.2", "EM.2"], ["frequency[1]"])
     f = 4.0 / (2 * np.pi)
@@ -90,11 +93,30 @@ def test_no_element_loses_a_direction(model: str) -> None:
         sigma = rng.standard_normal(elements.ne) * (1.0 + 1e-50j)
         parts = [elements.gradient(), elements.stiffness(0), elements.damping(0), elements.geometric(sigma)]
         parts += [elements.loading(flow=True), elements.loading(flow=False), elements.flow(), elements.mass()]
-        vectors = [elements.stress_forces(sigma), elements.inertia(gravity=True), elements.applied()]
+        v, a = rng.standard_normal((2, elements.nx)) * (1.0 + 1e-50j)
+        vectors = [elements.stress_forces(sigma), elements.inertia(v, a, gravity=True), elements.applied()]
+        vectors += [elements.strain_rate(v), elements.convective(v), elements.viscous(sigma), elements.coupling(sigma)]
         vectors.append(elements.law(elements.deformations()))
         elements.internal(sigma)
     assert all(np.isfinite(m.rate.values).all() for part in parts for m in part)
     assert all(np.isfinite(v).all() for v in vectors)
+
+
+def test_an_element_without_complex_steps_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An element (of a user, say) that drops imaginary parts: one sentence, and no derivative without them."""
+
+    def dropping(self: PlanarTruss, x: np.ndarray, *more: np.ndarray) -> TrussConfiguration:
+        _, e, _ = more
+        e[0] = np.asarray(x[0], float)
+        return TrussConfiguration(x[0], x[:2])
+
+    rows = [("PLTRUSS", 1, 1, 2), ("X", 2, 2.0, 0.0), ("FIX", 1), ("FIX", 2, 2), ("DYNE", 1)]
+    deck = Deck.build(rows, [("XM", 2, 3.0), ("ESTIFF", 1, 96.0)], mode=10)
+    mechanism = build(deck, 10)
+    monkeypatch.setattr(PlanarTruss, "strain", dropping)
+    elements = DirectedElements(along(mechanism, deck), LoadLevel(1.0, 0.0))
+    with pytest.raises(UsageError, match="an element does not take complex steps"), nothing_lost():
+        elements.at(mechanism.x0 + 1e-50j, np.zeros(elements.ne))
 
 
 def test_a_state_without_linearization_in_a_long_chain() -> None:
@@ -106,7 +128,8 @@ def test_a_state_without_linearization_in_a_long_chain() -> None:
         p = 2 * k - 1
         rows += [("PLBEAM", k, p, p + 1, p + 2, p + 3), ("X", p + 2, k / n, 0.0), ("DYNE", k, 2, 3)]
         law.append(("ESTIFF", k, 0.0, EI))
-    found = spacar.sensitivity(Deck.build(rows, law, mode=10), ["ESTIFF.*[EI]", f"XF.{2 * n + 1}[3]"], [f"x[{2 * n + 1},2]"])
+    deck, end = Deck.build(rows, law, mode=10), 2 * n + 1
+    found = spacar.sensitivity(deck, ["ESTIFF.*[EI]", f"XF.{end}[3]"], [f"x[{end},2]"])
     w = F / (3 * EI)
     np.testing.assert_allclose(found.derivatives[0], [-w / EI, w / F], rtol=1e-6)
 
@@ -118,6 +141,19 @@ def test_sweeps_over_sections_draw_the_section_of_the_case() -> None:
         "CROSSDIM 0.05 0.0006", "CROSSDIM 0.05 0.025", "CROSSDIM 0.05 0.025", "CROSSDIM 0.05 0.0006",
     ]  # fmt: skip
     assert deck.for_mode(7).visualization == deck.visualization
+
+
+def test_both_ways_to_eigenvalues_agree(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At rest the derivatives of the reduced matrices give what the modes in all coordinates give: two methods."""
+    deck = still(linear_models.PLANAR.format(extra="", third=""))
+    names = ["ESTIFF.1[EI]", "X.5[2]", "EDAMP.2[3]", "MEE.1.2", "INPUTX.7.1"]
+    quantities = ["frequency[1]", "frequency[2]", "imag(eigval[9])", "lmult[1]", "lmult[2]", "xcompl[3,1]"]
+    first = spacar.sensitivity(deck, names, quantities)
+    monkeypatch.setattr("spacar.stationary.StationarySolver.moving", True)
+    second = spacar.sensitivity(deck, names, quantities)
+    assert np.abs(first.derivatives).max() > 1.0
+    scale = np.abs(first.derivatives).max(axis=1, keepdims=True)
+    np.testing.assert_allclose(second.derivatives / scale, first.derivatives / scale, atol=1e-9)
 
 
 # -- the command -----------------------------------------------------------------------------------------------------

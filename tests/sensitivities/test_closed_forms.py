@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from difference_truth import agree
 
 import spacar
 from spacar import Deck
-from spacar.errors import AnalysisError, UsageError
+from spacar.errors import AnalysisError, InputError, UsageError
 
 L, EI, M = 0.5, 2.0, 0.3  # m, N m^2, kg/m
 
@@ -36,7 +38,8 @@ def test_tip_deflection() -> None:
     """w = F L^3/(3 EI): dw/dF, dw/dEI, and dw/dL by moving all nodes; F so small that w/L squared is rounding."""
     F = 1e-7
     lengths = [f"X.{2 * k + 1}[2]" for k in range(1, 5)]
-    found = spacar.sensitivity(cantilever(force=(0.0, F)), ["XF.9[3]", "ESTIFF.*[EI]", *lengths], ["x[9,2]", "Mz[1,1]"])
+    found = spacar.sensitivity(cantilever(force=(0.0, F)), ["XF.9[3]", "ESTIFF.*[EI]", *lengths], ["x[9,2]",
+        "Mz[1,1]"])
     w = F * L**3 / (3 * EI)
     assert found.values[0] == pytest.approx(w, rel=1e-9)
     assert found.derivatives[0, 0] == pytest.approx(w / F, rel=1e-9)
@@ -132,6 +135,20 @@ def test_repeated_frequency(angle: float) -> None:
     assert any("occurs 2 times" in note for note in found.notes)
 
 
+def test_repeated_damped_eigenvalue() -> None:
+    """The same mass with equal dampers too: one pair keeps its modulus, the other has that of m, c, k."""
+    c, s = np.cos(0.4), np.sin(0.4)
+    rows = [("PLTRUSS", 1, 1, 2), ("PLTRUSS", 2, 1, 3), ("X", 2, c, s), ("X", 3, -s, c), ("FIX", 2), ("FIX", 3)]
+    rows += [("DYNX", 1), ("RLSE", 1), ("RLSE", 2)]
+    law = [("XM", 1, 0.7)] + [(word, k, v) for word, v in (("ESTIFF", 9.0), ("EDAMP", 0.6)) for k in (1, 2)]
+    found = spacar.sensitivity(Deck.build(rows, law, mode=10), ["ESTIFF.1", "EDAMP.2", "XM.1"],
+                               ["frequency[1]", "frequency[2]"])  # fmt: skip
+    f = np.sqrt(9.0 / 0.7) / (2 * np.pi)  # |lambda| = sqrt(k/m) whatever c
+    np.testing.assert_allclose(found.values, f, rtol=1e-12)
+    np.testing.assert_allclose(found.derivatives[0], [0.0, 0.0, -f / 1.4], rtol=1e-9, atol=1e-11)
+    np.testing.assert_allclose(found.derivatives[1], [f / 18.0, 0.0, -f / 1.4], rtol=1e-9, atol=1e-11)
+
+
 def test_repeated_multiplier() -> None:
     """A column with a square section buckles in every direction; a change of EIy lifts one of the two multipliers."""
     rows = [("BEAM", 1, 1, 2, 3, 4, 0.0, 0.3, 1.0), ("BEAM", 2, 3, 4, 5, 6, 0.0, 0.3, 1.0), ("X", 3, 0.25, 0.0, 0.0),
@@ -173,8 +190,8 @@ def test_strongly_bent_cantilever() -> None:
 def test_section_and_material_of_a_tension_rod() -> None:
     """sigma = F/(w t), u = F L/(E w t), tau of torsion scales with 1/(w t^2) of a fixed shape: in mm."""
     text = (
-        "UNITS mm\nSECTION rod RECT 4 2\nMATERIAL m 2e5 0.3 7.8e-6\nBEAM 1 1 2 3 4 0 1 0\nX 3 100 0 0\nBEAMSEC 1 rod m 2\n"
-        "FIX 1\nFIX 2\nDYNE 1\nEND\nHALT\nXF 3 500 0 0\nEND\nEND\n"
+        "UNITS mm\nSECTION rod RECT 4 2\nMATERIAL m 2e5 0.3 7.8e-6\nBEAM 1 1 2 3 4 0 1 0\nX 3 100 0 0\n"
+        "BEAMSEC 1 rod m 2\nFIX 1\nFIX 2\nDYNE 1\nEND\nHALT\nXF 3 500 0 0\nEND\nEND\n"
     )
     found = spacar.sensitivity(spacar.parse_deck(text, mode=10), ["SECTION.rod[w]", "SECTION.rod[t]",
         "MATERIAL.m[Young]", "X.3[2]", "XF.3[2]"],
@@ -255,7 +272,37 @@ def test_what_there_is_not(parameters: list[str], quantities: list[str], words: 
 
 
 def test_models_that_are_not_followed() -> None:
-    rows = [("PLTRUSS", 1, 1, 2), ("X", 2, 1.0, 0.0), ("FIX", 1), ("INPUTX", 2), ("RLSE", 1)]
-    moving = Deck.build(rows, [("INPUTX", 2, 1, 1.0, 0.5)], mode=10)
-    with pytest.raises(UsageError, match="no derivatives of steady motion"):
-        spacar.sensitivity(moving, ["X.2[2]"], ["x[2,1]"])
+    with pytest.raises(InputError, match="non-holonomic element in mode 10"):
+        spacar.sensitivity(Path(__file__).parents[2] / "data" / "trike2.dat", ["XM.*"], ["x[1,1]"])
+    rows = [("BEAM", 1, 1, 2, 3, 4, 0.0, 1.0, 0.0), ("X", 3, 1.0, 0.0, 0.0), ("FIX", 1), ("INPUTX", 2, 4),
+            ("FIX", 2, 2, 3)]
+    rows += [("DYNE", 1), ("ADEFORM",)]
+    law = [("INPUTX", 2, 4, 0.0, 0.5), ("ESTIFF", 1, 90.0, 2.0, 3.0, 4.0), ("EM", 1, 1.0, 0.01, 0.01, 0.01)]
+    deck = Deck.build(rows, law, mode=10)
+    with pytest.raises(UsageError, match="in steady motion with BEAM in the angle measure"):
+        spacar.sensitivity(deck, ["EM.1"], ["frequency[1]"])
+    assert np.isfinite(spacar.sensitivity(deck, ["EM.1"], ["frequency[1]"], beams="sine").derivatives).all()
+
+
+def test_rotating_spring() -> None:
+    """Steady rotation: k e = m w^2 (l0 + e), so e = l0/(k/(m w^2) - 1); EA, mass, speed and length."""
+    rows = [("PLBEAM", 1, 1, 2, 3, 4), ("X", 3, 0.4, 0.0), ("FIX", 1), ("INPUTX", 2), ("DYNE", 1, 1)]
+    law = [("ESTIFF", 1, 80.0, 1.0), ("XM", 3, 0.5), ("INPUTX", 2, 1, 0.0, 12.0), ("ITERSTEP", 20, 4, 1e-10)]
+    found = spacar.sensitivity(Deck.build(rows, law, mode=10), ["ESTIFF.1", "XM.3", "INPUTX.2.1[start rate]",
+        "X.3[2]"],
+                               ["e[1,1]", "sig[1,1]", "x[3,1]", "N[1,5]", "frequency[1]"])  # fmt: skip
+    k, m, w, l0 = 80.0 / 0.4, 0.5, 12.0, 0.4
+    ratio = k / (m * w * w)
+    e = l0 / (ratio - 1)
+    by_ratio = -e / (ratio - 1)
+    want = [by_ratio * ratio / 80.0, -by_ratio * ratio / m, -2 * by_ratio * ratio / w, e / l0 - by_ratio * ratio / l0]
+    f = np.sqrt(k / m - w * w) / (2 * np.pi)  # at constant speed
+    np.testing.assert_allclose(found.values, [e, k * e, l0 + e, k * e, f], rtol=1e-10)
+    slopes = np.array([k / m / 80.0, -k / m / m, -2 * w, -k / m / l0]) / (8 * np.pi**2 * f)
+    np.testing.assert_allclose(found.derivatives[4], slopes, rtol=1e-9)
+    np.testing.assert_allclose(found.derivatives[0], want, rtol=1e-9)
+    np.testing.assert_allclose(found.derivatives[2], np.add(want, [0, 0, 0, 1]), rtol=1e-9)
+    np.testing.assert_allclose(
+        found.derivatives[1], np.add(np.multiply(k, want), [e / l0, 0, 0, -k * e / l0]), rtol=1e-9
+    )
+    np.testing.assert_allclose(found.derivatives[3], found.derivatives[1], rtol=1e-12)

@@ -49,6 +49,33 @@ def test_everything_spatial() -> None:
                         "frequency[1]", "lmult[1]", "xcompl[6,1]", "imag(eigval[3])"], rel=1e-6)  # fmt: skip
 
 
+@pytest.mark.parametrize("method", [0, 1])
+def test_steady_motion(method: int) -> None:
+    """Everything planar with prescribed rates: centrifugal forces, dampers, MEE; also where the iteration of the file
+    (ITERSTEP type 1) leaves terms of its tangent out."""
+    text = linear_models.PLANAR.format(extra=f"ITERSTEP 60 4 1e-10 1 {method}", third="")
+    if method == 1:  # slower, that the iteration without them converges
+        text = text.replace("1.6 0.3 0.2", "1.6 0.03").replace("0.1 0.2 0.3", "0.1 0.02")
+    names = ["ESTIFF.1[EI]", "ESTIFF.6", "EM.1", "EM.1[3]", "XM.5", "MEE.2.1", "MEE.1.2", "EDAMP.2[3]", "X.5[2]",
+             "X.10[3]",
+             "ESIG.1[3]", "GRAVITY[2]", "XF.5[2]", "INPUTX.7.1[start rate]", "INPUTE.4.1[start rate]",
+             "INPUTX.7.1"]  # fmt: skip
+    state = ["x[5,1]", "x[3,2]", "e[2,1]", "sig[1,2]", "sig[4,1]", "fxtot[7,1]", "fxgrav[5,2]", "Mz[1,3]"]
+    agree(parse_deck(text, mode=10), names, state, rel=1e-6)
+    linear = ["frequency[1]", "real(eigval[1])", "xcompl[5,1]", "lmult[1]"]
+    agree(parse_deck(text, mode=10), names, linear, rel=1e-5)
+
+
+def test_steady_motion_in_space() -> None:
+    """The same with gyrostats, hinges and beams in space."""
+    names = ["ESTIFF.1[GIt]", "EM.1", "XM.7[4]", "MEE.1.3", "EDAMP.3[4]", "X.6[2]", "XGYRO.7[2]",
+             "INPUTX.8.1[start rate]",
+             "INPUTE.5.1[start rate]", "GRAVITY[2]", "HINGE.2[4]"]  # fmt: skip
+    deck = parse_deck(linear_models.SPATIAL.format(extra="ITERSTEP 60 8 1e-10", third=""), mode=10)
+    agree(deck, names, ["x[6,1]", "x[7,2]", "e[2,1]", "sig[1,2]", "sig[5,1]", "fxtot[8,1]", "T[3,1]"], rel=1e-6)
+    agree(deck, names, ["frequency[1]", "frequency[4]", "xcompl[6,2]"], rel=1e-5)
+
+
 PLANAR_RODS = [("X", 3, 0.8, 0.3), ("X", 5, 1.5, 0.1)]
 PLANAR_CHAINS = {
     "angle": (
@@ -109,7 +136,8 @@ def test_belt_and_pinbody() -> None:
         "XF.7[2]",
         "EM.1",
     ]
-    agree(deck, names, ["x[3,1]", "x[4,1]", "x[7,2]", "sig[1,1]", "sig[4,1]", "fxtot[2,1]", "frequency[1]", "lmult[1]"])
+    agree(deck, names, ["x[3,1]", "x[4,1]", "x[7,2]", "sig[1,1]", "sig[4,1]", "fxtot[2,1]", "frequency[1]",
+        "lmult[1]"])
 
 
 SPATIAL_CHAINS = {
@@ -145,6 +173,27 @@ def test_spatial_chains(chain: str) -> None:
                   "frequency[4]",
                   "xcompl[5,3]"]  # fmt: skip
     agree(deck, names, [*quantities, *([] if flow else ["lmult[1]"])], rel=1e-6)
+
+
+def test_directions_and_flow() -> None:
+    """Curved TUBE with ORTUBE and a jet, no gravity; PINBODY with ORPINBOD and DRPINBOD; additional flow DELOMF."""
+    rows = [("TUBE", 1, 1, 2, 3, 4, 0.0, 1.0, 0.0), ("ORTUBE", 1, 1.0, 0.1, 0.05, 0.95, 0.3, 0.1, 0.0, 1.0, 0.0),
+            ("X", 3, 1.0, 0.2, 0.1), *CLAMPED, ("DYNE", 1), ("PINBODY", 2, 3, 4, 5), ("TRUSS", 3, 5, 6), ("RLSE", 3),
+            ("ORPINBOD", 2, 1.0, 0.1, 0.0, 0.1, 1.0, 0.2), ("DRPINBOD", 2, 0.31, 0.02, 0.19), ("X", 5, 1.3, 0.2, 0.3),
+            ("X", 6, 1.5, 0.9, 0.9), ("FIX", 6)]  # fmt: skip
+    law = [("EM", 1, 0.7, 0.3, 0.1, 1.1, 2, 0.01, 0.006, 0.007, 0.001), ("ESTIFF", 1, 90.0, 2.0, 3.0, 4.0),
+           ("XM", 5, 0.4),
+           ("ESTIFF", 3, 5.0), ("XF", 5, 0.1, 0.3, -0.2), ("ITERSTEP", 20, 1, 1e-10)]  # fmt: skip
+    names = ["ORTUBE.1[3]", "ORTUBE.1[6]", "ORTUBE.1[9]", "X.3[2]", "EM.1[4]", "ORPINBOD.2[3]", "DRPINBOD.2[3]"]
+    quantities = ["x[3,1]", "x[5,2]", "sig[1,2]", "sig[2,1]", "fxtot[1,1]", "frequency[1]"]
+    agree(Deck.build(rows, law, mode=10), names, quantities, rel=1e-6)
+    rows = [("PLTUBE", 1, 1, 2, 3, 4), ("PLTUBE", 2, 3, 4, 5, 6), ("X", 3, 0.5, 0.0), ("X", 5, 1.0, 0.1), *CLAMPED,
+            ("DYNE", 1), ("DYNE", 2)]  # fmt: skip
+    law = [("ESTIFF", 1, 50.0, 3.0), ("ESTIFF", 2, 40.0, 2.0), ("EM", 1, 0.7, 0.4, 0.9, 1.1, 2), ("XF", 5, 0.0, 0.2),
+           ("EM", 2, 0.5, 0.4, 0.9, 1.0, 2), ("DELOMF", 1, 0.3), ("DELOMF", 2, 0.3),
+           ("ITERSTEP", 20, 2, 1e-10, 1, 2)]  # fmt: skip
+    quantities = ["x[5,2]@end", "sig[2,2]@end", "frequency[1]@end"]
+    agree(Deck.build(rows, law, mode=10), ["DELOMF.1", "DELOMF.2", "EM.1[4]", "EM.2[3]"], quantities, rel=1e-6)
 
 
 def test_spatial_joints() -> None:
