@@ -116,7 +116,7 @@ def stationary(run: Run, reducible: bool = True) -> Iterator[LinearizedSolution]
     reduced = reduced and wanted * SHARE <= n.nddof
     if reduced:
         run.report.add(
-            f"{n.nddof} dynamic degrees of freedom (more than {LARGE}): the {wanted} lowest modes with their motions and"
+            f"{n.nddof} dynamic degrees of freedom (more than {LARGE}): the {wanted} lowest modes, their motions and"
             " sparse matrices are computed, no reduced matrices and no transfer functions; --modes N or MODES N changes"
             " the number, 0 asks for everything"
         )

@@ -23,7 +23,8 @@ def command(
     """Compliance of a position node and its orientation node in a result of mode 7, 8, 9 or 10.
 
     The displacements and small rotations (6, planar 3) by unit forces and moments at the loaded state, along the global
-    axes and along the axes of the orientation node. Needs dx in the result (OUTLEVEL 0 1, the default of these modes), or of a large model its sparse tangent ktan.
+    axes and along the axes of the orientation node. Needs dx in the result (OUTLEVEL 0 1, the default of these modes),
+    or of a large model its sparse tangent ktan.
     """
     from spacar_formats.compliance import node_compliance
     from spacar_formats.log.text_layout import matrix
