@@ -113,11 +113,11 @@ def stationary(run: Run, reducible: bool = True) -> Iterator[LinearizedSolution]
     solver = StationarySolver(mechanism, run.report)
     reduced = reducible and solver.sparse and n.nddof > LARGE and settings.sbd_level is None
     wanted = n.nddof if settings.modes == 0 else settings.modes or (WANTED if reduced else n.nddof)
-    reduced = reduced and wanted * SHARE <= n.nddof
+    reduced = reduced and (settings.modes is None or wanted * SHARE <= n.nddof)
     if reduced:
         run.report.add(
-            f"{n.nddof} dynamic degrees of freedom (more than {LARGE}): the {wanted} lowest modes, their motions and"
-            " sparse matrices are computed, no reduced matrices and no transfer functions; --modes N or MODES N changes"
+            f"{n.nddof} dynamic degrees of freedom (more than {LARGE}): only the {wanted} lowest modes, their motions"
+            " and sparse matrices are computed, no reduced matrices and no transfer functions; --modes N or MODES N changes"
             " the number, 0 asks for everything"
         )
     output = TransferOutput(run)
