@@ -31,7 +31,8 @@ from spacar.stationary.loading import stored_levels
 from spacar.stationary.tangent import SparseTangent
 from spacar.stream import Run
 
-LARGE = 200  # dynamic degrees of freedom; above, no dense matrices are formed (break-even, docs/performance.md "Sizes")
+# Dynamic degrees of freedom above which no dense matrices are formed: measured, docs/performance.md "Sizes".
+LARGE = 200
 SHARE = 4  # all modes of a model cost less than its lowest ones if these are more than one of four
 NO_TWIST_GRADIENT = (
     "warning: load multipliers of large systems leave out the twist gradient of beams in the angle measure, so they"
@@ -117,8 +118,8 @@ def stationary(run: Run, reducible: bool = True) -> Iterator[LinearizedSolution]
     if reduced:
         run.report.add(
             f"{n.nddof} dynamic degrees of freedom (more than {LARGE}): only the {wanted} lowest modes, their motions"
-            " and sparse matrices are computed, no reduced matrices and no transfer functions; --modes N or MODES N changes"
-            " the number, 0 asks for everything"
+            " and sparse matrices are computed, no reduced matrices and no transfer functions; --modes N or MODES N"
+            " changes the number, 0 asks for everything"
         )
     output = TransferOutput(run)
     limits: Limits | None = None
