@@ -128,7 +128,7 @@ def test_commands_work_on_large_results(tmp_path, capsys):
 
 @pytest.mark.parametrize("moving", [False, True])
 def test_sparse_and_dense_linearization(moving, monkeypatch):
-    """All matrices of (13), at rest and in motion, to rounding of sums of some hundred terms."""
+    """All matrices of theory-system.md (13), at rest and in motion, to rounding of sums of some hundred terms."""
     from spacar.dynamics.array_evaluator import Dynamics
     from spacar.mechanism import build
 
