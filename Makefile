@@ -12,7 +12,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # Bytecode is kept: pytest rewrites its 200 files once, not in every worker of every run.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: crank test test-all test-matrix lint bench docs fuzz clean
+.PHONY: crank test test-all test-matrix lint bench docs man fuzz clean
 
 # A half-made environment (interrupted, or without pip) is made again; uv serves where Debian's python3-venv is missing.
 define environment
@@ -23,8 +23,9 @@ define environment
 	fi
 endef
 
-# The C text of the engine: an installation with another one builds it again.
-ENGINE := hatch_build.py $(wildcard spacar/compiled/*.c)
+# The C text of the engine and what it is generated from: an installation with another one builds it again.
+ENGINE := hatch_build.py $(wildcard spacar/compiled/*.c) \
+          $(addprefix spacar/compiled/,definitions.py element_parameters.py generate.py)
 
 $(VENV)/.installed: pyproject.toml $(ENGINE)
 	$(environment)
@@ -69,12 +70,19 @@ lint: $(VENV)/.installed-dev
 fuzz: $(VENV)/.installed-dev
 	$(BIN)/python -m tests.fuzz $(FUZZ)
 
+# Beside other programs, where they are installed (pip install -e '.[peers]'), then our own cases. PEERS="--only S1b" ...
 bench: $(VENV)/.installed-dev
+	$(BIN)/python benchmarks/peers/compare.py $(PEERS)
 	$(BIN)/python benchmarks/run.py
 
 docs: $(VENV)/.installed-docs
 	$(BIN)/sphinx-build -q -W -n --keep-going -c docs . $(OUT)/site
 	@echo "pages: $(OUT)/site/index.html"
+
+# the manual page spacar(1), which wheels install
+man: $(VENV)/.installed
+	$(BIN)/python -m spacar_cli.man_page > docs/man/spacar.1
+	@echo "read it: man -l docs/man/spacar.1"
 
 clean:
 	rm -rf $(OUT) build dist wheels .pytest_cache .mypy_cache .ruff_cache .hypothesis

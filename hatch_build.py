@@ -26,13 +26,15 @@ HOME = Path(__file__).resolve().parent / "spacar" / "compiled"
 FLAGS = ("-O3", "-fno-math-errno", "-fno-trapping-math", "-std=gnu11", "-fvisibility=hidden", "-Wno-psabi")
 BUILDS = {"any_1": (), "any_2": ()}  # name_LANES -> flags
 OF_X86_64 = {"v3_1": ("-march=x86-64-v3",), "v3_4": ("-march=x86-64-v3",), "v4_8": ("-march=x86-64-v4",)}
+GENERATED_FROM = ("definitions.py", "element_parameters.py", "generate.py")  # kernels.c
 LIBRARY = {"win32": "engine.dll", "darwin": "engine.dylib"}.get(sys.platform, "engine.so")
 
 
 def source_digest(folder: Path = HOME) -> str:
-    """Of the C text, in the order of the names: `spacar.compiled.library` compares it."""
+    """Of the C text and what it is generated from, in the order of the names: `spacar.compiled.library` compares it."""
     text = hashlib.sha256()
-    for path in sorted(folder.glob("*.c")):
+    entering = (folder / name for name in GENERATED_FROM)
+    for path in sorted((*folder.glob("*.c"), *filter(Path.is_file, entering))):
         text.update(path.read_bytes().replace(b"\r\n", b"\n"))
     return text.hexdigest()[:16]
 

@@ -1,17 +1,21 @@
-"""The accuracy asked for and obtained: models of mode 1, targets 1e-3, 1e-5, 1e-7 (docs/studies.md, Accuracy).
+"""The accuracy asked for and obtained: motions and meshes, targets 1e-3, 1e-5, 1e-7 (docs/studies.md, Accuracy).
 
-python benchmarks/accuracy.py [MODEL ...]
+python benchmarks/accuracy.py [motions | meshes] [MODEL ...]
 
-Obtained: the error norm of `spacar.studies.error_norm` over the free coordinates against a reference of method 853
-with ERROR REFERENCE, tighter than any run of the search. Cost: time of all runs of the search over that of
-the cheapest single run (methods 155, 853, 0, ERROR in decades) that reaches the target.
+Motions: the error norm of `spacar.studies.error_norm` over the free coordinates against a reference of method 853 with
+ERROR REFERENCE (595 with ten times of it for stiff models), on the mesh of the model. Cost: time of all runs of the
+search over that of the cheapest single run (155, 853, 0, 595, ERROR in decades) that reaches the target.
+
+Meshes: tip of the elastica and frequencies of a cantilever, Euler and lateral buckling against closed forms; the guide
+of leaf springs against 16, 32 and 64 beams a leaf, extrapolated. Cost: over the cheapest single mesh of 1, 2 ... 64
+beams in the place of each, of either measure, that reaches the target.
 """
 
 from __future__ import annotations
 
 import sys
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import models
 import numpy as np
@@ -20,13 +24,16 @@ import spacar
 from spacar.arrays import Array
 from spacar.deck import Deck, parse_deck
 from spacar.errors import AnalysisError
-from spacar.studies.accuracy import _free
+from spacar.studies.accuracy import stiff
 from spacar.studies.error_norm import amplitudes, distance
+from spacar.studies.models import refine
+from spacar.studies.result_quantities import free_coordinates
 
 TARGETS = (1e-3, 1e-5, 1e-7)
 REFERENCE = 1e-12
-CODES = (155, 853, 0)
+CODES = (155, 853, 0, 595)
 DECADES = tuple(10.0**-k for k in range(2, 11))
+LONGEST = 30.0  # seconds of a single mesh, after which no finer one is tried
 LIMIT = 4.0  # times the cheapest so far: a single run that takes longer is not looked at
 
 GYRO = """
@@ -58,6 +65,25 @@ def released(n: int) -> str:
     return models.cantilever(n, EI=1.0, length=1.0, dynamics=("GRAVITY 0. -1.", "TIMESTEP 1.8 18"))
 
 
+# Slider-crank under a constant torque, about 83 turns; double pendulum; manipulator under constant torques.
+TURNING = models.deck(
+    ["PLBEAM 1 1 2 3 4", "PLBEAM 2 3 5 6 7", "X 3 0.15 0.", "X 6 0.45 0.", "FIX 1", "FIX 6 2", "DYNX 2 1"],
+    ["EM 1 0.2225", "EM 2 0.2225", "XM 6 0.033375", "XF 2 0.01", "GRAVITY 0. -9.81", "STARTDX 2 1 0. 30.",
+     "TIMESTEP 10. 10"],
+)  # fmt: skip
+DOUBLE = models.deck(
+    ["PLBEAM 1 1 2 4 3", "PLBEAM 2 4 5 7 6", "X 4 0.7071067811865475 -0.7071067811865476",
+     "X 7 1.414213562373095 -1.4142135623730951", "FIX 1", "DYNX 2 1", "DYNX 5 1"],
+    ["EM 1 1.", "EM 2 1.", "GRAVITY 0. -9.81", "TIMESTEP 10. 10"],
+)  # fmt: skip
+TORQUES = models.deck(
+    ["HINGE 1 1 2 0. 0. 1.", "HINGE 2 2 3 0. -1. 0.", "BEAM 4 4 3 5 6 0. 1. 0.", "HINGE 3 6 7 0. -1. 0.",
+     "BEAM 5 5 7 8 9 0. 1. 0.", "X 5 0.268 0. 0.6467", "X 8 0.536 0. 0.", "FIX 1", "FIX 4", "DYNE 1 1", "DYNE 2 1",
+     "DYNE 3 1"],
+    ["XM 5 10.", "XM 8 30.", "EM 4 4.", "EM 5 2.", "GRAVITY 0. 0. -10.", "ESIG 1 -15.", "ESIG 2 -197.",
+     "ESIG 3 -82.5", "TIMESTEP 1.4 14"],
+)  # fmt: skip
+
 MODELS = {
     "oscillator, 3 periods": oscillator(3.0),
     "oscillator, 50 periods": oscillator(50.0),
@@ -70,6 +96,15 @@ MODELS = {
     "free slider-crank, 10 s": models.free_slider_crank(10.0, 50),
     "manipulator": models.manipulator(),
     "crankfl": models.example("crankfl"),
+    "finger": models.example("finger"),
+    "fingersim": models.example("fingersim"),
+    "screw": models.example("screw"),
+    "trike2": models.example("trike2"),
+    "trike3i": models.example("trike3i"),
+    "trike3v": models.example("trike3v"),
+    "slider-crank under torque, 83 turns": TURNING,
+    "double pendulum, 10 s": DOUBLE,
+    "manipulator under torques": TORQUES,
     "crankfl, 2 elements": models.slider_crank(2, 0.05, 50),
     "released cantilever, 2 elements": released(2),
     "released cantilever, 4 elements": released(4),
@@ -92,7 +127,7 @@ def motion(deck: Deck, **options: object) -> tuple[Array, spacar.Run, float]:
     begun = time.perf_counter()
     run = spacar.frames(1, deck, **options)
     x = np.array([frame.x for frame in run])
-    return x[:, _free(run)].T, run, time.perf_counter() - begun
+    return x[:, free_coordinates(run.mechanism)].T, run, time.perf_counter() - begun
 
 
 def cheapest(deck: Deck, ref: Reference) -> dict[float, float]:
@@ -113,28 +148,151 @@ def cheapest(deck: Deck, ref: Reference) -> dict[float, float]:
     return best
 
 
-def main(names: list[str]) -> None:
-    columns = ("model", "asked", "obtained", "estimate", "obtained / asked", "runs", "time [s]", "of the last",
-               "of the cheapest")  # fmt: skip
-    print(f"| {' | '.join(columns)} |")
-    print("|---|---|---|---|---|---|---|---|---|")
+COLUMNS = ("model", "asked", "obtained", "estimate", "obtained / asked", "runs", "time [s]", "of the last",
+           "of the cheapest")  # fmt: skip
+
+
+def head() -> None:
+    print(f"| {' | '.join(COLUMNS)} |\n|{'---|' * len(COLUMNS)}")
+
+
+def told(ratios: list[float]) -> None:
+    kept = np.mean(np.array(ratios) <= 1.0)
+    print(f"\nat or below asked: {100 * kept:.0f} % of {len(ratios)}; largest obtained / asked {max(ratios):.2g}\n")
+
+
+def motions(names: list[str]) -> None:
+    head()
     ratios = []
     for name in names or MODELS:
         deck = parse_deck(MODELS[name], mode=1)
         begun = time.perf_counter()
-        values, _, _ = motion(deck, integrator=853, rtol=REFERENCE, atol=0.1 * REFERENCE)
+        code, error = (595, 10.0 * REFERENCE) if stiff(spacar.frames(1, deck)) else (853, REFERENCE)
+        values, _, _ = motion(deck, integrator=code, rtol=error, atol=0.1 * error)
         print(f"{name}: reference {time.perf_counter() - begun:.3g} s", file=sys.stderr, flush=True)
         ref = Reference(values, amplitudes(values, stationary=False))
         best = cheapest(deck, ref)
         for target in TARGETS:
-            values, run, seconds = motion(deck, accuracy=target)
+            values, run, seconds = motion(deck, accuracy=target, mesh=False)
             error, found = ref.error(values), run.header["accuracy"]
             ratios.append(error / target)
             runs = ", ".join(f"{a.integrator} {a.tolerance:.0e}" for a in found.attempts)
             print(f"| {name} | {target:.0e} | {error:.1e} | {found.estimate:.1e} | {error / target:.2g} | {runs} "
                   f"| {seconds:.3g} | {found.cost:.2f} | {seconds / best[target]:.2f} |", flush=True)  # fmt: skip
-    kept = np.mean(np.array(ratios) <= 1.0)
-    print(f"\nat or below asked: {100 * kept:.0f} % of {len(ratios)}; largest obtained / asked {max(ratios):.2g}")
+    told(ratios)
+
+
+# -- meshes ---------------------------------------------------------------------------------------------------------
+BETA = np.array((1.8751040687119611, 4.694091132974175, 7.854757438237613))  # cos b cosh b = -1
+
+
+@dataclass(frozen=True)
+class MeshCase:
+    """A model in a mode; which `coordinates`, how many `frequencies` [rad/s] and whether the load multiplier count."""
+
+    deck: Deck
+    mode: int
+    coordinates: tuple[tuple[int, int], ...] = ()
+    frequencies: int = 0
+    multiplier: bool = False
+    exact: Array = field(default_factory=lambda: np.zeros(0))
+    amplitude: Array = field(default_factory=lambda: np.zeros(0))
+
+    def of(self, result: spacar.Result) -> Array:
+        values = [result.node(*c)[-1] for c in self.coordinates]
+        if self.frequencies:
+            values += list(2.0 * np.pi * result.frequencies[-1][: self.frequencies])
+        return np.array(values + ([abs(result["lmult"][-1][0])] if self.multiplier else []))
+
+    def variables(self) -> list[str]:
+        """The same as expressions of the model: eigenvalues come by decreasing modulus."""
+        names = [f"x[{node},{c}]" for node, c in self.coordinates]
+        if self.frequencies:
+            count = len(spacar.run(self.mode, self.deck)["eigval"][-1])
+            names += [f"abs(eigval[{count - 2 * k}])" for k in range(self.frequencies)]
+        return names + (["abs(lmult[1])"] if self.multiplier else [])
+
+    def values(self, deck: Deck, **options: object) -> Array:
+        return self.of(spacar.run(self.mode, deck, **options))
+
+    def error(self, values: Array) -> float:
+        return float(np.max(np.abs(values - self.exact) / self.amplitude))
+
+
+def mesh_case(name: str) -> MeshCase:
+    if name == "elastica, tip":
+        deck = parse_deck(models.cantilever(2, EI=102.0, length=10.0, dynamics=("XF 5 0. 14.",)), mode=7)
+        tip = np.array((3.810897752359167, 8.404448390735478))
+        return MeshCase(deck, 7, ((5, 1), (5, 2)), exact=tip, amplitude=tip)
+    if name == "cantilever, three frequencies":
+        deck = parse_deck(models.cantilever(3, EI=1.0, length=1.0, dynamics=()), mode=7)
+        return MeshCase(deck, 7, frequencies=3, exact=BETA**2, amplitude=BETA**2)
+    if name == "column2, Euler":
+        exact = np.array([np.pi**2])
+        return MeshCase(parse_deck(models.example("column2"), mode=8), 8, multiplier=True, exact=exact, amplitude=exact)
+    if name == "lateral4, lateral buckling":
+        exact = np.array([5.6746723])
+        deck = parse_deck(models.example("lateral4"), mode=8)
+        return MeshCase(deck, 8, multiplier=True, exact=exact, amplitude=exact)
+    empty = MeshCase(parse_deck(models.example("leafguide"), mode=7), 7, ((7, 1), (7, 2)), frequencies=3)
+    a, b, c = (empty.values(refine(empty.deck, n)) for n in (4, 8, 16))
+    once = b + (b - a) / 3.0, c + (c - b) / 3.0
+    exact = once[1] + (once[1] - once[0]) / 15.0
+    return replace(empty, exact=exact, amplitude=np.abs(exact))
+
+
+MESHES = ("elastica, tip", "cantilever, three frequencies", "column2, Euler", "lateral4, lateral buckling",
+          "leafguide, body and three frequencies")  # fmt: skip
+
+
+def cheapest_mesh(case: MeshCase) -> dict[float, float]:
+    best = dict.fromkeys(TARGETS, np.inf)
+    for beams in ("sine", "angle"):
+        for n in (1, 2, 4, 8, 16, 32, 64):
+            begun = time.perf_counter()
+            try:
+                values = case.values(refine(case.deck, n), beams=beams)
+            except AnalysisError:
+                continue
+            seconds = time.perf_counter() - begun
+            error = case.error(values)
+            for target in TARGETS:
+                if error <= target:
+                    best[target] = min(best[target], seconds)
+            if error <= TARGETS[-1] or seconds > LIMIT * best[TARGETS[-1]] or seconds > LONGEST:
+                break
+    return best
+
+
+def meshes(names: list[str]) -> None:
+    head()
+    ratios = []
+    for name in names or MESHES:
+        case = mesh_case(name)
+        variables = case.variables()
+        case.values(case.deck)  # nothing is imported for the first time later on
+        best = cheapest_mesh(case)
+        for target in TARGETS:
+            begun = time.perf_counter()
+            result = spacar.run(case.mode, case.deck, accuracy=target, variables=variables)
+            seconds, found = time.perf_counter() - begun, result.header["accuracy"]
+            error = case.error(case.of(result))
+            ratios.append(error / target)
+            pieces = max(found.pieces.values(), default=1)
+            over = f"{seconds / best[target]:.2f}" if np.isfinite(best[target]) else "no single mesh"
+            print(f"| {name} | {target:.0e} | {error:.1e} | {found.estimate:.1e} | {error / target:.2g} "
+                  f"| {found.runs} to {pieces} beams | {seconds:.3g} | {found.cost:.2f} | {over} |",
+                  flush=True)  # fmt: skip
+    told(ratios)
+
+
+def main(words: list[str]) -> None:
+    which = words[0] if words[:1] in (["motions"], ["meshes"]) else ""
+    names = words[1:] if which else words
+    if which != "meshes":
+        motions(names)
+    if which != "motions" and (which or not names):
+        meshes(names)
 
 
 if __name__ == "__main__":

@@ -77,11 +77,11 @@ def main(sizes: list[int]) -> None:
             plain, numbered = timed(still), timed(lambda: still(**numbers))  # noqa: B023
             shown = series(source, Extras(), [1, 2, 3], [], False)
             moving = shown.moving()
-            canvas = FigureCanvasAgg(moving.figure)
+            FigureCanvasAgg(moving.figure)
 
             def frame(k: int) -> None:
                 moving.show(*shown.pictures(k))  # noqa: B023
-                canvas.draw()  # noqa: B023
+                moving.draw()  # noqa: B023
 
             frame(0)
             one = timed(lambda: [frame(k % 3) for k in range(3)]) / 3

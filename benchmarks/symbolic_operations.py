@@ -148,7 +148,7 @@ def main() -> None:
         times[f"{strategy}, Python"] = per_call(program.function(model.values), y.tolist())
         if compiler():
             f = CompiledFunction(program, model.values)
-            times[f"{strategy}, C by ctypes"] = per_call(f, y)
+            times[f"{strategy}, C"] = per_call(f, y)
             states = np.tile(y, (2000, 1))
             whole = per_call(lambda t, s, f=f: f.many(t, s), states, 5)
             times[f"{strategy}, C, many states"] = round(whole / len(states), 3)

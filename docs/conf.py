@@ -35,7 +35,9 @@ smartquotes = False  # x' is an axis, not an apostrophe
 CONTENTS = {
     "Start": ("/README", "tutorial", "gallery"),
     "Use": (
-        "keywords", "drawing", "expressions", "python", "matlab", "simulation", "studies", "symbolic/tutorial",
+        "keywords", "drawing", "flexures", "expressions", "python", "matlab", "simulation", "studies", "sensitivity",
+        "convergence",
+        "symbolic/tutorial",
     ),
     "Understand": (
         "theory", "theory-linear", "limits", "symbolic/theory", "decisions", "performance", "promises",

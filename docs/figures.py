@@ -11,6 +11,7 @@ import os
 import re
 import shlex
 import shutil
+import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
@@ -98,8 +99,82 @@ def beam_order(path: Path) -> None:
     figure.savefig(path, dpi=110)
 
 
+def flexure_curves(path: Path) -> None:
+    """The guide of the chapter on flexures over its stroke, as `spacar flexure --plot` draws it."""
+    import spacar
+
+    spacar.flexure(DATA / "leafguide.dat", move="7x=+-10").plot(path, dpi=90)
+
+
+def flexure_stroke(path: Path) -> None:
+    """The same guide at five states of its stroke."""
+    import spacar
+
+    study = spacar.flexure(DATA / "leafguide.dat", move="7x=+-10", steps=4)
+    study.result.draw(path, strobe=5, view="xy", traces=[7], title="", dpi=90)
+
+
+def optimized_guide(path: Path) -> None:
+    """The example of sensitivity.md: the leaf before and after, the lowest frequency over the stroke, and what it cost."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+    import numpy as np
+    import optimize_guide as example
+
+    import spacar
+
+    exact, differences = example.Guide(), example.Guide(exact=False)
+    best = example.found_parameters(exact, example.optimize(exact))
+    example.optimize(differences)
+    figure, (leaf, stroke, cost) = plt.subplots(1, 3, figsize=(9.5, 3.6), layout="constrained", width_ratios=(1, 2, 2))
+    for p, colour, word, side in ((exact.start, "C7", "start", -4.0), (best, "C0", "optimum", 4.0)):
+        heights = np.concatenate(([0.0], p[example.PARTS : -2], [example.HEIGHT]))
+        for t, a, b in zip(p[: example.PARTS], heights, heights[1:], strict=False):
+            leaf.fill_betweenx([a, b], side - t / 2, side + t / 2, color=colour, lw=0)
+        leaf.text(side, -6, word, ha="center", va="top", fontsize=8)
+        lowest = [f"frequency[1]@{k}" for k in range(1, 6)]
+        f = spacar.sensitivity(exact.deck, exact.names, lowest, at=p).values
+        stroke.plot(np.linspace(0.0, example.STROKE, 5), f, "o-", color=colour, label=word)
+    leaf.set(xlim=(-8, 8), ylim=(-14, 102), ylabel="height (mm)", xticks=[], title="thickness x 1")
+    stroke.set(xlabel="displacement (mm)", ylabel="first unwanted frequency (Hz)", ylim=(0, None))
+    for model, word in ((exact, "exact derivatives"), (differences, "differences")):
+        counts, values = zip(*model.course, strict=True)
+        cost.step(counts, values, where="post", label=f"{word}: {model.analyses}")
+    cost.set(xscale="log", xlabel="analyses", ylabel="lowest frequency (Hz)", ylim=(0, None))
+    for axes in (stroke, cost):
+        axes.grid(alpha=0.3)
+        axes.legend(fontsize=8)
+    figure.savefig(path, dpi=110)
+
+
+def viewer(path: Path) -> None:
+    """The page of `spacar view` in Chromium; without Chromium the picture that there is stays."""
+    browser = shutil.which("chromium") or shutil.which("google-chrome")
+    if browser is None:
+        print(f"{path.name}: left as it is, no Chromium found")
+        return
+    main(["1", "trike3v", "--quiet"])
+    main(["view", "trike3v"])
+    subprocess.run(
+        [
+            browser, "--headless", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader",
+            "--enable-unsafe-swiftshader", "--hide-scrollbars", "--window-size=900,560", f"--screenshot={path}",
+            f"{Path('trike3v_view.html').resolve().as_uri()}#step=40&node=5",
+        ],
+        check=True, timeout=300, capture_output=True,
+    )  # fmt: skip
+
+
 # picture -> function that writes it
-DRAWN: dict[str, Callable[[Path], None]] = {"beam-order.png": beam_order}
+DRAWN: dict[str, Callable[[Path], None]] = {
+    "beam-order.png": beam_order,
+    "flexure-curves.png": flexure_curves,
+    "flexure-stroke.png": flexure_stroke,
+    "optimized-guide.png": optimized_guide,
+    "view.png": viewer,
+}
 
 
 class Entry(NamedTuple):

@@ -14,16 +14,26 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from spacar.calls import frames, run
     from spacar.deck import Deck, parse_deck, read_deck
+    from spacar.deck.model import Model
     from spacar.frame import Frame
     from spacar.result import Result
+    from spacar.sensitivities.sensitivity import Sensitivity, sensitivity
     from spacar.stream import Run
+    from spacar.stroke import flexure
+    from spacar.studies.study_calls import sweep, trade
 
 __version__ = "0.1.0"
-__all__ = ["Deck", "Frame", "Result", "Run", "frames", "parse_deck", "read_deck", "run"]
+__all__ = [
+    "Deck", "Frame", "Model", "Result", "Run", "Sensitivity",
+    "flexure", "frames", "parse_deck", "read_deck", "run", "sensitivity", "sweep", "trade",
+]  # fmt: skip
 
 _HOME = {
-    "Deck": "spacar.deck", "parse_deck": "spacar.deck", "read_deck": "spacar.deck", "Frame": "spacar.frame",
-    "Result": "spacar.result", "Run": "spacar.stream", "frames": "spacar.calls", "run": "spacar.calls",
+    "Deck": "spacar.deck", "Model": "spacar.deck.model", "parse_deck": "spacar.deck", "read_deck": "spacar.deck",
+    "Frame": "spacar.frame", "Result": "spacar.result", "Run": "spacar.stream", "frames": "spacar.calls",
+    "run": "spacar.calls", "sweep": "spacar.studies.study_calls", "trade": "spacar.studies.study_calls",
+    "flexure": "spacar.stroke",
+    "Sensitivity": "spacar.sensitivities.sensitivity", "sensitivity": "spacar.sensitivities.sensitivity",
 }  # fmt: skip
 
 

@@ -4,29 +4,34 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from spacar.deck import Deck, read_deck
 from spacar.errors import UsageError
 from spacar.mechanism import build
 from spacar.modes import Mode, find_mode
 from spacar.options import checked_options
-from spacar.result import Result
 from spacar.stream import AccuracyRequest, Run
+
+if TYPE_CHECKING:
+    from spacar.deck.model import Model
+    from spacar.result import Result
 
 
 def frames(
-    mode: int, source: str | Path | Deck, *, nominal: Any = None, accuracy: float | bool | None = None,
-    variables: Sequence[str] = (), **options: Any,
+    mode: int, source: str | Path | Deck | Model, *, nominal: Any = None, accuracy: float | bool | None = None,
+    variables: Sequence[str] = (), mesh: bool = True, **options: Any,
 ) -> Run:  # fmt: skip
     """Prepare an analysis: read, check and number the model; the frames come when the returned Run is iterated over.
 
-    mode      0 to 4, 7 to 10, see MODES;  source   path of the input file, or a Deck, which is checked
-              again when it was read for another mode
+    mode      0 to 4, 7 to 10, see MODES;  source   path of the input file, a Model, or a Deck, which is
+              checked again when it was read for another mode
     nominal   mode 3 only: result of mode 2, or of modes 7 to 10
-    accuracy  modes 1 and 4: error of the result over the amplitude of each variable, estimated and kept by several
-              runs; True: only estimated. In `header["accuracy"]` of the result, and `xerr` of its frames
-    variables expressions whose accuracy it is ('x[6,1]'); default: all free coordinates
+    accuracy  modes 1, 4, 7 to 10: error of the result over the amplitude of each variable, estimated and kept by
+              several runs; True: only estimated. In `header["accuracy"]` of the result, and `xerr` of its frames
+    variables expressions whose accuracy it is ('x[6,1]'); default: all free coordinates, in the stationary modes also
+              reactions, the lowest frequencies and load multipliers
+    mesh      False: the accuracy is that of the integration alone, the beams are not divided for it
     options   override the deck for this run: atol, rtol, integrator, step, duration, n_steps, compiled (see Settings)
 
     Raises UsageError (unknown mode or option, wrong value of one), InputError (bad input) now; AnalysisError while
@@ -34,10 +39,8 @@ def frames(
     """
     found = find_mode(mode)
     options, notes = checked_options(options)
-    deck = source if isinstance(source, Deck) else read_deck(source, found.number)
-    if deck.mode != found.number:  # its checks and its third block are those of the mode it was read for
-        deck = deck.for_mode(found.number)
-    request = _accuracy(found, accuracy, variables)
+    deck = deck_of(source, found.number)
+    request = _accuracy(found, accuracy, variables, mesh)
     prepared = Run(found, build(deck, found.number, **options), nominal=nominal, accuracy=request)
     for note in notes:
         prepared.report.add(f"warning: {note}")
@@ -49,26 +52,43 @@ def frames(
     return prepared
 
 
-def _accuracy(mode: Mode, accuracy: float | bool | None, variables: Sequence[str]) -> AccuracyRequest | None:
+def deck_of(source: str | Path | Deck | Model, mode: int) -> Deck:
+    """The checked deck of a path, a Model or a Deck, for a mode. Raises UsageError, InputError."""
+    if isinstance(source, str | Path):
+        return read_deck(source, mode)
+    deck = source if isinstance(source, Deck) else source.deck(mode)
+    # its checks and its third block are those of the mode it was read for
+    return deck if deck.mode == mode else deck.for_mode(mode)
+
+
+def _accuracy(
+    mode: Mode, accuracy: float | bool | None, variables: Sequence[str], mesh: bool
+) -> AccuracyRequest | None:
     """What is asked of the error of the result. Raises UsageError."""
     if accuracy is None or accuracy is False:
         if variables:
             raise UsageError("the variables are those whose accuracy is asked for; give an accuracy", "usage.accuracy")
         return None
-    if not mode.integrated:
-        raise UsageError(f"an accuracy is asked of motions, modes 1 and 4, not of mode {mode.number}", "usage.accuracy")
+    if not (mode.integrated or mode.stationary):
+        text = f"an accuracy is asked of motions and stationary solutions (1, 4, 7 to 10), not of mode {mode.number}"
+        raise UsageError(text, "usage.accuracy")
+    if mode.stationary and not mesh:
+        text = "the accuracy of a stationary solution is that of its mesh, which is not to be looked at"
+        raise UsageError(text, "usage.accuracy")
     if accuracy is True:
-        return AccuracyRequest(None, tuple(variables))
+        return AccuracyRequest(None, tuple(variables), mesh)
     if isinstance(accuracy, str) or not 0.0 < accuracy < 1.0:
         raise UsageError(f"the accuracy {accuracy!r} must be a number between 0 and 1", "usage.accuracy")
-    return AccuracyRequest(float(accuracy), tuple(variables))
+    return AccuracyRequest(float(accuracy), tuple(variables), mesh)
 
 
-def run(mode: int, source: str | Path | Deck, *, nominal: Any = None, **options: Any) -> Result:
+def run(mode: int, source: str | Path | Deck | Model, *, nominal: Any = None, **options: Any) -> Result:
     """Run an analysis to its end and keep all frames in memory. Errors as `frames`.
 
-    mode      0 to 4, 7 to 10, see MODES;  source   path of the input file, or a Deck
+    mode      0 to 4, 7 to 10, see MODES;  source   path of the input file, a Deck, or a Model
     nominal   mode 3 only: result of mode 2, or of modes 7 to 10
     options   accuracy, variables, and what overrides the deck, see `frames`
     """
+    from spacar.result import Result  # the command line needs no results in memory
+
     return Result.collect(frames(mode, source, nominal=nominal, **options))

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.arrays import Array
-from spacar.errors import SpacarError, UsageError
+from spacar.errors import UsageError
+from spacar.expressions.frequencies import frequencies
 from spacar.expressions.result_places import ELEMENT, NODE, place
 from spacar.frame import Frame, StoredFrames
 from spacar.mechanism.result_tables import model_tables
@@ -26,6 +27,7 @@ X_VARIABLES = ("x", "xd", "xdd", "fx", "fxgrav", "fxtot", "xcompl", "xerr")
 E_VARIABLES = ("e", "ed", "edd", "sig")
 # Named, not imported: pictures and summaries lie above results.
 DRAWING, SUMMARY = "spacar_drawing", "spacar.summary"
+FILES, SAVING, TABLES = "spacar_formats.getss", "spacar_formats.saving", "spacar_formats.tables"
 
 
 @dataclass(frozen=True, repr=False)
@@ -33,7 +35,8 @@ class Result:
     """A finished run. `result['x']` is (steps, nx); `lnp` and `le` are the 1-based tables of the result files.
 
     What a file holds once (rl0, einit, estiff, rxyz, nxp, ndof ...) has the same name here: `result['rl0']`; all
-    of them are in `tables`. `header` holds what the analysis states: NNOM, NU, NY, condition ...
+    of them are in `tables`. `header` holds what the analysis states: NNOM, NU, NY, condition ...; `nominal` is the
+    motion that mode 3 linearized along.
     """
 
     mechanism: Mechanism
@@ -41,20 +44,24 @@ class Result:
     frames: Sequence[Frame]
     report: tuple[str, ...]
     header: dict[str, Any]
+    nominal: Any = None
 
     @classmethod
     def collect(cls, run: Run) -> Result:
         """Iterate over a run to its end."""
         frames = tuple(run)
-        return cls(run.mechanism, run.mode.number, frames, tuple(run.report.lines), dict(run.header))
+        return cls(run.mechanism, run.mode.number, frames, tuple(run.report.lines), dict(run.header), run.nominal)
 
     def draw(self, path: str | Path | None = None, **options: Any) -> Any:
         """A matplotlib figure of one or more steps, also written to `path`; options as `spacar_drawing.draw`."""
         return import_module(DRAWING).draw(self, path, **options)
 
-    def animate(self, path: str | Path, **options: Any) -> Path:
-        """Write an animation (gif, mp4); options as `spacar_drawing.animate`. Returns its path."""
-        return Path(import_module(DRAWING).animate(self, path, **options))
+    def animate(self, path: str | Path | None = None, **options: Any) -> Any:
+        """Write an animation (gif, mp4) and return its path; without `path` one that a notebook shows.
+
+        options   as `spacar_drawing.animate`
+        """
+        return import_module(DRAWING).animate(self, path, **options)
 
     def plot(self, *expressions: str, path: str | Path | None = None, against: str = "t") -> Any:
         """A matplotlib figure of expressions such as 'x[6,1]' over `against`, also written to `path`."""
@@ -64,31 +71,51 @@ class Result:
         """Stress resultants and stresses along the beams as numbers; options as `spacar_drawing.stress`."""
         return import_module(DRAWING).stress(self, **options)
 
+    def ss(self, step: int = 1) -> Any:
+        """A, B, C, D of a step (from 1, -1 the last) of mode 3, 4 or 9, with the names of states, inputs and outputs.
+
+        `A, B, C, D = result.ss()`; `.to_scipy()`, `.to_control()` for other libraries. Raises UsageError for another
+        mode or step.
+        """
+        return import_module(FILES).state_space_of(self, step)
+
+    def save(self, name: str | Path, wait: bool = False) -> tuple[Path, ...]:
+        """Write NAME.log, NAME.sbd and what else the mode fills, as `spacar MODE NAME` does. Their paths, log first.
+
+        name   path without ending;  wait   for another run that is writing them, instead of an error
+
+        Raises UsageError when they cannot be written.
+        """
+        paths: tuple[Path, ...] = import_module(SAVING).save_result(self, name, wait)
+        return paths
+
+    def to_pandas(self, *expressions: str) -> Any:
+        """A pandas.DataFrame, one row a step, a column for each of `expressions`, default all: `x[6,1]`, `sig[1,1]` ...
+        Units are in `attrs`.
+
+        Raises UsageError without pandas (`pip install 'spacar[tables]'`) and for an expression that is none.
+        """
+        return import_module(TABLES).to_pandas(self, expressions)
+
+    def to_xarray(self) -> Any:
+        """An xarray.Dataset over t, coordinate (node, number) and deformation (element, mode), with the matrices of the
+        linearized equations. Raises UsageError without xarray (`pip install 'spacar[tables]'`).
+        """
+        return import_module(TABLES).to_xarray(self)
+
     def __repr__(self) -> str:
         return str(import_module(SUMMARY).result_summary(self))
 
     def _repr_html_(self) -> str:
         """The summary with a picture, for notebooks; without the picture where it cannot be drawn."""
-        from html import escape
-
-        text = f"<pre>{escape(repr(self))}</pre>"
-        try:
-            return text + str(import_module(DRAWING).inline_picture(self))
-        except (ImportError, SpacarError):  # no matplotlib, or nothing that could be drawn
-            return text
+        return str(import_module(SUMMARY).with_picture(repr(self), "inline_picture", self))
 
     @property
     def frequencies(self) -> Array:
         """(steps, n) |eigenvalue| / 2 pi [Hz] from low to high, one for each pair of complex eigenvalues; nan fills up
         steps with fewer. Raises UsageError when the mode computes no eigenvalues.
         """
-        every = self["eigval"]
-        rows = []
-        for values in every:
-            size = np.hypot(values[:, 0], values[:, 1]) / (2.0 * np.pi)
-            rows.append(np.sort(size[values[:, 1] >= 0.0]))  # real ones do not come in pairs
-        longest = max(map(len, rows))
-        return np.array([np.pad(row, (0, longest - len(row)), constant_values=np.nan) for row in rows])
+        return frequencies(self["eigval"])
 
     @property
     def lnp(self) -> NDArray[np.int64]:

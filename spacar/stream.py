@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -19,7 +20,8 @@ if TYPE_CHECKING:
 
 
 # Named, not imported: it lies above the analyses, which it runs several times.
-ACCURATE = "spacar.studies.accuracy:forward"
+ACCURATE = "spacar.studies.accurate_frames:frames"
+SAVING = "spacar_formats.saving"  # result files lie above the core
 
 
 class Sink(Protocol):
@@ -36,10 +38,11 @@ class Sink(Protocol):
 @dataclass(frozen=True)
 class AccuracyRequest:
     """Accuracy of the result that is asked for: error over amplitude (None: only measured), over these expressions
-    (none: all free coordinates)."""
+    (none: what `spacar.studies.result_quantities` says). `mesh`: flexible beams may be divided for it."""
 
     target: float | None = None
     variables: tuple[str, ...] = ()
+    mesh: bool = True
 
 
 @dataclass
@@ -85,6 +88,16 @@ class Run:
                     told.add(row)
                     self.report.add(sentence)
             yield frame
+
+    def save(self, name: str | Path, wait: bool = False) -> tuple[Path, ...]:
+        """Run, and write every frame to NAME.log, NAME.sbd ... as it comes: nothing is kept in memory. Their paths.
+
+        name   of the files without ending;  wait   for another run that is writing them, instead of an error
+
+        Raises UsageError when they cannot be written, and what ended the run; frames up to there stay in NAME.sbd.part.
+        """
+        paths: tuple[Path, ...] = import_module(SAVING).save_run(self, name, wait)
+        return paths
 
     def consume(self, *sinks: Sink, window: Sink | None = None) -> Outcome:
         """Hand every frame to every sink; however the run ends, finish the sinks with what ended it.

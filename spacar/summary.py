@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from typing import TYPE_CHECKING
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from spacar.deck import ELEMENT_TYPES
+from spacar.errors import SpacarError
 from spacar.modes import find_mode
 
 if TYPE_CHECKING:
@@ -16,6 +18,18 @@ if TYPE_CHECKING:
 
 MOST = 6  # numbers in a line
 LINES = 10
+DRAWING = "spacar_drawing"  # named, not imported: pictures lie above the core
+
+
+def with_picture(text: str, maker: str, thing: Any) -> str:
+    """HTML of a text, and the picture that a function of the drawing package makes of a thing, if it can."""
+    from html import escape
+
+    page = f"<pre>{escape(text)}</pre>"
+    try:
+        return page + str(getattr(import_module(DRAWING), maker)(thing))
+    except (ImportError, SpacarError):  # no matplotlib, or nothing that could be drawn
+        return page
 
 
 def deck_summary(deck: Deck) -> str:

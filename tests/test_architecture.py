@@ -29,7 +29,7 @@ EXTRAS = {  # optional packages, each for one room
     "spacar/symbolic": {"sympy", "tomli", "mpmath"},
     "spacar/compiled": {"sympy"},
     "spacar/simulation": {"control"},
-    "formats/spacar_formats": {"control"},
+    "formats/spacar_formats": {"control", "pandas", "xarray"},
     "cli/spacar_cli": {"sympy", "tomli", "control", "dask", "distributed"},
 }
 OPTIONAL = {"symbolic", "compiled"}  # packages of the core that only an extra needs
@@ -48,7 +48,8 @@ RANKS = {
     "linear": 9,
     "inverse": 10,
     "simulation": 11,
-    "studies": 12,
+    "studies": 12, "stroke": 12,
+    "sensitivities": 13,
 }  # fmt: skip
 
 

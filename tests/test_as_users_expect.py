@@ -53,8 +53,18 @@ def test_a_notebook_shows_a_picture(crank):
     assert '<img alt="mechanism" src="data:image/png;base64,iVBOR' in html
 
 
+def test_a_notebook_shows_a_model():
+    """A deck and a Model in their start position; one that is not complete yet without a picture."""
+    deck = spacar.read_deck(DATA / "trike2.dat")
+    for model in (deck, spacar.Model.from_deck(deck)):
+        assert model._repr_html_().count("<img alt=") == 1
+    assert spacar.Model()._repr_html_() == (
+        "<pre>Model &lt;model&gt;: no elements; 0 statements\n  .deck(), str(), spacar.run(1, model)</pre>"
+    )
+
+
 def test_a_notebook_does_without_a_picture(crank, monkeypatch):
-    monkeypatch.setattr("spacar.result.DRAWING", "spacar_drawing_that_is_not_installed")
+    monkeypatch.setattr("spacar.summary.DRAWING", "spacar_drawing_that_is_not_installed")
     assert "<img" not in crank._repr_html_()
     assert "crank.dat" in crank._repr_html_()
 

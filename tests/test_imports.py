@@ -14,15 +14,19 @@ ROOMS = ("spacar", "formats", "cli/spacar_drawing")
 # Slow to import, not there on every system or only with an extra; of the standard library what only rare branches need.
 HEAVY = {
     "matplotlib", "PIL", "scipy", "numpy.polynomial", "rich", "sympy", "mpmath", "control", "concurrent",
-    "multiprocessing", "importlib", "difflib", "hashlib", "html", "msvcrt", "fcntl",
+    "multiprocessing", "importlib", "difflib", "hashlib", "html", "msvcrt", "fcntl", "shutil", "tempfile",
+    "pandas", "xarray",
 }  # fmt: skip
 # Ours, for some models or runs only: the compiled path and symbolic models need extras, the others load SciPy,
 # a window, or the spatial elements, which a planar model never needs. Who imports spacar_drawing mostly wants one
-# picture: curves, pages and numbers of stresses would bring in the linearized equations.
+# picture: curves, pages and numbers of stresses would bring in the linearized equations. Results in memory, beams by
+# cross-section, words about a failure and codes that need a Jacobian are what a run of the command line seldom needs.
 LATE = {
     "spacar.compiled", "spacar.symbolic", "spacar.simulation", "spacar.linear_systems", "spacar.elements",
     "spacar.mechanism.user_functions", "spacar.kinematics.lost_stiffness", "spacar_drawing.window",
+    "spacar.result", "spacar.deck.section_block", "spacar.kinematics.failure", "spacar.linearization.state_jacobian",
     "spacar_drawing.report_page", "spacar_drawing.curves", "spacar_drawing.history", "spacar_drawing.stress_numbers",
+    "spacar_drawing.stroke_page", "spacar_drawing.stroke_figures",
 }  # fmt: skip
 
 

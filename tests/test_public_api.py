@@ -16,8 +16,8 @@ from spacar.integrators import METHODS
 HOUSE = Path(__file__).parents[1]
 DATA = HOUSE / "data"
 CALLS = {"run": spacar.run, "frames": spacar.frames}
-FUNCTIONS = ("run", "frames", "read_deck", "parse_deck")
-CLASSES = ("Deck", "Result", "Run", "Frame")
+FUNCTIONS = ("run", "frames", "read_deck", "parse_deck", "flexure", "sensitivity", "sweep", "trade")
+CLASSES = ("Deck", "Model", "Result", "Run", "Frame")
 
 
 @pytest.mark.parametrize("name", CALLS)
@@ -104,7 +104,7 @@ def test_parameters_of_functions_are_described(name):
     assert not described(function, inspect.getdoc(function) or "")
 
 
-@pytest.mark.parametrize("name", ["animate", "draw", "plot", "report", "stress"])
+@pytest.mark.parametrize("name", ["animate", "draw", "plot", "report", "stress", "flexure_page", "flexure_plot"])
 def test_parameters_of_drawing_functions_are_described(name):
     """Those of `animate` that `draw` has too are said there."""
     text = inspect.getdoc(getattr(spacar_drawing, name)) or ""

@@ -1,4 +1,4 @@
-"""The options `--accuracy [TARGET]` and `--variable` of the integrated modes."""
+"""The options `--accuracy [TARGET]`, `--variable` and `--fixed-mesh` of the integrated and the stationary modes."""
 
 from __future__ import annotations
 
@@ -8,29 +8,41 @@ from typing import Any
 import click
 
 from spacar.errors import UsageError
+from spacar.modes import Mode
 from spacar_cli.number_types import TOLERANCE
 
 MEASURE = ""  # the value of --accuracy without a target
 
 
-def options() -> list[click.Parameter]:
-    """Both options."""
-    return [
+def of(mode: Mode) -> bool:
+    """Has this mode the options?"""
+    return mode.integrated or mode.stationary
+
+
+def options(mode: Mode) -> list[click.Parameter]:
+    """The options of a mode that has them."""
+    runs = "choose method, tolerance and mesh" if mode.integrated else "choose the mesh of the beams"
+    found: list[click.Parameter] = [
         click.Option(
             ["--accuracy"],
             is_flag=False,
             flag_value=MEASURE,
             metavar="[TARGET]",
-            help="Error of the result over the amplitude of the motion: several runs choose method and tolerance, "
+            help=f"Error of the result over the amplitude of each variable: several runs {runs}, "
             "estimate the error and keep it below TARGET. Without TARGET the error of this run is estimated.",
         ),
         click.Option(
             ["--variable", "variables"],
             multiple=True,
             metavar="EXPRESSION",
-            help="Whose accuracy is meant, for instance 'x[6,1]'. Default: all free coordinates.",
+            help="Whose accuracy is meant, for instance 'x[6,1]'. Default: all free coordinates"
+            + (", reactions, lowest frequencies and load multipliers." if mode.stationary else "."),
         ),
     ]
+    if mode.integrated:
+        text = "The accuracy is that of the integration: beams are not divided for it."
+        found.append(click.Option(["--fixed-mesh"], is_flag=True, help=text))
+    return found
 
 
 def taken(file: Path | None, options: dict[str, Any]) -> tuple[Path | None, dict[str, Any]]:
@@ -39,19 +51,22 @@ def taken(file: Path | None, options: dict[str, Any]) -> tuple[Path | None, dict
     In `spacar 1 --accuracy FILE` the word is the file. Raises UsageError for a target that is no number.
     """
     word, variables = options.pop("accuracy", None), tuple(options.pop("variables", ()))
+    fixed = options.pop("fixed_mesh", False)
     if word is None:
-        if variables:
-            raise UsageError("--variable says whose --accuracy is meant; give --accuracy too", "usage.accuracy")
+        for given, text in ((variables, "--variable says whose"), (fixed, "--fixed-mesh says whose")):
+            if given:
+                raise UsageError(f"{text} --accuracy is meant; give --accuracy too", "usage.accuracy")
         return file, {}
+    asked = {"variables": variables} | ({"mesh": False} if fixed else {})
     if file is None and word != MEASURE:
         file, word = Path(word), MEASURE
     if word == MEASURE:
-        return file, {"accuracy": True, "variables": variables}
+        return file, asked | {"accuracy": True}
     try:
         target = TOLERANCE.convert(word, None, None)
     except click.UsageError as error:
         raise UsageError(f"--accuracy: {error.message}", "usage.accuracy") from None
-    return file, {"accuracy": target, "variables": variables}
+    return file, asked | {"accuracy": target}
 
 
 def flags(asked: dict[str, Any]) -> dict[str, Any]:
@@ -60,4 +75,5 @@ def flags(asked: dict[str, Any]) -> dict[str, Any]:
         return {}
     target = asked["accuracy"]
     found: dict[str, Any] = {"--accuracy": "measured" if target is True else target}
-    return found | ({"--variable": ", ".join(asked["variables"])} if asked["variables"] else {})
+    found |= {"--variable": ", ".join(asked["variables"])} if asked["variables"] else {}
+    return found | ({} if asked.get("mesh", True) else {"--fixed-mesh": True})

@@ -10,7 +10,9 @@ import numpy as np
 
 import spacar
 from spacar.errors import AnalysisError, SpacarError, UsageError
-from spacar_cli.deck_as_model import MARK, DeckModel
+from spacar_cli.deck_as_planar_model import PlanarModel
+from spacar_cli.deck_as_spatial_model import SpatialModel
+from spacar_cli.deck_as_text import MARK, DeckText
 
 if TYPE_CHECKING:
     from spacar.result import Result
@@ -79,7 +81,9 @@ def export_deck(
     options: dict[str, Any] = {"duration": duration or TIME, "n_steps": STEPS, "rtol": RTOL, "atol": RTOL}
     try:
         first = next(iter(spacar.frames(1, deck, **options)))
-        made = DeckModel(build(deck, 1), first.x, first.xd, shapes)
+        mechanism = build(deck, 1)
+        kind = PlanarModel if mechanism.numbering.planar else SpatialModel
+        made: DeckText = kind(mechanism, first.x, first.xd, shapes)
         text = made.text()
         result = spacar.run(1, deck, **options)
     except AnalysisError as error:
@@ -93,8 +97,8 @@ def export_deck(
         program = eq.program(model.outputs)
         run = _simulated(program, model, np.ravel(result["t"]))
     except SpacarError as error:
-        kind = AnalysisError if isinstance(error, AnalysisError) else UsageError
-        raise kind(f"{path.name}: {error}", error.code) from None
+        failure = AnalysisError if isinstance(error, AnalysisError) else UsageError
+        raise failure(f"{path.name}: {error}", error.code) from None
     flexible = bool(model.system.beams)
     compared = compare(made, result, run)
     if not flexible and compared.position[0] > RIGID_LIMIT * compared.size:
@@ -123,20 +127,19 @@ def _simulated(program: Any, model: SymbolicModel, times: np.ndarray) -> Simulat
     return run
 
 
-def compare(made: DeckModel, result: Result, run: SimulatedMotion) -> Compared:
+def compare(made: DeckText, result: Result, run: SimulatedMotion) -> Compared:
     """Positions of all position nodes and angles of all orientation nodes at the times of both."""
     x, times, lnp = result["x"], np.ravel(result["t"]), made.numbering.lnp
     position, angle, deflection = (0.0, 0, 0.0), (0.0, 0, 0.0), 0.0
     for node, point in made.points.items():
-        ours = np.column_stack([run[f"{point}.{a}"] for a in "xy"])
-        gap = np.hypot(*(ours - x[:, lnp[node - 1, :2] - 1]).T)
+        ours = np.column_stack([run[f"{point}.{a}"] for a in made.axes])
+        gap = np.linalg.norm(ours - x[:, lnp[node - 1, : made.dimension] - 1], axis=1)
         k = int(np.argmax(gap))
         position = max(position, (float(gap[k]), node, float(times[k])))
-    for node, turned in made.angles.items():
-        if turned.frame != "N":
-            turn = np.abs(run[f"angle{node}"] - x[:, lnp[node - 1, 0] - 1])
-            k = int(np.argmax(turn))
-            angle = max(angle, (float(turn[k]), node, float(times[k])))
+    for node in made.turned_about_z():
+        turn = np.abs(run[f"angle{node}"] - x[:, lnp[node - 1, 0] - 1])
+        k = int(np.argmax(turn))
+        angle = max(angle, (float(turn[k]), node, float(times[k])))
     for part in made.parts:
         if made.kind(part) == "beam":
             deflection = max(deflection, _deflection(made, part.number, x))
@@ -144,11 +147,11 @@ def compare(made: DeckModel, result: Result, run: SimulatedMotion) -> Compared:
     return Compared(position, angle, deflection, size, times)
 
 
-def _deflection(made: DeckModel, number: int, x: np.ndarray) -> float:
+def _deflection(made: DeckText, number: int, x: np.ndarray) -> float:
     """Largest distance of the end at q from the tangent at p, over all steps."""
     p, turn, q, _ = made.numbering.ln[number - 1]
-    lnp = made.numbering.lnp
-    span = made.place(q) - made.place(p)
-    now = x[:, lnp[q - 1, :2] - 1] - x[:, lnp[p - 1, :2] - 1]
-    at = np.arctan2(span[1], span[0]) + x[:, lnp[turn - 1, 0] - 1]
-    return float(np.max(np.abs(np.cos(at) * now[:, 1] - np.sin(at) * now[:, 0])))
+    lnp, d = made.numbering.lnp, made.dimension
+    now = x[:, lnp[q - 1, :d] - 1] - x[:, lnp[p - 1, :d] - 1]
+    tangent = made.turned(made.place(q) - made.place(p), x[:, lnp[turn - 1] - 1])
+    along = np.sum(now * tangent, axis=1)
+    return float(np.max(np.linalg.norm(now - along[:, None] * tangent, axis=1)))

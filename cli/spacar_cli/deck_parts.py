@@ -1,10 +1,10 @@
-"""What of a planar input file can be a model of the symbolic part: its elements as rigid parts, sliders, beams, springs
+"""What of an input file can be a model of the symbolic part: its elements as rigid parts, sliders, beams, springs
 and hinges, and the numbers of its statements. Anything else is refused by a sentence that names it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,19 +15,18 @@ if TYPE_CHECKING:
     from spacar.mechanism import Mechanism
 
 UNKNOWN = ("USERSIG", "USERINP", "MEE", "XGYRO")
-
-
-class Angle(NamedTuple):
-    """An orientation: its frame, its angle to N and the rate of that, as expressions."""
-
-    frame: str
-    angle: str
-    rate: str
+# the places of p, its orientation, q, its orientation among the nodes of an element
+PLANAR: dict[str, tuple[int | None, ...]] = {
+    "PLBEAM": (0, 1, 2, 3), "PLRBEAM": (0, 1, 2, None), "PLTRUSS": (0, None, 1, None), "PLTOR": (None, 0, None, 1),
+}  # fmt: skip
+SPATIAL: dict[str, tuple[int | None, ...]] = {
+    "BEAM": (0, 1, 2, 3), "RBEAM": (0, 1, 2, None), "TRUSS": (0, None, 1, None), "HINGE": (None, 0, None, 1),
+}  # fmt: skip
 
 
 @dataclass
 class Part:
-    """An element: number, keyword, position and orientation nodes p, φp, q, φq (0: none), classes of its modes."""
+    """An element: number, keyword, position and orientation nodes of p and q (0: none), classes of its modes."""
 
     number: int
     keyword: str
@@ -50,14 +49,12 @@ class DeckParts:
     def __post_init__(self) -> None:
         m = self.mechanism
         self.deck, self.numbering, self.reference = m.deck, m.numbering, m.x0
+        self.dimension = 2 if self.numbering.planar else 3
         self._refuse()
         self.parts = [self._part(*row) for row in self.numbering.elements]
 
     def _refuse(self) -> None:
         deck = self.deck
-        if not self.numbering.planar:
-            keyword = self.numbering.elements[0][1]
-            raise UsageError(f"{deck.source}: {keyword} cannot be exported: only planar mechanisms can", "export")
         for statement in deck.of(*UNKNOWN):
             raise UsageError(f"{deck.where(statement)}: {statement.keyword} cannot be exported", "export")
         if self.numbering.nk:
@@ -67,10 +64,7 @@ class DeckParts:
         return UsageError(f"{self.deck.source}: {part} cannot be exported: {why}", "export")
 
     def _part(self, number: int, keyword: str, _: Any) -> Part:
-        ends: dict[str, tuple[int | None, ...]] = {
-            "PLBEAM": (0, 1, 2, 3), "PLRBEAM": (0, 1, 2, None), "PLTRUSS": (0, None, 1, None),
-            "PLTOR": (None, 0, None, 1),
-        }  # fmt: skip
+        ends = PLANAR if self.numbering.planar else SPATIAL
         classes = []
         row = self.numbering.ln[number - 1]
         for i in self.numbering.le[number - 1]:
@@ -88,12 +82,15 @@ class DeckParts:
     def kind(self, part: Part) -> str:
         """rigid, slider (a beam of variable length), beam, spring or hinge; "" for anything else."""
         c = part.classes
-        if part.keyword == "PLTOR":
+        if part.keyword == "PLTOR" or (part.keyword == "HINGE" and c[1:] == ("fixed", "fixed")):
             return "hinge"
         if all(k == "fixed" for k in c):
             return "rigid"
-        if part.keyword == "PLTRUSS" and c[0] in ("dynamic", "calculable"):
+        if part.keyword in ("PLTRUSS", "TRUSS") and c[0] in ("dynamic", "calculable"):
             return "spring"
+        if part.keyword == "BEAM":
+            bent = all(pair in (("fixed",) * 2, ("dynamic",) * 2) for pair in (c[2:4], c[4:6]))
+            return "beam" if bent and all(k in ("fixed", "dynamic") for k in c[:2]) else ""
         if part.keyword == "PLBEAM" and c[1:] == ("dynamic", "dynamic") and c[0] in ("fixed", "dynamic"):
             return "beam"
         free = part.keyword == "PLBEAM" and c[0] in ("dynamic", "calculable") and c[1:] == ("fixed", "fixed")
@@ -110,7 +107,7 @@ class DeckParts:
 
     def place(self, node: int, x: Any = None) -> np.ndarray:
         x = self.reference if x is None else x
-        return np.array([x[i - 1] for i in self.numbering.lnp[node - 1, :2]], float)
+        return np.array([x[i - 1] for i in self.numbering.lnp[node - 1, : self.dimension]], float)
 
     def class_of(self, node: int, coordinate: int) -> str:
         i = int(self.numbering.lnp[node - 1, coordinate]) - 1

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 from spacar_drawing.files import FILM, FILM_DPI, check_name, film, save
+from spacar_drawing.moving_figure import evenly
 from spacar_drawing.picture_source import open_source
+from spacar_drawing.scope_panels import TimeLine, beside
 from spacar_drawing.step_pictures import chosen_steps, picture, series
 
 from spacar_cli.drawing_options import Choices, check_elements
@@ -25,6 +29,7 @@ def draw(
     no_trace: bool,
     initial: bool,
     frames: int,
+    scopes: bool = True,
 ) -> list[Path]:
     """Write all files and open the window that were asked for; returns the files. Raises UsageError."""
     source = open_source(file, choices.stale_ok)
@@ -38,20 +43,42 @@ def draw(
     check_elements(nodes, scene.position_nodes.tolist(), "--trace: position node")
     stills = [p for p in outputs if p.suffix.lower() not in FILM]
     films = [p for p in outputs if p.suffix.lower() in FILM]
+    table = source.signals if scopes and source.signals is not None and source.signals.panels else None
     if stills:
-        figure = picture(changed, choices.extras(), chosen_steps(changed, steps, strobe, False), nodes, initial)
+        numbers = chosen_steps(changed, steps, strobe, False)
+        figure = picture(changed, choices.extras(), numbers, nodes, initial)
+        if table is not None:
+            beside(figure, table, np.ravel(source.get("t")), table.panels).show(source.time(numbers[-1]))
         for path in stills:
             save(figure, path, choices.dpi)
     if films or choices.show:
         shown = series(changed, choices.extras(), chosen_steps(changed, steps, None, True), nodes, initial)
-        pictures, count = shown.thinned(frames)
         for path in films:
+            pictures, count = shown.thinned(frames)
             with frame_progress(environment.error_is_terminal, count, path.name) as tick:
-                film(shown.moving(), pictures, count, path, choices.fps, min(choices.dpi, FILM_DPI), tick)
+                moving = shown.moving()
+                if table is not None:
+                    line = beside(moving.figure, table, np.ravel(source.get("t")), table.panels)
+                    few = evenly(0, len(shown.numbers) - 1, frames)
+                    pictures = _with_line(line, pictures, [source.time(shown.numbers[i]) for i in few])
+                film(moving, pictures, count, path, choices.fps, min(choices.dpi, FILM_DPI), tick)
         if choices.show:
-            from spacar_drawing.window import slider_window
+            from spacar_drawing.window import open_window, slider_window
 
-            slider_window(
-                shown.whole, len(shown.numbers), 0, shown.bounds, shown.camera, scene.title, choices.fps
-            )
+            whole: Callable[[int], Any] = shown.whole
+            if table is not None:
+                t = np.ravel(source.get("t"))
+                line = TimeLine(open_window(f"{scene.title}: scopes"), table, t, table.panels)
+                whole = _with_line(line, whole, [source.time(k) for k in shown.numbers])
+            slider_window(whole, len(shown.numbers), 0, shown.bounds, shown.camera, scene.title, choices.fps)
     return list(outputs)
+
+
+def _with_line(line: TimeLine, pictures: Callable[[int], Any], at: Sequence[float]) -> Callable[[int], Any]:
+    """The pictures, each with the line of the scopes at its time."""
+
+    def show(i: int) -> Any:
+        line.show(at[i])
+        return pictures(i)
+
+    return show

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import gc
+import os
 import re
 import sys
 import warnings
@@ -11,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import replace
 from importlib import import_module
+from typing import TYPE_CHECKING
 
 import click
 
@@ -19,10 +21,15 @@ from spacar.errors import UsageError
 from spacar.modes import MODES
 from spacar_cli.command_table import COMMANDS
 from spacar_cli.environment import Environment, give_up_output, open_missing_streams
+from spacar_cli.interruption import lasting
 from spacar_cli.status import ExitStatus, tell, tell_error
+
+if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
 
 MODE = re.compile(r"[+-]?\d+")
 REFUSED = (errno.ENOSPC, errno.EBADF, errno.EIO, errno.EFBIG)  # of standard output: files are named in their errors
+COMPLETING = "_SPACAR_COMPLETE"  # set by the scripts of `spacar completion`
 HELP = {"help_option_names": ["-h", "--help"]}
 
 
@@ -35,6 +42,15 @@ def without_collection() -> Iterator[None]:
     finally:
         gc.freeze()
         gc.enable()
+
+
+def with_file_names(command: click.Command) -> click.Command:
+    """The command; while the TAB key completes, its arguments that are names of results are those of files."""
+    if COMPLETING in os.environ:
+        for parameter in command.params:
+            if isinstance(parameter, click.Argument) and parameter.name in ("file", "files"):
+                parameter.type = click.Path()
+    return command
 
 
 class CommandGroup(click.Group):
@@ -53,12 +69,20 @@ class CommandGroup(click.Group):
             with without_collection():
                 from spacar_cli.commands.run_mode import command_of_mode
 
-            return command_of_mode(cmd_name)
+            return with_file_names(command_of_mode(cmd_name))
         if cmd_name not in COMMANDS:
             return None
         with without_collection():
             command: click.Command = import_module(f"spacar_cli.commands.{cmd_name}").command
-        return command
+        return with_file_names(command)
+
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
+        """Modes and commands by name, with their titles; none is imported for that."""
+        from click.shell_completion import CompletionItem
+
+        known = {str(mode.number): mode.title for mode in MODES.values()} | COMMANDS
+        found = [CompletionItem(word, help=text) for word, text in known.items() if word.startswith(incomplete)]
+        return [*found, *click.Command.shell_complete(self, ctx, incomplete)]
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
@@ -110,7 +134,7 @@ def main(arguments: Sequence[str] | None = None, environment: Environment | None
         words = [word for word in words if word != "--debug"]
     else:
         warnings.simplefilter("ignore")  # of libraries; ours are messages
-    with redirect_stdout(env.stdout), redirect_stderr(env.stderr):
+    with redirect_stdout(env.stdout), redirect_stderr(env.stderr), lasting():
         try:
             if any("\0" in word for word in words):
                 raise UsageError("a word of the command line has a zero byte in it", "usage")

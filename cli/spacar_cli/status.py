@@ -9,7 +9,7 @@ from spacar.errors import InputError, SpacarError, shown
 from spacar_cli.environment import RED, YELLOW, Environment
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from spacar.errors import Message
 
@@ -59,10 +59,17 @@ def tell_error(environment: Environment, error: BaseException) -> ExitStatus:
         tell(environment, "error", "out of memory; store fewer steps or use fewer elements")
         return ExitStatus.FAILED
     text = " ".join(str(error).split())
-    if isinstance(error, ImportError) and any(words in text for words in NO_ROOM):
+    if isinstance(error, ImportError) and any(words in str(cause) for cause in _causes(error) for words in NO_ROOM):
         tell(environment, "error", "out of memory: there is no room for the libraries that are needed")
         return ExitStatus.FAILED
     tell(
         environment, "error", f"internal error: {type(error).__name__}: {text} (--debug shows where; please report it)"
     )
     return ExitStatus.FAILED
+
+
+def _causes(error: BaseException | None) -> Iterator[BaseException]:
+    """The error, what raised it, and so on: NumPy explains an import that failed in many words of its own."""
+    while error is not None:
+        yield error
+        error = error.__cause__ or error.__context__

@@ -1,8 +1,8 @@
 """Pictures of mechanisms: pure functions from result arrays to drawable geometry, then matplotlib.
 
 source -> Scene and coordinates -> shapes (lines, faces, marks) -> paint on a matplotlib figure. The public functions
-are `draw`, `animate`, `plot`, `report` and `stress`; methods of `Result` call them. No window opens unless a
-function of `window` is called, and matplotlib is imported only where it draws.
+are `draw`, `animate`, `plot`, `report`, `stress`, `view`, `flexure_page` and `flexure_plot`; methods of `Result` and
+`Flexure` call them. No window opens unless a function of `window` is called; matplotlib is imported only where it draws.
 
 >>> import spacar
 >>> from spacar_drawing import draw
@@ -11,6 +11,28 @@ function of `window` is called, and matplotlib is imported only where it draws.
 True
 """
 
-from spacar_drawing.drawing_calls import animate, draw, inline_picture, plot, report, stress
+from spacar_drawing.drawing_calls import (
+    animate,
+    draw,
+    flexure_page,
+    flexure_plot,
+    inline_model,
+    inline_picture,
+    plot,
+    report,
+    stress,
+    view,
+)
 
-__all__ = ["animate", "draw", "inline_picture", "plot", "report", "stress"]
+__all__ = [
+    "animate",
+    "draw",
+    "flexure_page",
+    "flexure_plot",
+    "inline_model",
+    "inline_picture",
+    "plot",
+    "report",
+    "stress",
+    "view",
+]

@@ -4,10 +4,16 @@ from __future__ import annotations
 
 from base64 import b64encode
 from collections.abc import Sequence
+from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
+from spacar_formats.safety import write_text
+
+from spacar.calls import run
+from spacar.deck import Deck
 from spacar.errors import UsageError
 from spacar.result import Result
 from spacar_drawing.files import FILM_DPI, film, save
@@ -18,10 +24,26 @@ from spacar_drawing.step_pictures import chosen_steps, picture, series
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from spacar.deck.model import Model
+    from spacar.stroke import Flexure
     from spacar_drawing.stress_numbers import StressResults
 
 DPI = 150.0
 MOST_FRAMES = 150
+
+
+@dataclass(frozen=True)
+class InlineAnimation:
+    """A gif in memory, which a notebook shows: `data` its bytes, `title` that of the model."""
+
+    data: bytes
+    title: str
+
+    def __repr__(self) -> str:
+        return f"Animation of {self.title}: gif of {len(self.data) / 1000:.0f} kB, shown in a notebook"
+
+    def _repr_html_(self) -> str:
+        return f'<img alt="animation" src="data:image/gif;base64,{b64encode(self.data).decode()}">'
 
 
 def source_of(result: Result | str | Path) -> PictureSource:
@@ -51,55 +73,86 @@ def draw(
 
 
 def animate(
-    result: Result | str | Path, path: str | Path, *, steps: str | None = None, traces: Sequence[int] = (),
-    initial: bool = False, frames: int = MOST_FRAMES, fps: float = 25.0, dpi: float = FILM_DPI, **extras: Any,
-) -> Path:  # fmt: skip
-    """Write an animation as gif, or as mp4 where ffmpeg is installed; returns its path. Arguments as `draw`.
+    result: Result | str | Path, path: str | Path | None = None, *, steps: str | None = None,
+    traces: Sequence[int] = (), initial: bool = False, frames: int = MOST_FRAMES, fps: float = 25.0,
+    dpi: float = FILM_DPI, **extras: Any,
+) -> Path | InlineAnimation:  # fmt: skip
+    """Write an animation as gif, or as mp4 where ffmpeg is installed; returns its path. Without a path a gif that a
+    notebook shows. Arguments as `draw`.
 
     frames   most pictures in it;  fps: pictures a second
     """
     source = source_of(result)
     shown = series(source, Extras(**extras), chosen_steps(source, steps, None, True), traces, initial)
     pictures, count = shown.thinned(frames)
-    film(shown.moving(), pictures, count, Path(path), fps, dpi)
-    return Path(path)
+    if path is not None:
+        film(shown.moving(), pictures, count, Path(path), fps, dpi)
+        return Path(path)
+    with TemporaryDirectory() as folder:
+        made = Path(folder) / "animation.gif"
+        film(shown.moving(), pictures, count, made, fps, dpi)
+        return InlineAnimation(made.read_bytes(), source.scene.title)
 
 
 def report(
-    result: Result | str | Path, expressions: Sequence[str] = (), *, log_lines: int = 120, view: str = "iso"
-) -> str:
+    result: Result | str | Path, expressions: Sequence[str] = (), *, log_lines: int = 120, view: str = "iso",
+    viewer: bool = False,
+) -> str:  # fmt: skip
     """One self-contained HTML page about a run, as text; `expressions` are plotted instead of the degrees of freedom.
 
     log_lines  lines of the log from its beginning and its end, where the result is a file with a log beside it
-    view       of a spatial mechanism, as for `draw`
+    view       of a spatial mechanism, as for `draw`;  viewer: with the moving picture of `view` in it
 
     Raises UsageError for an expression that cannot be evaluated.
     """
     from spacar_drawing.report_page import report_page
 
-    return report_page(source_of(result), expressions, log_lines, view)
+    return report_page(source_of(result), expressions, log_lines, view, viewer)
+
+
+def view(
+    result: Result | str | Path, path: str | Path | None = None, *, frames: int = MOST_FRAMES, view: str = "iso",
+    fps: float = 25.0,
+) -> str:  # fmt: skip
+    """One self-contained HTML page that turns, zooms and plays the mechanism in a browser, as text.
+
+    path  file that it is also written to;  frames: most steps that it holds
+    view  with which it begins, of a spatial mechanism;  fps: pictures a second while it plays
+
+    Raises UsageError for a view that is none, and for a file that cannot be written.
+    """
+    from spacar_formats.safety import write_text
+
+    from spacar_drawing.viewer_page import view_page
+
+    page = view_page(source_of(result), frames, view, fps)
+    if path is not None:
+        write_text(Path(path), page)
+    return page
 
 
 def plot(
     result: Result | str | Path, *expressions: str, path: str | Path | None = None, against: str = "t",
     title: str | None = None, dpi: float = DPI,
 ) -> Figure:  # fmt: skip
-    """A matplotlib figure of expressions such as 'x[6,1]' (docs/expressions.md), a panel for each variable or unit.
+    """A matplotlib figure of expressions such as 'x[6,1]' (docs/expressions.md), a panel for each variable or unit; in
+    the unit of length of the input file.
 
     path     file that it is also written to (png, svg, pdf);  dpi: dots per inch of the file
     against  expression of the horizontal axis;  title: text above, instead of the name of the model
 
     Raises UsageError for an expression that cannot be evaluated, and for a file that cannot be written.
     """
-    from spacar_drawing.curves import evaluate
+    from spacar_drawing.curves import evaluate, in_units
     from spacar_drawing.history import history_figure
 
     if not expressions:
         raise UsageError("nothing to plot: give at least one expression, for instance 'x[6,1]'", "plot.nothing")
     source = source_of(result)
-    curves = [evaluate(source, text) for text in expressions]
+    metre = source.scene.metre
+    curves = [in_units(evaluate(source, text), metre) for text in expressions]
     head = source.scene.title if title is None else title
-    figure = history_figure(curves, evaluate(source, against), head, source.scene.analysis.stationary)
+    figure = history_figure(curves, in_units(evaluate(source, against), metre), head, source.scene.analysis.stationary)
     if path is not None:
         save(figure, Path(path), dpi)
     return figure
@@ -119,6 +172,47 @@ def stress(
     from spacar_drawing.stress_numbers import stress_results
 
     return stress_results(source_of(result), steps, elements, points)
+
+
+def flexure_page(
+    study: Flexure, path: str | Path | None = None, *, view: str | None = None, body: bool = False
+) -> str:
+    """One self-contained HTML page of `spacar.flexure`, as text; also written to `path` when that is given.
+
+    study   what `spacar.flexure` gave
+    view    of spatial pictures, as for `draw`; default: the plane of the motion, and iso for stresses
+    body    stiffness along axes that turn with the node instead of the global ones
+    """
+    from spacar_drawing.stroke_page import stroke_page
+
+    text = stroke_page(study, view, body)
+    if path is not None:
+        write_text(Path(path), text)
+    return text
+
+
+def flexure_plot(
+    study: Flexure, path: str | Path | None = None, *, body: bool = False, dpi: float = DPI
+) -> Figure:
+    """A matplotlib figure of `spacar.flexure`: remaining support stiffness, errors, frequencies, stress.
+
+    study   what `spacar.flexure` gave;  path: file that it is also written to (png, svg, pdf);  dpi: dots per inch
+    body    stiffness along axes that turn with the node instead of the global ones
+    """
+    from spacar_drawing.stroke_figures import overview_figure
+
+    figure = overview_figure(study, body)
+    if path is not None:
+        save(figure, Path(path), dpi)
+    return figure
+
+
+def inline_model(model: Deck | Model) -> str:
+    """The start position of a model as an HTML image; functions of its users are not called."""
+    from spacar.mechanism.user_functions import without_functions
+
+    deck = model if isinstance(model, Deck) else model.deck(0)
+    return inline_picture(run(0, without_functions(deck)))
 
 
 def inline_picture(result: Result) -> str:

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from spacar.arrays import Array
+from spacar.arrays import Array, Index
 
 Colour = str | tuple[float, float, float]
 
 
 @dataclass(frozen=True)
 class Line:
-    """A polyline: points (n, 3). `layer` orders planar pictures and puts marks (layer >= 5) in front of solids."""
+    """A polyline: points (n, 3), or m of them that look alike: (m, n, 3). `layer` orders planar pictures and puts marks
+    (layer >= 5) in front of solids."""
 
     points: Array
     colour: Colour = "#222222"
@@ -26,7 +29,12 @@ class Line:
 
 @dataclass(frozen=True)
 class Faces:
-    """Polygons with equally many corners: corners (n, k, 3); one colour or one per polygon (n, 3)."""
+    """Polygons with equally many corners: corners (n, k, 3), convex in spatial pictures; one colour or one per polygon
+    (n, 3).
+
+    `closed`: they enclose a solid, with corners counter-clockwise as seen from outside, so that those that look away
+    from the viewer are never seen.
+    """
 
     corners: Array
     colour: Colour | Array
@@ -35,11 +43,12 @@ class Faces:
     layer: int = 1
     light: bool = True
     width: float = 0.6
+    closed: bool = False
 
 
 @dataclass(frozen=True)
 class Mark:
-    """A round mark of constant size on paper at (3,)."""
+    """A round mark of constant size on paper at (3,), or several at (n, 3)."""
 
     at: Array
     size: float = 3.0
@@ -80,16 +89,48 @@ def normal_pair(axis: Array) -> tuple[Array, Array]:
 
 
 def sweep(outline: Array, centre: Array, y: Array, z: Array) -> Array:
-    """Quadrilaterals ((m - 1) k, 4, 3) of an outline (k, 2) moved along centre (m, 3) with axes y, z (m, 3)."""
-    rings = centre[:, None] + outline[:, 0, None] * y[:, None] + outline[:, 1, None] * z[:, None]
-    after = np.roll(rings, -1, axis=1)
-    quads = np.stack((rings[:-1], after[:-1], after[1:], rings[1:]), axis=2)
+    """Quadrilaterals (... (m - 1) k, 4, 3) of an outline (k, 2) moved along centre (..., m, 3) with axes y, z."""
+    rings = (
+        centre[..., None, :] + outline[:, 0, None] * y[..., None, :] + outline[:, 1, None] * z[..., None, :]
+    )  # (..., m, k, 3)
+    after = np.roll(rings, -1, axis=-2)
+    near, far = slice(None, -1), slice(1, None)
+    corners = (rings[..., near, :, :], after[..., near, :, :], after[..., far, :, :], rings[..., far, :, :])
+    quads = np.stack(corners, axis=-2)
     return quads.reshape(-1, 4, 3)
 
 
 def cap(outline: Array, centre: Array, y: Array, z: Array) -> Array:
-    """(1, k, 3) the outline (k, 2) at one place."""
-    return (centre + outline[:, :1] * y + outline[:, 1:] * z)[None]
+    """(... pieces, k, 3) the outline (k, 2) at places (..., 3), in convex pieces."""
+    pieces = outline[convex_pieces(outline)]  # (pieces, k, 2)
+    corners = (
+        centre[..., None, None, :] + pieces[..., :1] * y[..., None, None, :] + pieces[..., 1:] * z[..., None, None, :]
+    )
+    return corners.reshape(-1, *corners.shape[-2:])
+
+
+def convex_pieces(outline: Array) -> Index:
+    """Corners of the convex pieces of a simple polygon (k, 2), counter-clockwise: itself, or triangles."""
+    corners = list(range(len(outline)))
+
+    def turn(a: int, b: int, c: int) -> float:
+        u, v = outline[b] - outline[a], outline[c] - outline[b]
+        return float(u[0] * v[1] - u[1] * v[0])
+
+    if all(turn(corners[i - 2], corners[i - 1], corners[i]) >= 0 for i in corners):
+        return np.array([corners])
+    pieces = []
+    while len(corners) > 3:
+        for i in range(len(corners)):
+            a, b, c = corners[i - 1], corners[i], corners[(i + 1) % len(corners)]
+            others = [o for o in corners if o not in (a, b, c)]
+            if turn(a, b, c) > 0 and not any(min(turn(a, b, o), turn(b, c, o), turn(c, a, o)) >= 0 for o in others):
+                break
+        else:
+            break  # corners on one line: nothing is left to cut
+        pieces.append((a, b, c))
+        corners.pop(i)
+    return np.array([*pieces, tuple(corners[:3])])
 
 
 def disc_outline(radius: float, n: int = 16) -> Array:
@@ -107,19 +148,36 @@ def solid(
     light: bool = True,
     hole: Array | None = None,
     edge: Colour | None = None,
+    ends: NDArray[np.bool_] | None = None,
 ) -> list[Shape]:
-    """A swept solid with closed ends; with `hole` (k, 2), a tube. One colour, or one per piece (m - 1, 3)."""
+    """Swept solids with closed ends, along centre (..., m, 3); with `hole` (k, 2), tubes.
+
+    One colour, or one per piece (..., m - 1, 3); `ends` (..., 2) says which ends are closed, default all.
+    """
     k = len(outline)
-    along = np.repeat(colour, k, axis=0) if isinstance(colour, np.ndarray) else colour
-    shapes: list[Shape] = [Faces(sweep(outline, centre, y, z), along, edge, alpha, light=light, width=0.3)]
+    many = isinstance(colour, np.ndarray)
+    along = np.repeat(colour, k, axis=-2).reshape(-1, 3) if isinstance(colour, np.ndarray) else colour
+    inside = hole is not None
+    shapes: list[Shape] = [
+        Faces(sweep(outline, centre, y, z), along, edge, alpha, light=light, width=0.3, closed=not inside)
+    ]
     for end, at in ((0, 0), (-1, -1)):
-        paint: Colour = (colour[end][0], colour[end][1], colour[end][2]) if isinstance(colour, np.ndarray) else colour
+        chosen: Any = ... if ends is None else ends[..., end]
+        a, b, c = (v[..., at, :][chosen] for v in (centre, y, z))
+        if not a.size:
+            continue
         if hole is None:
-            shapes.append(Faces(cap(outline, centre[at], y[at], z[at]), paint, edge, alpha, light=light, width=0.3))
+            corners = cap(outline, a, b, c)
+            corners = corners[:, ::-1] if end == 0 else corners
         else:
             ring = np.stack((outline, np.roll(outline, -1, 0), np.roll(hole, -1, 0), hole), axis=1)
-            corners = centre[at] + ring[..., :1] * y[at] + ring[..., 1:] * z[at]
-            shapes.append(Faces(corners, paint, edge, alpha, light=light))
+            a, b, c = (v[..., None, None, :] for v in (a, b, c))
+            corners = (a + ring[..., :1] * b + ring[..., 1:] * c).reshape(-1, 4, 3)
+        paint: Colour | Array = colour
+        if many:
+            own = np.reshape(np.asarray(colour)[..., end, :][chosen], (-1, 3))
+            paint = np.repeat(own, len(corners) // len(own), axis=0)
+        shapes.append(Faces(corners, paint, edge, alpha, light=light, width=0.3, closed=not inside))
     if hole is not None:
         shapes.append(Faces(sweep(hole, centre, y, z), along, None, alpha, light=light))
     return shapes
@@ -144,8 +202,8 @@ def torus(
     v = np.cross(axis, u)
     angle = np.linspace(0.0, 2 * np.pi, n + 1)[:, None]
     radial = np.cos(angle) * u + np.sin(angle) * v
-    quads = sweep(disc_outline(tread, 10), centre + radius * radial, radial, np.broadcast_to(axis, radial.shape))
-    return [Faces(quads, colour)]
+    quads = sweep(disc_outline(tread, 10), centre + radius * radial, radial, np.broadcast_to(-axis, radial.shape))
+    return [Faces(quads, colour, closed=True)]
 
 
 def merge_bounds(shapes: Sequence[Shape]) -> tuple[Array, Array] | None:
@@ -153,11 +211,11 @@ def merge_bounds(shapes: Sequence[Shape]) -> tuple[Array, Array] | None:
     parts = []
     for s in shapes:
         if isinstance(s, Line):
-            parts.append(s.points)
+            parts.append(s.points.reshape(-1, 3))
         elif isinstance(s, Faces):
             parts.append(s.corners.reshape(-1, 3))
         else:
-            parts.append(s.at[None])
+            parts.append(s.at.reshape(-1, 3))
     if not parts:
         return None
     stacked = np.concatenate(parts)

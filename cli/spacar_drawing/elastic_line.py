@@ -22,50 +22,55 @@ def shape_functions(xi: Array) -> tuple[Array, Array]:
     return N, L
 
 
-def elastic_line(ends: Array, tangents: Array, l0: float, across: Array, Phi: Array, n: int) -> Array:
-    """(n, 3) points of the elastic line [m].
+def elastic_line(ends: Array, tangents: Array, l0: Array | float, across: Array, Phi: Array, n: int) -> Array:
+    """(..., n, 3) points of elastic lines [m]; any number of beams in the leading axes.
 
-    ends (2, 3) x_p, x_q [m]; tangents (2, 3) unit vectors normal to the end sections; l0 undeformed length [m];
-    across (2, 3) unit vectors of the bending directions y', z'; Phi (2,) shear parameters of bending along y', z'.
+    ends (..., 2, 3) x_p, x_q [m]; tangents (..., 2, 3) unit vectors normal to the end sections; l0 (...) undeformed
+    length [m]; across (..., 2, 3) unit vectors of the bending directions y', z'; Phi (..., 2) shear parameters of
+    bending along y', z'.
     """
     N, L = shape_functions(np.linspace(0.0, 1.0, n))
-    y = np.stack((ends[0], l0 * tangents[0], ends[1], l0 * tangents[1]))
+    slopes = np.asarray(l0)[..., None, None] * tangents
+    y = np.stack((ends[..., 0, :], slopes[..., 0, :], ends[..., 1, :], slopes[..., 1, :]), axis=-2)
     points = N.T @ y
     if np.any(Phi):
         shear = (L - N).T @ y
-        for direction, value in zip(across, Phi, strict=True):
-            points += value / (1.0 + value) * np.outer(shear @ direction, direction)
+        for k in (0, 1):
+            direction, value = across[..., k, :], Phi[..., k]
+            share = (value / (1.0 + value))[..., None, None]
+            points = points + share * (shear @ direction[..., :, None]) * direction[..., None, :]
     return points
 
 
-def section_axes(
-    points: Array, y_p: Array, y_q: Array, slopes: tuple[float, float] | None = None
-) -> tuple[Array, Array]:
-    """y', z' (n, 3) along a line of points (n, 3), y' normal to the line.
+def section_axes(points: Array, y_p: Array, y_q: Array, slopes: Array | None = None) -> tuple[Array, Array]:
+    """y', z' (..., n, 3) along lines of points (..., n, 3), y' normal to the line.
 
-    It turns linearly from y_p to y_q; with `slopes` [rad], twist rates at the ends times the length, as the cubic with
-    these slopes (theory-warping.md section 3).
+    It turns linearly from y_p to y_q (..., 3); with `slopes` (..., 2) [rad], twist rates at the ends times the length,
+    as the cubic with these slopes (theory-warping.md section 3).
     """
-    tangent = np.gradient(points, axis=0)
-    tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-300)
-    xi = np.linspace(0.0, 1.0, len(points))[:, None]
-    y = (1 - xi) * y_p + xi * y_q
-    y = y - np.sum(y * tangent, axis=1, keepdims=True) * tangent
-    y /= np.maximum(np.linalg.norm(y, axis=1, keepdims=True), 1e-300)
+    tangent = _unit(np.gradient(points, axis=-2))
+    xi = np.linspace(0.0, 1.0, points.shape[-2])[:, None]
+    y = (1 - xi) * y_p[..., None, :] + xi * y_q[..., None, :]
+    y = _unit(y - np.sum(y * tangent, axis=-1, keepdims=True) * tangent)
     z = np.cross(tangent, y)
     if slopes is not None:
-        twist = np.arctan2(y[-1] @ z[0], y[-1] @ y[0])
-        cubic = twist * (3 * xi**2 - 2 * xi**3) + slopes[0] * (xi - 2 * xi**2 + xi**3) + slopes[1] * (xi**3 - xi**2)
+        last, first = y[..., -1, :], (y[..., 0, :], z[..., 0, :])
+        twist = np.arctan2(np.sum(last * first[1], axis=-1), np.sum(last * first[0], axis=-1))[..., None, None]
+        p, q = slopes[..., 0, None, None], slopes[..., 1, None, None]
+        cubic = twist * (3 * xi**2 - 2 * xi**3) + p * (xi - 2 * xi**2 + xi**3) + q * (xi**3 - xi**2)
         more = cubic - twist * xi
         y, z = np.cos(more) * y + np.sin(more) * z, np.cos(more) * z - np.sin(more) * y
     return y, z
 
 
 def chord_axes(ends: Array, y_p: Array, y_q: Array) -> Array:
-    """(2, 3) y', z' normal to the chord, midway between the ends: the directions in which the shear part acts."""
-    d = ends[1] - ends[0]
-    d = d / max(float(np.linalg.norm(d)), 1e-300)
+    """(..., 2, 3) y', z' normal to the chords of ends (..., 2, 3), midway between the ends: the directions in which the
+    shear part acts."""
+    d = _unit(ends[..., 1, :] - ends[..., 0, :])
     y = y_p + y_q
-    y = y - (y @ d) * d
-    y = y / max(float(np.linalg.norm(y)), 1e-300)
-    return np.stack((y, np.cross(d, y)))
+    y = _unit(y - np.sum(y * d, axis=-1, keepdims=True) * d)
+    return np.stack((y, np.cross(d, y)), axis=-2)
+
+
+def _unit(v: Array) -> Array:
+    return v / np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-300)

@@ -75,7 +75,7 @@ def _frames(moving: MovingFigure, pictures: Pictures, count: int, tick: Tick | N
     canvas = FigureCanvasAgg(moving.figure)
     for k in range(count):
         moving.show(*pictures(k))
-        canvas.draw()
+        moving.draw()
         pixels = np.asarray(canvas.buffer_rgba())[:, :, :3]
         yield np.ascontiguousarray(pixels[: pixels.shape[0] // 2 * 2, : pixels.shape[1] // 2 * 2])
         if tick is not None:
@@ -88,6 +88,9 @@ def _gif(frames: Iterator[NDArray[np.uint8]], path: Path, fps: float) -> None:
 
     first = Image.fromarray(next(frames))
     palette = first.quantize(128, method=Image.Quantize.MEDIANCUT)
+    colours = np.array(palette.getpalette() or []).reshape(-1, 3)
+    colours[np.argmax(colours.sum(axis=1))] = 255  # paper stays white
+    palette.putpalette(colours.ravel().tolist())
     rest = (Image.fromarray(f).quantize(palette=palette, dither=Image.Dither.NONE) for f in frames)
     duration = max(20, 10 * round(100.0 / fps))  # ms in whole hundredths; faster is not shown by browsers
     with replacing(path) as side:

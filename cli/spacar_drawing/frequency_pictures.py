@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from spacar_formats.vibration import without_rounding
 
 from spacar.errors import escaped
 from spacar_drawing.history import COLOURS
@@ -21,15 +22,6 @@ if TYPE_CHECKING:
 MOST_NAMED = 8  # curves in one panel
 NAMES_A_ROW = 4  # of the legend of more
 STYLES = ("-", "--", ":", "-.")
-
-
-def without_rounding(values: np.ndarray) -> np.ndarray:
-    """Eigenvalues (n,) whose parts below n eps times the largest modulus are zero: what an undamped mode has of them is
-    the rounding of the eigenvalue problem (backward error n eps |A|), and would be all that a picture shows."""
-    limit = len(values) * np.finfo(float).eps * float(np.max(np.abs(values), initial=0.0))
-    return np.where(np.abs(values.real) <= limit, 0.0, values.real) + 1j * np.where(
-        np.abs(values.imag) <= limit, 0.0, values.imag
-    )
 
 
 def root_figure(steps: Sequence[Vibration], across: np.ndarray, text: str, title: str) -> Figure:

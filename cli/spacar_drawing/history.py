@@ -31,11 +31,13 @@ def panels(curves: Sequence[Curve]) -> list[list[Curve]]:
     """Curves of the same variable, or of expressions with the same unit, together, in the given order."""
     groups: dict[object, list[Curve]] = {}
     for c in curves:
-        groups.setdefault((c.variable, c.unit), []).append(c)
+        groups.setdefault((c.variable, c.unit, c.group), []).append(c)
     return list(groups.values())
 
 
 def panel_text(group: Sequence[Curve]) -> str:
+    if group[0].group:
+        return group[0].group
     if len(group) == 1:
         return axis_text(group[0])
     text = unit_text(group[0].unit)
@@ -74,13 +76,14 @@ def history_figure(curves: Sequence[Curve], against: Curve, title: str = "", sta
         axes.yaxis.get_offset_text().set(fontsize=8, color=INK)
         for side in axes.spines.values():
             side.set(color="#cfd5da", linewidth=0.8)
-        if len(group) > 1:
+        if len(group) > 1 or group[0].group:
+            longest = max(len(c.text) for c in group)
             axes.legend(
-                fontsize=8,
+                fontsize=8 if longest < 20 else 7,
                 frameon=False,
-                ncols=min(len(group), 5),
+                ncols=min(len(group), 5 if longest < 20 else 3),
                 loc="lower left",
-                bbox_to_anchor=(0, 1.0),
+                bbox_to_anchor=(0.06, 1.0),  # beside the power of ten of the axis
                 borderpad=0.1,
             )
     label = ("load step" if stationary else "time t (s)") if against.variable == "t" else axis_text(against)

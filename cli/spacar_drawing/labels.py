@@ -112,8 +112,8 @@ def _samples(camera: Camera, shapes: Sequence[Shape]) -> Array:
     for s in shapes:
         if isinstance(s, Line):
             p = camera.project(s.points)
-            t = np.linspace(0.0, 1.0, max(2, 60 // len(p) + 1))[:, None, None]
-            parts.append(((1 - t) * p[:-1] + t * p[1:]).reshape(-1, 2))
+            t = np.linspace(0.0, 1.0, max(2, 60 // p.shape[-2] + 1)).reshape(-1, *(1,) * p.ndim)
+            parts.append(((1 - t) * p[..., :-1, :] + t * p[..., 1:, :]).reshape(-1, 2))
         elif isinstance(s, Faces) and not camera.planar:
             parts.append(camera.project(s.corners.mean(1)))
     return np.concatenate(parts) if parts else np.zeros((0, 2))

@@ -10,9 +10,10 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar_drawing import look as colours
+from spacar_drawing.bodies import beam_lines, together
 from spacar_drawing.camera import Camera, view_angles
 from spacar_drawing.drawn_shapes import Faces, Line, Shape, merge_bounds
-from spacar_drawing.element_pictures import beam_line, element_shapes
+from spacar_drawing.element_pictures import element_shapes
 from spacar_drawing.look import Look, look_of
 from spacar_drawing.paint import paint
 from spacar_drawing.scene import ROUND, Pose, Scene
@@ -63,11 +64,11 @@ def ghost_shapes(scene: Scene, x: Array, look: Look, strength: float = 0.35) -> 
 def outline_shapes(scene: Scene, x: Array, look: Look, colour: colours.Colour = colours.GHOST) -> list[Shape]:
     """The elastic lines only, thin, in one colour."""
     pose = Pose.of(scene, x)
-    shapes: list[Shape] = []
-    for e in scene.elements:
-        if e.p and e.q and e.number not in look.settings.hidden and e.shape not in ROUND:
-            shapes.append(Line(beam_line(scene, pose, e, look.points)[0], colour, 1.0, 0, dashes=(5, 3)))
-    return shapes
+    seen = (e for e in scene.elements if e.p and e.q and e.number not in look.settings.hidden and e.shape not in ROUND)
+    alike = together(((e.shape == "beam", bool(e.warping)), e) for e in seen)
+    return [
+        Line(beam_lines(scene, pose, found, look.points)[0], colour, 1.0, 0, dashes=(5, 3)) for found in alike.values()
+    ]
 
 
 def fade(shape: Shape, strength: float) -> Shape:

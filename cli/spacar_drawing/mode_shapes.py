@@ -6,7 +6,8 @@ analysis does not store them (3, 4, 9) from its matrices: with Q = C0 + D0 and K
     d(q_k)/dt = Bk0 q_k + Ak0 u,   M0 du/dt = -Q u - K q_k              (reference/files.md section 5)
 
 Both of a pair (conjugate, or plus and minus without damping) are one mode. Order: unstable modes first, the fastest
-growing one as mode 1, then the others by the modulus of their eigenvalue. Buckling: the order of lmult.
+growing one as mode 1, then the others by the modulus of their eigenvalue, zero modes last. Buckling: the order of
+lmult.
 Motion: dx times the vector in the columns of the dynamic and kinematic degrees of freedom (files.md section 3).
 """
 
@@ -19,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 from spacar_formats.locate import open_result
-from spacar_formats.vibration import modes_of_stored_matrices
+from spacar_formats.vibration import modes_of_stored_matrices, shown_order
 
 from spacar.arrays import Array
 from spacar.errors import Report, UsageError
@@ -112,7 +113,7 @@ def vibration_modes(source: PictureSource, matrices: Any, step: int) -> list[Mod
         motion = source.get("dx", step)[:, dynamic_columns(source.header)]
         n = motion.shape[1]
         shapes = motion @ vectors[:n]
-    order = _order(values)
+    order = shown_order(values)
     modes: list[ModeShape] = []
     seen: list[tuple[complex, NDArray[np.complex128]]] = []
     largest = float(np.max(np.abs(values), initial=0.0)) or 1.0
@@ -132,19 +133,6 @@ def vibration_modes(source: PictureSource, matrices: Any, step: int) -> list[Mod
             value, vector, shape = np.conj(value), np.conj(vector), np.conj(shape)
         modes.append(ModeShape(len(modes) + 1, "vibration", complex(value), vector, shape))
     return modes
-
-
-def _order(values: NDArray[np.complex128]) -> list[int]:
-    """Unstable ones first (fastest growth first), then by modulus; of a pair the growing, or positive imaginary one."""
-    largest = float(np.max(np.abs(values), initial=0.0)) or 1.0
-
-    def key(i: int) -> tuple[float, ...]:
-        v = values[i]
-        if v.real > SAME * largest:
-            return (0, -v.real, -v.imag)
-        return (1, round(abs(v) / largest, 9), -v.imag)
-
-    return sorted(range(len(values)), key=key)
 
 
 def _pair(a: complex, b: complex, largest: float) -> bool:

@@ -27,7 +27,7 @@ def paint(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
     for mark in (s for s in shapes if isinstance(s, Mark)):
         marks.setdefault((mark.size, mark.face, mark.edge, mark.layer), []).append(mark)
     for alike in marks.values():
-        x, y = camera.project(np.stack([m.at for m in alike])).T
+        x, y = camera.project(np.concatenate([m.at.reshape(-1, 3) for m in alike])).T
         first = alike[0]
         look: dict[str, Any] = {
             "ms": first.size,
@@ -37,10 +37,13 @@ def paint(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
             "zorder": 10 + first.layer,
         }
         artists += axes.plot(x, y, "o", scalex=False, scaley=False, **look)
+    return artists + paint_labels(axes, camera, shapes)
+
+
+def paint_labels(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
+    """Only the labels among the shapes, beside the others."""
     labels = [s for s in shapes if isinstance(s, Label)]
-    if labels:
-        artists += place_labels(axes, camera, labels, shapes)
-    return artists
+    return place_labels(axes, camera, labels, shapes) if labels else []
 
 
 def _planar(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
@@ -52,12 +55,12 @@ def _planar(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
         polygons: list[Array] = []
         faces, edges, widths = [], [], []
         for s in (s for s in shapes if isinstance(s, Faces) and s.layer == layer):
-            colour = _rgba(s.colour, s.alpha, len(s.corners))
+            colour = rgba(s.colour, s.alpha, len(s.corners))
             many = isinstance(s.colour, np.ndarray)  # edges in the colour of the face close the hairlines between them
             closed = colour if many and s.alpha >= 1 else colour * [1, 1, 1, 0]
             polygons.append(camera.project(s.corners))
             faces.append(colour)
-            edges.append(_rgba(s.edge, 1.0, len(colour)) if s.edge else closed)
+            edges.append(rgba(s.edge, 1.0, len(colour)) if s.edge else closed)
             widths.append(np.full(len(colour), s.width if s.edge or (many and s.alpha >= 1) else 0.0))
         face = PolyCollection(
             list(_alike(polygons)),
@@ -71,10 +74,7 @@ def _planar(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
     for layer, opaque in layers:
         lines = [s for s in shapes if isinstance(s, Line) and (s.layer, s.alpha >= 1) == (layer, opaque)]
         collection = LineCollection(
-            [camera.project(s.points) for s in lines],
-            colors=[_rgba(s.colour, s.alpha)[0] for s in lines],
-            linewidths=[s.width for s in lines],
-            linestyles=[(0, s.dashes) if s.dashes else "solid" for s in lines],
+            **_polylines(camera, lines),
             capstyle="round" if opaque else "butt",  # round ends of pale lines would show where two meet
             joinstyle="round",
         )
@@ -92,7 +92,7 @@ def _spatial(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
     front: list[Line] = []
     for s in shapes:
         if isinstance(s, Faces):
-            colour = _rgba(s.colour, s.alpha, len(s.corners))
+            colour = rgba(s.colour, s.alpha, len(s.corners))
             if s.light:
                 colour[:, :3] *= brightness(camera, s.corners)[:, None]
             polygons.append(camera.project(s.corners))
@@ -100,15 +100,15 @@ def _spatial(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
             faces.append(colour)
             # an edge in the colour of the face closes the hairlines between neighbours; with transparency it would show
             edges.append(
-                _rgba(s.edge, 1.0, len(colour)) if s.edge else colour if s.alpha >= 1 else colour * [1, 1, 1, 0]
+                rgba(s.edge, 1.0, len(colour)) if s.edge else colour if s.alpha >= 1 else colour * [1, 1, 1, 0]
             )
             widths.append(np.full(len(colour), s.width if s.edge else 0.4))
         elif isinstance(s, Line):
             if s.layer >= FRONT or s.dashes:
                 front.append(s)
                 continue
-            pieces = np.stack((s.points[:-1], s.points[1:]), axis=1)
-            colour = _rgba(s.colour, s.alpha, len(pieces))
+            pieces = np.stack((s.points[..., :-1, :], s.points[..., 1:, :]), axis=-2).reshape(-1, 2, 3)
+            colour = rgba(s.colour, s.alpha, len(pieces))
             polygons.append(camera.project(pieces))
             depths.append(camera.depth(pieces).mean(1))
             faces.append(colour * [1, 1, 1, 0])
@@ -127,15 +127,22 @@ def _spatial(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
         collection.set_zorder(10)
         artists.append(axes.add_collection(collection, autolim=False))
     if front:
-        lines = LineCollection(
-            [camera.project(s.points) for s in front],
-            colors=[_rgba(s.colour, s.alpha)[0] for s in front],
-            linewidths=[s.width for s in front],
-            linestyles=[(0, s.dashes) if s.dashes else "solid" for s in front],
-        )
+        lines = LineCollection(**_polylines(camera, front))
         lines.set_zorder(15)
         artists.append(axes.add_collection(lines, autolim=False))
     return artists
+
+
+def _polylines(camera: Camera, lines: Sequence[Line]) -> dict[str, Any]:
+    """Arguments of a LineCollection."""
+    points = [camera.project(s.points).reshape(-1, *s.points.shape[-2:-1], 2) for s in lines]
+    look: dict[str, list[Any]] = {"segments": [p for many in points for p in many]}
+    look |= {"colors": [], "linewidths": [], "linestyles": []}
+    for s, many in zip(lines, points, strict=True):
+        look["colors"] += [rgba(s.colour, s.alpha)[0]] * len(many)
+        look["linewidths"] += [s.width] * len(many)
+        look["linestyles"] += [(0, s.dashes) if s.dashes else "solid"] * len(many)
+    return look
 
 
 def _alike(polygons: Sequence[Array]) -> Any:
@@ -154,7 +161,8 @@ def brightness(camera: Camera, corners: Array) -> Array:
     return DARKEST + (1 - DARKEST) * np.clip(normal @ lamp, 0.0, 1.0) ** 0.8
 
 
-def _rgba(colour: Any, alpha: float, n: int = 1) -> Array:
+def rgba(colour: Any, alpha: float, n: int = 1) -> Array:
+    """(n, 4) of one colour, or of an array (n, 3)."""
     from matplotlib.colors import to_rgba, to_rgba_array
 
     if isinstance(colour, np.ndarray) and colour.ndim == 2:

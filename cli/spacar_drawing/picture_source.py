@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from spacar_formats.locate import open_result, stale_note
+from spacar_formats.signal_tables import SignalTable, read_table
 from spacar_formats.sinks.result_header import sbd_header
 
 from spacar.arrays import Array
@@ -42,6 +43,7 @@ class PictureSource:
     header: Mapping[str, Any]
     complete: bool = True
     named: Mapping[str, Array] = field(default_factory=dict)  # of `spacar symbolic`: (steps,) by name
+    signals: SignalTable | None = None  # of a simulation
 
     def get(self, name: str, k: int | None = None) -> Array:
         """A variable of step k, (n,) or (rows, cols); of all steps with one more first axis. UsageError if absent."""
@@ -75,7 +77,8 @@ def open_source(name: str | Path, stale_ok: bool = False, drawn: bool = True) ->
     if wanted.suffix.lower() in (".dat", ".sbm", ".ltv", ".toml", ".py"):
         wanted = wanted.with_suffix("")
     file = open_result(wanted, "sbd")
-    symbolic = "symbolic" in file.header.get("KIND", "")
+    kind = file.header.get("KIND", "")
+    symbolic = "symbolic" in kind or "signals" in kind
     missing = [ident for ident in NEEDED if not file.has(ident)]
     if missing and symbolic and drawn:
         raise UsageError(f"{file.path} has no points that could be drawn: use spacar plot", "draw.symbolic")
@@ -116,6 +119,7 @@ def open_source(name: str | Path, stale_ok: bool = False, drawn: bool = True) ->
         header,
         file.complete,
         named_columns(file),
+        read_table(file),
     )
 
 

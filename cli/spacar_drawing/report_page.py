@@ -1,9 +1,7 @@
-"""The report of a run: a self-contained HTML page with embedded pictures, without scripts."""
+"""The report of a run: a self-contained HTML page with embedded pictures, without scripts but that of the viewer."""
 
 from __future__ import annotations
 
-import base64
-import io
 from collections.abc import Sequence
 from dataclasses import replace
 from html import escape
@@ -12,21 +10,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-import spacar
 from spacar.deck import ELEMENT_TYPES
 from spacar.errors import UsageError
-from spacar_drawing.curves import Curve, evaluate
+from spacar_drawing.curves import Curve, evaluate, in_units
 from spacar_drawing.history import axis_text, history_figure
 from spacar_drawing.look import SYMBOL, look_of
 from spacar_drawing.mechanism_picture import Extras, draw_steps
 from spacar_drawing.mode_picture import constraint_still, mode_still
 from spacar_drawing.mode_shapes import buckling_modes, open_matrices, suitable_factor, vibration_modes
 from spacar_drawing.moving_figure import evenly
+from spacar_drawing.page_parts import html_figure, html_table, number_text, page
 from spacar_drawing.redundancy import redundancy, stored_gradient
-from spacar_drawing.report_style import STYLE
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
     from spacar_drawing.mode_shapes import ModeShape
     from spacar_drawing.picture_source import PictureSource
@@ -34,35 +30,36 @@ if TYPE_CHECKING:
 
 MOST_CURVES = 12
 MOST_MODES = 4
-DPI = 120
 _NAMED = (("Coordinates", "QNAME"), ("Speeds", "SNAME"), ("Inputs", "UNAME"), ("Outputs", "YNAME"))
 
 
-def report_page(source: PictureSource, expressions: Sequence[str] = (), log_lines: int = 120, view: str = "iso") -> str:
-    """The page of a result. Raises UsageError for an expression that cannot be evaluated."""
+def report_page(
+    source: PictureSource,
+    expressions: Sequence[str] = (),
+    log_lines: int = 120,
+    view: str = "iso",
+    viewer: bool = False,
+) -> str:
+    """The page of a result; `viewer`: with the moving picture of `spacar view` in it.
+
+    Raises UsageError for an expression that cannot be evaluated.
+    """
     scene = source.scene
     extras = Extras(view=view, title="")
-    parts = [_summary(source), _model(source, extras), _freedoms(source)]
+    parts = [_summary(source), _model(source, extras), _viewer(source, view) if viewer else "", _freedoms(source)]
     if not source.named and not scene.analysis.forces:
         parts.append(_constraints(source, extras))
     if scene.analysis.stationary:
         parts.append(_modes(source, extras))
     curves = [evaluate(source, text) for text in expressions] or key_curves(source)
+    curves = [in_units(c, scene.metre) for c in curves]
     resting = [] if expressions else [c for c in curves if not np.any(c.values)]  # what was asked for is always shown
     curves = [c for c in curves if all(c is not r for r in resting)]
     parts.append(_results(source, curves, resting))
     if source.steps > 2:
         parts.append(_plots(source, curves))
     parts.append(_log(source, log_lines))
-    title = escape(scene.title)
-    return (
-        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<meta name="viewport" '
-        'content="width=device-width">\n'
-        f"<title>{title}: spacar report</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<main>\n"
-        f"<h1>{title}</h1>\n"
-        + "\n".join(p for p in parts if p)
-        + f"\n<footer>spacar {spacar.__version__}</footer>\n</main>\n</body>\n</html>\n"
-    )
+    return page(scene.title, parts)
 
 
 def key_curves(source: PictureSource) -> list[Curve]:
@@ -156,7 +153,7 @@ def _summary(source: PictureSource) -> str:
     warning = (
         "" if source.complete else '<p class="warn">The run did not come to its end: the result is incomplete.</p>'
     )
-    return warning + _table(rows, head=None, klass="facts")
+    return warning + html_table(rows, head=None, klass="facts")
 
 
 def _steps(source: PictureSource) -> str:
@@ -176,7 +173,7 @@ def _model(source: PictureSource, extras: Extras) -> str:
     numbered = draw_steps(
         scene, source.x(k)[None], source.settings, replace(extras, node_numbers=True, element_numbers=True)
     )
-    out = "<h2>Model</h2>" + _figure(
+    out = "<h2>Model</h2>" + html_figure(
         numbered, "Numbers of nodes (orientation nodes in brackets) and of elements (in boxes)."
     )
     if source.steps > 2 and not scene.analysis.stationary:
@@ -184,20 +181,28 @@ def _model(source: PictureSource, extras: Extras) -> str:
         xs = np.stack([source.x(k) for k in chosen])
         moving = draw_steps(scene, xs, source.settings, extras)
         if float(np.max(np.ptp(xs, axis=0), initial=0.0)) > 0:
-            out += _figure(moving, f"{len(chosen)} evenly spread steps, the last one in full.")
+            out += html_figure(moving, f"{len(chosen)} evenly spread steps, the last one in full.")
     return out
+
+
+def _viewer(source: PictureSource, view: str) -> str:
+    """The page of `spacar view` in a frame of its own, which cannot reach this page."""
+    from spacar_drawing.viewer_page import view_page
+
+    page = escape(view_page(source, view=view), quote=True)
+    return f'<h2>Motion</h2><iframe class="viewer" sandbox="allow-scripts" title="motion" srcdoc="{page}"></iframe>'
 
 
 def _freedoms(source: PictureSource) -> str:
     if source.named:
         facts = [(title, ", ".join(_texts(source, ident)) or "none") for title, ident in _NAMED]
-        return "<h2>Quantities</h2>" + _table(facts, head=None, klass="facts")
+        return "<h2>Quantities</h2>" + html_table(facts, head=None, klass="facts")
     found = freedoms(source.scene)
     counts = {kind: sum(f[2] == kind for f in found) for kind in ("input", "dynamic", "kinematic")}
     words = {"input": "prescribed", "dynamic": "dynamic", "kinematic": "kinematic"}
     text = ", ".join(f"{n} {words[k]}" for k, n in counts.items() if n) or "none"
     rows = [(str(i + 1), a, b, words[c]) for i, (a, b, c) in enumerate(found)]
-    table = _table(rows, ("", "variable", "meaning", "class")) if rows else ""
+    table = html_table(rows, ("", "variable", "meaning", "class")) if rows else ""
     if len(rows) > 30:
         table = f"<details><summary>all {len(rows)}</summary>{table}</details>"
     return f"<h2>Degrees of freedom</h2><p>{text}.</p>{table}"
@@ -214,20 +219,20 @@ def _results(source: PictureSource, curves: Sequence[Curve], resting: Sequence[C
     for c in curves:
         v = np.asarray(c.values)
         if len(v) == 1:
-            rows.append((axis_text(c), _number(v[0])))
+            rows.append((axis_text(c), number_text(v[0])))
             continue
         low, high = int(np.argmin(v)), int(np.argmax(v))
         rows.append(
             (
                 axis_text(c),
-                _number(v[0]),
-                _number(v[-1]),
-                f"{_number(v[low])} at {times[low]:.4g}{unit}",
-                f"{_number(v[high])} at {times[high]:.4g}{unit}",
+                number_text(v[0]),
+                number_text(v[-1]),
+                f"{number_text(v[low])} at {times[low]:.4g}{unit}",
+                f"{number_text(v[high])} at {times[high]:.4g}{unit}",
             )
         )
     head = ("", "value") if source.steps == 1 else ("", "first", "last", "smallest", "largest")
-    return "<h2>Key results</h2>" + _table(rows, head, "numbers") + left
+    return "<h2>Key results</h2>" + html_table(rows, head, "numbers") + left
 
 
 def _plots(source: PictureSource, curves: Sequence[Curve]) -> str:
@@ -235,7 +240,7 @@ def _plots(source: PictureSource, curves: Sequence[Curve]) -> str:
         return ""
     across = evaluate(source, "t")
     figure = history_figure(curves, across, "", source.scene.analysis.stationary)
-    return "<h2>Plots</h2>" + _figure(figure, ", ".join(c.text for c in curves) + " over time.")
+    return "<h2>Plots</h2>" + html_figure(figure, ", ".join(c.text for c in curves) + " over time.")
 
 
 def _modes(source: PictureSource, extras: Extras) -> str:
@@ -258,21 +263,21 @@ def _modes(source: PictureSource, extras: Extras) -> str:
             rows = [_vibration_row(m) for m in found]
             head: tuple[str, ...] = ("mode", "real part (1/s)", "frequency (rad/s)", "frequency (Hz)", "damping ratio")
         else:
-            rows = [(str(m.number), _number(m.value.real)) for m in found]
+            rows = [(str(m.number), number_text(m.value.real)) for m in found]
             head = ("mode", "load multiplier")
-        out += f"<h2>{kind.capitalize()} modes</h2>" + _table(rows, head, "numbers")
+        out += f"<h2>{kind.capitalize()} modes</h2>" + html_table(rows, head, "numbers")
         for m in found[:MOST_MODES]:
             still = mode_still(
                 source.scene, x, source.settings, extras, m, suitable_factor(source.scene, m, extent), True
             )
-            out += _figure(still, m.label.replace("   ", ": ", 1), "half")
+            out += html_figure(still, m.label.replace("   ", ": ", 1), "half")
     return out
 
 
 def _vibration_row(mode: ModeShape) -> tuple[str, ...]:
     real, omega, size = mode.value.real, abs(mode.value.imag), abs(mode.value)
-    ratio = _number(-real / size) if size else ""
-    return str(mode.number), _number(real), _number(omega), _number(omega / (2 * np.pi)), ratio
+    ratio = number_text(-real / size) if size else ""
+    return str(mode.number), number_text(real), number_text(omega), number_text(omega / (2 * np.pi)), ratio
 
 
 def _constraints(source: PictureSource, extras: Extras) -> str:
@@ -281,7 +286,7 @@ def _constraints(source: PictureSource, extras: Extras) -> str:
     found = redundancy(source.scene, stored_gradient(source, 1), extent)
     figure = constraint_still(source.scene, x, source.settings, extras, found, extent)
     text = f"{len(found.over)} over-constraints, {len(found.under)} under-constraints."
-    return f"<h2>Constraints</h2><p>{text}</p>" + _figure(
+    return f"<h2>Constraints</h2><p>{text}</p>" + html_figure(
         figure, "Red elements take part in over-constraints; dashed red: free motion."
     )
 
@@ -295,29 +300,3 @@ def _log(source: PictureSource, lines: int) -> str:
         left = len(text) - 2 * lines
         text = [*text[:lines], "", f"[... {left} lines left out, see {path.name} ...]", "", *text[-lines:]]
     return f"<h2>Log</h2><pre>{escape(chr(10).join(text))}</pre>"
-
-
-def _number(value: float) -> str:
-    return f"{float(value) + 0.0:.6g}".replace("-", "\N{MINUS SIGN}")
-
-
-def _table(rows: Sequence[Sequence[str]], head: Sequence[str] | None, klass: str = "") -> str:
-    top = "<thead><tr>" + "".join(f"<th>{escape(h)}</th>" for h in head) + "</tr></thead>" if head else ""
-    body = "".join(
-        f"<tr><th>{escape(r[0])}</th>" + "".join(f"<td>{escape(c)}</td>" for c in r[1:]) + "</tr>" for r in rows
-    )
-    return f'<div class="scroll"><table class="{klass}">{top}<tbody>{body}</tbody></table></div>'
-
-
-def _figure(figure: Figure, caption: str, klass: str = "") -> str:
-    """The picture as data inside the page, so that nothing else is needed."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
-    FigureCanvasAgg(figure)
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=DPI)
-    width = round(figure.get_size_inches()[0] * 96)
-    data = base64.b64encode(buffer.getvalue()).decode("ascii")
-    text = escape(caption)
-    image = f'<img width="{width}" alt="{text}" src="data:image/png;base64,{data}">'
-    return f'<figure class="{klass}">{image}<figcaption>{text}</figcaption></figure>'

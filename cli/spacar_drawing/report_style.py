@@ -14,6 +14,7 @@ table.numbers td { font-variant-numeric: tabular-nums; }
 .scroll { overflow-x: auto; }
 figure { margin: 12px 0 20px; }
 figure.half { display: inline-block; width: 48%; margin: 8px 1% 12px 0; vertical-align: top; }
+iframe.viewer { width: 100%; height: 560px; border: 1px solid #d8dee3; }
 img { max-width: 100%; height: auto; display: block; }
 figcaption { color: #5b6770; font-size: 12.5px; margin-top: 4px; }
 pre { font: 12px/1.4 "DejaVu Sans Mono", Consolas, monospace; }

@@ -12,11 +12,13 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacar.arrays import Array, Index
 from spacar.deck import ELEMENT_TYPES
 from spacar.modes import Mode, find_mode
 
+Flags = NDArray[np.bool_]
 CLASSES = ("fixed", "calculable", "input", "dynamic", "kinematic")
 E_ORDER = (0, 2, 3, 4, 1)  # order of the classes inside e, as places in CLASSES
 ROUND = ("belt", "planar wheel", "wheel")  # shapes that turn about a node: no body from p to q, no clamp, no joint
@@ -150,6 +152,60 @@ class Scene:
         i = int(self.le[element - 1, mode - 1])
         return CLASSES[self._e_class[i - 1]] if i else ""
 
+    @cached_property
+    def node_table(self) -> Index:
+        """(elements, 4) node numbers of every element number: p, orientation of p, q, orientation of q; 0: none."""
+        table = np.zeros((len(self.keywords), 4), int)
+        for e in self.elements:
+            table[e.number - 1] = e.p, e.p_turn, e.q, e.q_turn
+        return table
+
+    @cached_property
+    def shear(self) -> Array:
+        """(elements, 2) shear parameters Phi of bending along y' and z' (input-language.md 5.3): 12 EI/(GAk l0^2),
+        ESTIFF position 4 or 7 and 6."""
+        columns = [2, 2] if self.planar else [5, 4]
+        values = self.stiffness[:, columns] * ([1, 0] if self.planar else [1, 1])
+        square = np.where(self.length > 0, self.length, np.inf) ** 2
+        return 12.0 * values / square[:, None]
+
+    @cached_property
+    def rigid(self) -> Flags:
+        """(elements,) all deformations are fixed."""
+        return self._all_of("fixed")
+
+    @cached_property
+    def free(self) -> Flags:
+        """(elements,) all deformations are calculable: the element holds nothing."""
+        return np.asarray(self._all_of("calculable") & np.any(self.le > 0, axis=1))
+
+    def _all_of(self, name: str) -> Flags:
+        classes = np.append(self._e_class, CLASSES.index(name))[self.le - 1]  # what does not exist counts as the class
+        return np.asarray(np.all(classes == CLASSES.index(name), axis=1))
+
+    @cached_property
+    def doubled(self) -> Flags:
+        """(elements,) another element ends in the same two position nodes."""
+        pairs = np.sort(self.node_table[:, [0, 2]], axis=1)
+        _, which, count = np.unique(pairs, axis=0, return_inverse=True, return_counts=True)
+        return np.asarray((count[which.ravel()] > 1) & (pairs[:, 0] > 0))
+
+    @cached_property
+    def warping_rows(self) -> Index:
+        """Rows of the warping nodes in lnp."""
+        return np.array([n - 1 for e in self.elements for n in e.warping], int)
+
+    @cached_property
+    def supported(self) -> tuple[int, ...]:
+        """Position nodes with something that holds or drives them, or one of the orientations there."""
+        held = {n for n in self.orientation_nodes.tolist() if self.orientation_class(n)}
+        rows = self.position_nodes - 1
+        k = 2 if self.planar else 3
+        classes = self._x_class[self.lnp[rows, :k] - 1]
+        fixed = np.any((classes == CLASSES.index("fixed")) | (classes == CLASSES.index("input")), axis=1)
+        at_held = {e.p for e in self.elements if e.p_turn in held} | {e.q for e in self.elements if e.q_turn in held}
+        return tuple(n for n, yes in zip((rows + 1).tolist(), fixed.tolist(), strict=True) if yes or n in at_held)
+
     def e_classes(self, element: int) -> set[str]:
         return {self.e_class(element, m + 1) for m in np.flatnonzero(self.le[element - 1] > 0).tolist()}
 
@@ -171,7 +227,7 @@ class Scene:
 
     def is_rigid(self, element: int) -> bool:
         """All deformations are fixed."""
-        return self.e_classes(element) <= {"fixed"}
+        return bool(self.rigid[element - 1])
 
 
 def positions(scene: Scene, x: Array) -> Array:
@@ -224,8 +280,8 @@ class Pose:
     @classmethod
     def of(cls, scene: Scene, x: Array) -> Pose:
         rate = np.zeros(len(scene.lnp))
-        warping = np.array([n - 1 for e in scene.elements for n in e.warping], int)
-        rate[warping] = np.ravel(x)[scene.lnp[warping, 0] - 1]
+        rows = scene.warping_rows
+        rate[rows] = np.ravel(x)[scene.lnp[rows, 0] - 1]
         return cls(positions(scene, x), rotations(scene, x), rate)
 
     def frame(self, scene: Scene, element: Element, end: str = "p") -> Array:
@@ -235,3 +291,12 @@ class Pose:
         if not start.any():
             start = scene.frame_p[element.number - 1]
         return start @ self.turn[node - 1].T if node else start
+
+    def frames(self, scene: Scene, rows: Index, end: str = "p") -> Array:
+        """(m, 3, 3) the same of the elements in these rows (number minus 1)."""
+        table, column = (scene.frame_p, 1) if end == "p" else (scene.frame_q, 3)
+        start = table[rows]
+        start = np.where(np.any(start, axis=(1, 2), keepdims=True), start, scene.frame_p[rows])
+        nodes = scene.node_table[rows, column]
+        turn = np.where(nodes[:, None, None] > 0, self.turn[nodes - 1], np.eye(3))
+        return start @ np.swapaxes(turn, 1, 2)

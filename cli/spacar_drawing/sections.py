@@ -78,7 +78,7 @@ def warping_function(section: SectionShape, y: Array, z: Array) -> Array | None:
         return -y * z
     if section.shape == "I":
         _, h, _, tf = section.dims
-        return np.where(np.abs(z) >= 0.5 * h - tf, -y * np.sign(z) * 0.5 * (h - tf), 0.0)
+        return np.where(np.abs(z.real) >= (0.5 * h - tf).real, -y * np.sign(z.real) * 0.5 * (h - tf), 0.0)
     return None
 
 
@@ -88,7 +88,7 @@ def rectangle_twist_stress(w: float, h: float, y: Array, z: Array) -> tuple[Arra
     Saint-Venant's series (Timoshenko and Goodier, art. 109) with the stress function phi, tau_xy = d phi/dz,
     tau_xz = -d phi/dy, for the side w along y, h along z; solved across the shorter side, where it converges fast.
     """
-    if w > h:
+    if w.real > h.real:
         t_z, t_y = rectangle_twist_stress(h, w, z, y)
         return -t_y, -t_z
     a, b = 0.5 * w, 0.5 * h  # a <= b
@@ -96,10 +96,12 @@ def rectangle_twist_stress(w: float, h: float, y: Array, z: Array) -> tuple[Arra
     k = n * np.pi / (2 * a)
     sign = (-1.0) ** ((n - 1) // 2)
     # cosh(kz)/cosh(kb) without overflow
-    zz = np.clip(np.abs(z.ravel()), 0, b)
+    side = np.sign(z.real.ravel())
+    zz = side * z.ravel()
+    zz = np.where(zz.real > b.real, b, zz)
     decay = np.exp(k * (zz - b))
     ratio_c = decay * (1 + np.exp(-2 * k * zz)) / (1 + np.exp(-2 * k * b))
-    ratio_s = decay * (1 - np.exp(-2 * k * zz)) / (1 + np.exp(-2 * k * b)) * np.sign(z.ravel())
+    ratio_s = decay * (1 - np.exp(-2 * k * zz)) / (1 + np.exp(-2 * k * b)) * side
     yy = y.ravel()
     factor = 16 * a / np.pi**2  # per G theta
     t_xy = -factor * np.sum(sign / n**2 * np.cos(k * yy) * ratio_s, axis=0)

@@ -179,6 +179,7 @@ def _space_grid(axes: Axes, camera: Camera, low: Array, high: Array) -> None:
             textcoords="offset points",
             ha="center",
             va="center",
+            rotation=90.0 if out[0] > 0.8 else 0.0,  # the margin to the right is narrow
             fontsize=8.5,
             color=INK,
             zorder=3,

@@ -10,8 +10,8 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.deck.length_unit import shown_in
 from spacar.errors import UsageError
+from spacar_drawing.bodies import beam_lines, slender
 from spacar_drawing.drawn_shapes import Faces, Label, Line, Shape, merge_bounds
-from spacar_drawing.element_pictures import beam_line, body
 from spacar_drawing.look import look_of
 from spacar_drawing.mechanism_picture import Extras, camera_of, mechanism_shapes, series_bounds
 from spacar_drawing.paint import paint
@@ -80,7 +80,7 @@ def stress_still(
     for c in found:
         middle = 0.5 * (c.values[:-1] + c.values[1:])
         rgb = np.asarray(colours(norm(middle)))[:, :3]
-        shapes += body(scene, pose, look, c.element, n, rgb, 4.0, 0.45)
+        shapes += slender(scene, pose, look, [c.element], n, rgb[None], 4.0, 0.45)
     figure, axes = new_figure(
         series_bounds(scene, x[None], look, extras), camera, _title(scene, extras, quantity, note)
     )
@@ -106,7 +106,7 @@ def diagram_still(
     shapes: list[Shape] = []
     marks: list[tuple[float, Label]] = []
     for c in found:
-        points, y, z = beam_line(scene, pose, c.element, len(c.values))
+        points, y, z = (v[0] for v in beam_lines(scene, pose, [c.element], len(c.values)))
         side = z if SIDE.get(quantity) and not scene.planar else y
         tips = points + factor * c.values[:, None] * side
         sign = np.where(0.5 * (c.values[:-1] + c.values[1:]) >= 0, 1, -1)

@@ -70,16 +70,16 @@ def planar_end_moments(scene: Scene, e: Element, s: Array, deformation: Array) -
     measure it is l0 a_p, and 1 stands for the cosine (theory-beam-order4.md 1).
     """
     i = e.number - 1
-    l0 = float(scene.length[i])
+    l0 = scene.length[i]
     e2, e3 = deformation[1], deformation[2]
-    Phi = 12.0 * float(scene.stiffness[i, 2]) / l0**2
+    Phi = 12.0 * scene.stiffness[i, 2] / l0**2
     measure = int(scene.quadratic[i])  # kdform: 0, 1 sines without and with Q; 2, 3 angles with and without Q
     scale = float(measure in (1, 2)) / (60.0 * l0 * (1.0 + Phi) ** 2)
     A, B = (4 + 5 * Phi + 2.5 * Phi**2) * scale, (2 + 10 * Phi + 5 * Phi**2) * scale
     cosine = np.sqrt(np.maximum(1.0 - (deformation[1:3] / l0) ** 2, 0.0)) if measure < 2 else np.ones(2)
     p = -l0 * cosine[0] * (s[1] + (2 * A * e2 + B * e3) * s[0])
     q = -l0 * cosine[1] * (s[2] + (2 * A * e3 + B * e2) * s[0])
-    return float(p), float(q)
+    return p, q
 
 
 def resultants(scene: Scene, e: Element, sig: Array, e_values: Array, n: int) -> Resultants | None:
@@ -88,7 +88,7 @@ def resultants(scene: Scene, e: Element, sig: Array, e_values: Array, n: int) ->
         return None
     rows = scene.le[e.number - 1]
     s = np.where(rows > 0, sig[np.maximum(rows - 1, 0)], 0.0)
-    l0 = float(scene.length[e.number - 1])
+    l0 = scene.length[e.number - 1]
     xi, zero = np.linspace(0.0, 1.0, n), np.zeros(n)
     if e.shape == "truss":
         return Resultants(s[0] + zero, zero, zero, zero, zero, zero)
@@ -103,7 +103,7 @@ def resultants(scene: Scene, e: Element, sig: Array, e_values: Array, n: int) ->
         d = np.where(rows > 0, e_values[np.maximum(rows - 1, 0)], 0.0)
         # twist rate of the cubic twist angle less its mean, and the linear bimoment
         uneven = (d[7] * (3 * xi**2 - 2 * xi) - d[6] * (1 - 4 * xi + 3 * xi**2)) / l0**2
-        warping = l0**2 * (s[6] + (s[7] - s[6]) * xi), torque + float(scene.stiffness[e.number - 1, 1]) * uneven
+        warping = l0**2 * (s[6] + (s[7] - s[6]) * xi), torque + scene.stiffness[e.number - 1, 1] * uneven
         torque = torque + l0 * (s[6] - s[7])
     return Resultants(
         s[0] + zero,
@@ -123,7 +123,7 @@ def section_points(section: SectionShape) -> tuple[Array, Array]:
         grid = np.meshgrid(np.linspace(-0.5, 0.5, GRID) * w, np.linspace(-0.5, 0.5, GRID) * h)
         y, z = grid[0].ravel(), grid[1].ravel()
         if section.shape == "RECTHOL":
-            inner = (np.abs(y) < 0.5 * section.dims[2]) & (np.abs(z) < 0.5 * section.dims[3])
+            inner = (np.abs(y.real) < 0.5 * section.dims[2].real) & (np.abs(z.real) < 0.5 * section.dims[3].real)
             y, z = y[~inner], z[~inner]
         return y, z
     if section.shape == "I":
@@ -142,12 +142,17 @@ def _i_points(b: float, h: float, tw: float, tf: float) -> tuple[Array, Array]:
     return np.concatenate(y), np.concatenate(z)
 
 
-def stress_field(section: SectionShape, r: Resultants) -> tuple[Array, Array]:
-    """Normal stress and shear stress, each (places along the element, points of the section) [N/m^2]."""
+def stress_field(
+    section: SectionShape, r: Resultants, points: tuple[Array, Array] | None = None
+) -> tuple[Array, Array]:
+    """Normal stress and shear stress, each (places along the element, points of the section) [N/m^2].
+
+    `points`: y, z (m,) instead of those of `section_points`.
+    """
     m = moments(section)
     if m is None:
         raise ValueError("a LINE has no stresses")
-    y, z = section_points(section)
+    y, z = section_points(section) if points is None else points
     normal = (r.N / m.A)[:, None] - np.outer(r.Mz, y) / m.Iz + np.outer(r.My, z) / m.Iy
     omega = warping_function(section, y, z)
     if r.B is not None and omega is not None:
@@ -169,12 +174,15 @@ def stress_field(section: SectionShape, r: Resultants) -> tuple[Array, Array]:
     else:
         t_w, t_h = 0.5 * (d[0] - d[2]), 0.5 * (d[1] - d[3])
         area = (d[0] - t_w) * (d[1] - t_h)
-        wall = np.where(np.abs(y) >= 0.5 * d[2], t_w, t_h)
-        ty = np.where(np.abs(y) >= 0.5 * d[2], 0.0, -np.sign(z) / (2 * area * wall))
-        tz = np.where(np.abs(y) >= 0.5 * d[2], np.sign(y) / (2 * area * wall), 0.0)
+        side = np.abs(y.real) >= 0.5 * d[2].real
+        wall = np.where(side, t_w, t_h)
+        ty = np.where(side, 0.0, -np.sign(z.real) / (2 * area * wall))
+        tz = np.where(side, np.sign(y.real) / (2 * area * wall), 0.0)
         shear_y = shear_z = np.full(len(y), 2.0 / m.A)
     tau_y = np.outer(twisting, ty) + np.outer(r.Qy, shear_y)
     tau_z = np.outer(twisting, tz) + np.outer(r.Qz, shear_z)
+    if np.iscomplexobj(normal):  # a direction (spacar_drawing.stress_derivatives)
+        return normal, np.sqrt(tau_y * tau_y + tau_z * tau_z)
     return normal, np.hypot(tau_y, tau_z)
 
 
@@ -182,8 +190,8 @@ def _i_shear(section: SectionShape, m: Moments, y: Array, z: Array) -> tuple[Arr
     """Shear stresses of an I section along y', z': per unit torque, where every plate has its part as a thin rectangle
     (2 G theta times the distance from its middle line), and per unit shear force (flanges 3/2 parabola, web mean)."""
     b, h, tw, tf = section.dims
-    flange = np.abs(z) >= 0.5 * h - tf
-    middle = np.sign(z) * 0.5 * (h - tf)
+    flange = np.abs(z.real) >= (0.5 * h - tf).real
+    middle = np.sign(z.real) * 0.5 * (h - tf)
     ty = np.where(flange, -2 * (z - middle) / m.It, 0.0)
     tz = np.where(flange, 0.0, 2 * y / m.It)
     shear_y = np.where(flange, 1.5 / (2 * b * tf) * (1 - (2 * y / b) ** 2), 0.0)

@@ -19,12 +19,12 @@ X, Y, Z = np.eye(3)
 def support_shapes(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
     """Supports and drives of all position nodes, and the pins of a planar mechanism."""
     shapes: list[Shape] = []
-    for node in scene.position_nodes.tolist():
+    for node in scene.supported:
         shapes += (planar_support if scene.planar else spatial_support)(scene, pose, look, node)
         shapes += _linear_drive(scene, pose, look, node)
-    for node in look.pins:
-        ring = circle(pose.place[node - 1], X, Y, 0.38 * look.size, 24)
-        shapes += [Faces(ring[None], "#ffffff", None, 1.0, 5, False), Line(ring, paint.INK, 1.1, 5)]
+    if look.pins:
+        rings = circle(pose.place[np.array(look.pins) - 1, None], X, Y, 0.38 * look.size, 24)
+        shapes += [Faces(rings, "#ffffff", None, 1.0, 5, False), Line(rings, paint.INK, 1.1, 5)]
     return shapes
 
 
@@ -157,11 +157,8 @@ def node_marks(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
     """Small dots at the position nodes that are no joints of a planar mechanism."""
     if not scene.planar:
         return []
-    return [
-        Mark(pose.place[n - 1], 2.6, paint.NODE, paint.NODE)
-        for n in scene.position_nodes.tolist()
-        if n not in look.pins
-    ]
+    rows = np.setdiff1d(scene.position_nodes, look.pins).astype(int) - 1
+    return [Mark(pose.place[rows], 2.6, paint.NODE, paint.NODE)] if len(rows) else []
 
 
 def number_labels(scene: Scene, pose: Pose, look: Look, nodes: bool, elements: bool) -> list[Shape]:

@@ -32,12 +32,17 @@ LIVE_INTERVAL = 0.1  # s between two pictures of a run
 ROOM = 0.1  # beyond a side that the mechanism left, of the extent seen so far
 
 
-def open_window(title: str) -> Any:
-    """An empty window figure. Raises UsageError where no window can be opened."""
+def check_display() -> None:
+    """Raises UsageError where there is no display to open a window on."""
     if sys.platform.startswith("linux") and not any(
         os.environ.get(v) for v in ("DISPLAY", "WAYLAND_DISPLAY", "MPLBACKEND")
     ):
         raise UsageError("no window can be opened here (no display); write a file with --output instead", "draw.window")
+
+
+def open_window(title: str) -> Any:
+    """An empty window figure. Raises UsageError where no window can be opened."""
+    check_display()
     import matplotlib.pyplot as plt
 
     figure = plt.figure(figsize=(8.4, 7.0))
@@ -89,9 +94,12 @@ def slider_window(
     button = Button(figure.add_axes((0.86, 0.02, 0.10, 0.05)), "play")
     state: dict[str, Any] = {"drag": None, "playing": False}
 
+    slider.drawon = False  # it is drawn with the picture
+    moving.beside = [slider.ax]
+
     def refresh(_: object = None) -> None:
         moving.show(*pictures(min(int(slider.val), count) - 1))
-        figure.canvas.draw_idle()
+        moving.draw()
 
     def tick() -> None:
         slider.set_val(int(slider.val) % count + 1)
@@ -115,10 +123,8 @@ def slider_window(
         x, y, start = state["drag"]
         azimuth = np.degrees(np.arctan2(start.near[1], start.near[0])) - 0.4 * (event.x - x)
         elevation = np.degrees(np.arcsin(np.clip(start.near[2], -1, 1))) - 0.4 * (event.y - y)
-        moving.axes.remove()
-        moving.artists.clear()
-        moving.camera = Camera.towards(float(azimuth), float(np.clip(elevation, -89.0, 89.0)))
-        moving.axes = furnish(figure, bounds, moving.camera, " ", FOOT)
+        camera = Camera.towards(float(azimuth), float(np.clip(elevation, -89.0, 89.0)))
+        moving.place(furnish(figure, bounds, camera, " ", FOOT), camera)
         refresh()
 
     def release(_: object) -> None:
@@ -190,7 +196,8 @@ class LivePlot:
         if self._moving is not None and now - self._last < LIVE_INTERVAL:
             return
         self._draw(frame)
-        self._figure.canvas.draw()
+        if self._moving is not None:
+            self._moving.draw()
         self._last = time.monotonic()
         self._figure.canvas.flush_events()  # the Abort button is heard here
         if self._aborted:
@@ -234,10 +241,11 @@ class LivePlot:
                 np.where(low < shown[0], low - room, shown[0]),
                 np.where(high > shown[1], high + room, shown[1]),
             )
-        if self._moving is not None:
-            self._moving.axes.remove()
         axes = furnish(self._figure, self._bounds, self._camera, " ", FOOT)
-        self._moving = MovingFigure(self._figure, axes, self._camera)
+        if self._moving is not None:
+            self._moving.place(axes, self._camera)
+        else:
+            self._moving = MovingFigure(self._figure, axes, self._camera)
 
     def finish(self, error: BaseException | None) -> None:
         """Show the last state of a run that came to its end; close the window of another one."""
@@ -245,7 +253,7 @@ class LivePlot:
         if self._waits and self._latest is not None:
             self._button.label.set_text("done")
             self._draw(self._latest)
-            self._figure.canvas.draw_idle()
+            self._figure.canvas.draw_idle()  # all of it: the word on the button has changed
         else:
             self._close()
 

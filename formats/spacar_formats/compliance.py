@@ -1,10 +1,6 @@
-"""The compliance matrix of a node (reference/files.md section 5, "Forces on Euler parameters").
+"""The compliance matrix of a node of a stored result: `spacar.linear.node_compliance` with the matrices of the files.
 
-    C = T DX K^-1 DX^T T^T,  K = K0 + N0 + G0 of the dynamic degrees of freedom (mode 3: of all), DX their columns of dx
-
-T turns coordinates into displacements and small rotations: spatial diag(I, 2 Lambda_bar) along the global axes and
-diag(R^T, 2 Lambda) along the axes of the body, Lambda_bar = [-l, l0 I + l~], Lambda = [-l, l0 I - l~]; planar the
-identity and diag(R^T, 1).
+The stiffness is that of the dynamic degrees of freedom (mode 3: of all).
 """
 
 from __future__ import annotations
@@ -16,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from spacar.errors import AnalysisError, UsageError
+from spacar.linear.node_compliance import compliance_of, planar_maps, spatial_maps
 from spacar.modes import find_mode
 from spacar_formats.locate import notes, open_result
 from spacar_formats.sbf import SbfFile
@@ -73,8 +70,8 @@ def node_compliance(
                 raise UsageError(f"{sbd.path} and {sbm.path} do not fit together", "compliance.size")
             if not (np.isfinite(K).all() and np.isfinite(transfer).all() and np.isfinite(x).all()):
                 raise UsageError(f"{sbd.path} or {sbm.path} has numbers that are not finite", "compliance.finite")
-            compliance = _solve(np.asarray(K), transfer[:, columns][rows])
-    fixed, body = (_planar if planar else _spatial)(x[lnp[partner - 1, : 1 if planar else 4] - 1])
+            compliance = compliance_of(np.asarray(K), transfer[:, columns][rows])
+    fixed, body = (planar_maps if planar else spatial_maps)(x[lnp[partner - 1, : 1 if planar else 4] - 1])
     return NodeCompliance(t, node, partner, fixed @ compliance @ fixed.T, body @ compliance @ body.T), warnings
 
 
@@ -104,23 +101,6 @@ def _orientation(lnp: np.ndarray, ln: np.ndarray, node: int) -> int:
     raise UsageError(f"node {node}: name its orientation node ({reason})", "compliance.node")
 
 
-def _spatial(lam: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """T along global and along body axes, (6, 7)."""
-    l0, l = lam[0], lam[1:]
-    tilde = np.array([[0, -l[2], l[1]], [l[2], 0, -l[0]], [-l[1], l[0], 0]])
-    bar = np.column_stack((-l, l0 * np.eye(3) + tilde))
-    plain = np.column_stack((-l, l0 * np.eye(3) - tilde))
-    fixed, body = np.zeros((6, 7)), np.zeros((6, 7))
-    fixed[:3, :3], fixed[3:, 3:] = np.eye(3), 2 * bar
-    body[:3, :3], body[3:, 3:] = (bar @ plain.T).T, 2 * plain
-    return fixed, body
-
-
-def _planar(phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    c, s = np.cos(phi[0]), np.sin(phi[0])
-    return np.eye(3), np.array([[c, s, 0], [-s, c, 0], [0, 0, 1.0]])
-
-
 def _sparse(entries: np.ndarray, nxp: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """dx/df of these coordinates from the tangent in mixed form (`ktan`, reference/files.md section 5)."""
     from scipy.sparse import coo_array
@@ -143,17 +123,3 @@ def _sparse(entries: np.ndarray, nxp: np.ndarray, rows: np.ndarray) -> np.ndarra
         raise AnalysisError(text, "compliance.singular")
     out[np.ix_(moving, moving)] = solution
     return out
-
-
-def _solve(K: np.ndarray, D: np.ndarray) -> np.ndarray:
-    """D K^-1 D^T, K scaled to a unit diagonal."""
-    if not len(K):
-        return np.zeros((len(D), len(D)))
-    d = np.sqrt(np.abs(np.diag(K)))
-    scale = 1.0 / np.where(d > 0.0, d, d.max(initial=0.0) or 1.0)
-    scaled = K * np.outer(scale, scale)
-    if np.linalg.cond(scaled) > 1e14:
-        text = "the stiffness is singular (critical load or rigid motion): there is no compliance"
-        raise AnalysisError(text, "compliance.singular")
-    Ds = D * scale
-    return np.asarray(Ds @ np.linalg.solve(scaled, Ds.T))

@@ -7,6 +7,7 @@ from __future__ import annotations
 import csv
 import itertools
 import os
+import zipfile
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
@@ -36,8 +37,11 @@ def to_mat(arrays: Arrays, target: Path) -> None:
 
 def to_npz(arrays: Arrays, target: Path) -> None:
     """A NumPy archive; integers stay integers."""
-    with replacing(target) as side, open(side, "wb") as out:
-        np.savez(out, **arrays)  # type: ignore[arg-type]
+    # not np.savez: after a full disk its archive is closed by the garbage collector, which complains on the screen
+    with replacing(target) as side, zipfile.ZipFile(side, "w") as archive:
+        for name, array in arrays.items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as part:
+                np.lib.format.write_array(part, np.asanyarray(array), allow_pickle=False)
 
 
 def to_csv(table: Arrays, target: Path) -> None:

@@ -6,9 +6,10 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,8 +19,14 @@ from spacar_formats.locate import open_result
 from spacar_formats.safety import replacing
 from spacar_formats.sbf import SbfFile
 
+if TYPE_CHECKING:
+    from spacar.result import Result
 
-@dataclass(frozen=True, slots=True)
+
+SHOWN = 6  # names of one kind in a short text
+
+
+@dataclass(frozen=True, slots=True, repr=False)
 class StateSpaceStep:
     """dz/dt = A z + B u, y = C z + D u at time `t`: A (nx, nx), B (nx, nu), C (ny, nx), D (ny, nu) or None.
 
@@ -40,6 +47,18 @@ class StateSpaceStep:
     def feedthrough(self) -> np.ndarray:
         """D, or the zero matrix in its place."""
         return np.zeros((self.C.shape[0], self.B.shape[1])) if self.D is None else self.D
+
+    def __iter__(self) -> Iterator[np.ndarray]:
+        """A, B, C, D: `A, B, C, D = system`; D zero when there is no feedthrough."""
+        return iter((self.A, self.B, self.C, self.feedthrough))
+
+    def __repr__(self) -> str:
+        lines = [f"state space at t = {self.t:g}: {len(self.states)} states, {len(self.inputs)} inputs, "
+                 f"{len(self.outputs)} outputs"]  # fmt: skip
+        for what, names in (("states", self.states), ("inputs", self.inputs), ("outputs", self.outputs)):
+            few = ", ".join(names[:SHOWN]) + (f", ... ({len(names)})" if len(names) > SHOWN else "")
+            lines.append(f"  {what:<8}{few or 'none'}")
+        return "\n".join(lines)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """The matrices by name; D only if there is one."""
@@ -62,6 +81,29 @@ class StateSpaceStep:
             ) from None
         names = {"states": list(self.states), "inputs": list(self.inputs), "outputs": list(self.outputs)}
         return control.ss(self.A, self.B, self.C, self.feedthrough, **names)
+
+
+def state_space_of(result: Result, step: int = 1) -> StateSpaceStep:
+    """The same of a result in memory. Raises UsageError for a mode without state space and for no such step."""
+    from spacar_formats.signal_names import state_names
+
+    count = len(result.frames)
+    k = count + step if step < 0 else step - 1
+    if not 0 <= k < count:
+        raise UsageError(f"step {step} does not exist: the result has steps 1 to {count}", "files.step")
+    found = result.frames[k].state_space
+    if "A" not in found:
+        text = f"a result of mode {result.mode} has no state space; modes 3, 4 and 9 compute it"
+        raise UsageError(text, "files.no-state-space")
+    a = np.asarray(found["A"], float)
+    b = np.asarray(found.get("B", np.zeros((len(a), 0))), float).reshape(len(a), -1)
+    c = np.asarray(found.get("C", np.zeros((0, len(a)))), float).reshape(-1, len(a))
+    d = np.asarray(found["D"], float).reshape(len(c), b.shape[1]) if "D" in found else None
+    states = result.header.get("states") or state_names(result.mechanism.numbering)
+    given = (("x", states, len(a)), ("u", result.header.get("inputs", ()), b.shape[1]),
+             ("y", result.header.get("outputs", ()), len(c)))  # fmt: skip
+    names = (_fitting(tuple(lines), letter, n) for letter, lines, n in given)
+    return StateSpaceStep(a, b, c, d, float(result.t[k]), *names)
 
 
 def getss(name: str | os.PathLike[str], step: int = 1) -> StateSpaceStep:
@@ -93,9 +135,7 @@ def export_getss(system: StateSpaceStep, target: Path) -> None:
     elif suffix in (".mat", ".npz"):
         (to_mat if suffix == ".mat" else to_npz)(system.arrays(), target)
     else:
-        raise UsageError(
-            f"cannot export to {target}: the extension must be .mat, .npz or .json", "files.export"
-        )
+        raise UsageError(f"cannot export to {target}: the extension must be .mat, .npz or .json", "files.export")
 
 
 def as_json(system: StateSpaceStep) -> dict[str, object]:
@@ -116,6 +156,11 @@ def _has_feedthrough(file: SbfFile) -> bool:
 
 def _names(file: SbfFile, ident: str, letter: str, count: int) -> tuple[str, ...]:
     stored = file.header.get(ident)
-    if isinstance(stored, list) and len(stored) == count:
-        return tuple(stored)
+    return _fitting(tuple(stored) if isinstance(stored, list) else (), letter, count)
+
+
+def _fitting(names: tuple[str, ...], letter: str, count: int) -> tuple[str, ...]:
+    """The names, or numbered ones when there are not as many."""
+    if len(names) == count:
+        return names
     return tuple(f"{letter}{k + 1}" for k in range(count))

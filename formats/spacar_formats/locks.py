@@ -10,7 +10,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
-import socket
+import platform
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -67,7 +67,7 @@ def _process_file(beside: Path) -> Release | None:
             beside.unlink(missing_ok=True)
             continue
         with os.fdopen(fd, "w") as file:
-            file.write(f"{socket.gethostname()} {os.getpid()}\n")
+            file.write(f"{platform.node()} {os.getpid()}\n")
         return lambda: _give_up(beside, lambda: None)
     return None
 
@@ -78,7 +78,7 @@ def _holder_lives(beside: Path) -> bool:
         host, _, number = beside.read_text().strip().rpartition(" ")
     except OSError:
         return False
-    if host != socket.gethostname() or not number.isdigit():
+    if host != platform.node() or not number.isdigit():
         return True
     return is_alive(int(number))
 

@@ -38,6 +38,8 @@ def read_ltv(name: str | os.PathLike[str]) -> tuple[TimeVarying, list[str]]:
             second_rows=np.ravel(file.header["NYSI"]).astype(np.int64) - 1
             if file.has("NYSI")
             else np.zeros(0, np.int64),
+            inputs=_texts(file, "UNAMES"),
+            outputs=_texts(file, "YNAMES"),
             x0=np.ravel(file.header["X0"]).astype(float) if file.has("X0") else None,
         )
         found: dict[str, Any] = {name: _matrices(file, ident, count) for ident, name in STEPS.items()}
@@ -63,6 +65,8 @@ def write_ltv(data: TimeVarying, target: Path, source: Path) -> None:
         "NYS": len(data.second_rows), "DFT": int(data.D is not None),
         "X0": np.zeros(A.shape[1]) if data.x0 is None else data.x0,
     }  # fmt: skip
+    names = {"UNAMES": data.inputs, "YNAMES": data.outputs}
+    header |= {ident: list(lines) for ident, lines in names.items() if lines}
     if len(data.second_rows):
         header["NYSI"] = data.second_rows + 1
     fields = {ident: getattr(data, name) for ident, name in {**STEPS, **VECTORS}.items()}
@@ -74,6 +78,11 @@ def write_ltv(data: TimeVarying, target: Path, source: Path) -> None:
     with safety.replacing(target) as side, SbfWriter(side, "ltv", header, {"T": (1, 1), **shapes}) as writer:
         for k, t in enumerate(data.t):
             writer.append({"T": t} | {ident: value[k] for ident, value in fields.items()})
+
+
+def _texts(file: SbfFile, ident: str) -> tuple[str, ...]:
+    found = file.header.get(ident)
+    return tuple(found) if isinstance(found, list) else ()
 
 
 def _number(file: SbfFile, ident: str) -> int:

@@ -1,7 +1,8 @@
 """The motion of a mechanism in a controlled simulation as a `.sbd` file, like that of mode 1 (reference/files.md 4).
 
 At every output time the states and inputs of the Spasim block give the whole state of its mechanism, so that `spacar
-draw`, `spacar plot` and `spacar report` work on the result as on one of mode 1.
+draw`, `spacar plot` and `spacar report` work on the result as on one of mode 1. The signals of the diagram stand beside
+the motion (signal_tables).
 """
 
 from __future__ import annotations
@@ -12,7 +13,9 @@ from spacar.modes import find_mode
 from spacar.simulation.engine import Response
 from spacar.simulation.plant import Spasim
 from spacar.stream import Run
-from spacar_formats.sinks import begin, give_up, result_sinks
+from spacar_formats.signal_tables import SignalTable, table_of
+from spacar_formats.sinks import ResultSink, begin, give_up
+from spacar_formats.sinks.results import KINDS
 
 
 def write_motions(response: Response, stem: Path) -> list[Path]:
@@ -21,12 +24,21 @@ def write_motions(response: Response, stem: Path) -> list[Path]:
     Raises UsageError when a file cannot be written, AnalysisError when the disk refuses bytes.
     """
     plants = [b for b in response.diagram.blocks.values() if isinstance(b, Spasim)]
+    table = table_of(response)
     names = [stem.name] if len(plants) == 1 else [f"{stem.name}_{plant.name}" for plant in plants]
-    return [_write(response, plant, stem.with_name(name)) for plant, name in zip(plants, names, strict=True)]
+    return [
+        _write(response, table, plant, stem.with_name(f"{name}.sbd")) for plant, name in zip(plants, names, strict=True)
+    ]
 
 
-def _write(response: Response, plant: Spasim, stem: Path) -> Path:
-    (sink,) = result_sinks(stem, ("sbd",))
+def _write(response: Response, table: SignalTable, plant: Spasim, path: Path) -> Path:
+    header, values = KINDS["sbd"]
+    rows = iter(table.values)
+    sink = ResultSink(
+        path,
+        lambda run, names: {**header(run, names), **table.header()},
+        lambda frame: values(frame) | {"SIGNAL": next(rows)},
+    )
     error: BaseException | None = None
     try:
         begin([sink])

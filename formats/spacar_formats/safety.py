@@ -12,9 +12,7 @@ import contextlib
 import itertools
 import os
 import re
-import shutil
 import stat
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -54,6 +52,9 @@ def replacing(target: Path) -> Iterator[Path]:
             with _beside(Path(os.path.realpath(target)), kind) as side:
                 yield side
         else:
+            import shutil
+            import tempfile
+
             with tempfile.TemporaryDirectory() as folder:
                 side = Path(folder) / f"side{target.suffix}"
                 yield side

@@ -19,6 +19,8 @@ from spacar.linear.eigen import Modes, modes_of_matrices
 from spacar_formats.locate import notes, open_result
 from spacar_formats.sbf import SbfError, SbfFile
 
+GROWS = 1e-6  # of the largest modulus: real parts beyond it are a growing motion, values that differ less a pair
+
 
 @dataclass(frozen=True)
 class Vibration:
@@ -38,6 +40,47 @@ class Vibration:
         """The degree of freedom with the largest component of every eigenvector."""
         rows = np.argmax(np.abs(self.vectors[: len(names)]), axis=0) if len(names) else []
         return [names[int(k)] for k in rows]
+
+
+def zero_size(values: np.ndarray) -> float:
+    """Modulus below which an eigenvalue is a zero mode: sqrt(n eps) of the largest. The squares of eigenvalues are
+    those of M^-1 K, whose backward error is n eps of the largest one; what is smaller cannot be told from zero."""
+    return float(np.sqrt(len(values) * np.finfo(float).eps) * np.max(np.abs(values), initial=0.0))
+
+
+def shown_order(values: np.ndarray) -> list[int]:
+    """Indices of eigenvalues as they are shown: growing ones first (the fastest as mode 1), then by rising modulus,
+    zero modes last; of a pair the one with positive imaginary part, or the growing one."""
+    zero, largest = zero_size(values), float(np.max(np.abs(values), initial=0.0)) or 1.0
+
+    def key(i: int) -> tuple[float, ...]:
+        v = values[i]
+        if abs(v) <= zero:
+            return (2, -abs(v), -v.imag)
+        if v.real > GROWS * largest:
+            return (0, -v.real, -v.imag)
+        return (1, round(abs(v) / largest, 9), -v.imag)
+
+    return sorted(range(len(values)), key=key)
+
+
+def mode_numbers(values: np.ndarray, order: list[int]) -> list[int]:
+    """Number of the mode of each eigenvalue in the order: conjugates have the same one."""
+    numbers: list[int] = []
+    for place, i in enumerate(order):
+        last = values[order[place - 1]] if place else None
+        near = last is not None and abs(values[i] - np.conj(last)) <= GROWS * abs(values[i]) and values[i].imag < 0.0
+        numbers.append((numbers[-1] if numbers else 0) + (not near))
+    return numbers
+
+
+def without_rounding(values: np.ndarray) -> np.ndarray:
+    """Eigenvalues (n,) whose parts below n eps times the largest modulus are zero: what an undamped mode has of them is
+    the rounding of the eigenvalue problem (backward error n eps |A|), and would be all that a picture shows."""
+    limit = len(values) * np.finfo(float).eps * float(np.max(np.abs(values), initial=0.0))
+    return np.where(np.abs(values.real) <= limit, 0.0, values.real) + 1j * np.where(
+        np.abs(values.imag) <= limit, 0.0, values.imag
+    )
 
 
 def read_vibrations(name: str | os.PathLike[str]) -> tuple[list[Vibration], list[str], list[str]]:

@@ -15,11 +15,13 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.compiled.compiled_model import EXACT, CompiledModel
+from spacar.compiled.marching import Lookout, Marching
 from spacar.compiled.numbers import of_one
 from spacar.dynamics.array_evaluator import Dynamics, component_name
 from spacar.dynamics.loaded_mechanism import LoadedMechanism, Moving, Placement
 from spacar.dynamics.mass_check import require_regular_mass
 from spacar.frame import Frame
+from spacar.integrators.problem import March
 from spacar.kinematics.constraint_condition import of_gradient
 from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS
 from spacar.kinematics.regularity import PositionMatrix
@@ -169,6 +171,10 @@ class CompiledDynamics:
 
     def component_name(self, i: int) -> str:
         return component_name(self.numbering, i)
+
+    def marching(self, lookout: Lookout, within: Callable[[], float]) -> March:
+        """Steps from output to output, looked at by `lookout`; positions `within` that tolerance."""
+        return Marching(self, lookout, within).steps
 
     # -- evaluation -----------------------------------------------------------------------------------------------
     def _derivative(self, t: float, y: Array, within: float) -> int:

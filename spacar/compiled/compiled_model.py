@@ -49,6 +49,7 @@ def _addresses(arrays: Array) -> list[int]:
 # Largest scaled correction that ends the iteration of a stored position: one more follows the first that is below
 # CONVERGED, so that velocities and accelerations are those of the position to rounding.
 EXACT = 1e-15
+PLACED = 2  # `known` of a state that was placed with its accelerations: transfer functions are not its own
 NOT_ANSWERED = -6  # of sparse.c: Python could not answer, and keeps the error
 
 
@@ -70,7 +71,7 @@ class State:
     def resume(self, t: float, of_x: Array, e: Array) -> None:
         """The state at t with x, xd, xdd (3, nx, cases) and e (ne, cases) is the last evaluated one again."""
         self.of_x[:], self.e[:] = of_x, e
-        self.c.t, self.c.known = t, 1
+        self.c.t, self.c.known = t, PLACED
 
 
 class CompiledModel:

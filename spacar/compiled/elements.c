@@ -52,7 +52,7 @@ typedef struct {
 
 /* The last evaluated state, shared with Python; (nx) or (ne). A model may have several, each on its own path. */
 typedef struct {
-    int known;                            /* rates and accelerations too, at t */
+    int known;                            /* rates and accelerations too, at t; 2: placed from outside, with no transfer functions */
     double t;
     real *x, *xd, *xdd, *e, *ed, *edd, *sigma, *given_e;
 } State;

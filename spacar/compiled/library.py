@@ -21,6 +21,8 @@ HERE = Path(__file__).parent
 NAME = {"win32": "engine.dll", "darwin": "engine.dylib"}.get(sys.platform, "engine.so")
 GENERAL = "SPACAR_GENERAL"  # environment variable: anything but empty or 0 switches the engine off
 
+# what enters kernels.c: a row of elements that is not in the library yet must not be taken for one that is
+GENERATED_FROM = ("definitions.py", "element_parameters.py", "generate.py")
 DOUBLES = INTEGERS = ctypes.c_void_p  # addresses: typed pointers cost more to make than small models to evaluate
 
 
@@ -94,6 +96,12 @@ FUNCTIONS: dict[str, tuple[Any, ...]] = {  # in the order of the table in engine
     "guard": (NUMBER, POINTER, POINTER),
     "rcond": (NUMBER, POINTER, POINTER, POINTER),
 }  # fmt: skip
+OF_ONE_CASE = {  # behind them, in the engine for one case
+    "adams_begin": (INTEGER, POINTER, POINTER),
+    "adams": (INTEGER, POINTER, POINTER),
+    "adams_value": (INTEGER, POINTER, POINTER, NUMBER, POINTER),
+    "runge_kutta": (INTEGER, POINTER, POINTER),
+}
 
 
 class Engine:
@@ -108,7 +116,8 @@ class Engine:
         for k, word in enumerate(ctypes.string_at(addresses[0]).decode("ascii").split()):
             name, _, count = word.partition("/")
             self.kinds[name] = k, int(count)
-        for k, (name, (result, *arguments)) in enumerate(FUNCTIONS.items(), 1):
+        functions = FUNCTIONS | OF_ONE_CASE if lanes == 1 else FUNCTIONS
+        for k, (name, (result, *arguments)) in enumerate(functions.items(), 1):
             setattr(self, name, ctypes.CFUNCTYPE(result, *arguments)(addresses[k]))
 
     begin: Any
@@ -122,6 +131,10 @@ class Engine:
     reduced_mass: Any
     guard: Any
     rcond: Any
+    adams_begin: Any
+    adams: Any
+    adams_value: Any
+    runge_kutta: Any
 
 
 @lru_cache
@@ -138,14 +151,18 @@ def _loaded() -> ctypes.CDLL | str:
     except (OSError, AttributeError) as error:
         return f"the compiled engine cannot be loaded: {error}"
     if (HERE / "engine.c").is_file() and source != source_digest():
-        return "the compiled engine was built from another C text: `make crank` or `python hatch_build.py` builds it"
+        return (
+            "the compiled engine was built from another C text or other element definitions: `make crank` or"
+            " `python hatch_build.py` builds it"
+        )
     return loaded
 
 
 def source_digest() -> str:
-    """Of the C text beside this module, as hatch_build.py makes it."""
+    """Of the C text beside this module and of what it is generated from, as hatch_build.py makes it."""
     text = hashlib.sha256()
-    for path in sorted(HERE.glob("*.c")):
+    entering = (HERE / name for name in GENERATED_FROM)
+    for path in sorted((*HERE.glob("*.c"), *filter(Path.is_file, entering))):
         text.update(path.read_bytes().replace(b"\r\n", b"\n"))
     return text.hexdigest()[:16]
 

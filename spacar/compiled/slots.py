@@ -17,6 +17,7 @@ from spacar.compiled.library import CForeign, CUser
 from spacar.compiled.numbers import Elements
 from spacar.elements.family import Configuration, Family
 from spacar.mechanism.mechanism import Drive, Polynomial, UserSignal
+from spacar.mechanism.placed_vectors import placed
 
 ASK = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int, ctypes.c_int, ctypes.c_double)
 MOTION, STRESS, STRAIN, CONVECTIVE, INERTIA = range(5)  # as ASK_MOTION ... in elements.c
@@ -65,6 +66,8 @@ class Slots:
         self.x, self.xd, self.force = np.zeros((3, nx))
         self.e, self.ed, self.sigma = np.zeros((3, ne))
         arrays = self.x, self.xd, self.e, self.ed, self.force, self.sigma
+        guarded = zip((self.e, self.ed, self.x, self.xd), ("e", "ep", "x", "xp"), strict=True)
+        self.told = tuple(placed(values, name) for values, name in guarded)  # as user functions get them
         self.user_c = CUser(*(a.ctypes.data for a in arrays))
         self.error: BaseException | None = None
         self.lost: dict[int, str] = {}  # about stresses of the user function that cannot act
@@ -100,7 +103,7 @@ class Slots:
 
     def _stress(self, t: float) -> None:
         assert self.user is not None
-        given = self.user(t, self.e, self.ed, self.x, self.xd)
+        given = self.user(t, *self.told)
         self.force[:], self.sigma[:], self.lost = given.force, given.sigma, given.lost
 
     def raise_error(self) -> None:

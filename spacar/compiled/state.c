@@ -31,7 +31,7 @@ static int evaluate(Model *m, State *at, double t, const real *y, double converg
         x[i] = at->x[i] + move;
     }
     if (!(largest_lane(ahead) <= 0.5 * jump)) return JUMP; /* as FARTHEST_GUESS of the general path */
-    if (at->known && m->transfer_of == at)
+    if (at->known == 1 && m->transfer_of == at)
         for (int c = 0; c < q; c++) {
             const real *d = m->degrees + c, off = y[c] - (d[0] + dt * (d[q] + 0.5 * dt * d[2 * q]));
             for (int i = first; i < first + n; i++) x[i] += m->transfer[i * m->width + c] * off;

@@ -12,6 +12,7 @@ theory-warping.md section 1), I section tf b^3 (h - tf)^2/24; circles do not war
 
 from __future__ import annotations
 
+from cmath import tanh as complex_tanh
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import pi, tanh
@@ -50,7 +51,10 @@ class Shape:
 def rectangle_torsion(w: float, t: float) -> float:
     """Torsion constant of a rectangle [m^4]."""
     a, b = sorted((0.5 * w, 0.5 * t))
-    series = sum(tanh(n * pi * b / (2 * a)) / n**5 for n in range(1, 2 * TERMS, 2))
+    function: Callable[[float], float] = tanh
+    if isinstance(b / a, complex):  # a direction (spacar.deck.directed)
+        function = complex_tanh  # type: ignore[assignment]
+    series = sum(function(n * pi * b / (2 * a)) / n**5 for n in range(1, 2 * TERMS, 2))
     return (2 * a) ** 3 * 2 * b / 3 * (1 - 192 / pi**5 * a / b * series)
 
 

@@ -10,9 +10,9 @@ from pathlib import Path
 
 from spacar.deck.deck_reader import NOT_UTF8, Span, read_text
 from spacar.deck.deck_writer import splice, write, write_rows
+from spacar.deck.expansion import BeamSection
 from spacar.deck.lexer import visualization_of
 from spacar.deck.mode_blocks import Purpose
-from spacar.deck.section_block import BeamSection
 from spacar.deck.statement import Statement, Value
 from spacar.deck.table_sections import UNITS
 from spacar.deck.table_types import BlockKind
@@ -43,10 +43,15 @@ class Deck:
     spans: dict[int, Span] = field(default_factory=dict, repr=False)
     shorthand: tuple[Statement, ...] = ()
     sections: tuple[BeamSection, ...] = ()
+    drawn: int = 0  # lines of `visualization` that follow from the sections; they come first
 
     def __repr__(self) -> str:
         # The summary lies above this room: it asks the modes and, for results, the mechanism.
         return str(import_module("spacar.summary").deck_summary(self))
+
+    def _repr_html_(self) -> str:
+        """The summary with a picture of the start position, for notebooks; without it where it cannot be drawn."""
+        return str(import_module("spacar.summary").with_picture(repr(self), "inline_model", self))
 
     @cached_property
     def sha256(self) -> str:
@@ -67,6 +72,11 @@ class Deck:
         """The unit of length of the file in metres (UNITS); everything in `statements` is in SI."""
         units = self.first("UNITS")
         return 1.0 if units is None else UNITS[str(units.values[0]).lower()]
+
+    @property
+    def written_visualization(self) -> tuple[str, ...]:
+        """`visualization` without the lines that follow from the sections."""
+        return self.visualization[self.drawn :]
 
     def of(self, *keywords: str, block: int | None = None) -> list[Statement]:
         """All statements with one of the keywords (and in the block), in file order."""
@@ -129,7 +139,7 @@ class Deck:
         """A new deck in which argument `position` (from 1) of the statement has another `value`; see `set`."""
         self.require_written(statement)
         text = splice(self.text, statement, position, value)
-        return parse(text, self.source, self.mode, path=self.path, visualization=self.visualization)
+        return parse(text, self.source, self.mode, path=self.path, visualization=self.written_visualization)
 
     def require_written(self, statement: Statement) -> None:
         """Raises UsageError for a statement that does not stand in the text, as it follows from BEAMSEC."""
@@ -139,7 +149,8 @@ class Deck:
 
     def for_mode(self, mode: Purpose) -> Deck:
         """The same text read for another `mode`."""
-        return parse(self.text, self.source, mode, path=self.path, data=self.data, visualization=self.visualization)
+        drawn = self.written_visualization
+        return parse(self.text, self.source, mode, path=self.path, data=self.data, visualization=drawn)
 
     @classmethod
     def build(
@@ -201,7 +212,8 @@ def parse(
     if contents.visualization is not None:
         visualization = contents.visualization
     drawn = contents.expansion.visualization
-    if drawn and not _drawn_already(drawn, visualization or ()):
+    added = drawn if drawn and not _drawn_already(drawn, visualization or ()) else ()
+    if added:
         visualization = (*drawn, *(visualization or ()))
     return Deck(
         contents.statements,
@@ -216,6 +228,7 @@ def parse(
         contents.spans,
         contents.shorthand,
         contents.expansion.sections,
+        len(added),
     )
 
 

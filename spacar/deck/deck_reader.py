@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 from spacar.deck.arguments import read_statement
 from spacar.deck.deck_checks import check
+from spacar.deck.expansion import WORDS, Expansion
 from spacar.deck.findings import Findings
 from spacar.deck.keyword_table import KEYWORDS, BlockKind, blocks_of
 from spacar.deck.lexer import LONGEST_LINE, SourceText, integer_of, scan
 from spacar.deck.mode_blocks import Purpose, third_block, uses
 from spacar.deck.outline import Outline
-from spacar.deck.section_block import WORDS, Expansion, expand
 from spacar.deck.splitter import Raw, split, third_kind
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
@@ -28,7 +28,7 @@ _NAMES = {2: "dynamics block", 3: "third block"}
 class Contents:
     """What a text says. `visualization`: lines of that section, None without one; `third`: kind of the third block;
     `spans`: where each block begins and ends (line, column); `shorthand`: UNITS, SECTION, MATERIAL and BEAMSEC, which
-    `expansion` replaces."""
+    `expansion` replaces; `given`: the statements before that, in SI, and their `outline`."""
 
     statements: tuple[Statement, ...]
     visualization: tuple[str, ...] | None
@@ -37,6 +37,8 @@ class Contents:
     spans: dict[int, Span]
     shorthand: tuple[Statement, ...]
     expansion: Expansion
+    given: tuple[Statement, ...]
+    outline: Outline
 
 
 def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
@@ -74,8 +76,8 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
             else:
                 outline.broken.add((raw.keyword, _number(raw)))
                 outline.broken_blocks.add(raw.block)
-    statements = tuple([read[id(raw)] for raw in parts.statements if id(raw) in read])
-    expansion = expand(statements, outline, findings)
+    given, before = tuple([read[id(raw)] for raw in parts.statements if id(raw) in read]), outline
+    expansion = _expansion(given, outline, findings)
     statements, outline = expansion.statements, expansion.outline
     check(statements, outline, mode, third, {block: skipped.get(block, findings) for block in (1, 2, 3)})
     for block, found in skipped.items():
@@ -85,8 +87,18 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
         raise InputError(findings.messages)
     shorthand = tuple([s for s in read.values() if s.keyword in WORDS])
     return Contents(
-        statements, scanned.visualization, tuple(findings.messages), third, parts.spans, shorthand, expansion
-    )
+        statements, scanned.visualization, tuple(findings.messages), third, parts.spans, shorthand, expansion,
+        given, before,
+    )  # fmt: skip
+
+
+def _expansion(statements: tuple[Statement, ...], outline: Outline, findings: Findings) -> Expansion:
+    """Beams by geometry to plain statements; most models have none, and do not load what makes them."""
+    if not any(s.keyword in WORDS for s in statements):
+        return Expansion(statements, outline, (), ())
+    from spacar.deck.section_block import expand
+
+    return expand(statements, outline, findings)
 
 
 def _metre(raws: list[Raw], findings: Findings) -> float:

@@ -35,18 +35,19 @@ def write(statements: Iterable[Statement], visualization: Sequence[str] = ()) ->
     blocks: list[list[Sequence[Value]]] = [[], [], []]
     for s in statements:
         blocks[s.block - 1].append((s.keyword, *s.values))
-    text = write_rows(blocks)
-    if visualization:
-        text += "VISUALIZATION\n" + "".join(f"{line}\n" for line in visualization)
-    return text
+    return write_rows(blocks, visualization)
 
 
-def write_rows(blocks: Sequence[Iterable[Sequence[Value]]]) -> str:
-    """Text of up to three blocks of rows (keyword, values ...); empty blocks at the end are left out."""
+def write_rows(blocks: Sequence[Iterable[Sequence[Value]]], visualization: Sequence[str] = ()) -> str:
+    """Text of up to three blocks of rows (keyword, values ...), empty ones at the end left out, and of the
+    visualization section."""
     texts = ["\n".join(_row(str(row[0]), row[1:]) for row in block) for block in blocks]
     while len(texts) > 1 and not texts[-1]:
         texts.pop()
-    return "\nEND HALT\n".join(texts) + "\nEND END\n"
+    text = "\nEND HALT\n".join(texts) + "\nEND END\n"
+    if visualization:
+        text += "VISUALIZATION\n" + "".join(f"{line}\n" for line in visualization)
+    return text
 
 
 def splice(text: str, statement: Statement, position: int, value: Value) -> str:

@@ -203,6 +203,22 @@ def split_preload(keyword: str, sigma: Vector, n: int) -> list[Vector]:
     return rows
 
 
+def joined_preload(keyword: str, n: int) -> list[tuple[int, int, float]]:
+    """How generalized stresses of the parent follow from those of its n parts: (mode, part, factor), modes from 1.
+
+    The reverse of `split_preload`: the moments at the two ends, the means of normal force and torsion.
+    """
+    warping = ELEMENT_TYPES[keyword].released
+    pairs = (*PAIRS[keyword], *([warping] if warping else []))
+    found = [(1, part, 1.0 / n) for part in range(n)]
+    if TORSION[keyword] is not None:
+        found += [(2, part, 1.0 / n**2) for part in range(n)]
+    for p, q in pairs:
+        factor = 1.0 / (n**2 if p in warping else n)
+        found += [(p, 0, factor), (q, n - 1, factor)]
+    return found
+
+
 def split_pair(e_p: Vector, e_q: Vector, n: int) -> tuple[list[Vector], list[Vector]]:
     """Bending deformations of the n parts of a parent with e_p, e_q (value, rate, ...): n times as many of each."""
 

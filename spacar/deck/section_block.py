@@ -18,38 +18,13 @@ from spacar.deck.cross_section import (
     warping_rows,
 )
 from spacar.deck.divide import PAIRS, divided, made, obstacles, stiffness_modes
+from spacar.deck.expansion import WORDS, BeamSection, Expansion
 from spacar.deck.findings import Findings, alternatives
 from spacar.deck.outline import Outline
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
-from spacar.deck.table_sections import KEYWORDS
 
 ROWS = {"planar beam": planar_rows, "spatial beam": spatial_rows, "spatial beam with warping": warping_rows}
-WORDS = tuple(k.name for k in KEYWORDS)
-
-
-@dataclass(frozen=True)
-class BeamSection:
-    """What one BEAMSEC says: the element, its parts (the first is the element), names, shape and dimensions [m]."""
-
-    element: int
-    parts: tuple[int, ...]
-    section: str
-    material_name: str
-    shape: str
-    dims: tuple[float, ...]
-    constants: SectionConstants
-    material: Material
-
-
-@dataclass(frozen=True)
-class Expansion:
-    """Plain statements, the outline of their model, what was expanded, and lines for pictures."""
-
-    statements: tuple[Statement, ...]
-    outline: Outline
-    sections: tuple[BeamSection, ...]
-    visualization: tuple[str, ...]
 
 
 def _nearest(word: str, known: Iterable[str], cutoff: float) -> str:

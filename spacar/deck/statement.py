@@ -7,6 +7,11 @@ from dataclasses import dataclass
 Value = int | float | str
 
 
+def number(value: Value) -> float:
+    """A value as a real number; one with a direction (a complex step, `spacar.deck.directed`) keeps it."""
+    return value if isinstance(value, complex) else float(value)
+
+
 @dataclass(frozen=True, slots=True)
 class Statement:
     """One statement of an input file.
@@ -35,7 +40,7 @@ class Statement:
 
     def real(self, index: int, default: float = 0.0) -> float:
         """The value at `index` (from 0) as a number, `default` when it was left out."""
-        return float(self.values[index]) if index < len(self.values) else default
+        return number(self.values[index]) if index < len(self.values) else default
 
     def integers(self, start: int = 0) -> tuple[int, ...]:
         """The values from `start`, which the table declares integers."""

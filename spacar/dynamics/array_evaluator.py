@@ -25,6 +25,7 @@ class Dynamics(EquationsOfMotion):
 
     stages = None  # of a step are asked one by one
     by_case = None
+    marching = None  # steps are made one by one
 
     def __init__(
         self, mechanism: Mechanism, *, loads: Loads | None = None, drive: Drive | None = None, kind: str | None = None

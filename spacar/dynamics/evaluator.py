@@ -14,6 +14,7 @@ or what is watched: the driver (`spacar.forward.driver`) does, and hands them ov
                 diagnoses. The evaluator itself goes on undisturbed
     7  companion  another evaluator of the same model that follows its own path from here, for stored states
     8  memory   a copy of all that the evaluator remembers, which a companion can `remember`
+    9  marching  the steps of an integrator from output to output in one call, or None: then they are made one by one
 
 `spacar.dynamics.Dynamics` (NumPy) and `spacar.compiled.CompiledDynamics` (C) fulfil it, and
 `tests/dynamics/test_evaluators.py` compares them duty by duty. Batches of cases have duties 2 and 3 only.
@@ -93,6 +94,10 @@ class Evaluator(Integrable, Protocol):
 
     def memory(self) -> Any:
         """A copy of the configuration and motion at the last evaluated state."""
+
+    @property
+    def marching(self) -> Callable[..., Any] | None:
+        """`marching(lookout, within)` gives `march` of `spacar.integrators.problem.Problem`."""
 
     def remember(self, memory: Any) -> None:
         """Go on from the `memory` of this evaluator or of a companion."""

@@ -11,6 +11,8 @@ from spacar.arrays import Array
 from spacar.dynamics.forces import StressLaw
 from spacar.mechanism.mechanism import Drive, Loads, Mechanism
 
+# Which accepted steps are looked at closer, where many are made at a time (LOOK_NEVER ... of march.c)
+NEVER, AT_DETERMINANTS, AT_VELOCITIES, ALWAYS = range(4)
 SHARE = 0.1  # of a velocity
 NOISE = 1e-6  # of the largest scaled velocity: what is slower says nothing
 
@@ -54,6 +56,16 @@ class Moving:
     xd: Array
     xdd: Array
     e: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Accepted:
+    """An accepted step: state y, what moves there, sign and logarithm of the determinant of V[E, U]."""
+
+    y: Array
+    at: Moving
+    sign: float
+    size: float
 
 
 def unexplained(a: Moving, b: Moving, scale: Array) -> NDArray[np.bool_]:

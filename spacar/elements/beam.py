@@ -180,7 +180,7 @@ def _line(c: SpatialBeamConfiguration) -> LineState:
 def statement_values(group: ElementGroup) -> tuple[list[tuple[float, ...] | None], Array]:
     """Direction vectors (or None) and torsion-elongation parameters f1 (n,) [m^2] of the statements."""
     directions: list[tuple[float, ...] | None] = []
-    f1 = np.zeros(group.n)
+    f1 = np.zeros(group.n, group.x0.dtype)
     for k, values in enumerate(group.geometry):
         if len(values) not in (0, 1, 3, 4):
             raise GeometryError(
@@ -193,7 +193,7 @@ def statement_values(group: ElementGroup) -> tuple[list[tuple[float, ...] | None
 
 def _beam_matrix(rigidity: Array, shear: Array, l0: Array) -> Array:
     """(6, 6, n) from EA, GIt, EIy, EIz (n, >=4) and the shear numbers Phi_z, Phi_y (n, 2)."""
-    S = np.zeros((6, 6, len(l0)))
+    S = np.zeros((6, 6, len(l0)), rigidity.dtype)
     if not rigidity.any():  # rigid beams, or no damping
         return S
     S[0, 0] = rigidity[:, 0] / l0

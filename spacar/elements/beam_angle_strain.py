@@ -30,7 +30,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.elements.rotation import _DIRECTOR
+from spacar.elements.rotation import _DIRECTOR, parameters_of_frame
 from spacar.elements.taylor import Taylor, angle, composed, contracted, root, stacked
 
 SERIES = 0.2  # of 1 - c: below it the power series of G, above it the closed form (relative error of both below 1e-13)
@@ -349,12 +349,10 @@ def _write_hessian(c: AngleState, H: Array, out: Array) -> None:
 
 def orientations(frame_p: Array, frame_q: Array) -> Array:
     """C (2, 4, 4, n): lam o r of the start frames (3, 3, n); r_q has the sign for which mu0 > 0 at the start."""
-    from scipy.spatial.transform import Rotation
-
     n = frame_p.shape[-1]
-    start = [np.roll(Rotation.from_matrix(f.transpose(2, 0, 1)).as_quat(), 1, axis=1).T for f in (frame_p, frame_q)]
+    start = [parameters_of_frame(f) for f in (frame_p, frame_q)]
     start[1] = start[1] * np.where((start[0] * start[1]).sum(0) < 0.0, -1.0, 1.0)
-    C = np.zeros((2, 4, 4, n))
+    C = np.zeros((2, 4, 4, n), frame_p.dtype)
     for s, (r, *v) in enumerate(start):
         C[s, range(4), range(4)] = r
         for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):

@@ -87,7 +87,7 @@ def beam_constants(
     c = np.stack((-frame_p[:, 2], frame_q[:, 2], frame_p[:, 1], -frame_q[:, 1]), axis=1)  # (3, 4, n)
     K = l0 * director_tensor(c).transpose(3, 0, 1, 2, 4)
     K = np.ascontiguousarray(K).reshape(2, 2, 3, 4, 4, len(l0))
-    F = np.zeros((2, 2, 4, 4, len(l0)))
+    F = np.zeros((2, 2, 4, 4, len(l0)), l0.dtype)
     F[0], F[1] = relative_parameters(frame_p, frame_q)[:2]
     F[1] *= 2.0 * l0
     return BeamConstants(K, F, l0, nonlinear / l0, nonlinear * f1 / l0**3)

@@ -93,7 +93,7 @@ class BeamWithWarping(SpatialBeam):
         parts = super().stiffness(), (self._estiff, self._edamp)
         full = []
         for S6, rigidity in zip(*parts, strict=True):
-            S = np.zeros((8, 8, self.n))
+            S = np.zeros((8, 8, self.n), rigidity.dtype)
             S[:6, :6] = S6
             torsion = rigidity[:, 1] / (30.0 * self.length**3)
             warping = rigidity[:, ECW] / self.length**5

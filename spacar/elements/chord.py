@@ -75,7 +75,7 @@ def start_chord(x_p: Array, x_q: Array, keyword: str) -> tuple[Array, Array]:
     "Coincide" is measured against the largest position in the group, whose digits limit the difference.
     """
     d = x_q - x_p
-    l0 = np.hypot(d[0], d[1])
+    l0 = distance(d)
     size = max(float(np.max(np.abs(x_p), initial=0.0)), float(np.max(np.abs(x_q), initial=0.0)))
     for k in np.flatnonzero(l0 <= 1e-12 * size):
         raise GeometryError(
@@ -84,6 +84,11 @@ def start_chord(x_p: Array, x_q: Array, keyword: str) -> tuple[Array, Array]:
             "give them different positions with X",
         )
     return l0, d / l0
+
+
+def distance(d: Array) -> Array:
+    """|d| (n,) of d (2, n), of complex steps its analytic continuation."""
+    return np.asarray(np.sqrt(d[0] * d[0] + d[1] * d[1]) if np.iscomplexobj(d) else np.hypot(d[0], d[1]))
 
 
 def frame(t: Array) -> Array:

@@ -191,6 +191,6 @@ class SpatialHinge(Family):
 def diagonal(k: Array) -> Array:
     """Diagonal matrices (m, m, n) of coefficients (n, m)."""
     modes = np.arange(k.shape[1])
-    S = np.zeros((len(modes), len(modes), len(k)))
+    S = np.zeros((len(modes), len(modes), len(k)), k.dtype)
     S[modes, modes] = k.T
     return S

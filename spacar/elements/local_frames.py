@@ -31,7 +31,7 @@ def pick(ex: Array) -> Array:
 
 def unit(v: Sequence[float] | Array, index: int, what: str) -> Array:
     """v / |v| (3, n). Raises GeometryError for a zero or non-finite vector; `what` names it in the message."""
-    a = np.asarray(v, float)
+    a = np.asarray(v) * 1.0
     size = np.abs(a).max(0)
     good = (size > 0.0) & (size < np.inf)
     if not good.all():
@@ -72,7 +72,7 @@ def cross(a: Array, b: Array) -> Array:
 
 def chord_frame(ex: Array, direction: Sequence[float] | Array | None, index: int) -> Array:
     """Frames (3, 3, n) of BEAMs: x' given, y' from directions (3, n) or, where there are none, from `pick`."""
-    g = pick(ex) if direction is None else np.asarray(direction, float)
+    g = pick(ex) if direction is None else np.asarray(direction)
     return supplemented(ex, g, index, "direction of the local y' axis")
 
 
@@ -97,7 +97,7 @@ def chords(d: Array, x: Array) -> tuple[Array, Array]:
     Raises GeometryError for an element shorter than `SHORT` times the extent of the group.
     """
     l = np.sqrt((d * d).sum(0))
-    points = x.reshape(2, 3, -1)
+    points = x.real.reshape(2, 3, -1)
     extent = float(np.ptp(points, axis=(0, 2)).max(initial=0.0)) if points.size else 0.0
     bad = np.flatnonzero(~(l > SHORT * extent))
     if bad.size:
@@ -123,7 +123,7 @@ def section_tensor(frame: Array, j: Array, length: Array) -> Array:
 
     frame (3, 3, n); j (n, 4) are Jx'x', Jy'y', Jz'z', Jy'z' per length [kg m]; Jx'y' = Jx'z' = 0.
     """
-    J = np.zeros((len(j), 3, 3))
+    J = np.zeros((len(j), 3, 3), j.dtype)
     J[:, [0, 1, 2], [0, 1, 2]] = j[:, :3]
     J[:, [1, 2], [2, 1]] = j[:, 3:4]
     return np.einsum("ian,nab,jbn,n->nij", frame, J, frame, length)

@@ -38,7 +38,7 @@ class RigidBodyNode(Family):
     def __init__(self, nodes: NDArray[np.int64], J: Array) -> None:
         self.numbers = nodes
         self.length = np.zeros(len(nodes))
-        self.J = np.ascontiguousarray(np.moveaxis(np.asarray(J, float), 0, -1))
+        self.J = np.ascontiguousarray(np.moveaxis(np.asarray(J), 0, -1))
 
     def strain(self, x: Array, near: Array, e: Array, V: Array) -> BodyState:
         return BodyState(expand((self.J,), x.ndim)[0], body_matrix(x))
@@ -72,7 +72,7 @@ class GyrostatNode(Family):
     def __init__(self, nodes: NDArray[np.int64], h: Array) -> None:
         self.numbers = nodes
         self.length = np.zeros(len(nodes))
-        self.K = 4.0 * body_dual(np.ascontiguousarray(np.asarray(h, float).T))
+        self.K = 4.0 * body_dual(np.ascontiguousarray(np.asarray(h).T))
 
     def strain(self, x: Array, near: Array, e: Array, V: Array) -> Array:
         return np.asarray(expand((self.K,), x.ndim)[0])

@@ -193,7 +193,7 @@ def _frame(group: ElementGroup, k: int, d: Array) -> Array:
             k, f"the direction of the local y' axis needs 3 components, {len(direction)} are given"
         )
     ex = unit(d, k, "line from p to q, which is the local x' axis,")
-    return chord_frame(ex[:, None], np.asarray(direction, float)[:, None] if direction else None, k)[:, :, 0]
+    return chord_frame(ex[:, None], np.asarray(direction)[:, None] if direction else None, k)[:, :, 0]
 
 
 def _given_frame(given: tuple[float, ...], k: int) -> Array:
@@ -205,12 +205,12 @@ def _given_frame(given: tuple[float, ...], k: int) -> Array:
         raise GeometryError(k, f"ORPINBOD needs 6 or 9 values for a spatial element, {len(given)} are given")
     names = ("first", "second", "third")
     units = [unit(given[3 * i : 3 * i + 3], k, f"{names[i]} ORPINBOD direction") for i in range(3)]
-    volume = abs(float(np.linalg.det(np.column_stack(units))))
+    volume = abs(np.linalg.det(np.column_stack(units)))
     if volume < DEPENDENT:
         raise GeometryError(
             k, f"the three ORPINBOD directions are linearly dependent (unit volume {volume:.1e})"
         )
-    return np.asarray(given, float).reshape(3, 3).T
+    return np.array(given).reshape(3, 3).T
 
 
 def _rod_inertia(group: ElementGroup, d: Array) -> Array:

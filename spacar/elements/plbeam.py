@@ -34,6 +34,7 @@ from spacar.arrays import Array
 
 from . import chord
 from .family import ElementGroup, Family, Trouble
+from .rotation import arc_tangent
 
 # integral of N N^T over the element, times 420 (10)
 CUBIC_MASS = np.array([[156.0, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]])
@@ -71,7 +72,7 @@ class PlanarBeam(Family):
     def __init__(self, group: ElementGroup) -> None:
         """Raises GeometryError where the end nodes coincide."""
         l0, u0 = chord.start_chord(group.x0[0:2], group.x0[3:5], group.keyword)
-        beta0 = np.arctan2(u0[1], u0[0])
+        beta0 = arc_tangent(u0[1], u0[0])
         self._set(group, l0, np.stack((beta0, beta0)), group.em[:, 0], group.em[:, 1])
 
     def _set(self, group: ElementGroup, l0: Array, angle: Array, m: Array, J: Array) -> None:
@@ -94,7 +95,7 @@ class PlanarBeam(Family):
         l0 = self.length
         self.unit = m * l0 / 420.0  # factor of CUBIC_MASS
         self.lumped = 0.5 * J * l0
-        constant = np.zeros((6, 6, self.n))
+        constant = np.zeros((6, 6, self.n), self.unit.dtype)
         for k in (0, 1):
             constant[[k, 3 + k], [k, 3 + k]] = 156.0 * self.unit
             constant[[k, 3 + k], [3 + k, k]] = 54.0 * self.unit
@@ -219,7 +220,7 @@ class PlanarBeam(Family):
         return self._stiffness(*self.rigidity), self._stiffness(*self.viscosity)
 
     def _stiffness(self, EA: Array, EI: Array) -> Array:
-        S = np.zeros((3, 3, self.n))
+        S = np.zeros((3, 3, self.n), EI.dtype)
         S[0, 0] = EA / self.length
         bend = EI / (self.length**3 * (1.0 + self.Phi))
         S[1, 1] = S[2, 2] = (4.0 + self.Phi) * bend

@@ -56,7 +56,7 @@ class PlanarBelt(Family):
     def __init__(self, group: ElementGroup) -> None:
         """Geometry: radii r_p, r_q. GeometryError where the pulleys are too close for a straight span."""
         self.keyword, self.numbers = group.keyword, group.numbers
-        self.radii = np.array([values[0:2] for values in group.geometry], float).reshape(-1, 2).T
+        self.radii = np.array([values[0:2] for values in group.geometry], group.x0.dtype).reshape(-1, 2).T
         self.data = self.radii.T.copy()
         self.rho = self.radii[0] - self.radii[1]
         d = group.x0[3:5] - group.x0[0:2]
@@ -68,9 +68,9 @@ class PlanarBelt(Family):
                 f"must be larger than |r_p - r_q| = {abs(self.rho[k]):.6g} m",
             )
         self.length, self.u0 = self._span(d)[0:2]
-        self.frame_p = chord.frame(d / np.hypot(d[0], d[1]))
+        self.frame_p = chord.frame(d / chord.distance(d))
         self.turn = 2.0 * np.pi * self.rho
-        self.per_turn = np.divide(1.0, self.turn, out=np.zeros(group.n), where=self.rho != 0.0)
+        self.per_turn = np.divide(1.0, self.turn, out=np.zeros_like(self.rho), where=self.rho != 0.0)
         self.EA, self.EdA = group.estiff[:, 0], group.edamp[:, 0]
         self._set_mass(group.em[:, 0], group.em[:, 1:3].T)
 
@@ -78,13 +78,13 @@ class PlanarBelt(Family):
         self.has_mass = bool(np.any(m != 0))
         self.unit = unit = m * self.length / 6.0
         r = self.radii
-        constant = np.zeros((6, 6, self.n))
+        constant = np.zeros((6, 6, self.n), unit.dtype)
         for k in (0, 1):
             constant[[k, 3 + k], [k, 3 + k]] = 2.0 * unit
             constant[[k, 3 + k], [3 + k, k]] = unit
         constant[2, 2], constant[5, 5] = 2.0 * unit * r * r
         constant[2, 5] = constant[5, 2] = unit * r[0] * r[1]
-        self.wound = np.zeros((6, self.n))
+        self.wound = np.zeros((6, self.n), unit.dtype)
         self.wound[2::3] = m * np.abs(r) ** 3 * wound
         self.wound[0::3] = self.wound[1::3] = m * np.abs(r) * wound
         constant[np.arange(6), np.arange(6)] += self.wound
@@ -200,7 +200,7 @@ class PlanarBelt(Family):
         # with respect to theta, at fixed theta' and D theta
         dP = self._momenta(-rim[:, None] * n)
         dP_rate = self._momenta(-(r * a[2::3])[:, None] * n + (rim * theta_rate)[:, None] * u)
-        by_theta = np.zeros((6, *c.l.shape))
+        by_theta = np.zeros((6, *c.l.shape), dP_rate.dtype)
         by_theta[0:2], by_theta[3:5] = dP_rate
         moment = (P_rate * n).sum(1) + (dP_rate * u).sum(1) + theta_rate * ((dP * n).sum(1) - P_u)
         by_theta[2::3] = -r * moment
@@ -214,7 +214,7 @@ class PlanarBelt(Family):
         by_x = by_theta[:, None] * g + by_rate[:, None] * (hessian * v).sum(1) + (rim * P_n).sum(0) * hessian
         by_v = by_rate[:, None] * g
         for j in range(6):
-            rate = np.zeros((2, 2, *c.l.shape))  # of the pulley ends per unit of v_j
+            rate = np.zeros((2, 2, *c.l.shape), u.dtype)  # of the pulley ends per unit of v_j
             pulley, place = divmod(j, 3)
             if place == 2:
                 rate[pulley] = -r[pulley] * u

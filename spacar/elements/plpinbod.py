@@ -33,19 +33,19 @@ class PinbodyConfiguration(NamedTuple):
 
 def body_directions(group: ElementGroup) -> Array:
     """a (direction, component, n); GeometryError: PLRBEAM without length, zero or parallel directions."""
-    a = np.zeros((2, 2, group.n))
+    a = np.zeros((2, 2, group.n), group.x0.dtype)
     given = [k for k, values in enumerate(group.directions) if values is not None]
     for k in given:
-        values = np.asarray(group.directions[k], float)
+        values = np.asarray(group.directions[k])
         if values.size == 2:
-            size = np.hypot(*values)
+            size = chord.distance(values)
             if size == 0.0:
                 raise GeometryError(k, "ORPINBOD: the direction has length zero")
             c, s = values / size
             values = np.array([c, s, -s, c])
         a[:, :, k] = values.reshape(2, 2)
         (a1, a2), (b1, b2) = a[:, :, k]
-        if abs(a1 * b2 - a2 * b1) <= 1e-10 * np.hypot(a1, a2) * np.hypot(b1, b2):
+        if abs(a1 * b2 - a2 * b1) <= 1e-10 * np.hypot(abs(a1), abs(a2)) * np.hypot(abs(b1), abs(b2)):
             raise GeometryError(k, "ORPINBOD: the two directions are parallel")
     rest = np.setdiff1d(np.arange(group.n), given)
     if group.keyword == "PLRBEAM" and rest.size:
@@ -69,7 +69,7 @@ class PlanarPinbody(Family):
         """Raises GeometryError, see body_directions."""
         self.keyword, self.numbers = group.keyword, group.numbers
         d0 = group.x0[3:5] - group.x0[0:2]
-        self.length = np.hypot(d0[0], d0[1])
+        self.length = chord.distance(d0)
         a = self.a = body_directions(group)
         self.turned = np.stack((-a[:, 1], a[:, 0]), axis=1)
         zero = np.zeros(group.n)
@@ -125,7 +125,7 @@ class PlanarPinbody(Family):
 
     def stiffness(self) -> tuple[Array, Array]:
         """diag(S1, S2), diag(Sd1, Sd2): [N/m], [N s/m]."""
-        S, Sd = np.zeros((2, 2, self.n)), np.zeros((2, 2, self.n))
+        S, Sd = np.zeros((2, 2, 2, self.n), self.S.dtype)
         S[[0, 1], [0, 1]], Sd[[0, 1], [0, 1]] = self.S.T, self.Sd.T
         return S, Sd
 

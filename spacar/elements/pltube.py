@@ -25,6 +25,7 @@ from spacar.arrays import Array
 from . import chord
 from .family import ElementGroup, GeometryError
 from .plbeam import PlanarBeam, PlanarBeamConfiguration
+from .rotation import arc_tangent
 
 # integrals over the element (10): N'N'^T times 30, and NN'^T times 60
 STRETCH = np.array([[36.0, 3, -36, 3], [3, 4, -3, -1], [-36, -3, 36, -3], [3, -1, -3, 4]])
@@ -40,7 +41,7 @@ class PlanarTube(PlanarBeam):
         GeometryError where the nodes coincide, a flow has no fluid mass, or the end condition is not 0 to 3.
         """
         l0, u0 = chord.start_chord(group.x0[0:2], group.x0[3:5], group.keyword)
-        alpha = np.zeros((2, group.n))
+        alpha = np.zeros((2, group.n), group.x0.dtype)
         for k, values in enumerate(group.geometry):
             alpha[: len(values[0:2]), k] = values[0:2]
         tube, fluid, flow, self.shape_factor, condition, J = group.em[:, 0:6].T
@@ -49,7 +50,7 @@ class PlanarTube(PlanarBeam):
             raise GeometryError(int(j), f"PLTUBE: end condition {condition[j]:g} (EM) is not 0, 1, 2 or 3")
         self.jet_p, self.jet_q = np.isin(condition, (1, 3)), np.isin(condition, (2, 3))
         length, b0 = self._start(l0, alpha)
-        self._set(group, length, np.arctan2(u0[1], u0[0]) + alpha, tube + fluid, J)
+        self._set(group, length, arc_tangent(u0[1], u0[0]) + alpha, tube + fluid, J)
         b0 = self.signed * b0
         Q0 = 0.5 * ((self.A2 * b0 + self.B * b0[::-1]) * b0).sum(0)
         self.start = np.stack((l0 - length + Q0, *b0))
@@ -64,7 +65,7 @@ class PlanarTube(PlanarBeam):
         G, l0 = self.flow, self.length
         for k in np.flatnonzero((G != 0) & (self.fluid <= 0)):
             raise GeometryError(int(k), f"PLTUBE: mass flow {G[k]:g} kg/s without fluid mass per length (EM)")
-        U = np.divide(G, self.fluid, out=np.zeros(self.n), where=G != 0)
+        U = np.divide(G, self.fluid, out=np.zeros(self.n, np.result_type(G, self.fluid)), where=G != 0)
         momentum = self.shape_factor * G * U / l0
         self._A = ((TRANSPORT - TRANSPORT.T) / 60.0)[:, :, None] * G
         self._C = (STRETCH / -30.0)[:, :, None] * momentum
@@ -78,7 +79,7 @@ class PlanarTube(PlanarBeam):
     def with_flow(self, flow: Array) -> PlanarTube:
         """The same tubes with the mass flow rates `flow` (n,) [kg/s] (DELOMF adds to `self.flow`)."""
         other = copy.copy(self)
-        other.flow = np.asarray(flow, float)
+        other.flow = np.asarray(flow)
         other._set_flow()
         return other
 
@@ -114,7 +115,7 @@ class PlanarTube(PlanarBeam):
         out = self._angle_columns(c, K[:, None, 1::2] * z.swapaxes(0, 1))
         if positions:
             for j in self.position_rows:
-                F = np.zeros((4, 2, self.n))
+                F = np.zeros((4, 2, self.n), np.result_type(K, c.t))
                 F[:, j % 3] = K[:, 2 * (j // 3)]
                 out[:, j] = self._project(c, F)
         return out

@@ -86,7 +86,7 @@ def relative_parameters(frame_p: Array, frame_q: Array) -> Array:
     lam_q.
     """
     n = frame_p.shape[-1]
-    F = np.zeros((4, 2, 4, 4, n))
+    F = np.zeros((4, 2, 4, 4, n), frame_p.dtype)
     F[0, 0] = np.eye(4)[..., None]
     F[1:, 0] = relative_matrix(frame_p).transpose(2, 0, 1, 3)
     if not np.array_equal(frame_p, frame_q):
@@ -97,12 +97,9 @@ def relative_parameters(frame_p: Array, frame_q: Array) -> Array:
 
 def _follow(F: Array, frame_p: Array, frame_q: Array) -> Array:
     """F with lam_q o lam_start for lam_q: at the start the frame at q is turned by frame_q frame_p^T."""
-    from scipy.spatial.transform import Rotation
-
-    turn = np.einsum("ian,jan->nij", frame_q, frame_p)
-    vector = np.roll(Rotation.from_matrix(turn).as_quat(), 1, axis=1).T  # scalar first, (4, n)
+    vector = parameters_of_frame(np.einsum("ian,jan->ijn", frame_q, frame_p))
     w, v = vector[0], vector[1:]
-    product = np.zeros((4, 4, len(w)))  # lam o lam_start = product lam
+    product = np.zeros((4, 4, len(w)), F.dtype)  # lam o lam_start = product lam
     product[0, 0] = w
     product[0, 1:] = -v
     product[1:, 0] = v
@@ -111,6 +108,22 @@ def _follow(F: Array, frame_p: Array, frame_q: Array) -> Array:
         product[1 + i, 1 + j] = v[k]
         product[1 + i, 1 + k] = -v[j]
     return np.asarray(np.einsum("aijn,jkn->aikn", F, product))
+
+
+def parameters_of_frame(R: Array) -> Array:
+    """Euler parameters (4, n), scalar first, of rotation matrices (3, 3, n).
+
+    Of a complex step R + i R' the first order: R' = w~ R, lam' = (0, w) o lam / 2.
+    """
+    from scipy.spatial.transform import Rotation
+
+    lam = np.roll(Rotation.from_matrix(R.real.transpose(2, 0, 1)).as_quat(), 1, axis=1).T
+    if not np.iscomplexobj(R):
+        return np.asarray(lam)
+    spin = np.einsum("ian,jan->ijn", R.imag, R.real)
+    w = 0.5 * np.stack((spin[2, 1] - spin[1, 2], spin[0, 2] - spin[2, 0], spin[1, 0] - spin[0, 1]))
+    rate = np.concatenate((-(w * lam[1:]).sum(0)[None], lam[0] * w + cross(w, lam[1:])))
+    return np.asarray(lam + 0.5j * rate)
 
 
 def skew(v: Array) -> Array:

@@ -40,7 +40,7 @@ class Screw(Family):
     def __init__(self, group: ElementGroup) -> None:
         self.keyword, self.numbers = group.keyword, group.numbers
         self.length = np.zeros(group.n)
-        self.pitch = np.zeros(group.n)
+        self.pitch = np.zeros(group.n, group.x0.dtype)
         for k, values in enumerate(group.geometry):
             if len(values) not in (3, 4):
                 raise GeometryError(

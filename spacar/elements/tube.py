@@ -49,7 +49,8 @@ class SpatialTube(SpatialBeam):
         self._section = group.em[:, 5:9]
         self._start: Array | None = None
         if any(given is not None for given in group.directions):
-            start, V = np.zeros((6, group.n)), np.zeros((6, 14, group.n))
+            kind = group.x0.dtype
+            start, V = np.zeros((6, group.n), kind), np.zeros((6, 14, group.n), kind)
             super().strain(group.x0, start, start, V)
             self._start = start
 

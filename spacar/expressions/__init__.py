@@ -5,7 +5,8 @@ in docs/expressions.md. The text is parsed by Python's grammar and every node is
 `functions`); nothing is evaluated as code.
 
 variable      x xd xdd fx fxgrav fxtot xcompl [node, coordinate]; e ed edd sig [element, mode]; t; eigval[i] (complex);
-              lmult[i]; m0 c0 d0 k0 n0 g0 [i, j]. All numbers from 1. A variable is a series over the stored steps.
+              frequency[i] (Hz, from low to high); lmult[i]; m0 c0 d0 k0 n0 g0 [i, j]. All numbers from 1. A variable is
+              a series over the stored steps.
 series@when   one step: @end, @start, @7 (number of the stored step, from 1) or @0.05 (a stored time, in s)
 operators     + - * / ** and numbers, pi
 functions     those of `functions.FUNCTIONS`

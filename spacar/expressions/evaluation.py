@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from spacar.errors import UsageError
 from spacar.expressions.expression_units import NONE, Unit, combine, of_power, of_sum
+from spacar.expressions.frequencies import frequencies
 from spacar.expressions.functions import FUNCTIONS
 from spacar.expressions.grammar import ALIASES, E_NAMES, X_NAMES, Expression, indices, when
 from spacar.expressions.result_places import ELEMENT, NODE, place
@@ -130,9 +131,11 @@ class _Evaluation:
             except UsageError as error:
                 raise UsageError(f"'{self.text}': {error}", error.code) from None
             return Value(self.variables[name][:, column], self.unit_of(name, numbers))
-        values = self.variables[name]
+        values = self.variables["eigval" if name == "frequency" else name]
         if name == "eigval":
             values = values[..., 0] + 1j * values[..., 1]
+        elif name == "frequency":
+            values = frequencies(values)
         if any(i > n for i, n in zip(numbers, values.shape[1:], strict=True)):
             size = " x ".join(map(str, values.shape[1:]))
             raise UsageError(f"'{self.text}': {name} has {size} values", "expression.number")

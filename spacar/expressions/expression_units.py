@@ -16,7 +16,7 @@ Unit = tuple[tuple[str, int], ...]  # sorted (symbol, exponent), exponents not z
 
 NONE: Unit = ()
 DIGITS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-ORDER = ("N", "kg", "m", "rad", "deg", "s")
+ORDER = ("N", "kg", "m", "mm", "rad", "deg", "s")
 # How often a variable is differentiated with respect to time; -1: dual; -2: coordinate divided by its dual.
 ORDERS = {"x": 0, "xd": 1, "xdd": 2, "fx": -1, "fxgrav": -1, "fxtot": -1, "xcompl": -2, "xerr": 0,
           "e": 0, "ed": 1, "edd": 2, "sig": -1}  # fmt: skip
@@ -64,6 +64,8 @@ class Dimensions:
         """The unit of a variable that exists; None for those of the linearized equations."""
         if name == "t":
             return NONE if self.stationary else unit(s=1)
+        if name == "frequency":
+            return unit(Hz=1)
         if name in ("eigval", "lmult"):
             return unit(s=-1) if name == "eigval" else NONE
         order = ORDERS.get(name)

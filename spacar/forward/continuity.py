@@ -32,7 +32,6 @@ test alone, and always, where there is no cheap determinant.
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -41,7 +40,7 @@ from numpy.typing import NDArray
 from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.evaluator import Evaluator
-from spacar.dynamics.loaded_mechanism import NOISE, Moving, unexplained
+from spacar.dynamics.loaded_mechanism import NOISE, Accepted, Moving, unexplained
 from spacar.errors import AnalysisError, Report
 from spacar.kinematics.fold import fold
 from spacar.kinematics.regularity import PositionMatrix
@@ -51,16 +50,6 @@ MORE = 4.0  # times the last acceleration that is known: what it may become whil
 REMEMBERED = 200  # steps: towards a dead point they become shorter, by orders of magnitude
 DEEPEST = 12  # halvings
 SAME = float(np.sqrt(np.finfo(float).eps))  # scaled difference of positions: half of the digits, more than rounding
-
-
-@dataclass(frozen=True, slots=True)
-class Accepted:
-    """An accepted step: state y, what moves there, sign and logarithm of the determinant."""
-
-    y: Array
-    at: Moving
-    sign: float
-    size: float
 
 
 class Continuity:
@@ -74,6 +63,12 @@ class Continuity:
         self.steps: deque[Accepted] = deque(maxlen=REMEMBERED)
         self.peak = -np.inf  # of the determinant, since its last minimum
         self.entered: tuple[Accepted, float] | None = None  # last step before a dead point that is being left, its time
+
+    def resume(self, before: list[Accepted], peak: float) -> None:
+        """Go on behind steps that were looked at elsewhere; `peak` of the determinant since its last minimum."""
+        self.steps.clear()
+        self.steps.extend(before)
+        self.peak = peak
 
     def check(self, t: float, y: Array) -> None:
         """Raises AnalysisError 'position.singular'."""

@@ -3,7 +3,8 @@
 Evaluators (`spacar.dynamics.evaluator`) know nothing of what is decided here: the tolerances, the Jacobian of the codes
 that need one, what is watched after every accepted step, and how states and frames are collected at the output times.
 
-A step may err by STEP times ERROR, for every code alike (reference/theory-system.md section 9).
+A step may err by STEP times ERROR, for every code alike (reference/theory-system.md section 9); the absolute part of a
+deformation is measured by the displacement that it causes (`spacar.forward.displaced`).
 """
 
 from __future__ import annotations
@@ -18,15 +19,24 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.dynamics.evaluator import Evaluator, Integrable
 from spacar.dynamics.limits import Limits
-from spacar.dynamics.loaded_mechanism import LoadedMechanism
+from spacar.dynamics.loaded_mechanism import (
+    ALWAYS,
+    AT_DETERMINANTS,
+    AT_VELOCITIES,
+    NEVER,
+    Accepted,
+    LoadedMechanism,
+    Moving,
+)
 from spacar.errors import AnalysisError, Report
-from spacar.forward.continuity import Continuity
+from spacar.forward.charts import ChartWatch
+from spacar.forward.continuity import HALF, REMEMBERED, Continuity
+from spacar.forward.displaced import displaced
 from spacar.frame import Frame
 from spacar.integrators import AUTOMATIC, METHODS, EvenTimes, integrate
-from spacar.integrators.problem import Jacobian, Output
+from spacar.integrators.problem import Jacobian, March, Output
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.kinematics.regularity import HalfTurns
-from spacar.linearization.state_jacobian import state_jacobian
 from spacar.mechanism.mechanism import SolverSettings
 
 # Tolerance of one step / ERROR, for every code with variable steps alike. Errors of the steps add up, and the watch of
@@ -50,21 +60,26 @@ Watch = Callable[[float, Array], None]
 
 @dataclass(frozen=True)
 class Tolerances:
-    """Errors that a step may have, and the largest scaled correction that ends the iteration of a position."""
+    """Errors that a step may have, and the largest scaled correction that ends the iteration of a position.
 
-    atol: float
+    atol   of every component of the state (n,), or the same for all
+    """
+
+    atol: float | Array
     rtol: float
     position: float
 
     @classmethod
-    def of(cls, settings: SolverSettings, divisor: float = 1.0) -> Tolerances:
-        """Those of ERROR and INTEGRAT; `divisor`: how much smaller the norm of a step is than that of a case in it."""
+    def of(cls, settings: SolverSettings, divisor: float = 1.0, g: Array | None = None) -> Tolerances:
+        """Those of ERROR and INTEGRAT; `divisor`: how much smaller the norm of a step is than that of a case in it;
+        `g` (n,): displacement that a component causes, where it is not 1."""
         method = METHODS[settings.integrator]
         share = STEP / divisor if method.variable_step else 1.0 / divisor
         atol, rtol = share * settings.atol, share * settings.rtol
+        each = atol if g is None or not method.variable_step else atol / g
         if method.needs_jacobian:
-            return cls(atol, rtol, ITERATED)
-        return cls(atol, rtol, POSITION * min(atol, rtol) if method.variable_step else CONVERGED)
+            return cls(each, rtol, ITERATED)
+        return cls(each, rtol, POSITION * min(atol, rtol) if method.variable_step else CONVERGED)
 
 
 class Integrand:
@@ -76,7 +91,7 @@ class Integrand:
 
     def __init__(
         self, evaluator: Integrable, within: float, jacobian: Jacobian | None, accepted: Watch | None, report: Report,
-        rejected: Callable[[], None] | None = None,
+        rejected: Callable[[], None] | None = None, trail: Trail | None = None,
     ) -> None:  # fmt: skip
         self.rejected = rejected
         self.n_positions, self.by_case = evaluator.n_positions, evaluator.by_case
@@ -86,6 +101,9 @@ class Integrand:
         self.report = report
         self._rhs, self._together = evaluator.rhs, evaluator.stages
         self.stages = self._stages if self._together is not None else None
+        self.march: March | None = None
+        if trail is not None and trail.evaluator.marching is not None:
+            self.march = trail.evaluator.marching(trail, lambda: self.within)
 
     def rhs(self, t: float, y: Array) -> Array:
         return self._rhs(t, y, self.within)
@@ -111,13 +129,14 @@ class Integrand:
 def integrated(
     evaluator: Integrable, y: Array, times: Times, settings: SolverSettings, tolerances: Tolerances, *,
     breaks: Sequence[float] = (), watch: Watch | None = None, jacobian: Jacobian | None = None,
-    report: Report | None = None, back: Callable[[], None] | None = None,
+    report: Report | None = None, back: Callable[[], None] | None = None, trail: Trail | None = None,
 ) -> Iterator[Output]:  # fmt: skip
     """States at the output times, with the work done since the last one. Raises AnalysisError.
 
-    `watch` is called after accepted steps, `back` after rejected ones.
+    `watch` is called after accepted steps, `back` after rejected ones; an evaluator that makes many steps at a time
+    asks the `trail`.
     """
-    problem = Integrand(evaluator, tolerances.position, jacobian, watch, report or Report(), back)
+    problem = Integrand(evaluator, tolerances.position, jacobian, watch, report or Report(), back, trail)
     return integrate(
         problem, y, times, settings.integrator, tolerances.atol, tolerances.rtol, settings.step, breaks=breaks
     )
@@ -138,19 +157,22 @@ def frames(
         for t in times:
             yield evaluator, checked(evaluator, float(t), y, limits)
         return
-    tolerances = Tolerances.of(settings, divisor)
+    tolerances = Tolerances.of(settings, divisor, displaced(evaluator))
     jacobian: Jacobian | None = None
     if METHODS[settings.integrator].needs_jacobian or (settings.integrator == AUTOMATIC and _has_forces(model)):
+        from spacar.linearization.state_jacobian import state_jacobian
+
         jacobian = partial(state_jacobian, evaluator, within=ITERATED)
     # Outputs are interpolated inside steps that may have passed a dead point: they are placed from the start of their
     # step or the last output in it, not back from its end.
     shown = evaluator.companion()
     limits = Limits(shown, report)
     trail = Trail(evaluator, watch) if moved_by is None else None
+    breaks = (*model.drive.breaks, *getattr(model.mechanism.user_signal, "breaks", ()))
     for out in integrated(
         moved_by or evaluator, y, times, settings, tolerances,
-        breaks=model.drive.breaks, watch=trail.accepted if trail else watch, jacobian=jacobian,
-        back=watch.back if watch else None, report=report,
+        breaks=breaks, watch=trail.accepted if trail else watch, jacobian=jacobian,
+        back=watch.back if watch else None, report=report, trail=trail,
     ):  # fmt: skip
         if trail:
             trail.lead(shown)
@@ -173,11 +195,38 @@ class Trail:
     of a dead point at which steps that are too long have turned back.
     """
 
-    def __init__(self, evaluator: Evaluator, watch: Watch | None) -> None:
+    def __init__(self, evaluator: Evaluator, watch: Watched | None) -> None:
         self.evaluator, self.watch = evaluator, watch
         self.at_begin: Any = None
         self.at_end: Any = None
+        self.begin: Moving | None = None  # instead of them, where many steps are made at a time
         self.steps = 0  # since the last output
+
+    # -- of many steps at a time: `spacar.compiled.marching.Lookout` ----------------------------------------------
+    half = HALF
+
+    @property
+    def capacity(self) -> int:
+        return REMEMBERED if self.back else 2
+
+    @property
+    def back(self) -> bool:
+        return self.watch is not None and self.watch.continuity is not None
+
+    @property
+    def look(self) -> int:
+        return NEVER if self.watch is None else self.watch.look
+
+    def closer(
+        self, t: float, y: Array, peak: float, before: list[Accepted] | None
+    ) -> tuple[float, bool, Accepted | None]:
+        """Look at one of them."""
+        return (peak, False, None) if self.watch is None else self.watch.closer(t, y, peak, before)
+
+    def passed(self, n: int, begin: Moving | None) -> None:
+        """So many have been made, the last one from `begin`."""
+        self.steps += n
+        self.begin = begin
 
     def accepted(self, t: float, y: Array) -> None:
         """After every accepted step."""
@@ -188,7 +237,9 @@ class Trail:
 
     def lead(self, shown: Evaluator) -> None:
         """Let the evaluator of the outputs begin at the start of the step with t, if its last output was far before."""
-        if self.at_begin is not None and self.steps > FAR:
+        if self.steps > FAR and self.begin is not None:
+            shown.resume(self.begin)
+        elif self.steps > FAR and self.at_begin is not None:
             shown.remember(self.at_begin)
         self.steps = 0
 
@@ -223,12 +274,16 @@ def timed(error: AnalysisError, t: float) -> AnalysisError:
 
 # -- what is watched after every accepted step ----------------------------------------------------------------------
 class Watched:
-    """Half turns of nodes, and the continuity of the motion at dead points."""
+    """Half turns of nodes, the charts of those that may pass them, and the continuity of the motion at dead points."""
 
-    def __init__(self, evaluator: Evaluator, half_turns: HalfTurns, continuity: Continuity | None) -> None:
-        self.evaluator, self.half_turns, self.continuity = evaluator, half_turns, continuity
+    def __init__(
+        self, evaluator: Evaluator, half_turns: HalfTurns, continuity: Continuity | None, charts: ChartWatch | None
+    ) -> None:
+        self.evaluator, self.half_turns, self.continuity, self.charts = evaluator, half_turns, continuity, charts
 
     def __call__(self, t: float, y: Array) -> None:
+        if self.charts is not None:
+            self.charts.check(t, y, self.evaluator.placement().x)
         if self.half_turns.nodes:
             self.half_turns.check(t, self.evaluator.placement().x)
         if self.continuity is not None:
@@ -240,15 +295,40 @@ class Watched:
                 self.half_turns.check(t, self.evaluator.placement().x, CAUSE)
                 raise timed(error, t) from error
 
+    @property
+    def look(self) -> int:
+        """Which of many steps are looked at closer, see `spacar.forward.continuity`."""
+        if self.half_turns.nodes or self.charts is not None:
+            return ALWAYS
+        if self.continuity is None:
+            return NEVER
+        return AT_DETERMINANTS if self.continuity.matrix.has_determinant else AT_VELOCITIES
+
+    def closer(
+        self, t: float, y: Array, peak: float, before: list[Accepted] | None
+    ) -> tuple[float, bool, Accepted | None]:
+        """Look at an accepted step after those `before` it, see `Lookout`."""
+        c = self.continuity
+        if c is not None and before is not None:
+            c.resume(before, peak)
+        self(t, y)
+        if c is None:
+            return peak, False, None
+        seen = c.steps[-1] if c.steps and not (before and c.steps[-1] is before[-1]) else None
+        return c.peak, c.entered is not None, seen
+
     def back(self) -> None:
         """After a rejected step: its last stages may stand on another branch."""
         if self.continuity is not None and self.continuity.steps:
             self.evaluator.resume(self.continuity.steps[-1].at)
 
 
-def watched(evaluator: Evaluator, report: Report) -> Watched | None:
+def watched(evaluator: Evaluator, report: Report, charts: ChartWatch | None = None) -> Watched | None:
     """What is watched after every accepted step; None where there is nothing."""
     mechanism, matrix = evaluator.model.mechanism, evaluator.position_matrix()
-    half_turns, settings = HalfTurns(mechanism.numbering), mechanism.settings
+    half_turns = HalfTurns(mechanism.numbering, without=charts.chart.dependent if charts else ())
+    settings = mechanism.settings
     continuity = Continuity(evaluator, matrix, report, (settings.atol, settings.rtol)) if len(matrix.columns) else None
-    return Watched(evaluator, half_turns, continuity) if half_turns.nodes or continuity is not None else None
+    if not half_turns.nodes and continuity is None and charts is None:
+        return None
+    return Watched(evaluator, half_turns, continuity, charts)

@@ -152,6 +152,10 @@ class Adams:
         Raises AnalysisError `integrator.step-too-small`, or the error of F after ten reductions of the step.
         """
         rhs, phi, d = self.evaluation.rhs, self.phi, self.d
+        if self.evaluation.march is not None:
+            self.y[:] = y
+            yield from self.evaluation.march(self, t, t_end, h, float("inf"))
+            return
         h_min = 4.0 * np.finfo(float).eps * max(abs(t), abs(t_end), t_end - t)
         self.y[:] = y
         phi[0] = rhs(t, self.y)

@@ -46,6 +46,7 @@ class Automatic:
 
     def __init__(self, evaluation: Evaluation, n: int, tolerance: Tolerance) -> None:
         self.evaluation, self.n, self.tolerance = evaluation, n, tolerance
+        evaluation.march = None  # every step is looked at
         self.explicit = DormandPrince853(evaluation, n, tolerance)
         self.implicit: Radau | None = None
         self.stays = False

@@ -22,6 +22,7 @@ from .automatic import Automatic
 from .failures import MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small, too_many_steps
 from .methods import AUTOMATIC, METHODS, method
 from .problem import Evaluation, Output, Problem, Step, Tolerance
+from .runge_kutta import ExplicitRungeKutta
 from .times import EvenTimes
 
 EPS = float(np.finfo(float).eps)
@@ -37,7 +38,7 @@ def integrate(
     y0: np.ndarray,
     times: Sequence[float] | np.ndarray,
     code: int = 0,
-    atol: float = 1e-5,
+    atol: float | np.ndarray = 1e-5,
     rtol: float = 1e-4,
     step: float | None = None,
     max_steps: int = DEFAULT_MAX_STEPS,
@@ -48,7 +49,8 @@ def integrate(
     y0        initial state (positions, velocities), shape (n,)
     times     output times in s, increasing, at least two; the problem is never evaluated outside of them
     code      a key of METHODS
-    atol      absolute error; for 410, 420, 430 the tolerance of the Newton iteration; > 0
+    atol      absolute error, of each component (n,) or of all; for 410, 420, 430 the tolerance of the Newton
+              iteration; > 0
     rtol      relative error of the variable-step codes, >= 0
     step      step of fixed-step codes (default a tenth of the output step), first step of the others, in s
     max_steps largest number of steps between two outputs
@@ -67,7 +69,8 @@ def integrate(
     if row.needs_jacobian and getattr(problem, "jacobian", None) is None:
         raise UsageError(f"INTEGRAT: {row.name} needs the Jacobian of the problem", "integrator.jacobian")
     evaluation = Evaluation(problem, first, last)
-    integrator = row.build(evaluation, len(state), Tolerance(float(atol), float(rtol)))
+    evaluation.times = output_times
+    integrator = row.build(evaluation, len(state), Tolerance(_one_or_each(atol), float(rtol)))
     segments = _segments(first, last, breaks)
     loop = _variable if row.variable_step else _fixed
     steps = loop(integrator, evaluation, state, output_times, segments, step)
@@ -95,7 +98,13 @@ def steps(
     return _one_step(integrator, first is None, longest)(start, y, end, size)
 
 
-def _check(y0: np.ndarray, times: np.ndarray | EvenTimes, atol: float, rtol: float, step: float | None) -> None:
+def _one_or_each(atol: float | np.ndarray) -> float | np.ndarray:
+    return np.array(atol, float) if np.ndim(atol) else float(atol)
+
+
+def _check(
+    y0: np.ndarray, times: np.ndarray | EvenTimes, atol: float | np.ndarray, rtol: float, step: float | None
+) -> None:
     """Raises UsageError that says what is wrong with the arguments of `integrate`."""
 
     def wrong(text: str, code: str) -> NoReturn:
@@ -110,7 +119,7 @@ def _check(y0: np.ndarray, times: np.ndarray | EvenTimes, atol: float, rtol: flo
         if len(bad):
             a, b = times[bad[0]], times[bad[0] + 1]
             wrong(f"output times must increase: {b:.9g} s follows {a:.9g} s", "integrator.times")
-    if not (atol > 0.0 and rtol >= 0.0):
+    if not (np.all(np.asarray(atol) > 0.0) and np.shape(atol) in ((), y0.shape) and rtol >= 0.0):
         text = f"the absolute error must be positive and the relative one not negative, not {atol} and {rtol}"
         wrong(f"ERROR: {text}", "integrator.tolerance")
     if step is not None and not step > 0.0:
@@ -145,7 +154,7 @@ def _outputs(
     before = statistics.counts()
     i, n = 1, len(times)
     next_time, step_start, limit = float(times[1]), float(times[0]), max_steps
-    for t, y, interpolate in steps:
+    for t, y, interpolate, _ in steps:
         while next_time <= t:
             result = y.copy() if next_time == t else interpolate(next_time)
             now = statistics.counts()
@@ -183,7 +192,8 @@ def _variable(
     for start, end, evaluation.first, evaluation.last in segments:
         t, before, size = start, 0.0, 0.0
         for taken in run(start, y, end, min(h, end - start)):
-            before, size, t = size, taken.t - t, taken.t
+            before, size = taken.sizes or (size, taken.t - t)
+            t = taken.t
             yield taken
         # After a break not longer than before it; the last step may have been shortened to end there.
         y, h = taken.y.copy(), max(before, size)
@@ -205,6 +215,9 @@ def _one_step(
         if estimate:
             h = min(h, _first_step(evaluation, integrator, t, y, f.copy()))
         h = max(min(h, longest), h_min)
+        if evaluation.march is not None and isinstance(integrator, ExplicitRungeKutta):
+            yield from evaluation.march(integrator, t, t_end, h, longest)
+            return
         final = False
         while not final:
             integrator.begin(t)

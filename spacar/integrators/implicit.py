@@ -140,7 +140,7 @@ class SinglyDiagonallyImplicit(_FixedStep):
                     change = np.abs(h * self.last_change)
                     worst = int(np.argmax(change))
                     raise newton_failed(
-                        self.evaluation, t, h, float(change[worst]), worst, self.tolerance.absolute
+                        self.evaluation, t, h, float(change[worst]), worst, float(self.tolerance.absolute)
                     )
         self.y_new = base + hg * stages[-1]
 

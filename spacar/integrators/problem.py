@@ -3,16 +3,19 @@ evaluation."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from bisect import bisect_right
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from math import isfinite
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from spacar.errors import AnalysisError
 
 Jacobian = Callable[[float, np.ndarray], tuple[np.ndarray, np.ndarray]]
+# (method, t, t_end, h, longest) -> steps, those without outputs passed over
+March = Callable[[Any, float, float, float, float], "Iterator[Step]"]
 
 
 class Problem(Protocol):
@@ -20,14 +23,16 @@ class Problem(Protocol):
 
     Positions include the kinematic coordinates of a non-holonomic system; the second-order codes 220 and 225
     need `len(y) == 2 * n_positions`. `rhs` may return the same array at every call: integrators copy what
-    they keep. It must neither change nor keep the `y` it is given. Six optional members are used when they are
+    they keep. It must neither change nor keep the `y` it is given. Seven optional members are used when they are
     present: `jacobian(t, y)`, which the linearly implicit and implicit codes need, (dF/dy, dF/dt) with shapes (n, n)
     and (n,), `accepted(t, y) -> None`, called after each accepted step so that a problem can update its branch
     memory, `rejected() -> None`, called after each rejected one so that it goes back to that, `component_name(i) ->
     str`, the name of state component `i` in messages, and `stages(done, c, a, t, h, window, y, K) -> int`, which
     evaluates F(t + c_i h, y + h a_i K) into the rows i of K from `done` on, at times clipped to the window, and
-    returns the first row that it could not do (that one is then asked from `rhs`, which says why), and `by_case`, the
-    shape (blocks, components, lanes) of a state of many cases, each of which keeps the tolerance (Runge-Kutta codes).
+    returns the first row that it could not do (that one is then asked from `rhs`, which says why), `by_case`, the
+    shape (blocks, components, lanes) of a state of many cases, each of which keeps the tolerance (Runge-Kutta codes),
+    and `march(method, t, t_end, h, longest)`, which takes the steps of codes 0, 135, 155 and 853 itself (`accepted` and
+    `rejected` are then its own affair) and yields those with an output.
     """
 
     @property
@@ -68,18 +73,19 @@ class Output:
 
 class Step(NamedTuple):
     """An accepted step to `t`; `y` and `interpolate` are valid until the integrator is asked for the next
-    step."""
+    step. `sizes` of the step before it and of its own are told where other steps than the last one may lie behind."""
 
     t: float
     y: np.ndarray
     interpolate: Callable[[float], np.ndarray]
+    sizes: tuple[float, float] | None = None
 
 
 class Tolerance(NamedTuple):
     """Absolute and relative error, ERROR positions 1 and 2; the weight of y_i is `relative * |y_i| +
-    absolute`."""
+    absolute`, the absolute one (n,) or the same for all."""
 
-    absolute: float
+    absolute: float | np.ndarray
     relative: float
 
 
@@ -92,7 +98,8 @@ class Evaluation:
     """
 
     __slots__ = (
-        "_jacobian", "_rhs", "accepted", "by_case", "first", "last", "problem", "rejected", "stages", "statistics",
+        "_jacobian", "_rhs", "accepted", "by_case", "first", "last", "march", "problem", "rejected", "stages",
+        "statistics", "times",
     )  # fmt: skip
 
     def __init__(self, problem: Problem, first: float, last: float) -> None:
@@ -106,6 +113,12 @@ class Evaluation:
         self.rejected: Callable[[], None] | None = getattr(problem, "rejected", None)
         self.stages: Callable[..., int] | None = getattr(problem, "stages", None)
         self.by_case: tuple[int, int, int] | None = getattr(problem, "by_case", None)
+        self.march: March | None = getattr(problem, "march", None)
+        self.times: Sequence[float] | np.ndarray = (first, last)
+
+    def next_output(self, t: float) -> float:
+        """The first output time after t."""
+        return float(self.times[min(bisect_right(self.times, t), len(self.times) - 1)])
 
     def rhs(self, t: float, y: np.ndarray) -> np.ndarray:
         """F at the clipped time, shape (n,)."""

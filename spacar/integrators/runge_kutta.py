@@ -88,6 +88,15 @@ class ExplicitRungeKutta:
         self.stages[0] = self.evaluation.rhs(t, self.y)
         self._stages(t, h)
 
+    def coefficients(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+        """c and A of the stages of a trial step, rows of its error estimates, by how much that is enlarged."""
+        assert self.tableau.error is not None
+        return self.tableau.nodes, self.tableau.matrix, self.tableau.error[None], 1.0
+
+    def taken(self, t: float, h: float) -> None:
+        """A step of size h from t has been taken elsewhere; its stages and states are in place."""
+        self.t, self.h = t, h
+
     def begin(self, t: float) -> None:
         """Makes the end of the last step the start of the next one."""
         self.t = t
@@ -141,6 +150,14 @@ class DormandPrince853(ExplicitRungeKutta):
         super().__init__(dop853.TABLEAU, evaluation, n, tolerance)
         self.extended = np.zeros((dop853.N_EXTENDED, n))
         self.dense: np.ndarray | None = None
+
+    def coefficients(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+        errors = np.stack((dop853.ERROR_5, dop853.ERROR_3))
+        return self.tableau.c, self.tableau.a, errors, OUTPUT_SAFETY
+
+    def taken(self, t: float, h: float) -> None:
+        super().taken(t, h)
+        self.dense = None
 
     def attempt(self, h: float) -> float:
         """A trial step; the two estimates e5, e3 combine to h e5^2 / sqrt(e5^2 + 0.01 e3^2)."""

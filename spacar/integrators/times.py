@@ -50,3 +50,26 @@ class EvenTimes(Sequence[float]):
         if not 0 <= k <= self.n:
             raise IndexError(i)
         return self.end if k == self.n else k * self.step + self.start
+
+
+@dataclass(frozen=True)
+class RemainingTimes(EvenTimes):
+    """`first`, then the even times from number `skip` on, which is later."""
+
+    first: float = 0.0
+    skip: int = 1
+
+    def __len__(self) -> int:
+        return self.n - self.skip + 2
+
+    @overload
+    def __getitem__(self, i: int) -> float: ...
+    @overload
+    def __getitem__(self, i: slice) -> list[float]: ...
+    def __getitem__(self, i: int | slice) -> float | list[float]:
+        if isinstance(i, slice):
+            return [self[k] for k in range(*i.indices(len(self)))]
+        k = i + len(self) if i < 0 else i
+        if not 0 <= k < len(self):
+            raise IndexError(i)
+        return self.first if k == 0 else float(super().__getitem__(k + self.skip - 1))

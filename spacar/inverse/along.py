@@ -89,7 +89,9 @@ class Along:
             "NNOM": len(self.ports.inputs), "NX": 2 * ndof, "NU": len(self.signals), "NY": len(self.outputs),
             "NRBM": ndof - len(self.rigid), "DFT": 0, "X0": np.zeros(2 * ndof), "NYS": len(second),
         }  # fmt: skip
-        return sizes | ({"NYSI": second + 1} if len(second) else {})
+        q = self.mechanism.numbering.q_names
+        names = {"inputs": [s.name for s in self.signals], "states": [*q, *(f"d/dt {name}" for name in q)]}
+        return sizes | names | ({"NYSI": second + 1} if len(second) else {})
 
     def frame(self, k: int) -> Frame:
         """Step k: nominal frame, matrices, state space, set-points. Raises AnalysisError, UsageError."""

@@ -70,7 +70,7 @@ def along(run: Run) -> Iterator[Frame]:
     what = f"stationary solutions of mode {given.mode}" if given.stationary else "nominal motion"
     run.report.add(f"{what}: {given.name}, {len(given.t)} steps")
     work = Along(mechanism, given, run.report)
-    run.header.update(work.header(), **_names(work.ports))
+    run.header.update(_names(work.ports) | work.header())
     run.n_frames = len(given.t)
     output = TransferOutput(run)
     limits = Limits(work.dynamics, run.report)

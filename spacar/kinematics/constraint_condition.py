@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.kinematics.diagnosis import scaled_difference_matrix
+from spacar.kinematics.difference_matrix import scaled_difference_matrix
 from spacar.kinematics.kinematics import Kinematics
 
 ESTIMATED_FROM = 400  # unknowns

@@ -34,12 +34,12 @@ from spacar.kinematics.advice import (
     effects,
     paste_lines,
 )
+from spacar.kinematics.difference_matrix import ZERO, scaled_difference_matrix
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.kinematics.null_space import LARGEST_DECOMPOSED, norm_estimate, null_space
 from spacar.kinematics.self_stress import scaled_part
 from spacar.mechanism.mechanism import Mechanism
 
-ZERO = float(np.sqrt(np.finfo(float).eps))
 SHOWN = 1e-6  # smaller shares are not listed
 TIE = 9  # decimals of the weights: of equals the lowest number comes first, whatever the rounding
 
@@ -94,11 +94,6 @@ class Diagnosis:
                 for name in self.freedoms
             ]
         return lines
-
-
-def scaled_difference_matrix(mechanism: Mechanism, V: Array) -> Array:
-    """V (ne, nx) with dimensionless rows and columns."""
-    return V * mechanism.scale / mechanism.deformation_scale[:, None]
 
 
 def diagnose(mechanism: Mechanism, sweep: ElementSweep, x: Array | None = None) -> Diagnosis:

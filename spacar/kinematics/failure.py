@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
@@ -10,7 +9,8 @@ import numpy as np
 from spacar.arrays import Array, Index
 from spacar.deck import ELEMENT_TYPES
 from spacar.errors import AnalysisError
-from spacar.kinematics.diagnosis import ZERO, Diagnosis, diagnose, scaled_difference_matrix
+from spacar.kinematics.diagnosis import Diagnosis, diagnose
+from spacar.kinematics.difference_matrix import ZERO, scaled_difference_matrix
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
@@ -35,14 +35,6 @@ class Position(Protocol):
     h_scale: Array
 
     def rounding(self, x: Array, e: Array) -> float: ...
-
-
-class Unplaced(Exception):
-    """A Newton iteration that did not reach its target. Smaller steps may; explaining costs more than trying."""
-
-    def __init__(self, explain: Callable[[], AnalysisError]) -> None:
-        super().__init__()
-        self.explain = explain
 
 
 def count_failure(kinematics: Position) -> AnalysisError:

@@ -31,14 +31,16 @@ most 10 times. Where the prediction already goes farther, the way is divided at 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
+from typing import Any
 
 import numpy as np
 
 from spacar.arrays import Array, Index
+from spacar.errors import AnalysisError
 from spacar.kinematics.element_sweep import ElementSweep
-from spacar.kinematics.failure import Unplaced, count_failure, position_failure, singular_failure
 from spacar.kinematics.fold import is_single_root
 from spacar.linear_systems import LinearSystem, SingularMatrixError, assemble
 from spacar.linear_systems.matrix import DENSE_LIMIT, matrix
@@ -58,6 +60,14 @@ MOST_PREDICTED = 10.0 * LARGEST_JUMP  # a first-order prediction that goes farth
 MOST_PIECES = 50_000  # of a prescribed motion between two positions: some 6000 turns
 
 
+class Unplaced(Exception):
+    """A Newton iteration that did not reach its target. Smaller steps may; explaining costs more than trying."""
+
+    def __init__(self, explain: Callable[[], AnalysisError]) -> None:
+        super().__init__()
+        self.explain = explain
+
+
 class Kinematics:
     """Mutable state of one mechanism: configuration x, deformations and factorizations at x.
 
@@ -74,14 +84,17 @@ class Kinematics:
         self.h = np.flatnonzero(~n.slips[: es["kinematic"].stop])
         self.c = np.arange(xs["calculable"].start, xs["calculable"].stop)
         if len(self.h) != len(self.c) or len(self.E) != len(self.U):
+            from spacar.kinematics.failure import count_failure
+
             raise count_failure(self)
+        self.velocity_system: LinearSystem
         self.velocity_system, self.velocity_take = self._system(self.E, self.U, kind)
         self.velocity_map_is_position_map = bool(n.holonomic)
         if self.velocity_map_is_position_map:
             self.position_system, self._position_take = self.velocity_system, self.velocity_take
         else:
             self.position_system, self._position_take = self._system(self.h, self.c, kind)
-        self.scale = mechanism.scale
+        self.scale: Array = mechanism.scale
         self.h_scale = mechanism.deformation_scale[self.h]
         self.x = mechanism.x0.copy()
         self.e_given = np.zeros(n.ne)
@@ -219,7 +232,7 @@ class Kinematics:
             grown = bool(history) and norm > 2.0 * history[-1]
             if not norm < np.inf or (grown and norm > max(GROWN, self.rounding(x, target))):
                 if halvings == MAX_HALVINGS:
-                    raise Unplaced(partial(position_failure, self, x, residual, history, iteration))
+                    raise Unplaced(partial(_position_failure, self, x, residual, history, iteration))
                 halvings += 1
                 correction *= 0.5
                 x[c] += correction
@@ -235,7 +248,7 @@ class Kinematics:
                 self._factor_position()
                 solution = self.position_system.solve(right)
             except SingularMatrixError as error:
-                raise Unplaced(partial(singular_failure, self, x, error)) from None
+                raise Unplaced(partial(_singular_failure, self, x, error)) from None
             correction = solution[:, 0] if together else solution
             x[c] -= correction
             size, before = largest(correction / scale), size
@@ -257,7 +270,7 @@ class Kinematics:
                 v = v_given.copy()  # type: ignore[union-attr]
                 v[self.U] = solution[:, 1]
                 return v
-        raise Unplaced(partial(position_failure, self, x, residual, history, MAX_ITERATIONS))
+        raise Unplaced(partial(_position_failure, self, x, residual, history, MAX_ITERATIONS))
 
     def rounding(self, x: Array, target: Array) -> float:
         """How well the scaled residual of the position is known at x (nx,) for these given deformations (h,)."""
@@ -335,3 +348,16 @@ class Kinematics:
 def largest(values: Array) -> float:
     """max |values|, nan if any is; 0 when empty."""
     return float(np.abs(values).max()) if len(values) else 0.0
+
+
+# Explanations are loaded when an iteration has failed: a run that goes well does not need them.
+def _position_failure(*about: Any) -> AnalysisError:
+    from spacar.kinematics.failure import position_failure
+
+    return position_failure(*about)
+
+
+def _singular_failure(*about: Any) -> AnalysisError:
+    from spacar.kinematics.failure import singular_failure
+
+    return singular_failure(*about)

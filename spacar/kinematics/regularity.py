@@ -10,13 +10,14 @@ What happens between stored steps is looked at in `spacar.forward.continuity`.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from spacar.arrays import Array
 from spacar.errors import AnalysisError
-from spacar.kinematics.diagnosis import ZERO, scaled_difference_matrix
+from spacar.kinematics.difference_matrix import ZERO, scaled_difference_matrix
 from spacar.kinematics.fold import is_single_root
 from spacar.linear_systems.dense import DenseSystem
 from spacar.linear_systems.reciprocal_condition import reciprocal_condition
@@ -108,14 +109,15 @@ class Regularity:
 
 
 class HalfTurns:
-    """Watches the nodes whose lambda1, lambda2 or lambda3 is a dynamic coordinate, at every accepted step."""
+    """Watches the nodes whose lambda1, lambda2 or lambda3 is a dynamic coordinate, at every accepted step; `without`
+    those that may pass half a turn."""
 
-    def __init__(self, n: Numbering) -> None:
+    def __init__(self, n: Numbering, without: Collection[int] = ()) -> None:
         nodes: set[int] = set()
         if not n.planar:
             owners = (n.x_owner(i) for i in range(n.x_class["dynamic"].start, n.x_class["dynamic"].stop))
             nodes = {node for node, _ in owners if n.kind[node] == "orientation"}
-        self.nodes = sorted(nodes)
+        self.nodes = sorted(nodes.difference(without))
         self.lambda0 = np.array([n.x_index(node, 1) for node in self.nodes], np.int64)
 
     def check(self, t: float, x: Array, within: float = HALF_TURN) -> None:

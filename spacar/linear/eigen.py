@@ -24,7 +24,7 @@ from spacar.linearization.state_matrix import assembled_state_matrix
 
 Complex = NDArray[np.complex128]
 SYMMETRIC = 1e-9  # relative asymmetry below which a matrix counts as symmetric (rounding of assembled sums)
-POLISHED = 1e-4  # modes with omega^2 below this fraction of the largest are improved
+POLISHED = 1e-2  # modes with omega^2 below this fraction of the largest are improved; the others have n eps/POLISHED
 ROUNDING = 1e-12  # omega^2 below this fraction of the largest may be rigid motions
 
 
@@ -101,7 +101,7 @@ def modes_of_matrices(M: Array, C: Array, K: Array, ak0: Array, bk0: Array, repo
     Raises AnalysisError for a singular or indefinite mass matrix.
     """
     if K.shape[0] == K.shape[1] and is_symmetric(K) and is_symmetric(M):
-        return damped_modes(K, C, M, report) if _matters(C, M, K) else undamped_modes(K, M, report)
+        return damped_modes(K, C, M, report) if matters(C, M, K) else undamped_modes(K, M, report)
     values, vectors = _eig(assembled_state_matrix(M, C, K, ak0, bk0), report)
     return arranged(values, vectors, K.shape[1])
 
@@ -224,7 +224,7 @@ def is_symmetric(A: Array) -> bool:
     return bool(np.max(np.abs(S - S.T)) <= SYMMETRIC * max(1.0, float(np.max(np.abs(S)))))
 
 
-def _matters(C: Array, M: Array, K: Array) -> bool:
+def matters(C: Array, M: Array, K: Array) -> bool:
     """Is C more than the rounding of zero, compared with sqrt(m k) of its row and column?"""
     size = np.sqrt(np.sqrt(np.abs(np.diag(M) * np.diag(K))))
     bound = 1e-14 * np.outer(size, size)

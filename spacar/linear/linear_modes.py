@@ -132,7 +132,7 @@ def stationary(run: Run, reducible: bool = True) -> Iterator[LinearizedSolution]
         dynamics, state = solver.dynamics, solver.solution
         if "condition" not in run.header:
             run.header["condition"] = condition_number(dynamics.kinematics)
-            _say_lost_digits(run, reduced)
+            say_lost_digits(run, reduced)
         limits = limits or Limits(dynamics, run.report)
         convected = dynamics.forces.inertia(dynamics.sweep, dynamics.xd)
         frame = dynamics.complete(
@@ -154,7 +154,7 @@ def stationary(run: Run, reducible: bool = True) -> Iterator[LinearizedSolution]
         yield LinearizedSolution(output.add(frame, dynamics.kinematics), dynamics, L, None, wanted, reduced)
 
 
-def _say_lost_digits(run: Run, reduced: bool) -> None:
+def say_lost_digits(run: Run, reduced: bool) -> None:
     """W^T M W and its kin have entries up to cond^2 larger than their smallest eigenvalues ask for: eps cond^2 of the
     eigenvalues may be rounding. The sparse pencil, which keeps all coordinates, does not lose them."""
     condition = run.header["condition"]

@@ -9,6 +9,7 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.deck import ELEMENT_TYPES, Deck, coordinates_of
+from spacar.deck.statement import number as real_number
 from spacar.errors import InputError, Message
 from spacar.mechanism import inputs, lumped_inertia
 from spacar.mechanism.element_batches import element_batches, node_batches
@@ -59,6 +60,27 @@ def build(deck: Deck, mode: int = 1, **options: Any) -> Mechanism:
     )
 
 
+def along(mechanism: Mechanism, deck: Deck) -> Mechanism:
+    """The mechanism with the numbers of a deck that differs by a direction (`spacar.deck.directed`): complex arrays,
+    in the numbering of the real one. For the derivatives of element quantities; no analysis runs on it."""
+    n = mechanism.numbering
+    x0 = reference_configuration(deck, n, complex)
+    batches = element_batches(deck, n, x0, mechanism.settings.beams)
+    batches += node_batches(n, lumped_inertia.lumped(deck, n, batches))
+    additional = mechanism.additional is not None
+    return replace(
+        mechanism,
+        deck=deck,
+        x0=x0,
+        batches=tuple(batches),
+        loads=inputs.loads(deck, n, batches, kind=complex),
+        additional=inputs.loads(deck, n, batches, "DEL", kind=complex) if additional else None,
+        additional_drive=inputs.additional_drive(deck, n, complex),
+        drive=inputs.drive(deck, n, x0),
+        deformation_inertia=lumped_inertia.deformation_inertia(deck, n),
+    )
+
+
 def _prescribed(classes: dict[tuple[int, int], str]) -> dict[tuple[int, int], str]:
     return {key: "input" if name == "dynamic" else name for key, name in classes.items()}
 
@@ -102,16 +124,16 @@ def classes(
     return x_class, e_class
 
 
-def reference_configuration(deck: Deck, numbering: Numbering) -> Array:
+def reference_configuration(deck: Deck, numbering: Numbering, kind: type = float) -> Array:
     """Positions of X, zero angles, Euler parameters (1, 0, 0, 0)."""
-    x0 = np.zeros(numbering.nx)
+    x0: Array = np.zeros(numbering.nx, kind)
     x0[numbering.lnp[numbering.normalization[:, 0] - 1, 0] - 1] = 1.0
     for s in deck.of("X", block=1):
         node, *values = s.values
         if node in numbering.kind:
             places = numbering.lnp[int(node) - 1]
             for place, value in zip(places[places > 0], values, strict=False):
-                x0[place - 1] = float(value)
+                x0[place - 1] = real_number(value)
     return x0
 
 
@@ -119,7 +141,7 @@ def _size(numbering: Numbering, x0: Array) -> float:
     """Diagonal of the box around all position nodes; 1 when there are none."""
     if len(numbering.positions) < 2:
         return 1.0
-    extent = float(np.linalg.norm(np.ptp(x0[numbering.positions], axis=0)))
+    extent = float(np.linalg.norm(np.ptp(x0[numbering.positions].real, axis=0)))
     return extent if extent > 0.0 else 1.0
 
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 
 from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES, Deck, coordinates_of
+from spacar.deck.statement import number
 from spacar.elements import ElementGroup, Family, GeometryError, family_of
 from spacar.errors import InputError, Message
 from spacar.mechanism.layout import Batch
@@ -47,7 +49,7 @@ def element_batches(deck: Deck, numbering: Numbering, x0: Array, beams: str = ""
         used = [4 * k + i for k, role in enumerate(kind.nodes) for i in range(coordinates_of(role, kind.planar))]
         x = np.ascontiguousarray(numbering.lnp[nodes - 1].reshape(len(nodes), -1)[:, used].T) - 1
         e = np.ascontiguousarray(numbering.le[numbers - 1, : len(kind.modes)].T) - 1
-        em = _rows(tables["EM"], names, PARAMETERS["EM"])
+        em = _rows(tables["EM"], names, PARAMETERS["EM"], x0.dtype)
         if kind.carries_flow:
             for k, n in enumerate(names):
                 if len(tables["EM"].get(n, ())) <= SHAPE_FACTOR:
@@ -61,8 +63,8 @@ def element_batches(deck: Deck, numbering: Numbering, x0: Array, beams: str = ""
             directions=tuple(directions.get(n) for n in names),
             projections=tuple(projections.get(n) for n in names),
             em=em,
-            estiff=_rows(tables["ESTIFF"], names, PARAMETERS["ESTIFF"]),
-            edamp=_rows(tables["EDAMP"], names, PARAMETERS["EDAMP"]),
+            estiff=_rows(tables["ESTIFF"], names, PARAMETERS["ESTIFF"], x0.dtype),
+            edamp=_rows(tables["EDAMP"], names, PARAMETERS["EDAMP"], x0.dtype),
             elastic=e >= first_elastic,
         )
         try:
@@ -101,15 +103,15 @@ def node_batches(numbering: Numbering, families: Iterable[tuple[Family, Array]])
 
 
 def _reals(values: Iterable[int | float | str]) -> tuple[float, ...]:
-    return tuple(map(float, values))
+    return tuple(map(number, values))
 
 
 def _table(deck: Deck, keyword: str, width: int) -> dict[int, tuple[float, ...]]:
     return {int(s.values[0]): _reals(s.values[1 : 1 + width]) for s in deck.of(keyword, block=2)}
 
 
-def _rows(table: dict[int, tuple[float, ...]], names: list[int], width: int) -> Array:
-    rows = np.zeros((len(names), width))
+def _rows(table: dict[int, tuple[float, ...]], names: list[int], width: int, kind: np.dtype[Any]) -> Array:
+    rows = np.zeros((len(names), width), kind)
     if table:
         for k, n in enumerate(names):
             values = table.get(n, ())

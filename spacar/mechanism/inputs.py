@@ -8,21 +8,22 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
+from spacar.deck.statement import number
 from spacar.deck.table_solvers import INTEGRATOR_ALIASES
 from spacar.mechanism.mechanism import Batch, Drive, DriveState, Loads, Polynomial, SolverSettings, Start, UserSignal
 from spacar.mechanism.numbering import Numbering
 
 
-def loads(deck: Deck, numbering: Numbering, batches: list[Batch], prefix: str = "") -> Loads:
+def loads(deck: Deck, numbering: Numbering, batches: list[Batch], prefix: str = "", kind: type = float) -> Loads:
     """Initial loads (prefix empty) or their increments (prefix DEL): XF, GRAVITY, ESIG, mass flow.
 
     Three numbers on a spatial orientation node are a global moment, four the forces dual to lambda
     (input-language.md 5.2).
     """
-    force = np.zeros(numbering.nx)
+    force: Array = np.zeros(numbering.nx, kind)
     moments, rows = [], []
     for s in deck.of(f"{prefix}XF", block=2):
-        node, values = int(s.values[0]), [float(v) for v in s.values[1:]]
+        node, values = int(s.values[0]), [number(v) for v in s.values[1:]]
         spatial_orientation = not numbering.planar and numbering.kind[node] == "orientation"
         if spatial_orientation and len(values) == 3:
             moments.append(values)
@@ -32,26 +33,26 @@ def loads(deck: Deck, numbering: Numbering, batches: list[Batch], prefix: str = 
             for coordinate, value in enumerate(values[:size], 1):
                 force[numbering.x_index(node, coordinate)] += value
     dimension = 2 if numbering.planar else 3
-    gravity = np.zeros(dimension)
+    gravity: Array = np.zeros(dimension, kind)
     for s in deck.of("GRAVITY" if not prefix else "DELGRAV", block=2):
-        given = [float(v) for v in s.values[:dimension]]
+        given = [number(v) for v in s.values[:dimension]]
         gravity[: len(given)] = given
-    preload = np.zeros(numbering.ne)
+    preload: Array = np.zeros(numbering.ne, kind)
     for s in deck.of(f"{prefix}ESIG", block=2):
         for mode, stress in enumerate(s.values[1:], 1):
-            preload[numbering.e_index(int(s.values[0]), mode)] = float(stress)
+            preload[numbering.e_index(int(s.values[0]), mode)] = number(stress)
     if prefix:
-        flow = {int(s.values[0]): float(s.values[1]) for s in deck.of("DELOMF", block=2)}
+        flow = {int(s.values[0]): number(s.values[1]) for s in deck.of("DELOMF", block=2)}
     else:
         tubes = {n for n, k, _ in numbering.elements if ELEMENT_TYPES[k].carries_flow}
         flow = {
-            int(s.values[0]): float(s.values[3])
+            int(s.values[0]): number(s.values[3])
             for s in deck.of("EM", block=2)
             if int(s.values[0]) in tubes and len(s.values) > 3
         }
     return Loads(
         force=force,
-        moment=np.array(moments).reshape(-1, 3),
+        moment=np.array(moments, kind).reshape(-1, 3),
         moment_rows=np.array(rows, np.int64).reshape(-1, 4).T,
         gravity=gravity,
         preload=preload,
@@ -106,24 +107,24 @@ def _tables(
 
     Without a statement: the reference configuration, deformation zero, zero rates.
     """
-    x, e = np.zeros((numbering.nx, width)), np.zeros((numbering.ne, width))
+    x, e = np.zeros((numbering.nx, width), x0.dtype), np.zeros((numbering.ne, width), x0.dtype)
     x[:, 0] = x0
     for keyword, table, find in zip(keywords, (x, e), (numbering.x_index, numbering.e_index), strict=True):
         for s in deck.of(keyword, block=2):
-            values = [float(v) for v in s.values[2:]]
+            values = [number(v) for v in s.values[2:]]
             table[find(s.integer(0), s.integer(1)), : len(values)] = values
     return x, e
 
 
-def additional_drive(deck: Deck, numbering: Numbering) -> DriveState | None:
+def additional_drive(deck: Deck, numbering: Numbering, kind: type = float) -> DriveState | None:
     """Total increments of the start values (DELINPX, DELINPE), or None without any."""
     statements = deck.of("DELINPX", "DELINPE", block=2)
     if not statements:
         return None
     xr, er = numbering.x_class["input"], numbering.e_class["input"]
-    x, e = np.zeros(xr.stop - xr.start), np.zeros(er.stop - er.start)
+    x, e = np.zeros(xr.stop - xr.start, kind), np.zeros(er.stop - er.start, kind)
     for s in statements:
-        a, b, value = int(s.values[0]), int(s.values[1]), float(s.values[2])
+        a, b, value = int(s.values[0]), int(s.values[1]), number(s.values[2])
         if s.keyword == "DELINPX":
             x[numbering.x_index(a, b) - xr.start] = value
         else:

@@ -9,6 +9,7 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.deck import Deck, coordinates_of
+from spacar.deck.statement import number
 from spacar.elements import Family
 from spacar.elements.lumped import LumpedMass
 from spacar.mechanism.layout import Batch
@@ -20,7 +21,7 @@ def lumped(deck: Deck, numbering: Numbering, batches: list[Batch]) -> list[tuple
     masses: dict[int, tuple[int, float]] = {}  # coordinate: node, mass
     tensors: dict[int, Array] = {}
     for s in deck.of("XM", block=2):
-        node, values = int(s.values[0]), [float(v) for v in s.values[1:]]
+        node, values = int(s.values[0]), [number(v) for v in s.values[1:]]
         if numbering.planar or numbering.kind[node] != "orientation":
             for coordinate in range(1, coordinates_of(numbering.kind[node], numbering.planar) + 1):
                 masses[numbering.x_index(node, coordinate)] = node, values[0]
@@ -35,7 +36,7 @@ def lumped(deck: Deck, numbering: Numbering, batches: list[Batch]) -> list[tuple
             for place, value in zip(batch.x[row].tolist(), J.tolist(), strict=True):
                 node, mass = masses.get(place, (numbering.x_owner(place)[0], 0.0))
                 masses[place] = node, mass + value
-    rotors = [(int(s.values[0]), np.array([float(v) for v in s.values[1:]])) for s in deck.of("XGYRO", block=2)]
+    rotors = [(int(s.values[0]), np.array([number(v) for v in s.values[1:]])) for s in deck.of("XGYRO", block=2)]
     result: list[tuple[Family, Index]] = []
     if masses:
         places = sorted(masses)
@@ -76,5 +77,5 @@ def deformation_inertia(deck: Deck, numbering: Numbering) -> tuple[Index, Index,
         for a, b in {(i, j), (j, i)}:
             rows.append(a)
             columns.append(b)
-            values.append(float(value))
+            values.append(number(value))
     return np.array(rows, np.int64), np.array(columns, np.int64), np.array(values)

@@ -36,7 +36,9 @@ class PlacedVector(np.ndarray):
 
 
 def placed(values: Array, name: str) -> PlacedVector:
-    """A guarded view of a vector; `name` is that in messages."""
+    """A guarded view of a vector; `name` is that in messages. One that is guarded already is given back."""
+    if type(values) is PlacedVector and values.name == name:
+        return values
     view = values.view(PlacedVector)
     view.name = name
     return view

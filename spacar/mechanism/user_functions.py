@@ -15,8 +15,9 @@ from __future__ import annotations
 
 import ast
 import importlib.util
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from math import isfinite
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -91,6 +92,7 @@ class Loaded:
     function: Callable[..., Any]
     load: Callable[..., Loaded]
     arguments: tuple[Any, ...]
+    breaks: tuple[float, ...] = ()  # times at which it jumps [s], from `breaks` of its module
 
     def __call__(self, *arguments: Any) -> Any:
         return self.function(*arguments)
@@ -111,7 +113,25 @@ def load_function(deck: Deck, statement: Statement) -> Loaded:
     function = getattr(module, path.stem, None) or getattr(module, name, None)
     if not callable(function):
         raise refuse(f"{path} does not define a function {name}")
-    return Loaded(function, load_function, (deck, statement))
+    return Loaded(function, load_function, (deck, statement), _breaks(module, path, refuse))
+
+
+def _breaks(module: ModuleType, path: Path, refuse: Callable[[str], Exception]) -> tuple[float, ...]:
+    """The times of jumps that a module declares."""
+    given = getattr(module, "breaks", ())
+    try:
+        times = np.asarray(given, dtype=float)
+    except (TypeError, ValueError):
+        times = np.full((1, 1), np.nan)
+    if times.ndim != 1 or not np.isfinite(times).all():
+        raise refuse(f"breaks of {path} must be a list of times [s], numbers, not {one_line_of(given)}")
+    return tuple(float(t) for t in times)
+
+
+def one_line_of(value: object) -> str:
+    """A value in words for a message, shortened."""
+    text = repr(value).splitlines()[0]
+    return text if len(text) < 80 else f"{text[:77]}..."
 
 
 def import_file(path: Path, refuse: Callable[[str], Exception]) -> ModuleType:
@@ -142,6 +162,26 @@ def call(function: Callable[..., Any], name: str, t: float, *arguments: Any) -> 
     return first, second
 
 
+def read_rows(name: str, what: str, rows: Any, widths: tuple[int, ...], t: float) -> Sequence[Sequence[float]]:
+    """Rows as numbers, filled up with zeros. A few short lists, the usual answer, are read without arrays; whatever is
+    not just that goes to `checked_rows`, which raises AnalysisError naming the time and the row that is wrong.
+    """
+    if type(rows) is list and len(rows) <= FEW:
+        longest = max(widths)
+        found = []
+        for row in rows:
+            if type(row) not in (list, tuple) or len(row) not in widths:
+                break
+            if not all(type(v) in NUMBERS for v in row) or not isfinite(sum(row)):
+                break
+            found.append((*row, *ZEROS[: longest - len(row)]))
+        else:
+            if len({len(row) for row in rows}) <= 1:
+                return found
+    array: list[list[float]] = checked_rows(name, what, rows, widths, t).tolist()
+    return array
+
+
 def checked_rows(name: str, what: str, rows: Any, widths: tuple[int, ...], t: float) -> Array:
     """Rows as a 2-D float array; raises AnalysisError naming the time and the row that is wrong."""
     try:
@@ -163,7 +203,12 @@ def checked_rows(name: str, what: str, rows: Any, widths: tuple[int, ...], t: fl
     return np.pad(array, ((0, 0), (0, max(widths) - array.shape[1])))
 
 
-def whole(row: Array) -> tuple[int, int]:
+FEW = 20  # rows above which an array is read faster
+NUMBERS = {int, float, np.float64}
+ZEROS = (0.0,) * 5
+
+
+def whole(row: Sequence[float]) -> tuple[int, int]:
     """The two leading numbers of a row; KeyError if they are not whole."""
     a, b = float(row[0]), float(row[1])
     if not (a.is_integer() and b.is_integer()):
@@ -175,7 +220,7 @@ def load_user_signal(deck: Deck, statement: Statement, numbering: Numbering) -> 
     """USERSIG as a function (t, e, ed, x, xd) -> UserForces."""
     function, name = load_function(deck, statement), str(statement.values[0])
     along = isinstance(deck.mode, int) and find_mode(deck.mode).takes_setpoints
-    return UserLaw(function, name, numbering, numbering.le - 1, numbering.lnp - 1, along)
+    return UserLaw(function, name, numbering, numbering.le - 1, numbering.lnp - 1, along, function.breaks)
 
 
 @dataclass(frozen=True)
@@ -188,6 +233,7 @@ class UserLaw:
     le: Index
     lnp: Index
     prescribed_act: bool  # along set-points the prescribed deformations are the degrees of freedom
+    breaks: tuple[float, ...] = ()
 
     def __call__(self, t: float, e: Array, ed: Array, x: Array, xd: Array) -> UserForces:
         n = self.numbering
@@ -196,23 +242,23 @@ class UserLaw:
         sig, f = call(self.function, self.name, t, n.ne, self.le, e, ed, n.nx, self.lnp, x, xd)
         (sigma, k_e, d_e), (force, k_x, d_x) = np.zeros((3, n.ne)), np.zeros((3, n.nx))
         result = UserForces(sigma, force, k_e, d_e, k_x, d_x)
-        for k, row in enumerate(checked_rows(self.name, "sig", sig, (3, 5), t)):
+        for k, row in enumerate(read_rows(self.name, "sig", sig, (3, 5), t)):
             i = self._place(n.e_index, row, "sig", k, t)
             result.sigma[i] += row[2]
             result.sigma_k[i] += row[3]
             result.sigma_d[i] += row[4]
-            if row[2:].any() and (reason := self._without_effect(i)):
+            if any(row[2:]) and (reason := self._without_effect(i)):
                 result.lost[i] = (
                     f"warning: {self.name} at t = {t:.9g}: the stress of {n.e_name(i)} has no effect: {reason}"
                 )
-        for k, row in enumerate(checked_rows(self.name, "f", f, (3, 5), t)):
+        for k, row in enumerate(read_rows(self.name, "f", f, (3, 5), t)):
             i = self._place(n.x_index, row, "f", k, t)
             result.force[i] += row[2]
             result.force_k[i] += row[3]
             result.force_d[i] += row[4]
         return result
 
-    def _place(self, find: Callable[[int, int], int], row: Array, what: str, k: int, t: float) -> int:
+    def _place(self, find: Callable[[int, int], int], row: Sequence[float], what: str, k: int, t: float) -> int:
         try:
             return find(*whole(row))
         except KeyError:
@@ -249,7 +295,8 @@ class UserDrive:
         cls, deck: Deck, statement: Statement, numbering: Numbering, base: Polynomial, settings: SolverSettings
     ) -> UserDrive:
         interval = settings.duration / settings.n_steps if settings.duration and settings.n_steps else 1.0
-        return cls(load_function(deck, statement), str(statement.values[0]), numbering, base, interval)
+        function = load_function(deck, statement)
+        return cls(function, str(statement.values[0]), numbering, base, interval, function.breaks)
 
     def at(self, t: float) -> DriveState:
         e_rows, x_rows = call(self.function, self.name, t, round(t / self.interval))
@@ -263,7 +310,7 @@ class UserDrive:
     def _fill(
         self, target: Array, find: Callable[[int, int], int], kind: str, place: slice, what: str, rows: Any, t: float
     ) -> None:
-        for k, row in enumerate(checked_rows(self.name, what, rows, (5,), t)):
+        for k, row in enumerate(read_rows(self.name, what, rows, (5,), t)):
             try:
                 i = find(*whole(row)) - place.start
             except KeyError:

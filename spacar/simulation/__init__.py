@@ -7,15 +7,22 @@ from __future__ import annotations
 from typing import Any
 
 _HOME = {
-    "Block": "blocks", "Continuous": "blocks", "Diagram": "diagram", "Event": "engine", "Function": "blocks",
-    "Gain": "blocks", "Linear": "blocks", "Ltv": "setpoint_blocks", "ReferenceY0": "setpoint_blocks",
-    "Response": "engine", "Sampled": "blocks", "Saturation": "blocks",
-    "SetpointSigma0": "setpoint_blocks", "SetpointU0": "setpoint_blocks",
-    "Spasim": "plant", "Table": "time_tables", "TimeVarying": "time_varying", "TimesM0": "setpoint_blocks",
+    "Block": "blocks", "Constant": "sources", "Continuous": "blocks", "DeadZone": "switching_blocks",
+    "Diagram": "diagram", "Event": "engine", "Function": "blocks", "Gain": "blocks", "Integrator": "control_blocks",
+    "Linear": "blocks", "LookupTable": "switching_blocks", "Ltv": "setpoint_blocks", "PID": "control_blocks",
+    "Product": "blocks", "Pulses": "sources", "Quantizer": "switching_blocks", "Ramp": "sources",
+    "RateLimiter": "control_blocks", "ReferenceY0": "setpoint_blocks", "Relay": "switching_blocks",
+    "Response": "engine", "Sampled": "blocks", "Saturation": "switching_blocks", "Scope": "blocks",
+    "SetpointSigma0": "setpoint_blocks", "SetpointU0": "setpoint_blocks", "Sine": "sources",
+    "Spasim": "plant", "StepSignal": "sources", "Table": "time_tables", "TimeSeries": "sources",
+    "TimeVarying": "time_varying", "TimesM0": "setpoint_blocks",
     "as_control": "control_systems", "closed_loop": "loop", "computed_torque": "feedback",
-    "proportional_derivative": "blocks", "reduce_modes": "reduction", "simulate": "engine",
+    "proportional_derivative": "blocks", "reduce_modes": "reduction",
+    "sampled_linear": "sampled_blocks", "sampled_pid": "sampled_blocks", "sampled_rate_limiter": "sampled_blocks",
+    "sampled_transfer_function": "sampled_blocks", "simulate": "engine",
     "simulate_ltv": "propagation", "static_start": "feedback",
-    "tracking_gains": "feedback", "with_gain": "feedback",
+    "tracking_gains": "feedback", "transfer_function": "control_blocks", "unit_delay": "sampled_blocks",
+    "with_gain": "feedback", "zero_order_hold": "sampled_blocks",
 }  # fmt: skip
 __all__ = sorted(_HOME)
 

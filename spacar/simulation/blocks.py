@@ -28,13 +28,19 @@ class Block:
     x0                initial continuous states
     breaks            times where the block's right-hand side jumps
     period, offset    a sampled block: its outputs change at offset + k period only [s]
-    n_events          number of functions of `events` whose zeros end an integration step
+    n_events          number of functions of `events`; zero for a block that is smooth
+    event_word        what the log calls its events: "limit of NAME"
+
+    A block that is smooth only piecewise (a saturation, a relay) has a mode: the piece it is in. The mode stays as it
+    is while a step is tried, so that every step sees a smooth right-hand side, also beyond the end of the piece; the
+    engine finds the time where `events` says that the piece ends, and there `switch` chooses the mode anew.
     """
 
     period: float | None = None
     offset: float = 0.0
     delay: bool = False
     n_events: int = 0
+    event_word: str = "limit"
 
     def __init__(self, name: str, inputs: Sequence[str] | int, outputs: Sequence[str] | int) -> None:
         self.name = name
@@ -60,6 +66,10 @@ class Block:
         """Initial continuous states; forgets everything about an earlier simulation."""
         return self.x0.copy()
 
+    def breaks_until(self, first: float, last: float) -> list[float]:
+        """Breaks between two times that depend on them (of a periodic signal), besides `breaks`."""
+        return []
+
     def state_outputs(self, t: float, x: Array) -> Array:
         """Outputs, right in the rows that do not depend directly on the inputs, (n_out,)."""
         return self.outputs(t, x, np.zeros(self.n_in))
@@ -73,8 +83,12 @@ class Block:
         return NONE
 
     def events(self, t: float, x: Array, u: Array) -> Array:
-        """(n_events,) functions whose sign changes are located."""
+        """(n_events,) functions that are not negative as long as the present mode holds."""
         return NONE
+
+    def switch(self, t: float, x: Array, u: Array) -> bool:
+        """Choose the mode that fits these values; was it another one before?"""
+        return False
 
     def step(self, t: float, u: Array) -> Array:
         """A sampled block at a sampling time: its new outputs, (n_out,)."""
@@ -229,25 +243,14 @@ def proportional_derivative(name: str, size: int, omega: float, damping: float) 
     return Gain(name, np.hstack((omega**2 * eye, 2.0 * damping * omega * eye)))
 
 
-class Saturation(Block):
-    """y = u limited to [lower, upper]; the integration stops and starts again where a limit is met or
-    left.
-    """
+class Product(Block):
+    """y = u[:size] * u[size:], signal by signal."""
 
-    def __init__(
-        self, name: str, lower: Sequence[float] | float, upper: Sequence[float] | float, size: int = 1
-    ) -> None:
-        super().__init__(name, size, size)
-        self.lower, self.upper = (np.broadcast_to(np.asarray(v, float), (size,)).copy() for v in (lower, upper))
-        if not np.all(self.lower < self.upper):
-            raise UsageError(f"{name}: every lower limit must be below the upper one", "simulation.limits")
-        self.n_events = 2 * size
+    def __init__(self, name: str, size: int = 1) -> None:
+        super().__init__(name, 2 * size, size)
 
     def outputs(self, t: float, x: Array, u: Array) -> Array:
-        return np.clip(u, self.lower, self.upper)
-
-    def events(self, t: float, x: Array, u: Array) -> Array:
-        return np.concatenate((u - self.lower, u - self.upper))
+        return np.asarray(u[: self.n_out] * u[self.n_out :])
 
 
 class Linear(Continuous):
@@ -264,3 +267,21 @@ class Linear(Continuous):
             raise UsageError(f"{name}: the shapes of A, B, C, D do not fit together: {shapes}", "simulation.size")
         start = [0.0] * n if x0 is None else x0
         super().__init__(name, lambda t, x, u: A @ x + B @ u, lambda t, x, u: C @ x + D @ u, start, m, p, bool(D.any()))
+
+
+class Scope(Block):
+    """Only looks: its inputs are kept at every output time, drawn over time and stored with the result.
+
+    title     above its panel (default the name of the block);  labels of the curves (default: of the signals)
+    unit      of the vertical axis, as text
+    """
+
+    def __init__(self, name: str, size: int = 1, title: str = "", labels: Sequence[str] = (), unit: str = "") -> None:
+        if labels and len(labels) != size:
+            text = f"{name}: {len(labels)} labels for {size} signals"
+            raise UsageError(text, "simulation.size")
+        super().__init__(name, size, 0)
+        self.title, self.labels, self.unit = title or name, tuple(labels), unit
+
+    def outputs(self, t: float, x: Array, u: Array) -> Array:
+        return NONE

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -13,12 +14,14 @@ from spacar.errors import UsageError
 from spacar.simulation.blocks import Block
 
 
-def as_control(block: Block) -> Any:
-    """A block as a `control.NonlinearIOSystem` with its name and the names of its signals.
+def as_control(block: Block, numbered: bool = False) -> Any:
+    """A block as a `control.NonlinearIOSystem` with its name and the names of its signals and states.
 
-    Inputs are called u1, u2 ..., outputs y1, y2 ... (the numbers of the input file); `system.params` is
-    empty. Sampled blocks become discrete-time systems of the same period only when they have no memory;
-    otherwise UsageError. Raises UsageError when python-control is not installed.
+    A mechanism has inputs such as "INPUTS element 1 (HINGE) e1 relative rotation" and outputs such as "OUTX node 8 x",
+    to be connected as "robot.OUTX node 8 x"; what python-control does not allow in a name ('.') becomes '_', a name
+    that occurs twice gets its number. `numbered`: inputs are u1, u2 ..., outputs y1, y2 ..., states x1, x2 ...;
+    `system.params` is empty. Raises UsageError for sampled blocks, for blocks with a mode (limits, relays:
+    python-control does not locate their ends), and when python-control is not installed.
     """
     try:
         import control
@@ -28,6 +31,12 @@ def as_control(block: Block) -> Any:
     if block.period is not None:
         text = f"{block.name} is sampled: write it as a discrete-time system of python-control itself"
         raise UsageError(text, "simulation.control-sampled")
+    if block.n_events:
+        text = (
+            f"{block.name} is smooth only piecewise, and python-control does not stop where a piece ends: simulate it"
+            " with spacar.simulation"
+        )
+        raise UsageError(text, "simulation.control-piecewise")
     start = block.start()
 
     def update(t: float, x: Array, u: Array, params: Any) -> Array:
@@ -38,7 +47,16 @@ def as_control(block: Block) -> Any:
 
     system = control.NonlinearIOSystem(
         update if len(start) else None, output, name=block.name,
-        inputs=[f"u{k + 1}" for k in range(block.n_in)], outputs=[f"y{k + 1}" for k in range(block.n_out)],
-        states=[f"x{k + 1}" for k in range(len(start))],
+        inputs=_names("u", () if numbered else block.inputs, block.n_in),
+        outputs=_names("y", () if numbered else block.outputs_, block.n_out),
+        states=_names("x", () if numbered else getattr(block, "states", ()), len(start)),
     )  # fmt: skip
     return system
+
+
+def _names(letter: str, given: Sequence[str], count: int) -> list[str]:
+    """Names that python-control accepts, every one once."""
+    if len(given) != count:
+        return [f"{letter}{k + 1}" for k in range(count)]
+    clean = [name.replace(".", "_") for name in given]
+    return [name if clean.count(name) == 1 else f"{name} ({letter}{k + 1})" for k, name in enumerate(clean)]

@@ -2,13 +2,12 @@
 
 Signals are named as text: "robot" is all signals of that block, "robot:1-6,10" some of them, numbered from 1
 as in the input file. Several wires to one input are added. Outputs that do not depend directly on the inputs
-of their block are computed first; then every other block follows those it needs. A loop of direct dependence
-is refused.
+of their block are computed first; then every other block follows those it needs. Blocks that need each other at
+the same time are an algebraic loop, solved in algebraic_loops.py; with a sampled block in it it is refused.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Array, Index
 from spacar.errors import UsageError
+from spacar.simulation.algebraic_loops import Group, components, one_loop, torn_order
 from spacar.simulation.blocks import Block
 
 
@@ -92,12 +92,12 @@ class Schedule:
     outputs: dict[str, slice]
     states: dict[str, slice]
     first: tuple[Block, ...]  # blocks with outputs that need no inputs
-    later: tuple[Block, ...]  # blocks with direct feedthrough, each after those it needs
+    later: tuple[Group, ...]  # blocks with direct feedthrough and algebraic loops, each after those it needs
     notes: tuple[str, ...] = ()
 
 
 def schedule(diagram: Diagram) -> Schedule:
-    """Number all signals and find the order. Raises UsageError for an algebraic loop."""
+    """Number all signals and find the order. Raises UsageError for an algebraic loop with a sampled block."""
     blocks = tuple(diagram.blocks.values())
     inputs = _slices(blocks, [b.n_in for b in blocks])
     outputs = _slices(blocks, [b.n_out for b in blocks])
@@ -110,12 +110,49 @@ def schedule(diagram: Diagram) -> Schedule:
     needs = {
         b.name: [c.name for c in direct if np.any(wiring[inputs[b.name], outputs[c.name]][:, c.direct])] for b in direct
     }
-    order = _sorted(needs)
+    groups = tuple(_group(diagram, needs, part, inputs, outputs) for part in components(needs))
+    loops = [
+        f"the algebraic loop {g.loop} is solved at every step, {len(g.tearing)} unknown" + "s" * (len(g.tearing) > 1)
+        for g in groups
+        if g.torn
+    ]
     return Schedule(
         blocks, wiring, inputs, outputs, _slices(blocks, [b.n_states for b in blocks]),
-        tuple(b for b in blocks if not b.direct.all() or not b.n_in), tuple(diagram.blocks[name] for name in order),
-        _unconnected(blocks, inputs, connected),
+        tuple(b for b in blocks if not b.direct.all() or not b.n_in), groups,
+        (*_unconnected(blocks, inputs, connected), *loops),
     )  # fmt: skip
+
+
+def _group(
+    diagram: Diagram, needs: dict[str, list[str]], part: list[str], inputs: dict[str, slice], outputs: dict[str, slice]
+) -> Group:
+    """A block, or a loop in the order of its evaluation. Raises UsageError for a loop with a sampled block."""
+    if len(part) == 1 and part[0] not in needs[part[0]]:
+        return Group((diagram.blocks[part[0]],))
+    loop = " <- ".join(one_loop(needs, part))
+    sampled = [name for name in part if diagram.blocks[name].period is not None]
+    if sampled:
+        text = (
+            f"algebraic loop: {loop}; each of these blocks needs the present output of the next one, and the sampled"
+            f" block {sampled[0]} cannot be asked twice at the same time. Feed back positions or rates instead of"
+            " accelerations, or delay a sampled block (delay, unit-delay), or use a block with states"
+        )
+        raise UsageError(text, "simulation.algebraic-loop")
+    into = {
+        source: rows[diagram.blocks[source].direct[rows]]
+        for source in part
+        for rows in [
+            np.unique(np.concatenate([r for s, r, target, _, _ in diagram.wires if s == source and target in part]))
+        ]
+    }
+    order, torn = torn_order(needs, part, {name: len(rows) for name, rows in into.items()})
+    return Group(
+        tuple(diagram.blocks[name] for name in (*order, *torn)),
+        tuple(diagram.blocks[name] for name in torn),
+        np.concatenate([outputs[name].start + into[name] for name in torn]),
+        np.concatenate([np.arange(inputs[name].start, inputs[name].stop) for name in part]),
+        loop,
+    )
 
 
 def _slices(blocks: tuple[Block, ...], sizes: list[int]) -> dict[str, slice]:
@@ -132,29 +169,16 @@ def _unconnected(blocks: tuple[Block, ...], inputs: dict[str, slice], connected:
     return tuple(notes)
 
 
-def _sorted(needs: dict[str, list[str]]) -> list[str]:
-    """Topological order; UsageError that names the blocks of a loop."""
-    order: list[str] = []
-    state: dict[str, int] = {}
-
-    def visit(name: str, trail: Iterable[str]) -> None:
-        trail = (*trail, name)
-        if state.get(name) == 1:
-            loop = trail[trail.index(name) :]
-            raise UsageError(
-                f"algebraic loop: {' <- '.join(loop)}; each of these blocks needs the present output of the next one."
-                " Feed back positions or rates instead of accelerations, or use a sampled block with delay, or a block"
-                " with states",
-                "simulation.algebraic-loop",
-            )
-        if name in state:
-            return
-        state[name] = 1
-        for other in needs[name]:
-            visit(other, trail)
-        state[name] = 2
-        order.append(name)
-
-    for name in needs:
-        visit(name, ())
-    return order
+def wired_names(diagram: Diagram, block: Block) -> list[str]:
+    """What comes into each input of a block, by the names of the signals: "y0:10 - robot:10" with their names."""
+    terms: list[list[str]] = [[] for _ in block.inputs]
+    for source, rows, target, columns, K in diagram.wires:
+        if target != block.name:
+            continue
+        names = diagram.blocks[source].outputs_
+        for i, row in zip(columns, K, strict=True):
+            for j, factor in zip(rows, row, strict=True):
+                if factor:
+                    size = "" if abs(factor) == 1.0 else f"{abs(factor):.4g} "
+                    terms[i].append(f"{'-' if factor < 0.0 else '+'} {size}{source} {names[j]}")
+    return [" ".join(t).removeprefix("+ ") or "not connected" for t in terms]

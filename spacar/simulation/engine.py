@@ -4,9 +4,11 @@ output.
 The time axis is cut at every sampling time and at every break of a block. Inside a piece the states follow a
 one-step code with error control (spacar/integrators); values next to a cut are those of the side on which the
 integration works.
-Events are zeros of functions of the signals; the first one inside a step is located by bisection on the
-dense output to rounding, and the integration starts again behind it. Implicit codes take the Jacobian of the diagram
-by differences.
+Events are zeros of functions of the signals: those of the caller, and those of blocks whose mode ends (blocks.Block).
+They are looked for at the middle and the end of every step and at the output times in it; the first one is located on
+the dense output to rounding, by secants and bisection, and the integration starts again behind it with new modes.
+A mode that ends MOST_RESTARTS times without that time goes on chatters: a failure. Implicit codes take the Jacobian of
+the diagram by differences.
 """
 
 from __future__ import annotations
@@ -21,11 +23,16 @@ from numpy.typing import NDArray
 from spacar.arrays import Array
 from spacar.errors import AnalysisError, UsageError
 from spacar.integrators import Step, Tolerance, named, steps
+from spacar.simulation.algebraic_loops import Group
 from spacar.simulation.blocks import Block
 from spacar.simulation.diagram import Diagram, Schedule, schedule
 
 EPS = float(np.finfo(float).eps)
-MAX_BISECTIONS = 100
+MOST_LOOKS = 160  # for one event; every third halves the interval
+MOST_RESTARTS = 200  # of events without that time goes on
+
+
+CALM = "give a relay some hysteresis, or sample the controller"
 
 
 class Signals(Mapping[str, Array]):
@@ -146,36 +153,79 @@ class _Simulation:
         self.shift = 4.0 * EPS * max(abs(float(times[0])), abs(float(times[-1])), self.span)
         self.window = (float(times[0]), float(times[-1]))
         self.statistics = {"steps": 0, "rhs": 0, "restarts": 0, "samples": 0}
+        if any(group.torn for group in self.s.later):
+            self.statistics["loops"] = 0
+        self.switched, self.streak = False, 0
 
     # -- evaluation --------------------------------------------------------------------------------------------------
-    def evaluate(self, t: float, x: Array, hit: Sequence[Block] = ()) -> Array:
+    def evaluate(self, t: float, x: Array, hit: Sequence[Block] = (), settling: bool = False) -> Array:
         """All outputs at a time and state (in self.y), and all inputs as the result. `hit` blocks are
-        sampled now.
+        sampled now; when `settling`, blocks choose the mode that fits.
         """
         s, y = self.s, self.y
         for b in s.first:
             y[s.outputs[b.name]] = b.state_outputs(t, x[s.states[b.name]])
-        for b in s.later:
-            u = s.wiring[s.inputs[b.name]] @ y
-            if b in hit:
-                y[s.outputs[b.name]] = b.step(t, u)
+        for group in s.later:
+            if group.torn:
+                self._loop(t, x, group, settling)
             else:
-                y[s.outputs[b.name]] = b.outputs(t, x[s.states[b.name]], u)
+                self._output(t, x, group.blocks[0], hit, settling)
         return np.asarray(s.wiring @ y)
+
+    def _output(self, t: float, x: Array, b: Block, hit: Sequence[Block] = (), settling: bool = False) -> None:
+        """Outputs of a block with direct feedthrough from what is in self.y."""
+        s, own = self.s, x[self.s.states[b.name]]
+        u = s.wiring[s.inputs[b.name]] @ self.y
+        if settling and b.n_events:
+            self.switched |= b.switch(t, own, u)
+        self.y[s.outputs[b.name]] = b.step(t, u) if b in hit else b.outputs(t, own, u)
+
+    def _loop(self, t: float, x: Array, group: Group, settling: bool) -> None:
+        """Solve an algebraic loop; when settling, with the modes that fit the solution."""
+
+        def sweep() -> None:
+            for b in group.blocks:
+                self._output(t, x, b)
+
+        self.statistics["loops"] += group.solve(t, self.y, self.s.wiring, sweep)
+        if not settling:
+            return
+        for b in group.blocks:
+            if b.n_events and b.switch(t, x[self.s.states[b.name]], self.s.wiring[self.s.inputs[b.name]] @ self.y):
+                self.switched, group.jacobian = True, None  # solved anew in the next turn of `settle`
+
+    def settle(self, t: float, x: Array) -> None:
+        """Modes that fit the signals at a time where these may have jumped. Raises AnalysisError without such."""
+        if not self.watched:
+            return
+        for _ in range(MOST_RESTARTS):
+            self.switched = False
+            u = self.evaluate(t, x, (), True)
+            changed = []
+            for b in self.watched:
+                if not b.direct.any() and b.switch(t, x[self.s.states[b.name]], u[self.s.inputs[b.name]]):
+                    changed.append(b.name)
+            if not changed and not self.switched:
+                return
+        names = ", ".join(b.name for b in self.watched)
+        text = f"the modes of {names} do not settle at t = {t:.9g}: every choice asks for another one; {CALM}"
+        raise AnalysisError(text, "simulation.chatter")
 
     def sample(self, t: float, hit: Sequence[Block]) -> None:
         """Sampling time: blocks with direct feedthrough in order, then the delayed ones with what they see
         now.
         """
+        self.settle(t, self.x)
         if not hit:
             return
         delayed = [b for b in hit if b.delay]
         for b in delayed:
             b.release()  # type: ignore[attr-defined]
-        u = self.evaluate(t, self.x, [b for b in hit if not b.delay])
+        u = self.evaluate(t, self.x, [b for b in hit if not b.delay], True)
         for b in delayed:
             b.step(t, u[self.s.inputs[b.name]])
         self.statistics["samples"] += len(hit)
+        self.settle(t, self.x)
 
     def rhs(self, t: float, x: Array) -> Array:
         t = min(max(t, self.window[0]), self.window[1])
@@ -236,7 +286,7 @@ class _Simulation:
         first, last = float(self.times[0]), float(self.times[-1])
         found: list[tuple[float, Block | None]] = [(first, None), (last, None)]
         for block in self.s.blocks:
-            found += [(t, None) for t in block.breaks if first < t < last]
+            found += [(t, None) for t in (*block.breaks, *block.breaks_until(first, last)) if first < t < last]
         for block in self.sampled:
             period, offset = block.period or 0.0, block.offset
             k0, k1 = int(np.ceil((first - offset) / period - 1e-9)), int(np.floor((last - offset) / period + 1e-9))
@@ -274,28 +324,38 @@ class _Simulation:
             ys[done], xs[done] = self.y, x
             done += 1
 
+        before: Array | None = None
         for k, (a, hit) in enumerate(cuts):
             self.window = self._window(cuts, k)
             self.sample(a, hit)
+            now = self.signs(a, self.x)
+            if before is not None:  # a sample or a jump may carry a signal through an event
+                stopped = self._tell(a, [], before, now, log)
+            before = now
             if done < n and abs(self.times[done] - a) <= 4.0 * self.shift:
                 record(self.window[0], self.x)
             if k == len(cuts) - 1 or stopped:
                 break
-            b = cuts[k + 1][0]
-            t, before = a, self.signs(a, self.x)
+            b, t = cuts[k + 1][0], a
             while t < b and not stopped:
                 t_new, interpolate, x_new, h = self.step(t, b, h)
-                t_new, x_new, names, before, stopped = self.locate(t, t_new, interpolate, x_new, before)
-                log += [(t_new, name) for name in names]
-                while done < n and self.times[done] <= t_new and abs(self.times[done] - b) > 4.0 * self.shift:
+                t_event, x_new, found = self.locate(t, t_new, interpolate, x_new, before)
+                while done < n and self.times[done] <= t_event and abs(self.times[done] - b) > 4.0 * self.shift:
                     record(float(self.times[done]), interpolate(float(self.times[done])))
-                if names:
+                self.x = x_new
+                if found:
+                    self.streak = self.streak + 1 if t_event - t <= 64.0 * self.shift else 0
+                    if self.streak > MOST_RESTARTS:
+                        self._chatters(t_event, found)
+                    self.settle(t_event, self.x)
                     self.statistics["restarts"] += 1
                     self.solver = None
-                t, self.x = t_new, x_new
+                now = self.signs(t_event, self.x)
+                stopped = self._tell(t_event, found, before, now, log)
+                before, t = now, t_event
             self.solver = None
             if stopped:
-                if done < n:
+                if done < n and (not done or self.times[done - 1] < t):
                     self.times = np.concatenate((self.times[:done], [t]))
                     record(t, self.x)
                 break
@@ -337,34 +397,64 @@ class _Simulation:
 
     def locate(
         self, t: float, t_new: float, interpolate: Callable[[float], Array], x_new: Array, before: Array
-    ) -> tuple[float, Array, list[str], Array, bool]:
-        """First event inside a step: its time, state, names, the signs behind it, and whether it ends the
-        simulation.
-        """
-        after = self.signs(t_new, x_new)
-        if not self._crossed(before, after).any():
-            return t_new, x_new, [], after, False
-        low, high, at_high, x_high = t, t_new, after, x_new
-        for _ in range(MAX_BISECTIONS):
-            middle = 0.5 * (low + high)
-            if high - low <= self.shift or not low < middle < high:
+    ) -> tuple[float, Array, list[Block]]:
+        """The first event inside a step: its time, its state and the blocks whose mode ends there."""
+        if not len(before):
+            return t_new, x_new, []
+        low, f_low = t, before
+        first, last = np.searchsorted(self.times, (t, t_new), side="right")
+        for high in (*sorted({0.5 * (t + t_new), *self.times[first:last].tolist()}), t_new):
+            if not low < high:
+                continue
+            at = x_new if high == t_new else interpolate(high)
+            f_high = self.signs(high, at)
+            if self._passed(f_low, f_high).any():
                 break
-            x_middle = interpolate(middle)
-            at_middle = self.signs(middle, x_middle)
-            if self._crossed(before, at_middle).any():
-                high, at_high, x_high = middle, at_middle, x_middle
+            low, f_low = high, f_high
+        else:
+            return t_new, x_new, []
+        for k in range(MOST_LOOKS):
+            if high - low <= 3.0 * self.shift:
+                break
+            guess = 0.5 * (low + high)
+            if k % 3 < 2:  # a secant, a little before and a little behind its zero: the interval closes from both sides
+                passed = self._passed(f_low, f_high)
+                start, end = f_low[passed], f_high[passed]
+                part = np.min(start / (start - end))  # one of them is not zero, and they differ in sign
+                guess = low + float(part) * (high - low) + (self.shift if k % 3 else -self.shift)
+                guess = min(max(guess, low + self.shift), high - self.shift)
+            if not low < guess < high:
+                break
+            at_guess = interpolate(guess)
+            f = self.signs(guess, at_guess)
+            if self._passed(f_low, f).any():
+                high, f_high, at = guess, f, at_guess
             else:
-                low = middle
-        crossed = np.flatnonzero(self._crossed(before, at_high))
-        names = [f"limit of {b.name}" for b in self.watched for _ in range(b.n_events)]
-        names += [e.name for e in self.user_events]
-        of_user = crossed[crossed >= len(names) - len(self.user_events)] - (len(names) - len(self.user_events))
-        ends = any(self.user_events[k].terminal for k in of_user)
-        return high, np.array(x_high), sorted({names[k] for k in crossed}), at_high, ends
+                low, f_low = guess, f
+        ended = self._passed(f_low, f_high)[: len(f_high) - len(self.user_events)]
+        owners = [b for b in self.watched for _ in range(b.n_events)]
+        return high, np.array(at), list(dict.fromkeys(b for b, end in zip(owners, ended, strict=True) if end))
 
-    def _crossed(self, before: Array, after: Array) -> NDArray[np.bool_]:
-        """Which event functions changed their sign in a direction that counts."""
+    def _passed(self, before: Array, after: Array) -> NDArray[np.bool_]:
+        """Which modes ended between two times, and which functions of the caller changed their sign in a direction
+        that counts.
+        """
         n = len(before) - len(self.user_events)
+        ended = (before >= 0.0) & (after < 0.0)
         direction = np.concatenate((np.zeros(n), [e.direction for e in self.user_events]))
         rising, falling = (before < 0.0) & (after >= 0.0), (before > 0.0) & (after <= 0.0)
-        return (rising & (direction >= 0)) | (falling & (direction <= 0))
+        crossed = (rising & (direction >= 0)) | (falling & (direction <= 0))
+        return np.where(np.arange(len(before)) < n, ended, crossed)
+
+    def _tell(self, t: float, ended: Sequence[Block], before: Array, now: Array, log: list[tuple[float, str]]) -> bool:
+        """Log the modes that ended and the events of the caller that happened; does one of them end the simulation?"""
+        n = len(now) - len(self.user_events)
+        crossed = [e for e, yes in zip(self.user_events, self._passed(before, now)[n:], strict=True) if yes]
+        names = {f"{b.event_word} of {b.name}" for b in ended} | {e.name for e in crossed}
+        log += [(t, name) for name in sorted(names)]
+        return any(e.terminal for e in crossed)
+
+    def _chatters(self, t: float, ended: Sequence[Block]) -> None:
+        names = ", ".join(b.name for b in ended)
+        text = f"{names} chatters at t = {t:.9g}: {MOST_RESTARTS} changes of mode and time does not go on; {CALM}"
+        raise AnalysisError(text, "simulation.chatter")

@@ -24,9 +24,19 @@ class _Source(Block):
 
     def __init__(self, data: TimeVarying, name: str = "", interpolation: str = "linear", hold: bool = False) -> None:
         (values,) = data.need(self.field)
-        super().__init__(name or self.field, 0, [f"{self.field} {k + 1}" for k in range(values.shape[1])])
+        super().__init__(name or self.field, 0, self._names(data, values.shape[1]))
         self.table = Table(data.t, values, interpolation, hold, f"{self.name} of {data.name}")
         self.breaks = self.table.breaks
+
+    def _names(self, data: TimeVarying, count: int) -> list[str]:
+        """Those of the result, as far as it has them."""
+        known = self.known(data)
+        return list(known) if len(known) == count else [f"{self.field} {k + 1}" for k in range(count)]
+
+    @staticmethod
+    def known(data: TimeVarying) -> tuple[str, ...]:
+        """Names of the values in the result."""
+        return ()
 
     def outputs(self, t: float, x: Array, u: Array) -> Array:
         return self.table(t)
@@ -40,17 +50,29 @@ class SetpointU0(_Source):
 
     field = "u0"
 
+    @staticmethod
+    def known(data: TimeVarying) -> tuple[str, ...]:
+        return data.inputs[: data.n_nominal]
+
 
 class SetpointSigma0(_Source):
     """Stresses sigma0(t) of the rigidified deformations of a mode 3 result."""
 
     field = "sigma0"
 
+    @staticmethod
+    def known(data: TimeVarying) -> tuple[str, ...]:
+        return data.inputs[data.n_nominal :]
+
 
 class ReferenceY0(_Source):
     """Reference outputs y0(t) of a mode 2 or 3 result."""
 
     field = "y0"
+
+    @staticmethod
+    def known(data: TimeVarying) -> tuple[str, ...]:
+        return data.outputs
 
 
 class TimesM0(Block):

@@ -12,11 +12,12 @@ from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError, Report
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
+from spacar.stationary.contract import Tangent
 from spacar.stationary.level_evaluator import LevelEvaluator
 from spacar.stationary.loading import LoadLevel, SteadyDrive, loads_at
 from spacar.stationary.newton import LENGTHS
 from spacar.stationary.stability import Stability, critical_motion
-from spacar.stationary.stationary_equations import Given, Iterate, Motion
+from spacar.stationary.stationary_equations import Given, Iterate, Motion, StationaryEquations
 from spacar.stationary.tangent import SparseTangent
 from spacar.stationary.walk import Walk
 
@@ -73,6 +74,17 @@ class StationarySolver:
         """The sparse tangent of the present evaluator."""
         assert self._evaluator.sparse is not None
         return self._evaluator.sparse
+
+    def factorized(self) -> tuple[StationaryEquations, Tangent]:
+        """The equations, and the tangent factored at the solution that was stored last. Raises SingularMatrixError."""
+        assert self._walk is not None
+        self._evaluator.tangent.factor(self._walk.point)
+        return self._evaluator.equations, self._evaluator.tangent
+
+    @property
+    def moving(self) -> bool:
+        """Does anything prescribed move?"""
+        return self._evaluator.moving
 
     @property
     def y(self) -> Array:

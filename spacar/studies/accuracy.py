@@ -21,7 +21,7 @@ runs at least are demanded of them, over which the differences must fall.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -29,22 +29,24 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
-from spacar.errors import AnalysisError, UsageError
+from spacar.errors import AnalysisError
 from spacar.frame import Frame
 from spacar.integrators.methods import METHODS
 from spacar.linearization.state_jacobian import state_jacobian
+from spacar.mechanism import Mechanism
 from spacar.modes import find_mode
-from spacar.result import Result
 from spacar.stream import AccuracyRequest, Run
 from spacar.studies.error_norm import amplitudes, distance
 from spacar.studies.quantities import Quantity, quantity
+from spacar.studies.result_quantities import assessed, free_coordinates
 
 EXPLICIT, STIFF = (155, 853), (553, 595)
 MULTISTEP, TIGHT = 0, 1e-6  # what takes the place of 155 below this tolerance
 STABLE = 5.0  # h rho at which method 853 leaves its region of stability on the imaginary axis, about
 EXPENSIVE = 10_000  # steps of stability beyond which implicit methods are taken
 LARGEST_JACOBIAN = 600  # states; above, its eigenvalues take longer than a short run, and implicit methods are taken
-LOOSEST, TIGHTEST = 1e-3, 2e-13  # tolerances that are tried
+LOOSEST, TIGHTEST = 1e-2, 2e-13  # tolerances that are tried
+FIRST = 10.0  # tolerance of the first run over the target: the result of most motions is better than ERROR
 GAIN = 10.0  # of the second tolerance over the first
 MARGIN = 0.5  # of the target that the next run aims at
 FURTHEST = 1e-4  # tolerance of the next run over the last one, at least
@@ -72,6 +74,7 @@ class Accuracy:
 
     target    asked for, None: only measured;  estimate  of the error of the frames, nan when there is none
     until     time up to which the target is met [s], None when it is met throughout or not asked for
+    pieces    beams in the place of each beam of the model in the result; empty: the mesh is that of the model
     cost      time of all runs over that of the last one;  way  how the estimate came about, in words
     """
 
@@ -81,6 +84,8 @@ class Accuracy:
     way: str
     until: float | None = None
     attempts: tuple[Attempt, ...] = ()
+    pieces: dict[int, int] = field(default_factory=dict)
+    runs: int = 0  # of all meshes; 0: as many as there are attempts
 
     @property
     def met(self) -> bool | None:
@@ -93,13 +98,16 @@ class Accuracy:
         return {
             "target": self.target, "estimate": self.estimate if known else None, "met": self.met, "until": self.until,
             "cost": self.cost, "way": self.way, "runs": [vars(a) for a in self.attempts],
+            "pieces": {str(beam): n for beam, n in self.pieces.items()},
         }  # fmt: skip
 
     def lines(self) -> list[str]:
         """For the log; a warning when the target is missed."""
-        found = f"estimated error of the result: {self.estimate:.2e} of the amplitudes ({self.way})"
-        if len(self.attempts) > 1:
-            found += f"; {len(self.attempts)} runs, {self.cost:.2g} times the time of the one that is shown"
+        known = f"{self.estimate:.2e} of the amplitudes" if np.isfinite(self.estimate) else "not known"
+        found = f"estimated error of the result: {known} ({self.way})"
+        runs = self.runs or len(self.attempts)
+        if runs > 1:
+            found += f"; {runs} runs, {self.cost:.2g} times the time of the last one"
         if self.target is None:
             return [f"information: {found}"]
         if self.met:
@@ -121,11 +129,18 @@ class Computed:
 
 @dataclass
 class Search:
-    """Runs of one model with several methods and tolerances."""
+    """Runs of one model with several methods and tolerances.
+
+    `view`: frame and its number to the frame whose values count, of the mechanism `shown`; None: frames as they are.
+    `hold`: keep the frames whatever their size.
+    """
 
     run: Run
     variables: tuple[Quantity, ...]
     attempts: list[Attempt] = field(default_factory=list)
+    view: Callable[[Frame, int], Frame] | None = None
+    shown: Mechanism | None = None
+    hold: bool = False
 
     def compute(self, integrator: int, tolerance: float | None) -> Computed:
         """One run in mode 1; `tolerance` None: with the settings of the file. Raises AnalysisError."""
@@ -138,9 +153,10 @@ class Search:
         run = Run(find_mode(1), replace(mechanism, settings=settings))
         begun = time.perf_counter()
         rhs, frames, x = 0, [], []
-        held = bool(self.variables) or _size(run) <= KEPT
+        held = self.hold or bool(self.variables) or _size(run) <= KEPT
         try:
-            for frame in run:
+            for i, computed in enumerate(run):
+                frame = computed if self.view is None else self.view(computed, i)
                 rhs += frame.statistics.get("rhs", 0)
                 x.append(frame.x)
                 if held:
@@ -151,12 +167,11 @@ class Search:
             raise
         attempt = Attempt(integrator, tolerance, rhs, time.perf_counter() - begun)
         self.attempts.append(attempt)
-        coordinates = np.array(x)
+        coordinates, shown = np.array(x), self.shown or run.mechanism
         if self.variables:
-            result = Result(run.mechanism, 1, tuple(frames), (), dict(run.header))
-            values = np.array([_real(v, result) for v in self.variables])
+            values = assessed(shown, 1, frames, self.variables, stationary=False).values
         else:
-            values = coordinates[:, _free(run)].T
+            values = coordinates[:, free_coordinates(shown)].T
         return Computed(run, attempt, values, coordinates, frames if held else None)
 
     def compare(self, now: Computed, before: Computed) -> float:
@@ -177,9 +192,9 @@ def forward(run: Run) -> Iterator[Frame]:
     search = Search(run, tuple(quantity(v) for v in request.variables))
     methods = STIFF if stiff(run) else EXPLICIT
     if request.target is None:
-        shown, before, estimate, difference = _measured(search, methods)
+        shown, before, estimate, difference = measured(search, methods)
     else:
-        shown, before, estimate, difference = _tightened(search, methods, request.target)
+        shown, before, estimate, difference = tightened(search, methods, request.target)
     error = np.maximum.accumulate(np.abs(shown.x - before.x), axis=0)
     error *= estimate / difference if difference > 0.0 else 1.0
     run.header["accuracy"] = found = _accuracy(search, request.target, shown, before, estimate, difference)
@@ -211,7 +226,7 @@ def stiff(run: Run) -> bool:
     return fastest * (duration or 0.0) / STABLE > EXPENSIVE
 
 
-def _measured(search: Search, methods: tuple[int, int]) -> tuple[Computed, Computed, float, float]:
+def measured(search: Search, methods: tuple[int, int]) -> tuple[Computed, Computed, float, float]:
     """The run of the file's settings, the one that checks it, the estimated error of the first, their difference."""
     settings = search.run.mechanism.settings
     row = METHODS[settings.integrator]
@@ -223,10 +238,10 @@ def _measured(search: Search, methods: tuple[int, int]) -> tuple[Computed, Compu
     return shown, other, difference, difference
 
 
-def _tightened(search: Search, methods: tuple[int, int], target: float) -> tuple[Computed, Computed, float, float]:
-    """As `_measured`, of the last of a sequence of runs that ends when its estimated error is within the target."""
+def tightened(search: Search, methods: tuple[int, int], target: float) -> tuple[Computed, Computed, float, float]:
+    """As `measured`, of the last of a sequence of runs that ends when its estimated error is within the target."""
     turn = 0
-    tolerance = min(max(target, TIGHTEST * GAIN), LOOSEST)
+    tolerance = min(max(FIRST * target, TIGHTEST * GAIN), LOOSEST)
     before: Computed | None = None
     last, gained_before, wanted = np.inf, 1.0, 2 if methods == EXPLICIT else 3
     while True:
@@ -289,17 +304,3 @@ def _size(run: Run) -> int:
     n = run.mechanism.numbering
     columns = 1 + n.ndof * (run.mechanism.settings.sbd_level or 0)
     return 8 * (run.mechanism.settings.n_steps + 1) * (6 * n.nx + 4 * n.ne) * columns
-
-
-def _free(run: Run) -> Array:
-    """Columns of the coordinates that the motion determines."""
-    n = run.mechanism.numbering
-    given = {*range(n.x_class["fixed"].stop), *range(n.x_class["input"].start, n.x_class["input"].stop)}
-    return np.array([i for i in range(n.nx) if i not in given], dtype=np.int64)
-
-
-def _real(variable: Quantity, result: Result) -> Array:
-    series = variable.series(result)
-    if np.iscomplexobj(series) or not np.isfinite(series).all():
-        raise UsageError(f"{variable.text} is not a real, finite number at every step", "study.accuracy")
-    return np.broadcast_to(np.asarray(series, float), (len(result.frames),))

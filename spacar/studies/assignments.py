@@ -1,6 +1,7 @@
 """What a study changes in a deck, and to which values.
 
     KEYWORD.NUMBER...[WHICH] = VALUES        ESTIFF.3[EI] = 100,200,300        INPUTX.2.1[start rate] = 50:150:11
+    KEYWORD.NAME[WHICH] = VALUES             SECTION.leaf[t] = 4e-4:8e-4:5     MATERIAL.spring[Young] = 2.1e11
 
 The numbers are the first arguments of the statement, as many as tell it apart (none: TIMESTEP[2]); `*` in the place
 of the first number means every statement of that keyword. WHICH is the position of the argument, from 1 as in the
@@ -16,7 +17,7 @@ import math
 import re
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain, product
 from operator import eq
 from pathlib import Path
@@ -25,13 +26,15 @@ from typing import overload
 import numpy as np
 
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
+from spacar.deck.cross_section import SHAPES
 from spacar.deck.deck import parse
 from spacar.deck.deck_writer import splice
 from spacar.deck.keyword_table import KEYWORDS, BlockKind
+from spacar.deck.statement import Value
 from spacar.deck.table_types import Parameter
 from spacar.errors import UsageError
 
-TARGET = re.compile(r"([A-Za-z]\w*)((?:[.\s]+(?:\d+|\*))*)\s*(?:\[\s*([^\[\]]+?)\s*\])?")
+TARGET = re.compile(r"([A-Za-z]\w*)((?:[.\s]+(?:\d+|\*|[A-Za-z][\w-]*))*)\s*(?:\[\s*([^\[\]]+?)\s*\])?")
 MOST_VALUES = 1_000_000
 BY_NUMBER = {block.number: block for block in BlockKind if block.number < 3}
 
@@ -41,7 +44,7 @@ class Target:
     """One place, or with `everywhere` all places of a keyword, whose value changes."""
 
     keyword: str
-    numbers: tuple[int, ...]
+    numbers: tuple[int | str, ...]  # names in small letters
     everywhere: bool
     which: str  # position, meaning, or empty
 
@@ -49,7 +52,7 @@ class Target:
         """(statement, argument number from 1) of every value it means. Raises UsageError for none and for a choice."""
         statements = deck.of(self.keyword)
         if not self.everywhere:
-            statements = [s for s in statements if s.values[: len(self.numbers)] == self.numbers]
+            statements = [s for s in statements if _small(s.values[: len(self.numbers)]) == self.numbers]
         found = [(s, p) for s in statements if (p := _position(deck, s, self)) is not None]
         real = [(s, p) for s, p in found if _parameter(deck, s, p).kind == "real"]
         found = real or found  # a declaration (INPUTX in the first block) has integers only
@@ -103,7 +106,7 @@ def change(deck: Deck, settings: Sequence[Setting], numbers: Sequence[float]) ->
     for place in sorted(edits, reverse=True):  # from the end, so that earlier columns stay
         text = splice(text, *edits[place])
     if edits:
-        deck = parse(text, deck.source, deck.mode, path=deck.path, visualization=deck.visualization)
+        deck = parse(text, deck.source, deck.mode, path=deck.path, visualization=deck.written_visualization)
     for target, position, value in later:  # arguments that were left out
         for k in range(len(target.places(deck))):
             deck = deck.with_value(target.places(deck)[k][0], position, value)
@@ -124,7 +127,7 @@ def setting(text: str) -> Setting:
         words = match[2].replace(".", " ").split()
         if "*" in words and words != ["*"]:
             raise UsageError(f"'{part.strip()}': * stands alone, for every statement {keyword}", "study.set")
-        numbers = tuple(int(w) for w in words if w != "*")
+        numbers = tuple(int(w) if w.isdigit() else w.casefold() for w in words if w != "*")
         targets.append(Target(keyword, numbers, words == ["*"], match[3] or ""))
     return Setting(text.strip(), tuple(targets))
 
@@ -273,7 +276,22 @@ def parameters_of(deck: Deck, s: Statement) -> tuple[Parameter, ...]:
                 role = next((r for n, r in nodes if n == number), role)
     fits = [v for v in keyword.variants if v.fits(space, role, kind)] or list(keyword.variants)
     given = [v for v in fits if len(s.values) in v.counts]
-    return max(given or fits, key=lambda v: len(v.parameters)).parameters
+    parameters = max(given or fits, key=lambda v: len(v.parameters)).parameters
+    return _of_shape(s, parameters) if s.keyword == "SECTION" else parameters
+
+
+def _of_shape(s: Statement, parameters: tuple[Parameter, ...]) -> tuple[Parameter, ...]:
+    """The parameters of a SECTION with the names that the dimensions have in its shape."""
+    names = SHAPES[str(s.values[1]).upper()].dims
+    dims = [
+        replace(p, meaning=name, unit="" if power == 0 else "m" if power == 1 else f"m^{power}")
+        for p, (name, power) in zip(parameters[2:], names, strict=False)
+    ]
+    return (*parameters[:2], *dims)
+
+
+def _small(values: tuple[Value, ...]) -> tuple[Value, ...]:
+    return tuple(v.casefold() if isinstance(v, str) else v for v in values)
 
 
 def _parameter(deck: Deck, s: Statement, position: int) -> Parameter:

@@ -21,7 +21,18 @@ from spacar.studies.accuracy import stiff
 from spacar.studies.error_norm import distance
 from spacar.studies.models import flexible_beams, refine
 from spacar.studies.rows import Row
-from spacar.studies.trade import Job, Reference, Setup, Trade, reference, reference_setups, run_setup
+from spacar.studies.trade import (
+    Job,
+    Reference,
+    Setup,
+    Trade,
+    assess,
+    recommend,
+    reference,
+    reference_setups,
+    run_setup,
+)
+from spacar.studies.unneeded import Price, prices
 
 METHODS, STIFF_METHODS = (155, 853, 0), (595, 553)
 MESHES = (1, 2, 4, 8)  # elements in the place of a beam, stationary modes
@@ -43,13 +54,14 @@ class TradeSearch:
     against: list[Setup] = field(default_factory=list)
     reference: Reference | None = None
     skipped: int = 0
+    end: float = 0.0  # of the budget, on the clock of time.perf_counter
 
 
 def search(trade: Trade, target: float, budget: float, tick: Tick = lambda _what, _left: None) -> TradeSearch:
     """Reference, then the settings from cheap to dear, within `budget` seconds. Raises UsageError, and AnalysisError
     when the reference cannot be computed in its part of the budget."""
     begun = time.perf_counter()
-    found = TradeSearch(trade)
+    found = TradeSearch(trade, end=begun + budget)
 
     def left(part: float = 1.0) -> float:
         return max(part * budget - (time.perf_counter() - begun), 0.1)
@@ -90,6 +102,20 @@ def search(trade: Trade, target: float, budget: float, tick: Tick = lambda _what
     return found
 
 
+def unneeded(found: TradeSearch, target: float, tick: Tick = lambda _what, _left: None) -> list[Price]:
+    """What the recommended setting could do without, as far as the budget goes; without one nothing."""
+    ref = found.reference
+    assert ref is not None
+    best = recommend(assess(found.trade, found.rows, found.tried, ref), target, ref)
+    if best is None or best.setup is None:
+        return []
+
+    def left() -> float:
+        return found.end - time.perf_counter()
+
+    return list(prices(found.trade, best.setup, ref, left, lambda what: tick(f"without {what}", left())))
+
+
 def _ladders(trade: Trade, target: float, hard: bool) -> list[list[Setup]]:
     """Settings of each method from cheap to dear; of each measure of beams in the stationary modes."""
     flexible = bool(flexible_beams(trade.deck))
@@ -110,19 +136,25 @@ def _divisible(trade: Trade) -> bool:
     return True
 
 
-def command_line(trade: Trade, setup: Setup, name: str) -> str:
-    """The run of this setting as words for the shell; a finer mesh, which no option makes, is said after it."""
-    words = ["spacar", str(trade.mode), name]
+def run_options(trade: Trade, setup: Setup) -> dict[str, str | int | float]:
+    """The options of `spacar.run` for a setting; a finer mesh is none of them."""
+    options: dict[str, str | int | float] = {}
     if setup.measure:
-        words += ["--beams", setup.measure]
+        options["beams"] = setup.measure
     if setup.integrator is not None:
-        words += ["--integrator", str(setup.integrator)]
+        options["integrator"] = setup.integrator
     if setup.tolerance is not None:
         settings = frames(trade.mode, trade.deck, **trade.options).mechanism.settings
         ratio = settings.atol / settings.rtol if settings.rtol > 0.0 else 1.0
-        words += ["--rtol", f"{setup.tolerance:.3g}", "--atol", f"{setup.tolerance * ratio:.3g}"]
-    for option, flag in (("duration", "--time"), ("n_steps", "--steps")):
-        if option in trade.options:
-            words += [flag, str(trade.options[option])]
+        options |= {"rtol": setup.tolerance, "atol": setup.tolerance * ratio}
+    return options | {name: trade.options[name] for name in ("duration", "n_steps") if name in trade.options}
+
+
+def command_line(trade: Trade, setup: Setup, name: str) -> str:
+    """The run of this setting as words for the shell; a finer mesh, which no option makes, is said after it."""
+    flags = {"duration": "--time", "n_steps": "--steps"}
+    words = ["spacar", str(trade.mode), name]
+    for option, value in run_options(trade, setup).items():
+        words += [flags.get(option, f"--{option}"), f"{value:.3g}" if option in ("rtol", "atol") else str(value)]
     line = " ".join(words)
     return line if setup.elements == 1 else f"{line}   (with {setup.elements} elements in the place of each beam)"

@@ -29,6 +29,7 @@ from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError, Report, UsageError
+from spacar.forward.displaced import displaced
 from spacar.forward.driver import Tolerances, frames, integrated, watched, work
 from spacar.frame import Frame, StoredFrames
 from spacar.integrators import METHODS
@@ -118,7 +119,12 @@ def _in_lanes(single: Mechanism, together: Mechanism, times: Array, x_of: Array,
     cases = CompiledCases(single, of_copies(single, together, x_of, e_of), _start(together, x_of, e_of))
     stored: list[dict[str, Array]] = []
     statistics: list[dict[str, int]] = []
-    tolerances = Tolerances.of(settings)
+    first = Dynamics(single)
+    first.start()
+    g = displaced(first)
+    if g is not None:
+        g = np.broadcast_to(g[None, :, None], cases.by_case).ravel()
+    tolerances = Tolerances.of(settings, g=g)
     for out in integrated(cases, cases.y0, times, settings, tolerances, watch=cases.watch, back=cases.rejected):
         stored.append(cases.variables(float(out.t), out.y))
         statistics.append(work(out))

@@ -1,12 +1,12 @@
 """Other models of the same mechanism: finer beams, rigid beams, beams without the non-linear strain terms.
 
-`refine` puts n equal beams in the place of every flexible one; how a beam is divided, and what cannot be, stands in
-`spacar.deck.divide`.
+`refine` puts n equal beams in the place of every flexible one, `with_pieces` as many as are wanted in the place of
+each; how a beam is divided, and what cannot be, stands in `spacar.deck.divide`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
 from spacar.deck.divide import BEAMS, beam_modes, divided, obstacles, stiffness_modes
@@ -43,19 +43,40 @@ def refine(deck: Deck, n: int) -> Deck:
             text = f"{deck.where(by)}: it is about beam {number}, which would be split; {reason}"
             raise UsageError(text, "study.refine")
         raise UsageError(f"beam {number} cannot be split: {reason}", "study.refine")
+    return with_pieces(deck, dict.fromkeys(split, n))[0]
+
+
+def with_pieces(deck: Deck, pieces: Mapping[int, int]) -> tuple[Deck, dict[int, list[int]]]:
+    """The mechanism with pieces[beam] equal elements in the place of these beams, which can be divided, and the
+    elements that each of them became."""
     blocks: list[list[Row]] = [[], [], []]
-    for s in divided(deck.statements, dict.fromkeys(split, n))[0]:
+    statements, parts = divided(deck.statements, pieces)
+    for s in statements:
         blocks[s.block - 1].append((s.keyword, *s.values))
-    return Deck.build(*blocks, mode=deck.mode, source=f"{deck.source} x {n}", path=deck.path)
+    counts = {n for n in pieces.values() if n > 1}
+    what = f" x {counts.pop()}" if len(counts) == 1 else " refined" if counts else ""
+    return Deck.build(*blocks, mode=deck.mode, source=f"{deck.source}{what}", path=deck.path), parts
 
 
-def rigid(deck: Deck) -> Deck:
-    """The mechanism with all dynamic deformations of its beams fixed: DYNE of beams and what belongs to it left out.
+def divisible_beams(deck: Deck) -> tuple[tuple[int, ...], dict[int, str]]:
+    """The flexible beams that can be divided, and the reason for each that cannot."""
+    flexible = flexible_beams(deck)
+    kept: dict[int, str] = {}
+    for number, by, reason in obstacles(deck.statements, flexible, stiffness_modes(deck.statements)):
+        where = f" ({deck.where(by)})" if by is not None else ""
+        kept.setdefault(number, f"{reason}{where}")
+    return tuple(n for n in flexible if n not in kept), kept
 
-    Raises UsageError when no beam has a dynamic deformation.
+
+def rigid(deck: Deck, beams: Iterable[int] = ()) -> Deck:
+    """The mechanism with all dynamic deformations of its beams (of these, when some are named) fixed: DYNE of beams and
+    what belongs to it left out.
+
+    Raises UsageError when none of them has a dynamic deformation.
     """
+    named = set(beams)
     modes = {n: {m for m, c in found.items() if c == "DYNE"} for n, found in beam_modes(deck.statements).items()}
-    stiff = {n for n, fixed in modes.items() if fixed}
+    stiff = {n for n, fixed in modes.items() if fixed and (not named or n in named)}
     if not stiff:
         raise UsageError(f"{deck.source} has no beam with dynamic deformations (DYNE)", "study.rigid")
     free = {n for n, found in beam_modes(deck.statements).items() if set(found.values()) - {"DYNE"}}

@@ -8,6 +8,7 @@ import numpy as np
 
 from spacar.errors import UsageError
 from spacar.expressions import evaluate, parse
+from spacar.expressions.grammar import NOTHING_MORE, More
 from spacar.result import Result
 
 
@@ -33,11 +34,14 @@ class Quantity:
         return complex(value[0]) if np.iscomplexobj(value) else float(value[0])
 
 
-def quantity(text: str) -> Quantity:
-    """The quantity of `EXPRESSION` or `NAME: EXPRESSION`; its form is checked now. Raises UsageError."""
+def quantity(text: str, more: More = NOTHING_MORE) -> Quantity:
+    """The quantity of `EXPRESSION` or `NAME: EXPRESSION`; its form is checked now (`more`: as `parse`).
+
+    Raises UsageError.
+    """
     head, colon, tail = text.partition(":")
     name, expression = (head.strip(), tail.strip()) if colon else (text.strip(), text.strip())
     if not name:
         raise UsageError(f"the quantity '{text}' has no name before the colon", "study.quantity")
-    parse(expression)
+    parse(expression, more)
     return Quantity(name, expression)

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
@@ -205,7 +206,7 @@ def run_setup(job: Job) -> Row:
     row: Row = {"case": trade.key(setup), **asdict(setup), "status": "failed"}
     try:
         deck = variant(trade.deck, setup)
-        options = _options(trade, setup, deck)
+        options = setup_options(trade, setup, deck)
         seconds = []
         for _ in range(trade.repeats):
             begun = time.perf_counter()
@@ -220,6 +221,24 @@ def run_setup(job: Job) -> Row:
     except Exception as error:
         row["reason"] = explain(error)
     return row
+
+
+def timed_values(
+    trade: Trade, setup: Setup, deck: Deck, options: dict[str, Any], limit: float
+) -> tuple[Array, float]:
+    """The variables (variables, times) of one model with these options, and its time [s], the least of three runs.
+    Rows of variables that this model has not are nan. Raises SpacarError.
+    """
+    seconds: list[float] = []
+    while not seconds or (len(seconds) < min(trade.repeats, 3) and sum(seconds) < 0.5 * limit):
+        begun = time.perf_counter()
+        result = _run(trade, setup, deck, options, limit)
+        seconds.append(time.perf_counter() - begun)
+    values = np.full((len(trade.variables), len(result.frames)), np.nan)
+    for row, variable in zip(values, trade.variables, strict=True):
+        with suppress(UsageError):
+            row[:] = _series(variable, result)
+    return values, min(seconds)
 
 
 def _series(variable: Quantity, result: Result) -> list[float]:
@@ -246,7 +265,7 @@ def _run(trade: Trade, setup: Setup, deck: Deck, options: dict[str, Any], limit:
     return Result(run.mechanism, trade.mode, tuple(found), tuple(run.report.lines), dict(run.header))
 
 
-def _options(trade: Trade, setup: Setup, deck: Deck) -> dict[str, Any]:
+def setup_options(trade: Trade, setup: Setup, deck: Deck) -> dict[str, Any]:
     """Options of the run of a setup."""
     options = dict(trade.options)
     if setup.measure:

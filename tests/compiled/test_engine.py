@@ -118,6 +118,22 @@ def test_a_library_of_another_text_is_not_used(elsewhere):
 
 
 @here
+def test_a_library_of_other_element_definitions_is_not_used(elsewhere):
+    """A row that was added, and not built: a run says so and takes the general path."""
+    home = HOUSE / "spacar" / "compiled"
+    for path in (*home.glob("*.c"), *(home / name for name in library.GENERATED_FROM), home / library.NAME):
+        shutil.copy(path, elsewhere)
+    library._loaded.cache_clear()
+    assert library.unavailable() is None
+    library._loaded.cache_clear()
+    with (elsewhere / "definitions.py").open("a") as file:
+        file.write("DEFINITIONS += (Definition('plcam', 3, (), None),)\n")
+    run = spacar.frames(1, DATA / "crank.dat")
+    assert len(list(run)) == 101
+    assert "other element definitions" in run.header["engine"][1]
+
+
+@here
 def test_log_and_json_say_which_engine_and_why(tmp_path, monkeypatch):
     program = [str(Path(sys.executable).parent / "spacar"), "1", str(DATA / "crank.dat"), "-o", str(tmp_path), "--json"]
 

@@ -3,7 +3,8 @@
 from types import SimpleNamespace
 
 import numpy as np
-from spacar_drawing.frequency_pictures import bode_figure, root_figure, without_rounding
+from spacar_drawing.frequency_pictures import bode_figure, root_figure
+from spacar_formats.vibration import without_rounding
 
 
 def diagram(n_out, n_in):

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from spacar_drawing.bodies import beam_lines
 from spacar_drawing.camera import Camera, view_angles
 from spacar_drawing.elastic_line import chord_axes, elastic_line, section_axes
-from spacar_drawing.element_pictures import beam_line
 from spacar_drawing.look import look_of
 from spacar_drawing.machine_parts import span
 from spacar_drawing.placement import pin_joints, places_of_hinges
@@ -78,9 +78,9 @@ def test_deflected_cantilever_ends_in_its_nodes_with_the_right_slopes():
     source = result_source("plbeam5", 7)
     pose = Pose.of(source.scene, source.x(1))
     first, last = source.scene.elements[0], source.scene.elements[-1]
-    points, _, _ = beam_line(source.scene, pose, last, 33)
+    points = beam_lines(source.scene, pose, [last], 33)[0][0]
     np.testing.assert_allclose(points[-1, :2], [3.680791, -8.489703], atol=5e-7)  # half of the last printed digit
-    points, _, _ = beam_line(source.scene, pose, first, 2001)
+    points = beam_lines(source.scene, pose, [first], 2001)[0][0]
     slope = np.diff(points[:2], axis=0)[0]
     assert (
         abs(slope[1] / slope[0]) < 2e-3

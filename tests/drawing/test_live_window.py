@@ -4,6 +4,7 @@ motion."""
 import numpy as np
 import pytest
 from spacar_drawing import window
+from spacar_drawing.drawn_shapes import Line
 from spacar_formats.getfrsbf import getfrsbf
 
 import spacar
@@ -86,8 +87,8 @@ def test_paths_of_the_settings_are_drawn(no_screen, tmp_path):
     run_with(plot, model, duration=0.02, n_steps=10)
     path = window.trace_lines(plot._scene, np.stack(plot._paths), plot._traces)[0].points
     np.testing.assert_allclose(np.hypot(*path[:, :2].T), 0.15, rtol=1e-9)
-    drawn = [np.concatenate(c.get_segments()) for c in plot._moving.axes.collections if hasattr(c, "get_segments")]
-    assert any(len(d) >= 11 and np.allclose(d[:11], path[:, :2]) for d in drawn)
+    drawn = [s.points for s in plot._moving.raster.shapes if isinstance(s, Line)]
+    assert any(d.shape == path.shape and np.allclose(d, path) for d in drawn)
 
 
 def test_room_does_not_add_up(no_screen):

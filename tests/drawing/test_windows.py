@@ -112,6 +112,7 @@ def test_dragging_turns_a_spatial_picture(no_screen):
     from matplotlib.backend_bases import MouseEvent
     from spacar_drawing.camera import Camera
     from spacar_drawing.drawn_shapes import Mark
+    from spacar_drawing.raster import Raster
 
     seen = []
     start = Camera.towards(-60, 30)
@@ -122,6 +123,7 @@ def test_dragging_turns_a_spatial_picture(no_screen):
     x, y = 0.5 * (box.x0 + box.x1), 0.5 * (box.y0 + box.y1)
     for name, dx in (("button_press_event", 0), ("motion_notify_event", 100), ("button_release_event", 100)):
         figure.canvas.callbacks.process(name, MouseEvent(name, figure.canvas, x + dx, y, 1))
-        seen.append([line.get_xydata()[0] for a in figure.axes for line in a.lines if line.get_zorder() == 16][-1])
+        (raster,) = (a for axes in figure.axes for a in axes.artists if isinstance(a, Raster))
+        seen.append(raster.camera.project(raster.shapes[0].at))
     np.testing.assert_allclose(seen[0], start.project(np.array([1.0, 0, 0])), atol=1e-12)
     np.testing.assert_allclose(seen[1], Camera.towards(-100, 30).project(np.array([1.0, 0, 0])), atol=1e-12)

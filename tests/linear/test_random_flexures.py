@@ -122,8 +122,9 @@ LARGE = ("leaf of 10", "guide 0.2 mm")
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.slow] * (n in LARGE)) for n in CASES])
 def test_frequencies_against_40_digits(name):
-    """Although omega^2 spans up to ten decades, it is as good as the entries of the matrices: a relative change of eps
-    in each of them changes omega^2 by up to eps |x|^T |K| |x|; n eps for sums of n terms, and 1e-12 for the solver.
+    """Although omega^2 spans up to ten decades, it is as good as the entries of the matrices: a relative change of
+    eps in each of them changes omega^2 by up to eps |x|^T |K| |x|; n eps for sums of n terms, and for the
+    solver n eps/POLISHED, below 1e-12.
     """
     result = spacar.run(10, parse_deck(CASES[name], mode=10))
     M, K, _, _ = matrices(result.frames[0])

@@ -46,14 +46,13 @@ def test_closed_loop_from_the_model_file(folder, monkeypatch):
 @pytest.mark.parametrize(
     ("old", "new", "why"),
     [
-        ("block = pd", "block = pid", r"[pd]: block = pid; the blocks are spasim"),
-        ("omega = 28", "omga = 28", "[pd]: unknown key 'omga'; the keys are size, omega, damping"),
+        ("block = pd", "block = pdd", r"wrong.sim:24: [pd]: block = pdd; the blocks are spasim"),
+        ("omega = 28", "omga = 28", "wrong.sim:26: [pd]: unknown key 'omga'; the keys are size, omega, damping"),
         ("omega = 28\n", "", "[pd]: 'omega' is missing"),
         ("omega = 28", "omega = fast", "omega = fast is no number"),
         ("u0 -> robot\n", "u0 -> robbot\n", "[wires]: robbot: there is no block robbot"),
         ("u0 -> robot\n", "u0 robot\n", "is no wire"),
         ("pd -> m0", "pd:1 -> m0", "1 outputs cannot be connected to 3 inputs"),
-        ("robot:1-6 -> pd", "robot:7-9,1-3 -> pd", "algebraic loop"),
         ("file = robotinv.ltv\nhold = yes\n\n[y0]", "file = nothing.ltv\n\n[y0]", "nothing.ltv not found"),
         ("time = 1.5", "time = -1", "must be positive"),
         ("[wires]", "[wire]", "section [wires] is missing"),

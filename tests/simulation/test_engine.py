@@ -151,7 +151,8 @@ def test_controller_that_raises_or_returns_no_pair():
 
 
 def test_algebraic_loop_and_how_a_delay_breaks_it():
-    d = Diagram().add(Gain("a", 0.5), Gain("b", 0.5)).connect("a", "b").connect("b", "a")
+    hold = Sampled("b", lambda t, x, u: (x, 0.5 * u), 0.1, 1, 1)
+    d = Diagram().add(Gain("a", 0.5), hold).connect("a", "b").connect("b", "a")
     with pytest.raises(UsageError, match="algebraic loop: a <- b <- a"):
         simulate(d, TIMES)
     late = Sampled("late", lambda t, x, u: (x, 0.5 * u + 1), 0.1, 1, 1, delay=True)

@@ -132,11 +132,19 @@ def test_mode_2_torques_retrace_the_path_through_a_spline():
     assert response["plant:1"][:, 0] == pytest.approx(inverse.node(7, 1), abs=1e-5)
 
 
-def test_accelerations_are_outputs_without_an_algebraic_loop(robot):
-    """robotsim has accelerations among its outputs: no trouble unless they are fed back; then a clear refusal."""
+def test_accelerations_may_be_fed_back_but_not_to_a_sampled_law(robot):
+    """Accelerations that are fed back are an algebraic loop, which is solved; to a sampled law it is refused."""
     plant = Spasim(DATA / "robotsim.dat")
     with pytest.raises(UsageError, match=r"algebraic loop: .*control.*accelerations"):
-        closed_loop(plant, lambda t, y: np.zeros(3), TIMES)
+        closed_loop(plant, lambda t, y: np.zeros(3), TIMES, period=0.01)
+    moved = np.array([5.0, 196.98, 82.276])
+    start = closed_loop(plant, lambda t, y: moved, TIMES[:2], feedback="1-6")["plant:7-9"][0]
+    fed = closed_loop(plant, lambda t, y: moved - 2.0 * y[6:9], TIMES[:2], rtol=1e-9)
+    a, u = fed["plant:7-9"][0], fed["control"][0]
+    assert u == pytest.approx(moved - 2.0 * a, abs=1e-10)
+    assert 0.0 < a[0] < start[0]
+    heavier = np.linalg.solve(np.diag([start[0] / 5.0, 1, 1]), [a[0], 0, 0])[0]  # J a = u with J = 5 / start
+    assert heavier == pytest.approx(u[0], rel=1e-9)
     response = closed_loop(plant, lambda t, y: np.array([0.0, 196.98, 82.276]), TIMES[:11], feedback="1-6")
     assert response["plant:7-9"] == pytest.approx(0.0, abs=1e-8)
     delayed = closed_loop(plant, lambda t, y: np.array([0.0, 196.98, 82.276]), TIMES[:3], feedback="1-6", period=0.01)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -15,16 +16,25 @@ from spacar_cli.input_files import input_file
 from spacar_cli.number_types import Whole
 from spacar_cli.status import ExitStatus, tell_error, tell_messages
 
+if TYPE_CHECKING:
+    from spacar.deck import Deck
+
+MOST = 20  # names of degrees of freedom
+
 
 @click.command("check")
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--mode", "-m", type=Whole(), help="Check for this mode; without it every block is checked.")
 @click.option("--expand", is_flag=True, help="Print the input with plain statements for SECTION, BEAMSEC, UNITS.")
+@click.option("--verbose", "-v", is_flag=True, help="Print degrees of freedom and the diagnosis of constraints too.")
 @click.option("--json", "as_json", is_flag=True, help="Print all messages in JSON.")
 @click.pass_obj
-def command(environment: Environment, file: Path, mode: int | None, expand: bool, as_json: bool) -> ExitStatus:
+def command(
+    environment: Environment, file: Path, mode: int | None, expand: bool, verbose: bool, as_json: bool
+) -> ExitStatus:
     """Read FILE (or FILE.dat) and report errors, warnings and information.
 
+    With -v also what moves: degrees of freedom, and over- and under-constraints of the start position by name.
     Nothing is run: user functions (USERSIG, USERINP, USERTRAJ) are listed, not imported. With --expand the plain input
     goes to standard output instead of the counts; it gives the same results.
     """
@@ -67,4 +77,21 @@ def command(environment: Environment, file: Path, mode: int | None, expand: bool
     else:
         found = (f"{severities.count(s)} {s}{'s' * (severities.count(s) != 1)}" for s in ("error", "warning"))
         environment.say(f"{source}: {', '.join(found)}")
+        if verbose and deck is not None and status is ExitStatus.DONE:
+            for line in freedom(without_functions(deck)):
+                environment.say(line)
     return status
+
+
+def freedom(deck: Deck) -> list[str]:
+    """Sizes and degrees of freedom of a model, and the diagnosis of its constraints (that of mode 0)."""
+    from spacar.calls import frames
+
+    run = frames(0, deck)
+    n = run.mechanism.numbering
+    list(run)
+    names = f": {', '.join(n.q_names[:MOST])}{', ...' * (len(n.q_names) > MOST)}" if n.q_names else ""
+    return [
+        f"{n.nx} coordinates, {n.ne} deformations, {n.ndof} degree{'s' * (n.ndof != 1)} of freedom{names}",
+        *(line for line in run.report.lines if not line.startswith("warning: ")),
+    ]

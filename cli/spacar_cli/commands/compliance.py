@@ -6,6 +6,7 @@ import json
 
 import click
 
+from spacar.deck.length_unit import shown_in
 from spacar_cli.environment import Environment
 from spacar_cli.number_types import Whole
 
@@ -24,8 +25,10 @@ def command(
 
     The displacements and small rotations (6, planar 3) by unit forces and moments at the loaded state, along the global
     axes and along the axes of the orientation node. Needs dx in the result (OUTLEVEL 0 1, the default of these modes),
-    or of a large model its sparse tangent ktan.
+    or of a large model its sparse tangent ktan. The tables are in the unit of length of the input (UNITS), JSON in SI.
     """
+    import numpy as np
+    from spacar_drawing.picture_source import open_source
     from spacar_formats.compliance import node_compliance
     from spacar_formats.log.text_layout import matrix
 
@@ -45,8 +48,12 @@ def command(
         }
         environment.say(json.dumps(report))
         return
+    metre = open_source(file, stale_ok=True).scene.metre
+    power = np.array([name.startswith("u") for name in rows], float)  # C_ij has the unit of i times that of j by N m
+    factor = metre ** (1.0 - power[:, None] - power)
+    unit = shown_in("m", metre)[1]
     where = f"position node {found.position}, orientation node {found.orientation}"
     for title, value in (("global axes", found.fixed), ("axes of the body", found.body)):
-        environment.say(f"Compliance of {where}, {title}")
-        for line in matrix(value, rows, columns, width=6):
+        environment.say(f"Compliance of {where}, {title}, in {unit} and rad by N and N {unit}")
+        for line in matrix(value * factor, rows, columns, width=6):
             environment.say(line)

@@ -18,6 +18,7 @@ from spacar_cli.number_types import Whole
 @common
 @click.option(
     "--steps",
+    "--step",
     "-s",
     metavar="STEPS",
     help=(
@@ -40,6 +41,9 @@ from spacar_cli.number_types import Whole
 @click.option(
     "--frames", type=Whole(min=2), default=150, show_default=True, help="Most pictures in an animation."
 )
+@click.option(
+    "--scopes/--no-scopes", default=True, show_default=True, help="Scopes of a simulation beside the mechanism."
+)
 @click.pass_obj
 def command(
     environment: Environment,
@@ -51,6 +55,7 @@ def command(
     no_trace: bool,
     initial: bool,
     frames: int,
+    scopes: bool,
     **common_options: Any,
 ) -> None:
     """Draw the mechanism of a result file (NAME.sbd) at one or more steps.
@@ -63,7 +68,8 @@ def command(
     choices = Choices(**common_options)
     if steps and strobe:
         raise UsageError("--steps and --strobe exclude each other")
-    for path in draw(environment, file, choices, steps, strobe, () if no_trace else trace, no_trace, initial, frames):
+    drawn = () if no_trace else trace
+    for path in draw(environment, file, choices, steps, strobe, drawn, no_trace, initial, frames, scopes):
         _say(environment, path)
 
 

@@ -18,13 +18,16 @@ if TYPE_CHECKING:
     import numpy as np
     from spacar_formats.vibration import Vibration
 
-HEADS = ("step", "mode", "real [1/s]", "imag [rad/s]", "modulus [rad/s]", "frequency [Hz]", "damping", "largest in")
+HEADS = (
+    "step", "mode", "real [1/s]", "imag [rad/s]", "modulus [rad/s]", "frequency [Hz]", "damping", "largest in",
+    "stored as",
+)  # fmt: skip
 
 
 @click.command("eigen")
 @click.argument("file")
 @click.option("--step", type=Whole(), help="Print only this stored step (from 1; -1 the last).")
-@click.option("--lowest", type=Whole(min=1), metavar="N", help="Only the N eigenvalues of smallest modulus.")
+@click.option("--lowest", type=Whole(min=1), metavar="N", help="Only the first N eigenvalues of the table.")
 @click.option("--against", metavar="EXPR", help="What the Campbell diagram is drawn over, as in `spacar plot`.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @click.option("--csv", "as_csv", is_flag=True, help="Print csv.")
@@ -44,10 +47,11 @@ def command(
     """Frequencies of a result (NAME.sbm) of mode 7 or 10, or of the matrices of mode 3, 4 or 9.
 
     Prints real and imaginary part, modulus, frequency, damping ratio and the degree of freedom with the largest
-    component. With --output a picture: the frequencies over the steps, or over the expression --against (the
-    speed of a rotor: Campbell diagram), and the root locus.
+    component: growing motions first, then by rising frequency, zero modes last. The number of a mode is that of `spacar
+    visual -m`; conjugate eigenvalues are one mode. With --output a picture: the frequencies over the steps, or over the
+    expression --against (the speed of a rotor: Campbell diagram), and the root locus.
     """
-    from spacar_formats.vibration import read_vibrations
+    from spacar_formats.vibration import read_vibrations, without_rounding
 
     found, names, warnings = read_vibrations(file)
     for warning in warnings:
@@ -62,37 +66,46 @@ def command(
         chosen = range(number, number + 1)
     rows = [row for k in chosen for row in _rows(k, found[k - 1], names, lowest)]
     if as_json:
-        keys = ("step", "mode", "real", "imag", "modulus", "frequency", "damping", "dof")
+        keys = ("step", "mode", "real", "imag", "modulus", "frequency", "damping", "dof", "stored")
         environment.say(json.dumps([dict(zip(keys, row, strict=True)) for row in rows]))
     elif as_csv:
         writer = csv.writer(environment.stdout, lineterminator="\n")
         writer.writerow(HEADS)
-        writer.writerows([*row[:2], *(repr(v) for v in row[2:7]), row[7]] for row in rows)
+        writer.writerows([*row[:2], *(repr(v) for v in row[2:7]), *row[7:]] for row in rows)
     else:
         from spacar_formats.log.text_layout import table
 
-        for line in table(HEADS, rows):
+        clean = {k: without_rounding(found[k - 1].values) for k in chosen}
+        printed = [
+            (*row[:2], float(clean[row[0]][row[8] - 1].real), float(clean[row[0]][row[8] - 1].imag), *row[4:8])
+            for row in rows
+        ]
+        for line in table(HEADS[:8], printed):
             environment.say(line)
     if output:
         _pictures(environment, file, [found[k - 1] for k in chosen], list(chosen), against, output)
 
 
 def _rows(step: int, vibration: Vibration, names: list[str], lowest: int | None) -> list[tuple]:
-    """Rows of the table, by decreasing modulus as they are stored."""
+    """Rows of the table in the order in which modes are shown; the last column is where the value is stored."""
+    from spacar_formats.vibration import mode_numbers, shown_order
+
     values, damping, dominant = vibration.values, vibration.damping, vibration.dominant(names)
-    first = max(len(values) - lowest, 0) if lowest else 0
+    order = shown_order(values)
+    numbers = mode_numbers(values, order)
     return [
         (
             step,
-            i + 1,
+            number,
             float(values[i].real),
             float(values[i].imag),
             float(abs(values[i])),
             float(abs(values[i])) / 6.283185307179586,
             float(damping[i]),
             dominant[i] if dominant else "",
+            i + 1,
         )
-        for i in range(first, len(values))
+        for i, number in list(zip(order, numbers, strict=True))[:lowest]
     ]
 
 
@@ -113,11 +126,12 @@ def _pictures(
     across: np.ndarray = np.array([s.t for s in steps])
     text = "load step" if np.array_equal(across, np.round(across)) else "time (s)"
     if against is not None:
-        from spacar_drawing.curves import evaluate
+        from spacar_drawing.curves import evaluate, in_units
         from spacar_drawing.history import axis_text
         from spacar_drawing.picture_source import open_source
 
-        curve = evaluate(open_source(file), against)
+        source = open_source(file)
+        curve = in_units(evaluate(source, against), source.scene.metre)
         across, text = np.ravel(curve.values)[np.array(numbers) - 1], axis_text(curve)
     figure = root_figure(steps, across, text, Path(file).stem)
     for path in output:

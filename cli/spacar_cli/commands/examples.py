@@ -1,7 +1,8 @@
-"""`spacar examples`: the models of `data/`, listed or copied."""
+"""`spacar examples`: the models and simulations of `data/`, listed or copied."""
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
 
@@ -20,23 +21,32 @@ PLACES = (HERE / "examples", HERE.parent.parent / "data")  # in an installed whe
 @click.option("--force", is_flag=True, help="Overwrite existing files.")
 @click.pass_obj
 def command(environment: Environment, names: tuple[str, ...], folder: Path, force: bool) -> None:
-    """List the example models, or copy those that are named (`all` for every one) to a folder."""
+    """List the example models, or copy those that are named (`all` for every one) to a folder.
+
+    A simulation (.sim) is copied with the models that it needs.
+    """
     from spacar_formats.safety import replacing
 
-    models = {path.stem: path for path in sorted(_home().glob("*.dat"))}
+    alone = {path.stem: path for path in sorted(_home().glob("*.sim"))}
+    models = alone | {path.stem: path for path in sorted(_home().glob("*.dat"))}
+    models = dict(sorted(models.items()))
     if not names:
         width = max(map(len, models))
         for name, path in models.items():
             environment.say(f"{name:<{width}}  {_title(path)}")
+            if name in alone and path.suffix == ".dat":
+                environment.say(f"{'':<{width}}  {alone[name].name}: {_title(alone[name])}")
         return
-    chosen = list(models) if names == ("all",) else [name.removesuffix(".dat") for name in names]
+    chosen = list(models) if names == ("all",) else [name.removesuffix(".dat").removesuffix(".sim") for name in names]
     for name in chosen:
         if name not in models:
             raise UsageError(f"there is no example '{name}'; `spacar examples` lists them", "usage.example")
         if (folder / models[name].name).exists() and not force:
             raise UsageError(f"{folder / models[name].name} exists; --force overwrites it", "files.exists")
     folder.mkdir(parents=True, exist_ok=True)
-    for name in chosen:
+    needed = [other for name in chosen if name in alone for other in _needed(alone[name], models)]
+    missing = [name for name in needed if force or not (folder / f"{name}.dat").exists()]
+    for name in dict.fromkeys((*chosen, *missing)):
         for path in _home().glob(f"{name}.*"):  # with the user functions of the model, when it has some
             with replacing(folder / path.name) as side:
                 shutil.copyfile(path, side)
@@ -54,3 +64,11 @@ def _title(path: Path) -> str:
     """The first comment of the model."""
     with open(path, encoding="utf-8") as file:
         return file.readline().lstrip("%#; ").strip()
+
+
+def _needed(simulation: Path, models: dict[str, Path]) -> list[str]:
+    """Models of a simulation: those it names, and those they are linearized along (their names shortened)."""
+    text = simulation.read_text(encoding="utf-8")
+    named = {Path(word).stem for word in re.findall(r"^(?:model|file)\s*=\s*(\S+)", text, flags=re.MULTILINE)}
+    nominal = {m for m in models for name in named if m != name and name.startswith(m)}
+    return [m for m in models if m in named | nominal]

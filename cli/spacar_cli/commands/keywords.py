@@ -20,23 +20,39 @@ WIDTH = 100
 @click.argument("name", required=False)
 @click.pass_obj
 def command(environment: Environment, name: str | None) -> None:
-    """List all keywords by block, or explain NAME: its arguments, units, defaults and forms."""
+    """List all keywords by block, or explain NAME: its arguments, units, defaults and forms.
+
+    The blocks of a simulation (.sim files) are listed and explained too.
+    """
     for line in overview() if name is None else explanation(name):
         environment.say(line)
 
 
 def overview() -> Iterator[str]:
     """One line for every keyword, block by block."""
+    from spacar_formats.sim_blocks import BLOCKS
+
     for block in BlockKind:
         rows = [k for (_, b), k in KEYWORDS.items() if b is block]
         width = max(len(k.name) for k in rows)
         yield f"{block.value}:"
         yield from (f"  {k.name:<{width}}  {k.help}" for k in rows)
         yield ""
+    width = max(len(b.name) for b in BLOCKS)
+    yield "blocks of a simulation (.sim):"
+    yield from (f"  {b.name:<{width}}  {b.text}" for b in BLOCKS)
+    yield ""
 
 
 def explanation(name: str) -> Iterator[str]:
     """All meanings of a keyword, one for each block where it may stand. Raises UsageError."""
+    from spacar_formats import sim_blocks
+
+    if name.lower() in sim_blocks.BY_NAME:
+        yield from sim_blocks.explanation(name.lower())
+        yield ""
+        if not blocks_of(ALIASES.get(name.upper(), name.upper())):
+            return
     wanted = ALIASES.get(name.upper(), name.upper())
     blocks = blocks_of(wanted)
     if not blocks:

@@ -55,18 +55,21 @@ def command(
 
     spacar plot crank 'x[6,1]' 'xdd[6,1]' 'sig[1,1]'
 
+    Results of spacar sim and ltv have their signals too, by block or scope and number, also in expressions:
+    spacar plot robotsim_sim robot:10-12 error 'robot[10] - y0[10]'
+
     Results of spacar symbolic have states, inputs and outputs by their names: spacar plot manipulator q1 'q4 - q1'
 
     Without --output the picture is NAME_plot.png beside the result.
     """
-    from spacar_drawing.curves import evaluate, warnings
+    from spacar_drawing.curves import curves_of, evaluate, in_units, warnings
     from spacar_drawing.files import check_name, save
     from spacar_drawing.history import csv_text, history_figure
     from spacar_drawing.picture_source import open_source
     from spacar_formats.safety import write_text
 
     source = open_source(file, stale_ok, drawn=False)
-    curves = [evaluate(source, text) for text in expressions]
+    curves = [curve for text in expressions for curve in curves_of(source, text)]
     across = evaluate(source, against)
     for warning in warnings([*curves, across]):
         tell(environment, "warning", warning)
@@ -84,6 +87,8 @@ def command(
             environment.say(str(csv_file))
     if not outputs and not show:
         return
+    metre = source.scene.metre
+    curves, across = [in_units(c, metre) for c in curves], in_units(across, metre)
     figure = history_figure(
         curves, across, source.scene.title if title is None else title, source.scene.analysis.stationary
     )

@@ -36,6 +36,9 @@ from spacar_cli.number_types import Whole
     show_default=True,
     help="View of a spatial mechanism: iso, xy, xz, yz or azimuth,elevation in degrees.",
 )
+@click.option(
+    "--viewer", is_flag=True, help="With a picture that can be turned and played, as of spacar view (a script)."
+)
 @click.option("--stale-ok", is_flag=True, help="Report a result although its input file has changed since.")
 @click.pass_obj
 def command(
@@ -46,6 +49,7 @@ def command(
     expressions: tuple[str, ...],
     log_lines: int,
     view: str,
+    viewer: bool,
     stale_ok: bool,
 ) -> None:
     """Write one HTML page about a run: picture of the model, degrees of freedom, key results, plots, log.
@@ -58,6 +62,6 @@ def command(
 
     source = open_source(file, stale_ok)
     path = output or Path(source.name).parent / f"{source.scene.title}.html"
-    page = report_page(source, expressions, log_lines, view)
+    page = report_page(source, expressions, log_lines, view, viewer)
     write_text(path, page)
     environment.say(str(path))

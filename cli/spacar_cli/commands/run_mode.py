@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,7 +16,7 @@ from spacar.errors import SpacarError, UsageError
 from spacar.modes import Mode, find_mode
 from spacar.options import BEAMS, integrator
 from spacar.stream import Outcome, Run, Sink
-from spacar_cli import accuracy_options, releasing
+from spacar_cli import accuracy_options
 from spacar_cli.environment import Environment
 from spacar_cli.input_files import input_file, result_stem
 from spacar_cli.number_types import POSITIVE, TOLERANCE, Whole
@@ -26,6 +25,8 @@ from spacar_cli.status import ExitStatus, tell, tell_error, tell_messages
 
 if TYPE_CHECKING:
     from spacar_drawing.window import LivePlot
+
+    from spacar_cli import releasing
 
 STANDARD_INPUT, PIPED = "-", Path("stdin.dat")  # the name of the file, and where it would stand
 # Options of integrated modes that replace a number of the input file: flag, field of Settings, type, help.
@@ -43,7 +44,7 @@ def command_of_mode(word: str) -> click.Command:
     """The command for a word such as `1` or `-7`, with the options that this mode has. Raises UsageError."""
     mode = find_mode(int(word))
     releases = not mode.forces
-    needed = not (releases or mode.integrated)  # there the word may have gone to an option
+    needed = not (releases or accuracy_options.of(mode))  # there the word may have gone to an option
     params: list[click.Parameter] = [click.Argument(["file"], type=click.Path(path_type=Path), required=needed)]
     params.append(
         click.Option(
@@ -61,7 +62,8 @@ def command_of_mode(word: str) -> click.Command:
         for flag, field, kind, text in OVERRIDES:
             switch = {"is_flag": True, "default": None} if kind is bool else {"type": kind}
             params.append(click.Option([flag, field], help=text, **switch))
-        params += accuracy_options.options()
+    if accuracy_options.of(mode):
+        params += accuracy_options.options(mode)
     if mode.stationary and (mode.buckling or not mode.third):
         text = "Number of lowest modes, instead of MODES; 0: all of them, with the reduced matrices."
         params.append(click.Option(["--modes"], type=Whole(min=0), help=text))
@@ -115,6 +117,8 @@ def run_mode(
     source = PIPED if piped else input_file(file)
     model = _standard_input(environment, mode) if piped else source
     if release:
+        from spacar_cli import releasing
+
         releasing.check_output(Path(release), source)
     overrides = {field: value for field, value in options.items() if value is not None}
     if "integrator" in overrides:
@@ -160,6 +164,8 @@ def run_mode(
     status = _status(environment, outcome, results)
     done: releasing.Done | None = None
     if release is not None and run is not None and status == ExitStatus.DONE:
+        from spacar_cli import releasing
+
         done = releasing.solve(source, release)
         status = done.status
     if as_json:
@@ -252,6 +258,8 @@ def _as_json(
     run: Run | None,
     done: releasing.Done | None = None,
 ) -> str:
+    import json
+
     report: dict[str, Any] = {
         "mode": mode.number,
         "analysis": mode.title,
@@ -273,6 +281,8 @@ def _as_json(
             report["accuracy"] = run.header["accuracy"].record()
         diagnosis = run.header.get("diagnosis")
         if diagnosis is not None:
+            from spacar_cli import releasing
+
             report["constraints"] = releasing.as_record(diagnosis)
     if done is not None:
         report["release"] = done.record()

@@ -9,6 +9,7 @@ import click
 
 from spacar.errors import UsageError
 from spacar_cli.environment import Environment
+from spacar_cli.scope_output import check_pictures, scope_options, show_scopes
 from spacar_cli.status import tell
 
 
@@ -16,23 +17,31 @@ from spacar_cli.status import tell
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--output", "-o", type=click.Path(path_type=Path), help="Write .npz, .mat or .csv; default FILE_sim.npz.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
+@scope_options
 @click.pass_obj
-def command(environment: Environment, file: Path, output: Path | None, quiet: bool) -> None:
+def command(
+    environment: Environment, file: Path, output: Path | None, quiet: bool, plot: bool, pictures: tuple[Path, ...]
+) -> None:
     """Simulate the blocks and wires of a model file (docs/simulation.md).
 
-    Writes the signals, FILE_sim.log, and FILE_sim.sbd with the motion of the mechanism for draw, plot and report.
+    Writes the signals, FILE_sim.log, and FILE_sim.sbd with signals and the motion of the mechanism for draw, plot and
+    report. Scopes are drawn with --plot or --picture; without a scope the outputs of the mechanisms, or of all blocks.
     """
     from spacar_formats.histories import export_signals
     from spacar_formats.plant_motion import write_motions
     from spacar_formats.safety import write_text
+    from spacar_formats.signal_tables import panels_by_quantity, table_of, write_table
     from spacar_formats.simfile import read_model
 
+    from spacar.simulation.blocks import Scope
     from spacar.simulation.engine import simulate
+    from spacar.simulation.plant import Spasim
 
     if not file.name:
         raise UsageError(f"'{file}' is not the name of a model file", "files.not-readable")
     source = file if file.is_file() else file.with_name(f"{file.name}.sim")
     model = read_model(source)
+    check_pictures(plot, pictures)
     target = output or source.with_name(f"{source.stem}_sim.npz")
     if not quiet:
         for warning in model.warnings:
@@ -44,11 +53,14 @@ def command(environment: Environment, file: Path, output: Path | None, quiet: bo
     for name, block in model.diagram.blocks.items():
         if block.n_out:
             arrays[name] = response[name]
+        elif isinstance(block, Scope):
+            arrays[name] = response.u[:, response.inputs[name]]
     export_signals(arrays, target)
     stem = target.with_suffix("")
     if stem.with_suffix(".dat").is_file():  # the results of the model itself stay
         stem = stem.with_name(f"{stem.name}_sim")
-    motions = write_motions(response, stem)
+    table = table_of(response)
+    motions = write_motions(response, stem) or [write_table(stem, response.t, table, source)]
     lines = [f"simulation of {source.name}: {len(response.t)} times up to t = {response.t[-1]:.9g} s"]
     for name, block in model.diagram.blocks.items():
         kind = type(block).__name__
@@ -61,3 +73,8 @@ def command(environment: Environment, file: Path, output: Path | None, quiet: bo
     if not quiet:
         files = " ".join(str(path) for path in (target, *motions))
         environment.say(f"{source.name}: {len(response.t)} times in {seconds:.2f} s: {files}")
+    if plot or pictures:
+        names = [name for name, b in model.diagram.blocks.items() if isinstance(b, Spasim)]
+        names = names or list(dict.fromkeys(table.blocks))
+        panels = table.panels or tuple(p for name in names for p in panels_by_quantity(table, name))
+        show_scopes(environment, table, response.t, panels, source.stem, plot, pictures)

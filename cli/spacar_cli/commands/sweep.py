@@ -97,6 +97,7 @@ def command(
     from spacar.deck import read_deck
     from spacar.studies import assignments as parameters
     from spacar.studies.quantities import quantity
+    from spacar.studies.study_calls import batches_of, require_columns
     from spacar.studies.sweep import DONE, Study, sweep
     from spacar.studies.workers import run
 
@@ -107,13 +108,7 @@ def command(
     settings, cases = _cases(parameters, assignments, table_file, together)
     given = {name: value for name, value in options.items() if value is not None}
     study = Study(number, read_deck(source, number), settings, tuple(map(quantity, results)), given)
-    doubled = [c for c in study.columns if study.columns.count(c) > 1]
-    if doubled:
-        raise UsageError(
-            f"two columns would be called {doubled[0]}; name the quantity 'NAME: EXPRESSION'", "usage.sweep"
-        )
-    for target in (t for s in settings for t in s.targets):
-        target.places(study.deck)  # a wrong target ends the study now, not in every row
+    require_columns(study)
     path = output or source.with_name(f"{source.stem}.sweep.csv")
     if path.suffix.lower() not in (".csv", ".jsonl"):
         raise UsageError(f"--output {path}: the rows are written as .csv or .jsonl", "usage.sweep")
@@ -122,7 +117,7 @@ def command(
         from spacar_cli.cluster import run_on_cluster
 
         engine = partial(run_on_cluster, scheduler=scheduler)
-    batches = _batches(study, cases, engine, jobs, batch) if scheduler is None else None
+    batches = batches_of(study, cases, engine, jobs, batch, "--batch") if scheduler is None else None
     begun = time.perf_counter()
     failed = new = 0
     reasons: list[str] = []
@@ -142,17 +137,6 @@ def command(
     elif not quiet:
         environment.say(f"{len(cases)} cases: {new} run in {seconds:.2f} s, {failed} of them failed; rows in {path}")
     return ExitStatus.FAILED if failed else ExitStatus.DONE
-
-
-def _batches(study: Any, cases: Any, engine: Any, jobs: int, wanted: bool | None) -> Any:
-    """What runs the cases in batches; None when they run one by one. Raises UsageError for a batch that cannot be."""
-    from spacar.studies.batched_cases import in_batches, reason
-
-    if wanted is False or study.mode != 1:
-        return None
-    if wanted and (why := reason(study, cases[0])):
-        raise UsageError(f"--batch: {why}", "usage.sweep")
-    return lambda study, todo: in_batches(study, todo, engine, jobs, bool(wanted))
 
 
 def _cases(parameters: Any, assignments: tuple[str, ...], table_file: Path | None, together: bool) -> Any:

@@ -14,7 +14,6 @@ from typing import Any
 import click
 
 from spacar.errors import UsageError
-from spacar.modes import MODES, Mode, find_mode
 from spacar_cli.environment import Environment
 from spacar_cli.input_files import input_file
 from spacar_cli.number_types import POSITIVE, Whole
@@ -136,6 +135,7 @@ def command(
     extrapolation over three meshes. With --jobs the runs share the processor, which disturbs the times.
     """
     from spacar.studies.quantities import quantity
+    from spacar.studies.study_calls import compared_deck, require_beams
     from spacar.studies.trade import (
         Trade,
         assess,
@@ -151,11 +151,12 @@ def command(
             raise UsageError(f"{path}: its name must end with {', '.join(kinds)}", "usage.trade")
     source = input_file(file)
     options = {k: v for k, v in (("duration", duration), ("n_steps", n_steps)) if v is not None}
-    number, deck = _deck(source, mode, options)
+    number, deck = compared_deck(source, mode, options)
     if compiled is not None:
         options["compiled"] = compiled
     chosen = tuple(map(quantity, variables)) or default_variables(number, deck)
     trade = Trade(number, deck, chosen, repeats, options)
+    require_beams(deck, number)
     lists = (integrators, tolerances, elements, judges)
     if all(v is None for v in lists) and not (rigid or linear or perturbation) and jobs == 1:
         return _within_budget(environment, trade, target, budget, source.name, output, plot, quiet, as_json)
@@ -171,7 +172,6 @@ def command(
         linear,
         perturbation,
     )
-    _require_beams(deck, number)
     judging = _whole(judges or JUDGES, "--reference")
     against = reference_setups(trade, meshes, min(target, *_numbers(tolerances)), judging)
     rows = _rows(environment, trade, list(dict.fromkeys([*against, *cases])), output, jobs, quiet)
@@ -203,10 +203,8 @@ def _within_budget(
     plot: Path | None, quiet: bool, as_json: bool,
 ) -> ExitStatus:  # fmt: skip
     """The settings that suit the model, cheapest first, until the time is used; the recommendation as a command."""
-    from spacar.studies.budgeted import command_line, search
+    from spacar.studies.budgeted import command_line, search, unneeded
     from spacar.studies.trade import assess, recommend
-
-    _require_beams(trade.deck, trade.mode)
 
     def tick(what: str, left: float) -> None:
         if environment.error_is_terminal and not quiet:
@@ -214,6 +212,7 @@ def _within_budget(
 
     try:
         found = search(trade, target, budget, tick)
+        prices = unneeded(found, target, tick)
     finally:
         if environment.error_is_terminal and not quiet:
             print("\r\x1b[K", end="", file=environment.stderr, flush=True)
@@ -229,7 +228,10 @@ def _within_budget(
 
         draw(entries, ref.error, target, trade.stationary, f"{name}, mode {trade.mode}", plot)
     if as_json:
-        environment.say(json.dumps(_document(entries, ref, target, best) | {"command": command or None}))
+        environment.say(json.dumps(_document(entries, ref, target, best) | {
+            "command": command or None,
+            "prices": [vars(p) for p in prices],
+        }))
     elif not quiet:
         rows = [(*_cells(e)[:-1], "stopped" if "stopped after" in e.reason else _cells(e)[-1]) for e in entries]
         say_table(environment, HEADER, rows, None if best is None else entries.index(best))
@@ -237,40 +239,14 @@ def _within_budget(
         environment.say(_sentence(best, target, ref))
         if found.skipped:
             environment.say(f"{found.skipped} settings were not tried: the budget of {budget:g} s is used (--budget)")
+        for price in prices:
+            environment.say(price.line(target, best.seconds if best is not None else math.nan))
         if command:
             environment.say(command)
     for entry in entries:
         if entry.reason and "stopped after" not in entry.reason:
             tell(environment, "warning", f"{' '.join(filter(None, entry.label))}: {entry.reason}")
     return ExitStatus.DONE
-
-
-def _deck(source: Path, mode: int | None, options: dict[str, Any]) -> tuple[int, Any]:
-    from spacar.deck import read_deck
-
-    if mode is None:
-        mode = 1 if read_deck(source).of("TIMESTEP", block=2) or "duration" in options else 7
-    analysis = find_mode(mode)
-    if not _compared(analysis):
-        able = ", ".join(str(m.number) for m in MODES.values() if _compared(m))
-        raise UsageError(f"trade runs modes {able}, not {mode}", "usage.trade")
-    deck = read_deck(source, analysis.number)
-    if analysis.integrated and not deck.of("TIMESTEP", block=2) and len(options) < 2:
-        raise UsageError(f"{source.name} has no TIMESTEP; give --time and --steps", "usage.timestep")
-    return analysis.number, deck
-
-
-def _compared(mode: Mode) -> bool:
-    """Motions and stationary solutions; not linearizations along a motion."""
-    return mode.stationary or (mode.integrated and not mode.linearized)
-
-
-def _require_beams(deck: Any, mode: int) -> None:
-    """A stationary mode has a reference only with beams to refine."""
-    from spacar.studies.models import flexible_beams
-
-    if mode != 1 and not flexible_beams(deck):
-        raise UsageError("a stationary solution without flexible beams has no error to compare", "usage.trade")
 
 
 def _numbers(text: str) -> tuple[float, ...]:

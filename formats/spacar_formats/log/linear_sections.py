@@ -10,6 +10,7 @@ import numpy as np
 from spacar.frame import Frame
 from spacar.mechanism.numbering import Numbering
 from spacar_formats.log.model_sections import coordinates
+from spacar_formats.log.shown_units import ShownUnits
 from spacar_formats.log.text_layout import COLUMNS_IN_BLOCK, matrix, real, table
 from spacar_formats.signal_names import dynamic_names, state_names
 
@@ -90,12 +91,13 @@ def buckling(n: Numbering, frame: Frame) -> list[str]:
     return [*lines, "Buckling modes, Euclidean norm 1", "", *matrix(modes, dynamic_names(n), heads)]
 
 
-def compliances(n: Numbering, frame: Frame) -> list[str]:
-    """Directional nodal compliance of every coordinate."""
+def compliances(n: Numbering, frame: Frame, metre: float = 1.0) -> list[str]:
+    """Directional nodal compliance of every coordinate, in the unit of length of the input."""
     if frame.xcompl is None:
         return []
     names, _ = coordinates(n)
-    rows = [[node, name, value] for (node, name), value in zip(names, frame.xcompl.tolist(), strict=True)]
+    values = ShownUnits.of(n, metre).compliances(frame.xcompl).tolist()
+    rows = [[node, name, value] for (node, name), value in zip(names, values, strict=True)]
     title = "Directional nodal compliances: displacement of a coordinate by a unit force dual to it"
     return [title, "", *table(["node", "coordinate", "compliance"], rows), ""]
 

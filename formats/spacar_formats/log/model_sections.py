@@ -6,9 +6,12 @@ from collections.abc import Sequence
 
 from spacar.deck import ELEMENT_TYPES, Statement
 from spacar.deck.keyword_table import KEYWORDS
+from spacar.deck.length_unit import shown_in
+from spacar.deck.statement import Value
 from spacar.deck.table_types import BlockKind, Keyword, Variant
 from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import CLASSES, Numbering
+from spacar_formats.log.shown_units import shown_head, shown_values
 from spacar_formats.log.text_layout import real, table
 
 LETTER = {"fixed": "O", "calculable": "C", "input": "M", "dynamic": "M", "kinematic": "K"}
@@ -125,12 +128,14 @@ def statements(mechanism: Mechanism, name: str, block: BlockKind) -> list[str]:
         return []
     groups: dict[int, list[Statement]] = {}
     for s in mechanism.deck.of(name, block=block.number):
-        groups.setdefault(_variant(mechanism.numbering, keyword, s), []).append(s)
+        groups.setdefault(variant_of(mechanism.numbering, keyword, s), []).append(s)
     lines = []
     for index, group in groups.items():
         count = max(len(s.values) for s in group)
-        heads = [p.text for p in keyword.variants[index].parameters[:count]]
-        rows = [[*_shown(s, keyword.variants[index]), *[""] * (count - len(s.values))] for s in group]
+        variant, metre = keyword.variants[index], mechanism.deck.metre
+        heads = [shown_head(p, metre) for p in variant.parameters[:count]]
+        values = [shown_values(s, variant, mechanism.numbering, metre) for s in group]
+        rows = [[*_shown(v, variant), *[""] * (count - len(v))] for v in values]
         lines += [f"{name}: {keyword.help}", "", *table(heads, rows), ""]
     return lines
 
@@ -159,7 +164,7 @@ def condition(value: float) -> list[str]:
     ]
 
 
-def _variant(n: Numbering, keyword: Keyword, s: Statement) -> int:
+def variant_of(n: Numbering, keyword: Keyword, s: Statement) -> int:
     """Index of the form of the statement that fits this model, node or element."""
     space = "planar" if n.planar else "spatial"
     role = kind = ""
@@ -175,16 +180,16 @@ def _variant(n: Numbering, keyword: Keyword, s: Statement) -> int:
     return (of_size or fitting or [0])[0]
 
 
-def _shown(s: Statement, variant: Variant) -> Sequence[object]:
+def _shown(values: Sequence[Value], variant: Variant) -> Sequence[object]:
     """Values as printed: integers as integers, all other numbers with ten digits."""
     whole = [p.kind == "integer" for p in variant.parameters]
     return [
         v if isinstance(v, str) else int(v) if is_whole else float(v)
-        for v, is_whole in zip(s.values, [*whole, *[False] * len(s.values)], strict=False)
+        for v, is_whole in zip(values, [*whole, *[False] * len(values)], strict=False)
     ]
 
 
-def coordinates(n: Numbering) -> tuple[list[tuple[int, str]], list[tuple[int, str]]]:
+def coordinates(n: Numbering, metre: float = 1.0) -> tuple[list[tuple[int, str]], list[tuple[int, str]]]:
     """(node, name of the coordinate) of all x and (element, mode with unit) of all e, in their order."""
     x = []
     for i in range(n.nx):
@@ -197,5 +202,5 @@ def coordinates(n: Numbering) -> tuple[list[tuple[int, str]], list[tuple[int, st
             e.append((-element, "normalization"))
         else:
             words, unit = ELEMENT_TYPES[n.keyword[element]].modes[mode - 1]
-            e.append((element, f"e{mode} {words} [{unit}]"))
+            e.append((element, f"e{mode} {words} [{shown_in(unit, metre)[1]}]"))
     return x, e

@@ -2,19 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import astuple
 
 from spacar.deck import Deck
 from spacar.deck.cross_section import SHAPES
 from spacar.deck.findings import ranges
+from spacar.deck.length_unit import shown_in
 from spacar_formats.log.text_layout import real, table
+
+CONSTANTS = (
+    ("A", "m^2"), ("Iy", "m^4"), ("Iz", "m^4"), ("It", "m^4"), ("ky", ""), ("kz", ""), ("Cw", "m^6"),
+)  # fmt: skip
+PROPERTIES = (("E", "N/m^2"), ("G", "N/m^2"), ("nu", ""), ("rho", "kg/m^3"))
 
 
 def beam_sections(deck: Deck) -> list[str]:
     """Constants of every section with its material, and the elements that have it; nothing without BEAMSEC."""
     lines = []
     if deck.first("UNITS") is not None:
-        lines += ["UNITS: lengths of the input were converted; everything from here on is in SI (m, kg, s, N)", ""]
+        unit = shown_in("m", deck.metre)[1]
+        lines += [
+            f"UNITS: sections, statements, coordinates, deformations, forces and compliances are shown in {unit}, N,"
+            f" N {unit}, kg, s;",
+            "transfer functions, matrices, modes and all result files are in SI (m, kg, s, N)",
+            "",
+        ]
     if not deck.sections:
         return lines
     groups: dict[tuple[str, str], list[int]] = {}
@@ -27,15 +40,22 @@ def beam_sections(deck: Deck) -> list[str]:
     for key, numbers in groups.items():
         use = of[key]
         dims = ", ".join(
-            f"{what} {real(v)}" for v, (what, _) in zip(use.dims, SHAPES[use.shape].dims, strict=True)
+            f"{what} {real(v / deck.metre**power)}"
+            for v, (what, power) in zip(use.dims, SHAPES[use.shape].dims, strict=True)
         )
-        c = use.constants
-        row = [use.section, use.material_name, ranges(set(numbers), 20)]
-        sections.append([*row, f"{use.shape}: {dims}", *astuple(c)])
+        row = [use.section, use.material_name, ranges(set(numbers), 20), f"{use.shape}: {dims}"]
+        sections.append([*row, *_shown(astuple(use.constants), CONSTANTS, deck.metre)])
         m = use.material
-        materials[key[1]] = [use.material_name, m.E, m.G, m.nu, m.rho]
-    heads = ["section", "material", "elements", "shape (m)", "A (m^2)", "Iy (m^4)", "Iz (m^4)", "It (m^4)", "ky", "kz"]
+        materials[key[1]] = [use.material_name, *_shown((m.E, m.G, m.nu, m.rho), PROPERTIES, deck.metre)]
     lines += ["Sections of beams, from which ESTIFF and EM follow", ""]
-    lines += [*table([*heads, "Cw (m^6)"], sections), ""]
-    heads = ["material", "E (N/m^2)", "G (N/m^2)", "nu", "rho (kg/m^3)"]
-    return [*lines, *table(heads, materials.values()), ""]
+    heads = ["section", "material", "elements", f"shape ({shown_in('m', deck.metre)[1]})"]
+    lines += [*table([*heads, *_heads(CONSTANTS, deck.metre)], sections), ""]
+    return [*lines, *table(["material", *_heads(PROPERTIES, deck.metre)], materials.values()), ""]
+
+
+def _heads(quantities: Sequence[tuple[str, str]], metre: float) -> list[str]:
+    return [f"{name} ({shown_in(unit, metre)[1]})" if unit else name for name, unit in quantities]
+
+
+def _shown(values: Sequence[float], quantities: Sequence[tuple[str, str]], metre: float) -> list[float]:
+    return [value * shown_in(unit, metre)[0] for value, (_, unit) in zip(values, quantities, strict=True)]

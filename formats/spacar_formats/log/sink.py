@@ -26,6 +26,10 @@ from spacar_formats.safety import backup_path
 
 NOTICE = "Licensed under the Apache License, version 2.0; provided without warranty of any kind."
 
+# Failures that docs/convergence.md explains, by the beginning of their codes.
+EXPLAINED = ("position.", "statics.", "integrator.", "dynamics.singular-mass", "mechanism.count")
+ADVICE = "Causes, and what to try: docs/convergence.md of spacar, by message."
+
 
 class LogSink:
     """Writes NAME.log. Raises UsageError when the file cannot be created.
@@ -66,7 +70,7 @@ class LogSink:
         if self._frames == 1:
             self._write([*_condition(run), *_dynamics(run), *_settings(run)])
             self._write(heading("Initial state" if timed else "Solution" if run.mode.forces else "Configuration"))
-            self._write(step_sections.state(n, frame, motion=run.mode.forces))
+            self._write(step_sections.state(n, frame, run.mode.forces, run.mechanism.deck.metre))
             if timed:
                 self._write([*linear_sections.matrices(n, frame), *heading("Steps")])
         if timed:
@@ -76,12 +80,12 @@ class LogSink:
             return
         if self._frames > 1:
             title = f"Solution {self._frames}, load step {real(frame.t)}"
-            self._write([*heading(title), *step_sections.state(n, frame)])
+            self._write([*heading(title), *step_sections.state(n, frame, metre=run.mechanism.deck.metre)])
         self._write(_statistics(frame))
         self._write(step_sections.transfer_functions(run, frame))
         self._write(linear_sections.eigenvalues(n, frame))
         self._write(linear_sections.buckling(n, frame))
-        self._write(linear_sections.compliances(n, frame))
+        self._write(linear_sections.compliances(n, frame, run.mechanism.deck.metre))
         self._write(linear_sections.matrices(n, frame))
 
     def finish(self, error: BaseException | None) -> None:
@@ -112,7 +116,8 @@ class LogSink:
             return [*found, "The input is wrong; nothing was analysed."]
         code = error.code if isinstance(error, SpacarError) else "internal"
         name = "" if isinstance(error, SpacarError) else f"{type(error).__name__}: "
-        return [f"error: {name}{error} [{code}]", "The analysis failed.", *kept]
+        advice = [ADVICE] if code.startswith(EXPLAINED) else []
+        return [f"error: {name}{error} [{code}]", "The analysis failed.", *advice, *kept]
 
     def _write(self, lines: Iterable[str]) -> None:
         text = "\n".join(lines)

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from spacar.arrays import Array
+from spacar.deck import Statement
 from spacar.deck.keyword_table import KEYWORDS
+from spacar.deck.statement import Value
+from spacar.deck.table_types import BlockKind
 from spacar.frame import Frame
 from spacar.integrators import METHODS
 from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
 from spacar.stream import Run
-from spacar_formats.log.model_sections import class_letters, coordinates, statements
+from spacar_formats.log.model_sections import class_letters, coordinates, statements, variant_of
+from spacar_formats.log.shown_units import ShownUnits, shown_values
 from spacar_formats.log.text_layout import cell, matrix, real, table
 
 # Words for the counters of a frame; another name is printed as it is.
@@ -27,15 +31,20 @@ PORTS = (
 )  # fmt: skip
 
 
-def state(n: Numbering, frame: Frame, motion: bool = True) -> list[str]:
+def state(n: Numbering, frame: Frame, motion: bool = True, metre: float = 1.0) -> list[str]:
     """Transfer functions of order 0: coordinates and deformations, with their rates, forces and stresses if
-    `motion`."""
-    x_names, e_names = coordinates(n)
+    `motion`, in the unit of length of the input."""
+    x_names, e_names = coordinates(n, metre)
+    shown = ShownUnits.of(n, metre)
     x_class, e_class = class_letters(n)
     x_columns = [("x", frame.x), ("dx/dt", frame.xd), ("d2x/dt2", frame.xdd)]
-    x_columns += [("applied force", frame.fx), ("total force", frame.fxtot)]
-    e_columns = [("e", frame.e), ("de/dt", frame.ed), ("d2e/dt2", frame.edd), ("stress resultant", frame.sig)]
-    title = "Coordinates" + ("; total force: applied force, gravity and force of supports and drives" if motion else "")
+    x_columns = [(head, shown.coordinates(v)) for head, v in x_columns]
+    x_columns += [("applied force", shown.forces(frame.fx)), ("total force", shown.forces(frame.fxtot))]
+    e_columns = [("e", frame.e), ("de/dt", frame.ed), ("d2e/dt2", frame.edd)]
+    e_columns = [(head, shown.deformations(v)) for head, v in e_columns]
+    e_columns.append(("stress resultant", shown.stresses(frame.sig)))
+    title = "Coordinates" + f" in {shown.unit('m')}" * (metre != 1.0)
+    title += ("; total force: applied force, gravity and force of supports and drives" if motion else "")
     lines = [
         title,
         "",
@@ -127,7 +136,7 @@ def definitions(mechanism: Mechanism) -> list[str]:
     if kind is None:
         return []
     rows = [
-        [s.keyword, " ".join(map(cell, s.values)), KEYWORDS[s.keyword, kind].help]
+        [s.keyword, " ".join(map(cell, _as_given(mechanism, s, kind))), KEYWORDS[s.keyword, kind].help]
         for s in mechanism.deck.statements
         if s.block == 3 and s.keyword not in PORTS
     ]
@@ -135,6 +144,11 @@ def definitions(mechanism: Mechanism) -> list[str]:
     for name in PORTS:
         lines += statements(mechanism, name, kind)
     return lines
+
+
+def _as_given(mechanism: Mechanism, s: Statement, kind: BlockKind) -> tuple[Value, ...]:
+    keyword, n = KEYWORDS[s.keyword, kind], mechanism.numbering
+    return shown_values(s, keyword.variants[variant_of(n, keyword, s)], n, mechanism.deck.metre)
 
 
 class StepList:

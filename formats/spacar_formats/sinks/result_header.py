@@ -57,5 +57,5 @@ def ltv_header(run: Run, stored: Container[str]) -> dict[str, Any]:
     header |= {ident: run.header[ident] for ident in LTV_COUNTS if ident in run.header}
     names = {"UNAMES": run.header.get("inputs"), "YNAMES": run.header.get("outputs")}
     if "A" in stored:
-        names["XNAMES"] = state_names(run.mechanism.numbering)
+        names["XNAMES"] = run.header.get("states") or state_names(run.mechanism.numbering)
     return header | {ident: list(lines) for ident, lines in names.items() if lines}

@@ -8,99 +8,62 @@ node. Frames lie along N in the reference configuration, as the angles of planar
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from spacar_cli.deck_parts import Angle, DeckParts, Part
+from spacar_cli.deck_as_text import DeckText
+from spacar_cli.deck_parts import Part
 
-MARK = "# made by spacar symbolic export"
+
+class Angle(NamedTuple):
+    """An orientation: its frame, its angle to N and the rate of that, as expressions."""
+
+    frame: str
+    angle: str
+    rate: str
 
 
 @dataclass
-class DeckModel(DeckParts):
-    """The text of a model file that is made from the first frame of a run of mode 1; `shapes` in a flexible beam."""
+class PlanarModel(DeckText):
+    """The model file of a planar input file."""
 
-    shapes: int = 2
-    parameters: dict[str, float] = field(default_factory=dict)
-    coordinates: list[str] = field(default_factory=list)
-    tables: list[str] = field(default_factory=list)
-    points: dict[int, str] = field(default_factory=dict)
     angles: dict[int, Angle] = field(default_factory=dict)
 
-    # -- writing -----------------------------------------------------------------------------------------------
+    def orientation(self, node: int) -> None:
+        if self.class_of(node, 0) == "fixed":
+            self.angles[node] = Angle("N", "0", "0")
 
-    def parameter(self, name: str, value: float) -> str:
-        """A parameter for a number; 0 stays a number."""
-        if value == 0.0:
-            return "0"
-        self.parameters[name] = float(value)
-        return name
+    def drive_orientation(self, node: int) -> None:
+        if self.class_of(node, 0) == "input":
+            drive = self.driven(node, 0)
+            self.table("constraint", name=f"drive_{node}", expression=f"{self._turn(node).angle} - ({drive})")
 
-    def table(self, table: str, **keys: Any) -> None:
-        rows = (f"{key} = {json.dumps(value)}" for key, value in keys.items() if value is not None)
-        self.tables.append("\n".join([f"[[{table}]]", *rows, ""]))
+    def turning_loads(self, node: int) -> None:
+        if node not in self.angles:
+            return
+        inertia = self.values("XM", node, 1)[0]
+        if inertia:
+            self.inertia(f"inertia{node}", self.angles[node].frame, self.parameter(f"Jn{node}", inertia))
+        moment = float(self.mechanism.loads.force[int(self.numbering.lnp[node - 1, 0]) - 1])
+        if moment:
+            value = self.parameter(f"M{node}", moment)
+            self.table("torque", name=f"mom{node}", frame=self.angles[node].frame, vector=[0, 0, value])
 
-    def coordinate(self, name: str, start: float, rate: float) -> None:
-        self.coordinates.append(f'{name} = {{ speed = "{name}_t", start = {start!r}, speed_start = {rate!r} }}')
+    def turning_outputs(self) -> list[str]:
+        return [f'"angle{n}" = "{self.angles[n].angle}"' for n in self.turned_about_z()]
 
-    def driven(self, node: int, coordinate: int) -> str:
-        """The prescribed value of a coordinate as an expression in t."""
-        i = int(self.numbering.lnp[node - 1, coordinate]) - 1
-        row = self.mechanism.drive.x[i - self.numbering.x_class["input"].start]  # type: ignore[attr-defined]
-        return self.polynomial(f"{node}_{coordinate + 1}", row)
+    def turned_about_z(self) -> list[int]:
+        return [n for n, a in self.angles.items() if a.frame != "N"]
 
-    def polynomial(self, stem: str, row: Any) -> str:
-        names = [self.parameter(f"{kind}{stem}", v) for kind, v in zip(("start", "rate", "rise"), row, strict=True)]
-        terms = [n for n, unit in zip(names, ("", "*t", "*t**2/2"), strict=True) if n != "0"]
-        units = [unit for n, unit in zip(names, ("", "*t", "*t**2/2"), strict=True) if n != "0"]
-        return " + ".join(a + b for a, b in zip(terms, units, strict=True)) or "0"
+    def turned(self, direction: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        angle = np.arctan2(direction[1], direction[0]) + rows[:, 0]
+        return np.column_stack((np.cos(angle), np.sin(angle)))
 
     # -- the tree ----------------------------------------------------------------------------------------------
 
-    def text(self) -> str:
-        """The model file. Raises UsageError for an element or statement that cannot be exported."""
-        self._ground()
-        while open_parts := [p for p in self.parts if not p.done]:
-            self._add(max(open_parts, key=self._readiness))
-        self._supports()
-        self._masses_and_forces()
-        gravity = [float(v) for v in self.mechanism.loads.gravity]
-        g = [self.parameter(name, value) for name, value in zip(("gx", "gy"), gravity, strict=True)]
-        outputs = [f'"{p}.{a}" = "{p}.{a}"' for p in self.points.values() for a in "xy"]
-        outputs += [f'"angle{n}" = "{a.angle}"' for n, a in self.angles.items() if a.frame != "N"]
-        settings = self.mechanism.settings
-        if settings.duration is not None:
-            self.tables.append(f"[simulate]\ntime = {settings.duration!r}\nsteps = {max(settings.n_steps, 1)}\n")
-        lines = [
-            f"{MARK} from {json.dumps(self.deck.source)[1:-1]}", "[system]",
-            f"title = {json.dumps(self.deck.source)}", f"gravity = {json.dumps([*g, 0])}", "", "[parameters]",
-            *(f"{name} = {value!r}" for name, value in self.parameters.items()), "", "[coordinates]",
-            *self.coordinates, "", *self.tables, "[outputs]", *outputs, "",
-        ]  # fmt: skip
-        return "\n".join(lines)
-
-    def _ground(self) -> None:
-        for node in self.numbering.nodes:
-            n = node.number
-            if node.kind == "orientation":
-                if self.class_of(n, 0) == "fixed":
-                    self.angles[n] = Angle("N", "0", "0")
-            elif all(self.class_of(n, k) in ("fixed", "input") for k in (0, 1)):
-                where = self.place(n)
-                self.point(
-                    n, "O",
-                    [self.parameter(f"{'xy'[k]}{n}", where[k]) if self.class_of(n, k) == "fixed" else self.driven(n, k)
-                     for k in (0, 1)],
-                )  # fmt: skip
-
-    def point(self, node: int, base: str, offset: list[str], frame: str | None = None) -> None:
-        self.points[node] = f"P{node}"
-        self.table("point", name=f"P{node}", base=base, offset=[*offset, 0], **({"in": frame} if frame else {}))
-
-    def _readiness(self, part: Part) -> tuple[int, int]:
+    def readiness(self, part: Part) -> tuple[int, int]:
         """The part that is taken next: what needs no new coordinate, then what hangs on a known point."""
         p, turn_p, q, turn_q = part.nodes
         kind = self.kind(part)
@@ -113,24 +76,16 @@ class DeckModel(DeckParts):
         turned = turn_p in self.angles or turn_q in self.angles
         return (5 if here and turned else 4 if here else 3 if turned else 2, -part.number)
 
-    def _add(self, part: Part) -> None:
-        part.done = True
+    def add(self, part: Part) -> None:
         kind = self.kind(part)
         if kind == "spring":
-            self._spring(part)
+            self.spring(part)
         elif kind == "hinge":
             self._hinge(part)
         elif part.keyword == "PLTRUSS":
             self._bar(part)
         else:
             self._link(part, kind)
-
-    def _float(self, node: int) -> None:
-        """A part that hangs on nothing: two coordinates for one of its points."""
-        now, rate = self.place(node, self.x), self.place(node, self.xd)
-        for k, axis in enumerate("xy"):
-            self.coordinate(f"{axis}{node}", float(now[k]), float(rate[k]))
-        self.point(node, "O", [f"x{node}", f"y{node}"])
 
     def _turn(self, node: int) -> Angle:
         """The orientation of a node, with a coordinate of its own when it is new."""
@@ -146,7 +101,7 @@ class DeckModel(DeckParts):
         """A rigid body, a slider or a beam between p and q."""
         p, turn_p, q, turn_q = part.nodes
         if p not in self.points and q not in self.points:
-            self._float(p)
+            self.float_point(p)
         backwards = p not in self.points or (kind == "beam" and turn_p not in self.angles and turn_q in self.angles)
         if kind == "beam":
             if backwards and q in self.points:
@@ -163,8 +118,8 @@ class DeckModel(DeckParts):
         if kind == "slider":
             self._slider(part, angle, span)
             return
-        offset = [self.parameter(f"d{a}{part.number}", v) for a, v in zip("xy", span, strict=True)]
-        self._reach(part, angle, p, q, offset)
+        offset = self.named(f"d*{part.number}", span)
+        self.reach(part, angle.frame, p, q, offset)
         self._rod(part, angle, p, q, float(np.hypot(*span)), offset)
 
     def _same(self, node: int, angle: Angle) -> None:
@@ -175,17 +130,6 @@ class DeckModel(DeckParts):
             self.angles[node] = angle
         elif self.angles[node].angle != angle.angle:
             self.table("constraint", expression=f"{self.angles[node].angle} - ({angle.angle})")
-
-    def _reach(self, part: Part, angle: Angle, p: int, q: int, offset: list[str]) -> None:
-        """The other end of a rigid part; where it is known, a loop."""
-        if q not in self.points:
-            self.point(q, self.points[p], offset, angle.frame)
-        elif p not in self.points:
-            self.point(p, self.points[q], [f"-{v}" if v != "0" else v for v in offset], angle.frame)
-        else:
-            end = f"C{part.number}"
-            self.table("point", name=end, base=self.points[p], offset=[*offset, 0], **{"in": angle.frame})
-            self.table("close", **{"from": end, "to": self.points[q]}, directions=[1, 2])
 
     def _rod(self, part: Part, angle: Angle, p: int, q: int, length: float, offset: list[str]) -> None:
         """The distributed mass of a rigid part, and the rotary inertia of its sections."""
@@ -208,18 +152,17 @@ class DeckModel(DeckParts):
         n, span = part.number, self.place(q) - self.place(p)
         length = float(np.hypot(*span))
         if p not in self.points and q not in self.points:
-            self._float(p)
+            self.float_point(p)
         if p in self.points and q in self.points and not self.values("EM", n, 1)[0]:
-            a, b, L = self.points[p], self.points[q], self.parameter(f"L{n}", length)
-            self.table("constraint", expression=f"(({b}.x - {a}.x)**2 + ({b}.y - {a}.y)**2 - {L}**2)/(2*{L})")
+            self.distance(part)
             return
         now, rate = (self.place(q, x) - self.place(p, x) for x in (self.x, self.xd))
         start = float(np.arctan2(span[0] * now[1] - span[1] * now[0], span @ now))
         self.coordinate(f"r{n}", start, float((now[0] * rate[1] - now[1] * rate[0]) / (now @ now)))
         self.table("frame", name=f"T{n}", parent="N", axis=3, angle=f"r{n}")
         angle = Angle(f"T{n}", f"r{n}", f"r{n}_t")
-        offset = [self.parameter(f"d{a}{n}", v) for a, v in zip("xy", span, strict=True)]
-        self._reach(part, angle, p, q, offset)
+        offset = self.named(f"d*{n}", span)
+        self.reach(part, angle.frame, p, q, offset)
         self._rod(part, angle, p, q, length, offset)
 
     def _slider(self, part: Part, angle: Angle, span: np.ndarray) -> None:
@@ -240,34 +183,7 @@ class DeckModel(DeckParts):
             self.coordinate(f"l{n}", length, float(now @ rate / length))
             offset = [self.parameter(f"c{a}{n}", float(sign * v)) for a, v in zip("xy", along, strict=True)]
             self.point(there, self.points[here], [f"{v}*l{n}" if v != "0" else v for v in offset], angle.frame)
-        self._elastic(part, L)
-
-    def _spring(self, part: Part) -> None:
-        p, _, q, _ = part.nodes
-        for node in (p, q):
-            if node not in self.points:
-                self._float(node)
-        if self.values("EM", part.number, 1)[0]:
-            raise self.cannot(part, "an elastic truss with mass is none of the beams with assumed shapes")
-        self._elastic(part, float(np.hypot(*(self.place(q) - self.place(p)))))
-
-    def _elastic(self, part: Part, length: float) -> None:
-        """Force (EA e + EdA ė)/l0 along the line pq."""
-        n = part.number
-        self._no_preload(part)
-        stiffness, damping = self.values("ESTIFF", n, 1)[0], self.values("EDAMP", n, 1)[0]
-        if not stiffness and not damping:
-            return
-        k, c, L = (self.parameter(f"{a}{n}", v) for a, v in (("EA", stiffness), ("EdA", damping), ("L", length)))
-        p, _, q, _ = part.nodes
-        self.table(
-            "spring", **{"from": self.points[p], "to": self.points[q]}, stiffness=f"{k}/{L}", length=L,
-            damping=f"{c}/{L}",
-        )  # fmt: skip
-
-    def _no_preload(self, part: Part) -> None:
-        if any(self.values("ESIG", part.number, 3)):
-            raise self.cannot(part, "it has a preload (ESIG)")
+        self.elastic(part, L)
 
     def _hinge(self, part: Part) -> None:
         """A weld, a prescribed angle, or a torque of stiffness, damping and preload between two frames."""
@@ -280,25 +196,19 @@ class DeckModel(DeckParts):
             self._same(other, self.angles[known])
             return
         if kind == "input":
-            i = int(self.numbering.le[n - 1, 0]) - 1 - self.numbering.e_class["input"].start
-            drive = self.polynomial(f"_e{n}", self.mechanism.drive.e[i])  # type: ignore[attr-defined]
+            drive = self.driven_deformation(part)
             a, b = self._turn(p), self._turn(q)
             self.table("constraint", name=f"drive{n}", expression=f"{b.angle} - ({a.angle}) - ({drive})")
             return
         a, b = self._turn(p), self._turn(q)
-        names = [
-            self.parameter(f"{stem}{n}", self.values(word, n, 1)[0])
-            for stem, word in (("S", "ESTIFF"), ("Sd", "EDAMP"), ("sig", "ESIG"))
-        ]
-        terms = [f"{names[0]}*({b.angle} - ({a.angle}))", f"{names[1]}*({b.rate} - ({a.rate}))", names[2]]
-        law = " - ".join(t for t, name in zip(terms, names, strict=True) if name != "0")
+        law = self.joint_law(part, f"{b.angle} - ({a.angle})", f"{b.rate} - ({a.rate})")
         if law:
             self.table("torque", name=f"T_{n}", frame=b.frame, reaction=a.frame, vector=[0, 0, f"-{law}"])
 
     def _beam(self, part: Part, p: int, turn_p: int, q: int, turn_q: int) -> None:
         """A flexible beam from p, clamped in the frame there; its tip carries the frame at q."""
         n = part.number
-        self._no_preload(part)
+        self.no_preload(part)
         rho, rotary = self.values("EM", n, 2)
         EA, EI, shear = self.values("ESTIFF", n, 3)
         if any(self.values("EDAMP", n, 3)):
@@ -373,46 +283,3 @@ class DeckModel(DeckParts):
     def inertia(self, name: str, frame: str, value: str) -> None:
         if frame != "N":
             self.table("body", name=name, frame=frame, at="O", mass=0, inertia=[0, 0, value])
-
-    # -- supports, masses, forces ------------------------------------------------------------------------------
-
-    def _supports(self) -> None:
-        """Coordinates that are fixed or prescribed on parts of the tree."""
-        for node in self.numbering.nodes:
-            n = node.number
-            if node.kind == "position":
-                kinds = [self.class_of(n, k) for k in (0, 1)]
-                if n not in self.points:
-                    self._float(n)
-                if all(kind in ("fixed", "input") for kind in kinds):
-                    continue
-                for k, kind in enumerate(kinds):
-                    if kind in ("fixed", "input"):
-                        value = self.driven(n, k) if kind == "input" else self.parameter(
-                            f"{'xy'[k]}{n}_0", float(self.place(n)[k])
-                        )  # fmt: skip
-                        tail = "" if value == "0" else f" - ({value})"
-                        self.table("constraint", name=f"guide{n}_{'xy'[k]}",
-                                   expression=f"{self.points[n]}.{'xy'[k]}{tail}")  # fmt: skip
-            elif self.class_of(n, 0) == "input":
-                self.table("constraint", name=f"drive_{n}", expression=f"{self._turn(n).angle} - ({self.driven(n, 0)})")
-
-    def _masses_and_forces(self) -> None:
-        force = self.mechanism.loads.force
-        for node in self.numbering.nodes:
-            n = node.number
-            mass = self.values("XM", n, 1)[0]
-            if node.kind == "position":
-                if mass:
-                    self.table("body", name=f"mass{n}", at=self.points[n], mass=self.parameter(f"m{n}", mass))
-                rows = [int(i) - 1 for i in self.numbering.lnp[n - 1, :2]]
-                if force[rows].any():
-                    names = [self.parameter(f"F{a}{n}", float(force[i])) for a, i in zip("xy", rows, strict=True)]
-                    self.table("force", name=f"f{n}", at=self.points[n], vector=[*names, 0])
-            elif n in self.angles:
-                if mass:
-                    self.inertia(f"inertia{n}", self.angles[n].frame, self.parameter(f"Jn{n}", mass))
-                moment = float(force[int(self.numbering.lnp[n - 1, 0]) - 1])
-                if moment:
-                    value = self.parameter(f"M{n}", moment)
-                    self.table("torque", name=f"mom{n}", frame=self.angles[n].frame, vector=[0, 0, value])

@@ -1,0 +1,68 @@
+"""The scenarios in spacar: a file is read, checked, built and computed; every function returns the answer."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from mechanisms import BEAM
+
+import spacar
+
+HERE = Path(__file__).parent / "scenarios"
+
+
+@lru_cache
+def folder() -> Path:
+    """Of the input files; it is kept as long as the process."""
+    folder.kept = tempfile.TemporaryDirectory()  # type: ignore[attr-defined]
+    return Path(shutil.copytree(HERE, Path(folder.kept.name) / "files"))  # type: ignore[attr-defined]
+
+
+@lru_cache
+def beam(n: int, bent: bool) -> Path:
+    """The file of a cantilever of n inextensible elements; with the force of S5 or without it (S8)."""
+    lines = [f"PLBEAM {k} {2 * k - 1} {2 * k} {2 * k + 1} {2 * k + 2}" for k in range(1, n + 1)]
+    lines += [f"X {2 * k + 1} {BEAM.length * k / n} 0." for k in range(n + 1)]
+    lines += ["FIX 1", "FIX 2", *(f"DYNE {k} 2 3" for k in range(1, n + 1)), "END", "HALT"]
+    lines += [f"EM {k} {BEAM.density}" for k in range(1, n + 1)]
+    lines += [f"ESTIFF {k} 0. {BEAM.EI}" for k in range(1, n + 1)]
+    lines += [f"XF {2 * n + 1} 0. {BEAM.force}", "ITERSTEP 20 10 1.e-10"] if bent else ["ITERSTEP 10 1 1.e-12"]
+    path = folder() / f"beam_{n}_{bent}.dat"
+    path.write_text("\n".join([*lines, "END", "END", ""]))
+    return path
+
+
+def run(name: str, error: float | None, code: int | None, general: bool = False) -> spacar.Result:
+    """`error`: ERROR of the run, absolute and relative; `code`: INTEGRAT, None: what a file without it gets."""
+    options = {} if error is None else {"atol": error, "rtol": error}
+    if code is not None:
+        options["integrator"] = code
+    if general:
+        options["compiled"] = False
+    return spacar.run(1, folder() / f"{name}.dat", **options)
+
+
+def answer(name: str, error: float | None, code: int | None, general: bool = False) -> np.ndarray:
+    """S1a ... S4c."""
+    result = run(name, error, code, general)
+    if name == "S1a":
+        return result.node(6, 1, "xdd")
+    if name == "S1b":
+        return result.node(2, 1)[1:]
+    node, directions = (7, (1, 2)) if name == "S3a" else (8, (1, 2, 3))
+    return np.array([result.node(node, k)[-1] for k in directions])
+
+
+def bent(n: int) -> np.ndarray:
+    """S5."""
+    result = spacar.run(8, beam(n, True))
+    return np.array([result.node(2 * n + 1, k)[-1] for k in (1, 2)])
+
+
+def frequencies(n: int) -> np.ndarray:
+    """S8."""
+    return 2.0 * np.pi * spacar.run(7, beam(n, False)).frequencies[-1, :3]

@@ -1,0 +1,163 @@
+"""`spacar sensitivity FILE --parameter TARGET --quantity EXPRESSION`: exact derivatives of stationary quantities."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from spacar.errors import UsageError
+from spacar_cli.environment import Environment
+from spacar_cli.input_files import input_file
+from spacar_cli.status import tell
+
+if TYPE_CHECKING:
+    from spacar.sensitivities.sensitivity import Sensitivity
+
+COLUMNS = ("quantity", "value", "unit", "parameter", "at", "unit of parameter", "derivative", "relative")
+
+
+@click.command("sensitivity", epilog="Parameters and quantities are explained in docs/sensitivity.md.")
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option(
+    "--parameter",
+    "-p",
+    "parameters",
+    multiple=True,
+    metavar="TARGET[=VALUE]",
+    help="Number of the input file: 'ESTIFF.3[EI]', 'SECTION.leaf[t]', 'X.2[2] & X.5[2]'; with a value it is given "
+    "that first. May be repeated.",
+)
+@click.option(
+    "--quantity",
+    "-q",
+    "quantities",
+    multiple=True,
+    metavar="[NAME:]EXPRESSION",
+    help="What is differentiated: 'x[6,1]@end', 'frequency[1]', 'lmult[1]', 'max(mises[3])'. May be repeated.",
+)
+@click.option(
+    "--beams", type=click.Choice(["angle", "sine"]), help="Measure of all beams and tubes, instead of ADEFORM."
+)
+@click.option(
+    "--csv",
+    "csv_file",
+    type=click.Path(path_type=Path, allow_dash=True),
+    help="Write a row for every quantity and parameter as csv ('-': print them).",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print values and derivatives in JSON.")
+@click.pass_obj
+def command(
+    environment: Environment,
+    /,
+    file: Path,
+    parameters: tuple[str, ...],
+    quantities: tuple[str, ...],
+    beams: str | None,
+    csv_file: Path | None,
+    as_json: bool,
+) -> None:
+    """Derivatives of positions, reactions, stresses, frequencies and load multipliers of the stationary states of FILE.
+
+    They come from one analysis, to rounding: nothing is run again with changed numbers. Quantities are in SI,
+    parameters in the unit of the file; `relative` is the change in per cent that one per cent of the parameter makes.
+    """
+    from spacar.sensitivities.sensitivity import sensitivity
+
+    source = input_file(file)
+    if not parameters or not quantities:
+        text = "give at least one --parameter, for instance 'ESTIFF.1[EI]', and one --quantity, 'frequency[1]'"
+        raise UsageError(text, "usage.sensitivity")
+    options: dict[str, Any] = {} if beams is None else {"beams": beams}
+    names, values = _given(parameters)
+    if any(v is not None for v in values):
+        now = sensitivity(source, names, [], **options).parameter_values.tolist()
+        at = [n if v is None else v for n, v in zip(now, values, strict=True)]
+        found = sensitivity(source, names, quantities, at=at, **options)
+    else:
+        found = sensitivity(source, names, quantities, **options)
+    for note in found.notes:
+        severity, _, text = note.partition(": ") if note.startswith("warning: ") else ("information", "", note)
+        tell(environment, severity, text)
+    if csv_file is not None:
+        from spacar_formats.safety import write_text
+
+        if str(csv_file) == "-":
+            environment.stdout.write(_csv(found))
+            return
+        write_text(csv_file, _csv(found))
+        environment.say(str(csv_file))
+    if as_json:
+        environment.say(_json(found))
+    elif csv_file is None:
+        for line in _lines(found):
+            environment.say(line)
+
+
+def _given(parameters: tuple[str, ...]) -> tuple[list[str], list[float | None]]:
+    """Names of the parameters, and the numbers that they are given. Raises UsageError."""
+    names: list[str] = []
+    values: list[float | None] = []
+    for text in parameters:
+        name, equals, number = text.partition("=")
+        try:
+            values.append(float(number) if equals else None)
+        except ValueError:
+            raise UsageError(f"'{number.strip()}' in '{text}' is not a number", "usage.sensitivity") from None
+        names.append(name.strip())
+    return names, values
+
+
+def _rows(found: Sensitivity) -> list[list[str | float]]:
+    """A row for every quantity and parameter, in the order of COLUMNS."""
+    relative = found.relative
+    return [
+        [
+            q, float(found.values[i]), found.quantity_units[i], p, float(found.parameter_values[j]),
+            found.parameter_units[j], float(found.derivatives[i, j]), float(relative[i, j]),
+        ]
+        for i, q in enumerate(found.quantities)
+        for j, p in enumerate(found.parameters)
+    ]  # fmt: skip
+
+
+def _csv(found: Sensitivity) -> str:
+    import csv
+    from io import StringIO
+
+    out = StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    writer.writerows(_rows(found))
+    return out.getvalue()
+
+
+def _json(found: Sensitivity) -> str:
+    import json
+
+    def finite(values: list) -> list:
+        return [finite(v) if isinstance(v, list) else v if v == v else None for v in values]
+
+    def named(names: tuple[str, ...], values: list[float], units: tuple[str, ...]) -> list[dict[str, str | float]]:
+        return [{"name": n, "value": v, "unit": u} for n, v, u in zip(names, values, units, strict=True)]
+
+    return json.dumps(
+        {
+            "parameters": named(found.parameters, found.parameter_values.tolist(), found.parameter_units),
+            "quantities": named(found.quantities, found.values.tolist(), found.quantity_units),
+            "derivatives": finite(found.derivatives.tolist()),
+            "notes": list(found.notes),
+        }
+    )
+
+
+def _lines(found: Sensitivity) -> list[str]:
+    from spacar_formats.log.text_layout import table
+
+    heads = ["quantity", "value", "unit", "parameter", "at", "unit", "derivative", "relative"]
+    rows = []
+    for q, value, unit, p, at, of, rate, relative in _rows(found):
+        numbers = f"{rate:.9g}", "" if relative != relative else f"{relative:+.5f}"
+        rows.append([q, f"{value:.9g}", unit, p, f"{at:.9g}", of, *numbers])
+    return table(heads, rows)

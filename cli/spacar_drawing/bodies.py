@@ -1,0 +1,206 @@
+"""Slender parts - beams, rigid bodies, bars - as shapes: all that look alike in one piece, without a loop over them."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacar.arrays import Array, Index
+from spacar_drawing import look as paint
+from spacar_drawing.drawn_shapes import Colour, Faces, Line, Shape, disc_outline, solid
+from spacar_drawing.elastic_line import chord_axes, elastic_line, section_axes
+from spacar_drawing.look import Look
+from spacar_drawing.scene import Element, Pose, Scene
+from spacar_drawing.sections import breadth, hole, outline
+
+Z = np.array([0.0, 0.0, 1.0])
+# radius of spatial beams without a cross-section, of the symbol size
+DRAWN_ONLY, THIN_BEAM, THICK_BEAM = 0.20, 0.28, 0.40
+SMOOTH = 0.1  # two bodies whose directions differ by less than this many radians need no closed ends where they meet
+Key = TypeVar("Key", bound=Hashable)
+
+
+def together(items: Iterable[tuple[Key, Element]]) -> dict[Key, list[Element]]:
+    """The elements by what they have in common, in the order of the first of each kind."""
+    found: dict[Key, list[Element]] = {}
+    for key, e in items:
+        found.setdefault(key, []).append(e)
+    return found
+
+
+def rows_of(elements: Sequence[Element]) -> Index:
+    return np.array([e.number - 1 for e in elements], int)
+
+
+def beam_lines(scene: Scene, pose: Pose, elements: Sequence[Element], n: int) -> tuple[Array, Array, Array]:
+    """Points and axes y', z' (m, n, 3) of the elastic lines of elements of one shape; straight lines pq if no beams.
+
+    All of them, or none, have warping nodes.
+    """
+    rows = rows_of(elements)
+    nodes = scene.node_table[rows]
+    ends = pose.place[nodes[:, [0, 2]] - 1]
+    frame_p = pose.frames(scene, rows, "p")
+    frame_q = np.where(nodes[:, 3, None, None] > 0, pose.frames(scene, rows, "q"), frame_p)
+    y_p, y_q = frame_p[:, 1], frame_q[:, 1]
+    if elements[0].shape == "beam":
+        tangents = np.stack((frame_p[:, 0], frame_q[:, 0]), axis=1)
+        across = chord_axes(ends, y_p, y_q)
+        points = elastic_line(ends, tangents, scene.length[rows], across, scene.shear[rows], n)
+    else:
+        points = ends[:, :1] + np.linspace(0.0, 1.0, n)[:, None] * (ends[:, 1:] - ends[:, :1])
+    y = np.where(np.any(y_p, axis=1, keepdims=True), y_p, Z)
+    slopes = None
+    if elements[0].warping:
+        warping = np.array([e.warping for e in elements], int)
+        slopes = scene.length[rows, None] * pose.rate[warping - 1]
+    y, z = section_axes(points, y, np.where(np.any(y_q, axis=1, keepdims=True), y_q, y), slopes)
+    return points, y, z
+
+
+@dataclass(frozen=True)
+class Alike:
+    """Slender parts that look alike: n points on a line; width [points] of a line, or radius of a rod [symbol size]."""
+
+    elements: Sequence[Element]
+    n: int
+    colour: Colour
+    width: float
+    radius: float
+
+
+def body_groups(scene: Scene, look: Look, elements: Sequence[Element]) -> list[Alike]:
+    """Beams and rigid bodies by how they look; of bodies that hold nothing those that lie beside another one are not
+    drawn."""
+
+    def items() -> Iterable[tuple[tuple[Any, ...], Element]]:
+        for e in elements:
+            i = e.number - 1
+            body = e.shape == "body"
+            rigid = bool(body or scene.rigid[i])
+            width, radius = (2.8, THICK_BEAM) if rigid else (2.2, THIN_BEAM)
+            if body and scene.free[i]:
+                if scene.doubled[i]:
+                    continue
+                width, radius = 1.2, DRAWN_ONLY
+            look_of_it = _look_of(look, e, paint.RIGID if rigid else paint.FLEXIBLE)
+            yield (e.shape, width, radius, look_of_it, bool(e.warping)), e
+
+    found = []
+    for (shape, width, radius, (colour, *_), _), alike in together(items()).items():
+        n = look.points if shape == "beam" else 2 if scene.planar else 25  # short pieces sort better by depth
+        found.append(Alike(alike, n, colour, width, radius))
+    return found
+
+
+def bodies(scene: Scene, pose: Pose, look: Look, elements: Sequence[Element]) -> list[Shape]:
+    """Beams and rigid bodies along their elastic lines."""
+    shapes: list[Shape] = []
+    for g in body_groups(scene, look, elements):
+        shapes += slender(scene, pose, look, g.elements, g.n, g.colour, g.width, g.radius)
+    return shapes
+
+
+def _look_of(look: Look, e: Element, default: Colour) -> tuple[Hashable, ...]:
+    """Colour, cross-section and opacity."""
+    settings = look.settings
+    return look.colour(e.number, default), settings.section(e.number), settings.opacity_of(e.number)
+
+
+def slender(
+    scene: Scene, pose: Pose, look: Look, alike: Sequence[Element], n: int, colour: Colour | Array, width: float,
+    radius: float,
+) -> list[Shape]:  # fmt: skip
+    """Slender parts of one shape, cross-section and opacity along their elastic lines: with the section, or as a line
+    or thin rod.
+
+    colour  of all, or (m, n - 1, 3), one for every piece of the lines;  width [points] of a line
+    radius  of a rod, of the symbol size
+    """
+    settings = look.settings
+    section, alpha = settings.section(alike[0].number), settings.opacity_of(alike[0].number)
+    thin = scene.planar
+    if section is not None and section.shape == "LINE":
+        section, thin = None, True
+    points, y, z = beam_lines(scene, pose, alike, n)
+    if scene.planar:
+        return planar_bodies(points, y, breadth(section), colour, width, alpha)
+    ends = open_ends(scene, alike, points) if len(alike) > 1 and alpha >= 1 else None
+    contour = outline(section) if section is not None else None
+    if contour is not None and section is not None:
+        return solid(contour, points, y, z, colour, alpha, settings.light, hole(section), None, ends)
+    if thin:
+        return _pieces(points, colour, width, alpha)
+    sides = paint.ROD_SIDES if n > paint.LEAST_POINTS else paint.ROD_SIDES // 2
+    return solid(disc_outline(radius * look.size, sides), points, y, z, colour, alpha, settings.light, ends=ends)
+
+
+def open_ends(scene: Scene, alike: Sequence[Element], points: Array) -> NDArray[np.bool_]:
+    """(m, 2) whether an end can be seen: not where two of these bodies go on smoothly in each other."""
+    nodes = scene.node_table[rows_of(alike)][:, [0, 2]]
+    inward = np.stack((points[:, 1] - points[:, 0], points[:, -2] - points[:, -1]), axis=1)
+    inward /= np.maximum(np.linalg.norm(inward, axis=-1, keepdims=True), 1e-300)
+    total, count = np.zeros((len(scene.lnp), 3)), np.zeros(len(scene.lnp), int)
+    np.add.at(total, nodes - 1, inward)
+    np.add.at(count, nodes - 1, 1)
+    smooth = (count == 2) & (np.linalg.norm(total, axis=1) < SMOOTH)
+    seen: NDArray[np.bool_] = ~smooth[nodes - 1]
+    return seen
+
+
+def planar_bodies(
+    points: Array, y: Array, width: float, colour: Colour | Array, line: float, alpha: float
+) -> list[Shape]:
+    """Strips of a width [m] along points (m, n, 3), or lines [points] when there is no width."""
+    if not width:
+        return _pieces(points, colour, line, alpha)
+    left, right = points + 0.5 * width * y, points - 0.5 * width * y
+    if isinstance(colour, np.ndarray):
+        quads = np.stack((left[:, :-1], left[:, 1:], right[:, 1:], right[:, :-1]), axis=2)
+        return [Faces(quads.reshape(-1, 4, 3), colour.reshape(-1, 3), None, alpha, 1, False)]
+    around = np.concatenate((left, right[:, ::-1]), axis=1)
+    edge = np.concatenate((around, around[:, :1]), axis=1)
+    return [Faces(around, colour, None, 0.75 * alpha, 1, False), Line(edge, colour, 0.8, 2)]
+
+
+def _pieces(points: Array, colour: Colour | Array, width: float, alpha: float) -> list[Shape]:
+    if not isinstance(colour, np.ndarray):
+        return [Line(points, colour, width, 2, alpha=alpha)]
+    pairs = np.stack((points[:, :-1], points[:, 1:]), axis=2).reshape(-1, 2, 3)
+    colours = colour.reshape(-1, 3)
+    return [Line(pair, (c[0], c[1], c[2]), width, 2, alpha=alpha) for pair, c in zip(pairs, colours, strict=True)]
+
+
+def bar_groups(scene: Scene, look: Look, elements: Sequence[Element]) -> list[Alike]:
+    """Trusses that are drawn as a straight bar, by how they look."""
+
+    def items() -> Iterable[tuple[tuple[Any, ...], Element]]:
+        for e in elements:
+            colour = look.colour(e.number, paint.DRIVE if scene.e_class(e.number, 1) == "input" else paint.TRUSS)
+            yield (colour, look.settings.section(e.number, truss=True), look.settings.opacity_of(e.number)), e
+
+    return [Alike(alike, 2, colour, 2.2, THIN_BEAM) for (colour, *_), alike in together(items()).items()]
+
+
+def bars(scene: Scene, pose: Pose, look: Look, elements: Sequence[Element]) -> list[Shape]:
+    """The same as shapes: by their cross-section or as lines."""
+    settings = look.settings
+    shapes: list[Shape] = []
+    for g in bar_groups(scene, look, elements):
+        first = g.elements[0].number
+        section, alpha = settings.section(first, truss=True), settings.opacity_of(first)
+        contour = outline(section) if section is not None else None
+        if section is None or contour is None:
+            nodes = scene.node_table[rows_of(g.elements)][:, [0, 2]]
+            shapes.append(Line(pose.place[nodes - 1], g.colour, g.width, 2))
+            continue
+        points, y, z = beam_lines(scene, pose, g.elements, 2)
+        if scene.planar:
+            shapes += planar_bodies(points, y, breadth(section), g.colour, 2.0, alpha)
+        else:
+            shapes += solid(contour, points, y, z, g.colour, alpha, settings.light, hole(section))
+    return shapes

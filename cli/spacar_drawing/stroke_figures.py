@@ -1,0 +1,132 @@
+"""Curves of `spacar flexure` over the stroke, in the unit of length of the model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from spacar.expressions import Unit, unit_text
+from spacar.stroke import Flexure
+from spacar.stroke.flexure_results import Column
+from spacar_drawing.curves import Curve
+from spacar_drawing.history import history_figure, panels
+from spacar_drawing.stage import INK
+from spacar_drawing.stroke_tables import MOST_FREQUENCIES, matters, shown_column
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+def force_figure(study: Flexure) -> Figure:
+    """Actuator force, drive stiffness, strain energy."""
+    return _figure(study, _named(study, ("force", "drive_stiffness", "energy")))
+
+
+def error_figure(study: Flexure) -> Figure | None:
+    """Deviation from the line and rotations, or pivot shift and tilt; None when there is no error at all."""
+    kinds = ("pivot_", "tilt_") if study.errors.turning else ("line_", "rotation_")
+    chosen = [c for c in study.motion_columns() if c.name.startswith(kinds) and matters(study, c)]
+    return _figure(study, chosen) if chosen else None
+
+
+def stiffness_figure(study: Flexure, body: bool = False) -> Figure | None:
+    """Support stiffness with logarithmic scales, and what remains of it in %; None when all is rigid."""
+    by_name = {c.name: c for c in study.columns(body)}
+    chosen = [study.directions[i] for i in study.support]
+    k = [c for c in (by_name[f"k_{d}"] for d in chosen) if np.isfinite(c.values).any()]
+    left = [c for c in (by_name[f"remaining_{d}"] for d in chosen) if np.isfinite(c.values).any()]
+    if not k:
+        return None
+    figure = _figure(study, [*k, *left])
+    for axes in figure.axes[: len({c.unit for c in k})]:
+        low = min(np.nanmin(np.abs(line.get_ydata())) for line in axes.lines)
+        if low > 0.0:
+            _logarithmic(axes)
+    return figure
+
+
+def frequency_figure(study: Flexure) -> Figure | None:
+    """First frequencies with the drive locked, that of the drive, load multipliers, stress; None without any."""
+    names = [f"f_{i}" for i in range(1, 1 + min(MOST_FREQUENCIES, study.frequencies.shape[1]))]
+    found = [c for c in _named(study, (*names, "f_drive", "margin", "margin_free", "mises"))]
+    found = [c for c in found if np.isfinite(c.values).sum() > 1]
+    if not found:
+        return None
+    figure = _figure(study, found)
+    for axes in figure.axes:
+        if axes.get_ylabel().startswith("load multiplier"):
+            _logarithmic(axes)
+    return figure
+
+
+def overview_figure(study: Flexure, body: bool = False) -> Figure:
+    """What is left of the support stiffness, the error motions, first frequencies, and the largest stress."""
+    by_name = {c.name: c for c in study.columns(body)}
+    kind = "pivot_" if study.errors.turning else "line_"
+    left = [by_name[f"remaining_{study.directions[i]}"] for i in study.support]
+    errors = [c for c in study.motion_columns() if c.name.startswith(kind) and matters(study, c)]
+    rest = [by_name[name] for name in ("f_1", "f_drive", "mises") if np.isfinite(by_name[name].values).sum() > 1]
+    left = [c for c in left if np.isfinite(c.values).any()]
+    return _figure(study, [*left, *errors, *rest] or [by_name["force"]])
+
+
+def all_figures(study: Flexure, body: bool = False) -> list[tuple[Figure, str]]:
+    """Every figure with its caption."""
+    made = (
+        (force_figure(study), "Actuator force, its derivative by the stroke, and stored energy."),
+        (error_figure(study), "Pivot shift and tilt of the axis." if study.errors.turning
+         else "Deviation from the ideal line, and rotations."),
+        (stiffness_figure(study, body), "Support stiffness with the drive locked, and what remains of it."),
+        (frequency_figure(study), "Frequencies with the drive locked and of the free drive, lowest load multipliers, "
+         "largest stress."),
+    )  # fmt: skip
+    return [(figure, caption) for figure, caption in made if figure is not None]
+
+
+def _named(study: Flexure, names: Sequence[str]) -> list[Column]:
+    by_name = {c.name: c for c in study.columns()}
+    return [by_name[name] for name in names]
+
+
+def _figure(study: Flexure, columns: Sequence[Column]) -> Figure:
+    """A panel for every unit; columns of one kind ("support stiffness, y") have the kind on the axis."""
+    across = _curve(study, _named(study, ("stroke",))[0])
+    curves = [_curve(study, c) for c in columns]
+    kinds: dict[object, str] = {}
+    for unit in dict.fromkeys(c.unit for c in curves):
+        group = [c for c in curves if c.unit == unit]
+        heads = {c.text.partition(", ")[0] for c in group}
+        if len(group) > 1 and len(heads) == 1:
+            kinds[unit] = heads.pop()
+    shorter = [replace(c, text=c.text.partition(", ")[2]) if c.unit in kinds else c for c in curves]
+    figure = history_figure(shorter, across)
+    for axes, group in zip(figure.axes, panels(shorter), strict=True):
+        if group[0].unit in kinds:
+            text, kind = unit_text(group[0].unit), kinds[group[0].unit]
+            axes.set_ylabel(f"{kind} ({text})" if text else kind)
+    return figure
+
+
+def _logarithmic(axes: Axes) -> None:
+    axes.set_yscale("log")
+    axes.tick_params(axis="y", which="both", labelsize=8, colors=INK, length=0)
+
+
+def _curve(study: Flexure, column: Column) -> Curve:
+    unit, values = shown_column(study, column)
+    return Curve(column.title, np.where(np.isfinite(values), values, np.nan), symbols(unit), "")
+
+
+def symbols(text: str) -> Unit:
+    """The unit of a text such as "N mm/rad" or "N/m^2"."""
+    above, _, below = text.partition("/")
+    powers: dict[str, int] = {}
+    for part, sign in ((above, 1), (below, -1)):
+        for word in part.split():
+            name, _, power = word.partition("^")
+            powers[name] = powers.get(name, 0) + sign * int(power or 1)
+    return tuple(sorted(powers.items()))

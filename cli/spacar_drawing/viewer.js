@@ -1,0 +1,427 @@
+// The page of `spacar view`: one mesh whose frames move from picture to picture (viewer_mesh.py), drawn with WebGL 2.
+// Data come as text of the element "data" and reach the page as numbers and as text content only.
+"use strict";
+(function () {
+  const $ = (id) => document.getElementById(id);
+  const model = JSON.parse($("data").textContent);
+
+  function bytes(text) {
+    const raw = atob(text), out = new Uint8Array(raw.length);
+    for (let i = 0; i < raw.length; i++) out[i] = raw.charCodeAt(i);
+    return out.buffer;
+  }
+  const a = model.arrays;
+  const P = new Float32Array(bytes(a.p)), AXES = new Int16Array(bytes(a.axes));
+  const nodeP = new Float32Array(bytes(a.nodes)), corner = new Uint32Array(bytes(a.frame));
+  const place = new Float32Array(bytes(a.place)), normal = new Int8Array(bytes(a.normal));
+  const colour = new Uint8Array(bytes(a.colour)), element = new Uint32Array(bytes(a.element));
+  const triangles = new Uint32Array(bytes(a.triangles)), paths = new Float32Array(bytes(a.paths));
+  const values = a.values ? new Float32Array(bytes(a.values)) : null;
+  const frames = model.frames, pictures = model.times.length, nodes = model.nodes.length;
+  const elementOfFrame = new Uint32Array(frames);
+  for (let i = 0; i < corner.length; i++) elementOfFrame[corner[i]] = element[i];
+
+  const canvas = $("view"), over = $("over");
+  const gl = canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
+  if (!gl) {
+    $("note").textContent = "This browser has no WebGL 2; use spacar draw for pictures.";
+    document.body.dataset.state = "no-webgl";
+    return;
+  }
+  const pen = over.getContext("2d");
+
+  function program(vertex, fragment) {
+    const made = gl.createProgram();
+    for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
+      const shader = gl.createShader(kind);
+      gl.shaderSource(shader, text);
+      gl.compileShader(shader);
+      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
+      gl.attachShader(made, shader);
+    }
+    gl.linkProgram(made);
+    if (!gl.getProgramParameter(made, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(made));
+    const names = {};
+    const count = gl.getProgramParameter(made, gl.ACTIVE_UNIFORMS);
+    for (let i = 0; i < count; i++) {
+      const name = gl.getActiveUniform(made, i).name;
+      names[name] = gl.getUniformLocation(made, name);
+    }
+    return { made, names };
+  }
+  const CAMERA = `
+    uniform mat3 u_turn; uniform vec2 u_scale, u_shift; uniform float u_depth;
+    vec4 seen(vec3 at) { vec3 v = u_turn * at; return vec4(v.xy * u_scale + u_shift, -v.z * u_depth, 1.0); }`;
+  const solids = program(`#version 300 es
+    precision highp float; precision highp int; precision highp sampler2D;
+    layout(location = 0) in uint a_frame; layout(location = 1) in vec3 a_place;
+    layout(location = 2) in vec3 a_normal; layout(location = 3) in vec3 a_colour; layout(location = 4) in uint a_element;
+    uniform sampler2D u_frames; uniform int u_width; uniform uint u_chosen;
+    out vec3 v_at; out vec3 v_normal; out vec3 v_colour;
+    ${CAMERA}
+    vec3 texel(int i) { return texelFetch(u_frames, ivec2(i % u_width, i / u_width), 0).xyz; }
+    void main() {
+      int i = 3 * int(a_frame);
+      vec3 p = texel(i), y = texel(i + 1), z = texel(i + 2), x = cross(y, z);
+      vec3 at = p + a_place.x * x + a_place.y * y + a_place.z * z;
+      v_normal = u_turn * (a_normal.x * x + a_normal.y * y + a_normal.z * z);
+      v_at = u_turn * at;
+      v_colour = a_element == u_chosen && u_chosen != 0u ? vec3(0.93, 0.55, 0.12) : a_colour;
+      gl_Position = seen(at);
+    }`, `#version 300 es
+    precision highp float;
+    in vec3 v_at; in vec3 v_normal; in vec3 v_colour; out vec4 colour;
+    void main() {
+      vec3 n = length(v_normal) > 0.1 ? normalize(v_normal) : normalize(cross(dFdx(v_at), dFdy(v_at)));
+      if (n.z < 0.0) n = -n;
+      float light = 0.55 + 0.45 * pow(clamp(dot(n, normalize(vec3(-0.35, 0.65, 0.68))), 0.0, 1.0), 0.8);
+      colour = vec4(v_colour * light, 1.0);
+    }`);
+  const marks = program(`#version 300 es
+    precision highp float;
+    layout(location = 0) in vec3 a_at; uniform float u_size; uniform vec3 u_colour; out vec3 v_colour;
+    ${CAMERA}
+    void main() { gl_Position = seen(a_at); gl_Position.z -= 0.002; gl_PointSize = u_size; v_colour = u_colour; }`,
+    `#version 300 es
+    precision highp float;
+    in vec3 v_colour; out vec4 colour; uniform bool u_round;
+    void main() {
+      if (u_round && length(gl_PointCoord - 0.5) > 0.5) discard;
+      colour = vec4(v_colour, 1.0);
+    }`);
+
+  function attribute(where, data, size, type, whole, norm, stride) {
+    gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+    gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
+    gl.enableVertexAttribArray(where);
+    if (whole) gl.vertexAttribIPointer(where, size, type, stride, 0);
+    else gl.vertexAttribPointer(where, size, type, norm, stride, 0);
+  }
+  const mesh = gl.createVertexArray();
+  gl.bindVertexArray(mesh);
+  attribute(0, corner, 1, gl.UNSIGNED_INT, true, false, 4);
+  attribute(1, place, 3, gl.FLOAT, false, false, 12);
+  attribute(2, normal, 3, gl.BYTE, false, true, 4);
+  attribute(3, colour, 3, gl.UNSIGNED_BYTE, false, true, 4);
+  attribute(4, element, 1, gl.UNSIGNED_INT, true, false, 4);
+  gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
+  gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, triangles, gl.STATIC_DRAW);
+  function points(data) {
+    const made = gl.createVertexArray(), buffer = gl.createBuffer();
+    gl.bindVertexArray(made);
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+    gl.bufferData(gl.ARRAY_BUFFER, data, gl.DYNAMIC_DRAW);
+    gl.enableVertexAttribArray(0);
+    gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 12, 0);
+    return { made, buffer };
+  }
+  const dots = points(nodeP.subarray(0, 3 * nodes)), trails = points(paths);
+  const [lo, hi] = [model.low, model.high];
+  const edges = [];
+  for (let k = 0; k < 3; k++) for (const u of [0, 1]) for (const v of [0, 1]) for (const w of [0, 1]) {
+    const pick = [0, 0, 0];
+    pick[k] = w; pick[(k + 1) % 3] = u; pick[(k + 2) % 3] = v;
+    edges.push(...pick.map((one, i) => (one ? hi : lo)[i]));
+  }
+  const box = points(new Float32Array(edges));
+
+  // the frames of one picture as a texture: three texels a frame
+  const width = Math.min(2048, gl.getParameter(gl.MAX_TEXTURE_SIZE)), height = Math.max(1, Math.ceil((3 * frames) / width));
+  const texels = new Float32Array(4 * width * height);
+  gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
+  for (const [name, value] of [[gl.TEXTURE_MIN_FILTER, gl.NEAREST], [gl.TEXTURE_MAG_FILTER, gl.NEAREST],
+    [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE], [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE]]) gl.texParameteri(gl.TEXTURE_2D, name, value);
+  gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, width, height, 0, gl.RGBA, gl.FLOAT, null);
+
+  const state = { k: 0, loaded: -1, playing: false, azimuth: model.azimuth, elevation: model.elevation, zoom: 1,
+    shift: [0, 0], node: -1, element: 0, numbers: false, marks: true };
+  const middle = lo.map((v, i) => 0.5 * (v + hi[i]));
+  const reach = 0.5 * Math.hypot(...lo.map((v, i) => hi[i] - v)) || 1;
+
+  function load() {
+    if (state.loaded === state.k) return;
+    const p = 3 * frames * state.k, q = 6 * frames * state.k, unit = 1 / 32767;
+    for (let i = 0; i < frames; i++) {
+      const t = 12 * i, r = p + 3 * i, s = q + 6 * i;
+      texels[t] = P[r]; texels[t + 1] = P[r + 1]; texels[t + 2] = P[r + 2];
+      for (let c = 0; c < 3; c++) {
+        texels[t + 4 + c] = AXES[s + c] * unit;
+        texels[t + 8 + c] = AXES[s + 3 + c] * unit;
+      }
+    }
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, width, height, gl.RGBA, gl.FLOAT, texels);
+    gl.bindBuffer(gl.ARRAY_BUFFER, dots.buffer);
+    gl.bufferSubData(gl.ARRAY_BUFFER, 0, nodeP.subarray(3 * nodes * state.k, 3 * nodes * (state.k + 1)));
+    state.loaded = state.k;
+  }
+
+  // half of the width and height [m] of the box as it is seen now: what has to fit at zoom 1
+  function fit() {
+    const view = axes(), half = lo.map((v, i) => 0.5 * (hi[i] - v));
+    state.fit = [view.right, view.up].map((u) => Math.max(half.reduce((sum, h, i) => sum + h * Math.abs(u[i]), 0), 0.05 * reach));
+  }
+
+  function axes() {
+    const A = (state.azimuth * Math.PI) / 180, B = (state.elevation * Math.PI) / 180;
+    const near = [Math.cos(B) * Math.cos(A), Math.cos(B) * Math.sin(A), Math.sin(B)];
+    const right = [-Math.sin(A), Math.cos(A), 0];
+    const up = [near[1] * right[2] - near[2] * right[1], near[2] * right[0] - near[0] * right[2], near[0] * right[1] - near[1] * right[0]];
+    return { right, up, near };
+  }
+
+  function camera() {
+    const { right, up, near } = axes();
+    const s = state.zoom * Math.min((0.46 * canvas.width) / state.fit[0], (0.46 * canvas.height) / state.fit[1]);
+    const scale = [(2 * s) / canvas.width, (2 * s) / canvas.height];
+    const dot = (u) => u[0] * middle[0] + u[1] * middle[1] + u[2] * middle[2];
+    const shift = [state.shift[0] - dot(right) * scale[0], state.shift[1] - dot(up) * scale[1]];
+    // depth is counted from the middle, in a range that holds the whole box
+    return { right, up, near, scale, shift, depth: 0.45 / (reach + Math.abs(dot(near))), pixels: s };
+  }
+
+  function project(view, data, i) {
+    const along = (u) => u[0] * data[i] + u[1] * data[i + 1] + u[2] * data[i + 2];
+    return [(along(view.right) * view.scale[0] + view.shift[0] + 1) / 2 * canvas.width,
+      (1 - along(view.up) * view.scale[1] - view.shift[1]) / 2 * canvas.height, along(view.near)];
+  }
+
+  function use(kind, view) {
+    gl.useProgram(kind.made);
+    const { right: r, up: u, near: n } = view;
+    gl.uniformMatrix3fv(kind.names.u_turn, false, [r[0], u[0], n[0], r[1], u[1], n[1], r[2], u[2], n[2]]);
+    gl.uniform2fv(kind.names.u_scale, view.scale);
+    gl.uniform2fv(kind.names.u_shift, view.shift);
+    gl.uniform1f(kind.names.u_depth, view.depth);
+  }
+
+  function draw() {
+    const ratio = window.devicePixelRatio || 1;
+    const w = Math.max(1, Math.round(canvas.clientWidth * ratio)), h = Math.max(1, Math.round(canvas.clientHeight * ratio));
+    if (canvas.width !== w || canvas.height !== h) { canvas.width = over.width = w; canvas.height = over.height = h; }
+    load();
+    const view = camera();
+    gl.viewport(0, 0, w, h);
+    gl.clearColor(1, 1, 1, 1);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    gl.enable(gl.DEPTH_TEST);
+    use(marks, view);
+    const line = (what, mode, first, count, rgb, size, round) => {
+      gl.bindVertexArray(what.made);
+      gl.uniform3fv(marks.names.u_colour, rgb);
+      gl.uniform1f(marks.names.u_size, size);
+      gl.uniform1i(marks.names.u_round, round ? 1 : 0);
+      gl.drawArrays(mode, first, count);
+    };
+    if (!model.planar) line(box, gl.LINES, 0, 24, [0.82, 0.85, 0.87], 1, false);
+    for (const [first, count] of model.paths) line(trails, gl.LINE_STRIP, first, count, [0.82, 0.51, 0.16], 1, false);
+    if (state.marks) line(dots, gl.POINTS, 0, nodes, [0.11, 0.15, 0.18], 5 * ratio, true);
+    use(solids, view);
+    gl.bindVertexArray(mesh);
+    gl.uniform1i(solids.names.u_frames, 0);
+    gl.uniform1i(solids.names.u_width, width);
+    gl.uniform1ui(solids.names.u_chosen, state.element);
+    gl.drawElements(gl.TRIANGLES, triangles.length, gl.UNSIGNED_INT, 0);
+    overlay(view, ratio);
+  }
+
+  function overlay(view, ratio) {
+    pen.clearRect(0, 0, over.width, over.height);
+    pen.font = `${12 * ratio}px sans-serif`;
+    pen.lineWidth = 1.5 * ratio;
+    const at = [46 * ratio, over.height - 46 * ratio], long = 30 * ratio;
+    for (let k = 0; k < 3; k++) {
+      const x = at[0] + long * view.right[k], y = at[1] - long * view.up[k];
+      if (Math.hypot(x - at[0], y - at[1]) < 2 * ratio) continue;
+      pen.strokeStyle = pen.fillStyle = ["#b3372f", "#2f8f4e", "#2f6fb5"][k];
+      pen.beginPath(); pen.moveTo(at[0], at[1]); pen.lineTo(x, y); pen.stroke();
+      pen.fillText("xyz"[k], x + 3 * ratio, y - 3 * ratio);
+    }
+    let length = Math.pow(10, Math.floor(Math.log10((160 * ratio) / view.pixels)));
+    for (const m of [5, 2]) if (length * m * view.pixels <= 160 * ratio) { length *= m; break; }
+    const x1 = over.width - 24 * ratio, x0 = x1 - length * view.pixels, y0 = over.height - 20 * ratio;
+    pen.strokeStyle = pen.fillStyle = "#4d565e";
+    pen.beginPath(); pen.moveTo(x0, y0 - 4 * ratio); pen.lineTo(x0, y0); pen.lineTo(x1, y0); pen.lineTo(x1, y0 - 4 * ratio); pen.stroke();
+    pen.textAlign = "center";
+    pen.fillText(`${+(length / model.metre).toPrecision(3)} ${model.unit}`, 0.5 * (x0 + x1), y0 - 6 * ratio);
+    pen.textAlign = "left";
+    if (state.numbers) {
+      pen.fillStyle = "#33414d";
+      const step = Math.max(1, Math.ceil(nodes / 300));
+      for (let i = 0; i < nodes; i += step) {
+        const [x, y] = project(view, nodeP, 3 * (nodes * state.k + i));
+        pen.fillText(model.nodes[i], x + 5 * ratio, y - 5 * ratio);
+      }
+    }
+    if (state.node >= 0) {
+      const [x, y] = project(view, nodeP, 3 * (nodes * state.k + state.node));
+      pen.strokeStyle = "#e07b1a";
+      pen.lineWidth = 2.5 * ratio;
+      pen.beginPath(); pen.arc(x, y, 9 * ratio, 0, 2 * Math.PI); pen.stroke();
+    }
+    $("time").textContent = model.times[state.k];
+    tell();
+  }
+
+  const number = (v) => (v === 0 ? "0" : Math.abs(v) >= 1e-3 && Math.abs(v) < 1e5 ? String(+v.toPrecision(6)) : v.toExponential(4));
+  function tell() {
+    const rows = [];
+    if (state.node >= 0) {
+      const now = 3 * (nodes * state.k + state.node), start = 3 * state.node;
+      rows.push(["node", model.nodes[state.node]]);
+      for (let c = 0; c < (model.planar ? 2 : 3); c++) {
+        const here = (nodeP[now + c] + model.centre[c]) / model.metre, first = (nodeP[start + c] + model.centre[c]) / model.metre;
+        rows.push(["xyz"[c] + ` (${model.unit})`, number(here)]);
+        rows.push(["\u0394" + "xyz"[c], number(here - first)]);
+      }
+    } else if (state.element) {
+      const e = model.elements[state.element];
+      if (e) {
+        rows.push(["element", `${e.keyword} ${state.element}`], ["nodes", e.nodes]);
+        if (values) e.values.forEach(([name, column]) => rows.push([name, number(values[model.columns * state.k + column])]));
+      }
+    }
+    const body = $("picked");
+    body.replaceChildren(...rows.map(([name, text]) => {
+      const row = document.createElement("tr"), head = document.createElement("th"), cell = document.createElement("td");
+      head.textContent = name; cell.textContent = text; row.append(head, cell);
+      return row;
+    }));
+    $("hint").hidden = rows.length > 0;
+  }
+
+  function pick(x, y) {
+    const view = camera(), ratio = window.devicePixelRatio || 1;
+    const nearest = (data, first, count, within, wanted) => {
+      let best = -1, size = within * ratio;
+      for (let i = 0; i < count; i++) {
+        if (wanted && !wanted(i)) continue;
+        const [u, v] = project(view, data, first + 3 * i), d = Math.hypot(u - x, v - y);
+        if (d < size) { size = d; best = i; }
+      }
+      return best;
+    };
+    state.node = nearest(nodeP, 3 * nodes * state.k, nodes, 12);
+    state.element = 0;
+    if (state.node < 0) {
+      let best = 14 * ratio;  // distance from the lines between successive frames of one element
+      for (let i = 0; i + 1 < frames; i++) {
+        if (!elementOfFrame[i]) continue;
+        const p = project(view, P, 3 * (frames * state.k + i));
+        let q = p;
+        if (elementOfFrame[i + 1] === elementOfFrame[i]) q = project(view, P, 3 * (frames * state.k + i + 1));
+        const dx = q[0] - p[0], dy = q[1] - p[1], long = dx * dx + dy * dy;
+        const t = long ? Math.min(1, Math.max(0, ((x - p[0]) * dx + (y - p[1]) * dy) / long)) : 0;
+        const d = Math.hypot(p[0] + t * dx - x, p[1] + t * dy - y);
+        if (d < best) { best = d; state.element = elementOfFrame[i]; }
+      }
+    }
+    draw();
+  }
+
+  let asked = false;
+  function later() {
+    if (!asked) { asked = true; requestAnimationFrame(() => { asked = false; draw(); }); }
+  }
+  function show(k) {
+    state.k = Math.max(0, Math.min(pictures - 1, k));
+    $("step").value = state.k;
+    later();
+  }
+  let last = 0;
+  function tick(now) {
+    if (!state.playing) return;
+    if (now - last >= 1000 / model.fps) { last = now; state.k = (state.k + 1) % pictures; $("step").value = state.k; draw(); }
+    requestAnimationFrame(tick);
+  }
+  function play(on) {
+    state.playing = on && pictures > 1;
+    $("play").textContent = state.playing ? "pause" : "play";
+    if (state.playing) requestAnimationFrame(tick);
+  }
+  function look(azimuth, elevation) {
+    Object.assign(state, { azimuth, elevation, zoom: 1, shift: [0, 0] });
+    fit();
+    later();
+  }
+
+  let drag = null;
+  canvas.addEventListener("pointerdown", (e) => {
+    drag = { x: e.clientX, y: e.clientY, moved: false, pan: e.shiftKey || e.button !== 0,
+      azimuth: state.azimuth, elevation: state.elevation, shift: state.shift.slice() };
+    try { canvas.setPointerCapture(e.pointerId); } catch (error) { /* a pointer that is gone already */ }
+  });
+  canvas.addEventListener("pointermove", (e) => {
+    if (!drag) return;
+    const dx = e.clientX - drag.x, dy = e.clientY - drag.y;
+    if (Math.hypot(dx, dy) > 3) drag.moved = true;
+    if (!drag.moved) return;
+    if (drag.pan) state.shift = [drag.shift[0] + (2 * dx) / canvas.clientWidth, drag.shift[1] - (2 * dy) / canvas.clientHeight];
+    else {
+      state.azimuth = drag.azimuth - 0.4 * dx;
+      state.elevation = Math.max(-90, Math.min(90, drag.elevation + 0.4 * dy));
+    }
+    later();
+  });
+  canvas.addEventListener("pointerup", (e) => {
+    if (drag && !drag.moved) {
+      const ratio = window.devicePixelRatio || 1, r = canvas.getBoundingClientRect();
+      pick((e.clientX - r.left) * ratio, (e.clientY - r.top) * ratio);
+    }
+    drag = null;
+  });
+  canvas.addEventListener("pointercancel", () => { drag = null; });
+  canvas.addEventListener("contextmenu", (e) => e.preventDefault());
+  canvas.addEventListener("wheel", (e) => {
+    e.preventDefault();
+    const factor = Math.exp(-0.0012 * e.deltaY), r = canvas.getBoundingClientRect();
+    const x = (2 * (e.clientX - r.left)) / r.width - 1, y = 1 - (2 * (e.clientY - r.top)) / r.height;
+    state.shift = [x + (state.shift[0] - x) * factor, y + (state.shift[1] - y) * factor]; // what is under the pointer stays
+    state.zoom *= factor;
+    later();
+  }, { passive: false });
+  canvas.addEventListener("dblclick", () => look(model.azimuth, model.elevation));
+  $("play").addEventListener("click", () => play(!state.playing));
+  $("step").addEventListener("input", () => { play(false); show(+$("step").value); });
+  $("numbers").addEventListener("change", () => { state.numbers = $("numbers").checked; later(); });
+  $("marks").addEventListener("change", () => { state.marks = $("marks").checked; later(); });
+  for (const button of document.querySelectorAll("[data-view]"))
+    button.addEventListener("click", () => look(...button.dataset.view.split(",").map(Number)));
+  document.addEventListener("keydown", (e) => {
+    if (e.target.tagName === "INPUT" && e.key !== " ") return;
+    if (e.key === " ") { e.preventDefault(); play(!state.playing); }
+    else if (e.key === "ArrowRight") show(state.k + 1);
+    else if (e.key === "ArrowLeft") show(state.k - 1);
+  });
+  window.addEventListener("resize", later);
+  $("step").max = pictures - 1;
+  $("controls").hidden = pictures < 2;
+  fit();
+  draw();
+
+  const wanted = new URLSearchParams(location.hash.slice(1)); // #step=3&node=5&measure=30: for tests and links
+  if (wanted.has("step")) { state.k = Math.max(0, Math.min(pictures - 1, +wanted.get("step") || 0)); $("step").value = state.k; }
+  if (wanted.has("node")) state.node = model.nodes.findIndex((name) => parseInt(name, 10) === +wanted.get("node"));
+  if (wanted.has("at")) { draw(); pick(...wanted.get("at").split(",").map(Number)); }
+  draw();
+  if (wanted.has("ink")) { // share of the picture that is not white
+    const all = new Uint8Array(4 * canvas.width * canvas.height);
+    gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, all);
+    let dark = 0;
+    for (let i = 0; i < all.length; i += 4) if (all[i] + all[i + 1] + all[i + 2] < 600) dark++;
+    document.body.dataset.ink = ((4 * dark) / all.length).toFixed(5);
+  }
+  if (wanted.has("measure")) {
+    const count = Math.max(1, +wanted.get("measure") || 1), begun = performance.now(), probe = new Uint8Array(4);
+    let script = 0;
+    for (let i = 0; i < count; i++) {
+      state.k = i % pictures; state.azimuth += 1;
+      const start = performance.now();
+      draw();
+      script += performance.now() - start;
+      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, probe); // waits until the picture is there
+    }
+    document.body.dataset.script = (script / count).toFixed(2);
+    document.body.dataset.ms = ((performance.now() - begun) / count).toFixed(2);
+  }
+  document.body.dataset.state = gl.getError() === gl.NO_ERROR ? "ready" : "gl-error";
+})();

@@ -1,0 +1,222 @@
+"""A result as one mesh that moves: what the page of `spacar view` draws.
+
+Every corner of the mesh is p + a X + b Y + c Z with a fixed place (a, b, c) in one of n frames (p; X, Y, Z) that move
+from picture to picture. Along beams and lines there is a frame at every point of the elastic line; a part that keeps
+its shape (a hinge, a wheel, a support) has one frame, found by the rotation that fits its corners best (singular value
+decomposition of their covariance: reference/bibliography.md, Kabsch); anything else has a frame for every corner. Only
+the frames are stored for every picture.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacar.arrays import Array
+from spacar_drawing.bodies import Alike, bar_groups, beam_lines, body_groups, open_ends
+from spacar_drawing.drawn_shapes import Faces, Line, Mark, Shape, convex_pieces, disc_outline
+from spacar_drawing.element_pictures import PARTS, free_truss, plain, straight_and_free
+from spacar_drawing.look import Look
+from spacar_drawing.machine_parts import wound_arcs
+from spacar_drawing.paint import rgba
+from spacar_drawing.scene import Element, Pose, Scene
+from spacar_drawing.sections import outline
+from spacar_drawing.supports import support_shapes
+
+RIGID = 1e-6  # of the extent: corners that stay within this of a turned and moved part belong to a rigid one
+THICKNESS = 0.09  # radius of a line of one point, of the symbol size
+SIDES = 8  # of a rod; half of them where there are many
+MANY = 500  # beams
+Draw = Callable[[Pose], list[Shape]]
+
+
+@dataclass
+class Mesh:
+    """frames: lists of (pictures, n, 3) p, Y, Z; corners: (frame,) (place, 3) (normal, 3) (colour, 3) (element,)."""
+
+    size: float
+    p: list[Array] = field(default_factory=list)
+    y: list[Array] = field(default_factory=list)
+    z: list[Array] = field(default_factory=list)
+    frame: list[NDArray[np.int64]] = field(default_factory=list)
+    place: list[Array] = field(default_factory=list)
+    normal: list[Array] = field(default_factory=list)
+    colour: list[Array] = field(default_factory=list)
+    element: list[NDArray[np.int64]] = field(default_factory=list)
+    triangles: list[NDArray[np.int64]] = field(default_factory=list)
+    frames: int = 0
+    corners: int = 0
+
+    def add(
+        self, p: Array, y: Array, z: Array, frame: Array, place: Array, colour: Array, element: Array,
+        triangles: Array, normal: Array | None = None,
+    ) -> None:  # fmt: skip
+        """Frames (pictures, n, 3) and the corners in them; numbers of frames and corners count from 0 here."""
+        self.p.append(p)
+        self.y.append(y)
+        self.z.append(z)
+        self.frame.append(np.asarray(frame, np.int64) + self.frames)
+        self.place.append(place)
+        self.normal.append(np.zeros_like(place) if normal is None else normal)
+        self.colour.append(colour)
+        self.element.append(np.asarray(element, np.int64))
+        self.triangles.append(np.asarray(triangles, np.int64) + self.corners)
+        self.frames += p.shape[1]
+        self.corners += len(place)
+
+    def tubes(
+        self, points: Array, y: Array, z: Array, contour: Array, colour: Array, elements: Array, round_: bool,
+        ends: NDArray[np.bool_] | None = None,
+    ) -> None:  # fmt: skip
+        """An outline (k, 2) along m lines: points, y, z (pictures, m, n, 3); colour (3,); elements (m,) numbers; ends
+        (m, 2) which of them are closed, default all."""
+        pictures, m, n, _ = points.shape
+        k = len(contour)
+        corner = np.arange(m * n * k).reshape(m, n, k)
+        after = np.roll(corner, -1, axis=2)
+        a, b, c, d = corner[:, :-1], after[:, :-1], after[:, 1:], corner[:, 1:]
+        sides = np.stack((a, b, c, a, c, d), axis=-1).reshape(-1, 3)
+        pieces = convex_pieces(contour)
+        fan = np.array([(q[0], q[i], q[i + 1]) for q in pieces for i in range(1, len(q) - 1)])
+        closed = np.ones((m, 2), bool) if ends is None else ends
+        caps = [corner[closed[:, i], at][:, fan].reshape(-1, 3) for i, at in enumerate((0, -1))]
+        place = np.zeros((m * n * k, 3))
+        place[:, 1:] = np.tile(contour, (m * n, 1))
+        normal = place / np.maximum(np.linalg.norm(place, axis=1, keepdims=True), 1e-300) if round_ else None
+        p, y, z = (v.reshape(pictures, -1, 3) for v in (points, y, z))
+        self.add(
+            p,
+            y,
+            z,
+            np.repeat(np.arange(m * n), k),
+            place,
+            np.tile(colour, (m * n * k, 1)),
+            np.repeat(elements, n * k),
+            np.concatenate([sides, *caps]),
+            normal,
+        )
+
+    def part(self, corners: Array, colour: Array, element: int, triangles: Array, extent: float) -> None:
+        """Corners (pictures, n, 3) of one part: as a rigid one when they keep their distances, else as they are."""
+        fitted = rigid_motion(corners)
+        number = np.full(corners.shape[1], element)
+        if np.max(np.abs(fitted.rest), initial=0.0) <= RIGID * extent:
+            turn = fitted.turn
+            zero = np.zeros(corners.shape[1], int)
+            place = corners[0] - fitted.centre[0]
+            self.add(
+                fitted.centre[:, None], turn[:, None, :, 1], turn[:, None, :, 2], zero, place, colour, number, triangles
+            )
+            return
+        y, z = (np.broadcast_to(np.eye(3)[i], corners.shape) for i in (1, 2))
+        self.add(corners, y, z, np.arange(corners.shape[1]), np.zeros(corners.shape[1:]), colour, number, triangles)
+
+
+@dataclass(frozen=True)
+class RigidMotion:
+    """centre (k, 3), turn (k, 3, 3) from the first picture, rest (k, n, 3) what it leaves."""
+
+    centre: Array
+    turn: Array
+    rest: Array
+
+
+def rigid_motion(corners: Array) -> RigidMotion:
+    """The motions that fit the corners (k, n, 3) best, from those of the first picture; least squares."""
+    centre = corners.mean(axis=1)
+    first, every = corners[0] - centre[0], corners - centre[:, None]
+    u, _, v = np.linalg.svd(np.swapaxes(every, 1, 2) @ first)
+    proper = np.sign(np.linalg.det(u @ v))
+    u[:, :, 2] *= np.where(proper == 0, 1.0, proper)[:, None]
+    turn = u @ v
+    return RigidMotion(centre, turn, every - first @ np.swapaxes(turn, 1, 2))
+
+
+def mesh_of(scene: Scene, xs: Array, look: Look) -> Mesh:
+    """The mechanism at the configurations xs (pictures, nx)."""
+    mesh = Mesh(look.size)
+    poses = [Pose.of(scene, x) for x in xs]
+    seen = [e for e in scene.elements if e.number not in look.settings.hidden]
+    trusses = [e for e in seen if e.shape == "truss"]
+    straight, springs = straight_and_free(scene, look, trusses)
+    groups = body_groups(scene, look, [e for e in seen if e.shape in ("beam", "body")])
+    groups += bar_groups(scene, look, straight)
+    few = sum(len(g.elements) for g in groups) < MANY
+    for group in groups:
+        _slender(mesh, scene, poses, look, group, SIDES if few else SIDES // 2)
+    others = [e for e in seen if e.shape not in ("beam", "body", "truss")]
+
+    def one(e: Element) -> Draw:
+        draw = free_truss if e.shape == "truss" else PARTS.get(e.shape, plain)
+        return lambda pose: draw(scene, pose, look, e)
+
+    for e in [*springs, *others]:
+        _shapes(mesh, poses, one(e), e.number)
+    if any(e.shape == "belt" for e in seen):
+        _shapes(mesh, poses, lambda pose: wound_arcs(scene, pose, look), 0)
+    if look.supports:
+        _shapes(mesh, poses, lambda pose: support_shapes(scene, pose, look), 0)
+    return mesh
+
+
+def _slender(mesh: Mesh, scene: Scene, poses: Sequence[Pose], look: Look, group: Alike, sides: int) -> None:
+    first = group.elements[0]
+    section = look.settings.section(first.number, first.shape == "truss")
+    contour = outline(section) if section is not None else None
+    round_ = contour is None or (section is not None and section.shape.startswith("CIRC"))
+    if contour is None:
+        contour = disc_outline(group.radius * mesh.size, sides)
+    lines = [beam_lines(scene, pose, group.elements, group.n) for pose in poses]
+    points, y, z = (np.stack([line[i] for line in lines]) for i in range(3))
+    numbers = np.array([e.number for e in group.elements])
+    ends = open_ends(scene, group.elements, points[0])
+    mesh.tubes(points, y, z, contour, rgba(group.colour, 1.0)[0, :3], numbers, round_, ends)
+
+
+def _shapes(mesh: Mesh, poses: Sequence[Pose], draw: Draw, element: int) -> None:
+    """Shapes that a function draws, matched from picture to picture; what comes and goes is left out."""
+    every = [draw(pose) for pose in poses]
+    extent = mesh.size / 0.022
+    for alike in zip(*every, strict=False):
+        first = alike[0]
+        if any(type(s) is not type(first) for s in alike) or isinstance(first, Mark):
+            continue
+        if isinstance(first, Faces):
+            faces = [s.corners for s in alike if isinstance(s, Faces)]
+            if any(f.shape != faces[0].shape for f in faces):
+                continue
+            m, k, _ = faces[0].shape
+            corner = np.arange(m * k).reshape(m, k)
+            fan = np.stack([corner[:, [0, i, i + 1]] for i in range(1, k - 1)], axis=1).reshape(-1, 3)
+            colour = np.repeat(rgba(first.colour, 1.0, m)[:, :3], k, axis=0)
+            mesh.part(np.stack(faces).reshape(len(poses), -1, 3), colour, element, fan, extent)
+        elif isinstance(first, Line):
+            lines = [s.points for s in alike if isinstance(s, Line)]
+            if all(p.shape == lines[0].shape for p in lines):
+                _line(mesh, np.stack(lines), first, element, extent)
+
+
+def _line(mesh: Mesh, points: Array, look: Line, element: int, extent: float) -> None:
+    """A polyline, or several, (pictures, ..., n, 3) as thin tubes."""
+    points = points.reshape(len(points), -1, *points.shape[-2:])
+    tangent = np.gradient(points, axis=-2)
+    tangent /= np.maximum(np.linalg.norm(tangent, axis=-1, keepdims=True), 1e-300)
+    guide = np.where(np.abs(tangent[..., 2:]) < 0.9, [0, 0, 1.0], [1.0, 0, 0])
+    y = np.cross(guide, tangent)
+    y /= np.maximum(np.linalg.norm(y, axis=-1, keepdims=True), 1e-300)
+    z = np.cross(tangent, y)
+    contour = disc_outline(THICKNESS * look.width * mesh.size, 4)
+    m, n = points.shape[1:3]
+    rings = points[..., None, :] + contour[:, 0, None] * y[..., None, :] + contour[:, 1, None] * z[..., None, :]
+    rigid = rings.reshape(len(points), -1, 3)
+    if np.max(np.abs(rigid_motion(rigid).rest), initial=0.0) <= RIGID * extent:
+        corner = np.arange(m * n * 4).reshape(m, n, 4)
+        after = np.roll(corner, -1, axis=2)
+        a, b, c, d = corner[:, :-1], after[:, :-1], after[:, 1:], corner[:, 1:]
+        sides = np.stack((a, b, c, a, c, d), axis=-1).reshape(-1, 3)
+        mesh.part(rigid, np.tile(rgba(look.colour, 1.0)[0, :3], (m * n * 4, 1)), element, sides, extent)
+        return
+    mesh.tubes(points, y, z, contour, rgba(look.colour, 1.0)[0, :3], np.full(m, element), True)

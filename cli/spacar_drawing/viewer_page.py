@@ -1,0 +1,206 @@
+"""The page of `spacar view`: a self-contained HTML page that turns, zooms and plays a result with WebGL 2.
+
+Nothing is loaded from elsewhere. The script is the file viewer.js as it stands, the only one that the page's security
+policy admits (by its digest); the model is data beside it, written so that no text of a model can end its element.
+"""
+
+from __future__ import annotations
+
+import json
+from base64 import b64encode
+from collections.abc import Sequence
+from hashlib import sha256
+from html import escape
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacar.arrays import Array
+from spacar.deck import ELEMENT_TYPES
+from spacar.deck.length_unit import shown_in
+from spacar.errors import UsageError
+from spacar_drawing.camera import view_angles
+from spacar_drawing.drawn_shapes import merge_bounds
+from spacar_drawing.look import look_of
+from spacar_drawing.mechanism_picture import Extras, mechanism_shapes
+from spacar_drawing.moving_figure import evenly
+from spacar_drawing.picture_source import PictureSource
+from spacar_drawing.placement import attachments
+from spacar_drawing.scene import positions
+from spacar_drawing.step_pictures import step_text
+from spacar_drawing.viewer_mesh import Mesh, mesh_of
+
+BUDGET = 24e6  # bytes of the moving part; of longer results fewer pictures are kept
+MOST_VALUES = 4e6  # bytes of deformations and stresses
+MOST_PICTURES = 150
+STYLE = """
+*{box-sizing:border-box}html,body{margin:0;height:100%;font:14px/1.4 system-ui,sans-serif;color:#1d262e;background:#fff}
+body{display:flex;flex-direction:column}header,#bar{display:flex;gap:.6em;align-items:center;padding:.45em .9em;
+flex-wrap:wrap;border-bottom:1px solid #dde2e6}#bar{border:0;border-top:1px solid #dde2e6}h1{font-size:1em;margin:0}
+#time{color:#4d565e}#stage{position:relative;flex:1;min-height:120px}canvas{position:absolute;inset:0;width:100%;
+height:100%}#view{touch-action:none;cursor:grab}#over{pointer-events:none}#panel{position:absolute;top:.6em;right:.6em;
+background:#fffffff0;border:1px solid #dde2e6;border-radius:4px;padding:.4em .7em;max-width:17em;pointer-events:none;
+max-height:90%;overflow:hidden}#panel th{text-align:left;font-weight:400;color:#4d565e;padding-right:.9em}
+#panel td{font-variant-numeric:tabular-nums;text-align:right}#hint{color:#6b747b;margin:0;font-size:.9em}
+#controls{display:flex;gap:.6em;flex:1;align-items:center}#controls[hidden]{display:none}#step{flex:1;min-width:8em}
+button{font:inherit;padding:.15em .7em;border:1px solid #b9c1c8;background:#f6f8f9;border-radius:4px}
+#note{color:#a33;margin:0}label{color:#4d565e}
+"""
+
+
+def view_page(source: PictureSource, frames: int = MOST_PICTURES, view: str = "iso", fps: float = 25.0) -> str:
+    """The page of a result as text, with at most so many of its steps.
+
+    Raises UsageError for a view that is none, and for a result without anything to draw.
+    """
+    data = json.dumps(_model(source, frames, view, fps), separators=(",", ":"), allow_nan=False)
+    data = data.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
+    script = files("spacar_drawing").joinpath("viewer.js").read_text("utf-8")
+    digest = b64encode(sha256(script.encode()).digest()).decode()
+    style = b64encode(sha256(STYLE.encode()).digest()).decode()
+    policy = f"default-src 'none'; script-src 'sha256-{digest}'; style-src 'sha256-{style}'"
+    title = escape(source.scene.title)
+    names = {"iso": "iso", "top": "xy", "xz": "xz", "yz": "yz"}
+    buttons = "".join(
+        f'<button type="button" data-view="{a:g},{b:g}">{text}</button>'
+        for text, (a, b) in ((text, view_angles(name)) for name, text in names.items())
+    )
+    return (
+        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n'
+        '<meta name="viewport" content="width=device-width">\n'
+        f"<title>{title}: spacar view</title>\n<style>{STYLE}</style>\n</head>\n<body>\n"
+        f'<header><h1>{title}</h1><span id="time"></span><p id="note"></p></header>\n'
+        '<div id="stage"><canvas id="view"></canvas><canvas id="over"></canvas>'
+        '<div id="panel"><table><tbody id="picked"></tbody></table>'
+        '<p id="hint">drag: turn; shift and drag: move; wheel: zoom; click: numbers of a node or element</p>'
+        "</div></div>\n"
+        '<div id="bar"><span id="controls"><button type="button" id="play">play</button>'
+        '<input id="step" type="range" min="0" value="0" aria-label="step"></span>'
+        f"{buttons}"
+        '<label><input type="checkbox" id="numbers"> numbers</label>'
+        '<label><input type="checkbox" id="marks" checked> nodes</label></div>\n'
+        f'<script type="application/json" id="data">{data}</script>\n<script>{script}</script>\n</body>\n</html>\n'
+    )
+
+
+def _model(source: PictureSource, frames: int, view: str, fps: float) -> dict[str, Any]:
+    scene = source.scene
+    look = look_of(scene, np.stack([source.x(k) for k in evenly(1, source.steps, 24)]), source.settings)
+    first = mesh_of(scene, source.x(1)[None], look)
+    if not first.corners and not len(scene.position_nodes):
+        raise UsageError(f"{source.name} has nothing that could be drawn", "draw.empty")
+    per_picture = 24 * first.frames + 12 * len(scene.position_nodes)
+    chosen = evenly(1, source.steps, max(2, min(frames, int(BUDGET / max(per_picture, 1)))))
+    xs = np.stack([source.x(k) for k in chosen])
+    mesh = mesh_of(scene, xs, look)
+    rows = scene.position_nodes - 1
+    places = np.stack([positions(scene, x)[rows] for x in xs])
+    low, high = _box(source, xs, look)
+    centre = 0.5 * (low + high)
+    azimuth, elevation = (-90.0, 90.0) if scene.planar else view_angles(view)
+    values, columns = _values(source, chosen)
+    traces, spans = _paths(source, centre)
+    turning: dict[int, list[int]] = {}
+    for turn, at in sorted(attachments(scene, False).items()):
+        turning.setdefault(at[0], []).append(turn)
+    arrays = _arrays(mesh, len(chosen), centre) | {
+        "nodes": _text(places - centre, np.float32),
+        "paths": _text(traces, np.float32),
+    }
+    if values is not None:
+        arrays["values"] = _text(values, np.float32)
+    return {
+        "planar": scene.planar,
+        "frames": mesh.frames,
+        "times": [step_text(source, k).removeprefix(scene.title).strip() for k in chosen],
+        "fps": fps,
+        "nodes": [
+            f"{n} ({','.join(map(str, turning[n]))})" if n in turning else str(n) for n in scene.position_nodes.tolist()
+        ],
+        "elements": _elements(source, values is not None),
+        "columns": columns,
+        "centre": centre.tolist(),
+        "low": (low - centre).tolist(),
+        "high": (high - centre).tolist(),
+        "metre": scene.metre,
+        "unit": shown_in("m", scene.metre)[1],
+        "azimuth": azimuth,
+        "elevation": elevation,
+        "paths": spans,
+        "arrays": arrays,
+    }
+
+
+def _box(source: PictureSource, xs: Array, look: Any) -> tuple[Array, Array]:
+    quiet = Extras()
+    sample = [xs[i] for i in evenly(0, len(xs) - 1, 12)]
+    boxes = [merge_bounds(mechanism_shapes(source.scene, x, look, quiet)) for x in sample]
+    found = [b for b in boxes if b is not None] or [(-np.ones(3), np.ones(3))]
+    return np.min([b[0] for b in found], axis=0), np.max([b[1] for b in found], axis=0)
+
+
+def _arrays(mesh: Mesh, pictures: int, centre: Array) -> dict[str, str]:
+    empty = np.zeros((pictures, 0, 3))
+    p, y, z = (np.concatenate([empty, *parts], axis=1) for parts in (mesh.p, mesh.y, mesh.z))
+    axes = np.rint(32767 * np.clip(np.concatenate((y, z), axis=2), -1, 1))
+    none = np.zeros((0, 3))
+    padding = np.zeros((mesh.corners, 1))
+    return {
+        "p": _text(p - centre, np.float32),
+        "axes": _text(axes, np.int16),
+        "frame": _text(np.concatenate([np.zeros(0, int), *mesh.frame]), np.uint32),
+        "place": _text(np.concatenate([none, *mesh.place]), np.float32),
+        "normal": _text(np.hstack((np.rint(127 * np.concatenate([none, *mesh.normal])), padding)), np.int8),
+        "colour": _text(np.hstack((np.rint(255 * np.concatenate([none, *mesh.colour])), padding)), np.uint8),
+        "element": _text(np.concatenate([np.zeros(0, int), *mesh.element]), np.uint32),
+        "triangles": _text(np.concatenate([np.zeros((0, 3), int), *mesh.triangles]), np.uint32),
+    }
+
+
+def _text(values: NDArray[Any], kind: Any) -> str:
+    """The bytes of an array, little-endian."""
+    return b64encode(np.ascontiguousarray(values, np.dtype(kind).newbyteorder("<")).tobytes()).decode("ascii")
+
+
+def _values(source: PictureSource, chosen: Sequence[int]) -> tuple[Array | None, int]:
+    """Deformations, then stresses of the pictures, and how many numbers a picture has; None when they are too many."""
+    found = [source.read(name, chosen[0]) for name in ("e", "sig")]
+    if any(v is None for v in found):
+        return None, 0
+    columns = sum(v.size for v in found if v is not None)
+    if 4 * columns * len(chosen) > MOST_VALUES:
+        return None, 0
+    rows = [np.concatenate([np.ravel(source.get(name, k)) for name in ("e", "sig")]) for k in chosen]
+    largest = float(np.finfo(np.float32).max)
+    return np.clip(np.nan_to_num(np.array(rows)), -largest, largest), columns
+
+
+def _elements(source: PictureSource, with_values: bool) -> dict[str, Any]:
+    scene = source.scene
+    ne = int(np.sum(scene.nep))
+    found = {}
+    for e in scene.elements:
+        row = scene.le[e.number - 1]
+        names = [str(mode[0]) for mode in ELEMENT_TYPES[e.keyword].modes]
+        columns = []
+        for m in np.flatnonzero(row > 0).tolist() if with_values else ():
+            name = names[m] if m < len(names) else ""
+            columns.append([f"e{m + 1} {name}", int(row[m]) - 1])
+            columns.append([f"\N{GREEK SMALL LETTER SIGMA}{m + 1}", ne + int(row[m]) - 1])
+        nodes = " ".join(str(n) for n in scene.ln[e.number - 1].tolist() if n)
+        found[str(e.number)] = {"keyword": e.keyword, "nodes": nodes, "values": columns}
+    return found
+
+
+def _paths(source: PictureSource, centre: Array) -> tuple[Array, list[list[int]]]:
+    """Points of the paths of TRAJECTNODE one after the other, and [first, count] of each."""
+    known = set(source.scene.position_nodes.tolist())
+    nodes = [n for n in source.settings.traces if n in known]
+    if not nodes:
+        return np.zeros((0, 3)), []
+    every = np.stack([positions(source.scene, x) for x in source.x()])
+    spans = [[i * len(every), len(every)] for i in range(len(nodes))]
+    return np.concatenate([every[:, n - 1] for n in nodes]) - centre, spans

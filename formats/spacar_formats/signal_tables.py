@@ -1,0 +1,134 @@
+"""Signals of a simulation in a `.sbd`: SIGNAL (n, 1) at every step, and in the header
+
+    SIGNAME   a line each: block, tab, name of the signal
+    SCOPES    a line each in JSON: title, unit, labels and columns (from 1) of a panel
+
+They stand beside the motion of the mechanism; a diagram without one has a file of its own (KIND signals). What a scope
+looks at is a signal under its name.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from spacar_formats.claim import Claim
+from spacar_formats.sbf import SbfFile, SbfWriter
+
+if TYPE_CHECKING:
+    from spacar.simulation.engine import Response
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Curves drawn together: columns (from 0) of the table, a label each, the unit of the axis."""
+
+    title: str
+    columns: tuple[int, ...]
+    labels: tuple[str, ...]
+    unit: str = ""
+
+
+@dataclass(frozen=True)
+class SignalTable:
+    """Signals (steps, n): the block and the name of each, and the panels of the scopes."""
+
+    blocks: tuple[str, ...]
+    names: tuple[str, ...]
+    values: np.ndarray = field(repr=False)
+    panels: tuple[Panel, ...] = ()
+
+    def columns(self, block: str) -> list[int]:
+        """Those of a block, in order."""
+        return [k for k, name in enumerate(self.blocks) if name == block]
+
+    def panel(self, block: str, title: str = "") -> Panel:
+        """All signals of a block in a panel."""
+        columns = self.columns(block)
+        return Panel(title or block, tuple(columns), tuple(self.names[k] for k in columns))
+
+    def header(self) -> dict[str, Any]:
+        lines = [f"{block}\t{name}" for block, name in zip(self.blocks, self.names, strict=True)]
+        scopes = [
+            json.dumps({"title": p.title, "unit": p.unit, "labels": p.labels, "columns": [k + 1 for k in p.columns]})
+            for p in self.panels
+        ]
+        return {"SIGNAME": lines} | ({"SCOPES": scopes} if scopes else {})
+
+
+def table_of(response: Response) -> SignalTable:
+    """The outputs of all blocks and the inputs of the scopes; without a scope the outputs of every mechanism."""
+    from spacar.simulation.blocks import Scope
+    from spacar.simulation.diagram import wired_names
+
+    blocks: list[str] = []
+    names: list[str] = []
+    columns: list[np.ndarray] = []
+    panels: list[Panel] = []
+    for name, block in response.diagram.blocks.items():
+        if isinstance(block, Scope):
+            labels = block.labels or tuple(wired_names(response.diagram, block))
+            place = range(len(blocks), len(blocks) + block.n_in)
+            panels.append(Panel(block.title, tuple(place), labels, block.unit))
+            columns.append(response.u[:, response.inputs[name]])
+        else:
+            labels = block.outputs_
+            columns.append(response.y[:, response.outputs[name]])
+        blocks += [name] * len(labels)
+        names += labels
+    return SignalTable(tuple(blocks), tuple(names), np.hstack(columns), tuple(panels))
+
+
+def table_of_arrays(arrays: Mapping[str, tuple[Sequence[str], np.ndarray]]) -> SignalTable:
+    """Names and values (steps, n) by block."""
+    blocks = tuple(block for block, (names, _) in arrays.items() for _ in names)
+    names = tuple(name for given, _ in arrays.values() for name in given)
+    return SignalTable(blocks, names, np.hstack([values for _, values in arrays.values()]))
+
+
+def panels_by_quantity(table: SignalTable, block: str) -> list[Panel]:
+    """The signals of a block, those of one keyword (OUTX, OUTE ...) or of one letter together."""
+    groups: dict[str, list[int]] = {}
+    for k in table.columns(block):
+        groups.setdefault(table.names[k].split(" ")[0].rstrip("0123456789"), []).append(k)
+    return [
+        Panel(f"{block} {what}".strip(), tuple(ks), tuple(table.names[k] for k in ks)) for what, ks in groups.items()
+    ]
+
+
+def read_table(file: SbfFile) -> SignalTable | None:
+    """The signals of a result; None when it has none."""
+    if not (file.has("SIGNAL") and file.has("SIGNAME")):
+        return None
+    lines = [str(line).partition("\t") for line in file.header["SIGNAME"]]
+    values = np.asarray(file.get("SIGNAL"), float).reshape(file.steps, -1)
+    panels = []
+    for line in file.header["SCOPES"] if file.has("SCOPES") else ():
+        found: Mapping[str, Any] = json.loads(line)
+        columns = tuple(k - 1 for k in found["columns"])
+        panels.append(Panel(found["title"], columns, tuple(found["labels"]), found["unit"]))
+    return SignalTable(tuple(line[0] for line in lines), tuple(line[2] for line in lines), values, tuple(panels))
+
+
+def write_table(stem: Path, t: Sequence[float] | np.ndarray, table: SignalTable, source: Path) -> Path:
+    """`stem.sbd` with time and signals only. Raises UsageError when it cannot be written."""
+    import spacar
+
+    path = stem.with_name(f"{stem.name}.sbd")
+    header = {"TITLE": stem.name, "KIND": "signals", "VERSION": f"spacar {spacar.__version__}", "SOURCE": source.name}
+    claim = Claim(path)
+    try:
+        claim.begin()
+        shapes = {"T": (1, 1), "SIGNAL": (table.values.shape[1], 1)}
+        with SbfWriter(claim.part, "sbd", header | table.header(), shapes, claim.open()) as writer:
+            for time, row in zip(t, table.values, strict=True):
+                writer.append({"T": time, "SIGNAL": row})
+        claim.publish()
+    finally:
+        claim.release()
+    return path

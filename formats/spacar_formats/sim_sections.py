@@ -1,0 +1,158 @@
+"""Sections of the model file of a simulation, with the line of everything: `[NAME]`, `key = value`, and lines of wires.
+
+'#', ';' and '%' begin a comment at the start of a line, '#' and '%' also behind a blank; an indented line continues the
+value above it. Every complaint names file, line, section and key, what was found and what is expected.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from spacar.errors import UsageError
+
+if TYPE_CHECKING:
+    from spacar_formats.sim_blocks import Key
+
+COMMENT = re.compile(r"(^|\s)[#%].*$")
+
+
+class Section:
+    """One section with typed access to its keys."""
+
+    def __init__(self, file: Path, name: str, line: int) -> None:
+        self.file, self.name, self.line = file, name, line
+        self.values: dict[str, str] = {}
+        self.lines: dict[str, int] = {}
+        self.wires: list[tuple[int, str]] = []
+        self.warnings: list[str] = []
+        self._defaults: dict[str, str] = {}
+
+    def error(self, text: str, key: str | None = None) -> UsageError:
+        line = self.lines.get(key or "", self.line)
+        return UsageError(f"{self.file.name}:{line}: [{self.name}]: {text}", "simulation.model-file")
+
+    def expect(self, keys: Sequence[Key]) -> None:
+        """Raises UsageError for a key that is not among these, and for one that is needed but missing."""
+        known = {key.name: key for key in keys}
+        for name in self.values:
+            if name != "block" and name not in known:
+                raise self.error(f"unknown key '{name}'; the keys are {', '.join(known) or 'none'}", name)
+        for name, key in known.items():
+            if key.default is None and not self.given(name):
+                raise self.error(f"'{name}' is missing: {key.text}")
+            self._defaults[name] = key.default or ""
+
+    def given(self, key: str) -> bool:
+        """Does the file say something for this key?"""
+        return bool(self.values.get(key))
+
+    def has(self, key: str) -> bool:
+        """Is there a value, given or by default?"""
+        return bool(self.text(key))
+
+    def text(self, key: str) -> str:
+        return self.values.get(key) or self._defaults[key]
+
+    def wrong(self, key: str, expected: str) -> UsageError:
+        return self.error(f"{key} = {self.text(key)} {expected}", key)
+
+    def number(self, key: str) -> float:
+        try:
+            return float(self.text(key))
+        except ValueError:
+            raise self.wrong(key, "is no number") from None
+
+    def integer(self, key: str, least: int = 1) -> int:
+        value = self.number(key)
+        if not (np.isfinite(value) and value == int(value) and value >= least):
+            kind = "positive whole number" if least == 1 else f"whole number from {least}"
+            raise self.wrong(key, f"must be a {kind}")
+        return int(value)
+
+    def flag(self, key: str) -> bool:
+        word = self.text(key).lower()
+        if word not in ("yes", "no", "true", "false", "1", "0"):
+            raise self.wrong(key, "must be yes or no")
+        return word in ("yes", "true", "1")
+
+    def matrix(self, key: str) -> np.ndarray:
+        """Rows separated by ';', numbers by blanks or commas; one number gives a number."""
+        try:
+            rows = [[float(v) for v in row.replace(",", " ").split()] for row in self.text(key).split(";")]
+            found = np.array(rows)
+        except ValueError:
+            raise self.wrong(key, "is no number and no matrix") from None
+        return found.reshape(()) if found.size == 1 else found
+
+    def numbers(self, key: str) -> list[float]:
+        """Numbers separated by blanks, commas or ';'."""
+        try:
+            found = [float(v) for v in self.text(key).replace(",", " ").replace(";", " ").split()]
+        except ValueError:
+            raise self.wrong(key, "is no list of numbers") from None
+        if not found:
+            raise self.wrong(key, "is no list of numbers")
+        return found
+
+    def choice(self, key: str, known: Sequence[str]) -> str:
+        word = self.text(key)
+        if word not in known:
+            raise self.wrong(key, f"must be one of {', '.join(known)}")
+        return word
+
+    def path(self, key: str) -> Path:
+        return self.file.parent / self.text(key)
+
+    def stored(self) -> tuple[Any, str, bool]:
+        """The result file of a set-point block, the interpolation and whether the ends are held."""
+        from spacar_formats.ltvfile import read_ltv
+
+        data, notes = read_ltv(self.path("file"))
+        self.warnings += notes
+        return data, self.text("interpolation"), self.flag("hold")
+
+
+def read_sections(file: Path, text: str) -> dict[str, Section]:
+    """The sections by name. Raises UsageError with the line of what cannot be understood."""
+    found: dict[str, Section] = {}
+    section: Section | None = None
+    last: str | None = None  # key whose value an indented line continues
+
+    def bad(number: int, why: str) -> UsageError:
+        text = f"{file.name}:{number}: {file.name} is no model of a simulation: {why}"
+        return UsageError(text, "simulation.model-file")
+
+    for number, raw in enumerate(text.splitlines(), 1):
+        line = "" if raw.lstrip().startswith((";", "#", "%")) else COMMENT.sub("", raw)
+        word = line.strip()
+        if not word:
+            continue
+        if word.startswith("[") and word.endswith("]"):
+            name, last = word[1:-1].strip(), None
+            if name in found:
+                raise bad(number, f"the section [{name}] stands in line {found[name].line} already")
+            section = found[name] = Section(file, name, number)
+        elif section is None:
+            raise bad(number, f"'{word}' stands before the first section, such as [simulation]")
+        elif section.name == "wires":
+            section.wires.append((number, word))
+        elif line[0].isspace():
+            if last is None:
+                raise bad(number, "an indented line follows a name without a value")
+            section.values[last] += f" {word}"
+        else:
+            key, equals, value = (part.strip() for part in word.partition("="))
+            if not equals:
+                last = None
+                section.values[key], section.lines[key] = "", number
+                continue
+            if key in section.values:
+                why = f"{key} of [{section.name}] stands in line {section.lines[key]} already"
+                raise bad(number, why)
+            section.values[key], section.lines[key], last = value, number, key
+    return found

@@ -1,0 +1,111 @@
+"""Results as tables of pandas and xarray, which are extras: `pip install 'spacar[tables]'`.
+
+Columns are called as in expressions: `x[6,1]`, `sig[2,3]`; units are in `attrs`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from spacar.arrays import Array
+from spacar.errors import UsageError
+from spacar.expressions import Dimensions, evaluate, parse, unit_text
+from spacar.mechanism.build import element_list
+from spacar.modes import find_mode
+from spacar.result import E_VARIABLES, X_VARIABLES, Result
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+MATRICES = ("m0", "c0", "d0", "k0", "n0", "g0")
+
+
+def to_pandas(result: Result, expressions: Sequence[str] = ()) -> pandas.DataFrame:
+    """One row a step, with the time (or load step) as index.
+
+    expressions   columns; default: all coordinates, deformations, rates, forces and stresses that the mode computed
+
+    Raises UsageError without pandas and for an expression that cannot be evaluated.
+    """
+    try:
+        import pandas
+    except ImportError:
+        raise UsageError(missing("to_pandas", "pandas"), "result.pandas-missing") from None
+    units = dimensions(result)
+    if expressions:
+        found = {text: evaluate(parse(text), result, units) for text in expressions}
+        columns = {text: np.broadcast_to(np.asarray(value), len(result.frames)) for text, (value, _) in found.items()}
+        names = {text: unit_text(unit) for text, (_, unit) in found.items()}
+    else:
+        columns, names = {}, {}
+        for variable, labels, values in variables(result):
+            for k, (a, b) in enumerate(labels):
+                columns[f"{variable}[{a},{b}]"] = values[:, k]
+                names[f"{variable}[{a},{b}]"] = unit_text(units(variable, (a, b)))
+    timed = find_mode(result.mode).timed
+    table = pandas.DataFrame(columns, index=pandas.Index(result.t, name="t" if timed else "load step"))
+    table.attrs["units"] = {**names, "t": "s" if timed else ""}
+    return table
+
+
+def to_xarray(result: Result) -> xarray.Dataset:
+    """Variables over t and coordinate (node, number) or deformation (element, mode); matrices of the linearized
+    equations over t, q and q2. Raises UsageError without xarray.
+    """
+    try:
+        import xarray
+    except ImportError:
+        raise UsageError(missing("to_xarray", "xarray"), "result.xarray-missing") from None
+    n = result.mechanism.numbering
+    arrays: dict[str, Any] = {}
+    for variable, _, values in variables(result):
+        arrays[variable] = (("t", "deformation" if variable in E_VARIABLES else "coordinate"), values)
+    for name in MATRICES:
+        if result.frames and name in result.frames[0].matrices:
+            arrays[name] = (("t", "q", "q2"), result[name])
+    if result.frames and "eigval" in result.frames[0].matrices:
+        arrays["frequency"] = (("t", "mode"), result.frequencies, {"units": "Hz"})
+    x_owners, e_owners = owners(result.lnp, n.nx), owners(result.le, n.ne)
+    places = {
+        "t": ("t", result.t, {"units": "s" if find_mode(result.mode).timed else ""}),
+        "coordinate": ("coordinate", [f"{a},{b}" for a, b in x_owners]),
+        "node": ("coordinate", [a for a, _ in x_owners]),
+        "deformation": ("deformation", [f"{a},{b}" for a, b in e_owners]),
+        "element": ("deformation", [a for a, _ in e_owners]),
+    }
+    return xarray.Dataset(arrays, places, {"model": result.mechanism.deck.source, "mode": result.mode})
+
+
+def missing(call: str, package: str) -> str:
+    """What to install."""
+    return f"{call} needs {package}: pip install 'spacar[tables]'"
+
+
+def dimensions(result: Result) -> Dimensions:
+    """The units of the variables of a result."""
+    numbering, deck = result.mechanism.numbering, result.mechanism.deck
+    positions = frozenset(k for k, kind in numbering.kind.items() if kind == "position")
+    elements = {number: keyword for number, keyword, _ in element_list(deck)}
+    keywords = [elements.get(number, "") for number in range(1, max(elements, default=0) + 1)]
+    return Dimensions(numbering.planar, find_mode(result.mode).stationary, positions, keywords)
+
+
+def variables(result: Result) -> Iterator[tuple[str, list[tuple[int, int]], Array]]:
+    """Name, (node, coordinate) or (element, mode) of every column, values (steps, columns) of what was computed."""
+    for names, table in ((X_VARIABLES, result.lnp), (E_VARIABLES, result.le)):
+        for name in names:
+            if result.frames and getattr(result.frames[0], name) is not None:
+                values = result[name]
+                yield name, owners(table, values.shape[1]), values
+
+
+def owners(table: Any, count: int) -> list[tuple[int, int]]:
+    """Number and entry of every column from a table of 1-based columns."""
+    found = [(0, 0)] * count
+    for row, column in zip(*np.nonzero(np.asarray(table)), strict=True):
+        found[int(table[row, column]) - 1] = (int(row) + 1, int(column) + 1)
+    return found

@@ -1,0 +1,139 @@
+/* Steps of an integrator in one call, up to the next output (`spacar.compiled.marching`).
+
+   The methods are those of spacar/integrators, on the same arrays and with the same coefficients, which Python gives; only
+   sums may be rounded in another order. Python is asked for derivatives that the model in C cannot give, and told of accepted
+   steps at which the watch of dead points (spacar/forward/continuity.py) has to look closer; all others are told apart here. */
+#if LANES == 1
+enum { ARRIVED = 0, AT_OUTPUT = 1, PAUSED = 2, TOO_SMALL = 3, NOT_EVALUATED = 4, INTERRUPTED = 5 }; /* as in marching.py */
+enum { LOOK_NEVER, LOOK_AT_DETERMINANTS, LOOK_AT_VELOCITIES, LOOK_ALWAYS };
+
+/* 0; 1 when the state cannot be evaluated; 2 when all has to end: Python keeps the error. */
+typedef int (*AskRate)(double t, const double *y, double *f);
+typedef int (*Tell)(double t, const double *y);
+
+typedef struct {
+    Model *model;
+    State *at;
+    AskRate ask;
+    Tell tell;
+    double *records;         /* (capacity, width) of the last accepted steps: t, sign, size of the determinant, known, y, x, xd, xdd, e */
+    const double *scale;     /* (nx) of the coordinates whose velocities are compared */
+    const double *atol;      /* (n) absolute error of every component of the state */
+    int n, capacity, width, look, back, most, max_reductions;
+    double reduction, rtol, longest, converged, jump, earliest, latest, half, share, noise;
+    double t, t_end, until, h, error, peak; /* peak: largest determinant since its last minimum */
+    double begin, sizes[2];  /* of the last step; sizes of it and of the one before */
+    int recorded, entered;   /* accepted steps in the records; entered: look always, as a dead point is being left */
+    int n_steps, n_rhs, n_rejected, reductions;
+} March;
+
+static double *record(const March *r, int k) { return r->records + (size_t)(k % r->capacity) * r->width; }
+
+/* F at a time inside the window: 0, 1, 2 as AskRate. */
+static int derivative(March *r, double t, const double *y, double *f)
+{
+    t = fmin(fmax(t, r->earliest), r->latest);
+    if (spacar_rhs(r->model, r->at, t, y, f, r->converged, r->jump) >= 0) {
+        double sum = 0.0;
+        for (int i = 0; i < r->n; i++) sum += f[i];
+        if (isfinite(sum)) { r->n_rhs++; return 0; }
+    }
+    return r->ask(t, y, f);
+}
+
+/* `unexplained` of spacar/dynamics/loaded_mechanism.py, of any coordinate. */
+static int unexplained(const March *r, const double *a, const double *b)
+{
+    const int nx = r->model->s.nx;
+    const double h = b[0] - a[0], *va = a + 4 + r->n + nx, *vb = b + 4 + r->n + nx;
+    double fastest = 0.0;
+    for (int i = 0; i < nx; i++) fastest = fmax(fastest, fmax(fabs(va[i]), fabs(vb[i])) / r->scale[i]);
+    for (int i = 0; i < nx; i++) {
+        const double change = fabs(vb[i] - va[i] - 0.5 * h * (va[nx + i] + vb[nx + i]));
+        const double v = fmax(fabs(va[i]), fabs(vb[i])), acceleration = fmax(fabs(va[nx + i]), fabs(vb[nx + i]));
+        if (change > fabs(h) * acceleration + r->share * v + fastest * r->scale[i] * r->noise) return 1;
+    }
+    return 0;
+}
+
+/* Record the accepted step that the state stands at; 0, or 2 when all has to end. */
+static int accepted(March *r, double t, const double *y)
+{
+    const Model *m = r->model;
+    const State *s = r->at;
+    const int nx = m->s.nx;
+    r->n_steps++;
+    if (r->recorded && !(s->t > record(r, r->recorded - 1)[0])) r->recorded = 0;
+    const double *before = r->recorded ? record(r, r->recorded - 1) : NULL;
+    double *now = record(r, r->recorded++);
+    now[0] = s->t;
+    now[1] = 1.0;
+    now[2] = 0.0;
+    now[3] = s->known;
+    memcpy(now + 4, y, sizeof(double) * r->n);
+    double *x = now + 4 + r->n;
+    memcpy(x, s->x, sizeof(double) * nx);
+    memcpy(x + nx, s->xd, sizeof(double) * nx);
+    memcpy(x + 2 * nx, s->xdd, sizeof(double) * nx);
+    memcpy(x + 3 * nx, s->e, sizeof(double) * m->s.ne);
+    if (!s->known) return r->tell(t, y);
+    if (r->look == LOOK_AT_DETERMINANTS) {
+        double mantissa, exponent; /* of the inverse */
+        determinant(of_rates(m), &mantissa, &exponent);
+        now[1] = mantissa < 0.0 ? -1.0 : 1.0;
+        now[2] = -(log(fabs(mantissa)) + log(2.0) * exponent);
+        if (r->entered) return r->tell(t, y);
+        if (!before) r->peak = now[2];
+        else if (now[1] != before[1] || (now[2] > before[2] && before[2] <= r->peak + r->half)) return r->tell(t, y);
+        else if (now[2] > r->peak) r->peak = now[2];
+    }
+    else if (r->look == LOOK_AT_VELOCITIES) {
+        if (before && before[3] && unexplained(r, before, now)) return r->tell(t, y);
+    }
+    else if (r->look == LOOK_ALWAYS) return r->tell(t, y);
+    return 0;
+}
+
+/* After a rejected step: its stages may have led the state far away. */
+static void rejected(March *r)
+{
+    r->n_rejected++;
+    if (!r->back || !r->recorded) return;
+    const double *last = record(r, r->recorded - 1), *x = last + 4 + r->n;
+    const int nx = r->model->s.nx;
+    State *s = r->at;
+    memcpy(s->x, x, sizeof(double) * nx);
+    memcpy(s->xd, x + nx, sizeof(double) * nx);
+    memcpy(s->xdd, x + 2 * nx, sizeof(double) * nx);
+    memcpy(s->e, x + 3 * nx, sizeof(double) * r->model->s.ne);
+    s->t = last[0];
+    s->known = last[3] != 0.0;
+    r->model->transfer_of = NULL;
+}
+
+/* The step from t cannot be evaluated: 0 when a shorter one is to be tried. */
+static int reduced(March *r, double h_min)
+{
+    rejected(r);
+    if (++r->reductions > r->max_reductions || r->h * r->reduction < h_min) return NOT_EVALUATED;
+    r->h *= r->reduction;
+    return 0;
+}
+
+/* What ends the call after an accepted step to t, or -1. */
+static int pause(March *r, double t, int final, int first_steps)
+{
+    r->begin = r->t;
+    r->sizes[1] = r->sizes[0];
+    r->sizes[0] = t - r->t;
+    r->t = t;
+    if (final) return ARRIVED;
+    if (t >= r->until) return AT_OUTPUT;
+    return r->n_steps - first_steps >= r->most ? PAUSED : -1;
+}
+
+static double smallest_step(const March *r)
+{
+    return 4.0 * DBL_EPSILON * fmax(fmax(fabs(r->t), fabs(r->t_end)), r->t_end - r->t);
+}
+#endif

@@ -1,0 +1,83 @@
+/* Explicit Runge-Kutta codes with variable steps, as spacar/integrators/runge_kutta.py and the step loop of drive.py. */
+#if LANES == 1
+typedef struct {
+    const double *c, *a, *b, *errors;   /* (rows), (rows, rows), (stages), (1 or 2, rows of the estimate) */
+    double *K, *y, *y_new, *scaled;     /* (stages + 1, n), (n) each; scaled: the error over the tolerance */
+    double exponent, smallest, largest, safety, tiny, h; /* of the step control; h: size of the last step */
+    int stages, rows, estimated, two; /* rows: stages evaluated together; estimated: rows of the estimate; two of them */
+} RungeKutta;
+
+/* sum_j w_j K_j over the first `count` rows, into out. */
+static void combine(const RungeKutta *p, int n, int count, const double *w, double *out)
+{
+    for (int i = 0; i < n; i++) out[i] = 0.0;
+    for (int j = 0; j < count; j++)
+        if (w[j] != 0.0)
+            for (int i = 0; i < n; i++) out[i] += w[j] * p->K[j * n + i];
+}
+
+/* A trial step; its error over the tolerance is in `error`. 0, 1, 2 as AskRate. */
+static int rk_trial(March *r, RungeKutta *p)
+{
+    const int n = r->n;
+    const double h = r->h;
+    double square[2] = {0.0, 0.0}, *stage = p->scaled;
+    p->h = h;
+    for (int k = 1; k < p->rows; k++) {
+        combine(p, n, k, p->a + k * p->rows, stage);
+        for (int i = 0; i < n; i++) stage[i] = p->y[i] + h * stage[i];
+        const int status = derivative(r, r->t + p->c[k] * h, stage, p->K + k * n);
+        if (status) return status;
+    }
+    combine(p, n, p->stages, p->b, p->y_new);
+    for (int i = 0; i < n; i++) p->y_new[i] = p->y[i] + h * p->y_new[i];
+    for (int k = p->two; k >= 0; k--) { /* the first one stays in `scaled` */
+        combine(p, n, p->estimated, p->errors + k * p->estimated, p->scaled);
+        for (int i = 0; i < n; i++) {
+            p->scaled[i] /= r->atol[i] + r->rtol * fmax(fabs(p->y[i]), fabs(p->y_new[i]));
+            square[k] += p->scaled[i] * p->scaled[i] / n;
+        }
+    }
+    r->error = p->two ? p->safety * h * square[0] / sqrt(square[0] + 0.01 * square[1] + p->tiny) : h * sqrt(square[0]);
+    if (!(r->error <= 1.0) || p->rows > p->stages) return 0;
+    return derivative(r, r->t + h, p->y_new, p->K + p->stages * n); /* first stage of the next step */
+}
+
+/* Steps until the next output or the end; y_new and the last row of K are those of the last accepted step. */
+static int spacar_runge_kutta(March *r, RungeKutta *p)
+{
+    const int n = r->n, first_steps = r->n_steps;
+    const double h_min = smallest_step(r);
+    for (;;) {
+        memcpy(p->y, p->y_new, sizeof(double) * n);
+        memcpy(p->K, p->K + p->stages * n, sizeof(double) * n);
+        double growth = p->largest;
+        int final;
+        r->reductions = 0;
+        for (;;) {
+            final = r->t + fmin(1.01 * r->h, fmax(r->h, r->longest)) >= r->t_end;
+            if (final) r->h = r->t_end - r->t;
+            const int status = rk_trial(r, p);
+            if (status == 2) return INTERRUPTED;
+            if (status) {
+                if (reduced(r, h_min)) return NOT_EVALUATED;
+                growth = 1.0;
+                continue;
+            }
+            if (r->error <= 1.0) break;
+            rejected(r);
+            growth = 1.0;
+            const double h = r->h * fmax(p->smallest, 0.9 * pow(r->error, -1.0 / p->exponent));
+            if (!(h >= h_min)) return TOO_SMALL;
+            r->h = h;
+        }
+        const double t = final ? r->t_end : r->t + r->h;
+        if (accepted(r, t, p->y_new)) return INTERRUPTED;
+        double factor = p->largest;
+        if (r->error > 0.0) factor = fmin(p->largest, fmax(p->smallest, 0.9 * pow(r->error, -1.0 / p->exponent)));
+        r->h = fmax(fmin(r->h * fmin(growth, factor), r->longest), h_min);
+        const int end = pause(r, t, final, first_steps);
+        if (end >= 0) return end;
+    }
+}
+#endif

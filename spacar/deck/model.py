@@ -1,0 +1,257 @@
+"""A model written in Python that reads like its deck: `Model`.
+
+>>> from spacar.deck.model import Model
+>>> m = Model()
+>>> _ = m.node(1, (0.0, 0.0)), m.node(3, (1.0, 0.0))
+>>> beam = m.plbeam(1, (1, 2), (3, 4))
+>>> m.fix(1)
+>>> m.fix(2)
+>>> m.dyne(beam, 2, 3)
+>>> m.estiff(beam, EA=1e6, EI=10.0)
+>>> m.em(beam, mass=0.5)
+>>> print(str(m).splitlines()[2])
+PLBEAM 1 1 2 3 4
+"""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from importlib import import_module
+from pathlib import Path
+
+from spacar.deck import model_statements
+from spacar.deck.arguments import read_statement
+from spacar.deck.deck import Deck, parse
+from spacar.deck.deck_writer import value_text, write_rows
+from spacar.deck.findings import Findings
+from spacar.deck.keyword_table import ELEMENT_TYPES, KEYWORDS, blocks_of
+from spacar.deck.lexer import Word, integer_of, scan, split_lines
+from spacar.deck.mode_blocks import Purpose
+from spacar.deck.model_arguments import argument_name, in_common
+from spacar.deck.model_statements import ModelStatements, Vector
+from spacar.deck.outline import Outline
+from spacar.deck.splitter import Raw, split
+from spacar.deck.statement import Value
+from spacar.deck.table_types import Keyword, Parameter, Variant
+from spacar.errors import InputError, Message
+
+Place = tuple[str, int]  # file and line of the Python statement
+LATER = ("input.unknown-element", "input.unknown-node")  # may be given by a statement that follows
+FILES_DOOR = "spacar_formats.safety"  # lies above this room
+
+
+class Model(ModelStatements):
+    """A deck that is written down by calls: a method for every keyword, named like it in small letters.
+
+    Arguments stand in the order of the deck; the nodes at one end of an element, and the components of a vector, are
+    one argument: `m.plbeam(1, (1, 2), (3, 4))` is PLBEAM 1 1 2 3 4. Numbers that are left out keep their defaults;
+    ESTIFF, EM and XF also take them by name. Blocks need no END, each keyword knows where it belongs; INPUTX and
+    INPUTE of the dynamics block are `inputx_motion` and `inpute_motion`. Elements return their number, `node` its own.
+
+    A statement that is wrong in itself is refused at once, others by `deck`; both with the line of the Python file.
+    `spacar.run(1, m)` runs it, `str(m)` is the input file.
+
+    source   its name in messages and results
+    """
+
+    def __init__(self, source: str = "<model>") -> None:
+        self.source = source
+        self._rows: list[tuple[str, int, tuple[str, ...], Place]] = []
+        self._outline = Outline()
+        self._visualization: list[str] = []
+
+    @classmethod
+    def from_deck(cls, deck: Deck) -> Model:
+        """A model with the statements of a deck that was read, to be continued. Comments are not kept."""
+        model = cls(deck.source)
+        for raw in split(scan(deck.text), Findings(deck.source)).statements:
+            model.statement(raw.keyword, raw.block, *(w.text for w in raw.words))
+        lines = scan(deck.text).visualization
+        model._visualization = list(deck.visualization if lines is None and not deck.sections else lines or ())
+        return model
+
+    # -- what is not one keyword ------------------------------------------------------------------------------------
+    def node(self, number: int, place: Vector) -> int:
+        """A position node and where it is: the statement X. Returns its number.
+
+        place   2 coordinates of a planar model, 3 of a spatial one [m]
+        """
+        self.statement("X", 1, number, *place)
+        return number
+
+    def of_section(self, number: int, section: str | None, material: str | None, parts: int) -> None:
+        """BEAMSEC of the element `number` from the arguments section, material and parts of its method; nothing without
+        both names."""
+        if section is not None or material is not None or parts != 1:
+            self.statement("BEAMSEC", 1, number, section, material, *([parts] if parts != 1 else []))
+
+    def visualization(self, *lines: str) -> None:
+        """`lines` of the section VISUALIZATION, as they stand in a file: `m.visualization("BEAMVIS 0.01 0.01")`."""
+        self._visualization += [line for text in lines for line in split_lines(str(text))]
+
+    def statement(
+        self, keyword: str, block: int, *values: Value | None, named: Mapping[str, Value | None] | None = None
+    ) -> None:
+        """Take in any statement: what all other methods call.
+
+        keyword   in capitals;  block   1 kinematics, 2 dynamics, 3 the third block
+        values    its arguments; None for one that is left out, which takes its default when a later one is given
+        named     values by the names of the method's arguments, instead of those after the first ones
+
+        Raises InputError with the line of the Python file when it is wrong in itself.
+        """
+        place = _place()
+        row = _row_of(keyword, block, place)
+        given = _filled(row, max((v.parameters for v in row.variants), key=len), values, place)
+        by_name = {name: value for name, value in (named or {}).items() if value is not None}
+        if by_name:
+            given = self._named(row, given, by_name, place)
+        words = tuple(value_text(v) for v in given)
+        self._check(row, words, place)
+        self._rows.append((row.name, block, words, place))
+
+    # -- results ----------------------------------------------------------------------------------------------------
+    def deck(self, mode: Purpose = None) -> Deck:
+        """The checked deck; `mode` as `spacar.read_deck`. Raises InputError with the lines of the Python file."""
+        text = str(self)
+        try:
+            deck = parse(text, self.source, mode)
+        except InputError as error:
+            lines = self._places(text)
+            raise InputError([_moved(m, lines) for m in error.messages]) from None
+        if deck.messages:
+            lines = self._places(text)
+            deck = replace(deck, messages=tuple([_moved(m, lines) for m in deck.messages]))
+        return deck
+
+    def save(self, path: str | Path) -> Path:
+        """Write the input file; `.dat` is appended to a name without ending. Raises UsageError. Returns its path."""
+        target = Path(path)
+        target = target if target.suffix else target.with_name(target.name + ".dat")
+        import_module(FILES_DOOR).write_text(target, str(self))
+        return target
+
+    def __str__(self) -> str:
+        blocks = [[(name, *words) for name, block, words, _ in self._rows if block == k] for k in (1, 2, 3)]
+        return write_rows(blocks, self._visualization)
+
+    def __repr__(self) -> str:
+        elements = Counter(name for name, *_ in self._rows if name in ELEMENT_TYPES)
+        counted = ", ".join(f"{n} {name}" for name, n in elements.items()) or "no elements"
+        return f"Model {self.source}: {counted}; {len(self._rows)} statements\n  .deck(), str(), spacar.run(1, model)"
+
+    def _repr_html_(self) -> str:
+        """For notebooks: the model with a picture of the start position, once it is complete enough to be drawn."""
+        return str(import_module("spacar.summary").with_picture(repr(self), "inline_model", self))
+
+    # -- inside -----------------------------------------------------------------------------------------------------
+    def _places(self, text: str) -> dict[int, Place]:
+        """Line of the text -> where its statement was called."""
+        ordered = sorted(self._rows, key=lambda row: row[1])  # the blocks; inside them the order stays
+        lines: dict[int, Place] = {}
+        for raw, (*_, place) in zip(split(scan(text), Findings("")).statements, ordered, strict=True):
+            lines.update(dict.fromkeys((raw.word.line, *(w.line for w in raw.words)), place))
+        return lines
+
+    def _check(self, row: Keyword, words: tuple[str, ...], place: Place) -> None:
+        """Raises InputError for what is wrong whatever follows."""
+        file, line = place
+        findings = Findings(file)
+        raw = Raw(row.name, Word(row.name, line, 1, True), row.block.number, [Word(w, line, 1, False) for w in words])
+        statement = read_statement(raw, row, self._outline, findings)
+        wrong = [m for m in findings.errors if m.code not in LATER]
+        if wrong:
+            raise InputError(wrong)
+        if statement is not None and row.name in ELEMENT_TYPES:
+            self._outline.add(statement)
+
+    def _named(self, row: Keyword, given: list[Value], named: Mapping[str, Value], place: Place) -> list[Value]:
+        """The row of the form of the statement that has all these names."""
+        before = in_common(row)
+        if len(given) > before:
+            text = f"numbers in the order of the deck and by name ({', '.join(named)}) at once; give one"
+            raise _refused(row, place, text, "value")
+        fitting = [v for v in row.variants if v.fits(self._outline.space, *self._whose(row, given))]
+        forms = {v: [argument_name(p) for p in v.parameters[before:]] for v in fitting}
+        able = {v: names for v, names in forms.items() if named.keys() <= {*names}}
+        found = [[*given, *_by_name(v, names, named)] for v, names in able.items()]
+        if not found:
+            known = "; or ".join(", ".join(names) for names in forms.values())
+            text = f"there is no {' and '.join(sorted(named))} here; expected {known}"
+            raise _refused(row, place, text, "value")
+        if any(other != found[0] for other in found):
+            text = f"{row.variants[0].parameters[0].meaning} {given[0]} must be known before it is given by name"
+            raise _refused(row, place, f"{text}: write its element statement above", "value")
+        return found[0]
+
+    def _whose(self, row: Keyword, given: Sequence[Value]) -> tuple[str, str]:
+        """Role of the node and keyword of the element that a statement is about, "" for what is not known yet."""
+        number = integer_of(value_text(given[0])) if given else None
+        if number is None:
+            return "", ""
+        if row.variants[0].parameters[0].of == "element":
+            kind = self._outline.types.get(number)
+            return "", kind.keyword if kind else ""
+        return self._outline.roles.get(number, ""), ""
+
+
+def _by_name(form: Variant, names: list[str], named: Mapping[str, Value]) -> list[Value]:
+    """The values of one form in its order, up to the last that is needed; what has no name is zero, or its default."""
+    rest = form.parameters[len(form.parameters) - len(names) :]
+    asked = [p.default is None or name in named for p, name in zip(rest, names, strict=True)]
+    needed = max(k for k, must in enumerate(asked, 1) if must)
+    count = min(n for n in form.counts if n >= len(form.parameters) - len(names) + needed)
+    length = count - len(form.parameters) + len(names)
+    return [named.get(name, _default(p)) for name, p in zip(names[:length], rest, strict=False)]
+
+
+def _filled(
+    row: Keyword, parameters: Sequence[Parameter], values: Sequence[Value | None], place: Place
+) -> list[Value]:
+    """Without those that were left out at the end; others that were left out take their defaults."""
+    given = list(values)
+    while given and given[-1] is None:
+        given.pop()
+    filled: list[Value] = []
+    for k, value in enumerate(given):
+        parameter = parameters[min(k, len(parameters) - 1)]
+        if value is None and parameter.default is None:
+            text = f"{parameter.text} must be given, because a later argument is"
+            raise _refused(row, place, text, "missing-argument")
+        filled.append(_default(parameter) if value is None else value)
+    return filled
+
+
+def _default(parameter: Parameter) -> Value:
+    value = parameter.default or 0.0
+    return int(value) if parameter.kind == "integer" else value
+
+
+def _row_of(keyword: str, block: int, place: Place) -> Keyword:
+    for kind in blocks_of(keyword):
+        if kind.number == block:
+            return KEYWORDS[keyword, kind]
+    text = f"there is no keyword {keyword} in block {block}"
+    raise InputError([Message("error", place[0], place[1], keyword, text, "input.unknown-keyword")])
+
+
+def _refused(row: Keyword, place: Place, text: str, code: str) -> InputError:
+    return InputError([Message("error", place[0], place[1], row.name, text, f"input.{code}")])
+
+
+def _place() -> Place:
+    """Of the call outside these two modules."""
+    own = (__file__, model_statements.__file__)
+    frame = sys._getframe(1)
+    while frame.f_back is not None and frame.f_code.co_filename in own:
+        frame = frame.f_back
+    return Path(frame.f_code.co_filename).name, frame.f_lineno
+
+
+def _moved(message: Message, lines: Mapping[int, Place]) -> Message:
+    """The message with the place of the Python statement, when it is about one."""
+    place = lines.get(message.line or 0)
+    return message if place is None else replace(message, file=place[0], line=place[1])

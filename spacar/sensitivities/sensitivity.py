@@ -1,0 +1,238 @@
+"""Derivatives of stationary quantities with respect to numbers of the deck: the call, and what it returns.
+
+One analysis: the path to the load steps is walked as in modes 7 to 10, and at every step that is asked for the state,
+the linearized equations and the stresses are differentiated along all parameters (docs/sensitivity.md).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from spacar.arrays import Array
+from spacar.calls import frames
+from spacar.deck import Deck, read_deck
+from spacar.dynamics.array_evaluator import Dynamics
+from spacar.dynamics.limits import Limits
+from spacar.dynamics.motion_equations import Accelerations
+from spacar.errors import UsageError
+from spacar.expressions import Dimensions, unit_text
+from spacar.expressions.grammar import ALIASES, indices, parse
+from spacar.kinematics.constraint_condition import condition_number
+from spacar.kinematics.regularity import Regularity
+from spacar.linear.linear_modes import say_lost_digits
+from spacar.linearization.matrices import linearize
+from spacar.mechanism import Mechanism
+from spacar.sensitivities.expression_derivatives import ChainValue, derivative, steps_of, variables
+from spacar.sensitivities.linear_quantities import LinearQuantities
+from spacar.sensitivities.parameters import DeckNumber, deck_numbers, directions
+from spacar.sensitivities.pencil_derivatives import LinearizedState
+from spacar.sensitivities.state_derivatives import state_derivatives
+from spacar.sensitivities.step_quantities import (
+    LINEAR,
+    STRESS_INDICES,
+    STRESSES,
+    StepQuantities,
+    Variable,
+    check_variable,
+    stress_derivatives,
+)
+from spacar.stationary import StationarySolver, load_program
+from spacar.stationary.loading import stored_levels
+from spacar.stream import Run
+from spacar.studies.assignments import change
+from spacar.studies.quantities import Quantity, quantity
+
+MODE = 10  # vibration and buckling about the stationary states
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """values (quantities,) and derivatives (quantities, parameters) of quantities by parameters.
+
+    parameters, quantities   their names;  parameter_values (parameters,) in the unit of the file
+    parameter_units, quantity_units   as text; a derivative is in the unit of its quantity per unit of its parameter
+    notes   what the analysis said, warnings first of all
+    """
+
+    parameters: tuple[str, ...]
+    quantities: tuple[str, ...]
+    values: Array
+    derivatives: Array
+    parameter_values: Array
+    parameter_units: tuple[str, ...]
+    quantity_units: tuple[str, ...]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def relative(self) -> Array:
+        """(quantities, parameters) relative change of the quantity by relative change of the parameter, p/q dq/dp; nan
+        where the quantity is zero."""
+        with np.errstate(all="ignore"):
+            found = self.derivatives * self.parameter_values / self.values[:, None]
+        return np.where(self.values[:, None] != 0.0, found, np.nan)
+
+    def of(self, name: str, parameter: str) -> float:
+        """The derivative of a quantity by a parameter, both by name. Raises UsageError for unknown names."""
+        for word, known in ((name, self.quantities), (parameter, self.parameters)):
+            if word not in known:
+                raise UsageError(f"'{word}' is not among {', '.join(known)}", "sensitivity.name")
+        return float(self.derivatives[self.quantities.index(name), self.parameters.index(parameter)])
+
+
+def sensitivity(
+    model: str | Path | Deck, parameters: Sequence[str], quantities: Sequence[str], *,
+    at: Sequence[float] | None = None, **options: Any,
+) -> Sensitivity:  # fmt: skip
+    """Exact derivatives of stationary quantities with respect to numbers of the deck, from one analysis.
+
+    model        path of an input file, or a Deck
+    parameters   numbers of the deck as `spacar sweep --set` names them: 'ESTIFF.3[EI]', 'X.2[2] & X.5[2]',
+                 'SECTION.leaf[t]'; in the unit of the file (UNITS)
+    quantities   expressions (docs/expressions.md), 'NAME: EXPRESSION' too, that come to one number: 'x[5,1]@end',
+                 'frequency[1]', 'abs(sig[1,2])', 'lmult[1]', 'xcompl[5,1]', 'mises[3]', 'Mz[3,1]'; in SI
+    at           numbers that the parameters are given first
+    options      what overrides the deck, as for `run`
+
+    Raises UsageError for names that the model does not have and for models whose derivatives are not followed
+    (wheels, user functions, steady motion), InputError, and AnalysisError as modes 7 to 10 and 'sensitivity.singular'
+    at critical states.
+    """
+    names = [parameters] if isinstance(parameters, str) else list(parameters)
+    wanted = [quantity(q, STRESS_INDICES) for q in ([quantities] if isinstance(quantities, str) else quantities)]
+    deck = model if isinstance(model, Deck) else read_deck(model, MODE)
+    deck, numbers = deck_numbers(deck, names)
+    if at is not None:
+        if len(at) != len(numbers):
+            raise UsageError(f"{len(at)} numbers for {len(numbers)} parameters", "sensitivity.parameter")
+        deck = change(deck, [n.setting for n in numbers], [float(v) for v in at])
+        deck, numbers = deck_numbers(deck, names)
+    run = frames(MODE, deck, **options)
+    _require_followed(run.mechanism)
+    return _Analysis(run, numbers, wanted).run()
+
+
+def _require_followed(mechanism: Mechanism) -> None:
+    why = ""
+    if not mechanism.numbering.holonomic:
+        why = "wheels, whose slips are no constraints on the configuration"
+    elif mechanism.user_signal is not None or mechanism.deck.of("USERINP", block=2):
+        why = "a function of the user, which does not state its derivatives"
+    if why:
+        raise UsageError(f"{mechanism.deck.source}: no derivatives of models with {why}", "sensitivity.model")
+
+
+class _Analysis:
+    """One walk through the load steps."""
+
+    def __init__(self, run: Run, numbers: list[DeckNumber], wanted: list[Quantity]) -> None:
+        self.prepared, self.numbers, self.wanted = run, numbers, wanted
+        self.steps = stored_levels(run.mechanism.settings)
+        self.expressions = [parse(q.text, STRESS_INDICES) for q in wanted]
+        self.needed: dict[Variable, set[int]] = {}
+        for expression in self.expressions:
+            places = steps_of(expression, self.steps)
+            for node in variables(expression.tree):
+                variable = self._variable(node)
+                check_variable(variable, run.mechanism.numbering)
+                self.needed.setdefault(variable, set()).update(places)
+        self.directions = directions(run.mechanism, numbers)
+        self.found = {v: self._empty(v) for v in self.needed}
+
+    def _empty(self, variable: Variable) -> tuple[Array, Array]:
+        kind = complex if variable[0] == "eigval" else float
+        return np.full(self.steps, np.nan, kind), np.full((self.steps, len(self.numbers)), np.nan, kind)
+
+    @staticmethod
+    def _variable(node: Any) -> Variable:
+        name = node.value.id
+        return ALIASES.get(name, name), indices(node, name, STRESS_INDICES)
+
+    def run(self) -> Sensitivity:
+        self._walk()
+        moving = [derivative(e, self._leaf, self.steps, len(self.numbers)) for e in self.expressions]
+        for q, found in zip(self.wanted, moving, strict=True):
+            self._require_number(q, found)
+        shape = (len(moving), len(self.numbers))
+        return Sensitivity(
+            parameters=tuple(n.setting.name for n in self.numbers),
+            quantities=tuple(q.name for q in self.wanted),
+            values=np.array([float(np.ravel(m.value)[0]) for m in moving]),
+            derivatives=np.array([m.rate.reshape(-1) for m in moving]).reshape(shape),
+            parameter_values=np.array([n.value for n in self.numbers]),
+            parameter_units=tuple(n.unit for n in self.numbers),
+            quantity_units=tuple(unit_text(m.unit) for m in moving),
+            notes=tuple(self.prepared.report.lines),
+        )
+
+    def _require_number(self, q: Quantity, found: ChainValue) -> None:
+        if found.value.size != 1:
+            text = f"{q.text} has a value at each of {found.value.size} steps; add @end or a function such as max()"
+            raise UsageError(text, "sensitivity.quantity")
+        if np.iscomplexobj(found.value):
+            raise UsageError(f"{q.text} is complex; take its abs(), real() or imag()", "sensitivity.quantity")
+        if not np.isfinite(found.value).all():
+            raise UsageError(f"{q.text} is {np.ravel(found.value)[0]}", "sensitivity.quantity")
+
+    def _leaf(self, node: Any) -> ChainValue:
+        variable = self._variable(node)
+        value, rate = self.found[variable]
+        name, numbers = variable
+        return ChainValue(value, rate, STRESSES[name] if name in STRESSES else self._dimensions(name, numbers))
+
+    @property
+    def _dimensions(self) -> Dimensions:
+        n = self.prepared.mechanism.numbering
+        highest = max(n.keyword, default=0)
+        keywords = [n.keyword.get(k, "") for k in range(1, highest + 1)]
+        nodes = frozenset(k for k, kind in n.kind.items() if kind == "position")
+        return Dimensions(n.planar, True, nodes, keywords)
+
+    def _require_determined(self, d: Dynamics, step: int) -> None:
+        """The linearized equations need degrees of freedom that determine the configuration. Raises AnalysisError."""
+        header = self.prepared.header
+        if "condition" not in header:
+            header["condition"] = condition_number(d.kinematics)
+            say_lost_digits(self.prepared, reduced=False)
+        matrix = d.position_matrix()
+        if len(matrix.columns):
+            Regularity(matrix).check(float(step))
+
+    def _walk(self) -> None:
+        mechanism, report = self.prepared.mechanism, self.prepared.report
+        last = max((k for steps in self.needed.values() for k in steps), default=-1)
+        names = {name for name, _ in self.needed}
+        stresses = stress_derivatives(mechanism, self.directions, MODE) if names & STRESSES.keys() else None
+        solver = StationarySolver(mechanism, report)
+        if solver.moving:
+            text = f"{mechanism.deck.source}: no derivatives of steady motion; prescribe no rates"
+            raise UsageError(text, "sensitivity.model")
+        stored, limits = 0, None
+        for level in load_program(mechanism.settings):
+            if stored > last:
+                return
+            with np.errstate(all="ignore"):
+                solver.solve(level)
+            if not level.store:
+                continue
+            here = [v for v, steps in self.needed.items() if stored in steps]
+            if here:
+                d, state = solver.dynamics, solver.solution
+                convected = d.forces.inertia(d.sweep, d.xd)
+                frame = d.complete(float(stored), Accelerations(state.xdd, state.sigma, state.convective), convected)
+                limits = limits or Limits(d, report)
+                limits.check_elements(d, frame)
+                states = state_derivatives(solver, level, self.directions)
+                linear = None
+                if any(name in LINEAR for name, _ in here):
+                    self._require_determined(d, stored)
+                    linear = LinearQuantities(LinearizedState(d, linearize(d, state.xdd, state.sigma)), states, report)
+                at = StepQuantities(frame, mechanism.numbering, states, linear, stresses)
+                for variable in here:
+                    values, rates = self.found[variable]
+                    values[stored], rates[stored] = at(variable)
+            stored += 1

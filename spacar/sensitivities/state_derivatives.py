@@ -1,0 +1,111 @@
+"""How the stationary state moves with a number of the deck: direct differentiation of the mixed equations.
+
+The state satisfies r(x, sigma; p) = 0 (`spacar.stationary.stationary_equations`), T is its tangent:
+
+    T [dx_F; dsigma] = dr/dp            one solution with the factors of the solution, no iteration
+
+dr/dp at fixed x, sigma comes from one complex step of all elements, in which the prescribed coordinates move as the
+level prescribes (sensitivity.md section 1). With e = C (sigma - sigma_0) and C = S^-1 the rows with stiffness give
+de/dp + C (dS/dp e + dsigma_0/dp): the inverse itself is not differentiated.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacar.arrays import Array
+from spacar.deck.directed import STEP, nothing_lost
+from spacar.errors import AnalysisError
+from spacar.kinematics.kinematics import largest
+from spacar.linear_systems import SingularMatrixError
+from spacar.mechanism.mechanism import Mechanism
+from spacar.sensitivities.directed_elements import DirectedElements
+from spacar.stationary import LoadLevel, StationarySolver
+from spacar.stationary.contract import Tangent
+from spacar.stationary.newton import SINGULAR
+
+
+@dataclass(frozen=True)
+class StateDerivative:
+    """`elements` evaluated at x + i STEP dx; derivatives dx (nx,), de, dsigma (ne,); sigma (ne,), i STEP dsigma in
+    it; fx, fxgrav, fxtot: derivatives of what the frames call so, (nx,)."""
+
+    elements: DirectedElements
+    sigma: Array
+    dx: Array
+    de: Array
+    dsigma: Array
+    fx: Array
+    fxgrav: Array
+    fxtot: Array
+
+
+def state_derivatives(
+    solver: StationarySolver, level: LoadLevel, directions: list[Mechanism]
+) -> list[StateDerivative]:
+    """One for every directed mechanism, at the level that was stored last.
+
+    Raises AnalysisError 'sensitivity.singular' where the tangent is singular: there the state has no derivative.
+    """
+    try:
+        q, tangent = solver.factorized()
+    except SingularMatrixError as error:
+        raise _critical(level, error) from None
+    d = solver.dynamics
+    x, sigma, near = d.kinematics.x, solver.solution.sigma, d.sweep.e
+    C, n = q.flexibility, d.numbering
+    elements, rights = [], []
+    with nothing_lost():
+        for mechanism in directions:
+            e = DirectedElements(mechanism, level)
+            moved = np.zeros(n.nx)
+            moved[n.x_class["fixed"]] = e.mechanism.x0.imag[n.x_class["fixed"]]
+            moved[q.P] = e.drive.x.imag
+            e.at(x + 1j * moved, near)
+            given = np.zeros(n.ne)
+            given[n.e_class["input"]] = e.drive.e.imag
+            strained = e.deformations().imag
+            # the constitutive law at the real deformations: only dS and dsigma_0 are left of it
+            law = e.law(near + 0j).imag
+            # stresses of rows without stiffness are known: the tangent has no place for them
+            known = sigma + 1j * np.where(q.passive, law, 0.0)
+            force = e.applied() - e.inertia(gravity=True) - e.stress_forces(known)
+            gap = C.coupled * (strained - given) + C.times(np.where(q.constrained, 0.0, law))
+            rights.append(np.concatenate((force.imag[q.F], -C.size * gap)) / STEP)
+            elements.append((e, moved / STEP))
+        solutions = _solutions(tangent, rights, C.size, q.nf, level)
+        found = []
+        for (e, dx), z in zip(elements, solutions.T, strict=True):
+            dx[q.F] = z[: q.nf]
+            dsigma = C.size * z[q.nf :]
+            e.at(x + 1j * STEP * dx, near)
+            s = sigma + 1j * STEP * dsigma
+            light, heavy = e.inertia(gravity=False), e.inertia(gravity=True)
+            rates = (e.applied(), light - heavy, light + e.stress_forces(s))
+            fx, fxgrav, fxtot = (v.imag / STEP for v in rates)
+            found.append(StateDerivative(e, s, dx, e.deformations().imag / STEP, dsigma, fx, fxgrav, fxtot))
+    return found
+
+
+def _solutions(tangent: Tangent, rights: list[Array], size: float, nf: int, level: LoadLevel) -> Array:
+    """Of all right-hand sides; the last one, a load of the size of the stiffness, tells whether the matrix is singular
+    to working precision, as in Newton's iteration."""
+    if not rights:
+        return np.zeros((0, 0))
+    probe = np.zeros(len(rights[0]))
+    probe[:nf] = size * (1.0 + np.arange(nf) / max(nf, 1))
+    try:
+        solutions = np.asarray(tangent.solve(np.column_stack([*rights, probe])))
+    except SingularMatrixError as error:
+        raise _critical(level, error) from None
+    growth = largest(solutions[:nf, -1])
+    if not (growth < SINGULAR and np.isfinite(solutions).all()):
+        raise _critical(level, f"growth {growth:.2g}")
+    return solutions[:, :-1]
+
+
+def _critical(level: LoadLevel, reason: object) -> AnalysisError:
+    text = f"no derivatives at {level}: the tangent is singular there ({reason}); the state is critical, a limit point"
+    return AnalysisError(f"{text} or a motion without stiffness", "sensitivity.singular")

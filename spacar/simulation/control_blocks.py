@@ -1,0 +1,230 @@
+"""Continuous blocks of a controller: transfer function, integrator with limits, rate limiter, PID with anti-windup.
+
+    transfer function  y = (b0 s^m + ... + bm) / (a0 s^n + ... + an) u, m <= n, in controller canonical form, from rest
+    integrator         x' = gain u, y = x; with limits x stays at one of them as long as u drives it beyond
+    rate limiter       y' = w (u - y) limited to [-falling, rising]: an actuator of bandwidth w [rad/s]
+    PID                v = kp e + I + D,  I' = ki e + (y - v)/Tt,  D = kd N (e - xf), xf' = N (e - xf)
+                       y = v limited to [lower, upper]
+
+N is the bandwidth [rad/s] of the filter of the derivative. Anti-windup acts while y is not v: "back-calculation" (the
+term with the tracking time Tt, Astrom and Hagglund, Advanced PID Control, 2006, section 3.5), "clamping" (I' = 0 while
+ki e has the sign of the limit that is met) or "none". Tt is sqrt(kp/ki kd/kp) = sqrt(kd/ki) when not given, without
+derivative kp/ki, and without proportional part 1/ki.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacar.arrays import Array
+from spacar.errors import UsageError
+from spacar.simulation.blocks import Block, Linear
+from spacar.simulation.switching_blocks import Numbers, limits, region, region_margins
+
+ANTI_WINDUP = ("back-calculation", "clamping", "none")
+
+
+def canonical(name: str, numerator: Sequence[float], denominator: Sequence[float]) -> tuple[Array, Array, Array, Array]:
+    """A, B, C, D of the controller canonical form; coefficients by falling powers of s or z. Raises UsageError."""
+    a = np.trim_zeros(np.asarray(denominator, float).ravel(), "f")
+    b = np.trim_zeros(np.asarray(numerator, float).ravel(), "f")
+    if not len(a) or len(b) > len(a) or not np.isfinite([*a, *b]).all():
+        text = (
+            f"{name}: a transfer function needs a denominator that is not zero and of no lower degree than the"
+            f" numerator, found {np.ravel(numerator).tolist()} over {np.ravel(denominator).tolist()}"
+        )
+        raise UsageError(text, "simulation.transfer-function")
+    n = len(a) - 1
+    b = np.concatenate((np.zeros(n + 1 - len(b)), b)) / a[0]
+    a = a / a[0]
+    A = np.zeros((n, n))
+    if n:
+        A[0], A[range(1, n), range(n - 1)] = -a[1:], 1.0
+    return A, np.eye(n, 1), (b[1:] - b[0] * a[1:])[None, :], np.array([[b[0]]])
+
+
+def transfer_function(name: str, numerator: Sequence[float], denominator: Sequence[float]) -> Linear:
+    """One input, one output, coefficients by falling powers of s, from rest. Raises UsageError."""
+    return Linear(name, *canonical(name, numerator, denominator))
+
+
+class Integrator(Block):
+    """y = x, x' = gain u, x held at a limit as long as u drives it beyond."""
+
+    def __init__(
+        self, name: str, initial: Numbers = 0.0, gain: Numbers = 1.0, lower: Numbers = -np.inf,
+        upper: Numbers = np.inf, size: int = 1,
+    ) -> None:  # fmt: skip
+        super().__init__(name, size, size)
+        self.direct[:] = False
+        self.gain, self.x0 = (np.broadcast_to(np.asarray(v, float), (size,)).copy() for v in (gain, initial))
+        self.lower, self.upper = limits(name, lower, upper, size)
+        if np.any((self.x0 < self.lower) | (self.x0 > self.upper)):
+            raise UsageError(f"{name}: the initial value is not between the limits", "simulation.limits")
+        self.n_events = size if np.isfinite([self.lower, self.upper]).any() else 0
+        self.mode = np.zeros(size, np.int64)
+
+    def start(self) -> Array:
+        self.mode = np.zeros(self.n_out, np.int64)
+        return self.x0.copy()
+
+    def state_outputs(self, t: float, x: Array) -> Array:
+        return np.where(self.mode > 0, self.upper, np.where(self.mode < 0, self.lower, x))
+
+    def outputs(self, t: float, x: Array, u: Array) -> Array:
+        return self.state_outputs(t, x)
+
+    def derivative(self, t: float, x: Array, u: Array) -> Array:
+        return np.where(self.mode == 0, self.gain * u, 0.0)
+
+    def events(self, t: float, x: Array, u: Array) -> Array:
+        rate = self.gain * u
+        free = np.minimum(np.maximum(self.upper - x, -rate), np.maximum(x - self.lower, rate))
+        return np.where(self.mode == 0, free, self.mode * rate)
+
+    def switch(self, t: float, x: Array, u: Array) -> bool:
+        before, rate = self.mode, self.gain * u
+        at_upper, at_lower = (x >= self.upper) & (rate > 0.0), (x <= self.lower) & (rate < 0.0)
+        self.mode = at_upper.astype(np.int64) - at_lower
+        return not np.array_equal(before, self.mode)
+
+
+class RateLimiter(Block):
+    """y' = bandwidth (u - y) limited to [-falling, rising]: it follows u with the time constant 1/bandwidth, but never
+    faster than the limits [unit of u per s].
+    """
+
+    def __init__(
+        self, name: str, rising: Numbers, falling: Numbers | None = None, bandwidth: float = 1000.0,
+        initial: Numbers = 0.0, size: int = 1,
+    ) -> None:  # fmt: skip
+        super().__init__(name, size, size)
+        self.direct[:] = False
+        rates = limits(name, -np.asarray(rising if falling is None else falling, float), rising, size)
+        self.slowest, self.fastest = rates
+        if not (bandwidth > 0.0 and np.all(self.slowest < 0.0) and np.all(self.fastest > 0.0)):
+            raise UsageError(f"{name}: the rates and the bandwidth must be positive", "simulation.limits")
+        self.bandwidth = float(bandwidth)
+        self.x0 = np.broadcast_to(np.asarray(initial, float), (size,)).copy()
+        self.n_events = 2 * size
+        self.mode = np.zeros(size, np.int64)
+
+    def start(self) -> Array:
+        self.mode = np.zeros(self.n_out, np.int64)
+        return self.x0.copy()
+
+    def state_outputs(self, t: float, x: Array) -> Array:
+        return x.copy()
+
+    def outputs(self, t: float, x: Array, u: Array) -> Array:
+        return x.copy()
+
+    def derivative(self, t: float, x: Array, u: Array) -> Array:
+        free = self.bandwidth * (u - x)
+        return np.where(self.mode > 0, self.fastest, np.where(self.mode < 0, self.slowest, free))
+
+    def events(self, t: float, x: Array, u: Array) -> Array:
+        return region_margins(self.mode, self.bandwidth * (u - x), self.slowest, self.fastest)
+
+    def switch(self, t: float, x: Array, u: Array) -> bool:
+        before, self.mode = self.mode, region(self.bandwidth * (u - x), self.slowest, self.fastest)
+        return not np.array_equal(before, self.mode)
+
+
+class PID(Block):
+    """PID controller of errors e (size,) with a filtered derivative, limits and anti-windup; the formulas are above.
+
+    kp, ki, kd      gains, one number or one for each signal [output/e, output/(e s), output s/e]
+    filter          N [rad/s], needed with kd;  lower, upper: limits of the output
+    tracking_time   Tt [s], for back-calculation
+    """
+
+    def __init__(
+        self, name: str, kp: Numbers, ki: Numbers = 0.0, kd: Numbers = 0.0, *, filter: float | None = None,
+        lower: Numbers = -np.inf, upper: Numbers = np.inf, anti_windup: str = "back-calculation",
+        tracking_time: float | None = None, size: int = 1,
+    ) -> None:  # fmt: skip
+        super().__init__(name, size, size)
+        self.kp, self.ki, self.kd = gains(name, size, kp, ki, kd)
+        self.lower, self.upper = limits(name, lower, upper, size)
+        self.N = filter_of(name, self.kd, filter)
+        self.tracking = tracking_rate(name, anti_windup, tracking_time, self.kp, self.ki, self.kd)
+        self.clamps = anti_windup == "clamping"
+        self.direct[:] = np.any(self.kp != 0.0) or np.any(self.kd != 0.0)
+        self.x0 = np.zeros(2 * size if self.kd.any() else size)
+        self.n_events = 3 * size if np.isfinite([self.lower, self.upper]).any() else 0
+        self.start()
+
+    def start(self) -> Array:
+        self.mode: NDArray[np.int64] = np.zeros(self.n_out, np.int64)
+        self.held: NDArray[np.bool_] = np.zeros(self.n_out, bool)
+        return self.x0.copy()
+
+    def unlimited(self, x: Array, u: Array) -> Array:
+        """v, the output without limits."""
+        n = self.n_out
+        v = self.kp * u + x[:n]
+        return v + self.kd * self.N * (u - x[n:]) if self.kd.any() else v
+
+    def _limited(self, v: Array) -> Array:
+        return np.where(self.mode > 0, self.upper, np.where(self.mode < 0, self.lower, v))
+
+    def outputs(self, t: float, x: Array, u: Array) -> Array:
+        return self._limited(self.unlimited(x, u))
+
+    def derivative(self, t: float, x: Array, u: Array) -> Array:
+        v = self.unlimited(x, u)
+        rate = np.where(self.held, 0.0, self.ki * u) + self.tracking * (self._limited(v) - v)
+        return np.concatenate((rate, self.N * (u - x[self.n_out :]))) if self.kd.any() else rate
+
+    def events(self, t: float, x: Array, u: Array) -> Array:
+        v = self.unlimited(x, u)
+        push = self.mode * self.ki * u
+        windup = np.where(self.held, push, -push) if self.clamps else np.ones(self.n_out)
+        return np.concatenate((region_margins(self.mode, v, self.lower, self.upper), windup))
+
+    def switch(self, t: float, x: Array, u: Array) -> bool:
+        mode, held = self.mode, self.held
+        self.mode = region(self.unlimited(x, u), self.lower, self.upper)
+        if self.clamps:
+            self.held = self.mode * self.ki * u > 0.0
+        return not (np.array_equal(mode, self.mode) and np.array_equal(held, self.held))
+
+
+def gains(name: str, size: int, *values: Numbers) -> list[Array]:
+    """Each as (size,). Raises UsageError."""
+    try:
+        found = [np.broadcast_to(np.asarray(v, float), (size,)).copy() for v in values]
+    except ValueError:
+        text = f"{name}: gains are one number or {size}, one for each signal"
+        raise UsageError(text, "simulation.gain") from None
+    if not np.isfinite(found).all():
+        raise UsageError(f"{name}: the gains must be finite", "simulation.gain")
+    return found
+
+
+def filter_of(name: str, kd: Array, given: float | None) -> float:
+    """N [rad/s]. Raises UsageError when a derivative has none."""
+    if kd.any() and (given is None or not 0.0 < given < np.inf):
+        text = f"{name}: a derivative (kd) needs `filter`, the bandwidth of its filter in rad/s, positive"
+        raise UsageError(text, "simulation.gain")
+    return float(given or 0.0)
+
+
+def tracking_rate(name: str, method: str, given: float | None, kp: Array, ki: Array, kd: Array) -> Array:
+    """1/Tt (size,) [1/s], zero when it is not used. Raises UsageError."""
+    if method not in ANTI_WINDUP:
+        text = f"{name}: anti_windup is one of {', '.join(ANTI_WINDUP)}, not {method}"
+        raise UsageError(text, "simulation.anti-windup")
+    if given is not None and not given > 0.0:
+        raise UsageError(f"{name}: the tracking time must be positive, not {given:g}", "simulation.anti-windup")
+    if method != "back-calculation" or not ki.any():
+        return np.zeros(len(ki))
+    if given is not None:
+        return np.where(ki != 0.0, 1.0 / given, 0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rate = np.where(kd != 0.0, np.sqrt(np.abs(ki / kd)), np.where(kp != 0.0, np.abs(ki / kp), np.abs(ki)))
+    return np.where(ki != 0.0, rate, 0.0)

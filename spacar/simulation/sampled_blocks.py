@@ -1,0 +1,117 @@
+"""Blocks that act at sampling times only: hold, delay, linear system, transfer function in z, rate limiter, PID.
+
+With T the period, k the number of the sampling time, and everything held in between (zero-order hold):
+
+    zero-order hold    y_k = u_k                         unit delay   y_k = u_(k-1), y_0 given
+    linear system      x_(k+1) = A x_k + B u_k, y_k = C x_k + D u_k
+    transfer function  y = (b0 z^m + ... + bm) / (a0 z^n + ... + an) u, m <= n, from rest
+    rate limiter       y_k = y_(k-1) + (u_k - y_(k-1) limited to [-falling T, rising T])
+    PID                v_k = kp e_k + I_k + D_k, y_k = v_k limited, I_0 = D_(-1) = 0 and e_(-1) = e_0
+                       D_k = (D_(k-1) + kd N (e_k - e_(k-1))) / (1 + N T)
+                       I_(k+1) = I_k + T ki e_k + T/Tt (y_k - v_k)
+
+The derivative is the backward difference of the filtered one of control_blocks, the integral the forward one; Tt and
+the methods of anti-windup are those of control_blocks. A block whose output does not depend on the present input (a
+delay, a linear system with D = 0) breaks an algebraic loop.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from spacar.arrays import Array
+from spacar.errors import UsageError
+from spacar.simulation.blocks import Sampled
+from spacar.simulation.control_blocks import canonical, filter_of, gains, tracking_rate
+from spacar.simulation.switching_blocks import Numbers, limits
+
+
+def zero_order_hold(name: str, period: float, size: int = 1, offset: float = 0.0) -> Sampled:
+    """y_k = u_k."""
+    return Sampled(name, lambda t, x, u: (x, u), period, size, size, offset=offset)
+
+
+def unit_delay(name: str, period: float, size: int = 1, initial: Numbers = 0.0, offset: float = 0.0) -> Sampled:
+    """y_k = u_(k-1), at first `initial`."""
+    start = np.broadcast_to(np.asarray(initial, float), (size,))
+    return Sampled(name, lambda t, x, u: (x, u), period, size, size, y0=start, offset=offset, delay=True)  # type: ignore[arg-type]
+
+
+def sampled_linear(
+    name: str, period: float, A: Any, B: Any, C: Any, D: Any = None, x0: Sequence[float] | None = None,
+    offset: float = 0.0,
+) -> Sampled:  # fmt: skip
+    """x_(k+1) = A x_k + B u_k, y_k = C x_k + D u_k. Raises UsageError for shapes that do not fit."""
+    A, B, C = (np.atleast_2d(np.asarray(m, float)) for m in (A, B, C))
+    n, m, p = len(A), B.shape[1], len(C)
+    D = np.zeros((p, m)) if D is None else np.atleast_2d(np.asarray(D, float))
+    if A.shape != (n, n) or len(B) != n or C.shape[1] != n or D.shape != (p, m):
+        shapes = ", ".join(str(k.shape) for k in (A, B, C, D))
+        raise UsageError(f"{name}: the shapes of A, B, C, D do not fit together: {shapes}", "simulation.size")
+    start = np.zeros(n) if x0 is None else np.asarray(x0, float)
+    if start.shape != (n,):
+        raise UsageError(f"{name}: {start.size} start values for {n} states", "simulation.size")
+    if D.any():
+        return Sampled(name, lambda t, x, u: (A @ x + B @ u, C @ x + D @ u), period, m, p, x0=start, offset=offset)
+
+    def ahead(t: float, x: Array, u: Array) -> tuple[Array, Array]:
+        new = A @ x + B @ u
+        return new, C @ new
+
+    y0 = (C @ start).tolist()
+    return Sampled(name, ahead, period, m, p, x0=start, y0=y0, offset=offset, delay=True)
+
+
+def sampled_transfer_function(
+    name: str, period: float, numerator: Sequence[float], denominator: Sequence[float], offset: float = 0.0
+) -> Sampled:
+    """One input, one output, coefficients by falling powers of z, from rest. Raises UsageError."""
+    A, B, C, D = canonical(name, numerator, denominator)
+    if not len(A):
+        return Sampled(name, lambda t, x, u: (x, D[0] * u), period, 1, 1, offset=offset)
+    return sampled_linear(name, period, A, B, C, D, offset=offset)
+
+
+def sampled_rate_limiter(
+    name: str, period: float, rising: Numbers, falling: Numbers | None = None, initial: Numbers = 0.0, size: int = 1,
+    offset: float = 0.0,
+) -> Sampled:  # fmt: skip
+    """The output changes by at most rising T upwards and falling T downwards at a sampling time."""
+    down, up = limits(name, -np.asarray(rising if falling is None else falling, float), rising, size)
+    if not (np.all(down < 0.0) and np.all(up > 0.0)):
+        raise UsageError(f"{name}: the rates must be positive", "simulation.limits")
+    start = np.broadcast_to(np.asarray(initial, float), (size,)).copy()
+
+    def follow(t: float, y: Array, u: Array) -> tuple[Array, Array]:
+        new = y + np.clip(u - y, down * period, up * period)
+        return new, new
+
+    return Sampled(name, follow, period, size, size, x0=start, y0=start.tolist(), offset=offset)
+
+
+def sampled_pid(
+    name: str, period: float, kp: Numbers, ki: Numbers = 0.0, kd: Numbers = 0.0, *, filter: float | None = None,
+    lower: Numbers = -np.inf, upper: Numbers = np.inf, anti_windup: str = "back-calculation",
+    tracking_time: float | None = None, size: int = 1, offset: float = 0.0,
+) -> Sampled:  # fmt: skip
+    """PID controller of errors e (size,); arguments as of control_blocks.PID, formulas above. Raises UsageError."""
+    P, Ki, Kd = gains(name, size, kp, ki, kd)
+    low, high = limits(name, lower, upper, size)
+    N = filter_of(name, Kd, filter)
+    track = tracking_rate(name, anti_windup, tracking_time, P, Ki, Kd)
+    clamps = anti_windup == "clamping"
+
+    def law(t: float, memory: tuple[Array, Array, Array | None], e: Array) -> tuple[tuple[Array, Array, Array], Array]:
+        integral, slope, old = memory
+        slope = (slope + Kd * N * (e - (e if old is None else old))) / (1.0 + N * period)
+        v = P * e + integral + slope
+        y = np.clip(v, low, high)
+        pushing = (v - y) * Ki * e > 0.0
+        growth = np.where(pushing, 0.0, Ki * e) if clamps else Ki * e
+        return (integral + period * (growth + track * (y - v)), slope, e), y
+
+    zero = np.zeros(size)
+    return Sampled(name, law, period, size, size, x0=(zero, zero.copy(), None), offset=offset)

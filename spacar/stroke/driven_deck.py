@@ -1,0 +1,209 @@
+"""The model with the drive of a stroke: one coordinate prescribed, or free and loaded, as a degree of freedom.
+
+The drive has to be a degree of freedom of its own, so that stiffness and mass are known with it free and with it
+locked. What the file itself moves (DELINPX, DELINPE) is its drive, and becomes free when another coordinate is moved. A
+coordinate that was calculable takes the place of that drive, or of the dynamic deformation that moves it most in the
+reference configuration; that one is released, which keeps its stiffness (theory-system.md 1.1, class c). What the file
+says about additional loading (DEL...) and about the start of the drive is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from spacar.arrays import Array
+from spacar.deck import ELEMENT_TYPES, Deck
+from spacar.deck.deck import parse
+from spacar.deck.deck_writer import write_rows
+from spacar.deck.statement import Statement, Value
+from spacar.dynamics.array_evaluator import Dynamics
+from spacar.errors import UsageError
+from spacar.kinematics.transfer import velocity_transfer
+from spacar.mechanism.build import E_STATEMENTS, X_STATEMENTS
+from spacar.mechanism.mechanism import Mechanism
+from spacar.stroke.stroke_move import StrokeMove, move_of, parse_move
+
+Row = tuple[Value, ...]
+Place = tuple[str, int, int]  # "x" or "e", node or element, coordinate or mode
+ADDITIONAL = ("DELXF", "DELGRAV", "DELESIG", "DELOMF", "DELINPX", "DELINPE")
+STEERED = ("STARTDE", "STARTDX", "MEE")  # statements that need the class of a degree of freedom
+STILL = 1e-9  # of the largest entry of the transfer function: a degree of freedom that does not move the drive
+
+
+def own_move(deck: Deck, mechanism: Mechanism) -> StrokeMove:
+    """The stroke that the file itself describes: its only DELINPX, DELINPE, or DELXF. Raises UsageError."""
+    n = mechanism.numbering
+    prescribed = deck.of("DELINPX", "DELINPE", block=2)
+    if len(prescribed) == 1:
+        s = prescribed[0]
+        move = move_of(n, s.keyword == "DELINPE", s.integer(0), s.integer(1))
+        begin = float(_start(deck, mechanism, move))
+        ends = [float(move.stroke(begin)), float(move.stroke(begin + s.real(2)))]
+        return move.within(min(ends), max(ends))
+    loads = [(s, k) for s in deck.of("DELXF", block=2) for k in range(1, len(s.values)) if s.real(k)]
+    if not prescribed and len(loads) == 1:
+        s, k = loads[0]
+        node = s.integer(0)
+        turned = not n.planar and n.kind[node] == "orientation"
+        if not turned or len(s.values) == 4:
+            move = move_of(n, False, node, k + turned)
+            return replace(move, low=min(0.0, s.real(k)), high=max(0.0, s.real(k)), pushed=True)
+    text = f"{deck.source} moves no single coordinate (DELINPX, DELINPE, DELXF): say which one is moved and how far"
+    raise UsageError(f"{text}, for instance --move 7x=0.01", "flexure.move")
+
+
+def driven(deck: Deck, mechanism: Mechanism, move: StrokeMove, end: float, loads: Sequence[Row] = ()) -> Deck:
+    """The deck that goes from the reference position of the drive to `end` [unit of the move] as additional loading.
+
+    loads   rows of the dynamics block (XF) that act from the beginning. Raises UsageError when the drive is fixed or
+    no degree of freedom moves it.
+    """
+    wanted = "dynamic" if move.pushed else "input"
+    classes = E_STATEMENTS if move.deformation else X_STATEMENTS
+    names = {name: keyword for keyword, name in classes.items()}
+    freed = _replaced(mechanism, move)
+    about = [("e" if move.deformation else "x", move.number, move.place), *([freed[0]] if freed else [])]
+    blocks: list[list[Row]] = [[], []]
+    for s in deck.statements:
+        if s.block > 2 or s.keyword in ADDITIONAL or (s.block == 2 and _start_of(s) in about):
+            continue
+        blocks[s.block - 1] += _without(s, mechanism, about) if s.block == 1 else [(s.keyword, *s.values)]
+    blocks[0].append((names[wanted], move.number, move.place))
+    if freed is not None and freed[1]:
+        blocks[0].append((freed[1], *freed[0][1:]))
+    blocks[1] += [*loads, *_stroke_rows(mechanism, move, end)]
+    made = parse(write_rows(blocks), deck.source, 10, path=deck.path, visualization=deck.visualization)
+    return replace(made, shorthand=deck.shorthand, sections=deck.sections)
+
+
+def _stroke_rows(mechanism: Mechanism, move: StrokeMove, end: float) -> list[Row]:
+    if not move.pushed:
+        keyword = "DELINPE" if move.deformation else "DELINPX"
+        return [(keyword, move.number, move.place, float(move.coordinate(end)))]
+    if move.deformation:
+        text = f"{move.text}: a force acts on a node; a deformation is moved (--move)"
+        raise UsageError(text, "flexure.move")
+    size = 3 if not mechanism.numbering.planar else 2 if move.unit == "m" else 1
+    values = [0.0] * size
+    values[move.place - 1 - move.rotation] = end
+    return [("DELXF", move.number, *values)]
+
+
+def load_row(text: str, mechanism: Mechanism, metre: float) -> Row:
+    """The XF statement of `7y=-10`, in SI. Raises UsageError."""
+    found = parse_move(text, mechanism.numbering, metre, pushed=True)
+    value = found.low or found.high
+    if found.low and found.high:
+        raise UsageError(f"--load {text}: one force, not a range", "flexure.load")
+    if found.deformation:
+        raise UsageError(f"--load {text}: a force acts on a node", "flexure.load")
+    return ("XF", *_stroke_rows(mechanism, found, value)[0][1:])
+
+
+def _start(deck: Deck, mechanism: Mechanism, move: StrokeMove) -> float:
+    """What the initial loading of the file prescribes, from the reference configuration."""
+    n = mechanism.numbering
+    keyword = "INPUTE" if move.deformation else "INPUTX"
+    reference = 0.0 if move.deformation else float(mechanism.x0[n.x_index(move.number, move.place)])
+    for s in deck.of(keyword, block=2):
+        if s.integer(0) == move.number and s.integer(1) == move.place:
+            return s.real(2) - reference
+    return 0.0
+
+
+def _start_of(s: Statement) -> Place | None:
+    """What a statement of the dynamics block gives a start value to."""
+    kind = {"INPUTE": "e", "STARTDE": "e", "INPUTX": "x", "STARTDX": "x"}.get(s.keyword)
+    return (kind, s.integer(0), s.integer(1)) if kind else None
+
+
+def _without(s: Statement, mechanism: Mechanism, dropped: Sequence[Place]) -> list[Row]:
+    """A statement of the kinematics block without the classes of these."""
+    n = mechanism.numbering
+    if s.keyword in X_STATEMENTS:
+        kind, every = "x", _independent(mechanism, s.integer(0))
+    elif s.keyword in E_STATEMENTS:
+        kind, every = "e", list(ELEMENT_TYPES[n.keyword[s.integer(0)]].classed)
+    else:
+        return [(s.keyword, *s.values)]
+    given = list(s.integers(1)) or every
+    kept = [k for k in given if (kind, s.integer(0), k) not in dropped]
+    if kept == given:
+        return [(s.keyword, *s.values)]
+    return [(s.keyword, s.integer(0), *kept)] if kept else []
+
+
+def _independent(mechanism: Mechanism, node: int) -> list[int]:
+    """Coordinates of a node that a class statement without numbers means."""
+    n = mechanism.numbering
+    kind = n.kind.get(node)
+    if kind == "position":
+        return [1, 2] if n.planar else [1, 2, 3]
+    return [1] if n.planar or kind == "warping" else [2, 3, 4]
+
+
+def _replaced(mechanism: Mechanism, move: StrokeMove) -> tuple[Place, str] | None:
+    """What gives way to the drive, and the keyword of its new class ("": none is needed); None when nothing does.
+
+    Raises UsageError when the drive is fixed or nothing moves it.
+    """
+    n = mechanism.numbering
+    i = n.e_index(move.number, move.place) if move.deformation else n.x_index(move.number, move.place)
+    classes = n.e_class if move.deformation else n.x_class
+    found = next(name for name, part in classes.items() if part.start <= i < part.stop)
+    if found == "fixed":
+        text = f"{move.text} is {'rigid' if move.deformation else 'fixed'}: it cannot be moved"
+        raise UsageError(text, "flexure.move")
+    if found == "kinematic":
+        raise UsageError(f"{move.text} is a configuration coordinate of wheels", "flexure.move")
+    here: Place = ("e" if move.deformation else "x", move.number, move.place)
+    drives = [d for d in _drives(mechanism.deck) if d != here]
+    if found in ("input", "dynamic"):
+        return (drives[0], "DYNE" if drives[0][0] == "e" else "DYNX") if len(drives) == 1 else None
+    dynamics = Dynamics(mechanism)
+    dynamics.kinematics.begin()
+    dynamics.place(0.0, dynamics.start_values())
+    W = velocity_transfer(dynamics.kinematics)
+    row = dynamics.sweep.gradient()[i] @ W if move.deformation else W[i]
+    size = np.concatenate((mechanism.scale[n.q_x], mechanism.deformation_scale[n.q_e]))
+    share = np.abs(row) * size
+    if not share.max(initial=0.0) > STILL * max(1.0, float(np.abs(W).max(initial=0.0))):
+        text = f"{move.text} cannot be moved: no degree of freedom moves it in the reference configuration"
+        raise UsageError(text, "flexure.move")
+    place = _candidate(mechanism, share, drives)
+    return place, "RLSE" if place[0] == "e" else ""
+
+
+def _drives(deck: Deck) -> list[Place]:
+    """What the file itself moves."""
+    return [
+        ("e" if s.keyword == "DELINPE" else "x", s.integer(0), s.integer(1))
+        for s in deck.of("DELINPX", "DELINPE", block=2)
+    ]
+
+
+def _candidate(mechanism: Mechanism, share: Array, drives: Sequence[Place]) -> Place:
+    """The drive of the file, else the dynamic degree of freedom with the largest share (ndof,), deformations before
+    coordinates. Raises UsageError."""
+    n = mechanism.numbering
+    steered = {s.values[:2] for s in mechanism.deck.of(*STEERED, block=2)}
+    dynamic = set(n.dynamic.tolist())
+    best: tuple[float, Place] = (0.0, ("", 0, 0))
+    for k in range(n.ndof):
+        on_x = k < len(n.q_x)
+        number, place = n.x_owner(int(n.q_x[k])) if on_x else n.e_owner(int(n.q_e[k - len(n.q_x)]))
+        here: Place = ("x" if on_x else "e", number, place)
+        if here in drives:
+            weight = 1e6
+        elif k not in dynamic or (number, place) in steered or (on_x and n.kind[number] == "warping"):
+            continue
+        else:
+            weight = 1e-3 if on_x else 1.0
+        best = max(best, (weight * float(share[k]), here))
+    if not best[0] > 0.0:
+        text = "no dynamic degree of freedom (DYNE, DYNX) can give way to the drive; prescribe it in the file (INPUTX)"
+        raise UsageError(text, "flexure.move")
+    return best[1]

@@ -1,0 +1,98 @@
+"""How a body moves along the stroke, and how it deviates from the ideal line or axis (docs/flexures.md section 3).
+
+u_k, theta_k   displacement of the node, and rotation vector of R_k R_0^T, from the undeflected state 0
+line           error u - (u.t) t, t the direction of the path of the node in state 0; the rotation theta is an error too
+axis           direction a of the angular velocity in state 0, through the point c_0 of the body that does not move then
+pivot shift    p_k = x_k + R_k R_0^T (c_0 - x_0) - c_0, of the point of the body that is the pivot in state 0
+tilt           theta - (theta.a) a
+pole           c = x + (w x v)/w^2, with the velocities v of the node and w of the body by the drive: the instantaneous
+               centre, in space the point of the instantaneous screw axis nearest to the node
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacar.arrays import Array
+
+AT_INFINITY = 1e-9  # |w| length / |v| below which the body only translates
+
+
+@dataclass(frozen=True)
+class ErrorMotions:
+    """Along the stroke, each (k, 3), in global axes.
+
+    displacement [m];  rotation vector [rad];  line_error [m];  pivot_shift [m];  tilt [rad];  pole [m] (nan where the
+    body only translates)
+    angle    (k,) rotation about the axis [rad];  tangent, axis  (3,) unit vectors, zero where they do not exist
+    pivot    (3,) the ideal pivot in the undeflected state [m]
+    turning  is the ideal motion a rotation: is the pivot nearer than `length` to the node?
+    """
+
+    displacement: Array
+    rotation: Array
+    line_error: Array
+    pivot_shift: Array
+    tilt: Array
+    pole: Array
+    angle: Array
+    tangent: Array
+    axis: Array
+    pivot: Array
+    turning: bool
+
+
+def error_motions(
+    places: Array, turns: Array, moves: Array, spins: Array, zero: int, length: float, pivot: Array | None = None
+) -> ErrorMotions:
+    """Of a node at `places` (k, 3) with Euler parameters `turns` (k, 4), velocities `moves` and `spins` (k, 3) by the
+    drive, `zero` the undeflected state, `length` the size of the mechanism [m], `pivot` (3,) the ideal pivot, if it is
+    not the pole of the undeflected state."""
+    displacement = places - places[zero]
+    rotation = np.array([rotation_vector(turn, turns[zero]) for turn in turns])
+    pole = np.array([_pole(*state, length) for state in zip(places, moves, spins, strict=True)])
+    tangent, axis = _unit(moves[zero]), _unit(spins[zero])
+    if not np.isfinite(pole[zero]).all():
+        axis = np.zeros(3)
+    turning = pivot is not None or bool(np.linalg.norm(pole[zero] - places[zero]) < length)
+    centre = pole[zero] if pivot is None else pivot
+    arm = centre - places[zero]
+    shift = displacement + np.array([rotated(theta, arm) for theta in rotation]) - arm
+    angle = rotation @ axis
+    return ErrorMotions(
+        displacement, rotation, displacement - np.outer(displacement @ tangent, tangent), shift,
+        rotation - np.outer(angle, axis), pole, angle, tangent, axis, centre, turning,
+    )  # fmt: skip
+
+
+def rotation_vector(turn: Array, reference: Array) -> Array:
+    """(3,) of R(turn) R(reference)^T, both Euler parameters (4,); its length is at most pi."""
+    w = turn @ reference
+    v = reference[0] * turn[1:] - turn[0] * reference[1:] - np.cross(turn[1:], reference[1:])
+    if w < 0.0:
+        w, v = -w, -v
+    sine = float(np.linalg.norm(v))
+    return np.asarray(v * (2.0 * np.arctan2(sine, w) / sine if sine > 0.0 else 2.0))
+
+
+def rotated(theta: Array, c: Array) -> Array:
+    """c (3,) turned by the rotation vector theta (3,) (Rodrigues)."""
+    angle = float(np.linalg.norm(theta))
+    half = np.sinc(0.5 * angle / np.pi)  # sin(angle/2)/(angle/2)
+    cross = np.cross(theta, c)
+    return np.asarray(c + np.sinc(angle / np.pi) * cross + 0.5 * half**2 * np.cross(theta, cross))
+
+
+def _unit(v: Array) -> Array:
+    size = float(np.linalg.norm(v))
+    return v / size if np.isfinite(size) and size > 0.0 else np.zeros(3)
+
+
+def _pole(place: Array, move: Array, spin: Array, length: float) -> Array:
+    """The instantaneous centre; nan where the rotation is rounding."""
+    square = float(spin @ spin)
+    if not np.sqrt(square) * length > AT_INFINITY * float(np.linalg.norm(move)):
+        return np.full(3, np.nan)
+    return np.asarray(place + np.cross(spin, move) / square)

@@ -1,0 +1,200 @@
+"""`spacar.flexure`: stiffness, errors, frequencies, buckling, force, energy and stress over a range of motion.
+
+The stationary solutions are those of modes 7, 8 and 10 (theory-system.md section 6) on the model of `driven_deck`, from
+the undeflected state outwards, to both sides one after the other. Definitions: docs/flexures.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from spacar.arrays import Array
+from spacar.calls import frames
+from spacar.deck import Deck, read_deck
+from spacar.errors import AnalysisError, Report, UsageError
+from spacar.linear.linear_modes import stationary
+from spacar.mechanism import build
+from spacar.mechanism.mechanism import Mechanism
+from spacar.options import checked_options
+from spacar.result import Result
+from spacar.stroke.driven_deck import Row, driven, load_row, own_move
+from spacar.stroke.error_motions import error_motions
+from spacar.stroke.flexure_results import Flexure
+from spacar.stroke.observed_node import ObservedNode
+from spacar.stroke.station import Station, free_compliance, station
+from spacar.stroke.stroke_move import StrokeMove, parse_move
+from spacar.stroke.work import drive_work, load_work, moment_work
+
+WITH_INITIAL = 2  # ITERSTEP type: the initial loading first, then the additional one
+
+
+def flexure(
+    source: str | Path | Deck, *, move: str | None = None, force: str | None = None, node: int | None = None,
+    orientation: int = 0, steps: int = 10, loads: Sequence[str] = (), pivot: Sequence[float] | None = None,
+    modes: int = 6, **options: Any,
+) -> Flexure:  # fmt: skip
+    """What a designer of a flexure asks over its range of motion.
+
+    source       path of the input file, or a Deck; lengths below are in its unit of length (UNITS)
+    move         coordinate and range, "7x=0.02", "8rz=-0.3:0.3", "e[3,1]=+-0.1"; default: what the file moves (DELINPX)
+    force        the same with a force or moment instead, "7x=27"; the drive is then free and loaded
+    node         whose stiffness and motion are asked for, default that of the drive;  orientation: its other node
+    steps        to the farther end of the range
+    loads        further forces that act all the time, "7y=-10"
+    pivot        ideal pivot, x y (z), instead of the pole of the undeflected state
+    modes        how many frequencies are kept
+    options      override the deck, as in `spacar.run` (beams, max_iterations ...)
+
+    Raises UsageError and InputError for what is asked wrongly, AnalysisError where a state cannot be computed.
+    """
+    options = checked_options(options)[0]
+    if steps < 1 or modes < 1:
+        raise UsageError(f"steps = {steps} and modes = {modes} must be at least 1", "flexure.steps")
+    deck = (source if isinstance(source, Deck) else read_deck(source, 10)).for_mode(10)
+    mechanism = build(deck, 10, **options)
+    if not mechanism.numbering.holonomic or mechanism.numbering.nk:
+        raise UsageError(f"{deck.source} has wheels: there is no stroke of a flexure", "flexure.wheels")
+    centre = _pivot(pivot, deck.metre, mechanism.numbering.planar)
+    asked = _asked(deck, mechanism, move, force)
+    whole = asked.within(min(asked.low, 0.0), max(asked.high, 0.0))
+    extra = [load_row(text, mechanism, deck.metre) for text in loads]
+    ends = [end for end in (whole.low, whole.high) if end]
+    farthest = max(map(abs, ends))
+    sides = []
+    for end in ends:
+        count = max(1, int(np.ceil(steps * abs(end) / farthest - 1e-9)))
+        sides.append(_side(deck, mechanism, whole, end, count, extra, node, orientation, modes, options))
+    return _joined(deck, whole, sides, centre)
+
+
+def _asked(deck: Deck, mechanism: Mechanism, move: str | None, force: str | None) -> StrokeMove:
+    if move is not None and force is not None:
+        raise UsageError("give either a move or a force, not both", "flexure.move")
+    if move is None and force is None:
+        return own_move(deck, mechanism)
+    return parse_move(move or force or "", mechanism.numbering, deck.metre, pushed=force is not None)
+
+
+class _Side:
+    """The states from the undeflected one to one end: stroke, actuator force and its slope (k,), stations."""
+
+    def __init__(self, mechanism: Mechanism, node: ObservedNode, move: StrokeMove, report: Report) -> None:
+        self.mechanism, self.node, self.move, self.report = mechanism, node, move, report
+        n = mechanism.numbering
+        row = n.e_index(move.number, move.place) if move.deformation else n.x_index(move.number, move.place)
+        places = n.q_e if move.deformation else n.q_x
+        self.row, self.drive = row, int(np.flatnonzero(places == row)[0]) + move.deformation * len(n.q_x)
+        self.stations: list[Station] = []
+        self.stroke: list[float] = []
+        self.force: list[float] = []
+        self.slope: list[float] = []
+        self.others: list[Array] = []  # forces (nx,) besides the actuator and constant moments
+
+    def add(self, s: Station, pushed: float, turning: float) -> None:
+        """`pushed`: force of the actuator if it is given;  turning: rotation of its node by a unit of it."""
+        move, frame = self.move, s.frame
+        change = float(frame.e[self.row] if move.deformation else frame.x[self.row] - self.mechanism.x0[self.row])
+        stroke = float(move.stroke(change))
+        others = self.mechanism.loads.force + frame.fxgrav
+        if move.pushed:
+            force = pushed
+            slope = 1.0 / turning if move.rotation and turning else s.slope
+        else:
+            applied = (frame.fx + frame.fxgrav)[self.row]
+            dual = -frame.sig[self.row] if move.deformation else frame.fxtot[self.row] - applied
+            force = float(move.force(np.array(stroke), dual))
+            slope = float(move.stiffness(np.array(stroke), dual, np.array(s.slope)))
+        self.stations.append(s)
+        self.stroke.append(stroke)
+        self.force.append(force)
+        self.slope.append(slope)
+        self.others.append(others)
+
+
+def _side(
+    deck: Deck, mechanism: Mechanism, move: StrokeMove, end: float, count: int, extra: Sequence[Row],
+    node: int | None, orientation: int, modes: int, options: dict[str, Any],
+) -> _Side:  # fmt: skip
+    made = driven(deck, mechanism, move, end, extra)
+    settings = {"load_steps": count, "store_every": 1, "stationary_type": WITH_INITIAL}
+    run = frames(10, made, **(options | settings))
+    n = run.mechanism.numbering
+    here = _observed(run.mechanism, move, node, orientation)
+    side = _Side(run.mechanism, here, move, run.report)
+    at_drive = None if move.deformation else ObservedNode.of(n, move.number) if move.rotation else None
+    with np.errstate(all="ignore"):
+        for k, solution in enumerate(stationary(run, reducible=False)):
+            assert solution.L is not None
+            found = station(solution.frame, solution.dynamics, solution.L, side.drive, here, modes, run.report)
+            turning = 0.0
+            if move.pushed and at_drive is not None:
+                axis = at_drive.names.index(f"phi{move.text[-1]}")
+                C = free_compliance(solution.frame, solution.L, n.dynamic, at_drive, run.report)
+                turning = float(C[axis, axis])
+            side.add(found, end * k / count, turning)
+    return side
+
+
+def _observed(mechanism: Mechanism, move: StrokeMove, node: int | None, orientation: int) -> ObservedNode:
+    """The node that was asked for, else that of the drive; for a deformation the second one of its element."""
+    n = mechanism.numbering
+    if node is None and move.deformation:
+        nodes = next(nodes for number, _, nodes in n.elements if number == move.number)
+        node = next((m for m in reversed(nodes) if n.kind[m] == "position"), nodes[-1])
+    return ObservedNode.of(n, move.number if node is None else node, orientation)
+
+
+def _joined(deck: Deck, move: StrokeMove, sides: Sequence[_Side], pivot: Array | None) -> Flexure:
+    """Both sides as one stroke with increasing values, the undeflected state once."""
+    first = sides[0]
+    order = [(side, k) for side in sides for k in range(len(side.stations))]
+    if len(sides) == 2:
+        order = [(sides[0], k) for k in range(len(sides[0].stations) - 1, 0, -1)]
+        order += [(sides[1], k) for k in range(len(sides[1].stations))]
+    elif move.low < 0.0:
+        order.reverse()
+    zero = next(i for i, (_, k) in enumerate(order) if k == 0)
+    stations = [side.stations[k] for side, k in order]
+    stroke, force, slope = (
+        np.array([getattr(side, name)[k] for side, k in order]) for name in ("stroke", "force", "slope")
+    )
+    if not np.all(np.diff(stroke) > 0.0) and not move.pushed:
+        raise AnalysisError("the stroke does not grow from state to state", "flexure.stroke")
+    shots = tuple(replace(s.frame, t=float(i)) for i, s in enumerate(stations))
+    lines = list(dict.fromkeys(line for side in sides for line in side.report.lines))
+    result = Result(first.mechanism, 10, shots, tuple(lines), {})
+    node = first.node
+    x, loads = np.array([s.frame.x for s in stations]), first.mechanism.loads
+    by_stroke = [_per_stroke(move, value) for value in stroke]
+    moving = [node.spatial(s.velocity * rate) for s, rate in zip(stations, by_stroke, strict=True)]
+    errors = error_motions(
+        np.array([node.place(s.frame.x) for s in stations]), np.array([node.turn(s.frame.x) for s in stations]),
+        np.array([m for m, _ in moving]), np.array([w for _, w in moving]), zero, first.mechanism.length,
+        pivot,
+    )  # fmt: skip
+    return Flexure(
+        deck.source, move, node, deck.metre, zero, stroke, force, slope,
+        drive_work(stroke, force, slope, zero),
+        load_work(np.array([side.others[k] for side, k in order]), x, zero)
+        + moment_work(loads.moment, x[:, loads.moment_rows.T], zero),
+        tuple(stations), errors, result,
+    )  # fmt: skip
+
+
+def _per_stroke(move: StrokeMove, stroke: float) -> float:
+    """d(coordinate)/d(stroke)."""
+    return 0.5 * float(np.cos(0.5 * stroke)) if move.rotation else 1.0
+
+
+def _pivot(given: Sequence[float] | None, metre: float, planar: bool) -> Array | None:
+    if given is None:
+        return None
+    size = 2 if planar else 3
+    if len(given) not in (2, size):
+        raise UsageError(f"the pivot has {size} coordinates, not {len(given)}", "flexure.pivot")
+    return np.pad(np.asarray(given, float) * metre, (0, 3 - len(given)))

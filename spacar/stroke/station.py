@@ -1,0 +1,163 @@
+"""What is known of one state of the stroke, from the linearized equations with the drive free and with it locked.
+
+With q the dynamic degrees of freedom, d the drive, K = K0 + N0 + G0 of both (theory-system.md (12)):
+
+    path            dq/dd = -K_qq^-1 K_qd           all other loads stay as they are
+    drive           dF/dd = K_dd + K_dq dq/dd
+    node, locked    C = D_q K_qq^-1 D_q^T;          free: C = D K^-1 D^T over q and d
+    frequencies     of (K_qq, M_qq), of (K, M);     without damping; an unstable motion has a negative one
+    buckling        det(K0 + lambda G0) = 0 of q, and of q and d (theory-system.md 6.5)
+
+The free mode that belongs to the drive is the one with the largest share s of the motion v = (dq/dd, 1) of the path,
+s = (phi^T M v)^2 / (phi^T M phi v^T M v).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from spacar.arrays import Array, Index
+from spacar.dynamics.array_evaluator import Dynamics
+from spacar.errors import AnalysisError, Report
+from spacar.frame import Frame
+from spacar.linear.buckling import buckling_modes
+from spacar.linear.eigen import vibration_modes
+from spacar.linear.internal_unknowns import buckling_matrices
+from spacar.linear.node_compliance import compliance_of, displacements
+from spacar.linearization.matrices import Linearization
+from spacar.stroke.observed_node import ObservedNode
+
+NOTHING = 1e-11  # of the largest displacement by a degree of freedom: a direction that nothing flexible moves
+
+
+@dataclass(frozen=True)
+class Station:
+    """One state. d: the coordinate of the drive; m directions of the node; f frequencies that were asked for.
+
+    slope  dF/dd;  velocity (m,) of the node by d;  locked, free (m, m) compliances;  hertz, hertz_free (f,) [Hz];
+    drive_hertz, unwanted_free  of the free modes, that of the drive and the lowest of the others
+    margin, margin_free  lowest positive load multipliers;  energy  strain energy [J]
+    """
+
+    frame: Frame
+    slope: float
+    velocity: Array
+    locked: Array
+    free: Array
+    hertz: Array
+    hertz_free: Array
+    drive_hertz: float
+    unwanted_free: float
+    margin: float
+    margin_free: float
+    energy: float
+
+
+def station(
+    frame: Frame, dynamics: Dynamics, L: Linearization, drive: int, node: ObservedNode, modes: int, report: Report
+) -> Station:
+    """Everything of a placed state; `drive` is the row of q, `modes` how many frequencies are kept."""
+    others = np.array([k for k in dynamics.numbering.dynamic.tolist() if k != drive], np.int64)
+    every = np.append(others, drive)
+    K = L.stiffness
+    D = node.map(frame.x) @ L.G[node.rows]
+    try:
+        follow = -displacements(K[np.ix_(others, others)], K[others, drive][:, None])[:, 0]
+        locked = _rigid(compliance_of(K[np.ix_(others, others)], D[:, others]), D[:, others], D, node.points)
+    except AnalysisError as error:
+        report.add(f"warning: with the drive locked {error}")
+        follow, locked = np.full(len(others), np.nan), np.full((len(D), len(D)), np.nan)
+    slope = float(K[drive, drive] + K[drive, others] @ follow)
+    free = free_compliance(frame, L, every, node, report)
+    path = np.append(follow, 1.0)
+    hertz, _ = _frequencies(L, dynamics, others, report)
+    hertz_free, shapes = _frequencies(L, dynamics, every, report)
+    drive_hertz, unwanted = _split(hertz_free, shapes, L.m0[np.ix_(every, every)], path)
+    return Station(
+        frame, slope, D[:, every] @ path, locked, free, _first(hertz, modes), _first(hertz_free, modes), drive_hertz,
+        unwanted, _margin(L, dynamics, others, report), _margin(L, dynamics, every, report), _strain_energy(dynamics),
+    )  # fmt: skip
+
+
+def free_compliance(frame: Frame, L: Linearization, rows: Index, node: ObservedNode, report: Report) -> Array:
+    """(m, m) compliance of a node with the degrees of freedom `rows` free; nan where the stiffness is singular."""
+    D = node.map(frame.x) @ L.G[node.rows]
+    try:
+        return _rigid(compliance_of(L.stiffness[np.ix_(rows, rows)], D[:, rows]), D[:, rows], D, node.points)
+    except AnalysisError as error:
+        report.add(f"warning: with the drive free {error}")
+        return np.full((len(D), len(D)), np.nan)
+
+
+def _rigid(C: Array, D: Array, every: Array, points: int) -> Array:
+    """C without the rounding of directions that nothing moves: their rows and columns are zero."""
+    size = np.abs(D).max(axis=1, initial=0.0)
+    largest = np.abs(every).max(axis=1, initial=0.0)
+    still = np.zeros(len(D), bool)
+    for part in (slice(0, points), slice(points, len(D))):
+        still[part] = size[part] <= NOTHING * largest[part].max(initial=0.0)
+    C = C.copy()
+    C[still], C[:, still] = 0.0, 0.0
+    return C
+
+
+def _frequencies(L: Linearization, dynamics: Dynamics, rows: Index, report: Report) -> tuple[Array, Array]:
+    """Frequencies [Hz] from low to high, unstable ones negative, and shapes (len(rows), n). None without mass."""
+    none = np.zeros(0), np.zeros((len(rows), 0))
+    if not len(rows):
+        return none
+    undamped = replace(L, c0=np.zeros_like(L.c0), d0=np.zeros_like(L.d0))
+    told = Report()
+    try:
+        found = vibration_modes(undamped, rows, rows, told, dynamics.numbering.twist_rates)
+    except AnalysisError as error:
+        report.add(f"warning: no frequencies: {error}")
+        return none
+    for line in told.lines:
+        report.add(line)
+    values = found.values
+    chosen = np.flatnonzero((values.imag > 0.0) | ((values.imag == 0.0) & (values.real > 0.0)))
+    hertz = np.abs(values[chosen]) / (2.0 * np.pi)
+    hertz = np.where(values[chosen].imag > 0.0, hertz, -hertz)
+    order = np.argsort(hertz, kind="stable")
+    return hertz[order], found.vectors[: len(rows), chosen[order]].real
+
+
+def _split(hertz: Array, shapes: Array, M: Array, path: Array) -> tuple[float, float]:
+    """Frequency of the mode that is the motion of the drive, and the lowest of the others."""
+    if not len(hertz) or not np.isfinite(path).all():
+        return np.nan, np.nan
+    along = shapes.T @ (M @ path)
+    share = along**2 / np.maximum(np.einsum("ik,ij,jk->k", shapes, M, shapes), np.finfo(float).tiny)
+    k = int(np.argmax(share))
+    rest = np.delete(hertz, k)
+    return float(hertz[k]), float(rest[0]) if len(rest) else np.nan
+
+
+def _first(hertz: Array, n: int) -> Array:
+    return np.pad(hertz[:n], (0, max(0, n - len(hertz))), constant_values=np.nan)
+
+
+def _margin(L: Linearization, dynamics: Dynamics, rows: Index, report: Report) -> float:
+    """Lowest positive multiplier of all loads and prestresses of the state; infinite without one."""
+    if not len(rows):
+        return np.inf
+    told = Report()
+    try:
+        found = buckling_modes(*buckling_matrices(dynamics, L, rows), told).multipliers
+    except AnalysisError as error:
+        report.add(f"warning: no load multipliers: {error}")
+        return np.nan
+    for line in told.lines:
+        if line.startswith("warning"):
+            report.add(line)
+    positive = found[found > 0.0]
+    return float(positive.min(initial=np.inf))
+
+
+def _strain_energy(dynamics: Dynamics) -> float:
+    """e^T S e/2 + sigma0^T e of the elements whose deformations are free."""
+    law, e = dynamics.law, dynamics.sweep.e
+    return 0.5 * float(e @ (law(e, np.zeros(len(e))) + law.preload))

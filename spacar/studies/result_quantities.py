@@ -1,0 +1,149 @@
+"""What the accuracy of a stationary solution is about, with the amplitude of each variable.
+
+Unless expressions are chosen:
+
+    positions    free coordinates of nodes; amplitude: the largest displacement of the model, that of a node [m]
+    orientation  angles or Euler parameters; amplitude: the largest change of one of them
+    twist rates  of warping nodes; amplitude: the largest of them
+    reactions    forces at fixed and prescribed coordinates; amplitude: the largest force, and the largest moment
+    frequencies  the FREQUENCIES lowest eigenvalues; amplitude: each one's modulus
+    multipliers  the MULTIPLIERS lowest load multipliers; amplitude: each one's size
+
+A group that is zero to ZERO of what it could be (lengths of the model, a radian, force times length) does not count.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacar.arrays import Array, Index
+from spacar.errors import UsageError
+from spacar.frame import Frame
+from spacar.mechanism import Mechanism
+from spacar.result import Result
+from spacar.studies.error_norm import amplitudes
+from spacar.studies.quantities import Quantity
+
+FREQUENCIES, MULTIPLIERS = 6, 3
+ZERO = 1e-6
+
+
+@dataclass(frozen=True)
+class Assessed:
+    """names of the variables, values (variables, steps), amplitude (variables,); inf: does not count."""
+
+    names: tuple[str, ...]
+    values: Array
+    amplitude: Array
+
+
+def assessed(
+    mechanism: Mechanism, mode: int, frames: Sequence[Frame], variables: Sequence[Quantity], stationary: bool
+) -> Assessed:
+    """The variables of a run, on the nodes of the user. Raises UsageError for one that is not real and finite."""
+    if variables:
+        result = Result(mechanism, mode, tuple(frames), (), {})
+        values = np.array([_real(v, result) for v in variables])
+        return Assessed(tuple(v.name for v in variables), values, amplitudes(values, stationary))
+    free = free_coordinates(mechanism)
+    if not stationary:
+        values = np.array([f.x for f in frames])[:, free].T
+        names = tuple(mechanism.numbering.x_name(int(i)) for i in free)
+        return Assessed(names, values, amplitudes(values, stationary=False))
+    groups = _coordinates(mechanism, frames, free) + _reactions(mechanism, frames, free) + _spectrum(mechanism, frames)
+    names = tuple(name for g in groups for name in g.names)
+    return Assessed(names, *(np.concatenate([getattr(g, f) for g in groups]) for f in ("values", "amplitude")))
+
+
+def free_coordinates(mechanism: Mechanism) -> Index:
+    """Columns of the coordinates that the motion determines."""
+    n = mechanism.numbering
+    given = {*range(n.x_class["fixed"].stop), *range(n.x_class["input"].start, n.x_class["input"].stop)}
+    return np.array([i for i in range(n.nx) if i not in given], dtype=np.int64)
+
+
+def _real(variable: Quantity, result: Result) -> Array:
+    series = variable.series(result)
+    if np.iscomplexobj(series) or not np.isfinite(series).all():
+        raise UsageError(f"{variable.text} is not a real, finite number at every step", "study.accuracy")
+    return np.broadcast_to(np.asarray(series, float), (len(result.frames),))
+
+
+def _group(names: Sequence[str], values: Array, size: float, least: float) -> Assessed:
+    """Variables with one amplitude; inf when it is below `least`."""
+    return Assessed(tuple(names), values, np.full(len(values), size if size > least else np.inf))
+
+
+def _kinds(mechanism: Mechanism, rows: Index) -> dict[str, Index]:
+    """Rows of x by the kind of their node."""
+    n = mechanism.numbering
+    kind = np.array([n.kind[n.x_owner(int(i))[0]] for i in rows])
+    return {k: rows[kind == k] for k in ("position", "orientation", "warping")}
+
+
+def _coordinates(mechanism: Mechanism, frames: Sequence[Frame], free: Index) -> list[Assessed]:
+    x = np.array([f.x for f in frames]).T
+    found = []
+    for rows in _kinds(mechanism, free).values():
+        if not len(rows):
+            continue
+        change = x[rows] - mechanism.x0[rows, None]
+        names = [mechanism.numbering.x_name(int(i)) for i in rows]
+        scale = float(mechanism.scale[rows].max())
+        found.append(_group(names, x[rows], float(np.abs(change).max(initial=0.0)), ZERO * scale))
+    return found
+
+
+def _reactions(mechanism: Mechanism, frames: Sequence[Frame], free: Index) -> list[Assessed]:
+    held = np.setdiff1d(np.arange(mechanism.numbering.nx), free)
+    force = np.array([f.fxtot - f.fx - f.fxgrav for f in frames]).T
+    rows = _kinds(mechanism, held)
+    largest = {k: float(np.abs(force[r]).max(initial=0.0)) for k, r in rows.items()}
+    length = mechanism.length
+    least = {"position": largest["orientation"] / length, "orientation": largest["position"] * length}
+    found = []
+    for kind in ("position", "orientation"):
+        if len(rows[kind]):
+            names = [f"reaction at {mechanism.numbering.x_name(int(i))}" for i in rows[kind]]
+            found.append(_group(names, force[rows[kind]], largest[kind], ZERO * least[kind]))
+    return found
+
+
+def _spectrum(mechanism: Mechanism, frames: Sequence[Frame]) -> list[Assessed]:
+    found = []
+    if "eigval" in frames[0].matrices:
+        every = [f.matrices["eigval"] for f in frames]
+    elif "A" in frames[0].state_space and len(frames[0].state_space["A"]):
+        every = [_eigenvalues(f.state_space["A"]) for f in frames]
+    else:
+        every = []
+    if every:
+        modulus = [np.hypot(v[:, 0], v[:, 1]) for v in every]
+        n = mechanism.numbering  # a refined state space has more of them
+        k = min(2 * FREQUENCIES, n.nddof + n.nkddof, *map(len, every))
+        values = np.array([np.concatenate((v[-k:, 0], v[-k:, 1])) for v in every]).T
+        size = np.array([m[-k:] for m in modulus]).T.max(axis=1, initial=0.0)
+        largest = max(float(np.nanmax(m, initial=0.0)) for m in modulus)
+        # A rigid motion is known to the root of rounding only, and a nan is no value.
+        counts = np.isfinite(values[:k] + values[k:]).all(axis=1) & (size > np.sqrt(np.finfo(float).eps) * largest)
+        amplitude = np.where(counts, size, np.inf)
+        names = [f"{part} of eigenvalue {i}" for part in ("real part", "imaginary part") for i in range(k, 0, -1)]
+        found.append(Assessed(tuple(names), np.nan_to_num(values), np.tile(amplitude, 2)))
+    if "lmult" in frames[0].matrices:
+        k = min(MULTIPLIERS, *(len(f.matrices["lmult"]) for f in frames))
+        values = np.array([f.matrices["lmult"][:k] for f in frames]).T
+        size = np.where(np.isfinite(values).all(axis=1), np.abs(values).max(axis=1, initial=0.0), 0.0)
+        names = [f"load multiplier {i + 1}" for i in range(k)]
+        found.append(Assessed(tuple(names), np.nan_to_num(values), np.where(size > 0.0, size, np.inf)))
+    return found
+
+
+def _eigenvalues(A: Array) -> Array:
+    """(n, 2) by decreasing modulus, of a pair the positive imaginary part first."""
+    values = np.linalg.eigvals(A)
+    rounded = np.array([float(f"{m:.10e}") for m in np.abs(values)])
+    order = np.lexsort((-values.imag, -np.abs(values.imag), -rounded))
+    return np.column_stack((values[order].real, values[order].imag))

@@ -1,0 +1,228 @@
+"""Studies in one line: `spacar.sweep` and `spacar.trade`, for users of Python; the commands ask the same questions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+from spacar.arrays import Array
+from spacar.calls import deck_of
+from spacar.deck import Deck
+from spacar.errors import UsageError
+from spacar.modes import MODES, Mode, find_mode
+from spacar.options import checked_options
+from spacar.studies.assignments import Axis, combine, setting
+from spacar.studies.assignments import values as listed_values
+from spacar.studies.batched_cases import in_batches, reason
+from spacar.studies.budgeted import command_line, run_options, search
+from spacar.studies.models import flexible_beams
+from spacar.studies.quantities import quantity
+from spacar.studies.rows import Row, Rows
+from spacar.studies.sweep import Batch, Study
+from spacar.studies.sweep import sweep as swept
+from spacar.studies.trade import Entry, Reference, Trade, assess, default_variables, recommend
+from spacar.studies.workers import Engine, run
+
+if TYPE_CHECKING:
+    from spacar.deck.model import Model
+
+INTERVAL = ("duration", "n_steps")  # options of trade, which chooses the others
+
+
+def sweep(
+    source: str | Path | Deck | Model,
+    change: Mapping[str, Sequence[float] | Array | str],
+    results: str | Sequence[str],
+    *,
+    mode: int = 1,
+    together: bool = False,
+    jobs: int = 1,
+    output: str | Path | None = None,
+    retry: bool = False,
+    batch: bool | None = None,
+    **options: Any,
+) -> list[Row]:
+    """Run a model for many values of its numbers. One row (a dict) a case: the values, the results, `status`
+    ("done", "failed", "lost"), `seconds` and `reason`. `pandas.DataFrame(rows)` is a table of them.
+
+    source    path of the input file, a Deck or a Model;  mode  that is run
+    change    {"ESTIFF.*[EI]": [5.0, 10.0], "XM.8": "1:100:7:log"}: targets and values of docs/studies.md; all
+              combinations, with `together` the first values of each, the second ones ...
+    results   expressions that come to one number: "x[8,1]@end", "tip: max(abs(x[8,2]))"
+    jobs      processes. With more than one, a script needs `if __name__ == "__main__":`
+    output    .csv or .jsonl that keeps the rows: cases that are there are not run again; retry  those that failed are
+    batch     many cases at once along one more array axis; None: where that is possible and faster
+    options   of `spacar.run`, such as rtol, duration, n_steps
+
+    A case that fails is a row. Raises UsageError for a target, a value or an expression that cannot be, and InputError.
+    """
+    if not change:
+        raise UsageError("nothing to vary: give targets and their values, such as {'XM.8': [1, 2]}", "usage.sweep")
+    texts = (results,) if isinstance(results, str) else tuple(results)
+    if not texts:
+        raise UsageError("nothing to keep: give at least one result, for instance 'x[6,1]@end'", "usage.sweep")
+    options, _ = checked_options(options)
+    number = find_mode(mode).number
+    axes = [Axis(setting(target), _numbers(target, given)) for target, given in change.items()]
+    settings, cases = combine(axes, together)
+    study = Study(number, deck_of(source, number), settings, tuple(map(quantity, texts)), options)
+    require_columns(study)
+    engine: Engine = partial(run, jobs=jobs)
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "rows.jsonl" if output is None else Path(output)
+        if path.suffix.lower() not in (".csv", ".jsonl"):
+            raise UsageError(f"output {path}: the rows are written as .csv or .jsonl", "usage.sweep")
+        with Rows(path, study.columns) as rows:
+            earlier = {key: _typed(row) for key, row in rows.done.items()}
+        batches = batches_of(study, cases, engine, jobs, batch, "batch")
+        new = {str(row["case"]): row for row in swept(study, cases, path, engine, retry, batches)}
+    found = earlier | new
+    return [found[study.key(case)] for case in cases]
+
+
+@dataclass(frozen=True)
+class TradeAnswer:
+    """What `spacar.trade` found.
+
+    best       the cheapest setting within `target`: `error`, `seconds`, `label`; None without one
+    options    of `spacar.run` for it;  command  the same on the command line, "" without one
+    entries    all settings that were tried;  reference  what they were compared with, and its own `error`
+    skipped    settings that the budget left no time for
+    """
+
+    target: float
+    best: Entry | None
+    options: dict[str, Any]
+    command: str
+    entries: tuple[Entry, ...] = field(repr=False)
+    reference: Reference = field(repr=False)
+    skipped: int = 0
+
+    def __repr__(self) -> str:
+        lines = [f"Trade for an error of {self.target:.3g} (that of the reference: {self.reference.error:.2e})"]
+        shown = sorted((e for e in self.entries if not e.reason), key=lambda e: e.seconds)
+        for entry in shown[:6]:
+            mark = "->" if entry is self.best else "  "
+            how = " ".join(filter(None, entry.label))
+            lines.append(f"{mark} {how:<40} error {entry.error:.2e} {entry.seconds:.4g} s")
+        return "\n".join([*lines, self.command or "none of the settings is accurate enough"])
+
+
+def trade(
+    source: str | Path | Deck | Model, target: float = 1e-4, *, budget: float = 60.0, mode: int | None = None,
+    variables: str | Sequence[str] = (), repeats: int = 3, **options: Any,
+) -> TradeAnswer:  # fmt: skip
+    """The cheapest setting of the integration, or of the mesh in the stationary modes, whose error is within `target`.
+
+    source     path of the input file, a Deck or a Model
+    target     error over the amplitude of the variables;  budget  seconds for everything
+    mode       default: 1 with TIMESTEP, else 7
+    variables  expressions whose error counts; default: all free coordinates
+    repeats    runs of each setting, of which the median time counts
+    options    of `spacar.run`: duration, n_steps, compiled
+
+    Raises UsageError, InputError, and AnalysisError when the reference cannot be computed in the budget.
+    """
+    options, _ = checked_options(options)
+    refused = sorted(set(options) - {*INTERVAL, "compiled"})
+    if refused:
+        raise UsageError(f"trade chooses {', '.join(refused)} itself", "usage.trade")
+    if not 0.0 < target < 1.0 or not budget > 0.0:
+        raise UsageError("the target is between 0 and 1, the budget positive", "usage.trade")
+    number, deck = compared_deck(source, mode, options)
+    require_beams(deck, number)
+    texts = (variables,) if isinstance(variables, str) else tuple(variables)
+    chosen = tuple(map(quantity, texts)) or default_variables(number, deck)
+    asked = Trade(number, deck, chosen, repeats, options)
+    found = search(asked, target, budget)
+    assert found.reference is not None  # search has said why otherwise
+    entries = assess(asked, found.rows, found.tried, found.reference)
+    best = recommend(entries, target, found.reference)
+    command = ""
+    given: dict[str, Any] = {}
+    if best is not None and best.setup is not None:
+        command = command_line(asked, best.setup, deck.source)
+        given = run_options(asked, best.setup)
+    return TradeAnswer(target, best, given, command, tuple(entries), found.reference, found.skipped)
+
+
+def compared_deck(source: str | Path | Deck | Model, mode: int | None, options: Mapping[str, Any]) -> tuple[int, Deck]:
+    """Mode and deck of a trade; without a mode 1 where there is a time interval, else 7. Raises UsageError."""
+    if mode is None:
+        plain = deck_of(source, 1) if isinstance(source, Deck) else deck_of(source, 7)
+        mode = 1 if plain.of("TIMESTEP", block=2) or "duration" in options else 7
+    analysis = find_mode(mode)
+    if not _compared(analysis):
+        able = ", ".join(str(m.number) for m in MODES.values() if _compared(m))
+        raise UsageError(f"trade runs modes {able}, not {mode}", "usage.trade")
+    deck = deck_of(source, analysis.number)
+    if analysis.integrated and not deck.of("TIMESTEP", block=2) and len([k for k in INTERVAL if k in options]) < 2:
+        raise UsageError(f"{deck.source} has no TIMESTEP; give --time and --steps", "usage.timestep")
+    return analysis.number, deck
+
+
+def _compared(mode: Mode) -> bool:
+    """Motions and stationary solutions; not linearizations along a motion."""
+    return mode.stationary or (mode.integrated and not mode.linearized)
+
+
+def require_beams(deck: Deck, mode: int) -> None:
+    """A stationary mode has a reference only with beams to refine. Raises UsageError."""
+    if find_mode(mode).stationary and not flexible_beams(deck):
+        raise UsageError("a stationary solution without flexible beams has no error to compare", "usage.trade")
+
+
+def require_columns(study: Study) -> None:
+    """The columns have different names, and the targets exist. Raises UsageError."""
+    doubled = [c for c in study.columns if study.columns.count(c) > 1]
+    if doubled:
+        text = f"two columns would be called {doubled[0]}; name the quantity 'NAME: EXPRESSION'"
+        raise UsageError(text, "usage.sweep")
+    for target in (t for s in study.settings for t in s.targets):
+        target.places(study.deck)  # a wrong target ends the study now, not in every row
+
+
+def batches_of(
+    study: Study, cases: Sequence[tuple[float, ...]], engine: Engine, jobs: int, wanted: bool | None, option: str
+) -> Batch | None:
+    """What runs the cases in batches; None when they run one by one. Raises UsageError for a batch that cannot be;
+    `option` names what asked for it.
+    """
+    if wanted is False or study.mode != 1:
+        return None
+    if wanted and (why := reason(study, cases[0])):
+        raise UsageError(f"{option}: {why}", "usage.sweep")
+    run_batches: Callable[..., Any] = in_batches
+    return lambda study, todo: run_batches(study, todo, engine, jobs, bool(wanted))
+
+
+def _numbers(target: str, given: Sequence[float] | Array | str) -> tuple[float, ...]:
+    """Values of a target, from numbers or a text such as 1:100:7:log. Raises UsageError."""
+    if isinstance(given, str):
+        return listed_values(given)
+    try:
+        found = tuple(float(v) for v in given)
+    except (TypeError, ValueError):
+        text = f"the values of {target} are {given!r}; give a list of numbers, or a text such as '1:10:4'"
+        raise UsageError(text, "study.set") from None
+    if not found:
+        raise UsageError(f"{target} has no values", "study.set")
+    return found
+
+
+def _typed(row: Row) -> Row:
+    """A row of a csv file with numbers where there are numbers."""
+
+    def value(text: Any) -> Any:
+        for kind in (float, complex):
+            try:
+                return kind(text)
+            except (TypeError, ValueError):
+                continue
+        return text
+
+    return {k: v if k in ("case", "status", "reason") else value(v) for k, v in row.items()}

@@ -1,0 +1,119 @@
+"""Results of a divided model on the nodes and elements of the model that the user gave.
+
+Coordinates, velocities, accelerations and reactions are those of the nodes that both have. Deformations are what the
+elements of the user have there, e = D(x), ed = V xd, edd = V xdd + H(xd, xd); generalized stresses are the end moments
+and the means of normal force and torsion of the parts (`spacar.deck.divide.joined_preload`). Modes of vibration and
+buckling are displacements of the same nodes, then the degrees of freedom of the user: q = (dx, V dx).
+
+What has no counterpart, the matrices of the linearized equations and transfer functions, is that of the user's mesh;
+the state space is that of the divided model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from spacar.arrays import Array, Index
+from spacar.deck.divide import joined_preload
+from spacar.dynamics.array_evaluator import Dynamics
+from spacar.frame import Frame
+from spacar.kinematics.element_sweep import ElementSweep
+from spacar.linear.eigen import arranged
+from spacar.mechanism import Mechanism
+from spacar.mechanism.numbering import Numbering
+
+
+class UserNodes:
+    """From frames of `fine`, in which `parts[beam]` elements stand for a beam, to frames of `given`."""
+
+    def __init__(self, given: Mechanism, fine: Mechanism, parts: Mapping[int, Sequence[int]]) -> None:
+        self.given, self.fine = given, fine
+        n, m = given.numbering, fine.numbering
+        self.sweep = ElementSweep(given)
+        self.at = np.array([m.x_index(*n.x_owner(i)) for i in range(n.nx)], np.int64)
+        self.rows, self.columns, self.factors = _stresses(n, m, parts)
+
+    def frame(self, frame: Frame, own: Frame) -> Frame:
+        """The frame of the divided model on the nodes of the user; `own` is that of the user's mesh at this step."""
+        at = self.at
+        sig = np.bincount(self.rows, self.factors * frame.sig[self.columns], self.given.numbering.ne)
+        # The weight of the parts at inner nodes is in the weight of the user's elements.
+        reaction = (frame.fxtot - frame.fx - frame.fxgrav)[at]
+        fx = frame.fx[at]
+        found = replace(
+            own, x=frame.x[at], xd=frame.xd[at], xdd=frame.xdd[at], sig=sig, fx=fx, fxtot=reaction + fx + own.fxgrav,
+            matrices=dict(own.matrices), state_space=frame.state_space, statistics=dict(frame.statistics),
+        )  # fmt: skip
+        if frame.xcompl is not None:
+            found.xcompl = frame.xcompl[at]
+        deform(self.given, self.sweep, found, own.e)
+        self._modes(frame, found)
+        return found
+
+    def _modes(self, frame: Frame, found: Frame) -> None:
+        """Eigenvalues, multipliers and their shapes: as many of the lowest as the mesh of the user has."""
+        fine, given = frame.matrices, found.matrices
+        if "eigval" not in given and "lmult" not in given:
+            return
+        dynamics = Dynamics(self.fine)
+        dynamics.kinematics.start_at(frame.x, frame.e)
+        dynamics.kinematics.refresh()
+        if "eigval" in given:
+            k = min(len(given["eigval"]), len(fine["eigval"]))
+            given["eigval"] = fine["eigval"][-k:]
+            shapes = (fine["eigvre"] + 1j * fine["eigvim"])[:, -k:]
+            n, m = self.given.numbering, self.fine.numbering
+            if n.nk == 0 and len(shapes) == 2 * m.nddof:
+                both = [self._shape(dynamics, part) for part in np.split(shapes, 2)]
+                values = given["eigval"][:, 0] + 1j * given["eigval"][:, 1]
+                with np.errstate(all="ignore"):
+                    modes = arranged(values, np.vstack(both), n.nddof)
+                given["eigvre"], given["eigvim"] = modes.vectors.real, modes.vectors.imag
+            else:
+                given["eigvre"], given["eigvim"] = given["eigvre"][:, -k:], given["eigvim"][:, -k:]
+        if "lmult" in given and "lmult" in fine:
+            k = min(len(given["lmult"]), len(fine["lmult"]))
+            given["lmult"] = fine["lmult"][:k]
+            shape = self._shape(dynamics, fine["bmode"][:, :k]).real
+            size = np.linalg.norm(shape, axis=0)
+            given["bmode"] = shape / np.where(size > 0.0, size, 1.0)
+
+    def _shape(self, dynamics: Dynamics, q: Array) -> Array:
+        """Degrees of freedom of the user (dynamic, k) of small motions q (dynamic of the divided model, k)."""
+        if np.iscomplexobj(q):
+            return np.asarray(self._shape(dynamics, q.real) + 1j * self._shape(dynamics, q.imag))
+        m, n = dynamics.numbering, self.given.numbering
+        dx, de = np.zeros((m.nx, q.shape[1])), np.zeros((m.ne, q.shape[1]))
+        count = int(m.nxp[3])
+        dx[m.x_class["dynamic"]], de[m.e_class["dynamic"]] = q[:count], q[count:]
+        motion = dynamics.kinematics.dependent(dx, de)[self.at]
+        rates = np.column_stack([self.sweep.rate(column) for column in motion.T])
+        return np.vstack((motion[n.x_class["dynamic"]], rates[n.e_class["dynamic"]]))
+
+
+def deform(given: Mechanism, sweep: ElementSweep, frame: Frame, near: Array) -> None:
+    """Set e, ed, edd of a frame to what its coordinates say; `near` (ne,): of which turn angles are."""
+    sweep.near[:] = near
+    sweep.strain(frame.x)
+    frame.e = np.where(given.numbering.slips, frame.e, sweep.e)
+    frame.ed, frame.edd = sweep.rate(frame.xd), sweep.rate(frame.xdd) + sweep.convective(frame.xd)
+
+
+def _stresses(n: Numbering, m: Numbering, parts: Mapping[int, Sequence[int]]) -> tuple[Index, Index, Array]:
+    """The map from generalized stresses of the divided model (m) to those of the user (n): rows, columns, factors."""
+    normal = {int(node): int(row) for node, row in m.normalization}
+    found: list[tuple[int, int, float]] = []
+    for i in range(n.ne):
+        element, mode = n.e_owner(i)
+        if element < 0:
+            found.append((i, normal[-element], 1.0))
+        elif element not in parts:
+            found.append((i, m.e_index(element, mode), 1.0))
+    for element, its in parts.items():
+        for mode, part, factor in joined_preload(n.keyword[element], len(its)):
+            found.append((n.e_index(element, mode), m.e_index(its[part], mode), factor))
+    rows, columns, factors = zip(*found, strict=True) if found else ((), (), ())
+    return np.array(rows, np.int64), np.array(columns, np.int64), np.array(factors, float)

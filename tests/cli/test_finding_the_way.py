@@ -1,0 +1,144 @@
+"""Completion, manual page, and what helps somebody who does not know the words."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import click
+import pytest
+from spacar_cli.command_table import COMMANDS
+from spacar_cli.commands.completion import SHELLS, source
+from spacar_cli.environment import Environment
+from spacar_cli.main import main, program
+from spacar_cli.man_page import command_section, page
+
+from spacar.modes import MODES
+from tests.test_as_users_expect import DATA, call
+
+HOUSE = Path(__file__).parents[2]
+SPACAR = Path(sys.executable).parent / "spacar"
+
+
+def completed(line: str, folder: Path) -> list[str]:
+    """What bash gets for a line whose last word is completed: type,value."""
+    more = {"COMP_WORDS": line, "COMP_CWORD": str(line.count(" ")), "_SPACAR_COMPLETE": "bash_complete"}
+    done = subprocess.run([SPACAR], env=os.environ | more, cwd=folder, capture_output=True, text=True, check=True)
+    return done.stdout.split()
+
+
+@pytest.mark.parametrize(
+    ("line", "found"),
+    [
+        ("spacar pl", ["plain,plot"]),
+        ("spacar 1", ["plain,1", "plain,10"]),
+        ("spacar 1 cr", ["file,cr"]),
+        ("spacar plot cr", ["file,cr"]),
+        ("spacar 1 crank --integ", ["plain,--integrator"]),
+        ("spacar completion z", ["plain,zsh"]),
+    ],
+)
+def test_completion(line, found, tmp_path):
+    assert completed(line, tmp_path) == found
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="there is no bash")
+def test_the_script_works_in_bash(tmp_path):
+    (tmp_path / "script").write_text(source("bash"))
+    text = "source ./script; COMP_WORDS=(spacar chec); COMP_CWORD=1; _spacar_completion spacar; echo ${COMPREPLY[@]}"
+    path = f"{SPACAR.parent}{os.pathsep}{os.environ['PATH']}"
+    done = subprocess.run(
+        ["bash", "-c", text], cwd=tmp_path, env=os.environ | {"PATH": path}, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.split() == ["check", "checksbf"], done.stderr
+
+
+@pytest.mark.parametrize("shell", SHELLS)
+def test_completion_is_installed_by_one_command(shell, tmp_path, capsys):
+    """Where the documentation of the shells says; printed without --install."""
+    import io
+
+    out, err = io.StringIO(), io.StringIO()
+    variables = {"HOME": str(tmp_path), "SHELL": f"/usr/bin/{shell}"}
+    assert main(["completion", "--install"], Environment(io.StringIO(), out, err, variables)) == 0
+    path = Path(out.getvalue().strip())
+    assert path.is_relative_to(tmp_path)
+    assert path.read_text() == source(shell)
+    assert "_SPACAR_COMPLETE" in path.read_text()
+    assert "new shell" in err.getvalue()
+    status, printed, _ = call("completion", shell)
+    assert (status, printed.strip()) == (0, source(shell).strip())
+
+
+def test_an_unknown_shell():
+    status, _, said = call("completion")
+    assert status == 2
+    assert "say for which shell: bash, zsh, fish" in said
+
+
+def test_the_manual_page_has_every_mode_command_and_option():
+    """Each by the words of its help, whatever version of click laid it out; `make man` writes it anew."""
+    text = (HOUSE / "docs" / "man" / "spacar.1").read_text(encoding="utf-8")
+    context = click.Context(program, info_name="spacar")
+    for name in [*map(str, MODES), *COMMANDS]:
+        command = program.get_command(context, name)
+        made = "\n".join(command_section(name, command, context))
+        sections = re.findall(r"^\.SS .*$", made, re.MULTILINE)
+        options = re.findall(r"^\.B (\\-\S+?)[, \n]", made, re.MULTILINE)
+        begin = text.index(f'.SS "spacar {name}"\n')
+        part = text[begin : begin + 2 * len(made)]
+        assert all(s in text for s in sections), f"{name}: run `make man`"
+        assert all(o in part for o in options), f"{name}: run `make man`"
+
+
+@pytest.mark.skipif(shutil.which("man") is None, reason="there is no man")
+def test_man_reads_the_page(tmp_path):
+    (tmp_path / "spacar.1").write_text(page())
+    done = subprocess.run(["man", "--warnings", "-l", "spacar.1"], cwd=tmp_path, capture_output=True, text=True,
+                          env=os.environ | {"MANPAGER": "cat", "MANWIDTH": "80"}, check=True)  # fmt: skip
+    assert done.stdout.startswith("SPACAR(1)")
+    assert not done.stderr
+
+
+def test_check_says_what_moves():
+    """As mode 0, which the first steps of the README promise."""
+    status, out, _ = call("check", DATA / "crank.dat", "-v")
+    assert status == 0
+    assert "1 degree of freedom: node 2 phi" in out
+    assert "the mechanism is neither over- nor under-constrained" in out
+    assert len(call("check", DATA / "crank.dat")[1].splitlines()) == 1
+
+
+def test_check_names_overconstraints(tmp_path):
+    text = (DATA / "crank.dat").read_text().upper().replace("FIX 6 2", "FIX 6 2\nFIX 4")
+    (tmp_path / "over.dat").write_text(text)
+    status, out, _ = call("check", tmp_path / "over", "-v")
+    assert status == 0
+    assert "over-constrained" in out
+
+
+def test_a_step_is_an_option_everywhere(tmp_path):
+    assert call(9, DATA / "lever.dat", "-o", tmp_path)[0] == 0
+    name = tmp_path / "lever"
+    assert call("getss", name, "--step", 1)[1] == call("getss", name, 1)[1] == call("getss", name)[1]
+    assert call("getfrsbf", name, "X", "--step", 1)[1] == call("getfrsbf", name, "X", 1)[1]
+    assert call("getss", name, 1, "--step", 1)[0] == 2
+    for command in ("draw", "visual", "eigen", "bode", "stress", "compliance", "getss", "getfrsbf", "repinsbf"):
+        assert "--step" in call(command, "--help")[1]
+
+
+@pytest.mark.parametrize(
+    ("words", "hint"),
+    [
+        (("plott", "crank"), "did you mean 'plot'?"),
+        (("1", "crank", "--outputdir", "x"), "Did you mean '--output-dir'?"),
+    ],
+)
+def test_did_you_mean(words, hint):
+    status, _, said = call(*words)
+    assert status == 2
+    assert hint in said

@@ -1,0 +1,119 @@
+"""Free bodies that tumble with Euler parameters as dynamic coordinates, through any attitude: Euler's equations."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import spacar
+from spacar.deck import parse_deck
+from spacar.errors import AnalysisError
+
+J = np.array([0.02, 0.03, 0.05])
+RATES = np.array([0.2, 10.0, 0.2])  # about the middle axis: the body flips over again and again
+BODY = """
+RBEAM 1 1 2 3
+X 3 1. 0. 0.
+DYNX 1
+DYNX 2
+END HALT
+EM 1 0.
+XM 1 2.
+XM 2 0.02 0. 0. 0.03 0. 0.05
+STARTDX 1 1 0. 1.
+STARTDX 2 2 0. 0.1
+STARTDX 2 3 0. 5.
+STARTDX 2 4 0. 0.1
+TIMESTEP 10. {steps}
+ERROR 1e-10 1e-10
+INTEGRAT 853
+END END
+"""
+
+
+def euler(times):
+    """lambda (4, times) of J w' = (J w) x w, lambda' = 1/2 lambda o w, with w in the body."""
+
+    def rate(_, y):
+        w, (l0, l1, l2, l3) = y[:3], y[3:]
+        turn = 0.5 * np.array(
+            [
+                -l1 * w[0] - l2 * w[1] - l3 * w[2],
+                l0 * w[0] - l3 * w[1] + l2 * w[2],
+                l3 * w[0] + l0 * w[1] - l1 * w[2],
+                -l2 * w[0] + l1 * w[1] + l0 * w[2],
+            ]
+        )
+        return np.concatenate((np.cross(J * w, w) / J, turn))
+
+    start = np.concatenate((RATES, [1.0, 0.0, 0.0, 0.0]))
+    return solve_ivp(rate, (0.0, times[-1]), start, "DOP853", times, rtol=1e-13, atol=1e-13).y[3:]
+
+
+def attitude(result, variable="x"):
+    return np.array([result.node(2, k, variable) for k in (1, 2, 3, 4)])
+
+
+@pytest.mark.parametrize("compiled", [True, pytest.param(False, marks=pytest.mark.slow)])
+def test_a_body_tumbles_through_any_attitude(compiled):
+    """16 turns and several flips; all four parameters pass zero. The error is that of ERROR over 100 radians."""
+    result = spacar.run(1, parse_deck(BODY.format(steps=200), mode=1), compiled=compiled)
+    exact = euler(result.t)
+    assert (attitude(result).min(axis=1) < -0.9).all()
+    assert np.abs(attitude(result) - exact).max() < 1e-8
+    assert np.abs(np.sum(attitude(result) ** 2, axis=0) - 1.0).max() < 1e-14
+    np.testing.assert_allclose(result.node(1, 1), result.t, atol=1e-9)
+    assert sum("comes near 180 degrees" in line for line in result.report) == 1
+
+
+def test_rates_and_accelerations_go_on_through_the_changes():
+    """Energy and angular momentum from lambda and its rate: 1e-9 over 16 turns; no jump of an acceleration."""
+    result = spacar.run(1, parse_deck(BODY.format(steps=2000), mode=1))
+    l0, l1, l2, l3 = attitude(result)
+    v0, v1, v2, v3 = attitude(result, "xd")
+    w = 2.0 * np.array(
+        [
+            l0 * v1 - l1 * v0 + l3 * v2 - l2 * v3,
+            l0 * v2 - l2 * v0 - l3 * v1 + l1 * v3,
+            l0 * v3 - l3 * v0 + l2 * v1 - l1 * v2,
+        ]
+    )
+    energy, momentum = 0.5 * J @ w**2, np.linalg.norm(J[:, None] * w, axis=0)
+    assert np.ptp(energy) < 1e-9 * energy[0]
+    assert np.ptp(momentum) < 1e-9 * momentum[0]
+    a = attitude(result, "xdd")
+    assert np.abs(np.diff(a, 2)).max() < 5e-3 * np.abs(a).max()  # smooth: (omega dt)^2
+
+
+def test_outputs_far_apart_are_the_same():
+    """Many changes of the dependent parameter between two outputs."""
+    fine, coarse = (spacar.run(1, parse_deck(BODY.format(steps=n), mode=1)) for n in (200, 2))
+    assert np.abs(attitude(coarse) - attitude(fine)[:, ::100]).max() < 1e-8
+
+
+def test_a_start_near_half_a_turn():
+    """179.9 degrees about the z axis at the start: that chart would lose three digits."""
+    half = np.radians(179.9) / 2
+    text = BODY.format(steps=50).replace("STARTDX 2 4 0. 0.1", f"STARTDX 2 4 {float(np.sin(half))!r} 0.")
+    text = text.replace("STARTDX 2 3 0. 5.", f"STARTDX 2 3 0. {float(5.0 * np.cos(half))!r}")
+    text = text.replace("STARTDX 2 2 0. 0.1", "STARTDX 2 2 0. 5.")
+    result = spacar.run(1, parse_deck(text.replace("TIMESTEP 10.", "TIMESTEP 1."), mode=1))
+    assert np.abs(np.sum(attitude(result) ** 2, axis=0) - 1.0).max() < 1e-14
+    assert result.t[-1] == 1.0
+
+
+def test_two_bodies_change_each_at_its_time():
+    """Independent bodies with other speeds: each moves as alone."""
+    first = BODY.format(steps=20).replace("TIMESTEP 10.", "TIMESTEP 2.")
+    rows = "RBEAM 2 4 5 6\nX 4 0. 5. 0.\nX 6 1. 5. 0.\nDYNX 4\nDYNX 5\nEND HALT"
+    more = "EM 2 0.\nXM 4 1.\nXM 5 0.02 0. 0. 0.03 0. 0.05\nSTARTDX 5 2 0. 3.\nSTARTDX 5 4 0. 2.\nTIMESTEP"
+    both = spacar.run(1, parse_deck(first.replace("END HALT", rows).replace("TIMESTEP", more), mode=1))
+    alone = spacar.run(1, parse_deck(first, mode=1))
+    assert np.abs(attitude(both) - attitude(alone)).max() < 1e-8
+
+
+def test_linearized_motions_stop_there():
+    """Mode 4 linearizes in the degrees of freedom of the model, which end at half a turn."""
+    with pytest.raises(AnalysisError, match="reaches 180 degrees"):
+        spacar.run(4, parse_deck(BODY.format(steps=20), mode=4))

@@ -1,0 +1,42 @@
+"""Finite differences of whole analyses with Richardson extrapolation: the truth for derivatives along a direction."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+import spacar
+from spacar import Deck
+
+
+def extrapolated(deck: Deck, names: Sequence[str], quantities: Sequence[str], direction: np.ndarray, step: float,
+                 orders: int = 2) -> np.ndarray:  # fmt: skip
+    """d quantities / d s (quantities,) where the parameters are p + s direction: central differences with the steps
+    step/2^k, extrapolated to an error of step^(2 orders)."""
+    start = spacar.sensitivity(deck, names, []).parameter_values
+
+    def at(s: float) -> np.ndarray:
+        return spacar.sensitivity(deck, names, quantities, at=start + s * direction).values
+
+    rows = [(at(h) - at(-h)) / (2.0 * h) for h in (step / 2.0**k for k in range(orders))]
+    for k in range(1, orders):
+        rows = [(4.0**k * b - a) / (4.0**k - 1.0) for a, b in pairwise(rows)]
+    return rows[0]
+
+
+def agree(deck: Deck, names: Sequence[str], quantities: Sequence[str], *, seed: int = 1, rel: float = 1e-6,
+          step: float = 4e-4) -> spacar.Sensitivity:  # fmt: skip
+    """Derivatives along a random direction (each parameter by its size) agree with the differences; `rel` of the
+    largest term of the sum, or of the quantity by the step: what the differences are known to."""
+    found = spacar.sensitivity(deck, names, quantities)
+    size = np.where(found.parameter_values != 0.0, np.abs(found.parameter_values), 1.0)
+    direction = np.random.default_rng(seed).uniform(0.3, 1.0, len(names)) * size
+    want = extrapolated(deck, names, quantities, direction, step)
+    terms = found.derivatives * direction
+    scale = np.abs(terms).max(axis=1) + 1e-4 * np.abs(found.values)
+    error = np.abs(terms.sum(axis=1) - want) / np.where(scale > 0.0, scale, 1.0)
+    worst = int(np.argmax(error))
+    assert error[worst] <= rel, (found.quantities[worst], terms[worst].sum(), want[worst], error)
+    return found

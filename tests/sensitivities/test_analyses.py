@@ -1,0 +1,224 @@
+"""Sensitivities as a user meets them: the values are those of the modes, the command, the page, the optimization."""
+
+from __future__ import annotations
+
+import csv
+import importlib.util
+import json
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import linear_models
+import numpy as np
+import pytest
+from spacar_cli.main import main
+from spacar_drawing.stresses import QUANTITIES
+from test_every_element import still
+
+import spacar
+from spacar import Deck
+from spacar.deck import read_deck
+from spacar.deck.directed import nothing_lost
+from spacar.errors import SpacarError
+from spacar.mechanism.build import along, build
+from spacar.sensitivities.directed_elements import DirectedElements
+from spacar.sensitivities.step_quantities import STRESSES
+from spacar.stationary import LoadLevel
+
+HOUSE = Path(__file__).parents[2]
+DATA = HOUSE / "data"
+
+
+def test_values_are_those_of_the_modes() -> None:
+    """Of mode 10 and of `spacar stress`, at two load steps, bit for bit or to rounding of the same formulas."""
+    deck = read_deck(DATA / "leafguide.dat", 10)
+    result = spacar.run(10, deck)
+    stress = result.stress()
+    names = ["x[7,1]@end", "sig[1,1]@2", "fxtot[1,1]@end", "frequency[2]@3", "lmult[1]@end", "xcompl[7,3]@end",
+             "mises[4]@end", "My[1,3]@2", "abs(eigval[1])@2"]  # fmt: skip
+    found = spacar.sensitivity(deck, ["SECTION.leaf[t]"], names)
+    want = [
+        result.node(7, 1)[-1],
+        result.element(1, 1, "sig")[1],
+        result.node(1, 1, "fxtot")[-1],
+        result.frequencies[2, 1],
+        result["lmult"][-1][0],
+        result.node(7, 3, "xcompl")[-1],
+        np.abs(stress["mises"][-1, list(stress.elements).index(4)]).max(),
+        stress["My"][1, list(stress.elements).index(1), 2],
+        np.hypot(*result["eigval"][1][0]),
+    ]
+    np.testing.assert_allclose(found.values, want, rtol=1e-12)
+
+
+def test_stress_names_are_those_of_the_pictures() -> None:
+    assert set(STRESSES) == set(QUANTITIES)
+
+
+def test_a_coefficient_that_is_zero() -> None:
+    """A spring without stiffness beside one with: both have the derivative f/(2 k); a mass of zero too."""
+    rows = [("PLTRUSS", 1, 1, 2), ("PLTRUSS", 2, 1, 2), ("X", 2, 2.0, 0.0), ("FIX", 1), ("FIX", 2, 2), ("DYNE", 1),
+            ("RLSE", 2)]  # fmt: skip
+    law = [("XM", 2, 3.0), ("ESTIFF", 1, 96.0), ("ESTIFF", 2, 0.0), ("EM", 2, 0.0), ("XF", 2, 5.0)]
+    found = spacar.sensitivity(Deck.build(rows, law, mode=10), ["ESTIFF.1", "ESTIFF.2", "EM.2"], ["x[2,1]", "xcompl[2,1]"])
+    u = 5.0 / 48.0
+    np.testing.assert_allclose(found.derivatives[0], [-u / 96, -u / 96, 0.0], rtol=1e-12)
+    np.testing.assert_allclose(found.derivatives[1], [-1 / 48 / 96, -1 / 48 / 96, 0.0], rtol=1e-12)
+    stress = spacar.sensitivity(Deck.build(rows, [*law, ("ESIG", 2, 1.5)], mode=10), ["ESIG.2", "XF.2"], ["x[2,1]", "sig[1,1]"])
+    np.testing.assert_allclose(stress.derivatives, [[-1 / 48, 1 / 48], [-1.0, 1.0]], rtol=1e-12)
+    at_rest = spacar.sensitivity(Deck.build(rows, law[:-1], mode=10), ["ESTIFF.2", "EM.2"], ["frequency[1]"])
+    f = 4.0 / (2 * np.pi)
+    np.testing.assert_allclose(at_rest.derivatives[0], [f / 192, -f / 2 * (2.0 / 3.0) / 3.0], rtol=1e-12)
+
+
+@pytest.mark.parametrize("model", sorted(p.stem for p in DATA.glob("*.dat")))
+def test_no_element_loses_a_direction(model: str) -> None:
+    """Everything that derivatives need is computed in complex numbers, for every example but those with wheels."""
+    try:
+        deck = read_deck(DATA / f"{model}.dat", 10)
+        mechanism = build(deck, 10)
+    except SpacarError:
+        pytest.skip("not for mode 10")
+    if not mechanism.numbering.holonomic:
+        pytest.skip("wheels are refused")
+    rng = np.random.default_rng(3)
+    with nothing_lost():
+        directed = along(mechanism, deck)
+        elements = DirectedElements(directed, LoadLevel(1.0, 0.5 if mechanism.additional is not None else 0.0))
+        elements.at(mechanism.x0 + 1e-50j * rng.standard_normal(len(mechanism.x0)), np.zeros(elements.ne))
+        sigma = rng.standard_normal(elements.ne) * (1.0 + 1e-50j)
+        parts = [elements.gradient(), elements.stiffness(0), elements.damping(0), elements.geometric(sigma)]
+        parts += [elements.loading(flow=True), elements.loading(flow=False), elements.flow(), elements.mass()]
+        vectors = [elements.stress_forces(sigma), elements.inertia(gravity=True), elements.applied()]
+        vectors.append(elements.law(elements.deformations()))
+        elements.internal(sigma)
+    assert all(np.isfinite(m.rate.values).all() for part in parts for m in part)
+    assert all(np.isfinite(v).all() for v in vectors)
+
+
+def test_a_state_without_linearization_in_a_long_chain() -> None:
+    """300 beams: the derivative of the state uses the sparse tangent; w = F L^3/(3 EI) again."""
+    n, EI, F = 300, 2.0, 1e-7
+    rows: list[tuple] = [("FIX", 1), ("FIX", 2)]
+    law: list[tuple] = [("XF", 2 * n + 1, 0.0, F)]
+    for k in range(1, n + 1):
+        p = 2 * k - 1
+        rows += [("PLBEAM", k, p, p + 1, p + 2, p + 3), ("X", p + 2, k / n, 0.0), ("DYNE", k, 2, 3)]
+        law.append(("ESTIFF", k, 0.0, EI))
+    found = spacar.sensitivity(Deck.build(rows, law, mode=10), ["ESTIFF.*[EI]", f"XF.{2 * n + 1}[3]"], [f"x[{2 * n + 1},2]"])
+    w = F / (3 * EI)
+    np.testing.assert_allclose(found.derivatives[0], [-w / EI, w / F], rtol=1e-6)
+
+
+def test_sweeps_over_sections_draw_the_section_of_the_case() -> None:
+    """A deck with another dimension has the drawn section of that dimension only, and what the user wrote."""
+    deck = read_deck(DATA / "leafguide.dat", 10).set("SECTION", "leaf", 4, 0.6)
+    assert [line for line in deck.visualization if line.startswith("CROSSDIM 0.05 0.0")] == [
+        "CROSSDIM 0.05 0.0006", "CROSSDIM 0.05 0.025", "CROSSDIM 0.05 0.025", "CROSSDIM 0.05 0.0006",
+    ]  # fmt: skip
+    assert deck.for_mode(7).visualization == deck.visualization
+
+
+# -- the command -----------------------------------------------------------------------------------------------------
+ARGUMENTS = ["-p", "ESTIFF.1[EA]", "-p", "XM.2", "-q", "f: frequency[1]", "-q", "x[2,1]@end"]
+
+
+@pytest.fixture
+def oscillator(tmp_path: Path) -> str:
+    path = tmp_path / "oscillator.dat"
+    path.write_text(
+        "PLTRUSS 1 1 2\nX 2 2. 0.\nFIX 1\nFIX 2 2\nDYNE 1\nEND\nHALT\nXM 2 3.\nESTIFF 1 96.\nXF 2 4.8\nEND\nEND\n"
+    )
+    return str(path)
+
+
+def test_the_table(oscillator: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["sensitivity", oscillator, *ARGUMENTS]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].split()[:4] == ["quantity", "value", "unit", "parameter"]
+    assert lines[1].split()[0] == "f"
+    assert lines[1].split()[-1] == "+0.50000"
+    assert len(lines) == 5
+
+
+def test_csv_and_json(oscillator: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["sensitivity", oscillator, *ARGUMENTS, "--csv", "-"]) == 0
+    rows = list(csv.DictReader(capsys.readouterr().out.splitlines()))
+    assert [r["parameter"] for r in rows] == ["ESTIFF.1[EA]", "XM.2"] * 2
+    assert main(["sensitivity", oscillator, *ARGUMENTS, "--json", "--csv", str(tmp_path / "out.csv")]) == 0
+    out = capsys.readouterr().out.splitlines()
+    found = json.loads(out[-1])
+    assert found["derivatives"][0][0] == float(rows[0]["derivative"])
+    assert found["quantities"][1] == {"name": "x[2,1]@end", "value": float(rows[2]["value"]), "unit": "m"}
+    assert (tmp_path / "out.csv").read_text().startswith("quantity,value,unit,parameter,at")
+    assert main(["sensitivity", oscillator, "-p", "ESTIFF.1[EA]=24", "-q", "frequency[1]", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["parameters"][0]["value"] == 24.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "words"),
+    [
+        (["-p", "ESTIFF.1"], 2, "give at least one --parameter"),
+        (["-p", "ESTIFF.7", "-q", "x[2,1]"], 2, "there is no statement ESTIFF 7"),
+        (["-p", "ESTIFF.1=a", "-q", "x[2,1]"], 2, "'a' in 'ESTIFF.1=a' is not a number"),
+        (["-p", "ESTIFF.1", "-q", "y[2,1]"], 2, "variables with indices are"),
+    ],
+)
+def test_what_the_command_refuses(
+    oscillator: str, capsys: pytest.CaptureFixture[str], arguments: list[str], status: int, words: str
+) -> None:
+    assert main(["sensitivity", oscillator, *arguments]) == status
+    assert words in capsys.readouterr().err
+
+
+def test_notes_go_to_standard_error(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    path = tmp_path / "spatial.dat"
+    path.write_text(still(linear_models.SPATIAL.format(extra="", third="")).text)
+    assert main(["sensitivity", str(path), "-p", "XM.6", "-q", "x[6,1]"]) == 0
+    assert "cut to 0.5 of its size" in capsys.readouterr().err
+
+
+# -- the optimization ------------------------------------------------------------------------------------------------
+@pytest.fixture(scope="module")
+def example() -> ModuleType:
+    spec = importlib.util.spec_from_file_location("optimize_guide", HOUSE / "docs" / "optimize_guide.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_derivatives_of_the_example(example: ModuleType) -> None:
+    """All frequencies and stresses, along one direction in all 13 parameters."""
+    model = example.Guide()
+    found = model.at(model.start)
+    direction = np.random.default_rng(2).uniform(-1.0, 1.0, len(model.start)) * np.abs(model.start) * 1e-4
+    values = [
+        spacar.sensitivity(model.deck, model.names, found.quantities, at=model.start + s * direction).values
+        for s in (-1.0, 1.0)
+    ]
+    want = 0.5 * (values[1] - values[0])
+    np.testing.assert_allclose(found.derivatives @ direction, want, rtol=1e-4, atol=1e-9 * np.abs(found.values).max())
+
+
+@pytest.mark.slow
+def test_the_optimization_needs_a_tenth_of_the_analyses(example: ModuleType) -> None:
+    """The numbers of the page: the same optimum, with 18 analyses instead of 213."""
+    exact, differences = example.Guide(), example.Guide(exact=False)
+    results = [example.optimize(model) for model in (exact, differences)]
+    assert all(r.success for r in results)
+    lowest = [model.course[-1][1] for model in (exact, differences)]
+    assert lowest[0] == pytest.approx(170.79, abs=0.2)
+    assert lowest[1] == pytest.approx(lowest[0], rel=1e-3)
+    stresses = exact.at(example.found_parameters(exact, results[0])).values[len(exact.frequencies) :]
+    assert stresses.max() <= example.LIMIT * (1 + 1e-4)
+    assert differences.analyses >= 10 * exact.analyses
+
+
+def test_the_page(tmp_path: Path) -> None:
+    from tests.docs.documents import run_document
+
+    assert run_document(HOUSE / "docs" / "sensitivity.md", tmp_path).commands >= 3

@@ -1,0 +1,167 @@
+"""`spacar flexure` on the command line, and its files."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import re
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+import stroke_models as models
+from spacar_cli.environment import Environment
+from spacar_cli.main import main
+
+import spacar
+
+DATA = Path(__file__).parents[2] / "data"
+
+
+@pytest.fixture
+def call(tmp_path, monkeypatch):
+    """`call("flexure", "leafguide", ...)` in a folder with the models: status, output, errors."""
+    shutil.copy(DATA / "leafguide.dat", tmp_path)
+    (tmp_path / "planar.dat").write_text(models.two_leaves(models.GUIDE, 2))
+    monkeypatch.chdir(tmp_path)
+
+    def run(*words):
+        env = Environment(io.StringIO(), io.StringIO(), io.StringIO(), {})
+        status = main(["flexure", *words], env)
+        return status, env.stdout.getvalue(), env.stderr.getvalue()
+
+    return run
+
+
+def test_tables_are_in_the_unit_of_the_file_and_files_in_metres(call, tmp_path):
+    """UNITS mm: 7x=5 are 5 mm; the table says mm, N/mm and N/mm^2; csv, npz and JSON are in SI and agree."""
+    words = ("leafguide", "--move", "7x=5", "--steps", "2")
+    status, out, err = call(*words, "--csv", "a.csv", "--npz", "a.npz")
+    assert (status, err) == (0, "")
+    assert "stroke (mm)  force (N)  drive stiffness (N/mm)" in out
+    assert re.search(r"^ +5 +13\.15 +2\.64", out, re.MULTILINE)
+    assert "mises (N/mm^2)" in out
+    rows = list(csv.DictReader((tmp_path / "a.csv").open()))
+    arrays = np.load(tmp_path / "a.npz")
+    found = json.loads(call(*words, "--json")[1])
+    assert float(rows[-1]["stroke"]) == arrays["stroke"][-1] == found["columns"]["stroke"][-1] == pytest.approx(0.005)
+    assert found["units"]["mises"] == "N/m^2"
+    assert found["columns"]["k_x"][0] is None  # infinite
+    assert arrays["compliance"].shape == (3, 6, 6)
+    assert arrays["compliance"][:, 1, 1] == pytest.approx(1.0 / arrays["k_y"])
+    study = spacar.flexure(tmp_path / "leafguide.dat", move="7x=5", steps=2)
+    assert study.table()["f_1"] == pytest.approx(arrays["f_1"])
+    assert next(csv.reader(io.StringIO(call(*words, "--csv", "-")[1]))) == list(study.table())
+
+
+def test_the_same_model_in_metres(tmp_path):
+    """What the units of the file are does not matter."""
+    deck = spacar.read_deck(DATA / "leafguide.dat", 10)
+    plain = spacar.parse_deck(deck.to_text(), mode=10)
+    ours = spacar.flexure(deck, move="7x=4", steps=1).table()
+    theirs = spacar.flexure(plain, move="7x=0.004", steps=1).table()
+    for name, values in ours.items():
+        if not name.startswith(("rotation", "line_z", "line_x")):  # rounding
+            assert theirs[name] == pytest.approx(values, rel=1e-6, abs=1e-12, nan_ok=True), name
+
+
+def test_the_page_holds_everything(call, tmp_path):
+    status, out, _ = call("planar", "--move", "9x=+-0.01", "--steps", "2", "--report", "page.html")
+    assert status == 0
+    assert out.startswith("page.html\n")
+    page = (tmp_path / "page.html").read_text()
+    assert "http" not in page.replace("http-equiv", "")
+    assert "<script" not in page
+    assert page.count("data:image/png;base64,") >= 5
+    for text in ("Key results", "Range of motion", "Support stiffness of node 9", "Energy balance", "locked 1"):
+        assert text in page
+    assert "nan" not in re.sub(r'src="[^"]*"', "", page)
+
+
+def test_what_the_file_moves_is_the_drive(call):
+    """leafguide.dat has one DELXF: 27 N along x at node 7."""
+    status, out, _ = call("leafguide", "--steps", "2", "--json")
+    found = json.loads(out)
+    assert (status, found["drive"]) == (0, "7x")
+    assert found["columns"]["force"] == pytest.approx([0.0, 13.5, 27.0])
+    assert found["columns"]["stroke"][-1] == pytest.approx(0.0102, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (("--move", "7q=3"), "--move 7q=3: '7q' names no coordinate"),
+        (("--move", "99x=3"), "--move 99x=3: there is no node 99"),
+        (("--move", "8x=3"), "--move 8x=3: node 8 is a node for orientations"),
+        (("--move", "8r=3"), "--move 8r=3: say about which axis node 8 turns"),
+        (("--move", "1x=3"), "1x is fixed: it cannot be moved"),
+        (("--move", "x[8,1]=3"), "x[8,1]: lambda0 follows from the other three"),
+        (("--move", "x[6,1]=3"), "x[6,1]: a twist rate is no range of motion"),
+        (("--move", "e[2,1]=1"), "e[2,1] is rigid: it cannot be moved"),
+        (("--move", "e[1,9]=1"), "there is no e[1,9] in the model"),
+        (("--force", "e[1,3]=1"), "e[1,3]: a force acts on a node"),
+        (("--move", "7x"), "--move 7x: expected NODEx=VALUE"),
+        (("--move", "7x=1:2:3"), "--move 7x=1:2:3: '1:2:3' is no finite range"),
+        (("--move", "7x=+-a"), "--move 7x=+-a: '+-a' is no number"),
+        (("--move", "7x=0"), "--move 7x=0: the range is empty"),
+        (("--move", "8rz=4"), "--move 8rz=4: a spatial rotation is at most 3 rad"),
+        (("--move", "7x=1", "--force", "7x=1"), "give either a move or a force"),
+        (("--move", "7x=1", "--load", "7y=1:2"), "--load 7y=1:2: one force, not a range"),
+        (("--move", "7x=1", "--node", "99"), "there is no position or orientation node 99"),
+        (("--move", "7x=1", "--pivot", "a"), "--pivot a: expected numbers x,y or x,y,z"),
+        (("--move", "7x=1", "--pivot", "1"), "the pivot has 3 coordinates, not 1"),
+    ],
+)
+def test_wrong_questions_are_one_sentence(call, words, sentence):
+    status, out, err = call("leafguide", *words)
+    assert (status, out) == (2, "")
+    assert err.startswith(f"error: {sentence}"), err
+    assert err.count("\n") == 1
+
+
+def test_a_model_without_a_drive_asks_for_one(call):
+    status, _, err = call("planar")
+    assert status == 2
+    assert "planar.dat moves no single coordinate (DELINPX, DELINPE, DELXF)" in err
+
+
+@pytest.mark.slow
+def test_a_stroke_that_is_too_long_fails_without_files(call, tmp_path):
+    status, _, err = call("planar", "--move", "9x=1", "--steps", "1", "--csv", "a.csv", "--report", "a.html")
+    assert status == 1
+    assert err.startswith("error: ")
+    assert not (tmp_path / "a.csv").exists()
+    assert not (tmp_path / "a.html").exists()
+
+
+def test_a_work_integral_that_misses_energy_is_told(tmp_path):
+    """A strip that buckles sideways within the first step: the force is far from a cubic there."""
+    text = """BEAM 1 1 2 3 4  0. 1. 0.
+BEAM 2 3 4 5 6  0. 1. 0.
+X 3 0.5 0. 0.
+X 5 1. 0. 0.
+FIX 1
+FIX 2
+DYNE 1 2 3 4 5 6
+DYNE 2 2 3 4 5 6
+END HALT
+ESTIFF 1 0. 2. 1000. 1.
+ESTIFF 2 0. 2. 1000. 1.
+EM 1 1. 0.003
+EM 2 1. 0.003
+XF 5 0. 0.01 0.
+END END
+"""
+    coarse = spacar.flexure(spacar.parse_deck(text), move="5z=-0.03", steps=1)
+    assert coarse.imbalance > 0.01
+    assert any("take more steps" in line for line in coarse.warnings)
+
+
+def test_a_model_without_mass_has_no_frequencies():
+    text = re.sub(r"^(EM|XM) .*\n", "", models.two_leaves(models.GUIDE, 2), flags=re.MULTILINE)
+    study = spacar.flexure(spacar.parse_deck(text), move="9x=0.001", steps=1)
+    assert np.isnan(study.frequencies).all()
+    assert any(line.startswith("no frequencies") for line in study.warnings)
+    assert study.drive_stiffness == pytest.approx(2625.0, rel=1e-3)
