@@ -155,7 +155,7 @@ def buckling_modes(source: PictureSource, matrices: Any, step: int) -> list[Mode
         size = float(np.linalg.norm(vector))
         if np.isfinite(multiplier) and np.isfinite(size) and size > 0:
             unit = (vector / size).astype(complex)
-            modes.append(ModeShape(i + 1, "buckling", complex(multiplier), unit, shapes[:, i] / size + 0j))
+            modes.append(ModeShape(i + 1, "buckling", complex(multiplier), unit, (shapes[:, i] / size).astype(complex)))
     return modes
 
 

@@ -2,6 +2,7 @@
 
    A vector of the compiler does arithmetic on all lanes at once; what it has no operator for is done lane by lane. */
 #include <float.h>
+#include <limits.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>

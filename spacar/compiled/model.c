@@ -176,10 +176,10 @@ static int assemble(Model *m)
     const int q = s->n_x_dynamic + s->n_e_dynamic;
     m->width = (q + ROW) / ROW * ROW;
     int *place = cleared(s->nx, sizeof(int)), status = place ? OK : NO_MEMORY;
-    if (!status) status = sparse_begin(&m->position, nc, entries, m->width);
-    if (!status && !m->holonomic) status = sparse_begin(&m->velocity, n, entries, 1);
+    if (!status) status = sparse_begin(&m->position, nc, entries);
+    if (!status && !m->holonomic) status = sparse_begin(&m->velocity, n, entries);
     if (!status) status = entries_begin(&m->dynamic, entries);
-    if (!status && !s->prescribed) status = sparse_begin(&m->motion, nf + nr, m->mass.n + m->coupling.n + 2 * entries, 1);
+    if (!status && !s->prescribed) status = sparse_begin(&m->motion, nf + nr, m->mass.n + m->coupling.n + 2 * entries);
     if (!status) status = entries_begin(&m->given, m->mass.n);
     if (!status) {
         for (int k = 0; k < m->mass.n; k++) {
@@ -226,6 +226,7 @@ static int assemble(Model *m)
     /* Products for the transfer functions against those for the saddle-point form, about four per entry. */
     const long products = (long)(q + 1) * (m->position.n_entries + m->mass.n + m->coupling.n) + (long)q * q * s->nx / 2;
     m->reduced = m->holonomic && products < 4L * m->motion.n_entries;
+    if (!status && m->reduced) status = sparse_widen(&m->position, m->width);
     return status;
 }
 

@@ -56,8 +56,7 @@ static void free_lists(List *lists, int n)
     free(lists);
 }
 
-/* `width`: the most right-hand sides at a time. */
-static int sparse_begin(Sparse *s, int n, int n_entries, int width)
+static int sparse_begin(Sparse *s, int n, int n_entries)
 {
     s->n = n;
     s->n_entries = n_entries;
@@ -73,9 +72,17 @@ static int sparse_begin(Sparse *s, int n, int n_entries, int width)
     s->lower_start = cleared(n + 1, sizeof(int));
     s->upper_start = cleared(n + 1, sizeof(int));
     s->inverse = cleared(n, sizeof(real));
-    s->work = cleared(n * width, sizeof(real));
+    s->work = cleared(n, sizeof(real));
     return s->row && s->column && s->source && s->weight && s->row_order && s->column_order && s->entry_start
         && s->entry_column && s->entry_source && s->lower_start && s->upper_start && s->inverse && s->work ? OK : NO_MEMORY;
+}
+
+/* Room for `width` right-hand sides at a time; one until then. */
+static int sparse_widen(Sparse *s, int width)
+{
+    free(s->work);
+    s->work = cleared((size_t)s->n * width, sizeof(real));
+    return s->work ? OK : NO_MEMORY;
 }
 
 static void sparse_end(Sparse *s)
@@ -109,16 +116,52 @@ static int equilibrate(Sparse *s, const real *values, int lane)
     return OK;
 }
 
-/* The pivot with the least fill: step k takes row *p, column *q. */
-static int choose(const List *rows, const List *columns, const char *used, int n, int *p, int *q)
+/* Numbers of entries in the columns that are left, as a tree of minima, so that a pivot is found without looking at all
+   columns: `fewest` of node k is the smaller one of its children 2 k and 2 k + 1, column j is node leaves + j. */
+typedef struct { int leaves, *fewest; } Counts;
+
+static int counts_begin(Counts *counts, const List *columns, int n)
 {
-    int fewest = n + 1;
-    for (int j = 0; j < n; j++) if (!used[j] && columns[j].n < fewest) fewest = columns[j].n;
+    for (counts->leaves = 1; counts->leaves < n; ) counts->leaves *= 2;
+    counts->fewest = malloc(2 * counts->leaves * sizeof(int));
+    if (!counts->fewest) return NO_MEMORY;
+    for (int j = 0; j < counts->leaves; j++) counts->fewest[counts->leaves + j] = j < n ? columns[j].n : INT_MAX;
+    for (int k = counts->leaves - 1; k > 0; k--) {
+        const int left = counts->fewest[2 * k], right = counts->fewest[2 * k + 1];
+        counts->fewest[k] = left < right ? left : right;
+    }
+    return OK;
+}
+
+static void set_count(Counts *counts, int j, int count)
+{
+    int *fewest = counts->fewest, k = counts->leaves + j;
+    fewest[k] = count;
+    for (k /= 2; k > 0; k /= 2) fewest[k] = fewest[2 * k] < fewest[2 * k + 1] ? fewest[2 * k] : fewest[2 * k + 1];
+}
+
+/* The first column from j on with at most `limit` entries, -1 when there is none. */
+static int column_from(const Counts *counts, int j, int limit)
+{
+    if (j >= counts->leaves) return -1;
+    int k = counts->leaves + j;
+    while (counts->fewest[k] > limit) {
+        while (k & 1) { if (k == 1) return -1; k /= 2; }
+        k++;
+    }
+    while (k < counts->leaves) k = counts->fewest[2 * k] <= limit ? 2 * k : 2 * k + 1;
+    return k - counts->leaves;
+}
+
+/* The pivot with the least fill: step k takes row *p, column *q. */
+static int choose(const List *rows, const List *columns, const Counts *counts, int n, int *p, int *q)
+{
+    const int fewest = counts->fewest[1];
     for (int limit = fewest + 1, searched = 0; ; limit = n + 1) {
         long best = -1;
         double strongest = 0.0;
-        for (int j = 0; j < n && (limit > n || searched < 8); j++) {
-            if (used[j] || columns[j].n > limit) continue;
+        for (int j = column_from(counts, 0, limit); j >= 0 && (limit > n || searched < 8);
+             j = column_from(counts, j + 1, limit)) {
             double size[columns[j].n], largest = 0.0;
             for (int k = 0; k < columns[j].n; k++) {
                 const List *row = &rows[columns[j].index[k]];
@@ -160,9 +203,9 @@ static int plan(Sparse *s, const real *values, int lane)
     const int n = s->n;
     List *rows = cleared(n, sizeof(List)), *columns = cleared(n, sizeof(List));
     List *lower = cleared(n, sizeof(List)), *upper = cleared(n, sizeof(List));
-    char *used = cleared(n, 1);
+    Counts counts = {0, NULL};
     int *step = cleared(3 * n, sizeof(int)), *row_step = step + n, *next = step + 2 * n;
-    int status = rows && columns && lower && upper && used && step ? equilibrate(s, values, lane) : NO_MEMORY;
+    int status = rows && columns && lower && upper && step ? equilibrate(s, values, lane) : NO_MEMORY;
     s->planned = 0;
     for (int k = 0; k < s->n_entries && !status; k++) {
         const int i = s->row[k], j = s->column[k], at = place_of(&rows[i], j);
@@ -170,11 +213,12 @@ static int plan(Sparse *s, const real *values, int lane)
         if (at >= 0) rows[i].value[at] += value;
         else { status = append(&rows[i], j, value); if (!status) status = append(&columns[j], i, 0.0); }
     }
+    if (!status) status = counts_begin(&counts, columns, n);
     for (int k = 0; k < n && !status; k++) {
         int p = 0, q = 0;
-        status = choose(rows, columns, used, n, &p, &q);
+        status = choose(rows, columns, &counts, n, &p, &q);
         if (status) break;
-        used[q] = 1;
+        set_count(&counts, q, INT_MAX);
         s->row_order[k] = p;
         s->column_order[k] = q;
         List *row = &rows[p];
@@ -202,6 +246,7 @@ static int plan(Sparse *s, const real *values, int lane)
                 }
             }
         }
+        for (int j = 0; j < row->n; j++) set_count(&counts, row->index[j], columns[row->index[j]].n);
     }
     if (!status) {
         int n_lower = 0, n_upper = 0;
@@ -238,7 +283,7 @@ static int plan(Sparse *s, const real *values, int lane)
         s->even = parity(s->row_order, n) * parity(s->column_order, n);
     }
     free_lists(rows, n); free_lists(columns, n); free_lists(lower, n); free_lists(upper, n);
-    free(used); free(step);
+    free(counts.fewest); free(step);
     return status;
 }
 

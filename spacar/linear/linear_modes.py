@@ -31,7 +31,8 @@ from spacar.stationary.loading import stored_levels
 from spacar.stationary.tangent import SparseTangent
 from spacar.stream import Run
 
-LARGE = 200  # dynamic degrees of freedom; above, no dense matrices are formed (break-even, docs/performance.md "Sizes")
+# Dynamic degrees of freedom above which no dense matrices are formed: measured, docs/performance.md "Sizes".
+LARGE = 200
 SHARE = 4  # all modes of a model cost less than its lowest ones if these are more than one of four
 NO_TWIST_GRADIENT = (
     "warning: load multipliers of large systems leave out the twist gradient of beams in the angle measure, so they"
@@ -113,12 +114,12 @@ def stationary(run: Run, reducible: bool = True) -> Iterator[LinearizedSolution]
     solver = StationarySolver(mechanism, run.report)
     reduced = reducible and solver.sparse and n.nddof > LARGE and settings.sbd_level is None
     wanted = n.nddof if settings.modes == 0 else settings.modes or (WANTED if reduced else n.nddof)
-    reduced = reduced and wanted * SHARE <= n.nddof
+    reduced = reduced and (settings.modes is None or wanted * SHARE <= n.nddof)
     if reduced:
         run.report.add(
-            f"{n.nddof} dynamic degrees of freedom (more than {LARGE}): the {wanted} lowest modes with their motions and"
-            " sparse matrices are computed, no reduced matrices and no transfer functions; --modes N or MODES N changes"
-            " the number, 0 asks for everything"
+            f"{n.nddof} dynamic degrees of freedom (more than {LARGE}): only the {wanted} lowest modes, their motions"
+            " and sparse matrices are computed, no reduced matrices and no transfer functions; --modes N or MODES N"
+            " changes the number, 0 asks for everything"
         )
     output = TransferOutput(run)
     limits: Limits | None = None

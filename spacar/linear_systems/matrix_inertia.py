@@ -8,9 +8,9 @@ A Schur complement may be singular although the matrix is not: a constraint that
 of a chain before its support. So it is first tried with S = L D L^T (Bunch-Kaufman), in either order; a chain held at
 one end is regular from there. Where S^-1 blows up what it adds to the next block, both are refused, and every S is
 diagonalized by an orthogonal transformation, ten times as dear. A direction with eigenvalue s and coupling b to the
-next block is eliminated if b^T b / |s| is not large; else it is handed on to the next block (a delayed pivot). A small
-eigenvalue alone is no reason to wait: what is not coupled either would wait until the end. Only what is left behind the
-last block is zero.
+next block is eliminated if b^T b / |s| is not large; else it is handed on to the next block (a delayed pivot), except
+where s and b are rounding: such a direction is an eigenvector with the eigenvalue zero and is counted at once, so that
+no more directions wait than a block has columns. What is left behind the last block is zero too.
 """
 
 from __future__ import annotations
@@ -135,7 +135,7 @@ def _signs(factor: Array, pivots: Index) -> int | None:
 def _by_spectra(n: int, blocks: Array) -> tuple[int, int]:
     """Negative and zero eigenvalues, with directions that wait."""
     width = blocks.shape[1]
-    negative, zero = 0, n * EPS
+    negative, uncoupled, zero = 0, 0, n * EPS
     waiting, waiting_coupling = np.zeros(0), np.zeros((0, width))
     update = np.zeros((width, width))
     for k, block in enumerate(blocks):
@@ -154,7 +154,14 @@ def _by_spectra(n: int, blocks: Array) -> tuple[int, int]:
         B = coupling[taken]
         update = B.T @ (B / spectrum[taken, None])
         waiting, waiting_coupling = spectrum[~taken], coupling[~taken]
-    return negative, len(waiting)
+        small = np.abs(waiting) <= zero
+        if small.any():  # any combination of these is as good: those that are coupled apart from the others
+            U, s, _ = np.linalg.svd(waiting_coupling[small])
+            coupled = int(np.sum(s > zero))
+            uncoupled += len(U) - coupled
+            waiting = np.concatenate((waiting[~small], np.zeros(coupled)))
+            waiting_coupling = np.vstack((waiting_coupling[~small], U[:, :coupled].T @ waiting_coupling[small]))
+    return negative, len(waiting) + uncoupled
 
 
 def inertia(n: int, rows: Index, columns: Index, entries: Array) -> tuple[int, int]:

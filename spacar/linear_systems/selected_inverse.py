@@ -30,14 +30,14 @@ def inverse_diagonal(system: BandedSystem) -> Array:
         raise ValueError("rows and columns are not in the same order")
     n, lower, top = system.n, system.lower, system.lower + system.upper
     lu, pivots = np.ascontiguousarray(system.lu.T), system.pivots  # column j of the band as row j
-    width = min(top + lower, n)
-    size = 8 * width  # the window moves up in a larger array, which is shifted when it arrives at its edge
+    width = min(top + lower, n - 1)
+    size = 8 * max(width, 1)  # the window moves up in a larger array, which is shifted when it arrives at its edge
     store = np.zeros((size, size))
     at = size  # place of row and column j + 1 of the matrix
     diagonal = np.zeros(n)
     # U by rows: U[j, j + k] sits in row top - k of column j + k
     upper = np.zeros((n, top))
-    for k in range(1, top + 1):
+    for k in range(1, min(top, n - 1) + 1):
         upper[: n - k, k - 1] = lu[k:, top - k]
     for j in range(n - 1, -1, -1):
         rest = min(width, n - 1 - j)

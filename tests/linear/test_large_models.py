@@ -1,0 +1,173 @@
+"""Large models: the number of modes, what is stored of them, and that all of it equals the dense results.
+
+Sparse and dense results are two algorithms on the same equations; the tolerances are what the dense one loses, whose
+matrices have entries up to the condition of the degrees of freedom squared (1e5 here) times their lowest eigenvalues.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from spacar_cli.main import main
+from spacar_formats.compliance import node_compliance
+
+import spacar
+from spacar.deck import parse_deck
+from spacar.errors import UsageError
+from spacar.linear import linear_modes
+from spacar.linear_systems import assemble, matrix
+from spacar.linear_systems.selected_inverse import inverse_diagonal
+from spacar.linearization import contractions, linearize
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
+from models import cantilever, spatial_chain
+
+MODELS = {
+    "planar": lambda: cantilever(24, load="-1. -1."),
+    "spatial": lambda: spatial_chain(10),
+}
+
+
+@pytest.fixture(params=MODELS)
+def pair(request, monkeypatch):
+    """Results of mode 10 with sparse and with dense matrices, 6 modes."""
+    deck = parse_deck(MODELS[request.param](), mode=10)
+    dense = spacar.run(10, deck, modes=0)
+    monkeypatch.setattr(linear_modes, "LARGE", 5)
+    return spacar.run(10, deck, modes=6), dense
+
+
+def aligned(shapes: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """The columns of others, each with the factor that brings it nearest to that of shapes."""
+    return others * (np.sum(others.conj() * shapes, axis=0) / np.sum(np.abs(others) ** 2, axis=0))
+
+
+def test_frequencies_and_multipliers(pair):
+    sparse, dense = pair
+    assert sparse["eigval"][0].shape == (12, 2)
+    np.testing.assert_allclose(sparse.frequencies[0], dense.frequencies[0][:6], rtol=1e-6)
+    np.testing.assert_allclose(sparse["lmult"][0].ravel(), dense["lmult"][0].ravel()[:6], rtol=1e-6)
+    np.testing.assert_allclose(sparse["xcompl"][0], dense["xcompl"][0], rtol=1e-6, atol=1e-9)
+
+
+def test_motions_are_the_transfer_functions_times_the_vectors(pair):
+    sparse, dense = pair
+    dx = dense["dx"][0]
+    vectors = sparse["eigvre"][0] + 1j * sparse["eigvim"][0]
+    motions = sparse["eigxre"][0] + 1j * sparse["eigxim"][0]
+    np.testing.assert_allclose(motions, dx @ vectors[: dx.shape[1]], atol=1e-8 * np.abs(motions).max())
+    shapes = sparse["bmodex"][0]
+    np.testing.assert_allclose(shapes, dx @ sparse["bmode"][0], atol=1e-8 * np.abs(shapes).max())
+
+
+def test_vectors_are_those_of_the_dense_matrices(pair):
+    sparse, dense = pair
+    found = sparse["eigvre"][0][: sparse["eigvre"][0].shape[0] // 2]
+    K = sum(dense[k][0] for k in ("k0", "n0", "g0"))
+    omega = np.hypot(*sparse["eigval"][0].T)
+    work = dense["m0"][0] @ found * omega**2
+    np.testing.assert_allclose(K @ found, work, atol=1e-6 * np.abs(K @ found).max())
+
+
+def test_sparse_tangent_and_mass_as_they_are_stored(pair):
+    """The inverse of ktan gives the directional compliances; sizes and numbering are those of files.md section 5."""
+    sparse, _ = pair
+    i, j, v = sparse["ktan"][0].T
+    n = int(i.max())
+    A = np.zeros((n, n))
+    A[i.astype(int) - 1, j.astype(int) - 1] = v
+    nxp = np.ravel(sparse["nxp"]).astype(int)
+    free = np.r_[nxp[0] : nxp[0] + nxp[1], nxp[:3].sum() : nxp[:4].sum()]
+    np.testing.assert_allclose(np.diag(np.linalg.inv(A))[: len(free)], sparse["xcompl"][0][free], rtol=1e-8, atol=1e-12)
+    i, j, v = sparse["mtan"][0].T
+    assert i.max() <= len(free)
+
+
+def test_fewer_modes_of_a_small_model():
+    """All matrices are there, and the lowest modes only, in the same order."""
+    deck = parse_deck(MODELS["planar"](), mode=10)
+    fewer = parse_deck(deck.text.replace("HALT\n", "HALT\nMODES 3\n"), mode=10)
+    every, some = spacar.run(10, deck), spacar.run(10, fewer)
+    assert some["m0"][0].shape == (48, 48)
+    np.testing.assert_array_equal(some["eigval"][0], every["eigval"][0][-6:])
+    np.testing.assert_array_equal(some["eigvre"][0], every["eigvre"][0][:, -6:])
+    np.testing.assert_array_equal(some["lmult"][0].ravel(), every["lmult"][0].ravel()[:3])
+    assert some["bmode"][0].shape == (48, 3)
+
+
+@pytest.mark.parametrize("wrong", [-1, 1.5, "3"])
+def test_wrong_number_of_modes(wrong):
+    with pytest.raises(UsageError, match="modes"):
+        spacar.run(7, parse_deck(MODELS["planar"](), mode=7), modes=wrong)
+
+
+def test_commands_work_on_large_results(tmp_path, capsys):
+    """The number of modes from the command line; eigen, compliance, visual and draw without dx and reduced matrices."""
+    path = tmp_path / "model.dat"
+    path.write_text(cantilever(110, load="-1. -1."))
+
+    def call(*words: str) -> str:
+        assert main([str(word) for word in words]) == 0, (words, capsys.readouterr())
+        return capsys.readouterr().out
+
+    call("10", path, "--modes", "4", "-q")
+    sparse = node_compliance(tmp_path / "model", 221)[0]
+    assert call("visual", tmp_path / "model", "--list").count("vibration mode") == 4
+    assert call("visual", tmp_path / "model", "7", "-o", tmp_path / "mode.svg")
+    assert call("draw", tmp_path / "model", "-o", tmp_path / "model.svg")
+    assert call("eigen", tmp_path / "model").count("PLBEAM") == 8
+    call("checksbf", tmp_path / "model.sbm")
+    call("10", path, "--modes", "0", "-q")
+    dense = node_compliance(tmp_path / "model", 221)[0]
+    np.testing.assert_allclose(sparse.fixed, dense.fixed, rtol=1e-7)
+    np.testing.assert_allclose(sparse.body, dense.body, rtol=1e-7)
+
+
+@pytest.mark.parametrize("moving", [False, True])
+def test_sparse_and_dense_linearization(moving, monkeypatch):
+    """All matrices of theory-system.md (13), at rest and in motion, to rounding of sums of some hundred terms."""
+    from spacar.dynamics.array_evaluator import Dynamics
+    from spacar.mechanism import build
+
+    m = build(parse_deck(spatial_chain(5), mode=4), 4)
+    d = Dynamics(m)
+    d.start()
+    rng = np.random.default_rng(2)
+    d.xd = d.kinematics.dependent(0.1 * moving * rng.standard_normal(m.numbering.nx), np.zeros(m.numbering.ne))
+    xdd = 0.1 * moving * rng.standard_normal(m.numbering.nx)
+    full = linearize(d, xdd, np.zeros(m.numbering.ne))
+    monkeypatch.setattr(matrix, "DENSE_LIMIT", 0)
+    sparse = linearize(d, xdd, np.zeros(m.numbering.ne))
+    assert not isinstance(contractions.mass_matrix(d.sweep), np.ndarray)
+    for name in ("m0", "c0", "d0", "k0", "n0", "g0", "ak0", "bk0"):
+        a, b = getattr(sparse, name), getattr(full, name)
+        np.testing.assert_allclose(a, b, atol=1e-12 * max(np.abs(b).max(), 1e-300), rtol=0.0, err_msg=name)
+
+
+@pytest.mark.parametrize(("n", "lower", "upper"), [(1, 0, 0), (40, 1, 1), (60, 3, 7), (150, 9, 2), (30, 29, 29)])
+def test_diagonal_of_the_inverse_of_a_band(n, lower, upper):
+    """Against the inverse itself; exchanges of rows in every second step, as the diagonal is small."""
+    rng = np.random.default_rng(n)
+    i, j = np.nonzero(np.ones((n, n)))
+    inside = (i - j <= lower) & (j - i <= upper)
+    i, j = i[inside], j[inside]
+    v = rng.standard_normal(len(i)) * np.where(i == j, 0.05, 1.0)
+    system = assemble(n, np.r_[i, j], np.r_[j, i], "banded")  # a symmetric pattern
+    system.factor(np.r_[v, np.zeros(len(v))])
+    A = np.zeros((n, n))
+    A[i, j] = v
+    inverse = np.linalg.inv(A)
+    error = np.abs(inverse_diagonal(system) - np.diag(inverse))
+    assert error.max() <= 1e-15 * n * np.linalg.cond(A) * np.abs(inverse).max()
+
+
+@pytest.mark.slow
+def test_two_thousand_beams():
+    """Planar cantilever without load: f = (1.87510407)^2/(2 pi L^2) sqrt(EI/m), to 1e-6 by rounding; 12 modes."""
+    r = spacar.run(7, parse_deck(cantilever(2000), mode=7), modes=12)
+    exact = 1.8751040687119611**2 / (2.0 * np.pi * 100.0) * np.sqrt(102.0)
+    assert r.frequencies[0][0] == pytest.approx(exact, rel=1e-6)
+    assert r["eigxre"][0].shape == (6003, 24)
