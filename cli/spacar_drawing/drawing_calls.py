@@ -122,8 +122,6 @@ def view(
 
     Raises UsageError for a view that is none, and for a file that cannot be written.
     """
-    from spacar_formats.safety import write_text
-
     from spacar_drawing.viewer_page import view_page
 
     page = view_page(source_of(result), frames, view, fps)

@@ -65,7 +65,7 @@ class _Signals(ast.NodeTransformer):
 
 
 @dataclass(frozen=True)
-class _Variables:
+class _SignalVariables:
     """The variables of a source with its signals as coordinates 1 of further nodes."""
 
     source: PictureSource
@@ -108,5 +108,5 @@ def expression_of_signals(source: PictureSource, table: SignalTable, text: str) 
     changed = names.visit(tree)
     if not names.found:
         return None
-    values, _ = expressions.evaluate(expressions.parse(ast.unparse(changed)), _Variables(source, table))
+    values, _ = expressions.evaluate(expressions.parse(ast.unparse(changed)), _SignalVariables(source, table))
     return np.broadcast_to(np.asarray(values, float), (source.steps,))

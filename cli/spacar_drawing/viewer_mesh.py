@@ -34,7 +34,7 @@ Draw = Callable[[Pose], list[Shape]]
 
 
 @dataclass
-class Mesh:
+class TriangleMesh:
     """frames: lists of (pictures, n, 3) p, Y, Z; corners: (frame,) (place, 3) (normal, 3) (colour, 3) (element,)."""
 
     size: float
@@ -135,9 +135,9 @@ def rigid_motion(corners: Array) -> RigidMotion:
     return RigidMotion(centre, turn, every - first @ np.swapaxes(turn, 1, 2))
 
 
-def mesh_of(scene: Scene, xs: Array, look: Look) -> Mesh:
+def mesh_of(scene: Scene, xs: Array, look: Look) -> TriangleMesh:
     """The mechanism at the configurations xs (pictures, nx)."""
-    mesh = Mesh(look.size)
+    mesh = TriangleMesh(look.size)
     poses = [Pose.of(scene, x) for x in xs]
     seen = [e for e in scene.elements if e.number not in look.settings.hidden]
     trusses = [e for e in seen if e.shape == "truss"]
@@ -162,7 +162,7 @@ def mesh_of(scene: Scene, xs: Array, look: Look) -> Mesh:
     return mesh
 
 
-def _slender(mesh: Mesh, scene: Scene, poses: Sequence[Pose], look: Look, group: Alike, sides: int) -> None:
+def _slender(mesh: TriangleMesh, scene: Scene, poses: Sequence[Pose], look: Look, group: Alike, sides: int) -> None:
     first = group.elements[0]
     section = look.settings.section(first.number, first.shape == "truss")
     contour = outline(section) if section is not None else None
@@ -176,7 +176,7 @@ def _slender(mesh: Mesh, scene: Scene, poses: Sequence[Pose], look: Look, group:
     mesh.tubes(points, y, z, contour, rgba(group.colour, 1.0)[0, :3], numbers, round_, ends)
 
 
-def _shapes(mesh: Mesh, poses: Sequence[Pose], draw: Draw, element: int) -> None:
+def _shapes(mesh: TriangleMesh, poses: Sequence[Pose], draw: Draw, element: int) -> None:
     """Shapes that a function draws, matched from picture to picture; what comes and goes is left out."""
     every = [draw(pose) for pose in poses]
     extent = mesh.size / 0.022
@@ -199,7 +199,7 @@ def _shapes(mesh: Mesh, poses: Sequence[Pose], draw: Draw, element: int) -> None
                 _line(mesh, np.stack(lines), first, element, extent)
 
 
-def _line(mesh: Mesh, points: Array, look: Line, element: int, extent: float) -> None:
+def _line(mesh: TriangleMesh, points: Array, look: Line, element: int, extent: float) -> None:
     """A polyline, or several, (pictures, ..., n, 3) as thin tubes."""
     points = points.reshape(len(points), -1, *points.shape[-2:])
     tangent = np.gradient(points, axis=-2)

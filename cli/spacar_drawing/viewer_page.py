@@ -30,7 +30,7 @@ from spacar_drawing.picture_source import PictureSource
 from spacar_drawing.placement import attachments
 from spacar_drawing.scene import positions
 from spacar_drawing.step_pictures import step_text
-from spacar_drawing.viewer_mesh import Mesh, mesh_of
+from spacar_drawing.viewer_mesh import TriangleMesh, mesh_of
 
 BUDGET = 24e6  # bytes of the moving part; of longer results fewer pictures are kept
 MOST_VALUES = 4e6  # bytes of deformations and stresses
@@ -142,7 +142,7 @@ def _box(source: PictureSource, xs: Array, look: Any) -> tuple[Array, Array]:
     return np.min([b[0] for b in found], axis=0), np.max([b[1] for b in found], axis=0)
 
 
-def _arrays(mesh: Mesh, pictures: int, centre: Array) -> dict[str, str]:
+def _arrays(mesh: TriangleMesh, pictures: int, centre: Array) -> dict[str, str]:
     empty = np.zeros((pictures, 0, 3))
     p, y, z = (np.concatenate([empty, *parts], axis=1) for parts in (mesh.p, mesh.y, mesh.z))
     axes = np.rint(32767 * np.clip(np.concatenate((y, z), axis=2), -1, 1))

@@ -16,7 +16,7 @@ from spacar.errors import UsageError
 from spacar.mechanism.user_functions import import_file
 from spacar.simulation import blocks, control_blocks, sampled_blocks, sources, switching_blocks
 from spacar.simulation.blocks import Block
-from spacar_formats.sim_sections import Key, Section
+from spacar_formats.sim_sections import SimKey, Section
 
 
 @dataclass(frozen=True)
@@ -26,27 +26,27 @@ class BlockType:
     name: str
     text: str
     formula: str
-    keys: tuple[Key, ...]
+    keys: tuple[SimKey, ...]
     make: Callable[[Section], Block]
 
 
-SIZE = Key("size", "integer", "number of signals", "1")
-PERIOD = Key("period", "number", "sampling period; without it the block is continuous", "", "s")
+SIZE = SimKey("size", "integer", "number of signals", "1")
+PERIOD = SimKey("period", "number", "sampling period; without it the block is continuous", "", "s")
 SAMPLED = (
-    Key("period", "number", "sampling period", None, "s"),
-    Key("offset", "number", "time of the first sample", "0", "s"),
+    SimKey("period", "number", "sampling period", None, "s"),
+    SimKey("offset", "number", "time of the first sample", "0", "s"),
 )
-OFFSET = Key("offset", "number", "time of the first sample, with period", "0", "s")
-FILE = Key("file", "file", "result (.ltv)", None)
+OFFSET = SimKey("offset", "number", "time of the first sample, with period", "0", "s")
+FILE = SimKey("file", "file", "result (.ltv)", None)
 STORED = (
-    Key("interpolation", "text", "between stored times: step, linear, spline (vectors only)", "linear"),
-    Key("hold", "flag", "keep the first and the last value outside the stored times", "no"),
+    SimKey("interpolation", "text", "between stored times: step, linear, spline (vectors only)", "linear"),
+    SimKey("hold", "flag", "keep the first and the last value outside the stored times", "no"),
 )
 LIMITS = (
-    Key("lower", "numbers", "lower limit, one or one for each signal", None),
-    Key("upper", "numbers", "upper limit", None),
+    SimKey("lower", "numbers", "lower limit, one or one for each signal", None),
+    SimKey("upper", "numbers", "upper limit", None),
 )
-OPEN_LIMITS = (Key("lower", "numbers", "lower limit", "-inf"), Key("upper", "numbers", "upper limit", "inf"))
+OPEN_LIMITS = (SimKey("lower", "numbers", "lower limit", "-inf"), SimKey("upper", "numbers", "upper limit", "inf"))
 
 
 def _spasim(s: Section) -> Block:
@@ -216,18 +216,18 @@ def _scope(s: Section) -> Block:
     return blocks.Scope(s.name, s.integer("size"), s.text("title"), labels, s.text("unit"))
 
 
-def _values(key: str, text: str, default: str | None = None, unit: str = "") -> Key:
-    return Key(key, "numbers", f"{text}, one number for each signal", default, unit)
+def _values(key: str, text: str, default: str | None = None, unit: str = "") -> SimKey:
+    return SimKey(key, "numbers", f"{text}, one number for each signal", default, unit)
 
 
 BLOCKS: tuple[BlockType, ...] = (
     BlockType(
         "spasim", "the non-linear mechanism", "inputs INPUTS, INPUTF; outputs OUT... of its file",
-        (Key("model", "file", "input file (.dat)", None),), _spasim,
+        (SimKey("model", "file", "input file (.dat)", None),), _spasim,
     ),
     BlockType(
         "ltv", "time-varying linear system of mode 3, 4 or 9", "z' = A(t) z + B(t) u, y = C(t) z + D(t) u",
-        (FILE, *STORED, Key("modes", "integer", "reduce to that many modes", "")), _ltv,
+        (FILE, *STORED, SimKey("modes", "integer", "reduce to that many modes", "")), _ltv,
     ),
     BlockType("setpoint-u0", "nominal inputs", "y = u0(t)", (FILE, *STORED), _stored_vector("SetpointU0")),
     BlockType(
@@ -237,19 +237,19 @@ BLOCKS: tuple[BlockType, ...] = (
     BlockType("reference-y0", "reference outputs", "y = y0(t)", (FILE, *STORED), _stored_vector("ReferenceY0")),
     BlockType(
         "times-m0", "the reduced mass matrix", "y = M0(t) u",
-        (FILE, *STORED, Key("size", "integer", "its leading block only", "")), _times_m0,
+        (FILE, *STORED, SimKey("size", "integer", "its leading block only", "")), _times_m0,
     ),
     BlockType("constant", "a constant", "y = value", (_values("value", "value"),),
               lambda s: sources.Constant(s.name, s.numbers("value"))),
     BlockType(
         "step", "a step", "y = before for t < time, then after",
-        (Key("time", "number", "of the step, met exactly", "0", "s"), _values("after", "value", "1"),
+        (SimKey("time", "number", "of the step, met exactly", "0", "s"), _values("after", "value", "1"),
          _values("before", "value", "0")),
         lambda s: sources.StepSignal(s.name, s.number("time"), _spread(s, "after"), _spread(s, "before")),
     ),
     BlockType(
         "ramp", "a ramp", "y = start for t < time, then start + slope (t - time)",
-        (_values("slope", "slope", None, "1/s"), Key("time", "number", "where it begins", "0", "s"),
+        (_values("slope", "slope", None, "1/s"), SimKey("time", "number", "where it begins", "0", "s"),
          _values("start", "value", "0")),
         lambda s: sources.Ramp(s.name, _spread(s, "slope"), s.number("time"), _spread(s, "start")),
     ),
@@ -261,54 +261,54 @@ BLOCKS: tuple[BlockType, ...] = (
     ),
     BlockType(
         "pulses", "pulses", "y = high for a part duty of every period, else low; edges are met exactly",
-        (Key("every", "number", "time from one to the next", None, "s"),
-         Key("duty", "number", "part of it that is high, 0 to 1", "0.5"), _values("high", "value", "1"),
-         _values("low", "value", "0"), Key("time", "number", "of the first pulse", "0", "s")),
+        (SimKey("every", "number", "time from one to the next", None, "s"),
+         SimKey("duty", "number", "part of it that is high, 0 to 1", "0.5"), _values("high", "value", "1"),
+         _values("low", "value", "0"), SimKey("time", "number", "of the first pulse", "0", "s")),
         _pulses,
     ),
     BlockType(
         "table", "signals over time from a csv file", "first column time, the others signals; one heading line",
-        (Key("file", "file", "csv file", None), *STORED), _table,
+        (SimKey("file", "file", "csv file", None), *STORED), _table,
     ),
     BlockType(
         "gain", "a constant factor", "y = K u",
-        (Key("gain", "matrix", "number, or rows separated by ';'", None), SIZE), _gain,
+        (SimKey("gain", "matrix", "number, or rows separated by ';'", None), SIZE), _gain,
     ),
     BlockType("product", "a product", "y_i = u_i u_(size+i)", (SIZE,),
               lambda s: blocks.Product(s.name, s.integer("size"))),
     BlockType(
         "pd", "PD control of errors followed by their rates", "y = omega^2 e + 2 damping omega e'",
-        (Key("size", "integer", "number of errors", None), Key("omega", "number", "bandwidth", None, "rad/s"),
-         Key("damping", "number", "relative damping", None)), _pd,
+        (SimKey("size", "integer", "number of errors", None), SimKey("omega", "number", "bandwidth", None, "rad/s"),
+         SimKey("damping", "number", "relative damping", None)), _pd,
     ),
     BlockType(
         "pid", "PID control with anti-windup, continuous or sampled",
         "v = kp e + I + D, I' = ki e, D = kd s/(1 + s/filter) e, y = v limited",
         (_values("kp", "gain"), _values("ki", "gain of the integral", "0", "1/s"),
          _values("kd", "gain of the derivative", "0", "s"),
-         Key("filter", "number", "bandwidth of the derivative, needed with kd", "", "rad/s"), *OPEN_LIMITS,
-         Key("anti_windup", "text", "back-calculation (I' = ki e + (y - v)/tracking_time), clamping, none",
+         SimKey("filter", "number", "bandwidth of the derivative, needed with kd", "", "rad/s"), *OPEN_LIMITS,
+         SimKey("anti_windup", "text", "back-calculation (I' = ki e + (y - v)/tracking_time), clamping, none",
              "back-calculation"),
-         Key("tracking_time", "number", "of back-calculation; default sqrt(kd/ki), without kd kp/ki", "", "s"),
+         SimKey("tracking_time", "number", "of back-calculation; default sqrt(kd/ki), without kd kp/ki", "", "s"),
          PERIOD, OFFSET, SIZE),
         _pid,
     ),
     BlockType(
         "transfer-function", "transfer function in s, with period in z", "y = numerator/denominator u, from rest",
-        (Key("numerator", "numbers", "coefficients by falling powers", None),
-         Key("denominator", "numbers", "coefficients by falling powers", None), PERIOD, OFFSET),
+        (SimKey("numerator", "numbers", "coefficients by falling powers", None),
+         SimKey("denominator", "numbers", "coefficients by falling powers", None), PERIOD, OFFSET),
         _transfer_function,
     ),
     BlockType(
         "state-space", "linear system, with period a difference equation", "x' = A x + B u, y = C x + D u",
-        (*(Key(k, "matrix", "rows separated by ';'", None) for k in "ABC"),
-         Key("D", "matrix", "rows separated by ';'", ""), Key("initial", "numbers", "state at the start", ""),
+        (*(SimKey(k, "matrix", "rows separated by ';'", None) for k in "ABC"),
+         SimKey("D", "matrix", "rows separated by ';'", ""), SimKey("initial", "numbers", "state at the start", ""),
          PERIOD, OFFSET),
         _state_space,
     ),
     BlockType(
         "integrator", "integrator, perhaps with limits", "y' = gain u, y stays at a limit while u drives it beyond",
-        (Key("initial", "numbers", "value at the start", "0"), Key("gain", "numbers", "factor", "1", "1/s"),
+        (SimKey("initial", "numbers", "value at the start", "0"), SimKey("gain", "numbers", "factor", "1", "1/s"),
          *OPEN_LIMITS, SIZE), _integrator,
     ),
     BlockType("saturation", "limits of a signal", "y = u between lower and upper", (*LIMITS, SIZE),
@@ -317,19 +317,19 @@ BLOCKS: tuple[BlockType, ...] = (
               (*LIMITS, SIZE), _limited(switching_blocks.DeadZone)),
     BlockType(
         "relay", "switch with hysteresis", "on above upper, off below lower, unchanged in between",
-        (*LIMITS, Key("off", "number", "output when off", "0"), Key("on", "number", "output when on", "1"),
-         Key("initially_on", "flag", "state at the start, between the limits", "no"), SIZE), _relay,
+        (*LIMITS, SimKey("off", "number", "output when off", "0"), SimKey("on", "number", "output when on", "1"),
+         SimKey("initially_on", "flag", "state at the start, between the limits", "no"), SIZE), _relay,
     ),
     BlockType(
         "quantizer", "quantizer", "y = interval floor(u/interval + 1/2)",
-        (Key("interval", "numbers", "between two levels", None), SIZE),
+        (SimKey("interval", "numbers", "between two levels", None), SIZE),
         lambda s: switching_blocks.Quantizer(s.name, s.numbers("interval"), s.integer("size")),
     ),
     BlockType(
         "lookup", "look-up table", "y interpolated in the points (x, y)",
-        (Key("x", "numbers", "increasing", None), Key("y", "numbers", "as many values", None),
-         Key("interpolation", "text", "linear, cubic (monotone), step", "linear"),
-         Key("beyond", "text", "outside the table: hold, extrapolate, error", "hold"), SIZE),
+        (SimKey("x", "numbers", "increasing", None), SimKey("y", "numbers", "as many values", None),
+         SimKey("interpolation", "text", "linear, cubic (monotone), step", "linear"),
+         SimKey("beyond", "text", "outside the table: hold, extrapolate, error", "hold"), SIZE),
         _lookup,
     ),
     BlockType(
@@ -337,24 +337,24 @@ BLOCKS: tuple[BlockType, ...] = (
         "y' = bandwidth (u - y) within [-falling, rising]; sampled: y_k - y_(k-1) within the rates times period",
         (_values("rising", "largest rate upwards", None, "1/s"),
          _values("falling", "largest rate downwards; default as rising", "", "1/s"),
-         Key("bandwidth", "number", "of a continuous limiter", "", "rad/s"),
-         Key("initial", "numbers", "output at the start", "0"), PERIOD, OFFSET, SIZE),
+         SimKey("bandwidth", "number", "of a continuous limiter", "", "rad/s"),
+         SimKey("initial", "numbers", "output at the start", "0"), PERIOD, OFFSET, SIZE),
         _rate_limiter,
     ),
     BlockType("zero-order-hold", "sample and hold", "y_k = u_k", (*SAMPLED, SIZE), _hold),
     BlockType("unit-delay", "delay by one period", "y_k = u_(k-1)",
-              (*SAMPLED, Key("initial", "numbers", "first output", "0"), SIZE), _delay),
+              (*SAMPLED, SimKey("initial", "numbers", "first output", "0"), SIZE), _delay),
     BlockType(
         "python", "a function in a Python file", "f(t, u) or, without inputs, f(t); sampled (x, y) = f(t, x, u)",
-        (Key("function", "file", "FILE.py:NAME", None), Key("inputs", "integer", "number of inputs, from 0", None),
-         Key("outputs", "integer", "number of outputs", None), PERIOD, OFFSET,
-         Key("delay", "flag", "show a sampled output one period later", "no")), _python,
+        (SimKey("function", "file", "FILE.py:NAME", None), SimKey("inputs", "integer", "number of inputs, from 0", None),
+         SimKey("outputs", "integer", "number of outputs", None), PERIOD, OFFSET,
+         SimKey("delay", "flag", "show a sampled output one period later", "no")), _python,
     ),
     BlockType(
         "scope", "looks at signals: drawn with --plot, stored with the result", "no outputs",
-        (SIZE, Key("title", "text", "above its panel", ""),
-         Key("labels", "text", "names of the curves, with commas; default the names of the signals", ""),
-         Key("unit", "text", "of the vertical axis", "")), _scope,
+        (SIZE, SimKey("title", "text", "above its panel", ""),
+         SimKey("labels", "text", "names of the curves, with commas; default the names of the signals", ""),
+         SimKey("unit", "text", "of the vertical axis", "")), _scope,
     ),
 )  # fmt: skip
 BY_NAME = {row.name: row for row in BLOCKS}

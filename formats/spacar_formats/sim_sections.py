@@ -21,7 +21,7 @@ COMMENT = re.compile(r"(^|\s)[#%].*$")
 
 
 @dataclass(frozen=True)
-class Key:
+class SimKey:
     """A key of a section: its kind (number, numbers, matrix, integer, flag, text, file), meaning, default and unit.
 
     default   None: needed; "": may be left out
@@ -49,7 +49,7 @@ class Section:
         line = self.lines.get(key or "", self.line)
         return UsageError(f"{self.file.name}:{line}: [{self.name}]: {text}", "simulation.model-file")
 
-    def expect(self, keys: Sequence[Key]) -> None:
+    def expect(self, keys: Sequence[SimKey]) -> None:
         """Raises UsageError for a key that is not among these, and for one that is needed but missing."""
         known = {key.name: key for key in keys}
         for name in self.values:
