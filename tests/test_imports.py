@@ -26,7 +26,8 @@ LATE = {
     "spacar.mechanism.user_functions", "spacar.kinematics.lost_stiffness", "spacar_drawing.window",
     "spacar.result", "spacar.deck.section_block", "spacar.kinematics.failure", "spacar.linearization.state_jacobian",
     "spacar_drawing.report_page", "spacar_drawing.curves", "spacar_drawing.history", "spacar_drawing.stress_numbers",
-    "spacar_drawing.stroke_page", "spacar_drawing.stroke_figures", "spacar_drawing.viewer_page", "spacar_drawing.raster",
+    "spacar_drawing.stroke_page", "spacar_drawing.stroke_figures", "spacar_drawing.viewer_page",
+    "spacar_drawing.raster",
 }  # fmt: skip
 
 

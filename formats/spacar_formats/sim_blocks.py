@@ -16,7 +16,7 @@ from spacar.errors import UsageError
 from spacar.mechanism.user_functions import import_file
 from spacar.simulation import blocks, control_blocks, sampled_blocks, sources, switching_blocks
 from spacar.simulation.blocks import Block
-from spacar_formats.sim_sections import SimKey, Section
+from spacar_formats.sim_sections import Section, SimKey
 
 
 @dataclass(frozen=True)
@@ -346,7 +346,8 @@ BLOCKS: tuple[BlockType, ...] = (
               (*SAMPLED, SimKey("initial", "numbers", "first output", "0"), SIZE), _delay),
     BlockType(
         "python", "a function in a Python file", "f(t, u) or, without inputs, f(t); sampled (x, y) = f(t, x, u)",
-        (SimKey("function", "file", "FILE.py:NAME", None), SimKey("inputs", "integer", "number of inputs, from 0", None),
+        (SimKey("function", "file", "FILE.py:NAME", None),
+         SimKey("inputs", "integer", "number of inputs, from 0", None),
          SimKey("outputs", "integer", "number of outputs", None), PERIOD, OFFSET,
          SimKey("delay", "flag", "show a sampled output one period later", "no")), _python,
     ),

@@ -20,16 +20,16 @@ from spacar.errors import SpacarError, UsageError
 from spacar.simulation.blocks import Block
 from spacar.simulation.diagram import Diagram
 from spacar_formats.sim_blocks import BLOCKS, BY_NAME
-from spacar_formats.sim_sections import Key, Section, read_sections
+from spacar_formats.sim_sections import Section, SimKey, read_sections
 
 MOST_TIMES = 100_000_000
 SETTINGS = (
-    Key("time", "number", "length of the simulation, which starts at 0", None, "s"),
-    Key("step", "number", "between two times of the results", None, "s"),
-    Key("method", "text", "code of INTEGRAT with variable steps: 155, 135, 853, 553, 595", "155"),
-    Key("rtol", "number", "relative tolerance of a step", "1e-6"),
-    Key("atol", "number", "absolute tolerance of a step", "1e-8"),
-    Key("max_step", "number", "largest step", "", "s"),
+    SimKey("time", "number", "length of the simulation, which starts at 0", None, "s"),
+    SimKey("step", "number", "between two times of the results", None, "s"),
+    SimKey("method", "text", "code of INTEGRAT with variable steps: 155, 135, 853, 553, 595", "155"),
+    SimKey("rtol", "number", "relative tolerance of a step", "1e-6"),
+    SimKey("atol", "number", "absolute tolerance of a step", "1e-8"),
+    SimKey("max_step", "number", "largest step", "", "s"),
 )
 
 
