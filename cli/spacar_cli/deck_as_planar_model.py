@@ -82,7 +82,7 @@ class PlanarModel(DeckText):
             self.spring(part)
         elif kind == "hinge":
             self._hinge(part)
-        elif part.keyword == "PLTRUSS":
+        elif part.is_truss:
             self._bar(part)
         else:
             self._link(part, kind)

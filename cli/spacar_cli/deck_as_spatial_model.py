@@ -106,7 +106,7 @@ class SpatialModel(DeckText):
         p, turn_p, q, turn_q = part.nodes
         kind = self.kind(part)
         turned = turn_p in self.frames or turn_q in self.frames
-        if kind == "spring" or part.keyword == "TRUSS":
+        if kind == "spring" or part.is_truss:
             return (0, -part.number)
         if kind == "hinge":
             return (4 if turned else 1, -part.number)
@@ -117,7 +117,7 @@ class SpatialModel(DeckText):
         kind = self.kind(part)
         if kind == "spring":
             self.spring(part)
-        elif part.keyword == "TRUSS":
+        elif part.is_truss:
             self._bar(part)
         elif kind == "hinge":
             self._hinge(part)

@@ -37,6 +37,11 @@ class Part:
     def __str__(self) -> str:
         return f"{self.keyword} {self.number}"
 
+    @property
+    def is_truss(self) -> bool:
+        """Between two positions, without orientations."""
+        return not self.nodes[1] and not self.nodes[3]
+
 
 @dataclass
 class DeckParts:

@@ -17,9 +17,10 @@ from typing import NamedTuple
 import numpy as np
 
 from spacar.arrays import Array
+from spacar.elements.angles import arc_tangent
 from spacar.elements.family import ElementGroup, Family, GeometryError
 from spacar.elements.local_frames import axis_frame, rows
-from spacar.elements.rotation import arc_tangent, expand, relative_parameters
+from spacar.elements.rotation import expand, relative_parameters
 
 _einsum = np.einsum
 _TURN = 2.0 * np.pi

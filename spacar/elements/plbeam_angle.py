@@ -16,9 +16,9 @@ import numpy as np
 
 from spacar.arrays import Array
 
+from .angles import arc_tangent
 from .plbeam import Bend, PlanarBeam
 from .pltube import PlanarTube
-from .rotation import arc_tangent
 
 
 class PlanarAngleBeam(PlanarBeam):

@@ -29,6 +29,7 @@ import numpy as np
 from spacar.arrays import Array
 
 from . import chord
+from .angles import arc_tangent
 from .family import ElementGroup, Family, GeometryError, Trouble
 
 LINEAR_MASS = np.array([[2.0, 1.0], [1.0, 2.0]])  # integral of N N^T for N = (1 - xi, xi), times 6
@@ -39,13 +40,6 @@ class BeltConfiguration(NamedTuple):
     l: Array
     u: Array
     n: Array  # u turned by +90 degrees
-
-
-def turned_angle(c: Array, s: Array) -> Array:
-    """Angle with the cosine c and the sine s, also for complex steps (first order in the imaginary part)."""
-    if np.iscomplexobj(c):
-        return np.arctan2(s.real, c.real) + 1j * (c.real * s.imag - s.real * c.imag)
-    return np.arctan2(s, c)
 
 
 class PlanarBelt(Family):
@@ -111,7 +105,7 @@ class PlanarBelt(Family):
         l, u, n = self._span(x[3:5] - x[0:2])
         cosine, sine = self.u0 * u, self.u0 * n
         # u0 x u = -u0.n: the sine of the angle from u0 to u
-        theta = turned_angle(cosine[0] + cosine[1], -(sine[0] + sine[1]))
+        theta = arc_tangent(-(sine[0] + sine[1]), cosine[0] + cosine[1])
         r_p, r_q = self.radii
         e1 = l - self.length + r_p * x[2] - r_q * x[5] - self.rho * theta
         e[0] = e1 + self.turn * np.rint((near[0] - e1.real) * self.per_turn)

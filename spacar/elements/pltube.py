@@ -23,9 +23,9 @@ import numpy as np
 from spacar.arrays import Array
 
 from . import chord
+from .angles import arc_tangent
 from .family import ElementGroup, GeometryError
 from .plbeam import PlanarBeam, PlanarBeamConfiguration
-from .rotation import arc_tangent
 
 # integrals over the element (10): N'N'^T times 30, and NN'^T times 60
 STRETCH = np.array([[36.0, 3, -36, 3], [3, 4, -3, -1], [-36, -3, 36, -3], [3, -1, -3, 4]])

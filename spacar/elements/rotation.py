@@ -17,7 +17,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spacar.arrays import Array
 
@@ -171,11 +170,3 @@ def _dual(w: Array, sign: float) -> Array:
     K[1:, 0] = w
     K[1:, 1:] = sign * skew(w)
     return K
-
-
-def arc_tangent(y: NDArray[Any], x: NDArray[Any]) -> NDArray[Any]:
-    """atan2(y, x); of complex arguments the first order continuation that a complex step needs."""
-    if not (np.iscomplexobj(x) or np.iscomplexobj(y)):
-        return np.arctan2(y, x)
-    slope = (x.real * y.imag - y.real * x.imag) / (x.real**2 + y.real**2)
-    return np.arctan2(y.real, x.real) + 1j * slope

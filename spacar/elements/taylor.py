@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.elements.rotation import arc_tangent
+from spacar.elements.angles import arc_tangent
 
 
 class Taylor:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 
 import pytest
+from spacar_drawing.settings_table import RULES
+from spacar_formats.sim_blocks import BLOCKS
 
 from spacar.deck.keyword_table import KEYWORDS
 
@@ -15,7 +17,7 @@ def test_keywords_lists_every_keyword(call):
     done = call("keywords")
     assert done.status == 0
     listed = {line.split()[0] for line in done.out.splitlines() if line.startswith("  ")}
-    assert listed == {name for name, _ in KEYWORDS}
+    assert listed == {name for name, _ in KEYWORDS} | set(RULES) | {block.name for block in BLOCKS}
 
 
 @pytest.mark.parametrize("name", sorted({name for name, _ in KEYWORDS}))

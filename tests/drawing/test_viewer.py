@@ -18,7 +18,7 @@ from spacar_drawing.element_pictures import PARTS
 from spacar_drawing.look import look_of
 from spacar_drawing.report_page import report_page
 from spacar_drawing.scene import Pose
-from spacar_drawing.viewer_mesh import Mesh, mesh_of, rigid_motion
+from spacar_drawing.viewer_mesh import TriangleMesh, mesh_of, rigid_motion
 from spacar_drawing.viewer_page import view_page
 
 from .conftest import call
@@ -83,7 +83,7 @@ def test_rigid_motion_finds_the_rotation():
 
 
 def test_what_changes_its_shape_keeps_its_corners():
-    mesh = Mesh(1.0)
+    mesh = TriangleMesh(1.0)
     (side, *_) = cylinder(np.zeros(3), np.array([0, 0, 1.0]), 0.1, "#ff0000")
     one = side.corners.reshape(-1, 3)
     both = np.stack((one, one * [1, 1, 2]))

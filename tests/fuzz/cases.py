@@ -50,7 +50,10 @@ COMMANDS: dict[str, tuple[int, tuple[str, ...]]] = {  # arguments, options; neve
     "eigen": (1, ("--step", "--lowest", "--json!")), "bode": (1, ("--step", "--input", "--output", "--low", "--high", "--points")),
     "compliance": (2, ("--step", "--json!")), "getss": (2, ("--output", "--json!")), "sim": (1, ("--output",)),
     "ltv": (1, ("--substeps", "--modes", "--output")), "mrltv": (2, ("--quasi-static", "--output")),
-    "spacntrl": (1, ("--omega", "--damping", "--output")), "matlab": (0, ()), "symbolic": (2, ("--set", "--time", "--steps", "--language")),
+    "spacntrl": (1, ("--omega", "--damping", "--output")), "matlab": (0, ()),
+    "flexure": (1, ("--move", "--force", "--node", "--steps", "--modes", "--axes", "--csv", "--report", "--json!")),
+    "sensitivity": (1, ("-p", "-q", "--csv", "--json!", "--beams")), "view": (1, ("-o", "--frames", "--fps", "--view")),
+    "completion": (1, ()), "fmu": (1, ("--output",)), "symbolic": (2, ("--set", "--time", "--steps", "--language")),
 }  # fmt: skip
 READERS = (
     ("checksbf", "F"), ("checksbf", "F", "--json"), ("draw", "F", "-o", "x.png"), ("report", "F", "-o", "x.html"),
