@@ -9,6 +9,10 @@ Large systems (a count costs five to fifty iterations) are counted at the start 
 where the sign of the determinant, which comes with the factorization of the last iterate, says that the number has
 become odd or even; two eigenvalues that change their signs in one part are seen at the next stored level.
 
+A prediction that overshoots a limit point may lie where another branch, stable too, attracts the iteration. So a part
+that moves much faster than the one before (or is the first) is walked back: the iteration at the level before must lead
+from the new state to the old one, otherwise the part is halved.
+
 Where parts become too small the path may turn: it is followed by arc length. At a limit point of growing loads the walk
 ends with an error, unless ITERSTEP position 7 asks to go on to where the path reaches the level. Under prescribed
 displacement alone it goes on, and says so: the state at the prescribed value is what the file asks for.
@@ -40,6 +44,9 @@ STILL = 1e-6  # model lengths or rad: a straight column hardly moves at its crit
 LARGE = 600  # unknowns; above, the count costs more than an iteration: see `Walk._odd`
 EASY = 6  # iterations after which the next part of a step may be twice as large
 FARTHEST = 16.0  # weight of a state in the prediction: 6 for equal parts, more when the parts have grown
+FASTER = 2.0  # change of x over that of the loading, against the part before, from which a part is walked back
+WIDE = 0.01  # model lengths or rad: shorter parts are not walked back
+ELSEWHERE = 0.1  # of the motion of a part: states that differ by more are not the same
 REMEMBERED = 4  # states that the prediction uses: a cubic polynomial
 
 
@@ -81,7 +88,8 @@ class Walk:
             level = target if following == 1.0 else origin.towards(target, following)
             before, near = (self.point, self.stable, self.path), self.evaluator.dynamics.sweep.near.copy()
             try:
-                steps = self._advance(level, target.store and following == 1.0)
+                reached = origin.towards(target, place) if place else origin
+                steps = self._advance(reached, level, target.store and following == 1.0)
                 crossed = self._count(level.store)
             except (Astray, SingularMatrixError) as reason:
                 self.point, self.stable, self.path = before
@@ -114,7 +122,7 @@ class Walk:
         self._arbitrary = False
 
     # -- one part -------------------------------------------------------------------------------------------------
-    def _advance(self, level: LoadLevel, stored: bool) -> int:
+    def _advance(self, reached: LoadLevel, level: LoadLevel, stored: bool) -> int:
         """Newton's iteration at the level from the prediction, then from the last state; the number of iterations."""
         e = self.evaluator
         given = e.load(level)
@@ -129,9 +137,45 @@ class Walk:
             except (Astray, SingularMatrixError) as failure:
                 reason = reason if isinstance(reason, FreeMotion) else failure
                 continue
+            if self._jumped(reached, level, found):
+                reason = Astray("the state that was found does not lead back to the one before")
+                given = e.load(level)
+                continue
             self._accept(level.path, found)
             return found.iterations
         raise reason
+
+    def _jumped(self, reached: LoadLevel, level: LoadLevel, found: Converged) -> bool:
+        """Does the iteration lead from the new state back to another one than the last? The evaluator stands at the
+        new one, at its level, when it does not."""
+        e, last = self.evaluator, self.path[-1]
+        q, point = e.equations, found.point
+        moved = largest((point.x - last.x) / q.scale)
+        unclear = self._arbitrary or not q.holonomic or not q.d.numbering.nddof
+        if unclear or moved < WIDE or self._steady(level, moved):
+            return False
+        near = e.dynamics.sweep.near.copy()
+        given = e.load(reached)  # with other equations, where the flow in tubes changes
+        e.dynamics.sweep.near[:] = near
+        try:
+            demand = Demand.of(self.limit, self.tolerance, stored=False)
+            back = newton(e.equations, e.tangent, point.x, point.sigma, given, demand)
+            if largest((back.point.x - last.x) / q.scale) > ELSEWHERE * moved:
+                return True
+        except (Astray, SingularMatrixError):  # says nothing: a step back may be as hard as one forward
+            pass
+        given = e.load(level)
+        e.dynamics.sweep.near[:] = near
+        e.tangent.factor(e.equations.point(point.x, point.sigma, given))
+        return False
+
+    def _steady(self, level: LoadLevel, moved: float) -> bool:
+        """Is the path as fast as in the part before, about?"""
+        if len(self.path) < 2:
+            return False
+        before, last = self.path[-2:]
+        change = largest((last.x - before.x) / self.evaluator.equations.scale)
+        return moved * (last.path - before.path) <= FASTER * change * (level.path - last.path)
 
     def _starts(self, path: float) -> list[Callable[[Given], Known]]:
         """Where Newton's iteration may begin, the best first: the prediction, the last state, the last configuration

@@ -246,3 +246,46 @@ def test_snap_through_of_a_shallow_truss():
     end = result.node(2, 2)[-1]
     assert end < -0.1
     assert resisting(np.array(end)) == pytest.approx(1.0, rel=1e-9)
+
+
+SHALLOW_TRUSS = """PLTRUSS 1 1 2
+PLTRUSS 2 2 3
+X 1 -1. 0.
+X 2 0. 0.1
+X 3 1. 0.
+FIX 1
+FIX 3
+DYNE 1 1
+DYNE 2 1
+END
+HALT
+XF 2 0. {force}
+ESTIFF 1 1.e5
+ESTIFF 2 1.e5
+XM 2 1.
+ITERSTEP 20 {steps} 1.e-10
+END
+END
+"""
+
+
+def shallow_truss_force(y: float) -> float:
+    """Downward force of two bars of EA = 1e5 N on the node at the height y, 0.1 at rest."""
+    l0, l = np.hypot(1.0, 0.1), np.hypot(1.0, y)
+    return float(2e5 * (l0 - l) / l0 * y / l)
+
+
+@pytest.mark.parametrize("steps", [1, 2, 3, 4, 5, 8, 12, 16, 40])
+def test_a_shallow_truss_does_not_snap_through_without_a_word(steps: int) -> None:
+    """Its limit load is 38.11 N; at 100 N only the state that hangs through is left, stable, but not on the path."""
+    highest = max(shallow_truss_force(y) for y in np.linspace(0.0, 0.1, 10001))
+    with pytest.raises(AnalysisError, match=r"limit point at 0[.]381") as failure:
+        spacar.run(7, parse_deck(SHALLOW_TRUSS.format(force=-100.0, steps=steps), mode=7))
+    level = failure.value.data["level"].initial
+    assert 100.0 * level == pytest.approx(highest, rel=2e-4)
+
+
+@pytest.mark.parametrize("steps", [1, 3, 20])
+def test_a_shallow_truss_below_its_limit_load(steps: int) -> None:
+    y = spacar.run(7, parse_deck(SHALLOW_TRUSS.format(force=-35.0, steps=steps), mode=7)).node(2, 2)[-1]
+    assert shallow_truss_force(y) == pytest.approx(35.0, rel=1e-8)  # FORCES of newton.py: 1e-9, twice the work
