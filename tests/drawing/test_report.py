@@ -81,6 +81,7 @@ def test_text_from_files_cannot_break_the_page(results):
     assert "&lt;script&gt;" in text
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(BROWSER is None, reason="no chromium on this machine")
 def test_a_browser_shows_the_pictures(results):
     from PIL import Image

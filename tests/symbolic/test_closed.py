@@ -252,7 +252,7 @@ def test_wrong_columns_do_not_pass_the_check():
         broken.check().demand()
 
 
-@pytest.mark.parametrize("strategy", ["held", "recursive"])
+@pytest.mark.parametrize("strategy", [pytest.param("held", marks=pytest.mark.slow), "recursive"])
 @pytest.mark.parametrize("shortening", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_energy_of_the_closed_slider_crank(strategy, shortening):
     """Without dissipation; 1e-9 of the energy at rtol 1e-10."""

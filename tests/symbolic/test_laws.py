@@ -60,6 +60,7 @@ def test_laws_with_jumps_in_python_and_c():
                 assert f.jac(t, y)[2, k] == pytest.approx(slope, abs=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("gfortran") is None, reason="no gfortran")
 def test_laws_with_jumps_in_fortran(tmp_path):
     program = mass(LAW)
