@@ -103,7 +103,42 @@ def modes_of_matrices(M: Array, C: Array, K: Array, ak0: Array, bk0: Array, repo
     if K.shape[0] == K.shape[1] and is_symmetric(K) and is_symmetric(M):
         return damped_modes(K, C, M, report) if matters(C, M, K) else undamped_modes(K, M, report)
     values, vectors = _eig(assembled_state_matrix(M, C, K, ak0, bk0), report)
+    if K.shape[0] == K.shape[1] and np.array_equal(ak0, np.eye(len(K))) and not bk0.any():
+        values, vectors = _with_low_modes_of_the_inverse(M, C, K, values, vectors)
     return arranged(values, vectors, K.shape[1])
+
+
+def _with_low_modes_of_the_inverse(
+    M: Array, C: Array, K: Array, values: Complex, vectors: Complex
+) -> tuple[Complex, Complex]:
+    """The same, the lower half from the inverse [-K^-1 C, -K^-1 M; 1, 0] of the state matrix, with the values 1/lambda.
+
+    Each computation leaves an error of eps times its largest value squared in all squares: relative to lambda eps
+    (|lambda|max/|lambda|)^2/2 and eps (|lambda|/|lambda|min)^2/2, which are equal at the geometric mean of both ends.
+    Left alone where K is singular to rounding.
+    """
+    size = np.abs(values)
+    high, low = size.max(initial=0.0), size.min(initial=np.inf)
+    if not ROUNDING * high**2 < low**2 < POLISHED * high**2:
+        return values, vectors
+    n = len(K)
+    d = 1.0 / np.sqrt(np.abs(np.diag(K)) + low**2 * np.diag(M))
+    inverse = np.zeros((2 * n, 2 * n))
+    try:
+        inverse[:n] = -np.linalg.solve(K * np.outer(d, d), np.hstack((C, M)) * d[:, None]) * d[:, None]
+    except np.linalg.LinAlgError:
+        return values, vectors
+    inverse[n:, :n] = np.eye(n)
+    pairs: tuple[Complex, Complex] = np.linalg.eig(inverse)
+    reciprocal, shapes = pairs
+    ascending = np.argsort(size, kind="stable")
+    first = np.argsort(-np.abs(reciprocal), kind="stable")
+    count = int(np.sum(size < np.sqrt(high * low)))
+    same = 1.0 - np.sqrt(np.finfo(float).eps)
+    while 0 < count < 2 * n and size[ascending[count - 1]] > same * size[ascending[count]]:
+        count -= 1  # a pair stays together
+    kept: Complex = np.concatenate((1.0 / reciprocal[first[:count]], values[ascending[count:]]))
+    return kept, np.hstack((shapes[:, first[:count]], vectors[:, ascending[count:]]))
 
 
 def damped_modes(K: Array, C: Array, M: Array, report: Report) -> Modes:
