@@ -4,7 +4,7 @@ masses and forces. Numbers become parameters with the number of their element or
 from __future__ import annotations
 
 import json
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -16,7 +16,7 @@ MARK = "# made by spacar symbolic export"
 
 
 @dataclass
-class DeckText(DeckParts):
+class DeckText(DeckParts, ABC):
     """The text of a model file that is made from the first frame of a run of mode 1; `shapes` in a flexible beam."""
 
     shapes: int = 2

@@ -24,6 +24,7 @@ from spacar.stream import Run
 from spacar_drawing.scene import Element, Scene
 from spacar_drawing.sections import moments
 from spacar_drawing.settings import SectionShape, parse_settings
+from spacar_drawing.stress_numbers import POINTS
 from spacar_drawing.stresses import (
     RESULTANTS,
     Resultants,
@@ -33,8 +34,6 @@ from spacar_drawing.stresses import (
     stress_field,
     worst,
 )
-
-POINTS = 9  # places along an element, as `spacar stress` has them
 
 
 class StressDerivatives:

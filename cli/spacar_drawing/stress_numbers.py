@@ -24,6 +24,7 @@ from spacar_drawing.stresses import (
     worst,
 )
 
+POINTS = 9  # places along an element, unless others are asked for
 AT_ONCE = 100_000  # places times points of a section that are evaluated together
 
 
@@ -112,7 +113,7 @@ def stress_results(
     source: PictureSource,
     steps: Sequence[int] | None = None,
     elements: Iterable[int] | None = None,
-    points: int = 9,
+    points: int = POINTS,
 ) -> StressResults:
     """Of the stored `steps` (from 1; default all) and beams and trusses `elements` (default all), at `points` places.
 

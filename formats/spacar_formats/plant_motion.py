@@ -10,8 +10,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from spacar.modes import find_mode
-from spacar.simulation.engine import Response
 from spacar.simulation.plant import Spasim
+from spacar.simulation.response import Response
 from spacar.stream import Run
 from spacar_formats.signal_tables import SignalTable, table_of
 from spacar_formats.sinks import ResultSink, begin, give_up

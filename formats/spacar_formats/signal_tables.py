@@ -22,7 +22,7 @@ from spacar_formats.claim import Claim
 from spacar_formats.sbf import SbfFile, SbfWriter
 
 if TYPE_CHECKING:
-    from spacar.simulation.engine import Response
+    from spacar.simulation.response import Response
 
 
 @dataclass(frozen=True)

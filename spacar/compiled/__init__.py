@@ -1,4 +1,4 @@
-"""An optional right-hand side compiled with the system's C compiler, for holonomic mechanisms.
+"""The compiled engine: equations of motion and steps of the integrators in C, for holonomic mechanisms.
 
 NumPy spends about a microsecond per call however small the arrays are; a slider-crank needs some hundred calls per
 evaluation. Here the same equations run in C:
@@ -12,10 +12,12 @@ evaluation. Here the same equations run in C:
                reduced form
     state.c    states of the integrators: right-hand side, stages of a Runge-Kutta step, frames
     model.c    which entries V and M have
+    march.c    accepted steps from output to output, by adams.c and runge_kutta.c
 
-At one state both paths give the same results to rounding (tests/compiled). The compiled path is never required: it is
-chosen with `spacar 1 FILE --compiled` or `spacar.run(..., compiled=True)`; in batches of a sweep `cases` puts a case
-into every lane.
+What has no form in C (user functions, some elements, motions that are no polynomials) is asked of Python (`slots`). The
+engine is built with the package where there is a C compiler and used by default; --general, SPACAR_GENERAL=1 or
+`compiled=False` take NumPy instead, which gives the same results to rounding at one state (tests/compiled). In batches
+of a sweep `cases` puts a case into every lane.
 
 Limitation: both paths look for dead points by the same rule, at accepted steps. But rounding may lead them to different
 steps, and with wide tolerances a step can jump over a dead point. An integration that is reflected there instead of

@@ -8,11 +8,11 @@ from typing import Any
 
 _HOME = {
     "Block": "blocks", "Constant": "sources", "Continuous": "blocks", "DeadZone": "switching_blocks",
-    "Diagram": "diagram", "Event": "engine", "Function": "blocks", "Gain": "blocks", "Integrator": "control_blocks",
+    "Diagram": "diagram", "Event": "response", "Function": "blocks", "Gain": "blocks", "Integrator": "control_blocks",
     "Linear": "blocks", "LookupTable": "switching_blocks", "Ltv": "setpoint_blocks", "PID": "control_blocks",
     "Product": "blocks", "Pulses": "sources", "Quantizer": "switching_blocks", "Ramp": "sources",
     "RateLimiter": "control_blocks", "ReferenceY0": "setpoint_blocks", "Relay": "switching_blocks",
-    "Response": "engine", "Sampled": "blocks", "Saturation": "switching_blocks", "Scope": "blocks",
+    "Response": "response", "Sampled": "blocks", "Saturation": "switching_blocks", "Scope": "blocks",
     "SetpointSigma0": "setpoint_blocks", "SetpointU0": "setpoint_blocks", "Sine": "sources",
     "Spasim": "plant", "StepSignal": "sources", "Table": "time_tables", "TimeSeries": "sources",
     "TimeVarying": "time_varying", "TimesM0": "setpoint_blocks",

@@ -47,8 +47,8 @@ class Piecewise(Block):
         return not np.array_equal(before, self.mode)
 
 
-class Saturation(Piecewise):
-    """y = u limited to [lower, upper]; the integration stops and starts again where a limit is met or left."""
+class Limited(Piecewise):
+    """Below, between and above two limits of every signal."""
 
     def __init__(self, name: str, lower: Numbers, upper: Numbers, size: int = 1) -> None:
         super().__init__(name, size, 2)
@@ -56,29 +56,23 @@ class Saturation(Piecewise):
 
     def piece(self, t: float, u: Array) -> NDArray[np.int64]:
         return region(u, self.lower, self.upper)
+
+    def events(self, t: float, x: Array, u: Array) -> Array:
+        return region_margins(self.mode, u, self.lower, self.upper)
+
+
+class Saturation(Limited):
+    """y = u limited to [lower, upper]; the integration stops and starts again where a limit is met or left."""
 
     def outputs(self, t: float, x: Array, u: Array) -> Array:
         return np.where(self.mode < 0, self.lower, np.where(self.mode > 0, self.upper, u))
 
-    def events(self, t: float, x: Array, u: Array) -> Array:
-        return region_margins(self.mode, u, self.lower, self.upper)
 
-
-class DeadZone(Piecewise):
+class DeadZone(Limited):
     """y = 0 while lower <= u <= upper, beyond it the distance to the nearer end."""
-
-    def __init__(self, name: str, lower: Numbers, upper: Numbers, size: int = 1) -> None:
-        super().__init__(name, size, 2)
-        self.lower, self.upper = limits(name, lower, upper, size)
-
-    def piece(self, t: float, u: Array) -> NDArray[np.int64]:
-        return region(u, self.lower, self.upper)
 
     def outputs(self, t: float, x: Array, u: Array) -> Array:
         return np.where(self.mode < 0, u - self.lower, np.where(self.mode > 0, u - self.upper, 0.0))
-
-    def events(self, t: float, x: Array, u: Array) -> Array:
-        return region_margins(self.mode, u, self.lower, self.upper)
 
 
 class Relay(Piecewise):
