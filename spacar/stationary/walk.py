@@ -151,8 +151,9 @@ class Walk:
         e, last = self.evaluator, self.path[-1]
         q, point = e.equations, found.point
         moved = largest((point.x - last.x) / q.scale)
-        unclear = self._arbitrary or not q.holonomic or not q.d.numbering.nddof
-        if unclear or moved < WIDE or self._steady(level, moved):
+        # no path to be lost: a start that is not on it, wheels that turn as far as they roll, prescribed positions
+        free = self._arbitrary or not q.holonomic or not q.d.numbering.nddof
+        if free or moved < WIDE or self._steady(level, moved):
             return False
         near = e.dynamics.sweep.near.copy()
         given = e.load(reached)  # with other equations, where the flow in tubes changes

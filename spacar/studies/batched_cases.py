@@ -14,6 +14,7 @@ from itertools import chain, islice
 
 from spacar.deck import Deck
 from spacar.errors import SpacarError
+from spacar.modes import find_mode
 from spacar.studies.assignments import change
 from spacar.studies.ensemble import alike, ensemble, why_not
 from spacar.studies.rows import Row
@@ -71,9 +72,15 @@ def _chunks(study: Study, cases: Iterator[Values], size: int) -> Iterator[Chunk]
         yield Chunk(study, batch)
 
 
+def is_motion(study: Study) -> bool:
+    """Is it what the ensemble integrates, without linearized equations?"""
+    mode = find_mode(study.mode)
+    return mode.integrated and not mode.linearized
+
+
 def reason(study: Study, values: Values) -> str:
     """Why the cases of a study cannot run together; empty when they can."""
-    if study.mode != 1:  # what the ensemble integrates
+    if not is_motion(study):
         return "only mode 1 runs in batches"
     try:
         return why_not(change(study.deck, study.settings, values), **study.options)

@@ -60,7 +60,6 @@ MOST = {True: 64, False: 16}  # beams in the place of one, at most
 RESOLVED = 0.3  # error of the refined result over its difference from the mesh of the user, to measure that one
 IN_TIME = 0.15  # part of the target that the integration of each mesh may take
 UNMEASURED = 1e-5  # relative tolerance of refined meshes, at most, when the run of the file is only measured
-OWN = (4, 9)  # modes that show the mesh of the user
 FIELDS = ("x", "xd", "xdd", "sig", "fx", "fxtot", "xcompl")  # that are extrapolated
 SPECTRA = ("eigval", "lmult")
 
@@ -190,7 +189,7 @@ def motion(run: Run) -> Iterator[Frame]:
 
 
 def _found(search: MeshSearch, target: float | None) -> MeshResult:
-    return _measured(search) if target is None or search.run.mode.number in OWN else _refined(search, target)
+    return _measured(search) if target is None or search.run.mode.third else _refined(search, target)
 
 
 def _measure(run: Run) -> str:

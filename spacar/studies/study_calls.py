@@ -17,7 +17,7 @@ from spacar.modes import MODES, Mode, find_mode
 from spacar.options import checked_options
 from spacar.studies.assignments import Axis, combine, setting
 from spacar.studies.assignments import values as listed_values
-from spacar.studies.batched_cases import in_batches, reason
+from spacar.studies.batched_cases import in_batches, is_motion, reason
 from spacar.studies.budgeted import command_line, run_options, search
 from spacar.studies.models import flexible_beams
 from spacar.studies.quantities import quantity
@@ -192,10 +192,10 @@ def batches_of(
     """What runs the cases in batches; None when they run one by one. Raises UsageError for a batch that cannot be;
     `option` names what asked for it.
     """
-    if wanted is False or study.mode != 1:
-        return None
     if wanted and (why := reason(study, cases[0])):
         raise UsageError(f"{option}: {why}", "usage.sweep")
+    if wanted is False or not is_motion(study):
+        return None
     run_batches: Callable[..., Any] = in_batches
     return lambda study, todo: run_batches(study, todo, engine, jobs, bool(wanted))
 

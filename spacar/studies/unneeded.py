@@ -20,6 +20,7 @@ import numpy as np
 
 from spacar.deck import Deck
 from spacar.errors import SpacarError
+from spacar.modes import find_mode
 from spacar.studies.coarser import merged
 from spacar.studies.error_norm import distance
 from spacar.studies.models import divisible_beams, flexible_beams, linear_strain, refine, rigid
@@ -98,7 +99,7 @@ def _variations(trade: Trade, deck: Deck) -> Iterator[Variation]:
         yield "transfer functions in the output", "OUTLEVEL 0 0", same, {"log_level": 0, "sbd_level": 0}
     if divisible_beams(deck)[0]:
         yield FINER, "--accuracy", lambda d: refine(d, 2), {"beams": "angle"}
-    if trade.mode == 1 and trade.options.get("compiled", True):
+    if find_mode(trade.mode).integrated and trade.options.get("compiled", True):
         yield "the compiled engine", "--general", same, {"compiled": False}
 
 

@@ -39,7 +39,7 @@ COMMANDS: dict[str, tuple[int, tuple[str, ...]]] = {  # arguments, options; neve
     "0": (1, ("-v!", "--json!", "--output-dir")), "7": (1, ("--json!",)), "9": (1, ("--json!",)),
     "3": (1, ("--setpoints",)), "check": (1, ("--mode", "--json!")), "keywords": (1, ("--json!",)),
     "examples": (1, ("--to", "--force!")), "help": (1, ()),
-    "sweep": (1, ("--set", "--from", "--result", "--mode", "--steps", "--time", "--output", "--together!", "--json!")),
+    "sweep": (1, ("--set", "--from", "--result", "--mode", "--steps", "--time", "--output", "--zip!", "--batch!", "--json!")),
     "trade": (1, ("--integrators", "--tolerances", "--substeps", "--elements", "--target", "--steps", "--time", "--output")),
     "draw": (1, ("-o", "--steps", "--strobe", "--trace", "--view", "--section", "--opacity", "--hide", "--title", "--dpi")),
     "visual": (2, ("-o", "--step", "--title", "--dpi", "--view")),

@@ -99,3 +99,9 @@ def test_a_trade(oscillator, tmp_path, monkeypatch):
 def test_a_wrong_trade_is_one_sentence(oscillator, options, sentence):
     with pytest.raises(UsageError, match=sentence):
         spacar.trade(oscillator, **options)
+
+
+def test_batches_that_are_asked_for_but_cannot_be_are_refused(oscillator: spacar.Model) -> None:
+    """Not left out without a word: only motions run in batches."""
+    with pytest.raises(UsageError, match="batch: only mode 1 runs in batches"):
+        spacar.sweep(oscillator, {"XM.2": [0.4, 0.5]}, "frequency[1]@end", mode=7, batch=True)
