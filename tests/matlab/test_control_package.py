@@ -1,4 +1,4 @@
-"""With Octave's control package: `getss` gives an `ss` object, on results of the program, of `mrltv` and of `spacntrl`."""
+"""With Octave's control package `getss` gives an `ss` object, of results of the program, of `mrltv`, of `spacntrl`."""
 
 from __future__ import annotations
 
