@@ -24,7 +24,7 @@ from spacar.linearization.matrices import Linearization
 
 
 def internal_unknowns(dynamics: Dynamics, sigma: Array, other: Array | None = None) -> tuple[Array, Array, Array]:
-    """Couplings (nx, m), stiffnesses (m,), which are eliminated (m,), of all elements that have such an unknown; also of
+    """Couplings (nx, m), stiffnesses, which are eliminated (m,), of all elements that have such an unknown; also of
     those where only the stresses `other` (ne,) couple."""
     sweep = dynamics.sweep
     found: list[tuple[Array, Array, Array]] = [(np.zeros((sweep.nx, 0)), np.zeros(0), np.zeros(0, bool))]
