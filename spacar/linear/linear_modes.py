@@ -52,7 +52,7 @@ def forward(run: Run) -> Iterator[Frame]:
         _store_matrices(frame, L, dynamics)
         _store_state_space(frame, L, dynamics, inputs, outputs)
         idle.see(dynamics, L)
-        yield output.add(frame, dynamics.kinematics)
+        yield output.add(frame, dynamics.kinematics, L)
     run.report.lines.extend(idle.lines())
 
 
@@ -151,7 +151,7 @@ def stationary(run: Run, reducible: bool = True) -> Iterator[LinearizedSolution]
             continue
         L = linearize(dynamics, state.xdd, state.sigma)
         _store_matrices(frame, L, dynamics)
-        yield LinearizedSolution(output.add(frame, dynamics.kinematics), dynamics, L, None, wanted, reduced)
+        yield LinearizedSolution(output.add(frame, dynamics.kinematics, L), dynamics, L, None, wanted, reduced)
 
 
 def say_lost_digits(run: Run, reduced: bool) -> None:
@@ -206,7 +206,7 @@ def _store_vibration(run: Run, solution: LinearizedSolution) -> None:
     else:
         assert solution.L is not None
         rows = chosen_rows(solution.L, solution.dynamics)
-        modes = vibration_modes(solution.L, *rows, run.report, run.mechanism.numbering.twist_rates)
+        modes = vibration_modes(solution.L, *rows, run.report, run.mechanism.numbering.twist_rates, solution.wanted)
     store = solution.frame.matrices
     if solution.reduced:
         store.update(vibration_motions(modes))
