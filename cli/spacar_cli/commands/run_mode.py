@@ -63,8 +63,10 @@ def command_of_mode(word: str) -> click.Command:
             params.append(click.Option([flag, field], help=text, **switch))
     if accuracy_options.of(mode):
         params += accuracy_options.options(mode)
-    if mode.stationary and (mode.buckling or not mode.third):
+    if mode.stationary or mode.third == "linearization":
         text = "Number of lowest modes, instead of MODES; 0: all of them, with the reduced matrices."
+        if mode.third:
+            text = "Lowest modes of a large model (instead of MODES); 0: A, B, C, D and reduced matrices of any size."
         params.append(click.Option(["--modes"], type=Whole(min=0), help=text))
     if mode.takes_setpoints:
         params.append(
