@@ -20,6 +20,7 @@ from spacar.arrays import Array
 from spacar.linear_systems import SingularMatrixError
 from spacar.linear_systems.lost_digits import EPS
 from spacar.linear_systems.matrix import dense
+from spacar.linearization.coefficients import load_gradient
 from spacar.linearization.contractions import (
     geometric_stiffness,
     gradient_matrix,
@@ -30,7 +31,6 @@ from spacar.linearization.contractions import (
     rate_gradient,
     scatter,
 )
-from spacar.linearization.matrices import load_gradient
 from spacar.stationary.stationary_equations import Iterate, StationaryEquations
 
 
