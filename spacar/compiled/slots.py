@@ -62,7 +62,7 @@ class Slots:
     ) -> None:  # fmt: skip
         nx, ne = sizes
         self.drive, self.user = drive, user
-        self.user_rows: Callable[..., Any] | None = getattr(user, "rows", None)  # of USERSIG; few numbers instead of arrays
+        self.user_rows: Callable[..., Any] | None = getattr(user, "rows", None)  # USERSIG: numbers, no arrays
         self.x_motion, self.e_motion = motions
         self.foreign = {b: ForeignBatch(e.family) for b, e in enumerate(elements) if e.family is not None}
         self.x, self.xd, self.force = np.zeros((3, nx))
