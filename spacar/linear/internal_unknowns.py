@@ -7,7 +7,11 @@ with the strain energy k a^2/2 + a c.dx, c proportional to the stresses. It is e
     [ K0  0 ]          [ G0 + sum c c^T/k   c ]
     [ 0   k ] + lambda [ c^T                0 ],        sum c c^T/k only where the element has eliminated a
 
-For lambda = 1 the elimination of a gives the tangent K0 + G0 again (where a is eliminated).
+For lambda = 1 the elimination of a gives the tangent K0 + G0 again (where a is eliminated). For one extra load with the
+stresses s1 beside the present ones, c = c0 + lambda c1:
+
+    [ K + sum c0 c0^T/k   c0 ]          [ G1 + sum c1 c1^T/k   c1 ]
+    [ c0^T                k  ] + lambda [ c1^T                 0  ],       sums as above, G1 the stiffness of s1 alone
 """
 
 from __future__ import annotations
@@ -19,15 +23,21 @@ from spacar.dynamics.array_evaluator import Dynamics
 from spacar.linearization.matrices import Linearization
 
 
-def internal_unknowns(dynamics: Dynamics, sigma: Array) -> tuple[Array, Array, Array]:
-    """Couplings (nx, m), stiffnesses (m,) and which are eliminated (m,), of all elements that have such an unknown."""
+def internal_unknowns(dynamics: Dynamics, sigma: Array, other: Array | None = None) -> tuple[Array, Array, Array]:
+    """Couplings (nx, m), stiffnesses, which are eliminated (m,), of all elements that have such an unknown; also of
+    those where only the stresses `other` (ne,) couple."""
     sweep = dynamics.sweep
     found: list[tuple[Array, Array, Array]] = [(np.zeros((sweep.nx, 0)), np.zeros(0), np.zeros(0, bool))]
     for b in sweep.curved:
-        internal = b.family.internal(sweep.configuration[b.index], sigma[b.e])
+        configuration = sweep.configuration[b.index]
+        internal = b.family.internal(configuration, sigma[b.e])
         if internal is None:
             continue
-        has = np.flatnonzero(np.isfinite(internal.stiffness) & internal.coupling.any(0))
+        coupled = internal.coupling.any(0)
+        if other is not None:
+            beside = b.family.internal(configuration, other[b.e])
+            coupled = coupled | (beside is not None and beside.coupling.any(0))
+        has = np.flatnonzero(np.isfinite(internal.stiffness) & coupled)
         coupling = np.zeros((sweep.nx, len(has)))
         np.add.at(coupling, (b.x[:, has], np.arange(len(has))), internal.coupling[:, has])
         found.append((coupling, internal.stiffness[has], internal.eliminated[has]))
@@ -41,7 +51,21 @@ def buckling_matrices(dynamics: Dynamics, L: Linearization, dynamic: Index) -> t
     coupling, k, eliminated = internal_unknowns(dynamics, L.sigma)
     c = L.W[:, dynamic].T @ coupling
     n, m = c.shape
-    G0 = np.zeros((n + m, n + m))
-    G0[:n, :n] = L.g0[block] + (c * (eliminated / k)) @ c.T
-    G0[:n, n:], G0[n:, :n] = c, c.T
+    G0 = _bordered(L.g0[block], c, eliminated / k, np.zeros(m))
     return np.block([[L.k0[block], np.zeros((n, m))], [np.zeros((m, n)), np.diag(k)]]), G0
+
+
+def extra_load_matrices(
+    dynamics: Dynamics, L: Linearization, rows: Index, K: Array, G1: Array, s1: Array
+) -> tuple[Array, Array]:
+    """K of the present state and G1 of the extra stresses s1 (ne,), both (n, n) over the degrees of freedom `rows`,
+    with the unknowns inside elements."""
+    c0, k, eliminated = internal_unknowns(dynamics, L.sigma, s1)
+    c1 = internal_unknowns(dynamics, s1, L.sigma)[0]
+    W, part = L.W[:, rows].T, eliminated / k
+    return _bordered(K, W @ c0, part, k), _bordered(G1, W @ c1, part, np.zeros(len(k)))
+
+
+def _bordered(A: Array, c: Array, part: Array, diagonal: Array) -> Array:
+    """[A + c part c^T, c; c^T, diagonal]."""
+    return np.block([[A + (c * part) @ c.T, c], [c.T, np.diag(diagonal)]])

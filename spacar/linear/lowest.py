@@ -83,7 +83,7 @@ def lowest_buckling(tangent: SparseTangent, report: Report, wanted: int = WANTED
         theta, x = values[real].real, vectors[:, real].real
     with np.errstate(divide="ignore"):
         multipliers = shift + 1.0 / theta
-    lost = _lost(operator, theta, x, multipliers, "load multipliers", report)
+    lost = lost_pairs(operator, theta, x, multipliers, "load multipliers", report)
     theta[lost], x[:, lost] = np.nan, np.nan
     infinite = np.abs(theta) <= NOTHING * np.max(np.abs(theta[~lost]), initial=0.0)
     theta, x = theta[~infinite], x[:, ~infinite]
@@ -173,7 +173,7 @@ def _undamped(tangent: SparseTangent, s: float, wanted: int, report: Report) -> 
     x = real_vectors(theta, x)
     theta = _rayleigh(x, tangent.times(("mass",), x), operator(x))
     squares = 1.0 / theta - s * s
-    squares[_lost(operator, theta, x, squares, "omega^2", report)] = np.nan
+    squares[lost_pairs(operator, theta, x, squares, "omega^2", report)] = np.nan
     return squares, x
 
 
@@ -193,7 +193,7 @@ def _quadratic(tangent: SparseTangent, s: float, wanted: int, report: Report) ->
     if theta[-1].imag and not np.any(np.isclose(theta[:-1], theta[-1].conj(), rtol=1e-8)):
         theta, z = theta[:-1], z[:, :-1]  # half a pair
     values = s + 1.0 / theta
-    values[_lost(operator, theta, z, values, "eigenvalues", report)] = np.nan
+    values[lost_pairs(operator, theta, z, values, "eigenvalues", report)] = np.nan
     return values, z[:n]
 
 
@@ -230,7 +230,7 @@ def _degrees_of_freedom(tangent: SparseTangent, x: Array) -> Array:
     return np.vstack((x[n.x_class["dynamic"]], rates[n.e_class["dynamic"]]))
 
 
-def _lost(
+def lost_pairs(
     operator: Operator, theta: Array, z: Array, values: Array, what: str, report: Report
 ) -> NDArray[np.bool_]:
     """Pairs of which no digit is known. Warns about all with |op(z) - theta z| > SUFFICIENT |theta| |z|; `values`: what

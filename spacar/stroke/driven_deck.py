@@ -92,14 +92,14 @@ def _stroke_rows(mechanism: Mechanism, move: StrokeMove, end: float) -> list[Row
     return [("DELXF", move.number, *values)]
 
 
-def load_row(text: str, mechanism: Mechanism, metre: float) -> Row:
-    """The XF statement of `7y=-10`, in SI. Raises UsageError."""
-    found = parse_move(text, mechanism.numbering, metre, pushed=True)
+def load_row(text: str, mechanism: Mechanism, metre: float, option: str = "--load") -> Row:
+    """The XF statement of `7y=-10`, in SI; `option` is what errors call it. Raises UsageError."""
+    found = parse_move(text, mechanism.numbering, metre, pushed=True, option=option)
     value = found.low or found.high
     if found.low and found.high:
-        raise UsageError(f"--load {text}: one force, not a range", "flexure.load")
+        raise UsageError(f"{option} {text}: one force, not a range", "flexure.load")
     if found.deformation:
-        raise UsageError(f"--load {text}: a force acts on a node", "flexure.load")
+        raise UsageError(f"{option} {text}: a force acts on a node", "flexure.load")
     return ("XF", *_stroke_rows(mechanism, found, value)[0][1:])
 
 

@@ -7,6 +7,7 @@ With q the dynamic degrees of freedom, d the drive, K = K0 + N0 + G0 of both (th
     node, locked    C = D_q K_qq^-1 D_q^T;          free: C = D K^-1 D^T over q and d
     frequencies     of (K_qq, M_qq), of (K, M);     without damping; an unstable motion has a negative one
     buckling        det(K0 + lambda G0) = 0 of q, and of q and d (theory-system.md 6.5)
+    extra load      det(K + lambda dG) = 0 of the same (spacar.stroke.extra_load)
 
 The free mode that belongs to the drive is the one with the largest share s of the motion v = (dq/dd, 1) of the path,
 s = (phi^T M v)^2 / (phi^T M phi v^T M v).
@@ -27,6 +28,7 @@ from spacar.linear.eigen import vibration_modes
 from spacar.linear.internal_unknowns import buckling_matrices
 from spacar.linear.node_compliance import compliance_of, displacements
 from spacar.linearization.matrices import Linearization
+from spacar.stroke.extra_load import ExtraLoad, extra_margin, extra_stresses
 from spacar.stroke.observed_node import ObservedNode
 
 NOTHING = 1e-11  # of the largest displacement by a degree of freedom: a direction that nothing flexible moves
@@ -38,7 +40,8 @@ class Station:
 
     slope  dF/dd;  velocity (m,) of the node by d;  locked, free (m, m) compliances;  hertz, hertz_free (f,) [Hz];
     drive_hertz, unwanted_free  of the free modes, that of the drive and the lowest of the others
-    margin, margin_free  lowest positive load multipliers;  energy  strain energy [J]
+    margin, margin_free  lowest positive load multipliers;  extra, extra_free  those of the extra load alone (nan: none)
+    energy  strain energy [J]
     """
 
     frame: Frame
@@ -52,13 +55,17 @@ class Station:
     unwanted_free: float
     margin: float
     margin_free: float
+    extra: float
+    extra_free: float
     energy: float
 
 
 def station(
-    frame: Frame, dynamics: Dynamics, L: Linearization, drive: int, node: ObservedNode, modes: int, report: Report
-) -> Station:
-    """Everything of a placed state; `drive` is the row of q, `modes` how many frequencies are kept."""
+    frame: Frame, dynamics: Dynamics, L: Linearization, drive: int, held: bool, node: ObservedNode, modes: int,
+    extra: ExtraLoad | None, report: Report,
+) -> Station:  # fmt: skip
+    """Everything of a placed state; `drive` is the row of q, `held`: it is prescribed, `modes` how many frequencies are
+    kept, `extra` the load whose own margin is asked for."""
     others = np.array([k for k in dynamics.numbering.dynamic.tolist() if k != drive], np.int64)
     every = np.append(others, drive)
     K = L.stiffness
@@ -77,7 +84,8 @@ def station(
     drive_hertz, unwanted = _split(hertz_free, shapes, L.m0[np.ix_(every, every)], path)
     return Station(
         frame, slope, D[:, every] @ path, locked, free, _first(hertz, modes), _first(hertz_free, modes), drive_hertz,
-        unwanted, _margin(L, dynamics, others, report), _margin(L, dynamics, every, report), _strain_energy(dynamics),
+        unwanted, _margin(L, dynamics, others, report), _margin(L, dynamics, every, report),
+        *_extra(L, dynamics, others, every, held, extra, report), _strain_energy(dynamics),
     )  # fmt: skip
 
 
@@ -155,6 +163,26 @@ def _margin(L: Linearization, dynamics: Dynamics, rows: Index, report: Report) -
             report.add(line)
     positive = found[found > 0.0]
     return float(positive.min(initial=np.inf))
+
+
+def _extra(
+    L: Linearization, dynamics: Dynamics, others: Index, every: Index, held: bool, load: ExtraLoad | None,
+    report: Report,
+) -> tuple[float, float]:  # fmt: skip
+    """Multipliers of the extra load alone, drive locked and free; nan without such a load, and where there are none."""
+    if load is None:
+        return np.nan, np.nan
+    told = Report()
+    try:
+        sigma = extra_stresses(dynamics, L, others if held else every, load)
+        found = [extra_margin(dynamics, L, rows, sigma, load, told) for rows in (others, every)]
+    except AnalysisError as error:
+        report.add(f"warning: no multiplier of the extra load: {error}")
+        return np.nan, np.nan
+    for line in told.lines:
+        if line.startswith("warning"):
+            report.add(line)
+    return found[0], found[1]
 
 
 def _strain_energy(dynamics: Dynamics) -> float:
