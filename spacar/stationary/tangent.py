@@ -25,11 +25,13 @@ from spacar.deck import ELEMENT_TYPES
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.forces import moment_gradient
 from spacar.linear_systems import LinearSystem, SingularMatrixError, assemble
+from spacar.linear_systems.lost_digits import entry_rounding, lost
 from spacar.linearization.contractions import configuration_of, geometric_blocks
 from spacar.mechanism.mechanism import Batch
 from spacar.stationary.flexibility import Flexibility
 
-SINGULAR = 1e14  # displacements under a load of the size of the stiffness above which it counts as singular
+SINGULAR = 1e14  # displacements under a load of the size of the stiffness from which singularity is looked for
+NO_DIGITS = 1e-4  # relative change of a solution by rounding of the entries from which the matrix counts as singular
 
 
 class TangentTerm:
@@ -89,16 +91,20 @@ class SparseTangent:
     def factor(self, weights: dict[str, float], stiffness: float = 1.0, damping: float = 0.0) -> LinearSystem:
         """Factored matrix of the weighted parts and of the element matrices stiffness x S + damping x S_d.
 
-        Raises SingularMatrixError, also when displacements under a load of the size of the stiffness exceed 1e14.
+        Raises SingularMatrixError, also when displacements under a load of the size of the stiffness exceed SINGULAR and
+        rounding of the entries changes them by NO_DIGITS.
         """
         entries, size = self.entries(weights, stiffness, damping)
         system = self._system(tuple(weights))
         system.factor(entries)
         probe = np.zeros(self.nf + self.ne)
         probe[: self.nf] = size  # a load of the size of the stiffness on all coordinates
-        growth = float(np.max(np.abs(system.solve(probe)[: self.nf]), initial=0.0))
+        z = system.solve(probe)
+        growth = float(np.max(np.abs(z[: self.nf]), initial=0.0))
         if not growth < SINGULAR:
-            raise SingularMatrixError(f"the stiffness is singular to working precision (growth {growth:.2g})")
+            rounding = entry_rounding(len(z), *self.pattern(tuple(weights)), entries, z)
+            if not lost(system.solve, rounding, z, self.nf) < NO_DIGITS:
+                raise SingularMatrixError(f"the stiffness is singular to working precision (growth {growth:.2g})")
         return system
 
     def pattern(self, names: tuple[str, ...]) -> tuple[Index, Index]:

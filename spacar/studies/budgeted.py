@@ -16,10 +16,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from spacar.calls import frames
+from spacar.deck.finer import flexible_beams, refine
 from spacar.errors import SpacarError
 from spacar.studies.accuracy import stiff
 from spacar.studies.error_norm import distance
-from spacar.studies.models import flexible_beams, refine
 from spacar.studies.rows import Row
 from spacar.studies.trade import (
     Job,

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from spacar.arrays import Array
 from spacar.calls import deck_of
 from spacar.deck import Deck
+from spacar.deck.finer import flexible_beams
 from spacar.errors import UsageError
 from spacar.modes import MODES, Mode, find_mode
 from spacar.options import checked_options
@@ -19,7 +20,6 @@ from spacar.studies.assignments import Axis, combine, setting
 from spacar.studies.assignments import values as listed_values
 from spacar.studies.batched_cases import in_batches, is_motion, reason
 from spacar.studies.budgeted import command_line, run_options, search
-from spacar.studies.models import flexible_beams
 from spacar.studies.quantities import quantity
 from spacar.studies.rows import Row, Rows
 from spacar.studies.sweep import Batch, Study

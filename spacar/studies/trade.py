@@ -21,6 +21,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.calls import frames
 from spacar.deck import Deck
+from spacar.deck.finer import refine
 from spacar.errors import AnalysisError, UsageError
 from spacar.integrators.methods import METHODS
 from spacar.mechanism import build
@@ -28,7 +29,7 @@ from spacar.modes import find_mode
 from spacar.options import integrator
 from spacar.result import Result
 from spacar.studies.error_norm import amplitudes, distance
-from spacar.studies.models import linear_strain, refine, rigid
+from spacar.studies.models import linear_strain, rigid
 from spacar.studies.perturbation import perturbation, require_perturbation
 from spacar.studies.quantities import Quantity, quantity
 from spacar.studies.richardson import extrapolate

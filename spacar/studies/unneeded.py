@@ -19,11 +19,12 @@ from typing import Any
 import numpy as np
 
 from spacar.deck import Deck
+from spacar.deck.finer import divisible_beams, flexible_beams, refine
 from spacar.errors import SpacarError
 from spacar.modes import find_mode
 from spacar.studies.coarser import merged
 from spacar.studies.error_norm import distance
-from spacar.studies.models import divisible_beams, flexible_beams, linear_strain, refine, rigid
+from spacar.studies.models import linear_strain, rigid
 from spacar.studies.trade import Reference, Setup, Trade, setup_options, timed_values, variant
 
 MOST_BEAMS = 6  # that are looked at one by one

@@ -10,9 +10,10 @@ import pytest
 
 import spacar
 from spacar.deck import parse_deck
+from spacar.deck.finer import refine
 from spacar.errors import UsageError
 from spacar.studies.coarser import merged
-from spacar.studies.models import refine, rigid
+from spacar.studies.models import rigid
 from spacar.studies.quantities import quantity
 from spacar.studies.trade import Reference, Setup, Trade
 from spacar.studies.unneeded import prices
