@@ -155,7 +155,7 @@ class Continuity:
         if not on:
             if unexplained(a.at, now.at, self.scale).any():
                 raise _stopped(t, "the integration turned back instead of passing it")
-            if not closer.resolved([p for p in self.steps if p.at.t >= a.at.t]):
+            if not closer.turned_in_steps([p for p in self.steps if p.at.t >= a.at.t]):
                 self._turned(a, now, t)
             return
         self._passed(a, now, t)
@@ -167,7 +167,7 @@ class Continuity:
         (a, t), now = self.entered, self.steps[-1]
         if a.sign != now.sign:
             self._passed(a, now, t)
-        elif not self._closer().resolved([p for p in self.steps if p.at.t >= a.at.t]):
+        elif not self._closer().turned_in_steps([p for p in self.steps if p.at.t >= a.at.t]):
             self._turned(a, now, t)
 
     def _passed(self, a: Accepted, b: Accepted, t: float) -> None:
@@ -221,7 +221,7 @@ class Closer:
         before, after = (float(w @ (p.at.xd / self.scale)[U]) for p in (a, b))
         return before * after >= 0.0
 
-    def resolved(self, steps: list[Accepted]) -> bool:
+    def turned_in_steps(self, steps: list[Accepted]) -> bool:
         """Did the motion that is not determined at the dead point turn in steps, or jump to its opposite in one?"""
         w = min((self._fold(p) for p in (steps[0], steps[-1])), key=lambda found: found.s).w
         U = self.d.kinematics.U
