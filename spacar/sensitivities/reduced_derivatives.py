@@ -27,8 +27,8 @@ from spacar.sensitivities.state_derivatives import StateDerivative
 
 @dataclass(frozen=True)
 class ReducedDerivatives:
-    """Derivatives of m0, damping, stiffness over the dynamic degrees of freedom (n, n), of K0, G0 of the load multipliers
-    with the unknowns inside elements (`spacar.linear.internal_unknowns`), and of W (nx, n)."""
+    """Derivatives of m0, damping, stiffness over the dynamic degrees of freedom (n, n), of K0, G0 of the load
+    multipliers with the unknowns inside elements (`spacar.linear.internal_unknowns`), and of W (nx, n)."""
 
     M: Array
     C: Array
