@@ -91,8 +91,8 @@ class SparseTangent:
     def factor(self, weights: dict[str, float], stiffness: float = 1.0, damping: float = 0.0) -> LinearSystem:
         """Factored matrix of the weighted parts and of the element matrices stiffness x S + damping x S_d.
 
-        Raises SingularMatrixError, also when displacements under a load of the size of the stiffness exceed SINGULAR and
-        rounding of the entries changes them by NO_DIGITS.
+        Raises SingularMatrixError, also when displacements under a load of the size of the stiffness exceed SINGULAR
+        and rounding of the entries changes them by NO_DIGITS.
         """
         entries, size = self.entries(weights, stiffness, damping)
         system = self._system(tuple(weights))
