@@ -391,9 +391,7 @@ static void determinant(const Sparse *s, double *mantissa, double *exponent)
         long power = 0;
         for (int k = 0; k < s->n; k++) {
             int part;
-            product = frexp(product * LANE(s->inverse[k], w), &part);
-            power += part;
-            product = frexp(product * s->weight[s->row_order[k]], &part);
+            product = frexp(product * (LANE(s->inverse[k], w) * s->weight[s->row_order[k]]), &part);
             power += part;
         }
         mantissa[w] = product;

@@ -97,6 +97,23 @@ static int spacar_evaluate(Model *m, State *at, double t, const real *y, double 
     return status;
 }
 
+static const Sparse *of_rates(const Model *m) { return m->holonomic ? &m->position : &m->velocity; }
+
+/* Sign and logarithm of the size of det V[E, U] at the last evaluated state of one case. */
+static void position_determinant(const Model *m, double *sign, double *size)
+{
+    double mantissa[LANES], exponent[LANES]; /* of the inverse */
+    determinant(of_rates(m), mantissa, exponent);
+    *sign = mantissa[0] < 0.0 ? -1.0 : 1.0;
+    *size = -(log(fabs(mantissa[0])) + log(2.0) * exponent[0]);
+}
+
+static void clear_samples(State *at)
+{
+    at->signs = 0;
+    at->low = INFINITY;
+}
+
 /* Time derivative of y. */
 static int spacar_rhs(Model *m, State *at, double t, const real *y, real *out, double converged, double jump)
 {
@@ -111,6 +128,12 @@ static int spacar_rhs(Model *m, State *at, double t, const real *y, real *out, d
     for (int i = a; i < q; i++) {
         const int r = s->e_dynamic + i - a;
         out[positions + i] = rate(m, r, at->xdd) + m->h[r];
+    }
+    if (LANES == 1 && at->watched) {
+        double sign, size;
+        position_determinant(m, &sign, &size);
+        at->signs |= sign > 0.0 ? 1 : 2;
+        at->low = fmin(at->low, size);
     }
     return status;
 }
