@@ -96,8 +96,8 @@ class Evaluator(Integrable, Protocol):
         """From now on derivatives keep what `sampled` gives."""
 
     def sampled(self) -> tuple[float, bool]:
-        """The logarithm of the smallest |det V[E, U]| of the derivatives since the last call (infinite: none), and whether
-        its sign has changed among them.
+        """The logarithm of the smallest |det V[E, U]| of the derivatives since the last call (infinite: none), and
+        whether its sign has changed among them.
         """
 
     @property
