@@ -75,12 +75,15 @@ SAME = float(np.sqrt(np.finfo(float).eps))  # scaled difference of positions: ha
 
 
 class Continuity:
-    """Looks at the accepted steps of one motion. `errors`: absolute and relative one of the degrees of freedom."""
+    """Looks at the accepted steps of one motion. `errors`: absolute and relative one of the degrees of freedom;
+    `resolved`: steps follow every vibration, so that accelerations tell what happens within them."""
 
     def __init__(
-        self, evaluator: Evaluator, matrix: PositionMatrix, report: Report, errors: tuple[float, float]
-    ) -> None:
+        self, evaluator: Evaluator, matrix: PositionMatrix, report: Report, errors: tuple[float, float],
+        resolved: bool = True,
+    ) -> None:  # fmt: skip
         self.evaluator, self.matrix, self.report, self.errors = evaluator, matrix, report, errors
+        self.resolved = resolved
         self.scale = evaluator.model.mechanism.scale
         self.steps: deque[Accepted] = deque(maxlen=REMEMBERED)
         self.peak = -np.inf  # of the determinant, since its last minimum
@@ -152,7 +155,7 @@ class Continuity:
         if not on:
             if unexplained(a.at, now.at, self.scale).any():
                 raise _stopped(t, "the integration turned back instead of passing it")
-            if not closer.resolved([p for p in self.steps if p.at.t >= a.at.t]):
+            if not closer.turned_in_steps([p for p in self.steps if p.at.t >= a.at.t]):
                 self._turned(a, now, t)
             return
         self._passed(a, now, t)
@@ -164,7 +167,7 @@ class Continuity:
         (a, t), now = self.entered, self.steps[-1]
         if a.sign != now.sign:
             self._passed(a, now, t)
-        elif not self._closer().resolved([p for p in self.steps if p.at.t >= a.at.t]):
+        elif not self._closer().turned_in_steps([p for p in self.steps if p.at.t >= a.at.t]):
             self._turned(a, now, t)
 
     def _passed(self, a: Accepted, b: Accepted, t: float) -> None:
@@ -182,7 +185,7 @@ class Continuity:
         )
 
     def _closer(self) -> Closer:
-        return Closer(self.evaluator.settled().companion(), *self.errors)
+        return Closer(self.evaluator.settled().companion(), *self.errors, self.resolved)
 
 
 def strayed(a: Moving, b: Moving, scale: Array) -> NDArray[np.bool_]:
@@ -206,8 +209,8 @@ class Fold(NamedTuple):
 class Closer:
     """Looks at steps with a NumPy evaluator of its own. Its checks raise AnalysisError."""
 
-    def __init__(self, dynamics: Dynamics, atol: float, rtol: float) -> None:
-        self.d, self.atol, self.rtol = dynamics, atol, rtol
+    def __init__(self, dynamics: Dynamics, atol: float, rtol: float, resolved: bool = True) -> None:
+        self.d, self.atol, self.rtol, self.resolved = dynamics, atol, rtol, resolved
         self.scale = dynamics.mechanism.scale
         self.found: dict[int, tuple[Accepted, Fold]] = {}
 
@@ -218,7 +221,7 @@ class Closer:
         before, after = (float(w @ (p.at.xd / self.scale)[U]) for p in (a, b))
         return before * after >= 0.0
 
-    def resolved(self, steps: list[Accepted]) -> bool:
+    def turned_in_steps(self, steps: list[Accepted]) -> bool:
         """Did the motion that is not determined at the dead point turn in steps, or jump to its opposite in one?"""
         w = min((self._fold(p) for p in (steps[0], steps[-1])), key=lambda found: found.s).w
         U = self.d.kinematics.U
@@ -230,7 +233,16 @@ class Closer:
         return self._fold(p).near
 
     def turned(self, a: Accepted, b: Accepted) -> None:
-        """On one branch: has the motion turned, or was it reflected?"""
+        """On one branch: has the motion turned, or was it reflected?
+
+        Where steps pass over vibrations the rates of the degrees of freedom may have changed unexplained; then those of
+        b, at the position of a, make the velocities of b.
+        """
+        if not self.resolved:
+            p = self.d.n_positions
+            with_rates = self._place(a, a.at.t, np.concatenate((a.y[:p], b.y[p:])))
+            if not unexplained(with_rates.at, b.at, self.scale).any():
+                return
         self._between(a, b, 0)
 
     def _between(self, a: Accepted, b: Accepted, depth: int) -> None:
@@ -250,13 +262,17 @@ class Closer:
         self._between(m, b, depth + 1)
 
     def _middle(self, a: Accepted, b: Accepted) -> tuple[float, Array]:
-        """State in the middle of a step: quintic polynomials, cubic ones of the kinematic coordinates."""
+        """State in the middle of a step: quintic polynomials, cubic ones of the kinematic coordinates, and of all where
+        the accelerations are those of vibrations that the step passes over."""
         d, n = self.d, self.d.numbering.nddof
         h, p = b.at.t - a.at.t, d.n_positions
         f0, f1 = self._derivative(a), self._derivative(b)
         rise = (b.y - a.y)[:p]
         y = 0.5 * (a.y + b.y)
         y[:p] += (h / 8.0) * (f0 - f1)[:p]
+        if not self.resolved:
+            y[p:] = (1.5 / h) * rise[:n] - 0.5 * y[p:]
+            return a.at.t + 0.5 * h, y
         v0, v1, a0, a1 = a.y[p:], b.y[p:], f0[p:], f1[p:]
         y[:n] += (h / 32.0) * (v0 - v1) + (h * h / 64.0) * (a0 + a1)
         y[p:] = (15.0 / 8.0 / h) * rise[:n] - (7.0 / 16.0) * (v0 + v1) + (h / 32.0) * (a1 - a0)

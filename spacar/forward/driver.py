@@ -358,7 +358,9 @@ def watched(evaluator: Evaluator, report: Report, charts: ChartWatch | None = No
     mechanism, matrix = evaluator.model.mechanism, evaluator.position_matrix()
     half_turns = HalfTurns(mechanism.numbering, without=charts.chart.dependent if charts else ())
     settings = mechanism.settings
-    continuity = Continuity(evaluator, matrix, report, (settings.atol, settings.rtol)) if len(matrix.columns) else None
+    resolved = not METHODS[settings.integrator].needs_jacobian
+    errors = settings.atol, settings.rtol
+    continuity = Continuity(evaluator, matrix, report, errors, resolved) if len(matrix.columns) else None
     if not half_turns.nodes and continuity is None and charts is None:
         return None
     return Watched(evaluator, half_turns, continuity, charts)
