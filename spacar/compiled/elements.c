@@ -56,7 +56,7 @@ typedef struct {
     double t;
     real *x, *xd, *xdd, *e, *ed, *edd, *sigma, *given_e;
     int watched, signs;                   /* watched: derivatives keep the two below; 1: det V[E, U] was positive, 2: negative */
-    double low;                           /* logarithm of its smallest size since these were cleared */
+    double mantissa, exponent;            /* of the inverse of its smallest size since these were cleared: mantissa 2^exponent */
 } State;
 
 typedef struct {
