@@ -23,13 +23,13 @@ from spacar.mechanism import build
 LOAD = 1e-3  # deflection 2.5e-4 of the length
 
 
-def released(n: int) -> Deck:
-    """Unit cantilever (L = EI = m = 1) of n beams, released under a small weight."""
+def released(n: int, load: float = LOAD) -> Deck:
+    """Unit cantilever (L = EI = m = 1) of n beams, released under its weight."""
     rows = [f"PLBEAM {i + 1} {2 * i + 1} {2 * i + 2} {2 * i + 3} {2 * i + 4}" for i in range(n)]
     rows += [f"X {2 * i + 1} {i / n!r} 0." for i in range(1, n + 1)] + ["FIX 1", "FIX 2"]
     rows += [*(f"DYNE {i + 1} 2 3" for i in range(n)), "END HALT"]
     rows += [f"EM {i + 1} 1.\nESTIFF {i + 1} 0. 1." for i in range(n)]
-    return parse_deck("\n".join([*rows, f"GRAVITY 0. {-LOAD!r}", "TIMESTEP 0.9 6", "END END", ""]), mode=1)
+    return parse_deck("\n".join([*rows, f"GRAVITY 0. {-load!r}", "TIMESTEP 0.9 6", "END END", ""]), mode=1)
 
 
 @cache
@@ -74,3 +74,11 @@ def test_finer_meshes_cost_no_more_steps(code: int) -> None:
     (coarse, few), (fine, many) = (run(n, code, 1e-3) for n in (8, 16))
     assert max(coarse, fine) < 1.0
     assert many < 1.2 * few
+
+
+def test_vibrations_that_are_passed_over_are_no_dead_points() -> None:
+    """Velocities change by more than the accelerations of such a vibration explain, and 32 beams have no cheap
+    determinant. With the accelerations taken for those of the motion this run stopped as reflected."""
+    found = spacar.run(1, released(32, 1.0), integrator=595, atol=1e-2, rtol=1e-2)
+    # the continuous beam: 1/8 (1 - cos) of its first mode, nearly; half a period after 0.89 s
+    assert found["x"][-1, 3 * 32 + 1] == pytest.approx(-0.25, abs=0.02)
