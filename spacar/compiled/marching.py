@@ -96,8 +96,8 @@ class Lookout(Protocol):
     def started(self, t: float, y: Array) -> Accepted | None:
         """The start of the motion, unless it has begun before: then the last step of it; None: not known."""
 
-    def passed(self, n: int, begin: Callable[[], Moving | None]) -> None:
-        """So many steps have been made; `begin` says where the last one began."""
+    def passed(self, n: int, last: Callable[[int], list[Accepted]]) -> None:
+        """So many steps have been made; `last(k)` gives the last k of them, fewer if fewer are known."""
 
 
 class InC(Protocol):
@@ -153,8 +153,8 @@ class Marching:
         c.n_steps = c.n_rhs = c.n_rejected = 0
         run, kept = self._adams(method) if isinstance(method, Adams) else self._runge_kutta(method)
         before = self.lookout.started(t, self.y)
-        if not c.recorded and before is not None:
-            self._record(0, before)
+        if before is not None and not (c.recorded and self._seen(c.recorded - 1).at.t >= before.at.t):
+            self._record(0, before)  # the start, or the last of steps that were made elsewhere
             c.recorded, c.peak = 1, before.size
         counted = evaluation.statistics
         status = self.status = PAUSED
@@ -170,7 +170,7 @@ class Marching:
             c.n_rhs = c.n_rejected = 0
             if status in (TOO_SMALL, NOT_EVALUATED, INTERRUPTED):
                 self._failed(status)
-            self.lookout.passed(steps, self._before)
+            self.lookout.passed(steps, self._last)
             yield Step(c.t, self.y, self.value, (c.sizes[1], c.sizes[0]))
 
     # -- methods --------------------------------------------------------------------------------------------------
@@ -276,7 +276,11 @@ class Marching:
         x, xd, xdd = row[4 + n : 4 + n + 3 * nx].reshape(3, nx)
         return Accepted(row[4 : 4 + n], Moving(float(row[0]), x, xd, xdd, row[4 + n + 3 * nx :]), row[1], row[2])
 
-    def _before(self) -> Moving | None:
-        """Where the last step began."""
-        k = self.c.recorded - 2
-        return self._seen(k).at if k >= 0 and self.records[k % len(self.records), 3] else None
+    def _last(self, k: int) -> list[Accepted]:
+        """The last k steps; only those behind the last one that is not known."""
+        recorded, found = self.c.recorded, []
+        for i in range(recorded - 1, max(-1, recorded - 1 - min(k, len(self.records))), -1):
+            if not self.records[i % len(self.records), 3]:
+                break
+            found.append(self._seen(i))
+        return found[::-1]

@@ -16,12 +16,14 @@ vector,
     opposite signs on one branch:  turned, or reflected; looked at closer
 
 and likewise any step that is suspected (below). Looking closer is following the path of the degrees of freedom: they
-are interpolated (Hermite), and the step is halved until in every part the velocities are explained by the accelerations
+are interpolated (Hermite), and the step is halved until no dead point lies in any part and the velocities are explained
+by the accelerations
 
     |v_b - v_a - h (a_a + a_b)/2| <= h max(|a_a|, |a_b|) + max(|v_a|, |v_b|)/10
 
-(a tenth: the trapezoidal rule of a smooth motion with one radian a step errs by 8 %), and no dead point lies in it: the
-smallest singular value s of the scaled matrix, with its vectors u and w, changes with the rate
+(a tenth: the trapezoidal rule of a smooth motion with one radian a step errs by 8 %), or where a vibration is too fast
+for that, the position at b is the one that is reached from a. The smallest singular value s of the scaled matrix, with
+its vectors u and w, changes with the rate
 
     ds/dt = u^T H(w, v)         (H: second derivative of the deformations, v: velocity)
 
@@ -246,7 +248,9 @@ class Closer:
         self._between(a, b, 0)
 
     def _between(self, a: Accepted, b: Accepted, depth: int) -> None:
-        if depth > DEEPEST or not (unexplained(a.at, b.at, self.scale).any() or self._reaches(a, b)):
+        if depth > DEEPEST:
+            return
+        if not self._reaches(a, b) and (not unexplained(a.at, b.at, self.scale).any() or self._joined(a, b)):
             return
         t, y = self._middle(a, b)
         try:
@@ -296,6 +300,14 @@ class Closer:
         """May a dead point lie between two steps?"""
         h = b.at.t - a.at.t
         return any(h * abs(fold.rate) > APART * fold.s for fold in (self._fold(a), self._fold(b)))
+
+    def _joined(self, a: Accepted, b: Accepted) -> bool:
+        """Is the position at b that which is reached from a? Velocities may be those of a fast vibration."""
+        try:
+            found = self._place(a, b.at.t, b.y)
+        except AnalysisError:
+            return False
+        return bool(np.abs((found.at.x - b.at.x) / self.scale).max(initial=0.0) <= SAME)
 
     def _fold(self, p: Accepted) -> Fold:
         """At a step; found once."""

@@ -207,7 +207,8 @@ class Trail:
         self.evaluator, self.watch = evaluator, watch
         self.continuity = None if watch is None else watch.continuity
         self.steps: deque[Accepted] = deque(maxlen=2) if self.continuity is None else self.continuity.steps
-        self.begin: Callable[[], Moving | None] = self._nowhere  # of the last step
+        self.elsewhere: Callable[[int], list[Accepted]] | None = None  # where many steps are made at a time
+        self.begin: Moving | None = None  # of the last of steps that are made one by one
         self.n = 0  # steps since the last output
 
     # -- of many steps at a time: `spacar.compiled.marching.Lookout` ----------------------------------------------
@@ -231,10 +232,21 @@ class Trail:
         """Look at one of them."""
         return (peak, False, None) if self.watch is None else self.watch.closer(t, y, peak, before)
 
-    def passed(self, n: int, begin: Callable[[], Moving | None]) -> None:
-        """So many have been made; `begin` says where the last one began."""
+    def passed(self, n: int, last: Callable[[int], list[Accepted]]) -> None:
+        """So many have been made; `last(k)` gives the last k of them."""
         self.n += n
-        self.begin = begin
+        self.elsewhere = last
+
+    def _fetch(self) -> None:
+        """What was remembered elsewhere, before a step is made here."""
+        if self.elsewhere is not None:
+            steps = self.elsewhere(self.capacity)
+            self.elsewhere = None
+            if self.continuity is not None:
+                self.continuity.resume(steps, max((p.size for p in steps), default=-np.inf))
+            else:
+                self.steps.clear()
+                self.steps.extend(steps)
 
     def started(self, t: float, y: Array) -> Accepted | None:
         """The evaluator stands at the start state: the first step is looked at too. The last step, None: not known."""
@@ -254,8 +266,8 @@ class Trail:
     def accepted(self, t: float, y: Array) -> None:
         """After every accepted step."""
         self.n += 1
-        at = self.steps[-1].at if self.steps else None
-        self.begin = lambda: at
+        self._fetch()
+        self.begin = self.steps[-1].at if self.steps else None
         if self.continuity is None:
             self._keep(t, y)
         if self.watch is not None:
@@ -264,19 +276,20 @@ class Trail:
     def rejected(self) -> None:
         """After a rejected step: its last stages may stand on another branch."""
         self.evaluator.sampled()
+        self._fetch()
         if self.steps:
             self.evaluator.resume(self.steps[-1].at)
 
     def lead(self, shown: Evaluator) -> None:
         """Let the evaluator of the outputs begin at the start of the step with t, if its last output was far before."""
-        begin = self.begin() if self.n > FAR else None
-        if begin is not None:
-            shown.resume(begin)
+        if self.n > FAR:
+            begin = self.begin
+            if self.elsewhere is not None:
+                last = self.elsewhere(2)
+                begin = last[0].at if len(last) == 2 else None
+            if begin is not None:
+                shown.resume(begin)
         self.n = 0
-
-    @staticmethod
-    def _nowhere() -> Moving | None:
-        return None
 
 
 def work(out: Output) -> dict[str, int]:

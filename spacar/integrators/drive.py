@@ -183,7 +183,7 @@ def _variable(
     if isinstance(integrator, Adams):
         run = integrator.steps
     elif isinstance(integrator, Automatic):
-        run = integrator.loop(_one_step, step is None)
+        run = integrator.loop(_one_step)
     else:
         run = _one_step(integrator, step is None)
     y = y0.copy()

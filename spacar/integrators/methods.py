@@ -41,8 +41,8 @@ class Method:
 AUTOMATIC = -1  # the method chooses itself
 
 _ROWS = (
-    Method(AUTOMATIC, "explicit Runge-Kutta 8(5,3), or Radau IIA of order 9 where a vibration limits the steps",
-           8, True, False, "automatic.py", Automatic, original=False),
+    Method(AUTOMATIC, "Adams predictor-corrector, or Radau IIA of order 9 where a vibration limits the steps",
+           0, True, False, "automatic.py", Automatic, original=False),
     Method(0, "Adams predictor-corrector, order 1 to 12", 0, True, False, "Shampine & Gordon 1975", Adams),
     Method(130, "explicit Runge-Kutta, order 3", 3, False, False, "Bogacki & Shampine 1989",
            partial(ExplicitRungeKutta, BOGACKI_SHAMPINE)),

@@ -1,0 +1,59 @@
+"""INTEGRAT -1: code 0 step by step where nothing is stiff, Radau of order 9 where a vibration limits the steps."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import spacar
+from spacar import Deck, parse_deck
+from spacar.compiled.library import unavailable
+
+DATA = Path(__file__).parents[2] / "data"
+ENGINE = pytest.mark.skipif(unavailable() is not None, reason="no engine")
+
+
+def cantilever(n: int) -> Deck:
+    """Unit cantilever of n beams, released under gravity 1; highest frequency about 60 n^2 rad/s."""
+    rows = [f"PLBEAM {i + 1} {2 * i + 1} {2 * i + 2} {2 * i + 3} {2 * i + 4}" for i in range(n)]
+    rows += [f"X {2 * i + 1} {i / n!r} 0." for i in range(1, n + 1)]
+    rows += ["FIX 1", "FIX 2", *(f"DYNE {i + 1} 2 3" for i in range(n)), "END", "HALT"]
+    rows += [f"{word} {i} {values}" for i in range(1, n + 1) for word, values in (("EM", "1."), ("ESTIFF", "0. 1."))]
+    return parse_deck("\n".join([*rows, "GRAVITY 0. -1.", "TIMESTEP 0.9 6", "END", "END", ""]), mode=1)
+
+
+def steps(result: spacar.Result) -> int:
+    return sum(frame.statistics.get("steps", 0) for frame in result.frames)
+
+
+def test_what_is_not_stiff_is_computed_as_by_adams() -> None:
+    for name in ("crank", "fourbar", "crankfl"):
+        adams, chosen = (spacar.run(1, DATA / f"{name}.dat", integrator=code, duration=0.01) for code in (0, -1))
+        assert steps(chosen) == steps(adams)
+        np.testing.assert_array_equal(chosen["x"], adams["x"])
+
+
+@ENGINE
+def test_a_refined_beam_changes_to_radau() -> None:
+    """The steps in C are handed on to those in Python, which Radau makes."""
+    adams, chosen = (spacar.run(1, cantilever(16), integrator=code, atol=1e-5, rtol=1e-3) for code in (0, -1))
+    (line,) = chosen.report
+    assert "INTEGRAT 595" in line
+    assert "limits the steps" in line
+    assert steps(chosen) < steps(adams) / 20
+    np.testing.assert_allclose(chosen["x"], adams["x"], rtol=0, atol=2e-5)
+
+
+@ENGINE
+def test_a_vibration_that_is_the_motion_is_tried_and_left_to_adams() -> None:
+    """A mass on a spring with 2000 periods: Radau takes longer steps, but not as much longer as they cost."""
+    rows = [("PLTRUSS", 1, 1, 2), ("X", 2, 1.0), ("FIX", 1), ("FIX", 2, 2), ("DYNE", 1)]
+    more = [("XM", 2, 1.0), ("ESTIFF", 1, 1.0), ("STARTDE", 1, 1, 0.1, 0.0), ("TIMESTEP", 8000.0, 4)]
+    adams, chosen = (
+        spacar.run(1, Deck.build(rows, [*more, ("ERROR", 1e-8, 1e-8)]), integrator=code) for code in (0, -1)
+    )
+    assert chosen.report == ()
+    np.testing.assert_allclose(chosen["x"], adams["x"], rtol=0, atol=1e-4)
+    assert steps(chosen) < 1.1 * steps(adams)
