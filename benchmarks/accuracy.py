@@ -23,10 +23,10 @@ import numpy as np
 import spacar
 from spacar.arrays import Array
 from spacar.deck import Deck, parse_deck
+from spacar.deck.finer import refine
 from spacar.errors import AnalysisError
 from spacar.studies.accuracy import stiff
 from spacar.studies.error_norm import amplitudes, distance
-from spacar.studies.models import refine
 from spacar.studies.result_quantities import free_coordinates
 
 TARGETS = (1e-3, 1e-5, 1e-7)

@@ -5,6 +5,18 @@ from __future__ import annotations
 from pathlib import Path
 
 from spacar.errors import UsageError
+from spacar_cli.environment import Environment
+
+STANDARD_INPUT, PIPED = "-", Path("stdin.dat")  # the name of the file, and where it would stand
+
+
+def piped_text(environment: Environment) -> str:
+    """The text on standard input. Raises UsageError when it is none."""
+    try:
+        return environment.stdin.read()
+    except UnicodeDecodeError as error:
+        text = f"standard input is no text: {error.reason} at byte {error.start}"
+        raise UsageError(text, "files.not-readable") from None
 
 
 def input_file(name: Path) -> Path:

@@ -23,6 +23,10 @@ class Real(click.FloatRange):
         result: float = super().convert(number, param, ctx)
         return result
 
+    def _describe_range(self) -> str:
+        """The range in the help; nothing where there is none."""
+        return "" if self.min is None and self.max is None else super()._describe_range()
+
 
 class Whole(click.IntRange):
     """A whole number inside `min` ... `max`, at most 1e15: far more than can be counted, and exact as a real."""

@@ -97,34 +97,37 @@ def animate(
 
 def report(
     result: Result | str | Path, expressions: Sequence[str] = (), *, log_lines: int = 120, view: str = "iso",
-    viewer: bool = False,
+    viewer: bool = False, symbols: Sequence[str] = (),
 ) -> str:  # fmt: skip
     """One self-contained HTML page about a run, as text; `expressions` are plotted instead of the degrees of freedom.
 
     log_lines  lines of the log from its beginning and its end, where the result is a file with a log beside it
     view       of a spatial mechanism, as for `draw`;  viewer: with the moving picture of `view` in it
+    symbols    in a picture of their own: "loads", "reactions", "masses", "gravity", "axes"
 
-    Raises UsageError for an expression that cannot be evaluated.
+    Raises UsageError for an expression that cannot be evaluated, and for symbols that the result has not.
     """
     from spacar_drawing.report_page import report_page
 
-    return report_page(source_of(result), expressions, log_lines, view, viewer)
+    return report_page(source_of(result), expressions, log_lines, view, viewer, symbols)
 
 
 def view(
     result: Result | str | Path, path: str | Path | None = None, *, frames: int = MOST_FRAMES, view: str = "iso",
-    fps: float = 25.0,
+    fps: float = 25.0, stress: str | None = None,
 ) -> str:  # fmt: skip
     """One self-contained HTML page that turns, zooms and plays the mechanism in a browser, as text.
 
     path  file that it is also written to;  frames: most steps that it holds
     view  with which it begins, of a spatial mechanism;  fps: pictures a second while it plays
+    stress  colours of the beams: a resultant (N, Qy, Qz, T, My, Mz, B) or a stress (mises, normal, shear)
 
-    Raises UsageError for a view that is none, and for a file that cannot be written.
+    Raises UsageError for a view or stress that is none, for a stress that the model does not have, and for a file that
+    cannot be written.
     """
     from spacar_drawing.viewer_page import view_page
 
-    page = view_page(source_of(result), frames, view, fps)
+    page = view_page(source_of(result), frames, view, fps, stress)
     if path is not None:
         write_text(Path(path), page)
     return page

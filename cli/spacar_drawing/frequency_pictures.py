@@ -15,7 +15,7 @@ from spacar_drawing.stage import INK, RULE
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from spacar_formats.getss import StateSpaceStep
+    from spacar_formats.getss import SparseStep, StateSpaceStep
     from spacar_formats.vibration import Vibration
 
 
@@ -48,8 +48,9 @@ def root_figure(steps: Sequence[Vibration], across: np.ndarray, text: str, title
 
 
 def bode_figure(
-    system: StateSpaceStep, omega: np.ndarray, response: np.ndarray, pairs: Sequence[tuple[int, int]], title: str
-) -> Figure:
+    system: StateSpaceStep | SparseStep, omega: np.ndarray, response: np.ndarray, pairs: Sequence[tuple[int, int]],
+    title: str,
+) -> Figure:  # fmt: skip
     """Amplitude [dB] and phase [deg, unwrapped] of (output, input) pairs over the frequency [Hz], all with a name.
 
     Up to MOST_NAMED curves share one pair of panels; of more every input has a column of its own, and a colour and line

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 from spacar_formats.locate import open_result
-from spacar_formats.vibration import modes_of_stored_matrices, shown_order
+from spacar_formats.vibration import modes_of_sparse_system, modes_of_stored_matrices, shown_order
 
 from spacar.arrays import Array
 from spacar.errors import Report, UsageError
@@ -103,10 +103,16 @@ def vibration_modes(source: PictureSource, matrices: Any, step: int) -> list[Mod
     if matrices.has("eigvre"):
         values = get("eigval") @ np.array([1.0, 1.0j])
         vectors = get("eigvre") + 1j * get("eigvim")
-    else:
+    elif matrices.has("m0"):
         found = modes_of_stored_matrices(matrices, step, Report())
         values, vectors = found.values, found.vectors
-    if matrices.has("eigxre"):  # of a large model without dx
+    else:
+        found = modes_of_sparse_system(matrices, step, Report(), nx=int(np.ravel(source.header["NX"])[0]))
+        values, vectors = found.values, found.vectors
+    if not matrices.has("eigvre") and not matrices.has("m0"):
+        assert found.motions is not None
+        shapes, n = found.motions, found.n_positions
+    elif matrices.has("eigxre"):  # of a large model without dx
         shapes = get("eigxre") + 1j * get("eigxim")
         n = len(vectors) // 2
     else:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 Pictures = Callable[[int], tuple[Sequence[Shape], str]]  # frame number from 0 -> shapes and the line above the picture
 
 
-@dataclass
+@dataclass(eq=False)  # Matplotlib 3.8 keeps callbacks by the hash of their object
 class MovingFigure:
     """A figure and the picture that it shows now. `still` shapes stay in every picture.
 

@@ -21,6 +21,7 @@ from spacar_drawing.mode_shapes import buckling_modes, open_matrices, suitable_f
 from spacar_drawing.moving_figure import evenly
 from spacar_drawing.page_parts import html_figure, html_table, number_text, page
 from spacar_drawing.redundancy import redundancy, stored_gradient
+from spacar_drawing.step_pictures import picture
 
 if TYPE_CHECKING:
 
@@ -39,14 +40,17 @@ def report_page(
     log_lines: int = 120,
     view: str = "iso",
     viewer: bool = False,
+    symbols: Sequence[str] = (),
 ) -> str:
-    """The page of a result; `viewer`: with the moving picture of `spacar view` in it.
+    """The page of a result; `viewer`: with the moving picture of `spacar view` in it; `symbols` of KINDS in symbols.py:
+    with a picture of these.
 
-    Raises UsageError for an expression that cannot be evaluated.
+    Raises UsageError for an expression that cannot be evaluated, and for symbols that the result has not.
     """
     scene = source.scene
     extras = Extras(view=view, title="")
-    parts = [_summary(source), _model(source, extras), _viewer(source, view) if viewer else "", _freedoms(source)]
+    parts = [_summary(source), _model(source, extras, tuple(symbols))]
+    parts += [_viewer(source, view) if viewer else "", _freedoms(source)]
     if not source.named and not scene.analysis.forces:
         parts.append(_constraints(source, extras))
     if scene.analysis.stationary:
@@ -167,7 +171,7 @@ def _text(header: object, name: str) -> str:
     return str(value[0]) if len(value) else ""
 
 
-def _model(source: PictureSource, extras: Extras) -> str:
+def _model(source: PictureSource, extras: Extras, symbols: tuple[str, ...]) -> str:
     scene = source.scene
     k = source.steps if scene.analysis.stationary else 1
     numbered = draw_steps(
@@ -176,6 +180,9 @@ def _model(source: PictureSource, extras: Extras) -> str:
     out = "<h2>Model</h2>" + html_figure(
         numbered, "Numbers of nodes (orientation nodes in brackets) and of elements (in boxes)."
     )
+    if symbols:
+        marked = picture(source, replace(extras, symbols=symbols), [k], (), False)
+        out += html_figure(marked, f"{', '.join(symbols).capitalize()} of step {k}.")
     if source.steps > 2 and not scene.analysis.stationary:
         chosen = evenly(1, source.steps, 9)
         xs = np.stack([source.x(k) for k in chosen])

@@ -18,13 +18,13 @@ from spacar_drawing.settings import DIMENSIONS, _words
 from spacar_drawing.settings_table import NEEDS_GROUP, RULES, SPELLINGS, Rule
 
 
-def check_settings(source: Path, deck: Deck | None) -> list[Message]:
+def check_settings(source: Path, deck: Deck | None, text: str | None = None) -> list[Message]:
     """Warnings about the settings of an input file or of the NAME.spv beside it, with the lines of that file.
 
-    `deck` gives the element and node numbers that exist; None: they are not checked.
+    deck   gives the element and node numbers that exist; None: they are not checked
+    text   of the file, where it need not be read
     """
-    text = source.read_text("utf-8", "replace")
-    scanned = scan(text)
+    scanned = scan(source.read_text("utf-8", "replace") if text is None else text)
     file, first = source.name, scanned.last_line + 2  # the line behind the word VISUALIZATION
     lines: Sequence[str] = scanned.visualization or ()
     beside = source.with_suffix(".spv")

@@ -50,7 +50,8 @@ def stiffness_figure(study: Flexure, body: bool = False) -> Figure | None:
 def frequency_figure(study: Flexure) -> Figure | None:
     """First frequencies with the drive locked, that of the drive, load multipliers, stress; None without any."""
     names = [f"f_{i}" for i in range(1, 1 + min(MOST_FREQUENCIES, study.frequencies.shape[1]))]
-    found = [c for c in _named(study, (*names, "f_drive", "margin", "margin_free", "mises"))]
+    extra = ("margin_extra", "margin_extra_free") if study.extra else ()
+    found = [c for c in _named(study, (*names, "f_drive", "margin", "margin_free", *extra, "mises"))]
     found = [c for c in found if np.isfinite(c.values).sum() > 1]
     if not found:
         return None

@@ -65,7 +65,8 @@ def extremes(study: Flexure, body: bool = False) -> list[tuple[str, ...]]:
     """Rows name, undeflected, at both ends, smallest and largest with the stroke where they are."""
     names = ["force", "drive_stiffness", "energy"]
     names += [f"k_{study.directions[i]}" for i in study.support]
-    names += ["f_1", "f_drive", "margin", "margin_free", "mises"]
+    names += ["f_1", "f_drive", "margin", "margin_free"]
+    names += ["margin_extra", "margin_extra_free", "mises"] if study.extra else ["mises"]
     kinds = ("pivot_", "tilt_") if study.errors.turning else ("line_",)
     names += [c.name for c in study.motion_columns() if c.name.startswith(kinds) and matters(study, c)]
     by_name = {c.name: c for c in study.columns(body)}

@@ -36,7 +36,8 @@ def stroke_tables(study: Flexure, body: bool = False) -> list[StrokeTable]:
     hidden = ("u_", "rotation_") if study.errors.turning else ()
     motion = [c for c in study.motion_columns() if not c.name.startswith(hidden) and matters(study, c)]
     first = [f"f_{i}" for i in range(1, 1 + min(MOST_FREQUENCIES, study.frequencies.shape[1]))]
-    last = [*first, "f_drive", "margin", "margin_free", "mises", "mises_element", "mises_place"]
+    extra = [name for name in ("margin_extra", "margin_extra_free") if name in by_name]
+    last = [*first, "f_drive", "margin", "margin_free", *extra, "mises", "mises_element", "mises_place"]
     ideal = "axis" if study.errors.turning else "line"
     if np.isnan(by_name["mises"].values).all():
         last = [name for name in last if not name.startswith("mises")]
@@ -51,7 +52,8 @@ def stroke_tables(study: Flexure, body: bool = False) -> list[StrokeTable]:
                "in % of the undeflected state"),
         _table(study, "Frequencies, buckling, stress", [by_name[n] for n in last if _known(by_name[n])],
                "f 1, f 2 ... with the drive locked, f 1 is the first unwanted one; f drive: of the free drive; "
-               "margin: lowest load multiplier"),
+               "margin: lowest multiplier of all loads"
+               + (f", margin extra: of {' and '.join(study.extra)} alone" if extra else "")),
     ]  # fmt: skip
     return [table for table in tables if len(table.heads) > 1]
 

@@ -16,6 +16,7 @@
   const place = new Float32Array(bytes(a.place)), normal = new Int8Array(bytes(a.normal));
   const colour = new Uint8Array(bytes(a.colour)), element = new Uint32Array(bytes(a.element));
   const triangles = new Uint32Array(bytes(a.triangles)), paths = new Float32Array(bytes(a.paths));
+  const field = model.field ? new Uint16Array(bytes(a.field)) : null; // 65535: the frame has no stress
   const values = a.values ? new Float32Array(bytes(a.values)) : null;
   const frames = model.frames, pictures = model.times.length, nodes = model.nodes.length;
   const elementOfFrame = new Uint32Array(frames);
@@ -57,16 +58,25 @@
     layout(location = 0) in uint a_frame; layout(location = 1) in vec3 a_place;
     layout(location = 2) in vec3 a_normal; layout(location = 3) in vec3 a_colour; layout(location = 4) in uint a_element;
     uniform sampler2D u_frames; uniform int u_width; uniform uint u_chosen;
+    uniform vec3 u_palette[9]; uniform bool u_field;
     out vec3 v_at; out vec3 v_normal; out vec3 v_colour;
     ${CAMERA}
-    vec3 texel(int i) { return texelFetch(u_frames, ivec2(i % u_width, i / u_width), 0).xyz; }
+    vec4 four(int i) { return texelFetch(u_frames, ivec2(i % u_width, i / u_width), 0); }
+    vec3 texel(int i) { return four(i).xyz; }
+    vec3 shade(float part) {
+      float s = clamp(part, 0.0, 1.0) * 8.0;
+      int k = min(int(s), 7);
+      return mix(u_palette[k], u_palette[k + 1], s - float(k));
+    }
     void main() {
       int i = 3 * int(a_frame);
       vec3 p = texel(i), y = texel(i + 1), z = texel(i + 2), x = cross(y, z);
       vec3 at = p + a_place.x * x + a_place.y * y + a_place.z * z;
       v_normal = u_turn * (a_normal.x * x + a_normal.y * y + a_normal.z * z);
       v_at = u_turn * at;
-      v_colour = a_element == u_chosen && u_chosen != 0u ? vec3(0.93, 0.55, 0.12) : a_colour;
+      float part = four(i).w;
+      v_colour = a_element == u_chosen && u_chosen != 0u ? vec3(0.93, 0.55, 0.12)
+        : u_field && part >= 0.0 ? shade(part) : a_colour;
       gl_Position = seen(at);
     }`, `#version 300 es
     precision highp float;
@@ -134,7 +144,7 @@
   gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, width, height, 0, gl.RGBA, gl.FLOAT, null);
 
   const state = { k: 0, loaded: -1, playing: false, azimuth: model.azimuth, elevation: model.elevation, zoom: 1,
-    shift: [0, 0], node: -1, element: 0, numbers: false, marks: true };
+    shift: [0, 0], node: -1, element: 0, numbers: false, marks: true, field: true };
   const middle = lo.map((v, i) => 0.5 * (v + hi[i]));
   const reach = 0.5 * Math.hypot(...lo.map((v, i) => hi[i] - v)) || 1;
 
@@ -143,6 +153,8 @@
     const p = 3 * frames * state.k, q = 6 * frames * state.k, unit = 1 / 32767;
     for (let i = 0; i < frames; i++) {
       const t = 12 * i, r = p + 3 * i, s = q + 6 * i;
+      const stress = field ? field[frames * state.k + i] : 65535;
+      texels[t + 3] = stress === 65535 ? -1 : stress / 65534;
       texels[t] = P[r]; texels[t + 1] = P[r + 1]; texels[t + 2] = P[r + 2];
       for (let c = 0; c < 3; c++) {
         texels[t + 4 + c] = AXES[s + c] * unit;
@@ -220,8 +232,27 @@
     gl.uniform1i(solids.names.u_frames, 0);
     gl.uniform1i(solids.names.u_width, width);
     gl.uniform1ui(solids.names.u_chosen, state.element);
+    gl.uniform1i(solids.names.u_field, field && state.field ? 1 : 0);
+    if (field) gl.uniform3fv(solids.names["u_palette[0]"], model.field.palette.flat().map((c) => c / 255));
     gl.drawElements(gl.TRIANGLES, triangles.length, gl.UNSIGNED_INT, 0);
     overlay(view, ratio);
+  }
+
+  // what the colours mean: a strip with the range, above the axes
+  function legend(ratio) {
+    const { low, high, name, unit, palette } = model.field;
+    const x = 20 * ratio, wide = 12 * ratio, tall = Math.min(180 * ratio, 0.4 * over.height), top = 0.5 * (over.height - tall);
+    const strip = pen.createLinearGradient(0, top + tall, 0, top);
+    palette.forEach((c, i) => strip.addColorStop(i / (palette.length - 1), `rgb(${c.join(",")})`));
+    pen.fillStyle = strip;
+    pen.fillRect(x, top, wide, tall);
+    pen.fillStyle = "#33414d";
+    pen.fillText(`${name} (${unit})`, x, top - 8 * ratio);
+    for (const part of [0, 0.5, 1]) {
+      const value = low + part * (high - low), size = Math.abs(value);
+      const text = size >= 1e5 || (size && size < 1e-3) ? value.toExponential(3) : `${+value.toPrecision(4)}`;
+      pen.fillText(text.replace(/-/g, "\u2212"), x + wide + 6 * ratio, top + (1 - part) * tall + 4 * ratio);
+    }
   }
 
   function overlay(view, ratio) {
@@ -244,6 +275,7 @@
     pen.textAlign = "center";
     pen.fillText(`${+(length / model.metre).toPrecision(3)} ${model.unit}`, 0.5 * (x0 + x1), y0 - 6 * ratio);
     pen.textAlign = "left";
+    if (field && state.field) legend(ratio);
     if (state.numbers) {
       pen.fillStyle = "#33414d";
       const step = Math.max(1, Math.ceil(nodes / 300));
@@ -387,6 +419,8 @@
   $("step").addEventListener("input", () => { play(false); show(+$("step").value); });
   $("numbers").addEventListener("change", () => { state.numbers = $("numbers").checked; later(); });
   $("marks").addEventListener("change", () => { state.marks = $("marks").checked; later(); });
+  $("fields").hidden = !field;
+  $("field").addEventListener("change", () => { state.field = $("field").checked; later(); });
   for (const button of document.querySelectorAll("[data-view]"))
     button.addEventListener("click", () => look(...button.dataset.view.split(",").map(Number)));
   document.addEventListener("keydown", (e) => {

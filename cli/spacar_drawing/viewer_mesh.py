@@ -35,7 +35,10 @@ Draw = Callable[[Pose], list[Shape]]
 
 @dataclass
 class TriangleMesh:
-    """frames: lists of (pictures, n, 3) p, Y, Z; corners: (frame,) (place, 3) (normal, 3) (colour, 3) (element,)."""
+    """frames: lists of (pictures, n, 3) p, Y, Z; corners: (frame,) (place, 3) (normal, 3) (colour, 3) (element,).
+
+    lines  of frames on elastic lines, which follow each other: the first one, numbers of elements, points on each
+    """
 
     size: float
     p: list[Array] = field(default_factory=list)
@@ -47,6 +50,7 @@ class TriangleMesh:
     colour: list[Array] = field(default_factory=list)
     element: list[NDArray[np.int64]] = field(default_factory=list)
     triangles: list[NDArray[np.int64]] = field(default_factory=list)
+    lines: list[tuple[int, list[int], int]] = field(default_factory=list)
     frames: int = 0
     corners: int = 0
 
@@ -173,6 +177,7 @@ def _slender(mesh: TriangleMesh, scene: Scene, poses: Sequence[Pose], look: Look
     points, y, z = (np.stack([line[i] for line in lines]) for i in range(3))
     numbers = np.array([e.number for e in group.elements])
     ends = open_ends(scene, group.elements, points[0])
+    mesh.lines.append((mesh.frames, numbers.tolist(), group.n))
     mesh.tubes(points, y, z, contour, rgba(group.colour, 1.0)[0, :3], numbers, round_, ends)
 
 

@@ -30,6 +30,7 @@ from spacar_drawing.picture_source import PictureSource
 from spacar_drawing.placement import attachments
 from spacar_drawing.scene import positions
 from spacar_drawing.step_pictures import step_text
+from spacar_drawing.viewer_colours import field_colours
 from spacar_drawing.viewer_mesh import TriangleMesh, mesh_of
 
 BUDGET = 24e6  # bytes of the moving part; of longer results fewer pictures are kept
@@ -46,16 +47,19 @@ max-height:90%;overflow:hidden}#panel th{text-align:left;font-weight:400;color:#
 #panel td{font-variant-numeric:tabular-nums;text-align:right}#hint{color:#6b747b;margin:0;font-size:.9em}
 #controls{display:flex;gap:.6em;flex:1;align-items:center}#controls[hidden]{display:none}#step{flex:1;min-width:8em}
 button{font:inherit;padding:.15em .7em;border:1px solid #b9c1c8;background:#f6f8f9;border-radius:4px}
-#note{color:#a33;margin:0}label{color:#4d565e}
+#note{color:#a33;margin:0}label{color:#4d565e}label[hidden]{display:none}
 """
 
 
-def view_page(source: PictureSource, frames: int = MOST_PICTURES, view: str = "iso", fps: float = 25.0) -> str:
-    """The page of a result as text, with at most so many of its steps.
+def view_page(
+    source: PictureSource, frames: int = MOST_PICTURES, view: str = "iso", fps: float = 25.0, stress: str | None = None
+) -> str:
+    """The page of a result as text, with at most so many of its steps; beams coloured by a stress when one is named.
 
-    Raises UsageError for a view that is none, and for a result without anything to draw.
+    Raises UsageError for a view that is none, for a stress that is none or that the model does not have, and for a
+    result without anything to draw.
     """
-    data = json.dumps(_model(source, frames, view, fps), separators=(",", ":"), allow_nan=False)
+    data = json.dumps(_model(source, frames, view, fps, stress), separators=(",", ":"), allow_nan=False)
     data = data.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
     script = files("spacar_drawing").joinpath("viewer.js").read_text("utf-8")
     digest = b64encode(sha256(script.encode()).digest()).decode()
@@ -81,18 +85,19 @@ def view_page(source: PictureSource, frames: int = MOST_PICTURES, view: str = "i
         '<input id="step" type="range" min="0" value="0" aria-label="step"></span>'
         f"{buttons}"
         '<label><input type="checkbox" id="numbers"> numbers</label>'
-        '<label><input type="checkbox" id="marks" checked> nodes</label></div>\n'
+        '<label><input type="checkbox" id="marks" checked> nodes</label>'
+        '<label id="fields" hidden><input type="checkbox" id="field" checked> stress</label></div>\n'
         f'<script type="application/json" id="data">{data}</script>\n<script>{script}</script>\n</body>\n</html>\n'
     )
 
 
-def _model(source: PictureSource, frames: int, view: str, fps: float) -> dict[str, Any]:
+def _model(source: PictureSource, frames: int, view: str, fps: float, stress: str | None) -> dict[str, Any]:
     scene = source.scene
     look = look_of(scene, np.stack([source.x(k) for k in evenly(1, source.steps, 24)]), source.settings)
     first = mesh_of(scene, source.x(1)[None], look)
     if not first.corners and not len(scene.position_nodes):
         raise UsageError(f"{source.name} has nothing that could be drawn", "draw.empty")
-    per_picture = 24 * first.frames + 12 * len(scene.position_nodes)
+    per_picture = (24 if stress is None else 26) * first.frames + 12 * len(scene.position_nodes)
     chosen = evenly(1, source.steps, max(2, min(frames, int(BUDGET / max(per_picture, 1)))))
     xs = np.stack([source.x(k) for k in chosen])
     mesh = mesh_of(scene, xs, look)
@@ -112,6 +117,10 @@ def _model(source: PictureSource, frames: int, view: str, fps: float) -> dict[st
     }
     if values is not None:
         arrays["values"] = _text(values, np.float32)
+    colours = None
+    if stress is not None:
+        colours = field_colours(source, mesh, chosen, stress)
+        arrays["field"] = _text(colours.numbers, np.uint16)
     return {
         "planar": scene.planar,
         "frames": mesh.frames,
@@ -130,6 +139,7 @@ def _model(source: PictureSource, frames: int, view: str, fps: float) -> dict[st
         "azimuth": azimuth,
         "elevation": elevation,
         "paths": spans,
+        "field": None if colours is None else colours.described(),
         "arrays": arrays,
     }
 

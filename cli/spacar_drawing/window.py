@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from spacar.stream import Run
     from spacar_drawing.scene import Array
 
+MOST_HEIGHT = 850  # pixels of a window without its title and buttons, for screens of 1000
 FOOT = 0.65  # inches below the axes for the slider and the buttons
 LIVE_INTERVAL = 0.1  # s between two pictures of a run
 ROOM = 0.1  # beyond a side that the mechanism left, of the extent seen so far
@@ -275,9 +276,10 @@ class LivePlot:
 
 
 def still_window(figure: Any) -> None:
-    """Show a finished figure and wait until its window is closed."""
+    """Show a finished figure and wait until its window is closed; smaller where it is higher than most screens."""
     import matplotlib.pyplot as plt
 
+    figure.set_dpi(min(figure.dpi, MOST_HEIGHT / figure.get_size_inches()[1]))
     shown = open_window("spacar")
     manager = shown.canvas.manager
     shown.canvas.figure = figure

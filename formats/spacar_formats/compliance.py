@@ -16,6 +16,9 @@ from spacar.linear.node_compliance import compliance_of, planar_maps, spatial_ma
 from spacar.modes import find_mode
 from spacar_formats.locate import notes, open_result
 from spacar_formats.sbf import SbfFile
+from spacar_formats.sparse_system import beside, descriptor_of
+
+SINGULAR = "the stiffness is singular (critical load or rigid motion): there is no compliance"
 
 
 @dataclass(frozen=True)
@@ -63,6 +66,8 @@ def node_compliance(
         warnings = [*notes(sbd), *notes(sbm)]
         if sbm.has("ktan"):  # of a large model
             compliance = _sparse(_array(sbm, "ktan", step), nxp, rows)
+        elif not sbm.has("k0"):
+            compliance = _of_system(Path(sbm.path), step, nxp, rows)
         else:
             transfer = _array(sbd, "dx", step)
             K = sum(_array(sbm, k, step) for k in ("k0", "n0", "g0"))
@@ -101,6 +106,26 @@ def _orientation(lnp: np.ndarray, ln: np.ndarray, node: int) -> int:
     raise UsageError(f"node {node}: name its orientation node ({reason})", "compliance.node")
 
 
+def _of_system(path: Path, step: int, nxp: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """dx/df at rest of the degrees of freedom (dqd = dqdd = 0), from the sparse equations in the `.ltv` file beside:
+    (K0 + N0 + G0)^-1 between its transfer functions."""
+    from scipy.sparse.linalg import splu
+
+    with open_result(beside(path), "ltv", verify=False) as file:
+        system = descriptor_of(file, step)
+    n, nx = system.n_states, int(nxp.sum())
+    given = (rows < nxp[0]) | ((rows >= nxp[:2].sum()) & (rows < nxp[:3].sum()))
+    unit = np.zeros((system.A.shape[0], len(rows)))
+    unit[n + rows, np.arange(len(rows))] = np.where(given, 0.0, -1.0)
+    try:
+        found = np.asarray(splu(system.A.tocsc()).solve(unit)[n + nx + rows])
+    except RuntimeError:
+        found = np.full((len(rows), len(rows)), np.nan)
+    if not np.isfinite(found).all():
+        raise AnalysisError(SINGULAR, "compliance.singular")
+    return found
+
+
 def _sparse(entries: np.ndarray, nxp: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """dx/df of these coordinates from the tangent in mixed form (`ktan`, reference/files.md section 5)."""
     from scipy.sparse import coo_array
@@ -109,17 +134,17 @@ def _sparse(entries: np.ndarray, nxp: np.ndarray, rows: np.ndarray) -> np.ndarra
     first, second = nxp[0] + np.arange(nxp[1]), nxp[:3].sum() + np.arange(nxp[3])
     place = np.full(nxp.sum(), -1)
     place[np.r_[first, second]] = np.arange(nxp[1] + nxp[3])
-    A = coo_array((entries[:, 2], (entries[:, 0].astype(int) - 1, entries[:, 1].astype(int) - 1))).tocsc()
+    row, column = (entries[:, k].astype(np.int32) - 1 for k in (0, 1))  # SuperLU of SciPy 1.11 takes no longer ones
+    A = coo_array((entries[:, 2], (row, column))).tocsc()
     moving = np.flatnonzero(place[rows] >= 0)
     out = np.zeros((len(rows), len(rows)))
     unit = np.zeros((A.shape[0], len(moving)))
     unit[place[rows[moving]], np.arange(len(moving))] = 1.0
-    text = "the stiffness is singular (critical load or rigid motion): there is no compliance"
     try:
         solution = splu(A).solve(unit)[place[rows[moving]]]
     except RuntimeError:
-        raise AnalysisError(text, "compliance.singular") from None
+        raise AnalysisError(SINGULAR, "compliance.singular") from None
     if not np.isfinite(solution).all():
-        raise AnalysisError(text, "compliance.singular")
+        raise AnalysisError(SINGULAR, "compliance.singular")
     out[np.ix_(moving, moving)] = solution
     return out

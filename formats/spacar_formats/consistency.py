@@ -137,6 +137,9 @@ class _Tables:
                 self.require(self.steps[ident].cols == 3, f"{ident} does not have three columns")
 
     def state_space(self) -> None:
+        for ident in ("ASP", "BSP", "CSP"):
+            if ident in self.steps:
+                self.require(self.steps[ident].cols == 3, f"{ident} does not have three columns")
         steps = {ident: (record.rows, record.cols) for ident, record in self.steps.items()}
         if {"A", "B", "C"} <= set(steps):
             (n, columns), (rows, nu), (ny, width) = steps["A"], steps["B"], steps["C"]

@@ -1,14 +1,20 @@
-"""Frequency response C (j omega - A)^-1 B + D of a step of an `.ltv` result."""
+"""Frequency response C (j omega - A)^-1 B + D of a step of an `.ltv` result; of a large model by a sparse solution for
+every frequency."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from spacar_formats.getss import StateSpaceStep
+from spacar.errors import Report
+from spacar.linear.descriptor_modes import lowest_modes
+from spacar.linear.lowest import WANTED
+from spacar_formats.getss import SparseStep, StateSpaceStep
 
 
-def frequency_response(system: StateSpaceStep, omega: np.ndarray) -> np.ndarray:
+def frequency_response(system: StateSpaceStep | SparseStep, omega: np.ndarray) -> np.ndarray:
     """(len(omega), outputs, inputs) complex; infinite where j omega is an eigenvalue. omega [rad/s]."""
+    if isinstance(system, SparseStep):
+        return system.system.response(omega)
     n = len(system.A)
     out = np.empty((len(omega), len(system.C), system.B.shape[1]), complex)
     for k, w in enumerate(omega):
@@ -19,13 +25,22 @@ def frequency_response(system: StateSpaceStep, omega: np.ndarray) -> np.ndarray:
     return out
 
 
-def frequencies(system: StateSpaceStep, low: float | None, high: float | None, points: int) -> np.ndarray:
-    """Angular frequencies: a decade around the non-zero eigenvalues, denser at lightly damped ones. [rad/s]."""
-    poles = np.linalg.eigvals(system.A)
+def frequencies(system: StateSpaceStep | SparseStep, low: float | None, high: float | None, points: int) -> np.ndarray:
+    """Angular frequencies: a decade around the non-zero eigenvalues, denser at lightly damped ones. [rad/s].
+
+    Of a large model the 20 lowest eigenvalues, and no decade beyond them.
+    """
+    beyond = 10.0
+    if isinstance(system, SparseStep):
+        n, beyond = system.system.n_states, 1.0
+        poles = lowest_modes(system.system, n // 2, 0, Report(), min(WANTED, n // 2)).values
+        poles = poles[~np.isnan(poles)]
+    else:
+        poles = np.linalg.eigvals(system.A)
     size = np.abs(poles)
     size = size[size > 1e-6 * size.max(initial=0.0)]
     low = low if low is not None else (0.1 * float(size.min()) if len(size) else 0.1)
-    high = high if high is not None else (10.0 * float(size.max()) if len(size) else 100.0)
+    high = high if high is not None else (beyond * float(size.max()) if len(size) else 100.0)
     grid = [np.geomspace(low, max(high, low * (1 + 1e-9)), points)]
     for pole in poles[poles.imag > 0.0]:
         width = max(abs(pole.real) / abs(pole), 1e-4)

@@ -14,11 +14,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spacar.errors import UsageError
+from spacar.linear.descriptor import DescriptorSystem, of_frame
 from spacar_formats.exports import to_mat, to_npz
 from spacar_formats.locate import open_result
 from spacar_formats.safety import replacing
 from spacar_formats.sbf import SbfFile
 from spacar_formats.signal_names import state_names
+from spacar_formats.sparse_system import descriptor_of, is_sparse
 
 if TYPE_CHECKING:
     from spacar.result import Result
@@ -91,6 +93,10 @@ def state_space_of(result: Result, step: int = 1) -> StateSpaceStep:
     if not 0 <= k < count:
         raise UsageError(f"step {step} does not exist: the result has steps 1 to {count}", "files.step")
     found = result.frames[k].state_space
+    if "asp" in found:  # of a large model
+        found = dict(zip("ABCD", of_frame(found, result.header).state_space(), strict=True))
+        if not result.header["DFT"]:
+            del found["D"]  # rounding
     if "A" not in found:
         text = f"a result of mode {result.mode} has no state space; modes 3, 4 and 9 compute it"
         raise UsageError(text, "files.no-state-space")
@@ -112,8 +118,13 @@ def getss(name: str | os.PathLike[str], step: int = 1) -> StateSpaceStep:
     when their sizes do not fit together; SbfError when the bytes are damaged.
     """
     with open_result(name, "ltv") as file:
-        a, b, c = (_matrix(file, ident, step) for ident in "ABC")
-        d = _matrix(file, "D", step) if _has_feedthrough(file) else None
+        d: np.ndarray | None
+        if is_sparse(file):
+            a, b, c, d = descriptor_of(file, step).state_space()
+            d = d if _has_feedthrough(file) else None  # rounding
+        else:
+            a, b, c = (_matrix(file, ident, step) for ident in "ABC")
+            d = _matrix(file, "D", step) if _has_feedthrough(file) else None
         t = float(np.ravel(file.get("T", step))[0]) if file.has("T") else float("nan")
         (nx, nu), ny = b.shape, c.shape[0]
         if a.shape != (nx, nx) or c.shape[1] != nx or (d is not None and d.shape != (ny, nu)):
@@ -123,6 +134,27 @@ def getss(name: str | os.PathLike[str], step: int = 1) -> StateSpaceStep:
             raise UsageError(text, "files.finite")
         names = (_names(file, f"{s.upper()}NAMES", s, n) for s, n in (("x", nx), ("u", nu), ("y", ny)))
         return StateSpaceStep(a, b, c, d, t, *names)
+
+
+@dataclass(frozen=True, slots=True)
+class SparseStep:
+    """The sparse system of a step of a large model, with the names of its inputs and outputs."""
+
+    system: DescriptorSystem
+    t: float
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+
+
+def linear_system(name: str | os.PathLike[str], step: int = 1) -> StateSpaceStep | SparseStep:
+    """As `getss`, but of a large model the sparse form, which nobody has to eliminate for a frequency response."""
+    with open_result(name, "ltv") as file:
+        if is_sparse(file):
+            system = descriptor_of(file, step)
+            t = float(np.ravel(file.get("T", step))[0])
+            return SparseStep(system, t, _names(file, "UNAMES", "u", system.B.shape[1]),
+                              _names(file, "YNAMES", "y", system.C.shape[0]))  # fmt: skip
+    return getss(name, step)
 
 
 def export_getss(system: StateSpaceStep, target: Path) -> None:

@@ -10,10 +10,12 @@ from typing import Any
 import numpy as np
 
 from spacar.errors import UsageError
+from spacar.linear.descriptor import dense_steps
 from spacar.simulation.time_varying import TimeVarying
 from spacar_formats import safety
 from spacar_formats.locate import notes, open_result
 from spacar_formats.sbf import SbfFile, SbfWriter
+from spacar_formats.sparse_system import descriptor_of, is_sparse
 
 COPIED = ("VERSION", "SOURCE", "SHA256", "MODE")
 STEPS = {"A": "A", "B": "B", "C": "C", "D": "D", "M0": "m0", "C0B": "c0b", "K0B": "k0b"}
@@ -42,13 +44,17 @@ def read_ltv(name: str | os.PathLike[str]) -> tuple[TimeVarying, list[str]]:
             outputs=_texts(file, "YNAMES"),
             x0=np.ravel(file.header["X0"]).astype(float) if file.has("X0") else None,
         )
+        full: dict[str, Any] = {}
+        if is_sparse(file):
+            matrices = dense_steps((descriptor_of(file, k) for k in range(1, count + 1)), count)
+            full = {**matrices, "D": matrices["D"] if _number(file, "DFT") else None}  # rounding
         found: dict[str, Any] = {name: _matrices(file, ident, count) for ident, name in STEPS.items()}
         found |= {name: _vectors(file, ident, count) for ident, name in VECTORS.items()}
         second = _matrices(file, "G", count)
         if second is not None:
             n = _number(file, "NX") // 2
             second = second.reshape(count, second.shape[1], n, n).swapaxes(-1, -2)
-        return replace(data, second=second, **found), warnings
+        return replace(data, second=second, **(found | full)), warnings
 
 
 def write_ltv(data: TimeVarying, target: Path, source: Path) -> None:

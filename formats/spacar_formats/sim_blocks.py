@@ -14,7 +14,7 @@ import numpy as np
 
 from spacar.errors import UsageError
 from spacar.mechanism.user_functions import import_file
-from spacar.simulation import blocks, control_blocks, sampled_blocks, sources, switching_blocks
+from spacar.simulation import blocks, control_blocks, sampled_blocks, sources, switching_blocks, transport_delay
 from spacar.simulation.blocks import Block
 from spacar_formats.sim_sections import Section, SimKey
 
@@ -182,6 +182,10 @@ def _delay(s: Section) -> Block:
     return sampled_blocks.unit_delay(s.name, period, s.integer("size"), s.numbers("initial"), offset)
 
 
+def _transport_delay(s: Section) -> Block:
+    return transport_delay.TransportDelay(s.name, s.number("delay"), s.numbers("initial"), s.integer("size"))
+
+
 def _pulses(s: Section) -> Block:
     return sources.Pulses(
         s.name, s.number("every"), s.number("duty"), _spread(s, "high"), _spread(s, "low"), s.number("time")
@@ -341,6 +345,11 @@ BLOCKS: tuple[BlockType, ...] = (
          SimKey("initial", "numbers", "output at the start", "0"), PERIOD, OFFSET, SIZE),
         _rate_limiter,
     ),
+    BlockType(
+        "transport-delay", "delay of a continuous signal", "y(t) = u(t - delay), initial before",
+        (SimKey("delay", "number", "by how much; steps are not longer", None, "s"),
+         SimKey("initial", "numbers", "output until the first input comes out", "0"), SIZE), _transport_delay,
+    ),
     BlockType("zero-order-hold", "sample and hold", "y_k = u_k", (*SAMPLED, SIZE), _hold),
     BlockType("unit-delay", "delay by one period", "y_k = u_(k-1)",
               (*SAMPLED, SimKey("initial", "numbers", "first output", "0"), SIZE), _delay),
@@ -394,8 +403,8 @@ def page() -> str:
         "",
         "Made from the table of blocks by `python -m spacar_formats.sim_blocks > docs/reference/blocks.md`. A section",
         "`[NAME]` of a `.sim` file has `block =` one of these and its keys; see [simulation](../simulation.md).",
-        " Numbers are separated by blanks or commas, rows of a matrix by `;`. Formulas and sources stand in",
-        "`spacar/simulation/switching_blocks.py`, `control_blocks.py` and `sampled_blocks.py`.",
+        "Numbers are separated by blanks or commas, rows of a matrix by `;`. Formulas and sources stand in",
+        "`spacar/simulation/switching_blocks.py`, `control_blocks.py`, `transport_delay.py` and `sampled_blocks.py`.",
     ]
     for row in BLOCKS:
         text = f"{row.text[0].upper()}{row.text[1:]}: {row.formula.replace('*', '·')}."

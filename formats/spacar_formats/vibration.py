@@ -3,6 +3,8 @@
 Modes 7 and 10 store eigenvalues and eigenvectors; for modes 3, 4 and 9 they are computed here from the stored matrices,
 
     A = [Bk0 Ak0; -M0^-1 (K0 + N0 + G0)  -M0^-1 (C0 + D0)]    (mode 3 stores no Ak0, Bk0: [0 I] in the first rows)
+
+or the lowest ones from the sparse equations of a large model (`.ltv`).
 """
 
 from __future__ import annotations
@@ -15,9 +17,12 @@ import numpy as np
 
 from spacar.deck import ELEMENT_TYPES
 from spacar.errors import Report, UsageError
+from spacar.linear.descriptor_modes import lowest_modes
 from spacar.linear.eigen import Modes, modes_of_matrices
+from spacar.linear.lowest import WANTED
 from spacar_formats.locate import notes, open_result
 from spacar_formats.sbf import SbfError, SbfFile
+from spacar_formats.sparse_system import beside, descriptor_of, is_sparse
 
 GROWS = 1e-6  # of the largest modulus: real parts beyond it are a growing motion, values that differ less a pair
 
@@ -83,19 +88,26 @@ def without_rounding(values: np.ndarray) -> np.ndarray:
     )
 
 
-def read_vibrations(name: str | os.PathLike[str]) -> tuple[list[Vibration], list[str], list[str]]:
-    """Eigenvalues of all steps, names of the configuration part of the state, warnings about the file.
+def read_vibrations(name: str | os.PathLike[str], lowest: int = WANTED) -> tuple[list[Vibration], list[str], list[str]]:
+    """Eigenvalues of all steps, names of the configuration part of the state, warnings about the file. `lowest`: how
+    many are computed of a large model that stores its equations sparse.
 
     Raises UsageError when the file is missing or holds neither eigenvalues nor matrices, AnalysisError for a singular
     mass matrix.
     """
     with open_result(name, "sbm") as file:
         stored = file.has("eigval")
-        if not stored and not file.has("m0"):
+        sparse = not stored and not file.has("m0") and _of_sparse_run(file)
+        if not stored and not file.has("m0") and not sparse:
             raise UsageError(f"{file.path} holds no eigenvalues and no matrices: run mode 7 or 10", "eigen.missing")
         report = Report()
         numbers = range(1, file.steps + 1)
-        steps = [_stored(file, k) if stored else _computed(file, k, report) for k in numbers]
+        if sparse:
+            found = [modes_of_sparse_system(file, k, report, lowest) for k in numbers]
+            steps = [Vibration(_time(file, k), m.values, m.vectors) for k, m in zip(numbers, found, strict=True)]
+            report.add(f"the {lowest} lowest modes of the sparse equations; --lowest N asks for N of them")
+        else:
+            steps = [_stored(file, k) if stored else _computed(file, k, report) for k in numbers]
         told = [line.removeprefix("warning: ") for line in report.lines]
         return steps, names_beside(file.path), [*notes(file), *told]
 
@@ -166,6 +178,21 @@ def modes_of_stored_matrices(file: SbfFile, step: int, report: Report) -> Modes:
     kinematic = (_matrix(file, "ak0", step), _matrix(file, "bk0", step)) if file.has("ak0") else None
     ak0, bk0 = kinematic or (np.eye(ns, n), np.zeros((ns, ns)))
     return modes_of_matrices(M, C + D, K + N + G, ak0, bk0, report)
+
+
+def _of_sparse_run(file: SbfFile) -> bool:
+    return int(np.ravel(file.header["MODE"])[0]) in (4, 9) and file.path.with_suffix(".ltv").is_file()
+
+
+def modes_of_sparse_system(file: SbfFile, step: int, report: Report, wanted: int = WANTED, nx: int = 0) -> Modes:
+    """Lowest modes of a large model of modes 4 and 9 from the `.ltv` beside; nx: the coordinates whose motions are
+    wanted. Raises UsageError when there is no such file or it has no sparse system."""
+    with open_result(beside(file.path), "ltv", verify=False) as other:
+        if not is_sparse(other):
+            raise UsageError(f"{file.path} and {other.path} are of different runs; run again", "files.stale")
+        system = descriptor_of(other, step)
+        velocities = int(np.ravel(other.header["NRBM"])[0])
+    return lowest_modes(system, system.n_states - velocities, nx, report, min(wanted, velocities))
 
 
 def _computed(file: SbfFile, step: int, report: Report) -> Vibration:

@@ -55,6 +55,8 @@ typedef struct {
     int known;                            /* rates and accelerations too, at t; 2: placed from outside, with no transfer functions */
     double t;
     real *x, *xd, *xdd, *e, *ed, *edd, *sigma, *given_e;
+    int watched, signs;                   /* watched: derivatives keep the two below; 1: det V[E, U] was positive, 2: negative */
+    double mantissa, exponent;            /* of the inverse of its smallest size since these were cleared: mantissa 2^exponent */
 } State;
 
 typedef struct {

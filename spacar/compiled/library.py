@@ -78,6 +78,8 @@ class CState(ctypes.Structure):
     _fields_ = [
         ("known", ctypes.c_int), ("t", ctypes.c_double),
         *((name, DOUBLES) for name in ("x", "xd", "xdd", "e", "ed", "edd", "sigma", "given_e")),
+        ("watched", ctypes.c_int), ("signs", ctypes.c_int),
+        ("mantissa", ctypes.c_double), ("exponent", ctypes.c_double),
     ]  # fmt: skip
 
 

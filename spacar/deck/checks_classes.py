@@ -20,17 +20,13 @@ _DONE = {
 def classify(scene: CheckMaterial) -> None:
     """Fill the classes of the scene; one thing in two classes is an error, twice in one class a warning."""
     outline = scene.outline
-    for s in scene.statements:
-        if s.block != 1:
-            continue
-        number = s.integer(0) if s.values and isinstance(s.values[0], int) else 0
-        if s.keyword in COORDINATE_CLASSES:
-            indices = s.integers(1) or outline.independent(number)
-            _put(scene, s, "coordinate", indices, COORDINATE_CLASSES[s.keyword], scene.coordinates)
-        elif s.keyword in DEFORMATION_CLASSES:
-            indices = s.integers(1) or outline.classed(number)
-            indices = _without_released(scene, s, indices)
-            _put(scene, s, "mode", indices, DEFORMATION_CLASSES[s.keyword], scene.deformations)
+    for s in scene.of(*COORDINATE_CLASSES, block=1):
+        indices = s.integers(1) or outline.independent(s.integer(0))
+        _put(scene, s, "coordinate", indices, COORDINATE_CLASSES[s.keyword], scene.coordinates)
+    for s in scene.of(*DEFORMATION_CLASSES, block=1):
+        indices = s.integers(1) or outline.classed(s.integer(0))
+        indices = _without_released(scene, s, indices)
+        _put(scene, s, "mode", indices, DEFORMATION_CLASSES[s.keyword], scene.deformations)
     _check_euler_parameters(scene)
     _check_kinematic(scene)
 
@@ -39,6 +35,8 @@ def _without_released(scene: CheckMaterial, s: Statement, indices: tuple[int, ..
     """The modes that the statement can give a class to; others are an error, except for RLSE, which says what holds."""
     number = s.integer(0)
     released = scene.outline.types[number].released
+    if not released:
+        return indices
     if s.keyword != "RLSE":
         for place, index in enumerate(s.integers(1), 1):
             if index in released:
@@ -56,9 +54,10 @@ def _put(
 ) -> None:
     number = s.integer(0)
     again: dict[int, list[int]] = {}
+    this = name, s
     for place, index in enumerate(indices, 1):
-        before = classes.setdefault((number, index), (name, s))
-        if before[1] is s and index not in indices[: place - 1]:
+        before = classes.setdefault((number, index), this)
+        if before is this and index not in indices[: place - 1]:
             continue
         if before[0] == name:
             again.setdefault(before[1].line, []).append(index)
@@ -79,6 +78,8 @@ def _listed(numbers: list[int]) -> str:
 def _check_euler_parameters(scene: CheckMaterial) -> None:
     """At most three of the four Euler parameters of a node can be given: the normalization gives the
     fourth."""
+    if scene.outline.space == "planar":
+        return
     for node, role in scene.outline.roles.items():
         if role != "orientation" or scene.outline.coordinates(node) != 4:
             continue

@@ -8,15 +8,17 @@ from spacar.deck.checks_references import at_least, one_of, positive
 from spacar.deck.statement import Statement
 from spacar.deck.table_solvers import INTEGRATOR_ALIASES, INTEGRATORS, alias_note
 
+_SIGNS = {"XM": "mass or inertia", "EM": "mass", "ESTIFF": "stiffness", "EDAMP": "damping", "MEE": "mass"}
+_SETTINGS = ("TIMESTEP", "INTEGRAT", "ERROR", "ITERSTEP", "MODES", "XGYRO", "EM")
 _ADDITIONAL = ("DELXF", "DELGRAV", "DELOMF", "DELESIG", "DELINPX", "DELINPE")
 
 
 def check_dynamics(scene: CheckMaterial) -> None:
     """Everything that concerns the dynamics block beyond single statements."""
-    for s in scene.statements:
-        if s.block == 2:
-            _check_signs(scene, s)
-            _check_settings(scene, s)
+    for s in scene.of(*_SIGNS, block=2):
+        _check_signs(scene, s)
+    for s in scene.of(*_SETTINGS, block=2):
+        _check_settings(scene, s)
     _check_stiffness(scene)
     _check_warping(scene)
     _check_preload(scene)
@@ -28,26 +30,23 @@ def check_dynamics(scene: CheckMaterial) -> None:
 
 def _check_signs(scene: CheckMaterial, s: Statement) -> None:
     """Negative masses, stiffnesses, dampings; inertia tensors that no body can have."""
-    findings = scene.findings
-    if (s.keyword == "XM" and len(s.values) > 2) or (
-        s.keyword == "XM"
-        and scene.outline.space == "spatial"
-        and scene.outline.roles[s.integer(0)] == "orientation"
+    findings, last = scene.findings, len(s.values)
+    if s.keyword == "XM" and (
+        last > 2 or (scene.outline.space == "spatial" and scene.outline.roles[s.integer(0)] == "orientation")
     ):
         check_tensor(scene, s)
-    elif s.keyword in ("XM", "EM", "ESTIFF", "EDAMP"):
-        what = {"XM": "mass or inertia", "EM": "mass", "ESTIFF": "stiffness", "EDAMP": "damping"}[s.keyword]
-        last = len(s.values)
-        if s.keyword == "EM" and scene.outline.types[s.integer(0)].carries_flow:
-            last = 3  # then follow flow rate, shape factor, end condition
-        elif s.keyword == "EM":
-            last = 5  # a product of inertia may be negative
-        rest = (6,) if s.keyword == "EM" and len(s.values) == 7 and last == 5 else ()
-        for i in (*range(1, min(last, len(s.values))), *rest):
-            if s.real(i) < 0.0:
-                findings.warning(s, i, f"negative {what} {s.real(i):g}", "negative")
-    elif s.keyword == "MEE" and len(s.values) == 3 and s.real(2) < 0.0:
-        findings.warning(s, 2, f"negative mass {s.real(2):g}", "negative")
+        return
+    first = 1
+    rest: tuple[int, ...] = ()
+    if s.keyword == "MEE":
+        first = 2 if last == 3 else last
+    elif s.keyword == "EM" and scene.outline.types[s.integer(0)].carries_flow:
+        last = min(last, 3)  # then follow flow rate, shape factor, end condition
+    elif s.keyword == "EM" and last > 5:  # a product of inertia may be negative
+        last, rest = 5, (6,) if last == 7 else ()
+    for i in (*range(first, last), *rest):
+        if s.real(i) < 0.0:
+            findings.warning(s, i, f"negative {_SIGNS[s.keyword]} {s.real(i):g}", "negative")
 
 
 def check_tensor(scene: CheckMaterial, s: Statement) -> None:
@@ -105,7 +104,7 @@ def _check_stiffness(scene: CheckMaterial) -> None:
     free: dict[int, list[int]] = {}
     for (element, mode), (name, _) in scene.deformations.items():
         kind = scene.outline.types[element]
-        if name != "dynamic" or not kind.axial:
+        if name != "dynamic" or not kind.axial or ("ESTIFF", element) in scene.outline.broken:
             continue
         given = stiff.get(element)
         if given is None or given.real(kind.stiffness[mode - 1] - 1) == 0.0:

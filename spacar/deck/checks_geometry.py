@@ -14,13 +14,14 @@ PARALLEL = 1e-5
 """Two directions with a smaller sine are parallel (the public routine refuses the same sine)."""
 
 Vector = tuple[float, ...]
+ORIGIN = (0.0, 0.0, 0.0)  # of a node without X
 
 
 def check_geometry(scene: CheckMaterial) -> None:
     """Positions given once, elements with a length, directions that define a frame."""
     positions = _positions(scene)
     places = [
-        positions.get(n, (0.0, 0.0, 0.0)) for n, role in scene.outline.roles.items() if role == "position"
+        positions.get(n, ORIGIN) for n, role in scene.outline.roles.items() if role == "position"
     ]
     size = max((max(axis) - min(axis) for axis in zip(*places, strict=True)), default=0.0)
     for number, kind in scene.outline.types.items():
@@ -74,13 +75,14 @@ def _check_element(
         assert kind.direction is not None
         scene.findings.error(s, kind.direction[0] - 1, "the direction vector is zero", "direction")
         direction = None
-    _check_radii(scene, s)
+    if s.keyword in ("PLWHEEL", "TWHEEL"):
+        _check_radii(scene, s)
     ends = [s.integer(i) for i, role in enumerate(kind.nodes, 1) if role == "position"]
     if len(ends) < 2 or ends[0] == ends[1] or any(("X", n) in scene.outline.broken for n in ends):
         return
-    p, q = (positions.get(n, (0.0, 0.0, 0.0)) for n in ends)
-    chord = tuple(b - a for a, b in zip(p, q, strict=True))
-    length = _norm(chord)
+    p, q = positions.get(ends[0], ORIGIN), positions.get(ends[1], ORIGIN)
+    chord = q[0] - p[0], q[1] - p[1], q[2] - p[2]
+    length = hypot(*chord)
     if length <= ZERO_LENGTH * size:
         if kind.length == "always" or (kind.length == "with direction" and direction is not None):
             text = (

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from spacar.deck.check_material import CheckMaterial
-from spacar.deck.checks_references import keyword_of
 from spacar.deck.findings import ranges
 from spacar.deck.statement import Statement
 
@@ -11,13 +10,9 @@ from spacar.deck.statement import Statement
 def check_ports(scene: CheckMaterial) -> None:
     """The numbers are the positions in the vectors u and y, so there must be no gap and no second use."""
     used: dict[str, dict[int, Statement]] = {"input": {}, "output": {}}
-    for s in scene.statements:
-        if s.block != 3:
-            continue
-        noun = keyword_of(s, scene.third).variants[0].parameters[0].of
-        if noun not in used:
-            continue
-        number = s.integer(0)
+    nouns = {keyword.name: keyword.variants[0].parameters[0].of for keyword, _ in scene.keywords(3)}
+    for s in scene.of(*(name for name, noun in nouns.items() if noun in used), block=3):
+        noun, number = nouns[s.keyword], s.integer(0)
         first = used[noun].setdefault(number, s)
         if number < 1:
             scene.findings.error(s, 0, f"{noun} number {number} must be positive", "port-number")

@@ -5,72 +5,62 @@ from __future__ import annotations
 
 from spacar.deck.check_material import CheckMaterial
 from spacar.deck.findings import Findings, alternatives
-from spacar.deck.keyword_table import KEYWORDS
 from spacar.deck.statement import Statement
-from spacar.deck.table_types import BlockKind, Keyword
+from spacar.deck.table_types import Keyword
 
 _STARTS = ("STARTDX", "STARTDE")  # generators write zero start values for everything
 
 
-def keyword_of(s: Statement, third: BlockKind | None) -> Keyword:
-    """The row of the table for a statement of a deck whose third block is of the given kind."""
-    block = {1: BlockKind.KINEMATICS, 2: BlockKind.DYNAMICS}.get(s.block, third)
-    assert block is not None
-    return KEYWORDS[s.keyword, block]
-
-
 def check_once(scene: CheckMaterial, block: int) -> None:
     """The same thing stated twice is an error: replace or add, the input does not say which."""
-    given: dict[tuple[object, ...], Statement] = {}
-    for s in scene.statements:
-        if s.block != block:
-            continue
-        count = keyword_of(s, scene.third).unique
+    for keyword, statements in scene.keywords(block):
+        count = keyword.unique
         if count is None:
             continue
-        key = (s.keyword, *(s.values[:count]))
-        first = given.setdefault(key, s)
-        if first is not s:
-            what = " ".join(str(v) for v in s.values[1:count]) if count > 0 else ""
-            about = f"for {what} " if what else ""
-            text = f"already given {about}at line {first.line}; give it once"
-            scene.findings.error(s, None, text, "repeated")
+        given: dict[tuple[object, ...], Statement] = {}
+        for s in statements:
+            first = given.setdefault(s.values[:count], s)
+            if first is not s:
+                what = " ".join(str(v) for v in s.values[1:count]) if count > 0 else ""
+                about = f"for {what} " if what else ""
+                text = f"already given {about}at line {first.line}; give it once"
+                scene.findings.error(s, None, text, "repeated")
 
 
 def check_classes(scene: CheckMaterial, block: int) -> None:
     """A time function needs a prescribed coordinate, a start value a dynamic one, an output no fixed one,
     ..."""
-    for s in scene.statements:
-        if s.block != block:
-            continue
-        keyword = keyword_of(s, scene.third)
-        if not keyword.classes and not keyword.holonomic:
-            continue
-        subject = keyword.subject
-        assert subject is not None
-        what = keyword.variants[0].parameters[subject].of
-        number, index = s.integer(subject), s.integer(subject + 1)
-        what = "element" if what == "element" else "node"
-        if scene.doubtful(what, number):
-            continue
-        found, by = scene.class_of(what, number, index)
-        thing = f"mode {index} of element {number}" if what == "element" else f"coordinate {index} of node {number}"
-        along = scene.analysis is not None and scene.analysis.takes_setpoints
-        if along and block == 2 and found == "dynamic" and "prescribed" in keyword.classes:
-            text = f"{thing} is {found}; mode 3 takes its motion from the result along which it linearizes"
-            scene.findings.information(s, subject, text, "motion-known")
-        elif keyword.classes and found not in keyword.classes:
-            where = f" ({by.keyword} at line {by.line})" if by is not None else ""
-            allowed = " or ".join(keyword.classes)
-            text = f"{thing} is {found}{where}; {s.keyword} is for a {allowed} one"
-            if s.keyword in _STARTS and len(s.values) > subject + 2 and not any(s.reals(subject + 2, 2)):
-                text += "; value and rate are zero, the statement has no effect"
-                scene.findings.warning(s, subject, text, "wrong-class")
-                continue
-            scene.findings.error(s, subject, text, "wrong-class")
-        elif keyword.holonomic and index - 1 in scene.outline.types[number].slips:
-            text = f"{thing} is a slip, which has no value of its own; {s.keyword} is for holonomic deformations"
-            scene.findings.error(s, subject, text, "wrong-class")
+    for keyword, statements in scene.keywords(block):
+        if keyword.classes or keyword.holonomic:
+            for s in statements:
+                _check_class(scene, block, keyword, s)
+
+
+def _check_class(scene: CheckMaterial, block: int, keyword: Keyword, s: Statement) -> None:
+    subject = keyword.subject
+    assert subject is not None
+    what = "element" if keyword.variants[0].parameters[subject].of == "element" else "node"
+    number, index = s.integer(subject), s.integer(subject + 1)
+    if scene.doubtful(what, number):
+        return
+    found, by = scene.class_of(what, number, index)
+    thing = f"mode {index} of element {number}" if what == "element" else f"coordinate {index} of node {number}"
+    along = scene.analysis is not None and scene.analysis.takes_setpoints
+    if along and block == 2 and found == "dynamic" and "prescribed" in keyword.classes:
+        text = f"{thing} is {found}; mode 3 takes its motion from the result along which it linearizes"
+        scene.findings.information(s, subject, text, "motion-known")
+    elif keyword.classes and found not in keyword.classes:
+        where = f" ({by.keyword} at line {by.line})" if by is not None else ""
+        allowed = " or ".join(keyword.classes)
+        text = f"{thing} is {found}{where}; {s.keyword} is for a {allowed} one"
+        if s.keyword in _STARTS and len(s.values) > subject + 2 and not any(s.reals(subject + 2, 2)):
+            text += "; value and rate are zero, the statement has no effect"
+            scene.findings.warning(s, subject, text, "wrong-class")
+            return
+        scene.findings.error(s, subject, text, "wrong-class")
+    elif keyword.holonomic and index - 1 in scene.outline.types[number].slips:
+        text = f"{thing} is a slip, which has no value of its own; {s.keyword} is for holonomic deformations"
+        scene.findings.error(s, subject, text, "wrong-class")
 
 
 def at_least(findings: Findings, s: Statement, index: int, least: int, what: str) -> None:

@@ -40,7 +40,8 @@ def check(
         check_trajectories(scene)
     elif third is not None:
         check_classes(scene, 3)
-    check_ports(scene)
+    if third is not None:
+        check_ports(scene)
 
 
 def _check_output_level(scene: CheckMaterial) -> None:

@@ -48,7 +48,8 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
     _lexical(text, scanned, findings)
     parts = split(scanned, findings)
     third = third_kind(parts.statements, third_block(mode))
-    outline = Outline(metre=_metre(parts.statements, findings))
+    by_geometry = any(raw.keyword in WORDS for raw in parts.statements)
+    outline = Outline(metre=_metre(parts.statements, findings) if by_geometry else 1.0)
     read: dict[int, Statement] = {}
     skipped = {block: Findings(source) for block in (2, 3) if not uses(mode, block)}
     for raw in parts.statements:
@@ -76,8 +77,8 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
             else:
                 outline.broken.add((raw.keyword, _number(raw)))
                 outline.broken_blocks.add(raw.block)
-    given, before = tuple([read[id(raw)] for raw in parts.statements if id(raw) in read]), outline
-    expansion = _expansion(given, outline, findings)
+    given, before = tuple([s for raw in parts.statements if (s := read.get(id(raw))) is not None]), outline
+    expansion = _expansion(given, by_geometry, outline, findings)
     statements, outline = expansion.statements, expansion.outline
     check(statements, outline, mode, third, {block: skipped.get(block, findings) for block in (1, 2, 3)})
     for block, found in skipped.items():
@@ -85,16 +86,18 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
     findings.messages.sort(key=lambda m: m.line or 0)
     if findings.errors:
         raise InputError(findings.messages)
-    shorthand = tuple([s for s in read.values() if s.keyword in WORDS])
+    shorthand = tuple([s for s in read.values() if s.keyword in WORDS]) if by_geometry else ()
     return Contents(
         statements, scanned.visualization, tuple(findings.messages), third, parts.spans, shorthand, expansion,
         given, before,
     )  # fmt: skip
 
 
-def _expansion(statements: tuple[Statement, ...], outline: Outline, findings: Findings) -> Expansion:
+def _expansion(
+    statements: tuple[Statement, ...], by_geometry: bool, outline: Outline, findings: Findings
+) -> Expansion:
     """Beams by geometry to plain statements; most models have none, and do not load what makes them."""
-    if not any(s.keyword in WORDS for s in statements):
+    if not by_geometry:
         return Expansion(statements, outline, (), ())
     from spacar.deck.section_block import expand
 
@@ -145,7 +148,7 @@ def _remember_broken(raw: Raw, outline: Outline) -> None:
     outline.complete = False
     number = _number(raw)
     if number != 0:
-        stub = Statement(raw.keyword, (number,), raw.block, raw.word.line, (raw.words[0].line,))
+        stub = Statement(raw.keyword, (number,), raw.block, raw.line, (raw.words[0].line,))
         outline.elements.setdefault(number, stub)
 
 
@@ -165,7 +168,7 @@ def _wrong_kind(raw: Raw, kind: BlockKind | None, findings: Findings) -> None:
     other = ", ".join(b.value for b in blocks_of(raw.keyword))
     findings.add(
         "error",
-        raw.word.line,
+        raw.line,
         raw.keyword,
         f"belongs to the {other}; here it stands in the {here}",
         "wrong-block",
@@ -178,7 +181,7 @@ def _report_skipped(block: int, raws: list[Raw], mode: Purpose, found: Findings,
     first = next((r for r in raws if r.block == block), None)
     if first is None:
         return
-    line, name = first.word.line, _NAMES[block]
+    line, name = first.line, _NAMES[block]
     findings.add(
         "information", line, "", f"the {name} is not used in mode {mode} and is skipped", "skipped-block"
     )

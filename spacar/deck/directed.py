@@ -70,7 +70,7 @@ def _moved(s: Statement, factors: dict[int, float]) -> Statement:
     for k, factor in factors.items():
         # compares by its real part, unlike a complex number of Python
         values[k] = np.complex128(complex(float(values[k]), STEP * factor))  # type: ignore[call-overload]
-    return replace(s, values=tuple(values))
+    return s._replace(values=tuple(values))
 
 
 @contextmanager

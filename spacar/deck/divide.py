@@ -38,9 +38,10 @@ MOTIONS = {"STARTDE": 2, "INPUTE": 3, "DELINPE": 1}  # how many values follow el
 Vector = tuple[float, ...]
 
 
-def beam_modes(statements: Sequence[Statement]) -> dict[int, dict[int, str]]:
-    """Of every beam that is not rigid: mode -> DYNE, RLSE, INPUTE or KINE."""
-    beams = {s.integer(0): s.keyword for s in statements if s.block == 1 and s.keyword in BEAMS}
+def beam_modes(statements: Sequence[Statement], keywords: Iterable[str] = BEAMS) -> dict[int, dict[int, str]]:
+    """Of every beam (or element of other keywords) that is not rigid: mode -> DYNE, RLSE, INPUTE or KINE."""
+    wanted = tuple(keywords)
+    beams = {s.integer(0): s.keyword for s in statements if s.block == 1 and s.keyword in wanted}
     modes: dict[int, dict[int, str]] = {}
     for s in statements:
         if s.block == 1 and s.keyword in CLASSES:

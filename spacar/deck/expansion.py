@@ -9,7 +9,7 @@ from spacar.deck.outline import Outline
 from spacar.deck.statement import Statement
 from spacar.deck.table_sections import KEYWORDS
 
-WORDS = tuple(k.name for k in KEYWORDS)
+WORDS = frozenset(k.name for k in KEYWORDS)
 
 
 @dataclass(frozen=True)

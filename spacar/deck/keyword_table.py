@@ -43,6 +43,13 @@ def blocks_of(name: str) -> tuple[BlockKind, ...]:
     return tuple(block for block in BlockKind if (name, block) in KEYWORDS)
 
 
+def keyword_of(name: str, block: int, third: BlockKind | None) -> Keyword:
+    """The row for a statement in block 1, 2 or 3 of a deck whose third block is of the given kind."""
+    kind = {1: BlockKind.KINEMATICS, 2: BlockKind.DYNAMICS}.get(block, third)
+    assert kind is not None
+    return KEYWORDS[name, kind]
+
+
 __all__ = [
     "ALIASES",
     "ELEMENT_TYPES",
@@ -54,4 +61,5 @@ __all__ = [
     "Keyword",
     "blocks_of",
     "coordinates_of",
+    "keyword_of",
 ]

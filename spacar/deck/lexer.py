@@ -6,6 +6,8 @@ Lexical rules: reference/input-language.md section 1.
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 LONGEST_LINE = 160
@@ -19,6 +21,9 @@ _WORD = re.compile(r"[^\s%#;]+", re.ASCII)
 _COMMENT = re.compile(r"[%#;]")
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eEdD][+-]?[0-9]+)?\Z")
 _NEWLINE = re.compile(r"\r\n|\r|\n")
+# A keyword and numbers of ordinary form: their sizes are in range, `int` and `float` read them as `number_of` does.
+_ORDINARY = r"[+-]?(?:[0-9]{1,15}(?:\.[0-9]{0,20})?|\.[0-9]{1,20})(?:[eE][+-]?[0-7]?[0-9])?"
+_PLAIN = re.compile(rf"[ \t]*([A-Za-z]+)((?:[ \t]+{_ORDINARY})*)[ \t]*(?:[%#;].*)?\Z")
 _VISUALIZATION = "VISUALIZATION"
 
 
@@ -31,14 +36,33 @@ class Word(NamedTuple):
     first: bool
 
 
-class SourceText(NamedTuple):
-    """The words of the analysis part, the raw lines of the visualization section (None: there is none), line
-    numbers of lines that are too long, and the last line of the analysis part."""
+class Plain(NamedTuple):
+    """A line that is one keyword (in capitals) with numbers of ordinary form, which is what most lines are."""
 
-    words: list[Word]
+    keyword: str
+    numbers: list[str]
+    line: int
+    text: str
+
+    @property
+    def words(self) -> list[Word]:
+        return words_of(self.text, self.line)
+
+
+@dataclass
+class SourceText:
+    """The analysis part line by line, what is plain and the words of what is not; the raw lines of the visualization
+    section (None: there is none), line numbers of lines that are too long, and the last line of the analysis part."""
+
+    rows: list[Plain | list[Word]]
     visualization: tuple[str, ...] | None
     long_lines: list[int]
     last_line: int
+
+    @cached_property
+    def words(self) -> list[Word]:
+        """All words of the analysis part."""
+        return [word for row in self.rows for word in (row.words if isinstance(row, Plain) else row)]
 
 
 def split_lines(text: str) -> list[str]:
@@ -46,24 +70,39 @@ def split_lines(text: str) -> list[str]:
     return _NEWLINE.split(text)
 
 
+def words_of(line: str, number: int) -> list[Word]:
+    """The words of one line without its comment."""
+    comment = _COMMENT.search(line)
+    found = _WORD.finditer(line, 0, comment.start() if comment else len(line))
+    return [Word(m.group(), number, m.start() + 1, i == 0) for i, m in enumerate(found)]
+
+
+def columns_of(line: str) -> tuple[int, ...]:
+    """Where the words of one line begin, from 1."""
+    return tuple([word.column for word in words_of(line, 0)])
+
+
 def scan(text: str) -> SourceText:
-    """Split the text into words; a leading byte order mark is ignored."""
+    """Split the text into lines and words; a leading byte order mark is ignored."""
     lines = split_lines(text.removeprefix("\ufeff"))
-    words: list[Word] = []
+    rows: list[Plain | list[Word]] = []
     long_lines: list[int] = []
     for number, line in enumerate(lines, 1):
-        comment = _COMMENT.search(line)
-        end = comment.start() if comment else len(line)
-        first = True
-        for match in _WORD.finditer(line, 0, end):
-            word = match.group()
-            if first and len(word) == len(_VISUALIZATION) and word.upper() == _VISUALIZATION:
-                return SourceText(words, tuple(_without_last_blank(lines[number:])), long_lines, number - 1)
-            words.append(Word(word, number, match.start() + 1, first))
-            first = False
+        plain = _PLAIN.match(line)
+        if plain is not None:
+            keyword, numbers = plain.groups()
+            row: Plain | list[Word] = Plain(keyword.upper(), numbers.split(), number, line)
+            first = keyword
+        else:
+            row = words_of(line, number)
+            first = row[0].text if row else ""
+        if len(first) == len(_VISUALIZATION) and first.upper() == _VISUALIZATION:
+            return SourceText(rows, tuple(_without_last_blank(lines[number:])), long_lines, number - 1)
+        if first:
+            rows.append(row)
         if len(line) > LONGEST_LINE:
             long_lines.append(number)
-    return SourceText(words, None, long_lines, len(lines))
+    return SourceText(rows, None, long_lines, len(lines))
 
 
 def _without_last_blank(lines: list[str]) -> list[str]:

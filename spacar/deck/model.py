@@ -154,14 +154,14 @@ class Model(ModelStatements):
         ordered = sorted(self._rows, key=lambda row: row[1])  # the blocks; inside them the order stays
         lines: dict[int, Place] = {}
         for raw, (*_, place) in zip(split(scan(text), Findings("")).statements, ordered, strict=True):
-            lines.update(dict.fromkeys((raw.word.line, *(w.line for w in raw.words)), place))
+            lines.update(dict.fromkeys((raw.line, *(w.line for w in raw.words)), place))
         return lines
 
     def _check(self, row: Keyword, words: tuple[str, ...], place: Place) -> None:
         """Raises InputError for what is wrong whatever follows."""
         file, line = place
         findings = Findings(file)
-        raw = Raw(row.name, Word(row.name, line, 1, True), row.block.number, [Word(w, line, 1, False) for w in words])
+        raw = Raw(row.name, row.block.number, line, list(words), [Word(w, line, 1, False) for w in words])
         statement = read_statement(raw, row, self._outline, findings)
         wrong = [m for m in findings.errors if m.code not in LATER]
         if wrong:

@@ -1,6 +1,7 @@
-"""Words to raw statements in blocks: END HALT and END END, unknown and misplaced keywords.
+"""Lines and words to raw statements in blocks: END HALT and END END, unknown and misplaced keywords.
 
-Nothing is known about the model here; a word is judged by the keyword names of the block only.
+Nothing is known about the model here; a word is judged by the keyword names of the block only. A plain line with a
+keyword of its block is a statement as it stands; all others are taken word by word.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from dataclasses import dataclass, field
 
 from spacar.deck.findings import Findings
 from spacar.deck.keyword_table import ALIASES, KEYWORDS, NAME_PLACES, NAMES, BlockKind, blocks_of
-from spacar.deck.lexer import SourceText, Word
+from spacar.deck.lexer import Plain, SourceText, Word
 
 _NOT_NUMBERS = ("NAN", "INF", "INFINITY")
 _SUGGESTIONS = 40
@@ -21,12 +22,24 @@ _BLOCK_NAMES = {1: "kinematics block", 2: "dynamics block", 3: "third block"}
 
 @dataclass(slots=True, eq=False)
 class Raw:
-    """A statement whose arguments are still words."""
+    """A statement whose arguments are still words: their texts, and the words, or the plain line that has them."""
 
     keyword: str
-    word: Word
     block: int
-    words: list[Word] = field(default_factory=list)
+    line: int
+    texts: list[str] = field(default_factory=list)
+    given: list[Word] | Plain = field(default_factory=list)
+
+    @property
+    def words(self) -> list[Word]:
+        """The arguments with their places."""
+        return self.given.words[1:] if isinstance(self.given, Plain) else self.given
+
+    def append(self, word: Word) -> None:
+        if isinstance(self.given, Plain):
+            self.given = self.words
+        self.texts.append(word.text)
+        self.given.append(word)
 
 
 @dataclass(slots=True, eq=False)
@@ -45,86 +58,113 @@ def split(source: SourceText, findings: Findings) -> Split:
 
 
 class _Splitter:
-    """State of one pass over the words; `skipping` while the arguments of a refused keyword go by."""
+    """State of one pass over the lines; `skipping` while the arguments of a refused keyword go by, `end` an END whose
+    next word has not come yet, `fresh` while no word of the block has come."""
 
     def __init__(self, source: SourceText, findings: Findings) -> None:
-        self.words = source.words
+        self.source = source
         self.last_line = source.last_line
         self.findings = findings
         self.result = Split()
         self.block = 1
         self.opened = 1
+        self.fresh = False
         self.start: tuple[int, int] = (1, 1)
         self.current: Raw | None = None
         self.misplaced: set[tuple[int, int]] = set()
         self.skipping = False
+        self.end: Word | None = None
 
     def error(self, word: Word, text: str, code: str) -> None:
         self.findings.add("error", word.line, "", text, code)
 
     def run(self) -> Split:
-        i = 0
-        while i < len(self.words):
-            word = self.words[i]
-            name = word.text.upper()
-            name = ALIASES.get(name, name)
-            if self._wants_name(word):
-                self._append(word)
-            elif name == "END":
-                step = self._end(i)
-                if step == 0:
+        for row in self.source.rows:
+            if isinstance(row, Plain):
+                name = ALIASES.get(row.keyword, row.keyword)
+                if name in NAMES[self.block] and self.end is None and not self._wants_first_name():
+                    self._open_since(row.line)
+                    self.current = Raw(name, self.block, row.line, row.numbers, row)
+                    self.result.statements.append(self.current)
+                    continue
+                row = row.words
+            for word in row:
+                if self._take(word):
                     return self.result
-                i += step
-                continue
-            elif name == "HALT":
-                self.error(word, f"HALT without END before it in the {self._open()}", "structure")
-                if self.block < 3:
-                    self._next_block(word)
-            elif name in NAMES[self.block]:
-                self._begin(name, word, self.block)
-            elif name[0].isalpha():
-                self._stranger(name, word, i)
-            else:
-                self._argument(word)
-            i += 1
-        self._unfinished("")
+        self._unfinished(" after a single END" if self.end is not None else "")
         return self.result
+
+    def _take(self, word: Word) -> bool:
+        """Take the next word; true at the end of the analysis part."""
+        self._open_since(word.line)
+        name = word.text.upper()
+        name = ALIASES.get(name, name)
+        if self.end is not None:
+            end, self.end = self.end, None
+            taken, last = self._follows(end, word, name)
+            if taken:
+                return last
+        if self._wants_name(word):
+            self._append(word)
+        elif name == "END":
+            self.end = word
+        elif name == "HALT":
+            self.error(word, f"HALT without END before it in the {self._open()}", "structure")
+            if self.block < 3:
+                self._next_block(word)
+        elif name in NAMES[self.block]:
+            self._begin(name, word, self.block)
+        elif name[0].isalpha():
+            self._stranger(name, word)
+        else:
+            self._argument(word)
+        return False
+
+    def _open_since(self, line: int) -> None:
+        """A block is open since the line of its first word."""
+        if self.fresh:
+            self.opened, self.fresh = line, False
 
     # -- statements ----------------------------------------------------------------------------------------
 
     def _begin(self, name: str, word: Word, block: int) -> None:
-        self.current = Raw(name, word, block)
+        self.current = Raw(name, block, word.line)
         self.result.statements.append(self.current)
 
     def _append(self, word: Word) -> None:
         assert self.current is not None
-        self.current.words.append(word)
+        self.current.append(word)
+
+    def _wants_first_name(self) -> bool:
+        """Whether the statement has no word yet and begins with a name, so that the next word is one on any line."""
+        current = self.current
+        return current is not None and not current.texts and 0 in NAME_PLACES.get(current.keyword, ())
 
     def _wants_name(self, word: Word) -> bool:
         """Whether the word is a name; behind other arguments a name stands on their line, else it was left out."""
         current = self.current
-        if current is None or len(current.words) not in NAME_PLACES.get(current.keyword, ()):
+        if current is None or len(current.texts) not in NAME_PLACES.get(current.keyword, ()):
             return False
-        return not (current.words and word.first)
+        return not (current.texts and word.first)
 
     def _argument(self, word: Word) -> None:
         if self.current is not None:
             self._append(word)
         elif self.skipping:
             if self.result.strangers:
-                self.result.strangers[-1].words.append(word)
+                self.result.strangers[-1].append(word)
         else:
             self.error(word, f"'{word.text}' stands before any keyword of the {self._open()}", "structure")
             self.skipping = True
 
-    def _stranger(self, name: str, word: Word, i: int) -> None:
+    def _stranger(self, name: str, word: Word) -> None:
         """A word that starts with a letter and is no keyword of this block."""
         blocks = blocks_of(name)
         if blocks:
-            self._other_block(name, word, i)
+            self._other_block(name, word)
             return
         if self.current is not None and not word.first:
-            room = len(self.current.words) < NAMES[self.current.block][self.current.keyword]
+            room = len(self.current.texts) < NAMES[self.current.block][self.current.keyword]
             if room and (name in _NOT_NUMBERS or not name.isalpha() or not nearest(name, self.block)):
                 self._append(word)  # reported with the meaning of its position
                 return
@@ -135,13 +175,13 @@ class _Splitter:
         many = (
             len(self.findings.messages) > _SUGGESTIONS
         )  # a file that is no input at all must not take minutes
-        self.result.strangers.append(Raw(name, word, self.block))
+        self.result.strangers.append(Raw(name, self.block, word.line))
         self.error(word, unknown(word, self.block, suggest=not many), "unknown-keyword")
 
-    def _other_block(self, name: str, word: Word, i: int) -> None:
+    def _other_block(self, name: str, word: Word) -> None:
         other = blocks_of(name)[0]
         target = other.number
-        forward = target > self.block and not self._block_goes_on(i)
+        forward = target > self.block and not self._block_goes_on(word)
         if (self.block, target) not in self.misplaced or forward:
             self.misplaced.add((self.block, target))
             here = _BLOCK_NAMES[self.block]
@@ -164,10 +204,10 @@ class _Splitter:
                 self._next_block(word)
         self._begin(name, word, target)
 
-    def _block_goes_on(self, i: int) -> bool:
+    def _block_goes_on(self, word: Word) -> bool:
         """Whether a keyword that only the open block knows follows before the next END."""
-        for word in self.words[i:]:
-            name = word.text.upper()
+        for other in self.source.words[self.source.words.index(word) :]:
+            name = other.text.upper()
             if name == "END":
                 return False
             if name in NAMES[self.block] and {b.number for b in blocks_of(name)} == {self.block}:
@@ -189,41 +229,32 @@ class _Splitter:
         self._close(word.line, end)
         self.block += 1
         self.start = (word.line, end)
-        following = next((w for w in self.words if (w.line, w.column) >= self.start), None)
-        self.opened = following.line if following is not None else word.line
+        self.opened, self.fresh = word.line, True
 
-    def _end(self, i: int) -> int:
-        """Handle END at word `i`; the number of words to go on, 0 at the end of the analysis part."""
-        word = self.words[i]
-        follower = self.words[i + 1] if i + 1 < len(self.words) else None
-        if follower is None:
-            self._unfinished(" after a single END")
-            return 0
-        name = follower.text.upper()
-        end = follower.column + len(follower.text)
+    def _follows(self, end: Word, word: Word, name: str) -> tuple[bool, bool]:
+        """The word behind an END: whether that takes it, and whether it is the last one of the analysis part."""
+        place = word.column + len(word.text)
         if name == "END":
-            self._close(follower.line, end)
-            return 0
+            self._close(word.line, place)
+            return True, True
         if name == "HALT":
             if self.block == 3:
-                self.error(
-                    word,
-                    f"END HALT closes the {self._open()}, but no block follows: use END END",
-                    "structure",
-                )
-                self._close(follower.line, end)
-                return 0
-            self._next_block(follower)
-            return 2
+                text = f"END HALT closes the {self._open()}, but no block follows: use END END"
+                self.error(end, text, "structure")
+                self._close(word.line, place)
+                return True, True
+            self._next_block(word)
+            return True, False
         self.error(
-            follower,
+            word,
             f"END must be followed by HALT (another block follows) or END (end of the input), not by "
-            f"'{follower.text}'; the {self._open()} is open",
+            f"'{word.text}'; the {self._open()} is open",
             "structure",
         )
         if self.block < 3:
-            self._next_block(word)
-        return 1
+            self._next_block(end)
+            self._open_since(word.line)
+        return False, False
 
     def _unfinished(self, where: str) -> None:
         self._close(self.last_line, 10**6)

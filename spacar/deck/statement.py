@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple, cast
+
+from spacar.deck.lexer import columns_of
 
 Value = int | float | str
 
@@ -12,12 +14,12 @@ def number(value: Value) -> float:
     return value if isinstance(value, complex) else float(value)
 
 
-@dataclass(frozen=True, slots=True)
-class Statement:
+class Statement(NamedTuple):
     """One statement of an input file.
 
     `keyword` is in capitals with aliases resolved, `values` are typed by the keyword table, `block` is 1, 2
-    or 3, `line` that of the keyword, `lines` and `columns` those of every value (from 1).
+    or 3, `line` that of the keyword, `lines` those of every value (from 1). `place`: the columns of the values, or the
+    text of the line, when it holds this statement and nothing else.
     """
 
     keyword: str
@@ -25,7 +27,12 @@ class Statement:
     block: int
     line: int
     lines: tuple[int, ...]
-    columns: tuple[int, ...] = ()
+    place: tuple[int, ...] | str = ()
+
+    @property
+    def columns(self) -> tuple[int, ...]:
+        """Those of every value (from 1); none for a statement that follows from another one."""
+        return columns_of(self.place)[1:] if isinstance(self.place, str) else self.place
 
     @property
     def subject(self) -> str:
@@ -44,7 +51,7 @@ class Statement:
 
     def integers(self, start: int = 0) -> tuple[int, ...]:
         """The values from `start`, which the table declares integers."""
-        return tuple(self.integer(i) for i in range(start, len(self.values)))
+        return cast("tuple[int, ...]", self.values[start:])
 
     def reals(self, start: int, count: int, default: float = 0.0) -> tuple[float, ...]:
         """`count` values from `start`, missing ones replaced by `default`."""

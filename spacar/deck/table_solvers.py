@@ -68,13 +68,15 @@ KEYWORDS = (
     Keyword(
         "MODES",
         _D,
-        "number of modes of vibration and buckling (modes 7, 8, 10)",
+        "number of modes of vibration and buckling (modes 7, 8, 10; of large models also 4 and 9)",
         (form((integer("number of lowest modes; 0: all"),)),),
         unique=0,
         notes=(
             "Ours. Without it all modes of a model with up to 200 dynamic degrees of freedom are computed, and the 20 "
             "lowest of a larger one at rest. A larger model has sparse matrices instead of the reduced ones then; 0 "
             "asks for everything.",
+            "Modes 4 and 9 store sparse equations of models with more than 200 dynamic degrees of freedom, and their n "
+            "lowest modes only with MODES n; 0 asks for the reduced matrices and A, B, C, D.",
         ),
     ),
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from functools import cache
 
 COORDINATES = {"position": (2, 3), "orientation": (1, 4), "warping": (0, 1)}
 """Number of coordinates of a node by its role, in planar and in spatial models."""
@@ -23,6 +24,8 @@ class BlockKind(Enum):
     TRAJECTORY = "block of trajectories, nominal inputs and reference outputs (modes 2 and 3)"
     LINEARIZATION = "block of linearization inputs and outputs (modes 4 and 9)"
     SIMULATION = "block of simulation inputs and outputs"
+
+    __hash__ = object.__hash__  # of the object, not of its name in Python: tables of keywords are asked often
 
     @property
     def number(self) -> int:
@@ -104,10 +107,16 @@ class Keyword:
     @property
     def subject(self) -> int | None:
         """Index of the argument that names the node or element that the statement is about."""
-        for i, parameter in enumerate(self.variants[0].parameters):
-            if parameter.of == "element" or parameter.of.endswith("node"):
-                return i
-        return None
+        return subject_of(self)
+
+
+@cache
+def subject_of(keyword: Keyword) -> int | None:
+    """`Keyword.subject`, looked up once."""
+    for i, parameter in enumerate(keyword.variants[0].parameters):
+        if parameter.of == "element" or parameter.of.endswith("node"):
+            return i
+    return None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

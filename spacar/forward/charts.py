@@ -107,7 +107,7 @@ def _in_chart(statements: tuple[Statement, ...], dependent: Mapping[int, int]) -
     for node, c in dependent.items():
         origin = next(s for s in statements if s.keyword == "DYNX" and s.values[0] == node)
         others = tuple(k for k in (1, 2, 3, 4) if k != c)
-        found.append(replace(origin, values=(node, *others), columns=()))
+        found.append(origin._replace(values=(node, *others), place=()))
     return found
 
 

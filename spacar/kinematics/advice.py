@@ -14,7 +14,7 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
-from spacar.deck.checks_references import keyword_of
+from spacar.deck.keyword_table import keyword_of
 from spacar.kinematics.self_stress import redundancies
 from spacar.mechanism.mechanism import Mechanism
 
@@ -109,7 +109,7 @@ def _named(deck: Deck) -> set[tuple[int, int]]:
     for s in deck.statements:
         if s.block == 1:
             continue
-        keyword = keyword_of(s, deck.third)
+        keyword = keyword_of(s.keyword, s.block, deck.third)
         subject = keyword.subject
         if subject is None or keyword.variants[0].parameters[subject].of != "element":
             continue

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
+from spacar.arrays import Array
 from spacar.frame import Frame
 from spacar.kinematics.kinematics import Kinematics
 from spacar.kinematics.second_order_transfer import second_order_transfer
@@ -16,6 +17,20 @@ if TYPE_CHECKING:
 FIRST, SECOND = 1, 2  # flags of the sbd level, and of the log level, which has more:
 THIRD, GLOBAL_DEFORMATION = 4, 8
 LARGEST_THIRD = 10_000_000  # numbers of a third order tensor; larger ones are refused
+
+
+class FirstOrder(Protocol):
+    """Transfer functions of the degrees of freedom, (nx, n) and (ne, n): W and We of rates, G and Ge of the
+    configuration."""
+
+    @property
+    def W(self) -> Array: ...
+    @property
+    def We(self) -> Array: ...
+    @property
+    def G(self) -> Array: ...
+    @property
+    def Ge(self) -> Array: ...
 
 
 class TransferOutput:
@@ -45,19 +60,19 @@ class TransferOutput:
         """Whether anything is added."""
         return bool(self.level or self.log & (FIRST | SECOND | THIRD | GLOBAL_DEFORMATION))
 
-    def add(self, frame: Frame, k: Kinematics) -> Frame:
-        """The same frame with the transfer functions of the present configuration."""
+    def add(self, frame: Frame, k: Kinematics, known: FirstOrder | None = None) -> Frame:
+        """The same frame with the transfer functions of the present configuration; `known` of a linearization there."""
         if self.log & GLOBAL_DEFORMATION:
             frame.log["bigd"] = k.sweep.gradient()
         if not self.level and not self.log & (FIRST | SECOND | THIRD):
             return frame
-        W = velocity_transfer(k)
-        G = configuration_transfer(k, W)
+        W = velocity_transfer(k) if known is None else known.W
+        G = configuration_transfer(k, W) if known is None else known.G
         if (self.level | self.log) & FIRST:
-            frame.log["dx"], frame.log["de"] = G, k.sweep_rates(G)
+            frame.log["dx"], frame.log["de"] = G, k.sweep_rates(G) if known is None else known.Ge
         if self.level & FIRST:
             frame.dx, frame.de = frame.log["dx"], frame.log["de"]
-            frame.dxc, frame.dec = W, k.sweep_rates(W)
+            frame.dxc, frame.dec = W, frame.de if G is W else k.sweep_rates(W) if known is None else known.We
         if self.level & SECOND or self.log & (SECOND | THIRD):
             d2x, d2e = second_order_transfer(k, G)
             flat = [A.reshape(len(A), -1, order="F") for A in (d2x, d2e)]

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from spacar.arrays import Array, Index
 from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
+from spacar.linear_systems import DENSE_LIMIT
 from spacar.linearization.matrices import Linearization
 from spacar.linearization.state_matrix import assembled_state_matrix
 
@@ -59,8 +60,11 @@ def is_zero(values: Complex) -> NDArray[np.bool_]:
     return np.asarray(np.abs(values) <= np.sqrt(np.finfo(float).eps) * largest)
 
 
-def vibration_modes(L: Linearization, q: Index, s: Index, report: Report, static: Index | None = None) -> Modes:
-    """All eigenvalues and eigenvectors about the linearization point for the rows q, s (see chosen_rows).
+def vibration_modes(
+    L: Linearization, q: Index, s: Index, report: Report, static: Index | None = None, wanted: int | None = None
+) -> Modes:
+    """Eigenvalues and eigenvectors about the linearization point for the rows q, s (see chosen_rows): all, or at least
+    the `wanted` pairs of lowest modulus.
 
     `static` are degrees of freedom that may have no inertia: those without mass and damping follow the others by
     K alone, and only the finite eigenvalues are returned (theory-warping.md section 1).
@@ -70,7 +74,7 @@ def vibration_modes(L: Linearization, q: Index, s: Index, report: Report, static
         still = np.isin(q, static) & ~M.any(axis=1) & ~C.any(axis=1) & ~C.any(axis=0)
         if still.any():
             return _condensed(M, C, K, still, report)
-    return modes_of_matrices(M, C, K, L.ak0[np.ix_(s, q)], L.bk0[np.ix_(s, s)], report)
+    return modes_of_matrices(M, C, K, L.ak0[np.ix_(s, q)], L.bk0[np.ix_(s, s)], report, wanted)
 
 
 def _condensed(M: Array, C: Array, K: Array, still: NDArray[np.bool_], report: Report) -> Modes:
@@ -95,13 +99,15 @@ def _condensed(M: Array, C: Array, K: Array, still: NDArray[np.bool_], report: R
     return arranged(modes.values, vectors, len(K))
 
 
-def modes_of_matrices(M: Array, C: Array, K: Array, ak0: Array, bk0: Array, report: Report) -> Modes:
+def modes_of_matrices(
+    M: Array, C: Array, K: Array, ak0: Array, bk0: Array, report: Report, wanted: int | None = None
+) -> Modes:
     """The same from M, C (q, q), K (q, s) and the kinematic matrices ak0 (s, q), bk0 (s, s).
 
     Raises AnalysisError for a singular or indefinite mass matrix.
     """
     if K.shape[0] == K.shape[1] and is_symmetric(K) and is_symmetric(M):
-        return damped_modes(K, C, M, report) if matters(C, M, K) else undamped_modes(K, M, report)
+        return damped_modes(K, C, M, report) if matters(C, M, K) else undamped_modes(K, M, report, wanted)
     values, vectors = _eig(assembled_state_matrix(M, C, K, ak0, bk0), report)
     if K.shape[0] == K.shape[1] and np.array_equal(ak0, np.eye(len(K))) and not bk0.any():
         values, vectors = _with_low_modes_of_the_inverse(M, C, K, values, vectors)
@@ -181,9 +187,13 @@ def _eig(A: Array, report: Report) -> tuple[Complex, Complex]:
     return values, vectors
 
 
-def undamped_modes(K: Array, M: Array, report: Report) -> Modes:
-    """Modes of M qdd + K q = 0 from the symmetric eigenproblem. Raises AnalysisError for an indefinite mass matrix."""
+def undamped_modes(K: Array, M: Array, report: Report, wanted: int | None = None) -> Modes:
+    """Modes of M qdd + K q = 0 from the symmetric eigenproblem, all or the `wanted` of lowest modulus. Raises
+    AnalysisError for an indefinite mass matrix."""
     squares, shapes = polished(K, M, *symmetric_pencil(K, M))
+    if wanted is not None and wanted < len(squares):
+        lowest = np.sort(np.argsort(np.abs(squares), kind="stable")[:wanted])
+        squares, shapes = squares[lowest], shapes[:, lowest]
     eta = backward_error.of_pencil(K, M, squares, shapes, 1.0 / np.sqrt(np.diag(M)))
     backward_error.warn(report, eta, squares, "omega^2")
     root = np.sqrt(squares.astype(complex))  # omega, or i kappa for an unstable mode
@@ -202,16 +212,28 @@ def symmetric_pencil(K: Array, M: Array) -> tuple[Array, Array]:
         )
     scale = 1.0 / np.sqrt(diagonal)
     try:
-        lower = np.linalg.cholesky(M * np.outer(scale, scale))
+        squares, vectors = _pencil(K * np.outer(scale, scale), M * np.outer(scale, scale))
     except np.linalg.LinAlgError:
         raise AnalysisError(
             "the mass matrix is not positive definite; a motion carries no mass", "dynamics.singular-mass"
         ) from None
-    half = np.linalg.solve(lower, K * np.outer(scale, scale))
+    return squares, vectors * scale[:, None]
+
+
+def _pencil(K: Array, M: Array) -> tuple[Array, Array]:
+    """omega^2 ascending and vectors; by one routine of LAPACK where SciPy is loaded in any case, as it needs half of
+    the time. Raises LinAlgError when M is not positive definite."""
+    if len(K) > DENSE_LIMIT:
+        from scipy.linalg.lapack import dsygvd
+
+        squares, vectors, failed = dsygvd(K, M)
+        if not failed:
+            return squares, vectors
+    lower = np.linalg.cholesky(M)
+    half = np.linalg.solve(lower, K)
     reduced = np.linalg.solve(lower, half.T)
     squares, vectors = np.linalg.eigh((reduced + reduced.T) / 2)
-    shapes = np.linalg.solve(lower.T, vectors) * scale[:, None]
-    return squares, shapes
+    return squares, np.linalg.solve(lower.T, vectors)
 
 
 def polished(K: Array, M: Array, squares: Array, shapes: Array) -> tuple[Array, Array]:
@@ -279,6 +301,7 @@ def arranged(values: Complex, vectors: Complex, n_positions: int, motions: Compl
         motions = motions * phase if motions is not None else None
     modulus = np.abs(values)
     # conjugates have equal moduli up to rounding: compare with fewer digits, then by imaginary part
-    rounded = np.array([float(f"{m:.10e}") for m in modulus])
+    size = 10.0 ** np.floor(np.log10(np.where(modulus > 0.0, modulus, 1.0)))
+    rounded = np.round(modulus / size, 10) * size
     order = np.lexsort((-values.imag, -np.abs(values.imag), -rounded))
     return Modes(values[order], vectors[:, order], n_positions, motions[:, order] if motions is not None else None)

@@ -17,9 +17,12 @@ import numpy as np
 from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.linear.backward_error import EPS
+from spacar.linear.descriptor import DescriptorSystem
+from spacar.linear.sparse_linearization import SparseLinearization
 from spacar.linear.state_space import Signal, chosen_rows
 from spacar.linearization.matrices import Linearization
 
+NOISE = 1e3  # times the rounding that three random probes show: what acts exceeds it by far
 SERIES = {"INX": ("INX", "INXP", "INXDP"), "INE": ("INE", "INEP", "INEDP")}
 
 
@@ -49,6 +52,24 @@ class IdleInputs:
                 self.acting[j, 0] |= bool(
                     np.any(np.abs(transfer[signal.index, q]) > n.ndof * EPS * np.abs(transfer[:, q]).max(axis=0))
                 ) if len(q) else False  # fmt: skip
+
+    def see_sparse(self, linearization: SparseLinearization, system: DescriptorSystem) -> None:
+        """The same for a large model: B of the values, rates and accelerations against the rounding in it."""
+        self.has_states = True
+        if self.all_acted:
+            return
+        tried = [(j, k, Signal(kind, signal.index, signal.name)) for j, signal in enumerate(self.inputs)
+                 for k, kind in enumerate(SERIES.get(signal.kind[:3], (signal.kind,)))]  # fmt: skip
+        B = linearization.input_matrix([signal for _, _, signal in tried])
+        effect, rounding = system.effects(B)
+        acts = np.any(np.abs(effect) > NOISE * rounding, axis=0)
+        for (j, k, _), acting in zip(tried, acts.tolist(), strict=True):
+            self.acting[j, k] |= acting
+
+    @property
+    def all_acted(self) -> bool:
+        """Did every input act at some step?"""
+        return not any(self._idle(j) for j in range(len(self.inputs)))
 
     def lines(self) -> list[str]:
         """One warning for every input that acted at no step."""

@@ -7,31 +7,64 @@ with the strain energy k a^2/2 + a c.dx, c proportional to the stresses. It is e
     [ K0  0 ]          [ G0 + sum c c^T/k   c ]
     [ 0   k ] + lambda [ c^T                0 ],        sum c c^T/k only where the element has eliminated a
 
-For lambda = 1 the elimination of a gives the tangent K0 + G0 again (where a is eliminated).
+For lambda = 1 the elimination of a gives the tangent K0 + G0 again (where a is eliminated). For one extra load with the
+stresses s1 beside the present ones, c = c0 + lambda c1:
+
+    [ K + sum c0 c0^T/k   c0 ]          [ G1 + sum c1 c1^T/k   c1 ]
+    [ c0^T                k  ] + lambda [ c1^T                 0  ],       sums as above, G1 the stiffness of s1 alone
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.linearization.matrices import Linearization
 
 
-def internal_unknowns(dynamics: Dynamics, sigma: Array) -> tuple[Array, Array, Array]:
-    """Couplings (nx, m), stiffnesses (m,) and which are eliminated (m,), of all elements that have such an unknown."""
-    sweep = dynamics.sweep
-    found: list[tuple[Array, Array, Array]] = [(np.zeros((sweep.nx, 0)), np.zeros(0), np.zeros(0, bool))]
+class ElementUnknowns(NamedTuple):
+    """Of one batch: rows (n, m) of the coordinates of the elements that have an unknown, coupling (n, m), stiffness
+    (m,), eliminated (m,)."""
+
+    rows: Index
+    coupling: Array
+    stiffness: Array
+    eliminated: NDArray[np.bool_]
+
+
+def element_unknowns(dynamics: Dynamics, sigma: Array, other: Array | None = None) -> list[ElementUnknowns]:
+    """Of all batches that have such unknowns, at the stresses sigma (ne,); also of elements where only the stresses
+    `other` (ne,) couple."""
+    sweep, found = dynamics.sweep, []
     for b in sweep.curved:
-        internal = b.family.internal(sweep.configuration[b.index], sigma[b.e])
+        configuration = sweep.configuration[b.index]
+        internal = b.family.internal(configuration, sigma[b.e])
         if internal is None:
             continue
-        has = np.flatnonzero(np.isfinite(internal.stiffness) & internal.coupling.any(0))
-        coupling = np.zeros((sweep.nx, len(has)))
-        np.add.at(coupling, (b.x[:, has], np.arange(len(has))), internal.coupling[:, has])
-        found.append((coupling, internal.stiffness[has], internal.eliminated[has]))
-    couplings, stiffnesses, eliminated = zip(*found, strict=True)
+        coupled = internal.coupling.any(0)
+        if other is not None:
+            beside = b.family.internal(configuration, other[b.e])
+            coupled = coupled | (beside is not None and beside.coupling.any(0))
+        has = np.flatnonzero(np.isfinite(internal.stiffness) & coupled)
+        found.append(
+            ElementUnknowns(b.x[:, has], internal.coupling[:, has], internal.stiffness[has], internal.eliminated[has])
+        )
+    return found
+
+
+def internal_unknowns(dynamics: Dynamics, sigma: Array, other: Array | None = None) -> tuple[Array, Array, Array]:
+    """Couplings (nx, m), stiffnesses, which are eliminated (m,) of `element_unknowns`."""
+    nx = dynamics.numbering.nx
+    parts: list[tuple[Array, Array, Array]] = [(np.zeros((nx, 0)), np.zeros(0), np.zeros(0, bool))]
+    for u in element_unknowns(dynamics, sigma, other):
+        coupling = np.zeros((nx, len(u.stiffness)))
+        np.add.at(coupling, (u.rows, np.arange(len(u.stiffness))), u.coupling)
+        parts.append((coupling, u.stiffness, u.eliminated))
+    couplings, stiffnesses, eliminated = zip(*parts, strict=True)
     return np.concatenate(couplings, axis=1), np.concatenate(stiffnesses), np.concatenate(eliminated)
 
 
@@ -41,7 +74,21 @@ def buckling_matrices(dynamics: Dynamics, L: Linearization, dynamic: Index) -> t
     coupling, k, eliminated = internal_unknowns(dynamics, L.sigma)
     c = L.W[:, dynamic].T @ coupling
     n, m = c.shape
-    G0 = np.zeros((n + m, n + m))
-    G0[:n, :n] = L.g0[block] + (c * (eliminated / k)) @ c.T
-    G0[:n, n:], G0[n:, :n] = c, c.T
+    G0 = _bordered(L.g0[block], c, eliminated / k, np.zeros(m))
     return np.block([[L.k0[block], np.zeros((n, m))], [np.zeros((m, n)), np.diag(k)]]), G0
+
+
+def extra_load_matrices(
+    dynamics: Dynamics, L: Linearization, rows: Index, K: Array, G1: Array, s1: Array
+) -> tuple[Array, Array]:
+    """K of the present state and G1 of the extra stresses s1 (ne,), both (n, n) over the degrees of freedom `rows`,
+    with the unknowns inside elements."""
+    c0, k, eliminated = internal_unknowns(dynamics, L.sigma, s1)
+    c1 = internal_unknowns(dynamics, s1, L.sigma)[0]
+    W, part = L.W[:, rows].T, eliminated / k
+    return _bordered(K, W @ c0, part, k), _bordered(G1, W @ c1, part, np.zeros(len(k)))
+
+
+def _bordered(A: Array, c: Array, part: Array, diagonal: Array) -> Array:
+    """[A + c part c^T, c; c^T, diagonal]."""
+    return np.block([[A + (c * part) @ c.T, c], [c.T, np.diag(diagonal)]])

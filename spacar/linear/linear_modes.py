@@ -18,12 +18,12 @@ from spacar.kinematics.output import TransferOutput
 from spacar.kinematics.regularity import Regularity
 from spacar.linear.buckling import NO_STRESS, BucklingModes, buckling_modes, directional_compliances
 from spacar.linear.eigen import Modes, vibration_modes
-from spacar.linear.idle_inputs import IdleInputs
-from spacar.linear.internal_unknowns import buckling_matrices, internal_unknowns
+from spacar.linear.internal_unknowns import buckling_matrices
 from spacar.linear.large_results import buckling_motions, sparse_matrices, vibration_motions
-from spacar.linear.linearization_signals import linearization_signals
-from spacar.linear.lowest import WANTED, lowest_buckling, lowest_vibration, sparse_compliances
-from spacar.linear.state_space import Signal, chosen_rows, has_feedthrough, state_space
+from spacar.linear.lowest import WANTED, lowest_vibration, sparse_compliances
+from spacar.linear.lowest_multipliers import lowest_buckling
+from spacar.linear.state_space import chosen_rows
+from spacar.linear.stored_system import StoredSystem
 from spacar.linear_systems import SingularMatrixError
 from spacar.linearization.matrices import Linearization, linearize
 from spacar.stationary import LoadLevel, StationarySolver, load_program
@@ -34,26 +34,24 @@ from spacar.stream import Run
 # Dynamic degrees of freedom above which no dense matrices are formed: measured, docs/performance.md "Sizes".
 LARGE = 200
 SHARE = 4  # all modes of a model cost less than its lowest ones if these are more than one of four
-NO_TWIST_GRADIENT = (
-    "warning: load multipliers of large systems leave out the twist gradient of beams in the angle measure, so they"
-    " converge with order 2 in the length of the elements; MODES 0 asks for the dense matrices, that contain it"
-)
 LOST = 1e-6  # chosen: relative error of the matrices that a user shall know of
 
 
 def forward(run: Run) -> Iterator[Frame]:
     """Mode 4: forward dynamics, linearized at every output step."""
     output = TransferOutput(run)
-    inputs, outputs = _announce(run)
-    idle = IdleInputs(inputs)
+    store = _stored_system(run, may_move=True)
     for evaluator, frame in motion(run):
         dynamics = evaluator.settled()
+        if store.sparse:
+            store.add_sparse(frame, dynamics, frame.xdd, frame.sig, frame.t)
+            yield frame
+            continue
         L = linearize(dynamics, frame.xdd, frame.sig, t=frame.t)
         _store_matrices(frame, L, dynamics)
-        _store_state_space(frame, L, dynamics, inputs, outputs)
-        idle.see(dynamics, L)
-        yield output.add(frame, dynamics.kinematics)
-    run.report.lines.extend(idle.lines())
+        store.add(frame, L, dynamics)
+        yield output.add(frame, dynamics.kinematics, L)
+    run.report.lines.extend(store.idle.lines())
 
 
 def eigenvalues(run: Run) -> Iterator[Frame]:
@@ -80,14 +78,13 @@ def vibration_and_buckling(run: Run) -> Iterator[Frame]:
 
 def state_space_matrices(run: Run) -> Iterator[Frame]:
     """Mode 9: stationary solution, state space matrices."""
-    inputs, outputs = _announce(run)
-    idle = IdleInputs(inputs)
-    for solution in stationary(run, reducible=False):
-        assert solution.L is not None
-        _store_state_space(solution.frame, solution.L, solution.dynamics, inputs, outputs)
-        idle.see(solution.dynamics, solution.L)
+    n = run.mechanism.numbering
+    store = _stored_system(run, may_move=bool(n.nk or len(n.rheonomic)))
+    for solution in stationary(run, store=store):
+        if solution.L is not None:
+            store.add(solution.frame, solution.L, solution.dynamics)
         yield solution.frame
-    run.report.lines.extend(idle.lines())
+    run.report.lines.extend(store.idle.lines())
 
 
 @dataclass(frozen=True)
@@ -105,13 +102,34 @@ class LinearizedSolution:
     reduced: bool
 
 
-def stationary(run: Run, reducible: bool = True) -> Iterator[LinearizedSolution]:
-    """The stored stationary solutions. `reducible`: no dense matrices for large systems unless OUTLEVEL asks."""
+def _stored_system(run: Run, may_move: bool) -> StoredSystem:
+    """What modes 4 and 9 store, by the size of the model and what is asked for."""
+    settings, n = run.mechanism.settings, run.mechanism.numbering.nddof
+    wanted = settings.modes or 0
+    sparse = n > LARGE and settings.sbd_level is None and settings.modes != 0 and wanted * SHARE <= n
+    if sparse:
+        lowest = f"the {wanted} lowest modes with their motions and " if wanted else ""
+        run.report.add(
+            f"{n} dynamic degrees of freedom (more than {LARGE}): {lowest}sparse linearized equations are computed, no"
+            " reduced matrices, no A, B, C, D and no transfer functions; --modes N or MODES N asks for the N lowest"
+            " modes, 0 for everything"
+        )
+    return StoredSystem(run, sparse, wanted, may_move)
+
+
+def stationary(
+    run: Run, reducible: bool = True, store: StoredSystem | None = None
+) -> Iterator[LinearizedSolution]:
+    """The stored stationary solutions. `reducible`: no dense matrices for large systems unless OUTLEVEL asks; with a
+    `store` that is sparse this makes the linearizations.
+    """
     mechanism, settings = run.mechanism, run.mechanism.settings
     n = mechanism.numbering
     program = load_program(settings)
     run.n_frames = stored_levels(settings)
     solver = StationarySolver(mechanism, run.report)
+    descriptor = store is not None and store.sparse
+    reducible = reducible and store is None
     reduced = reducible and solver.sparse and n.nddof > LARGE and settings.sbd_level is None
     wanted = n.nddof if settings.modes == 0 else settings.modes or (WANTED if reduced else n.nddof)
     reduced = reduced and (settings.modes is None or wanted * SHARE <= n.nddof)
@@ -132,7 +150,7 @@ def stationary(run: Run, reducible: bool = True) -> Iterator[LinearizedSolution]
         dynamics, state = solver.dynamics, solver.solution
         if "condition" not in run.header:
             run.header["condition"] = condition_number(dynamics.kinematics)
-            say_lost_digits(run, reduced)
+            say_lost_digits(run, reduced or descriptor)
         limits = limits or Limits(dynamics, run.report)
         convected = dynamics.forces.inertia(dynamics.sweep, dynamics.xd)
         frame = dynamics.complete(
@@ -142,6 +160,13 @@ def stationary(run: Run, reducible: bool = True) -> Iterator[LinearizedSolution]
         singular = _is_dead_point(run, solver, level, frame.t, reducible)
         frame.statistics = {"iterations": iterations, "residual": state.norm}
         stored, iterations = stored + 1, 0
+        if store is not None and descriptor:
+            if solver.sparse:
+                solver.sparse_tangent().sigma = state.sigma
+                frame.matrices.update(sparse_matrices(solver.sparse_tangent()))
+            store.add_sparse(frame, dynamics, state.xdd, state.sigma, 0.0)
+            yield LinearizedSolution(frame, dynamics, None, None, wanted, reduced=True)
+            continue
         if reduced or singular:
             tangent = solver.sparse_tangent()
             tangent.sigma = state.sigma
@@ -151,7 +176,7 @@ def stationary(run: Run, reducible: bool = True) -> Iterator[LinearizedSolution]
             continue
         L = linearize(dynamics, state.xdd, state.sigma)
         _store_matrices(frame, L, dynamics)
-        yield LinearizedSolution(output.add(frame, dynamics.kinematics), dynamics, L, None, wanted, reduced)
+        yield LinearizedSolution(output.add(frame, dynamics.kinematics, L), dynamics, L, None, wanted, reduced)
 
 
 def say_lost_digits(run: Run, reduced: bool) -> None:
@@ -206,7 +231,7 @@ def _store_vibration(run: Run, solution: LinearizedSolution) -> None:
     else:
         assert solution.L is not None
         rows = chosen_rows(solution.L, solution.dynamics)
-        modes = vibration_modes(solution.L, *rows, run.report, run.mechanism.numbering.twist_rates)
+        modes = vibration_modes(solution.L, *rows, run.report, run.mechanism.numbering.twist_rates, solution.wanted)
     store = solution.frame.matrices
     if solution.reduced:
         store.update(vibration_motions(modes))
@@ -246,8 +271,6 @@ def _store_buckling(run: Run, solution: LinearizedSolution, required: bool = Tru
         frame.xcompl = directional_compliances(L, dynamic, run.report)
     try:
         if tangent is not None:
-            if internal_unknowns(solution.dynamics, tangent.sigma)[1].size:
-                run.report.add(NO_TWIST_GRADIENT)
             modes = lowest_buckling(tangent, run.report, solution.wanted)
             if not len(modes.multipliers):
                 run.report.add(NO_STRESS)
@@ -264,29 +287,3 @@ def _store_buckling(run: Run, solution: LinearizedSolution, required: bool = Tru
     frame.matrices["lmult"], frame.matrices["bmode"] = modes.multipliers[:n], modes.modes[:, :n]
     if solution.reduced:
         frame.matrices.update(buckling_motions(modes, run.mechanism.numbering.nx))
-
-
-def _announce(run: Run) -> tuple[list[Signal], list[Signal]]:
-    """Signals of the third block, and the header of the ltv file."""
-    inputs, outputs = linearization_signals(run.mechanism)
-    n = run.mechanism.numbering
-    run.header.update(NNOM=len(inputs), NX=n.nkddof + n.nddof, NU=len(inputs), NY=len(outputs), NRBM=n.nddof)
-    run.header.update(X0=np.zeros(n.nkddof + n.nddof))
-    run.header.update(inputs=[s.name for s in inputs], outputs=[s.name for s in outputs])
-    return inputs, outputs
-
-
-def _store_state_space(
-    frame: Frame, L: Linearization, dynamics: Dynamics, inputs: list[Signal], outputs: list[Signal]
-) -> None:
-    ss = state_space(dynamics, L, inputs, outputs)
-    q, s = chosen_rows(L, dynamics)
-    if inputs and len(q):
-        n = dynamics.numbering
-        frame.matrices["b0"] = (L.m0[np.ix_(q, q)] @ ss.B[len(s) :]).reshape(n.nddof, len(inputs))
-    store = frame.state_space
-    store["A"], store["B"], store["C"] = ss.A, ss.B, ss.C
-    if has_feedthrough(inputs, outputs):
-        store["D"] = ss.D
-    if len(q):
-        store["m0"], store["c0b"], store["k0b"] = L.m0[np.ix_(q, q)], L.damping[np.ix_(q, q)], L.stiffness[np.ix_(q, s)]

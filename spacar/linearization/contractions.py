@@ -31,6 +31,11 @@ def _by_rows(sweep: ElementSweep, fill: Callable[[Batch, Array], None]) -> Matri
     return matrix(np.concatenate(rows), np.concatenate(columns), np.concatenate(values), (sweep.ne, sweep.nx))
 
 
+def block_pattern(sweep: ElementSweep) -> Matrix:
+    """Positive numbers where H1, H2 and T may have entries, (ne, nx)."""
+    return _by_rows(sweep, lambda b, out: out.fill(1.0))
+
+
 def gradient_rate(sweep: ElementSweep, v: Array) -> Matrix:
     """H1(v), (ne, nx)."""
     return _by_rows(sweep, lambda b, out: b.family.gradient_rate(sweep.configuration[b.index], v[b.x], out))

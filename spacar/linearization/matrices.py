@@ -22,20 +22,10 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
-from spacar.dynamics.forces import StressLaw, moment_gradient
+from spacar.dynamics.forces import StressLaw
 from spacar.kinematics.transfer import configuration_transfer, velocity_transfer
-from spacar.linear_systems.matrix import Matrix, dense, diagonal_matrix, is_zero_matrix, matrix, zero_matrix
-from spacar.linearization.contractions import (
-    geometric_stiffness,
-    gradient_matrix,
-    gradient_rate,
-    gradient_transport,
-    inertia_blocks,
-    mass_matrix,
-    rate_gradient,
-    scatter,
-)
-from spacar.mechanism.mechanism import UserForces
+from spacar.linear_systems.matrix import Matrix, dense, is_zero_matrix, zero_matrix
+from spacar.linearization.coefficients import Coefficients, coefficients
 
 
 @dataclass(frozen=True)
@@ -102,48 +92,29 @@ def linearize(
     The rows fixed, input and dynamic of sigma are replaced by the equilibrium values. `law` overrides which rows are
     elastic (mode 3 treats prescribed deformations as dynamic).
     """
-    k, sweep, n = dynamics.kinematics, dynamics.sweep, dynamics.numbering
-    law = law or dynamics.law
-    x, xd = k.x, dynamics.xd
-    sweep.mass()
-    V, M = gradient_matrix(sweep), mass_matrix(sweep)
+    k, n = dynamics.kinematics, dynamics.numbering
+    c = coefficients(dynamics, xdd, sigma, law=law, t=t)
+    V, M, Me = c.V, c.M, c.deformation_inertia
     W = velocity_transfer(k)
     G = configuration_transfer(k, W)
     We = V @ W
     Ge = We if G is W else V @ G
-    user = dynamics.forces.user(t, sweep.e, V @ xd, x, xd) if dynamics.forces.user is not None else None
-    edd = V @ xdd + sweep.convective(xd)
-    sigma = equilibrium_stresses(dynamics, xdd, edd, sigma, user)
-    moving = bool(xd.any() or xdd.any())
-    rates = _rates(dynamics, V, W, G, xdd) if moving else _no_rates(n.ne, n.nx, n.ndof, n.nkdof)
+    rates = _rates(dynamics, c, W, G) if c.moving else _no_rates(n.ne, n.nx, n.ndof, n.nkdof)
     Z, Ze, Y, Ye, Yv, Yev = rates
-
-    by_x, by_v = inertia_blocks(sweep, xd, xdd)
-    inertia_x, h_v = scatter(n.nx, by_x), scatter(n.nx, by_v)
-    gravity_x = load_gradient(dynamics)
-    Me = matrix(*dynamics.mechanism.deformation_inertia, (n.ne, n.ne))
-    Hs = geometric_stiffness(sweep, sigma + Me @ edd)
-    S, Sd = matrix(*law.stiffness, (n.ne, n.ne)), matrix(*law.damping, (n.ne, n.ne))
-    force_k, force_d = np.zeros(n.nx), np.zeros(n.nx)
-    if user is not None:
-        active = np.arange(n.ne) >= law.first
-        S, Sd = S + diagonal_matrix(user.sigma_k * active), Sd + diagonal_matrix(user.sigma_d * active)
-        force_k, force_d = user.force_k, user.force_d
-    load_x, load_v = diagonal_matrix(force_k), diagonal_matrix(force_d)
     ak0, bk0 = _kinematic(dynamics, W, We, Z, Ze)
-    m0, c0 = _between(W, M, W) + _between(We, Me, We), _between(W, h_v, W)
-    d0, n0 = _between(We, Sd, We) + _between(W, load_v, W), _between(W, inertia_x, G)
-    if moving:
+    m0, c0 = _between(W, M, W) + _between(We, Me, We), _between(W, c.inertia_v, W)
+    d0, n0 = _between(We, c.Sd, We) + _between(W, c.user_v, W), _between(W, c.inertia_x, G)
+    if c.moving:
         c0 += W.T @ (M @ Yv) + _between(We, Me, Yev)
-        n0 += W.T @ (M @ Y + h_v @ Z + load_v @ Z) + _between(We, Sd, Ze) + _between(We, Me, Ye)
+        n0 += W.T @ (M @ Y + c.inertia_v @ Z + c.user_v @ Z) + _between(We, c.Sd, Ze) + _between(We, Me, Ye)
     return Linearization(
         m0=m0, c0=c0, d0=d0,
-        k0=_between(We, S, Ge) + _between(W, load_x, G),
+        k0=_between(We, c.S, Ge) + _between(W, c.user_x, G),
         n0=n0,
-        g0=_between(W, Hs + gravity_x, G),
+        g0=_between(W, c.geometric + c.gravity_x, G),
         ak0=ak0, bk0=bk0, W=W, We=We, G=G, Ge=Ge, Z=Z, Ze=Ze, Y=Y, Ye=Ye, Yv=Yv, Yev=Yev,
-        sigma=sigma, V=V, M=M, inertia_x=inertia_x + Hs, inertia_v=h_v,
-        load_x=gravity_x + load_x, load_v=load_v, S=S, Sd=Sd,
+        sigma=c.sigma, V=V, M=M, inertia_x=c.inertia_x + c.geometric, inertia_v=c.inertia_v,
+        load_x=c.gravity_x + c.user_x, load_v=c.user_v, S=c.S, Sd=c.Sd,
     )  # fmt: skip
 
 
@@ -154,49 +125,15 @@ def _between(left: Array, A: Matrix, right: Array) -> Array:
     return np.asarray((left.T @ A) @ right)
 
 
-def equilibrium_stresses(dynamics: Dynamics, xdd: Array, edd: Array, sigma: Array, user: UserForces | None) -> Array:
-    """sigma with the rows fixed, input, dynamic from the equilibrium of the calculable coordinates (10)."""
-    sweep = dynamics.sweep
-    sigma = sigma.copy()
-    force = sweep.mass_times(xdd) + dynamics.forces.inertia(sweep, dynamics.xd)
-    force -= dynamics.forces(dynamics.kinematics.x, user)
-    if dynamics.coupling.present:
-        force += sweep.rate_transposed(dynamics.coupling.stress(edd))
-    dynamics.kinematics.reactions(force, sigma)
-    return sigma
-
-
-def load_gradient(dynamics: Dynamics) -> Matrix:
-    """-df/dx of gravity and of constant global moments, (nx, nx); what user functions state belongs to K0 and D0."""
-    n, sweep = dynamics.numbering, dynamics.sweep
-    out = zero_matrix((n.nx, n.nx))
-    forces = dynamics.forces
-    zero = np.zeros(n.nx)
-    if forces.heavy and sweep.moving:
-        with_g, _ = inertia_blocks(sweep, zero, -forces.field)
-        without, _ = inertia_blocks(sweep, zero, zero)
-        out = scatter(n.nx, with_g) - scatter(n.nx, without)
-    rows = forces.loads.moment_rows
-    if rows.size:
-        gradient = -moment_gradient(forces.loads.moment)
-        i, j = (np.broadcast_to(r, gradient.shape).ravel() for r in (rows[:, None, :], rows[None, :, :]))
-        out = out + matrix(i, j, gradient.ravel(), (n.nx, n.nx))
-    return out
-
-
-def _rates(
-    dynamics: Dynamics, V: Matrix, W: Array, G: Array, xdd: Array
-) -> tuple[Array, Array, Array, Array, Array, Array]:
-    k, sweep, xd = dynamics.kinematics, dynamics.sweep, dynamics.xd
+def _rates(dynamics: Dynamics, c: Coefficients, W: Array, G: Array) -> tuple[Array, Array, Array, Array, Array, Array]:
+    k, V = dynamics.kinematics, c.V
     zero_x = np.zeros_like
-    H1v, H2v = gradient_rate(sweep, xd), gradient_transport(sweep, xd)
-    along = gradient_rate(sweep, xdd) + rate_gradient(sweep, xd)
-    Z = k.dependent(zero_x(G), -H1v @ G)
-    Ze = V @ Z + H1v @ G
-    convected = along @ G + (H1v + H2v) @ Z
+    Z = k.dependent(zero_x(G), -c.rate_x @ G)
+    Ze = V @ Z + c.rate_x @ G
+    convected = c.second_x @ G + c.second_v @ Z
     Y = k.dependent(zero_x(G), -convected)
     Ye = V @ Y + convected
-    swept = (H1v + H2v) @ W
+    swept = c.second_v @ W
     Yv = k.dependent(zero_x(W), -swept)
     return Z, Ze, Y, Ye, Yv, V @ Yv + swept
 

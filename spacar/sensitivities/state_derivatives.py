@@ -25,7 +25,7 @@ from spacar.mechanism.mechanism import Mechanism
 from spacar.sensitivities.directed_elements import DirectedElements
 from spacar.stationary import LoadLevel, StationarySolver
 from spacar.stationary.contract import Tangent
-from spacar.stationary.newton import SINGULAR
+from spacar.stationary.newton import SINGULAR, digits_left
 
 
 @dataclass(frozen=True)
@@ -144,7 +144,8 @@ def _solutions(tangent: Tangent, rights: list[Array], size: float, nf: int, leve
     except SingularMatrixError as error:
         raise _critical(level, error) from None
     growth = largest(solutions[:nf, -1])
-    if not (growth < SINGULAR and np.isfinite(solutions).all()):
+    kept = growth < SINGULAR or digits_left(tangent, solutions[:, -1], nf)
+    if not (kept and np.isfinite(solutions).all()):
         raise _critical(level, f"growth {growth:.2g}")
     return solutions[:, :-1]
 

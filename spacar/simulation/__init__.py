@@ -15,7 +15,7 @@ _HOME = {
     "Response": "response", "Sampled": "blocks", "Saturation": "switching_blocks", "Scope": "blocks",
     "SetpointSigma0": "setpoint_blocks", "SetpointU0": "setpoint_blocks", "Sine": "sources",
     "Spasim": "plant", "StepSignal": "sources", "Table": "time_tables", "TimeSeries": "sources",
-    "TimeVarying": "time_varying", "TimesM0": "setpoint_blocks",
+    "TimeVarying": "time_varying", "TimesM0": "setpoint_blocks", "TransportDelay": "transport_delay",
     "as_control": "control_systems", "closed_loop": "loop", "computed_torque": "feedback",
     "proportional_derivative": "blocks", "reduce_modes": "reduction",
     "sampled_linear": "sampled_blocks", "sampled_pid": "sampled_blocks", "sampled_rate_limiter": "sampled_blocks",

@@ -28,6 +28,7 @@ class Block:
     x0                initial continuous states
     breaks            times where the block's right-hand side jumps
     period, offset    a sampled block: its outputs change at offset + k period only [s]
+    lag               time that the block looks back, told of its inputs in every step (transport_delay.py) [s]
     n_events          number of functions of `events`; zero for a block that is smooth
     event_word        what the log calls its events: "limit of NAME"
 
@@ -39,6 +40,7 @@ class Block:
     period: float | None = None
     offset: float = 0.0
     delay: bool = False
+    lag: float = 0.0
     n_events: int = 0
     event_word: str = "limit"
 

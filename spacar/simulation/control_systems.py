@@ -20,7 +20,7 @@ def as_control(block: Block, numbered: bool = False) -> Any:
     A mechanism has inputs such as "INPUTS element 1 (HINGE) e1 relative rotation" and outputs such as "OUTX node 8 x",
     to be connected as "robot.OUTX node 8 x"; what python-control does not allow in a name ('.') becomes '_', a name
     that occurs twice gets its number. `numbered`: inputs are u1, u2 ..., outputs y1, y2 ..., states x1, x2 ...;
-    `system.params` is empty. Raises UsageError for sampled blocks, for blocks with a mode (limits, relays:
+    `system.params` is empty. Raises UsageError for sampled blocks and delays, for blocks with a mode (limits, relays:
     python-control does not locate their ends), and when python-control is not installed.
     """
     try:
@@ -31,6 +31,9 @@ def as_control(block: Block, numbered: bool = False) -> Any:
     if block.period is not None:
         text = f"{block.name} is sampled: write it as a discrete-time system of python-control itself"
         raise UsageError(text, "simulation.control-sampled")
+    if block.lag:
+        text = f"{block.name} remembers its input, which python-control cannot: use its pade() for a delay"
+        raise UsageError(text, "simulation.control-delay")
     if block.n_events:
         text = (
             f"{block.name} is smooth only piecewise, and python-control does not stop where a piece ends: simulate it"

@@ -1,9 +1,8 @@
 """Simulation of a diagram: integration between sampling times and discontinuities, location of events,
 output.
 
-The time axis is cut at every sampling time and at every break of a block. Inside a piece the states follow a
-one-step code with error control (spacar/integrators); values next to a cut are those of the side on which the
-integration works.
+The time axis is cut (time_axis.py). Inside a piece the states follow a one-step code with error control
+(spacar/integrators).
 Events are zeros of functions of the signals: those of the caller, and those of blocks whose mode ends (blocks.Block).
 They are looked for at the middle and the end of every step and at the output times in it; the first one is located on
 the dense output to rounding, by secants and bisection, and the integration starts again behind it with new modes.
@@ -26,8 +25,9 @@ from spacar.simulation.algebraic_loops import Group
 from spacar.simulation.blocks import Block
 from spacar.simulation.diagram import Diagram, Schedule, schedule
 from spacar.simulation.response import Event, Response, Signals
+from spacar.simulation.time_axis import EPS, TimeAxis
+from spacar.simulation.transport_delay import TransportDelay
 
-EPS = float(np.finfo(float).eps)
 MOST_LOOKS = 160  # for one event; every third halves the interval
 MOST_RESTARTS = 200  # of events without that time goes on
 
@@ -94,9 +94,10 @@ class _Simulation:
             self.x[place] = values
         self.dynamic = [b for b in self.s.blocks if b.n_states]
         self.watched = [b for b in self.s.blocks if b.n_events]
-        self.sampled = [b for b in self.s.blocks if b.period is not None]
-        self.span = float(times[-1] - times[0])
-        self.shift = 4.0 * EPS * max(abs(float(times[0])), abs(float(times[-1])), self.span)
+        self.delayed = [b for b in self.s.blocks if isinstance(b, TransportDelay)]
+        self.max_step = min([self.max_step, *(b.lag for b in self.delayed)])
+        self.axis = TimeAxis(float(times[0]), float(times[-1]), self.s.blocks)
+        self.shift = self.axis.shift
         self.window = (float(times[0]), float(times[-1]))
         self.statistics = {"steps": 0, "rhs": 0, "restarts": 0, "samples": 0}
         if any(group.torn for group in self.s.later):
@@ -225,37 +226,8 @@ class _Simulation:
         return np.concatenate(values)
 
     # -- the time axis -----------------------------------------------------------------------------------------------
-    def cuts(self) -> list[tuple[float, list[Block]]]:
-        """Times where a piece ends, with the blocks that are sampled there; the first and the last time
-        included.
-        """
-        first, last = float(self.times[0]), float(self.times[-1])
-        found: list[tuple[float, Block | None]] = [(first, None), (last, None)]
-        for block in self.s.blocks:
-            found += [(t, None) for t in (*block.breaks, *block.breaks_until(first, last)) if first < t < last]
-        for block in self.sampled:
-            period, offset = block.period or 0.0, block.offset
-            k0, k1 = int(np.ceil((first - offset) / period - 1e-9)), int(np.floor((last - offset) / period + 1e-9))
-            found += [(min(max(offset + k * period, first), last), block) for k in range(k0, k1 + 1)]
-        found.sort(key=lambda pair: pair[0])
-        merged: list[tuple[float, list[Block]]] = []
-        for t, b in found:
-            if not merged or t - merged[-1][0] > 4.0 * self.shift:
-                merged.append((t, []))
-            if b is not None:
-                merged[-1][1].append(b)
-        merged[-1] = (last, merged[-1][1])
-        return merged
-
-    def _window(self, cuts: list[tuple[float, list[Block]]], k: int) -> tuple[float, float]:
-        """Where the blocks are evaluated in piece k: a little inside its cuts, but not inside the ends of the time."""
-        low = cuts[k][0] + (self.shift if 0 < k < len(cuts) - 1 else 0.0)
-        if k + 1 >= len(cuts):
-            return low, low
-        return low, cuts[k + 1][0] - (self.shift if k + 2 < len(cuts) else 0.0)
-
     def run(self) -> Response:
-        cuts = self.cuts()
+        cuts = self.axis.cuts
         n = len(self.times)
         ys, xs = np.zeros((n, len(self.y))), np.zeros((n, len(self.x)))
         us = np.zeros((n, len(self.s.wiring)))
@@ -272,8 +244,10 @@ class _Simulation:
 
         before: Array | None = None
         for k, (a, hit) in enumerate(cuts):
-            self.window = self._window(cuts, k)
+            self.window = self.axis.window(k)
             self.sample(a, hit)
+            self.pass_on_jumps(k, self.window[0], a)
+            self.window = self.axis.window(k)
             now = self.signs(a, self.x)
             if before is not None:  # a sample or a jump may carry a signal through an event
                 stopped = self._tell(a, [], before, now, log)
@@ -282,10 +256,11 @@ class _Simulation:
                 record(self.window[0], self.x)
             if k == len(cuts) - 1 or stopped:
                 break
-            b, t = cuts[k + 1][0], a
-            while t < b and not stopped:
+            t = a
+            while t < (b := cuts[k + 1][0]) and not stopped:
                 t_new, interpolate, x_new, h = self.step(t, b, h)
                 t_event, x_new, found = self.locate(t, t_new, interpolate, x_new, before)
+                self.remember(t, t_event, interpolate)
                 while done < n and self.times[done] <= t_event and abs(self.times[done] - b) > 4.0 * self.shift:
                     record(float(self.times[done]), interpolate(float(self.times[done])))
                 self.x = x_new
@@ -294,6 +269,8 @@ class _Simulation:
                     if self.streak > MOST_RESTARTS:
                         self._chatters(t_event, found)
                     self.settle(t_event, self.x)
+                    self.pass_on_jumps(k, t_event, t_event)
+                    self.window = (self.window[0], self.axis.window(k)[1])
                     self.statistics["restarts"] += 1
                     self.solver = None
                 now = self.signs(t_event, self.x)
@@ -310,6 +287,25 @@ class _Simulation:
             us[:done], tuple(log), self.s.notes, self.statistics,
         )  # fmt: skip
 
+    def remember(self, t: float, t_new: float, interpolate: Callable[[float], Array]) -> None:
+        """Tell what looks back its inputs in an accepted step."""
+        for b in self.delayed if t < t_new else ():
+
+            def inputs(time: float, block: Block = b) -> Array:
+                time = min(max(time, self.window[0]), self.window[1])
+                return self.evaluate(time, interpolate(time))[self.s.inputs[block.name]].copy()
+
+            b.remember(t, t_new, inputs, self.tolerance)
+
+    def pass_on_jumps(self, k: int, t: float, jump: float) -> None:
+        """A jump of what a delay sees, evaluated at t in piece k, cuts the time axis where it comes out."""
+        if not self.delayed:
+            return
+        u = self.evaluate(t, self.x)
+        for b in self.delayed:
+            if b.jumped(u[self.s.inputs[b.name]], self.tolerance):
+                b.jumps_out(self.axis.cut(k, jump + b.lag))
+
     solver: Iterator[Step] | None = None
 
     def step(
@@ -319,7 +315,7 @@ class _Simulation:
         behind it.
         """
         if not len(self.x):
-            return end, lambda time: self.x, self.x, h
+            return min(end, t + self.max_step), lambda time: self.x, self.x, h
         if self.solver is None:
             problem = _Problem(0, self.derivative, self.jacobian)  # of first order: no positions
             self.solver = steps(problem, t, self.x, end, self.window, self.code, self.tolerance, h, self.max_step)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Array
 from spacar.errors import UsageError
+from spacar.linear.descriptor import dense_steps, of_frame
 
 if TYPE_CHECKING:
     from spacar.result import Result
@@ -67,13 +68,17 @@ class TimeVarying:
             found = name in first and first[name].size
             return result[name] if found else None
 
+        full = {name: get(name) for name in "ABCD"}
+        if "asp" in first:  # of a large model
+            full |= dense_steps((of_frame(f.state_space, header) for f in result.frames), count)
+            full["D"] = full["D"] if header["DFT"] else None  # rounding
         second = get("G")
         if second is not None:
             n = int(header["NX"]) // 2
             second = second.reshape(count, -1, n, n).swapaxes(-1, -2)
         return cls(
             name=result.mechanism.deck.source, t=result.t, n_nominal=int(header.get("NNOM", 0)),
-            n_rigid=int(header.get("NRBM", 0)), A=get("A"), B=get("B"), C=get("C"), D=get("D"),
+            n_rigid=int(header.get("NRBM", 0)), **full,
             m0=get("m0"), c0b=get("c0b"), k0b=get("k0b"), u0=get("u0"), y0=get("y0"), sigma0=get("sig0"),
             second=second, second_rows=np.ravel(header.get("NYSI", np.zeros(0, np.int64))).astype(np.int64) - 1,
             x0=header.get("X0"), inputs=tuple(header.get("inputs", ())), outputs=tuple(header.get("outputs", ())),
@@ -87,6 +92,8 @@ class TimeVarying:
                     "u0": "NOMS or NOMF statements and mode 2 or 3", "y0": "REF... statements and mode 2 or 3",
                     "sigma0": "mode 3 with deformations that are rigid in mode 2 and prescribed in mode 3",
                 }.get(name, "mode 3")  # fmt: skip
+                if self.A is not None and name in ("m0", "c0b", "k0b"):
+                    source = "modes 4 and 9 of a large model with --modes 0 (MODES 0)"
                 raise UsageError(f"{self.name} has no {name}; it comes from {source}", "simulation.missing")
         return [getattr(self, name) for name in names]
 

@@ -18,7 +18,9 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.linear_systems import SingularMatrixError
+from spacar.linear_systems.lost_digits import EPS
 from spacar.linear_systems.matrix import dense
+from spacar.linearization.coefficients import load_gradient
 from spacar.linearization.contractions import (
     geometric_stiffness,
     gradient_matrix,
@@ -29,7 +31,6 @@ from spacar.linearization.contractions import (
     rate_gradient,
     scatter,
 )
-from spacar.linearization.matrices import load_gradient
 from spacar.stationary.stationary_equations import Iterate, StationaryEquations
 
 
@@ -91,6 +92,10 @@ class MovingTangent:
     def dense(self) -> Array:
         """The matrix, (n, n)."""
         return self._square
+
+    def rounding(self, z: Array) -> Array:
+        """eps |matrix| |z|, (n,)."""
+        return np.asarray(EPS * (np.abs(self._square) @ np.abs(z)))
 
     def sign(self) -> float:
         # The mixed matrix has one negative eigenvalue more for every stress.

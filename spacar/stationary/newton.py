@@ -26,6 +26,7 @@ from spacar.arrays import Array
 from spacar.errors import AnalysisError
 from spacar.kinematics.kinematics import LARGEST_JUMP, largest
 from spacar.linear_systems import SingularMatrixError
+from spacar.linear_systems.lost_digits import lost
 from spacar.stationary.contract import SPREAD, Astray, Tangent
 from spacar.stationary.singular import minimum_norm
 from spacar.stationary.stationary_equations import FLOOR, Given, Iterate, StationaryEquations
@@ -35,8 +36,8 @@ LENGTHS = 1e-11  # incompatibility / model length, or rad
 CORRECTION = 1e-7  # last correction / model length, or rad: the next one would be of the size of its square
 PASSING_FORCES, PASSING_LENGTHS, PASSING_CORRECTION = 1e-4, 1e-7, 1e-3  # at a state that is no result
 FIRST_RATIO, LATER_RATIO, LINEAR_RATIO = 0.6, 0.75, 0.98  # of two corrections, at most
-SINGULAR = 1e14  # displacement under forces of the size of the stiffness: 1/(50 eps), no digit is left
-NO_DIGITS = 1e-4  # a correction of which rounding makes as much, in model lengths or rad: the matrix is singular
+SINGULAR = 1e14  # displacement under forces of the size of the stiffness, 1/(50 eps): is a digit left?
+NO_DIGITS = 1e-4  # of such a displacement, or a correction [model lengths or rad], from rounding: a singular matrix
 
 
 @dataclass(frozen=True)
@@ -126,12 +127,18 @@ def correction(
         b[:, 3] = more
     solution = tangent.solve(b)
     growth = largest(solution[: q.nf, 2])
-    if not growth < SINGULAR:
+    if not growth < SINGULAR and not digits_left(tangent, solution[:, 2], q.nf):
         raise SingularMatrixError(f"the stiffness is singular to working precision (growth {growth:.2g})")
     noise = largest(solution[: q.nf, 1] / q.scale[q.F])
     if not noise < NO_DIGITS:
         raise SingularMatrixError(f"rounding errors move the solution by {noise:.2g} model lengths or rad")
     return (solution[:, 0] if more is None else solution[:, [0, 3]]), noise
+
+
+def digits_left(tangent: Tangent, z: Array, nf: int) -> bool:
+    """Is the solution z (n,) more than rounding of the entries of the tangent? Displacements of soft, finely divided
+    models are large without being wrong."""
+    return bool(np.isfinite(z).all()) and lost(tangent.solve, tangent.rounding(z), z, nf) < NO_DIGITS
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.linear_systems import LinearSystem
+from spacar.linear_systems.lost_digits import entry_rounding
 from spacar.linear_systems.matrix_inertia import Inertia
 from spacar.linearization.contractions import geometric_blocks
 from spacar.stationary.stationary_equations import Iterate
@@ -50,6 +51,10 @@ class RestingTangent:
         n = self.t.nf + self.t.ne
         rows, columns = self.t.pattern(tuple(STATIC))
         return np.bincount(rows * n + columns, self.t.entries(STATIC)[0], n * n).reshape(n, n)
+
+    def rounding(self, z: Array) -> Array:
+        """eps |matrix| |z|, (n,)."""
+        return entry_rounding(len(z), *self.t.pattern(tuple(STATIC)), self.t.entries(STATIC)[0], z)
 
     @property
     def symmetric(self) -> bool:

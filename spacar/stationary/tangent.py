@@ -16,6 +16,7 @@ Only for systems at rest, holonomic, without user functions and MEE.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -24,11 +25,13 @@ from spacar.deck import ELEMENT_TYPES
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.forces import moment_gradient
 from spacar.linear_systems import LinearSystem, SingularMatrixError, assemble
+from spacar.linear_systems.lost_digits import entry_rounding, lost
 from spacar.linearization.contractions import configuration_of, geometric_blocks
 from spacar.mechanism.mechanism import Batch
 from spacar.stationary.flexibility import Flexibility
 
-SINGULAR = 1e14  # displacements under a load of the size of the stiffness above which it counts as singular
+SINGULAR = 1e14  # displacements under a load of the size of the stiffness from which singularity is looked for
+NO_DIGITS = 1e-4  # relative change of a solution by rounding of the entries from which the matrix counts as singular
 
 
 class TangentTerm:
@@ -46,13 +49,16 @@ class TangentTerm:
 
 
 class SparseTangent:
-    """The parts of the tangent of one Dynamics, and the system that factors weighted sums of them."""
+    """The parts of the tangent of one Dynamics, and the system that factors weighted sums of them.
 
-    def __init__(self, dynamics: Dynamics, flexibility: Flexibility) -> None:
+    `free` (nf,): the coordinates F, if not those that are calculable or dynamic.
+    """
+
+    def __init__(self, dynamics: Dynamics, flexibility: Flexibility, free: Index | None = None) -> None:
         self.dynamics = dynamics
         n, sweep = dynamics.numbering, dynamics.sweep
-        free = [np.arange(n.x_class[c].start, n.x_class[c].stop) for c in ("calculable", "dynamic")]
-        self.F = np.concatenate(free)
+        moving = [np.arange(n.x_class[c].start, n.x_class[c].stop) for c in ("calculable", "dynamic")]
+        self.F = np.concatenate(moving) if free is None else free
         self.nf, self.n_rows = len(self.F), n.e_class["input"].stop
         self.place = np.full(n.nx, -1)
         self.place[self.F] = np.arange(self.nf)
@@ -85,16 +91,20 @@ class SparseTangent:
     def factor(self, weights: dict[str, float], stiffness: float = 1.0, damping: float = 0.0) -> LinearSystem:
         """Factored matrix of the weighted parts and of the element matrices stiffness x S + damping x S_d.
 
-        Raises SingularMatrixError, also when displacements under a load of the size of the stiffness exceed 1e14.
+        Raises SingularMatrixError, also when displacements under a load of the size of the stiffness exceed SINGULAR
+        and rounding of the entries changes them by NO_DIGITS.
         """
         entries, size = self.entries(weights, stiffness, damping)
         system = self._system(tuple(weights))
         system.factor(entries)
         probe = np.zeros(self.nf + self.ne)
         probe[: self.nf] = size  # a load of the size of the stiffness on all coordinates
-        growth = float(np.max(np.abs(system.solve(probe)[: self.nf]), initial=0.0))
+        z = system.solve(probe)
+        growth = float(np.max(np.abs(z[: self.nf]), initial=0.0))
         if not growth < SINGULAR:
-            raise SingularMatrixError(f"the stiffness is singular to working precision (growth {growth:.2g})")
+            rounding = entry_rounding(len(z), *self.pattern(tuple(weights)), entries, z)
+            if not lost(system.solve, rounding, z, self.nf) < NO_DIGITS:
+                raise SingularMatrixError(f"the stiffness is singular to working precision (growth {growth:.2g})")
         return system
 
     def pattern(self, names: tuple[str, ...]) -> tuple[Index, Index]:
@@ -139,15 +149,19 @@ class SparseTangent:
         x[self.F] = system.solve(b)[: self.nf]
         return x
 
-    def times(self, names: tuple[str, ...], x: Array) -> Array:
-        """Sum of parts times x (nx, k), rows and columns F only."""
-        from scipy.sparse import coo_matrix
+    def assembled(self, names: tuple[str, ...]) -> Any:
+        """Sum of parts (nf, nf) over F, in compressed rows."""
+        from scipy.sparse import coo_array
 
         values = np.concatenate([self.parts[k].values() for k in names])
         rows = np.concatenate([self.parts[k].rows for k in names])
         columns = np.concatenate([self.parts[k].columns for k in names])
+        return coo_array((values, (rows, columns)), (self.nf, self.nf)).tocsr()
+
+    def times(self, names: tuple[str, ...], x: Array) -> Array:
+        """Sum of parts times x (nx, k), rows and columns F only."""
         out = np.zeros_like(x)
-        out[self.F] = coo_matrix((values, (rows, columns)), (self.nf, self.nf)).tocsr() @ x[self.F]
+        out[self.F] = self.assembled(names) @ x[self.F]
         return out
 
     def viscous(self, x: Array) -> Array:

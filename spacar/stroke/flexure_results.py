@@ -44,6 +44,7 @@ class Flexure:
     force         (k,) of the actuator [N, N m];  drive_stiffness  (k,) its derivative by the stroke
     work          (k,) of the actuator from the undeflected state [J];  load_work  (k,) of all other loads
     stations      what was computed at every state;  errors  motion, pivot shift, pole;  result  for pictures, stresses
+    extra         the load whose own multiplier was asked for, as given
     """
 
     source: str
@@ -59,6 +60,7 @@ class Flexure:
     stations: tuple[Station, ...]
     errors: ErrorMotions
     result: Result
+    extra: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return len(self.stroke)
@@ -124,7 +126,7 @@ class Flexure:
         return np.array([s.hertz_free for s in self.stations])
 
     def of(self, name: str) -> Array:
-        """(k,) drive_hertz, unwanted_free [Hz], margin or margin_free of the stations."""
+        """(k,) drive_hertz, unwanted_free [Hz], margin, margin_free, extra or extra_free of the stations."""
         return np.array([getattr(s, name) for s in self.stations])
 
     @cached_property
@@ -186,6 +188,7 @@ class Flexure:
             Column("f_unwanted_free", "frequency, first other of the free drive", "Hz", self.of("unwanted_free")),
             Column("margin", "load multiplier, drive locked", "", self.of("margin")),
             Column("margin_free", "load multiplier, drive free", "", self.of("margin_free")),
+            *self._extra_columns(),
             Column("mises", "largest von Mises stress", "N/m^2", stress),
             Column("mises_element", "its element", "", element),
             Column("mises_place", "its place in it", "", place),
@@ -226,6 +229,16 @@ class Flexure:
         return found + [
             Column(f"remaining_{d}", f"remaining support stiffness, {d}", "", ratio[:, i])
             for i, d in enumerate(self.directions)
+        ]
+
+    def _extra_columns(self) -> list[Column]:
+        """Multipliers of the extra load alone, if one was given."""
+        if not self.extra:
+            return []
+        title = f"load multiplier, {' and '.join(self.extra)} alone"
+        return [
+            Column("margin_extra", f"{title}, drive locked", "", self.of("extra")),
+            Column("margin_extra_free", f"{title}, drive free", "", self.of("extra_free")),
         ]
 
     @staticmethod

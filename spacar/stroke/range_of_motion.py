@@ -17,14 +17,16 @@ from spacar.arrays import Array
 from spacar.calls import frames
 from spacar.deck import Deck, read_deck
 from spacar.errors import AnalysisError, Report, UsageError
-from spacar.linear.linear_modes import stationary
+from spacar.linear.linear_modes import LARGE, stationary
 from spacar.mechanism import build
 from spacar.mechanism.mechanism import Mechanism
 from spacar.options import checked_options
 from spacar.result import Result
 from spacar.stroke.driven_deck import Row, driven, load_row, own_move
 from spacar.stroke.error_motions import error_motions
+from spacar.stroke.extra_load import ExtraLoad
 from spacar.stroke.flexure_results import Flexure
+from spacar.stroke.large_station import DriveTangents, large_station, node_compliance_of
 from spacar.stroke.observed_node import ObservedNode
 from spacar.stroke.station import Station, free_compliance, station
 from spacar.stroke.stroke_move import StrokeMove, parse_move
@@ -36,8 +38,8 @@ WITH_INITIAL = 2  # ITERSTEP type: the initial loading first, then the additiona
 
 def flexure(
     source: str | Path | Deck, *, move: str | None = None, force: str | None = None, node: int | None = None,
-    orientation: int = 0, steps: int = 10, loads: Sequence[str] = (), pivot: Sequence[float] | None = None,
-    modes: int = 6, **options: Any,
+    orientation: int = 0, steps: int = 10, loads: Sequence[str] = (), extra: Sequence[str] = (),
+    pivot: Sequence[float] | None = None, modes: int = 6, **options: Any,
 ) -> Flexure:  # fmt: skip
     """What a designer of a flexure asks over its range of motion.
 
@@ -47,6 +49,7 @@ def flexure(
     node         whose stiffness and motion are asked for, default that of the drive;  orientation: its other node
     steps        to the farther end of the range
     loads        further forces that act all the time, "7y=-10"
+    extra        forces that do not act, together one load case: its own multiplier is asked for, "7y=-1"
     pivot        ideal pivot, x y (z), instead of the pole of the undeflected state
     modes        how many frequencies are kept
     options      override the deck, as in `spacar.run` (beams, max_iterations ...)
@@ -65,14 +68,15 @@ def flexure(
     centre = _pivot(pivot, deck.metre, mechanism.numbering.planar)
     asked = _asked(deck, mechanism, move, force)
     whole = asked.within(min(asked.low, 0.0), max(asked.high, 0.0))
-    extra = [load_row(text, mechanism, deck.metre) for text in loads]
+    acting = [load_row(text, mechanism, deck.metre) for text in loads]
+    beside = [load_row(text, mechanism, deck.metre, "--extra") for text in extra]
     ends = [end for end in (whole.low, whole.high) if end]
     farthest = max(map(abs, ends))
     sides = []
     for end in ends:
         count = max(1, int(np.ceil(steps * abs(end) / farthest - 1e-9)))
-        sides.append(_side(deck, mechanism, whole, end, count, extra, node, orientation, modes, options))
-    return _joined(deck, whole, sides, centre)
+        sides.append(_side(deck, mechanism, whole, end, count, acting, beside, node, orientation, modes, options))
+    return replace(_joined(deck, whole, sides, centre), extra=tuple(extra))
 
 
 def _asked(deck: Deck, mechanism: Mechanism, move: str | None, force: str | None) -> StrokeMove:
@@ -120,24 +124,39 @@ class _Side:
 
 
 def _side(
-    deck: Deck, mechanism: Mechanism, move: StrokeMove, end: float, count: int, extra: Sequence[Row],
-    node: int | None, orientation: int, modes: int, options: dict[str, Any],
+    deck: Deck, mechanism: Mechanism, move: StrokeMove, end: float, count: int, acting: Sequence[Row],
+    beside: Sequence[Row], node: int | None, orientation: int, modes: int, options: dict[str, Any],
 ) -> _Side:  # fmt: skip
-    made = driven(deck, mechanism, move, end, extra)
+    made = driven(deck, mechanism, move, end, acting)
     settings = {"load_steps": count, "store_every": 1, "stationary_type": WITH_INITIAL}
     run = frames(10, made, **(options | settings))
     n = run.mechanism.numbering
     here = _observed(run.mechanism, move, node, orientation)
     side = _Side(run.mechanism, here, move, run.report)
+    extra = ExtraLoad.of(beside, n) if beside else None
     at_drive = None if move.deformation else ObservedNode.of(n, move.number) if move.rotation else None
+    turned = at_drive if move.pushed else None
+    tangents: DriveTangents | None = None
     with np.errstate(all="ignore"):
-        for k, solution in enumerate(stationary(run, reducible=False)):
-            assert solution.L is not None
-            found = station(solution.frame, solution.dynamics, solution.L, side.drive, here, modes, run.report)
+        for k, solution in enumerate(stationary(run, reducible=n.nddof > LARGE)):
+            C, d = None, solution.dynamics
+            if solution.tangent is not None:
+                if tangents is None or tangents.dynamics is not d:
+                    tangents = DriveTangents.of(d, side.row, move.deformation)
+                tangents.at(solution.tangent.sigma)
+                found = large_station(solution.frame, tangents, not move.pushed, here, modes, extra, run.report)
+                if turned is not None:
+                    C = node_compliance_of(tangents, solution.frame, turned, run.report)
+            else:
+                assert solution.L is not None
+                found = station(
+                    solution.frame, d, solution.L, side.drive, not move.pushed, here, modes, extra, run.report
+                )
+                if turned is not None:
+                    C = free_compliance(solution.frame, solution.L, n.dynamic, turned, run.report)
             turning = 0.0
-            if move.pushed and at_drive is not None:
-                axis = at_drive.names.index(f"phi{move.text[-1]}")
-                C = free_compliance(solution.frame, solution.L, n.dynamic, at_drive, run.report)
+            if turned is not None and C is not None:
+                axis = turned.names.index(f"phi{move.text[-1]}")
                 turning = float(C[axis, axis])
             side.add(found, end * k / count, turning)
     return side

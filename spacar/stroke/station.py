@@ -7,6 +7,7 @@ With q the dynamic degrees of freedom, d the drive, K = K0 + N0 + G0 of both (th
     node, locked    C = D_q K_qq^-1 D_q^T;          free: C = D K^-1 D^T over q and d
     frequencies     of (K_qq, M_qq), of (K, M);     without damping; an unstable motion has a negative one
     buckling        det(K0 + lambda G0) = 0 of q, and of q and d (theory-system.md 6.5)
+    extra load      det(K + lambda dG) = 0 of the same (spacar.stroke.extra_load)
 
 The free mode that belongs to the drive is the one with the largest share s of the motion v = (dq/dd, 1) of the path,
 s = (phi^T M v)^2 / (phi^T M phi v^T M v).
@@ -27,6 +28,7 @@ from spacar.linear.eigen import vibration_modes
 from spacar.linear.internal_unknowns import buckling_matrices
 from spacar.linear.node_compliance import compliance_of, displacements
 from spacar.linearization.matrices import Linearization
+from spacar.stroke.extra_load import ExtraLoad, extra_margin, extra_stresses
 from spacar.stroke.observed_node import ObservedNode
 
 NOTHING = 1e-11  # of the largest displacement by a degree of freedom: a direction that nothing flexible moves
@@ -38,7 +40,8 @@ class Station:
 
     slope  dF/dd;  velocity (m,) of the node by d;  locked, free (m, m) compliances;  hertz, hertz_free (f,) [Hz];
     drive_hertz, unwanted_free  of the free modes, that of the drive and the lowest of the others
-    margin, margin_free  lowest positive load multipliers;  energy  strain energy [J]
+    margin, margin_free  lowest positive load multipliers;  extra, extra_free  those of the extra load alone (nan: none)
+    energy  strain energy [J]
     """
 
     frame: Frame
@@ -52,20 +55,24 @@ class Station:
     unwanted_free: float
     margin: float
     margin_free: float
+    extra: float
+    extra_free: float
     energy: float
 
 
 def station(
-    frame: Frame, dynamics: Dynamics, L: Linearization, drive: int, node: ObservedNode, modes: int, report: Report
-) -> Station:
-    """Everything of a placed state; `drive` is the row of q, `modes` how many frequencies are kept."""
+    frame: Frame, dynamics: Dynamics, L: Linearization, drive: int, held: bool, node: ObservedNode, modes: int,
+    extra: ExtraLoad | None, report: Report,
+) -> Station:  # fmt: skip
+    """Everything of a placed state; `drive` is the row of q, `held`: it is prescribed, `modes` how many frequencies are
+    kept, `extra` the load whose own margin is asked for."""
     others = np.array([k for k in dynamics.numbering.dynamic.tolist() if k != drive], np.int64)
     every = np.append(others, drive)
     K = L.stiffness
     D = node.map(frame.x) @ L.G[node.rows]
     try:
         follow = -displacements(K[np.ix_(others, others)], K[others, drive][:, None])[:, 0]
-        locked = _rigid(compliance_of(K[np.ix_(others, others)], D[:, others]), D[:, others], D, node.points)
+        locked = without_still(compliance_of(K[np.ix_(others, others)], D[:, others]), D[:, others], D, node.points)
     except AnalysisError as error:
         report.add(f"warning: with the drive locked {error}")
         follow, locked = np.full(len(others), np.nan), np.full((len(D), len(D)), np.nan)
@@ -76,8 +83,9 @@ def station(
     hertz_free, shapes = _frequencies(L, dynamics, every, report)
     drive_hertz, unwanted = _split(hertz_free, shapes, L.m0[np.ix_(every, every)], path)
     return Station(
-        frame, slope, D[:, every] @ path, locked, free, _first(hertz, modes), _first(hertz_free, modes), drive_hertz,
-        unwanted, _margin(L, dynamics, others, report), _margin(L, dynamics, every, report), _strain_energy(dynamics),
+        frame, slope, D[:, every] @ path, locked, free, first_of(hertz, modes), first_of(hertz_free, modes),
+        drive_hertz, unwanted, _margin(L, dynamics, others, report), _margin(L, dynamics, every, report),
+        *_extra(L, dynamics, others, every, held, extra, report), strain_energy(dynamics),
     )  # fmt: skip
 
 
@@ -85,13 +93,13 @@ def free_compliance(frame: Frame, L: Linearization, rows: Index, node: ObservedN
     """(m, m) compliance of a node with the degrees of freedom `rows` free; nan where the stiffness is singular."""
     D = node.map(frame.x) @ L.G[node.rows]
     try:
-        return _rigid(compliance_of(L.stiffness[np.ix_(rows, rows)], D[:, rows]), D[:, rows], D, node.points)
+        return without_still(compliance_of(L.stiffness[np.ix_(rows, rows)], D[:, rows]), D[:, rows], D, node.points)
     except AnalysisError as error:
         report.add(f"warning: with the drive free {error}")
         return np.full((len(D), len(D)), np.nan)
 
 
-def _rigid(C: Array, D: Array, every: Array, points: int) -> Array:
+def without_still(C: Array, D: Array, every: Array, points: int) -> Array:
     """C without the rounding of directions that nothing moves: their rows and columns are zero."""
     size = np.abs(D).max(axis=1, initial=0.0)
     largest = np.abs(every).max(axis=1, initial=0.0)
@@ -107,6 +115,9 @@ def _frequencies(L: Linearization, dynamics: Dynamics, rows: Index, report: Repo
     """Frequencies [Hz] from low to high, unstable ones negative, and shapes (len(rows), n). None without mass."""
     none = np.zeros(0), np.zeros((len(rows), 0))
     if not len(rows):
+        return none
+    if _massless(L.m0[np.ix_(rows, rows)]):
+        report.add("warning: no frequencies: the mass matrix is not positive definite; a motion carries no mass")
         return none
     undamped = replace(L, c0=np.zeros_like(L.c0), d0=np.zeros_like(L.d0))
     told = Report()
@@ -125,6 +136,14 @@ def _frequencies(L: Linearization, dynamics: Dynamics, rows: Index, report: Repo
     return hertz[order], found.vectors[: len(rows), chosen[order]].real
 
 
+def _massless(M: Array) -> bool:
+    """Is the mass matrix singular to rounding, beside degrees of freedom without any mass?"""
+    M = M[M.any(axis=1)][:, M.any(axis=0)]
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(M), np.finfo(float).tiny))
+    values = np.linalg.eigvalsh(M * np.outer(scale, scale))
+    return bool(values.min(initial=np.inf) <= np.finfo(float).eps * len(M) * values.max(initial=0.0))
+
+
 def _split(hertz: Array, shapes: Array, M: Array, path: Array) -> tuple[float, float]:
     """Frequency of the mode that is the motion of the drive, and the lowest of the others."""
     if not len(hertz) or not np.isfinite(path).all():
@@ -136,7 +155,7 @@ def _split(hertz: Array, shapes: Array, M: Array, path: Array) -> tuple[float, f
     return float(hertz[k]), float(rest[0]) if len(rest) else np.nan
 
 
-def _first(hertz: Array, n: int) -> Array:
+def first_of(hertz: Array, n: int) -> Array:
     return np.pad(hertz[:n], (0, max(0, n - len(hertz))), constant_values=np.nan)
 
 
@@ -157,7 +176,27 @@ def _margin(L: Linearization, dynamics: Dynamics, rows: Index, report: Report) -
     return float(positive.min(initial=np.inf))
 
 
-def _strain_energy(dynamics: Dynamics) -> float:
+def _extra(
+    L: Linearization, dynamics: Dynamics, others: Index, every: Index, held: bool, load: ExtraLoad | None,
+    report: Report,
+) -> tuple[float, float]:  # fmt: skip
+    """Multipliers of the extra load alone, drive locked and free; nan without such a load, and where there are none."""
+    if load is None:
+        return np.nan, np.nan
+    told = Report()
+    try:
+        sigma = extra_stresses(dynamics, L, others if held else every, load)
+        found = [extra_margin(dynamics, L, rows, sigma, load, told) for rows in (others, every)]
+    except AnalysisError as error:
+        report.add(f"warning: no multiplier of the extra load: {error}")
+        return np.nan, np.nan
+    for line in told.lines:
+        if line.startswith("warning"):
+            report.add(line)
+    return found[0], found[1]
+
+
+def strain_energy(dynamics: Dynamics) -> float:
     """e^T S e/2 + sigma0^T e of the elements whose deformations are free."""
     law, e = dynamics.law, dynamics.sweep.e
     return 0.5 * float(e @ (law(e, np.zeros(len(e))) + law.preload))

@@ -79,9 +79,12 @@ class StrokeMove:
         return 0.25 * (slope * np.cos(0.5 * stroke) ** 2 - dual * np.sin(0.5 * stroke))
 
 
-def parse_move(text: str, numbering: Numbering, metre: float = 1.0, pushed: bool = False) -> StrokeMove:
-    """The move of `7x=0.02`; lengths are in units of `metre`. `pushed`: the value is a force. Raises UsageError."""
-    option = "--force" if pushed else "--move"
+def parse_move(
+    text: str, numbering: Numbering, metre: float = 1.0, pushed: bool = False, option: str = ""
+) -> StrokeMove:
+    """The move of `7x=0.02`; lengths are in units of `metre`. `pushed`: the value is a force. `option` is what errors
+    call it. Raises UsageError."""
+    option = option or ("--force" if pushed else "--move")
     name, equals, value = text.partition("=")
     name, value = name.strip(), value.strip()
     if not equals or not value:

@@ -25,6 +25,7 @@ from functools import partial
 import numpy as np
 
 from spacar.arrays import Array
+from spacar.deck.finer import divisible_beams, with_pieces
 from spacar.errors import AnalysisError
 from spacar.frame import Frame
 from spacar.integrators.methods import METHODS
@@ -46,7 +47,6 @@ from spacar.studies.accuracy import (
     tightened,
 )
 from spacar.studies.error_norm import distance
-from spacar.studies.models import divisible_beams, with_pieces
 from spacar.studies.quantities import Quantity, quantity
 from spacar.studies.result_quantities import Assessed, assessed
 from spacar.studies.richardson import ROUNDING, extrapolate_rows
@@ -216,6 +216,7 @@ def _refined(search: MeshSearch, target: float) -> MeshResult:
     ones = dict.fromkeys(search.beams, 1)
     own = search.compute(ones, search.measure)
     meshes, chain, active, left, n = [own], [own], search.beams, 0.0, 1
+    found: MeshResult | None = None
 
     def mesh(pieces: dict[int, int]) -> Mesh:
         meshes.append(search.compute(pieces, search.measure))
@@ -238,10 +239,11 @@ def _refined(search: MeshSearch, target: float) -> MeshResult:
                     found.way += f"; {why}"
                 return found
     except AnalysisError as error:
-        last, other = chain[-1], chain[-2] if len(chain) > 1 else chain[-1]
-        estimate = _difference(last, other) if last is not other else np.nan
-        way = f"the mesh could not be refined further: {error}"
-        return MeshResult(last.frames, _bars(last, other, estimate), estimate, way, [*meshes, last])
+        why = f"the mesh could not be refined further: {error}"
+        if found is None:
+            return MeshResult(own.frames, _bars(own, own, np.nan), np.nan, why, meshes)
+        # shown are the last meshes that all beams, or those that matter, have in common
+        return replace(found, way=f"{found.way}; {why}", meshes=[*meshes, chain[-1]])
 
 
 def _active(
@@ -273,9 +275,14 @@ def _extrapolated(given: Mechanism, chain: list[Mesh], left: float, active: Sequ
         error = _difference(fine, chain[0]) + left + in_time
         return MeshResult(fine.frames, _bars(fine, chain[0], error), error, f"{way}, not extrapolated", [])
     a, b, c = chain[-3:]
-    rows = extrapolate_rows(a.found.values, b.found.values, c.found.values, c.found.amplitude)
+    amplitude = c.found.amplitude
+    before = None
+    if len(chain) > 3:
+        coarser = chain[-4].found.values
+        before = extrapolate_rows(coarser, a.found.values, b.found.values, amplitude)
+    rows = extrapolate_rows(a.found.values, b.found.values, c.found.values, amplitude, before)
     error = float(rows.errors.max(initial=0.0)) + left + in_time
-    counted = np.isfinite(c.found.amplitude) & (rows.errors > ROUNDING)
+    counted = np.isfinite(amplitude) & (rows.errors > ROUNDING)
     seen = {p: int(np.sum(rows.order[counted] == p)) for p in (4, 2, 0)}
     words = [f"{k} with order {p}" if p else f"{k} not" for p, k in seen.items() if k]
     way += f", variables extrapolated: {', '.join(words)}"
@@ -314,7 +321,7 @@ def _between(given: Mechanism, coarse: Sequence[Frame], middle: Sequence[Frame],
             for frame, value in zip(found, every, strict=True):
                 setattr(frame, name, value)
     for name in SPECTRA:
-        if name in fine[0].matrices and np.isfinite(fine[0].matrices[name]).all():
+        if name in fine[0].matrices:  # what is nan has no order and stays so
             stacks = [[f.matrices[name] for f in frames] for frames in (coarse, middle, fine)]
             if len({a.shape for stack in stacks for a in stack}) == 1:
                 for frame, value in zip(found, better([np.array(s) for s in stacks]), strict=True):

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from spacar.deck import Deck
+from spacar.deck.divide import BEAMS
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.limits import Limits
 from spacar.errors import Report, UsageError
@@ -26,7 +27,6 @@ from spacar.linearization.matrices import linearize
 from spacar.linearization.state_matrix import chosen_rows, state_matrix
 from spacar.mechanism import build
 from spacar.result import Result
-from spacar.studies.models import BEAMS
 
 
 def require_perturbation(deck: Deck, **options: Any) -> None:

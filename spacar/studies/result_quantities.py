@@ -20,8 +20,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.errors import UsageError
+from spacar.errors import Report, UsageError
 from spacar.frame import Frame
+from spacar.linear.descriptor import DescriptorSystem
+from spacar.linear.descriptor_modes import lowest_modes
 from spacar.mechanism import Mechanism
 from spacar.result import Result
 from spacar.studies.error_norm import amplitudes
@@ -118,6 +120,8 @@ def _spectrum(mechanism: Mechanism, frames: Sequence[Frame]) -> list[Assessed]:
         every = [f.matrices["eigval"] for f in frames]
     elif "A" in frames[0].state_space and len(frames[0].state_space["A"]):
         every = [_eigenvalues(f.state_space["A"]) for f in frames]
+    elif "asp" in frames[0].state_space:
+        every = [_lowest(mechanism, f) for f in frames]
     else:
         every = []
     if every:
@@ -139,6 +143,14 @@ def _spectrum(mechanism: Mechanism, frames: Sequence[Frame]) -> list[Assessed]:
         names = [f"load multiplier {i + 1}" for i in range(k)]
         found.append(Assessed(tuple(names), np.nan_to_num(values), np.where(size > 0.0, size, np.inf)))
     return found
+
+
+def _lowest(mechanism: Mechanism, frame: Frame) -> Array:
+    """(n, 2) of a large model, whose equations are stored sparse."""
+    n = mechanism.numbering
+    system = DescriptorSystem.of_entries({"A": frame.state_space["asp"]}, n.nkddof + n.nddof, 0, 0)
+    values = lowest_modes(system, n.nkddof, 0, Report(), FREQUENCIES).values
+    return np.column_stack((values.real, values.imag))
 
 
 def _eigenvalues(A: Array) -> Array:

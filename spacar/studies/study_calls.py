@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from spacar.arrays import Array
 from spacar.calls import deck_of
 from spacar.deck import Deck
+from spacar.deck.finer import flexible_beams
 from spacar.errors import UsageError
 from spacar.modes import MODES, Mode, find_mode
 from spacar.options import checked_options
@@ -19,12 +20,11 @@ from spacar.studies.assignments import Axis, combine, setting
 from spacar.studies.assignments import values as listed_values
 from spacar.studies.batched_cases import in_batches, is_motion, reason
 from spacar.studies.budgeted import command_line, run_options, search
-from spacar.studies.models import flexible_beams
 from spacar.studies.quantities import quantity
 from spacar.studies.rows import Row, Rows
 from spacar.studies.sweep import Batch, Study
 from spacar.studies.sweep import sweep as swept
-from spacar.studies.trade import Entry, Reference, Trade, assess, default_variables, recommend
+from spacar.studies.trade import Entry, Reference, Trade, default_variables, recommend
 from spacar.studies.workers import Engine, run
 
 if TYPE_CHECKING:
@@ -140,7 +140,7 @@ def trade(
     asked = Trade(number, deck, chosen, repeats, options)
     found = search(asked, target, budget)
     assert found.reference is not None  # search has said why otherwise
-    entries = assess(asked, found.rows, found.tried, found.reference)
+    entries = found.entries
     best = recommend(entries, target, found.reference)
     command = ""
     given: dict[str, Any] = {}

@@ -54,7 +54,8 @@ class UserNodes:
         return found
 
     def _modes(self, frame: Frame, found: Frame) -> None:
-        """Eigenvalues, multipliers and their shapes: as many of the lowest as the mesh of the user has."""
+        """Eigenvalues, multipliers and their shapes: as many of the lowest as the mesh of the user has. They keep their
+        places: those that a large divided model was not asked for are nan."""
         fine, given = frame.matrices, found.matrices
         if "eigval" not in given and "lmult" not in given:
             return
@@ -63,17 +64,17 @@ class UserNodes:
         dynamics.kinematics.refresh()
         if "eigval" in given:
             k = min(len(given["eigval"]), len(fine["eigval"]))
-            given["eigval"] = fine["eigval"][-k:]
+            unknown = len(given["eigval"]) - k
+            values = fine["eigval"][-k:]
+            given["eigval"] = np.pad(values, ((unknown, 0), (0, 0)), constant_values=np.nan)
             shapes = (fine["eigvre"] + 1j * fine["eigvim"])[:, -k:]
             n, m = self.given.numbering, self.fine.numbering
             if n.nk == 0 and len(shapes) == 2 * m.nddof:
                 both = [self._shape(dynamics, part) for part in np.split(shapes, 2)]
-                values = given["eigval"][:, 0] + 1j * given["eigval"][:, 1]
                 with np.errstate(all="ignore"):
-                    modes = arranged(values, np.vstack(both), n.nddof)
-                given["eigvre"], given["eigvim"] = modes.vectors.real, modes.vectors.imag
-            else:
-                given["eigvre"], given["eigvim"] = given["eigvre"][:, -k:], given["eigvim"][:, -k:]
+                    modes = arranged(values[:, 0] + 1j * values[:, 1], np.vstack(both), n.nddof)
+                vectors = np.pad(modes.vectors, ((0, 0), (unknown, 0)), constant_values=np.nan)
+                given["eigvre"], given["eigvim"] = vectors.real, vectors.imag
         if "lmult" in given and "lmult" in fine:
             k = min(len(given["lmult"]), len(fine["lmult"]))
             given["lmult"] = fine["lmult"][:k]

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from .conftest import RUNS, call
+from .models import result_source
 
 BROWSER = next((b for b in map(shutil.which, ("chromium", "chromium-browser", "google-chrome")) if b), None)
 
@@ -97,3 +98,15 @@ def test_a_browser_shows_the_pictures(results):
     # the dark blue-grey of the rigid bars and the red of the drive arrow are on the page: the pictures were decoded
     for colour in ((0x3C, 0x4A, 0x57), (0xC0, 0x27, 0x2D)):
         assert np.sum(np.abs(pixels - colour).max(2) < 30) > 20
+
+
+def test_symbols_have_a_picture_of_their_own(results):
+    from spacar_drawing.report_page import report_page
+
+    source = result_source("plbeam5", 7)
+    plain, marked = (report_page(source, log_lines=0, symbols=kinds) for kinds in ((), ("loads", "reactions")))
+    assert marked.count("<figure") == plain.count("<figure") + 1
+    assert "Loads, reactions of step" in marked
+    wrong = call("report", results / "crank", "--symbols", "winds")
+    assert wrong.status == 2
+    assert "--symbols winds: expected loads" in wrong.err

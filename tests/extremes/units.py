@@ -115,7 +115,7 @@ def convert(deck: Deck, to: System) -> Deck:
         values = tuple(
             v * to.factor(d) if isinstance(v, float) else v for v, d in zip(s.values, dimensions.of(s), strict=True)
         )
-        statements.append(replace(s, values=values))
+        statements.append(s._replace(values=values))
     return parse_deck(replace(deck, statements=tuple(statements)).to_text(), mode=deck.mode)
 
 

@@ -9,7 +9,7 @@ from spacar import Deck
 from spacar.errors import Report
 from spacar.linear import backward_error, eigen, lowest, subspace
 from spacar.linear.buckling import buckling_modes, order_of
-from spacar.linear.lowest import _lost
+from spacar.linear.lowest import lost_pairs
 from spacar.mechanism import build
 from spacar.stationary import StationarySolver, load_program
 
@@ -58,7 +58,7 @@ def test_modes_of_large_systems_that_have_not_converged_are_told():
     report = Report()
     operator = np.diag([1.0, 0.5]).__matmul__
     z, squares = np.array([[1.0, 1e-6], [0.0, 1.0]]), np.array([4.0, 9.0])
-    lost = _lost(operator, np.array([1.0, 0.5]), z, squares, "omega^2", report)
+    lost = lost_pairs(operator, np.array([1.0, 0.5]), z, squares, "omega^2", report)
     assert report.lines[0].startswith("warning: 1 of 2 omega^2 have fewer digits than usual; the worst one, 9,")
     assert not lost.any()
 

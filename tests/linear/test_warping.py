@@ -14,8 +14,8 @@ from warped_bars import bar
 
 import spacar
 from spacar.deck import parse_deck
+from spacar.deck.finer import refine
 from spacar.errors import AnalysisError
-from spacar.studies.models import refine
 
 DATA = Path(__file__).parents[2] / "data"
 STRIP = {"EA": 5.25e6, "GIt": 0.1672087158, "EIy": 0.109375, "EIz": 1093.75, "ECw": 2.278645833e-5}  # 50 x 0.5 mm

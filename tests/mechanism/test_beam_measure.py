@@ -9,9 +9,9 @@ from spacar_cli.main import main
 import spacar
 from spacar import Deck
 from spacar.compiled.numbers import without_form
+from spacar.deck.finer import refine
 from spacar.errors import InputError, UsageError
 from spacar.mechanism import build
-from spacar.studies.models import refine
 
 ROWS = [
     ("PLBEAM", 1, 1, 2, 3, 4), ("PLBEAM", 2, 3, 4, 5, 6), ("PLTRUSS", 3, 1, 5), ("X", 3, 1.0, 0.0), ("X", 5, 2.0, 0.0),

@@ -7,9 +7,10 @@ import pytest
 
 import spacar
 from spacar.deck import Deck, divide
+from spacar.deck.finer import flexible_beams, refine
 from spacar.errors import UsageError
 from spacar.mechanism import build
-from spacar.studies.models import flexible_beams, linear_strain, refine, rigid
+from spacar.studies.models import linear_strain, rigid
 
 BEAM2 = np.array([[4.0, -2.0], [-2.0, 4.0]])  # stiffness of a bending pair, times EI/l^3
 

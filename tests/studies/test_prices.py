@@ -10,9 +10,10 @@ import pytest
 
 import spacar
 from spacar.deck import parse_deck
+from spacar.deck.finer import refine
 from spacar.errors import UsageError
 from spacar.studies.coarser import merged
-from spacar.studies.models import refine, rigid
+from spacar.studies.models import rigid
 from spacar.studies.quantities import quantity
 from spacar.studies.trade import Reference, Setup, Trade
 from spacar.studies.unneeded import prices
@@ -54,10 +55,6 @@ def test_the_stiff_beam_is_named_and_the_soft_one_is_needed():
     assert found["the flexibility of beam 1"].error == pytest.approx(error)
     assert found["the flexibility of beam 1"].line(0.1, 1.0).startswith("not needed for 0.1: the flexibility of beam 1")
     assert found["the flexibility of beam 2"].line(0.1, 1.0).startswith("needed: the flexibility of beam 2")
-    finer = found["two beams in the place of each, angle measure"]
-    assert finer.finer
-    assert finer.error < 2e-2
-    assert "too coarse for 1e-09" in finer.line(1e-9, 1.0)
 
 
 def test_nothing_is_looked_at_when_the_time_is_used():

@@ -40,18 +40,19 @@ def command(
     """Bode diagram of the state space matrices of a result (NAME.ltv) of mode 3, 4 or 9.
 
     Without --output the picture is NAME_bode.png beside the result. The frequencies reach from a tenth of the lowest to
-    ten times the highest eigenfrequency, and are denser at lightly damped ones.
+    ten times the highest eigenfrequency, and are denser at lightly damped ones; of a large model, whose system is
+    stored sparse, to the highest of its 20 lowest.
     """
     import numpy as np
     from spacar_formats.frequency import frequencies, frequency_response
-    from spacar_formats.getss import getss
+    from spacar_formats.getss import linear_system
     from spacar_formats.locate import notes, open_result
 
     with open_result(file, "ltv") as result:
         path = result.path
         for note in notes(result):
             environment.tell(f"warning: {note}")
-    system = getss(file, step)
+    system = linear_system(file, step)
     if low is not None and high is not None and low >= high:
         raise UsageError(f"--low {low:g} is not below --high {high:g}", "bode.range")
     pairs = [

@@ -12,7 +12,7 @@ import click
 from spacar.errors import InputError
 from spacar.modes import find_mode
 from spacar_cli.environment import Environment
-from spacar_cli.input_files import input_file
+from spacar_cli.input_files import PIPED, STANDARD_INPUT, input_file, piped_text
 from spacar_cli.number_types import Whole
 from spacar_cli.status import ExitStatus, tell_error, tell_messages
 
@@ -32,7 +32,7 @@ MOST = 20  # names of degrees of freedom
 def command(
     environment: Environment, file: Path, mode: int | None, expand: bool, verbose: bool, as_json: bool
 ) -> ExitStatus:
-    """Read FILE (or FILE.dat) and report errors, warnings and information.
+    """Read FILE (or FILE.dat, or standard input for -) and report errors, warnings and information.
 
     With -v also what moves: degrees of freedom, and over- and under-constraints of the start position by name.
     Nothing is run: user functions (USERSIG, USERINP, USERTRAJ) are listed, not imported. With --expand the plain input
@@ -41,17 +41,20 @@ def command(
     from spacar_drawing.settings_check import check_settings
 
     from spacar.deck import read_deck
+    from spacar.deck.deck import parse
     from spacar.kinematics.lost_stiffness import lost_stiffness
     from spacar.mechanism import build
     from spacar.mechanism.user_functions import listed_functions, without_functions
 
     number = None if mode is None else find_mode(mode).number
-    source = input_file(file)
+    piped = str(file) == STANDARD_INPUT
+    source = PIPED if piped else input_file(file)
+    text = piped_text(environment) if piped else None
     messages: list = []
     status = ExitStatus.DONE
     deck = None
     try:
-        deck = read_deck(source, number)
+        deck = read_deck(source, number) if text is None else parse(text, PIPED.stem, number, path=PIPED)
         messages = list(deck.messages)
         messages += listed_functions(deck)
         # the start geometry of every element
@@ -65,7 +68,7 @@ def command(
     else:
         if not as_json:
             tell_messages(environment, messages, ("warning", "information"))
-    drawing = check_settings(source, deck)
+    drawing = check_settings(source, deck, text)
     messages += drawing
     if not as_json:
         tell_messages(environment, drawing, ("warning",))

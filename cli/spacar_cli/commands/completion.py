@@ -49,7 +49,10 @@ def source(shell: str) -> str:
     maker = get_completion_class(shell)
     assert maker is not None
     completion = maker(program, {}, "spacar", COMPLETING)
-    return completion.source_template % completion.source_vars()  # source() would ask for the version of bash
+    script = completion.source_template % completion.source_vars()  # source() would ask for the version of bash
+    # From its second call on an autoloaded function of zsh is a plain one: click's script would only register itself
+    # then, and the second TAB of a shell would find nothing.
+    return script.replace("[-1] == loadautofunc ]]", "[-1] == (loadautofunc|shfunc) ]]")
 
 
 def place(shell: str, environment: Environment) -> tuple[Path, str]:

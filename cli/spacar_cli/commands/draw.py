@@ -44,9 +44,8 @@ from spacar_cli.number_types import Real, Whole
     "--scale",
     type=Real(),
     default=1.0,
-    show_default=True,
     metavar="F",
-    help="Draw the deflections from the start F times as large, with the start in thin grey.",
+    help="Draw the deflections from the start F times as large, with the start in thin grey. Default: 1.",
 )
 @click.option(
     "--symbols",

@@ -49,11 +49,12 @@ def command(
     Prints real and imaginary part, modulus, frequency, damping ratio and the degree of freedom with the largest
     component: growing motions first, then by rising frequency, zero modes last. The number of a mode is that of `spacar
     visual -m`; conjugate eigenvalues are one mode. With --output a picture: the frequencies over the steps, or over the
-    expression --against (the speed of a rotor: Campbell diagram), and the root locus.
+    expression --against (the speed of a rotor: Campbell diagram), and the root locus. Of a large model in mode 4 or 9,
+    whose equations are stored sparse, the N lowest are computed, without --lowest 20.
     """
     from spacar_formats.vibration import read_vibrations, without_rounding
 
-    found, names, warnings = read_vibrations(file)
+    found, names, warnings = read_vibrations(file, *([] if lowest is None else [lowest]))
     for warning in warnings:
         environment.tell(f"warning: {warning}")
     if not found:

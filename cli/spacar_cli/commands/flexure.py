@@ -29,6 +29,10 @@ if TYPE_CHECKING:
 @click.option("--orientation", type=Whole(min=1), help="Its orientation node, where no element has both.")
 @click.option("--steps", type=Whole(1, 10_000), default=10, show_default=True, help="To the farther end of the range.")
 @click.option("--load", "loads", metavar="COORDINATE=FORCE", multiple=True, help="Acts all the time: 7y=-10.")
+@click.option(
+    "--extra", metavar="COORDINATE=FORCE", multiple=True,
+    help="Does not act; its own load multiplier beside all present loads is asked for: 7y=-1. Several are one load.",
+)  # fmt: skip
 @click.option("--pivot", metavar="X,Y[,Z]", help="Ideal pivot, instead of the pole of the undeflected state.")
 @click.option("--axes", type=click.Choice(("global", "body")), default="global", help="Directions of the stiffness.")
 @click.option("--modes", type=Whole(1, 1000), default=6, show_default=True, help="How many frequencies are kept.")

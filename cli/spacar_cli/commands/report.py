@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from spacar_cli.drawing_options import symbol_kinds
 from spacar_cli.environment import Environment
 from spacar_cli.number_types import Whole
 
@@ -39,6 +40,11 @@ from spacar_cli.number_types import Whole
 @click.option(
     "--viewer", is_flag=True, help="With a picture that can be turned and played, as of spacar view (a script)."
 )
+@click.option(
+    "--symbols",
+    metavar="KINDS",
+    help="A picture with these, with commas between: loads, reactions, masses, gravity, axes; or all.",
+)
 @click.option("--stale-ok", is_flag=True, help="Report a result although its input file has changed since.")
 @click.pass_obj
 def command(
@@ -50,6 +56,7 @@ def command(
     log_lines: int,
     view: str,
     viewer: bool,
+    symbols: str | None,
     stale_ok: bool,
 ) -> None:
     """Write one HTML page about a run: picture of the model, degrees of freedom, key results, plots, log.
@@ -62,6 +69,6 @@ def command(
 
     source = open_source(file, stale_ok)
     path = output or Path(source.name).parent / f"{source.scene.title}.html"
-    page = report_page(source, expressions, log_lines, view, viewer)
+    page = report_page(source, expressions, log_lines, view, viewer, symbol_kinds(symbols))
     write_text(path, page)
     environment.say(str(path))

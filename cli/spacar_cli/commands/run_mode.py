@@ -18,7 +18,7 @@ from spacar.options import BEAMS, integrator
 from spacar.stream import Outcome, Run, Sink
 from spacar_cli import accuracy_options
 from spacar_cli.environment import Environment
-from spacar_cli.input_files import input_file, result_stem
+from spacar_cli.input_files import PIPED, STANDARD_INPUT, input_file, piped_text, result_stem
 from spacar_cli.number_types import POSITIVE, TOLERANCE, Whole
 from spacar_cli.progress import Progress
 from spacar_cli.status import ExitStatus, tell, tell_error, tell_messages
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
     from spacar_cli import releasing
 
-STANDARD_INPUT, PIPED = "-", Path("stdin.dat")  # the name of the file, and where it would stand
 # Options of integrated modes that replace a number of the input file: flag, field of Settings, type, help.
 OVERRIDES: tuple[tuple[str, str, Any, str], ...] = (
     ("--atol", "atol", POSITIVE, "Absolute error tolerance, instead of ERROR."),
@@ -58,14 +57,18 @@ def command_of_mode(word: str) -> click.Command:
         "element length, sine of second."
     )
     params.append(click.Option(["--beams"], type=click.Choice(BEAMS), help=text))
+    text = "Equal beams in the place of each flexible beam that can be divided; results are those of the divided model."
+    params.append(click.Option(["--elements"], type=Whole(min=1), help=text))
     if mode.integrated:
         for flag, field, kind, text in OVERRIDES:
             switch = {"is_flag": True, "default": None} if kind is bool else {"type": kind}
             params.append(click.Option([flag, field], help=text, **switch))
     if accuracy_options.of(mode):
         params += accuracy_options.options(mode)
-    if mode.stationary and (mode.buckling or not mode.third):
+    if mode.stationary or mode.third == "linearization":
         text = "Number of lowest modes, instead of MODES; 0: all of them, with the reduced matrices."
+        if mode.third:
+            text = "Lowest modes of a large model (instead of MODES); 0: A, B, C, D and reduced matrices of any size."
         params.append(click.Option(["--modes"], type=Whole(min=0), help=text))
     if mode.takes_setpoints:
         params.append(
@@ -189,13 +192,7 @@ def _standard_input(environment: Environment, mode: Mode) -> Deck:
     """The input text that was piped in. Its results are stdin.* in the current folder, or in that of --output-dir."""
     from spacar.deck.deck import parse
 
-    try:
-        text = environment.stdin.read()
-    except UnicodeDecodeError as error:
-        raise UsageError(
-            f"standard input is no text: {error.reason} at byte {error.start}", "files.not-readable"
-        ) from None
-    return parse(text, PIPED.stem, mode.number, path=PIPED)
+    return parse(piped_text(environment), PIPED.stem, mode.number, path=PIPED)
 
 
 def _ill_defined(run: Run) -> bool:
@@ -211,7 +208,7 @@ def _flags(overrides: dict[str, Any], setpoints: str | None) -> dict[str, Any]:
         if field in overrides:
             yes, _, no = flag.partition("/")
             given[no if kind is bool and not overrides[field] else yes] = True if kind is bool else overrides[field]
-    given |= {f"--{name}": overrides[name] for name in ("beams", "modes") if name in overrides}
+    given |= {f"--{name}": overrides[name] for name in ("beams", "elements", "modes") if name in overrides}
     return given | ({"--setpoints": setpoints} if setpoints else {})
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from spacar_cli.commands.visual import QUANTITIES
 from spacar_cli.environment import Environment
 from spacar_cli.number_types import Real, Whole
 
@@ -23,6 +24,11 @@ from spacar_cli.number_types import Real, Whole
     help="First view of a spatial mechanism: iso, xy, xz, yz or azimuth,elevation in degrees.",
 )
 @click.option("--fps", type=Real(1, 100), default=25.0, show_default=True, help="Pictures per second while it plays.")
+@click.option(
+    "--stress",
+    type=click.Choice(QUANTITIES, case_sensitive=False),
+    help="Colour beams by a stress resultant or a stress, as of spacar visual.",
+)
 @click.option("--show", is_flag=True, help="Open the page in the browser.")
 @click.option("--stale-ok", is_flag=True, help="Show a result although its input file has changed since.")
 @click.pass_obj
@@ -34,6 +40,7 @@ def command(
     frames: int,
     view: str,
     fps: float,
+    stress: str | None,
     show: bool,
     stale_ok: bool,
 ) -> None:
@@ -47,7 +54,7 @@ def command(
 
     source = open_source(file, stale_ok)
     path = output or Path(source.name).parent / f"{source.scene.title}_view.html"
-    write_text(path, view_page(source, frames, view, fps))
+    write_text(path, view_page(source, frames, view, fps, stress))
     environment.say(str(path))
     if show:
         import webbrowser

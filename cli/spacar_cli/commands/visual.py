@@ -11,7 +11,7 @@ from spacar_cli.drawing_options import Choices, common
 from spacar_cli.environment import Environment
 from spacar_cli.number_types import Real, Whole
 
-QUANTITIES = ("N", "Qy", "Qz", "T", "My", "Mz", "mises", "normal", "shear")
+QUANTITIES = ("N", "Qy", "Qz", "T", "My", "Mz", "B", "mises", "normal", "shear")
 
 
 @click.command("visual")
@@ -39,7 +39,7 @@ QUANTITIES = ("N", "Qy", "Qz", "T", "My", "Mz", "mises", "normal", "shear")
     "--stress",
     type=click.Choice(QUANTITIES, case_sensitive=False),
     help=(
-        "Colour the beams by a stress resultant (N, Qy, Qz, T, My, Mz) or a stress (mises, normal, "
+        "Colour the beams by a stress resultant (N, Qy, Qz, T, My, Mz, B) or a stress (mises, normal, "
         "shear; these need cross-sections)."
     ),
 )

@@ -14,13 +14,18 @@ function [A, B, C, D] = getss(file, step)
   tell_incomplete(d);
   matrices = cell(1, 3);
   names = 'ABC';
-  for n = 1:3
+  full_form = ~sbf_find(d, 'ASP');
+  for n = 1:3 * full_form
     k = sbf_find(d, names(n));
     if k == 0, error('spacar:id', 'ID not found: %s in %s; the result of mode 2 has no linearized system', names(n), d.file); end
     matrices{n} = sbf_value(fid, d, k, step);
   end
-  [A, b, c] = matrices{:};
-  feedthrough = zeros(size(c, 1), size(b, 2));
+  if full_form
+    [A, b, c] = matrices{:};
+    feedthrough = zeros(size(c, 1), size(b, 2));
+  else
+    [A, b, c, feedthrough] = eliminated(fid, d, step);
+  end
   k = sbf_find(d, 'D'); flag = sbf_find(d, 'DFT');
   if k > 0 && (flag == 0 || any(sbf_value(fid, d, flag, []))), feedthrough = sbf_value(fid, d, k, step); end
   if nargout > 1, B = b; C = c; D = feedthrough; return, end
@@ -38,6 +43,23 @@ function [A, B, C, D] = getss(file, step)
     A = struct('a', A, 'b', b, 'c', c, 'd', feedthrough);
     for n = 1:3, A.(fields{n}) = labels{n}; end
   end
+end
+
+function [A, B, C, D] = eliminated(fid, d, step)
+% Of a large model ASP, BSP, CSP (row, column, value): dz = A11 z + A12 w + B1 u, 0 = A21 z + A22 w + B2 u, y = C1 z + C2 w.
+  size_of = @(id) sbf_value(fid, d, sbf_find(d, id), []);
+  nx = size_of('NX'); counts = {size_of('NU'), size_of('NY')};
+  t = sbf_value(fid, d, sbf_find(d, 'ASP'), step);
+  n = max(t(:, 1));
+  S = sparse(t(:, 1), t(:, 2), t(:, 3), n, n);
+  U = zeros(n, counts{1}); Y = zeros(counts{2}, n);
+  k = sbf_find(d, 'BSP'); if k > 0, t = sbf_value(fid, d, k, step); U = full(sparse(t(:, 1), t(:, 2), t(:, 3), n, counts{1})); end
+  k = sbf_find(d, 'CSP'); if k > 0, t = sbf_value(fid, d, k, step); Y = full(sparse(t(:, 1), t(:, 2), t(:, 3), counts{2}, n)); end
+  z = 1:nx; w = nx + 1:n;
+  X = -S(w, w) \ [full(S(w, z)), U(w, :)];
+  AB = [full(S(z, z)), U(z, :)] + S(z, w) * X;
+  CD = [Y(:, z), zeros(counts{2}, counts{1})] + Y(:, w) * X;
+  A = AB(:, z); B = AB(:, nx + 1:end); C = CD(:, z); D = CD(:, nx + 1:end);
 end
 
 function names = signal_names(fid, d, id, letter, count)

@@ -55,7 +55,8 @@ def ltv_header(run: Run, stored: Container[str]) -> dict[str, Any]:
     if "A" in stored:
         header["DFT"] = int("D" in stored)
     header |= {ident: run.header[ident] for ident in LTV_COUNTS if ident in run.header}
+    linear = "A" in stored or "ASP" in stored
     names = {"UNAMES": run.header.get("inputs"), "YNAMES": run.header.get("outputs")}
-    if "A" in stored:
+    if linear:
         names["XNAMES"] = run.header.get("states") or state_names(run.mechanism.numbering)
     return header | {ident: list(lines) for ident, lines in names.items() if lines}

@@ -1,0 +1,38 @@
+"""The sparse linearized equations of a large model in an `.ltv` file (asp, bsp, csp; reference/files.md section 6)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from spacar.errors import UsageError
+from spacar.linear.descriptor import DescriptorSystem
+from spacar_formats.sbf import SbfError, SbfFile
+
+IDENTS = {"A": "ASP", "B": "BSP", "C": "CSP"}
+
+
+def is_sparse(file: SbfFile) -> bool:
+    """Does an `.ltv` file hold the sparse form instead of A, B, C, D?"""
+    return file.has("ASP") and not file.has("A")
+
+
+def descriptor_of(file: SbfFile, step: int) -> DescriptorSystem:
+    """The system of a step (from 1). Raises SbfError for places or numbers that cannot be."""
+    tables = {name: np.asarray(file.get(ident, step), float) for name, ident in IDENTS.items() if file.has(ident)}
+    try:
+        if not all(np.isfinite(table).all() for table in tables.values()):
+            raise ValueError("numbers that are not finite")
+        return DescriptorSystem.of_entries(tables, *(int(np.ravel(file.header[k])[0]) for k in ("NX", "NU", "NY")))
+    except (ValueError, KeyError) as error:
+        raise SbfError(f"{file.path} is damaged: the sparse system of step {step} has {error}") from None
+
+
+def beside(path: Path) -> Path:
+    """The `.ltv` file of the run that wrote this one. Raises UsageError when it is not there."""
+    found = path.with_suffix(".ltv")
+    if not found.is_file():
+        text = f"{found} not found: of a large model modes 4 and 9 store the linearized equations in it; run again"
+        raise UsageError(text, "files.not-found")
+    return found

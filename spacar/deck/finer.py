@@ -1,0 +1,98 @@
+"""The same mechanism with more beams: n equal ones in the place of every flexible beam, or as many as are wanted in the
+place of each. How a beam is divided, and what cannot be, stands in `spacar.deck.divide`.
+
+Tubes are not divided: a curved one would have to be divided along its arc (TUBE, PLTUBE).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from typing import Any
+
+from spacar.deck.deck import Deck
+from spacar.deck.divide import BEAMS, beam_modes, divided, obstacles, stiffness_modes
+from spacar.deck.statement import Value
+from spacar.deck.table_elements import ELEMENT_TYPES
+from spacar.errors import UsageError
+
+TUBES = tuple(k for k, t in ELEMENT_TYPES.items() if t.keyword in ("PLTUBE", "TUBE"))
+UNDIVIDED = "a tube is not divided; write more of them"
+
+
+def flexible_beams(deck: Deck) -> dict[int, dict[int, str]]:
+    """Beams with dynamic or prescribed deformations, or released ones that carry stiffness; modes as `beam_modes`."""
+    return _flexible(deck, BEAMS)
+
+
+def _flexible(deck: Deck, keywords: Iterable[str]) -> dict[int, dict[int, str]]:
+    stiff = {n: {m for m, k in of.items() if k} for n, of in stiffness_modes(deck.statements).items()}
+    return {
+        number: modes
+        for number, modes in beam_modes(deck.statements, keywords).items()
+        if any(c != "RLSE" or m in stiff.get(number, ()) for m, c in modes.items())
+    }
+
+
+def refine(deck: Deck, n: int) -> Deck:
+    """The same mechanism with n elements in the place of every flexible beam (1: the deck itself).
+
+    Raises UsageError for n < 1, a model without flexible beams, and one that cannot be split.
+    """
+    if n < 1:
+        raise UsageError(f"a beam is split into 1 or more elements, not {n}", "study.refine")
+    split = flexible_beams(deck)
+    if not split:
+        raise UsageError(f"{deck.source} has no flexible {' or '.join(BEAMS)} to refine", "study.refine")
+    if n == 1:
+        return deck
+    for number, by, reason in obstacles(deck.statements, split, stiffness_modes(deck.statements)):
+        if by is not None:
+            text = f"{deck.where(by)}: it is about beam {number}, which would be split; {reason}"
+            raise UsageError(text, "study.refine")
+        raise UsageError(f"beam {number} cannot be split: {reason}", "study.refine")
+    return with_pieces(deck, dict.fromkeys(split, n))[0]
+
+
+def refine_divisible(deck: Deck, n: int) -> tuple[Deck, dict[int, str]]:
+    """The mechanism with n elements in the place of every flexible beam that can be divided, and why others cannot be.
+
+    Raises UsageError for n < 1, and when there is no beam to divide.
+    """
+    if n < 1:
+        raise UsageError(f"a beam is split into 1 or more elements, not {n}", "study.refine")
+    beams, kept = divisible_beams(deck)
+    if n == 1:
+        return deck, {}
+    if not beams:
+        why = "; ".join(f"beam {b}: {text}" for b, text in kept.items()) or "none is flexible"
+        raise UsageError(f"{deck.source} has no beam that can be divided ({why})", "study.refine")
+    return with_pieces(deck, dict.fromkeys(beams, n))[0], kept
+
+
+def with_pieces(deck: Deck, pieces: Mapping[int, int]) -> tuple[Deck, dict[int, list[int]]]:
+    """The mechanism with pieces[beam] equal elements in the place of these beams, which can be divided, and the
+    elements that each of them became. Unit of length, sections, pictures and the digest of the file stay."""
+    blocks: list[list[tuple[Value, ...]]] = [[], [], []]
+    statements, parts = divided(deck.statements, pieces)
+    for s in statements:
+        blocks[s.block - 1].append((s.keyword, *s.values))
+    counts = {n for n in pieces.values() if n > 1}
+    what = f" x {counts.pop()}" if len(counts) == 1 else " refined" if counts else ""
+    made = Deck.build(*blocks, mode=deck.mode, source=f"{deck.source}{what}", path=deck.path)
+    sections = tuple(
+        replace(s, parts=tuple(part for old in s.parts for part in parts.get(old, (old,)))) for s in deck.sections
+    )
+    same: dict[str, Any] = {k: getattr(deck, k) for k in ("data", "visualization", "drawn", "shorthand")}
+    return replace(made, sections=sections, **same), parts
+
+
+def divisible_beams(deck: Deck) -> tuple[tuple[int, ...], dict[int, str]]:
+    """The flexible beams that can be divided, and the reason for each that cannot, flexible tubes among them."""
+    flexible = flexible_beams(deck)
+    kept: dict[int, str] = {}
+    for number, by, reason in obstacles(deck.statements, flexible, stiffness_modes(deck.statements)):
+        where = f" ({deck.where(by)})" if by is not None else ""
+        kept.setdefault(number, f"{reason}{where}")
+    beams = tuple(n for n in flexible if n not in kept)
+    return beams, kept | dict.fromkeys(_flexible(deck, TUBES), UNDIVIDED)

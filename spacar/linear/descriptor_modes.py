@@ -1,0 +1,88 @@
+"""Lowest eigenvalues of a descriptor system (theory-system.md 5.7), by a block iteration with one sparse factorization.
+
+With the real shift s > 0, on the far side of zero so that rigid motions do no harm, z of E dz/dt = A z is iterated with
+
+    op z = the state part of (A - s E)^-1 (z, 0),      theta = 1/(lambda - s)
+
+s is a tenth of the wanted modulus, found by two steps of the iteration at a time. Positions are multiplied by the
+wanted modulus, so that both halves of the state compare. Doubtful pairs: `spacar.linear.lowest`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacar.arrays import Array
+from spacar.errors import AnalysisError, Report
+from spacar.linear.descriptor import MASSLESS, DescriptorSystem
+from spacar.linear.eigen import Modes, arranged
+from spacar.linear.lowest import lost_pairs
+from spacar.linear.subspace import SPARE, dominant
+
+SHIFT = 0.1  # of the modulus of the highest wanted eigenvalue
+TRIALS = 12  # shifts
+
+
+def lowest_modes(system: DescriptorSystem, n_positions: int, nx: int, report: Report, wanted: int) -> Modes:
+    """The 2 `wanted` eigenvalues of smallest modulus with the motions (nx,) of the coordinates; of a pair that would
+    be divided nan.
+
+    n_positions   rows of the state that are positions. Raises AnalysisError where the accelerations are not unique.
+    """
+    n = system.n_states
+    count = min(2 * wanted, n)
+    inverse = _Inverse(system, n_positions, 1.0)
+    rng = np.random.default_rng(1)
+    start = rng.standard_normal((n, min(count + SPARE, n)))
+    for _ in range(TRIALS):
+        X = np.linalg.qr(inverse(inverse(start)))[0]
+        theta = np.linalg.eigvals(X.T @ inverse(X))
+        modulus = np.sort(np.abs(inverse.shift + 1.0 / np.where(theta != 0.0, theta, 1e-300)))[count - 1]
+        before, inverse = inverse.shift, _Inverse(system, n_positions, max(SHIFT * float(modulus), 1e-12))
+        if 0.1 < inverse.shift / before < 10.0:
+            break
+    theta, z = dominant(inverse, inverse(start), count)
+    values = inverse.shift + 1.0 / theta
+    values[lost_pairs(inverse, theta, z, values, "eigenvalues", report)] = np.nan
+    if theta[-1].imag and not np.any(np.isclose(theta[:-1], theta[-1].conj(), rtol=1e-8)):
+        values[-1] = np.nan  # half a pair; the number of values is that of all steps
+    motions = inverse.motions(z, nx)
+    z[:n_positions] /= inverse.size
+    found = arranged(values, z, n_positions, motions)
+    unknown = np.isnan(found.values)
+    found.vectors[:, unknown] = np.nan
+    assert found.motions is not None
+    found.motions[:, unknown] = np.nan
+    return found
+
+
+class _Inverse:
+    """op of the module; the state with its positions multiplied by `size`."""
+
+    def __init__(self, system: DescriptorSystem, n_positions: int, shift: float) -> None:
+        from scipy.sparse.linalg import splu
+
+        self.system, self.shift, self.size = system, shift, shift / SHIFT
+        self.scale = np.ones(system.n_states)
+        self.scale[:n_positions] = self.size
+        try:
+            self.factors = splu(system.shifted(shift))
+        except RuntimeError:
+            raise AnalysisError(MASSLESS, "dynamics.singular-mass") from None
+
+    def everything(self, z: Array) -> Array:
+        """All unknowns of (A - s E)^-1 (z, 0)."""
+        right = np.zeros((self.system.A.shape[0], z.shape[1]))
+        right[: len(z)] = z / self.scale[:, None]
+        return np.asarray(self.factors.solve(right))
+
+    def __call__(self, z: Array) -> Array:
+        return self.scale[:, None] * self.everything(z)[: len(z)]
+
+    def motions(self, z: NDArray[np.complex128], nx: int) -> NDArray[np.complex128]:
+        """dx (nx, k) of the vectors z (scaled) with op z = theta z, norm of z without the scale kept."""
+        n = self.system.n_states
+        image = self.everything(z.real) + 1j * self.everything(z.imag)
+        factor = np.sum((image[:n] * self.scale[:, None]) * z.conj(), axis=0) / np.sum(np.abs(z) ** 2, axis=0)
+        return np.asarray(image[n + nx : n + 2 * nx] / factor)

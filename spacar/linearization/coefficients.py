@@ -1,0 +1,152 @@
+"""What the linearized equations consist of before any degrees of freedom are chosen: sums of element blocks.
+
+Of the coordinates x, rates v = xd, accelerations a = xdd and stresses sigma, about one state (theory-system.md 0, 4.1):
+
+    d(M a + h + V^T sigma)      = M da + inertia_v dv + (inertia_x + geometric) dx + V^T dsigma
+    d(-f)                       = (gravity_x + user_x) dx + user_v dv
+    d(ed) = V dv + rate_x dx,   rate_x = H1(v)
+    d(edd) = V da + second_v dv + second_x dx,   second_v = H1(v) + H2(v), second_x = H1(a) + T(v)
+    dsigma = S de + Sd ded of the active rows (+ deformation_inertia dedd everywhere, part of M0)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacar.arrays import Array
+from spacar.dynamics.array_evaluator import Dynamics
+from spacar.dynamics.forces import StressLaw, moment_gradient
+from spacar.linear_systems.matrix import Matrix, diagonal_matrix, matrix, zero_matrix
+from spacar.linearization.contractions import (
+    block_pattern,
+    geometric_stiffness,
+    gradient_matrix,
+    gradient_rate,
+    gradient_transport,
+    inertia_blocks,
+    mass_matrix,
+    rate_gradient,
+    scatter,
+)
+from spacar.mechanism.mechanism import UserForces
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """The matrices of the module's formulas, sparse when the model is large (`spacar.linear_systems.matrix`).
+
+    V, rate_x, second_v, second_x  (ne, nx);  S, Sd, deformation_inertia  (ne, ne);  all others  (nx, nx)
+    sigma   (ne,) stresses: rows fixed, input and dynamic from the equilibrium of the calculable coordinates
+    moving  at rest rate_x, second_v, second_x are zero
+    """
+
+    V: Matrix
+    M: Matrix
+    rate_x: Matrix
+    second_v: Matrix
+    second_x: Matrix
+    inertia_x: Matrix
+    inertia_v: Matrix
+    geometric: Matrix
+    gravity_x: Matrix
+    user_x: Matrix
+    user_v: Matrix
+    S: Matrix
+    Sd: Matrix
+    deformation_inertia: Matrix
+    sigma: Array
+    moving: bool
+
+
+def coefficients(
+    dynamics: Dynamics, xdd: Array, sigma: Array, *, law: StressLaw | None = None, t: float = 0.0
+) -> Coefficients:
+    """At the placed state with accelerations xdd (nx,), constitutive stresses sigma (ne,); arguments as `linearize`."""
+    k, sweep, n = dynamics.kinematics, dynamics.sweep, dynamics.numbering
+    law = law or dynamics.law
+    x, xd = k.x, dynamics.xd
+    sweep.mass()
+    V, M = gradient_matrix(sweep), mass_matrix(sweep)
+    user = dynamics.forces.user(t, sweep.e, V @ xd, x, xd) if dynamics.forces.user is not None else None
+    edd = V @ xdd + sweep.convective(xd)
+    sigma = equilibrium_stresses(dynamics, xdd, edd, sigma, user)
+    moving = bool(xd.any() or xdd.any())
+    rate_x = second_v = second_x = zero_matrix((n.ne, n.nx))
+    if moving:
+        rate_x = gradient_rate(sweep, xd)
+        second_v = rate_x + gradient_transport(sweep, xd)
+        second_x = gradient_rate(sweep, xdd) + rate_gradient(sweep, xd)
+    by_x, by_v = inertia_blocks(sweep, xd, xdd)
+    Me = matrix(*dynamics.mechanism.deformation_inertia, (n.ne, n.ne))
+    S, Sd = matrix(*law.stiffness, (n.ne, n.ne)), matrix(*law.damping, (n.ne, n.ne))
+    force_k, force_d = np.zeros(n.nx), np.zeros(n.nx)
+    if user is not None:
+        active = np.arange(n.ne) >= law.first
+        S, Sd = S + diagonal_matrix(user.sigma_k * active), Sd + diagonal_matrix(user.sigma_d * active)
+        force_k, force_d = user.force_k, user.force_d
+    return Coefficients(
+        V=V, M=M, rate_x=rate_x, second_v=second_v, second_x=second_x,
+        inertia_x=scatter(n.nx, by_x), inertia_v=scatter(n.nx, by_v),
+        geometric=geometric_stiffness(sweep, sigma + Me @ edd), gravity_x=load_gradient(dynamics),
+        user_x=diagonal_matrix(force_k), user_v=diagonal_matrix(force_d), S=S, Sd=Sd,
+        deformation_inertia=Me, sigma=sigma, moving=moving,
+    )  # fmt: skip
+
+
+def structure(dynamics: Dynamics, moving: bool) -> Coefficients:
+    """The same with a positive number wherever any state may have an entry: the pattern of sums and products of them.
+
+    moving   whether it may move at all
+    """
+    sweep, n, m = dynamics.sweep, dynamics.numbering, dynamics.mechanism
+    blocks = block_pattern(sweep) if moving else zero_matrix((n.ne, n.nx))
+    curved, massive = (scatter(n.nx, [(b, np.ones((len(b.x), len(b.x), b.family.n))) for b in batches])
+                       for batches in (sweep.curved, sweep.moving))  # fmt: skip
+    loads = [loads.moment_rows for loads in (m.loads, m.additional) if loads is not None]
+    by_moments = np.hstack(loads)
+    square = (4, 4, by_moments.shape[1])
+    i, j = (np.broadcast_to(r, square).ravel() for r in (by_moments[:, None, :], by_moments[None, :, :]))
+    signal = m.user_signal is not None
+    diagonals = [diagonal_matrix(np.full(k, float(signal))) for k in (n.nx, n.ne)]
+    laws = [matrix(rows, columns, np.ones(len(rows)), (n.ne, n.ne))
+            for rows, columns, _ in (dynamics.law.stiffness, dynamics.law.damping, m.deformation_inertia)]  # fmt: skip
+    return Coefficients(
+        V=matrix(sweep.v_rows, sweep.v_columns, np.ones(len(sweep.v_rows)), (n.ne, n.nx)),
+        M=matrix(sweep.m_rows, sweep.m_columns, np.ones(len(sweep.m_rows)), (n.nx, n.nx)),
+        rate_x=blocks, second_v=blocks, second_x=blocks, inertia_x=massive, inertia_v=massive, geometric=curved,
+        gravity_x=massive + matrix(i, j, np.ones(len(i)), (n.nx, n.nx)), user_x=diagonals[0], user_v=diagonals[0],
+        S=laws[0] + diagonals[1], Sd=laws[1] + diagonals[1], deformation_inertia=laws[2], sigma=np.zeros(n.ne),
+        moving=moving,
+    )  # fmt: skip
+
+
+def equilibrium_stresses(dynamics: Dynamics, xdd: Array, edd: Array, sigma: Array, user: UserForces | None) -> Array:
+    """sigma with the rows fixed, input, dynamic from the equilibrium of the calculable coordinates (10)."""
+    sweep = dynamics.sweep
+    sigma = sigma.copy()
+    force = sweep.mass_times(xdd) + dynamics.forces.inertia(sweep, dynamics.xd)
+    force -= dynamics.forces(dynamics.kinematics.x, user)
+    if dynamics.coupling.present:
+        force += sweep.rate_transposed(dynamics.coupling.stress(edd))
+    dynamics.kinematics.reactions(force, sigma)
+    return sigma
+
+
+def load_gradient(dynamics: Dynamics) -> Matrix:
+    """-df/dx of gravity and of constant global moments, (nx, nx); what user functions state belongs to K0 and D0."""
+    n, sweep = dynamics.numbering, dynamics.sweep
+    out = zero_matrix((n.nx, n.nx))
+    forces = dynamics.forces
+    zero = np.zeros(n.nx)
+    if forces.heavy and sweep.moving:
+        with_g, _ = inertia_blocks(sweep, zero, -forces.field)
+        without, _ = inertia_blocks(sweep, zero, zero)
+        out = scatter(n.nx, with_g) - scatter(n.nx, without)
+    rows = forces.loads.moment_rows
+    if rows.size:
+        gradient = -moment_gradient(forces.loads.moment)
+        i, j = (np.broadcast_to(r, gradient.shape).ravel() for r in (rows[:, None, :], rows[None, :, :]))
+        out = out + matrix(i, j, gradient.ravel(), (n.nx, n.nx))
+    return out

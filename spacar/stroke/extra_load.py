@@ -1,0 +1,99 @@
+"""The margin of one extra load alone: how much of it a state bears besides all that it carries (docs/flexures.md 3).
+
+    (K + lambda dG) x = 0
+
+K   stiffness at the state with all present loads, K0 + N0 + G0
+dG  what a unit of the extra load adds to the geometric stiffness: Hs(d_sigma) and the gradient of its own moments. The
+    stresses d_sigma are the linear answer of the state to the load, with the drive as it stands (held where it is
+    prescribed), in the present configuration:  K dq = W^T df,  d_sigma = S V dx and the reactions of constraints
+
+lambda is counted in the load that was given; the proportional multiplier (theory-system.md 6.5) multiplies all loads
+and prestresses instead. For a column under a load P the extra load of the same place has lambda = P_cr - P.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacar.arrays import Array, Index
+from spacar.dynamics.array_evaluator import Dynamics
+from spacar.dynamics.forces import moment_gradient
+from spacar.errors import Report
+from spacar.linear.buckling import buckling_modes
+from spacar.linear.internal_unknowns import extra_load_matrices
+from spacar.linear.node_compliance import displacements
+from spacar.linear_systems.matrix import Matrix, matrix, zero_matrix
+from spacar.linearization.contractions import geometric_stiffness
+from spacar.linearization.matrices import Linearization
+from spacar.mechanism.numbering import Numbering
+from spacar.stroke.driven_deck import Row
+
+
+@dataclass(frozen=True)
+class ExtraLoad:
+    """force (nx,) [N, planar N m];  moments (n, 3) [N m] about global axes at the Euler parameters rows (4, n)."""
+
+    force: Array
+    rows: Index
+    moments: Array
+
+    @classmethod
+    def of(cls, loads: Sequence[Row], n: Numbering) -> ExtraLoad:
+        """All XF statements together."""
+        force, rows, moments = np.zeros(n.nx), [np.zeros((4, 0), np.int64)], [np.zeros((0, 3))]
+        for _, node, *values in loads:
+            places = n.lnp[int(node) - 1] - 1
+            if not n.planar and n.kind[int(node)] == "orientation":
+                rows.append(places[:4, None])
+                moments.append(np.array([values], float))
+            else:
+                force[places[: len(values)]] += np.array(values, float)
+        return cls(force, np.concatenate(rows, axis=1), np.concatenate(moments))
+
+    def at(self, x: Array) -> Array:
+        """df (nx,) at coordinates x (nx,)."""
+        if not self.rows.size:
+            return self.force
+        dual = (moment_gradient(self.moments) * x[self.rows]).sum(axis=1)
+        return self.force + np.bincount(self.rows.ravel(), dual.ravel(), len(self.force))
+
+    def gradient_entries(self) -> tuple[Index, Index, Array]:
+        """-d(df)/dx as rows, columns, values (16 n,)."""
+        if not self.rows.size:
+            return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0)
+        block = -moment_gradient(self.moments)
+        i, j = (np.broadcast_to(r, block.shape).ravel() for r in (self.rows[:, None, :], self.rows[None, :, :]))
+        return i, j, block.ravel()
+
+    def gradient(self, nx: int) -> Matrix:
+        """-d(df)/dx (nx, nx)."""
+        return matrix(*self.gradient_entries(), (nx, nx)) if self.rows.size else zero_matrix((nx, nx))
+
+
+def extra_stresses(dynamics: Dynamics, L: Linearization, rows: Index, load: ExtraLoad) -> Array:
+    """d_sigma (ne,) by the extra load on the degrees of freedom `rows`. Raises AnalysisError 'compliance.singular'."""
+    K, df = L.stiffness[np.ix_(rows, rows)], load.at(dynamics.kinematics.x)
+    dq = displacements(K, (L.W[:, rows].T @ df)[:, None])[:, 0]
+    dx, dv = L.G[:, rows] @ dq, L.Z[:, rows] @ dq
+    sigma = L.S @ (L.V @ dx) + L.Sd @ (L.Ze[:, rows] @ dq)
+    force = (L.inertia_x + L.load_x) @ dx + (L.inertia_v + L.load_v) @ dv + L.M @ (L.Y[:, rows] @ dq) - df
+    dynamics.kinematics.reactions(force, sigma)
+    return np.asarray(sigma)
+
+
+def extra_margin(
+    dynamics: Dynamics, L: Linearization, rows: Index, sigma: Array, load: ExtraLoad, report: Report
+) -> float:
+    """Lowest positive multiplier of the extra load with its stresses `sigma` (ne,), the degrees of freedom `rows` free;
+    infinite without one. Raises AnalysisError 'buckling.singular'."""
+    if not len(rows):
+        return np.inf
+    G, W = L.G[:, rows], L.W[:, rows]
+    loading = geometric_stiffness(dynamics.sweep, sigma) + load.gradient(dynamics.numbering.nx)
+    added = np.asarray((W.T @ loading) @ G)
+    K = L.stiffness[np.ix_(rows, rows)]
+    found = buckling_modes(*extra_load_matrices(dynamics, L, rows, K, added, sigma), report).multipliers
+    return float(found[found > 0.0].min(initial=np.inf))

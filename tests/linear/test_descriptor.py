@@ -1,0 +1,59 @@
+"""The sparse form of the linearized equations of large models equals the dense one (theory-system.md 5.7).
+
+Both are assembled from the same element blocks but reduced by different algorithms: transfer functions and products
+there, one sparse factorization here. The dense one is compared with differences in test_state_space.py.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from nonlinear import Nonlinear, random_state
+from test_state_space import MODELS
+
+from spacar.linear.descriptor import DescriptorSystem
+from spacar.linear.linearization_signals import linearization_signals
+from spacar.linear.sparse_linearization import SparseLinearization
+from spacar.linear.state_space import state_space
+from spacar.linearization import linearize
+from spacar.linearization.coefficients import coefficients
+
+
+def close(found: np.ndarray, expected: np.ndarray, what: str) -> None:
+    size = max(np.abs(expected).max(initial=0.0), 1e-300)
+    np.testing.assert_allclose(found, expected, atol=1e-10 * size, err_msg=what)
+
+
+@pytest.fixture(params=MODELS)
+def both(request, tmp_path):
+    model, scale = MODELS[request.param](tmp_path)
+    base = random_state(model, scale, seed=3)
+    nonlinear = Nonlinear(model, base)
+    signals = linearization_signals(model)
+    d = nonlinear.d
+    xdd, sigma, _ = d.accelerate(0.0, nonlinear.place(base))
+    dense = state_space(d, linearize(d, xdd, sigma), *signals)
+    sparse = SparseLinearization(d, *signals)(coefficients(d, xdd, sigma))
+    return dense, sparse
+
+
+def test_eliminated_it_is_the_state_space(both):
+    dense, sparse = both
+    for name, matrix in zip("ABCD", sparse.state_space(), strict=True):
+        close(matrix, getattr(dense, name), name)
+
+
+def test_frequency_response(both):
+    dense, sparse = both
+    omega = np.array([0.3, 2.0, 40.0])
+    eye = np.eye(len(dense.A))
+    expected = np.array([dense.C @ np.linalg.solve(1j * w * eye - dense.A, dense.B) + dense.D for w in omega])
+    close(sparse.response(omega), expected, "response")
+
+
+def test_tables_of_entries_and_back(both):
+    _, sparse = both
+    n_u, n_y = sparse.B.shape[1], sparse.C.shape[0]
+    again = DescriptorSystem.of_entries(sparse.entries(), sparse.n_states, n_u, n_y)
+    for name in "ABC":
+        assert np.array_equal(getattr(again, name).toarray(), getattr(sparse, name).toarray())

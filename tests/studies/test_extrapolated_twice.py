@@ -1,0 +1,95 @@
+"""Four meshes of one model: the estimate from two extrapolations; spectra of refined models keep the user's places."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import spacar
+from spacar.deck import parse_deck
+from spacar.errors import AnalysisError
+from spacar.studies import mesh_accuracy
+from spacar.studies.richardson import GAINED, extrapolate_rows
+
+BETA = np.array((1.8751040687119611, 4.694091132974175))  # cos b cosh b = -1
+
+
+def levels(count):
+    """u + c h^2 + d h^4 + f h^6 at h = 0.2, 0.1 ...; u (4, 3), and u."""
+    u, c, d, f = np.random.default_rng(3).uniform(0.5, 1.5, size=(4, 4, 3))
+    return [u + c * h**2 + d * h**4 + f * h**6 for h in 0.2 * 0.5 ** np.arange(count)], u
+
+
+def test_an_order_seen_twice_is_trusted_further():
+    """The estimate bounds the true error and is below what one extrapolation may claim."""
+    meshes, u = levels(4)
+    ones = np.ones(4)
+    before = extrapolate_rows(*meshes[:3], ones)
+    once, twice = extrapolate_rows(*meshes[1:], ones), extrapolate_rows(*meshes[1:], ones, before)
+    last = np.abs(meshes[3] - meshes[2]).max(axis=1)
+    error = np.abs(twice.values - u).max(axis=1)
+    assert (error <= twice.errors).all()
+    assert (twice.errors < 0.2 * once.errors).all()
+    assert (twice.errors >= GAINED**2 * last).all()
+
+
+def test_another_order_before_changes_nothing():
+    meshes, _ = levels(4)
+    before = extrapolate_rows(*meshes[:3], np.ones(4))
+    before.order[:] = 4
+    once = extrapolate_rows(*meshes[1:], np.ones(4))
+    np.testing.assert_array_equal(extrapolate_rows(*meshes[1:], np.ones(4), before).errors, once.errors)
+
+
+def beam(n, more=""):
+    rows = [f"PLBEAM {i + 1} {2 * i + 1} {2 * i + 2} {2 * i + 3} {2 * i + 4}" for i in range(n)]
+    rows += [f"X {2 * i + 1} {i / n!r} 0." for i in range(1, n + 1)] + ["FIX 1", "FIX 2"]
+    rows += [*(f"DYNE {i + 1} 2 3" for i in range(n)), "END HALT"]
+    rows += [f"EM {i + 1} 1.\nESTIFF {i + 1} 0. 1." for i in range(n)]
+    return "\n".join([*rows, more, "END END", ""])
+
+
+def test_eigenvalues_keep_their_places():
+    """102 freedoms become 204, of which only the lowest modes are computed: the lowest eigenvalue still is the last one
+    of the list of the user's mesh, by its index too, and what was not computed is nan."""
+    deck = parse_deck(beam(51), mode=7)
+    plain = spacar.run(7, deck)
+    count = len(plain["eigval"][-1])
+    result = spacar.run(7, deck, accuracy=1e-5, variables=[f"abs(eigval[{count}])"])
+    values = result["eigval"][-1]
+    assert values.shape == plain["eigval"][-1].shape == (204, 2)
+    assert result["eigvre"].shape == plain["eigvre"].shape
+    assert max(result.header["accuracy"].pieces.values()) == 2
+    np.testing.assert_allclose(np.abs(values[[-2, -4], 1]), np.sort(BETA**2), rtol=1e-6)
+    assert np.isnan(values[0]).all()
+
+
+def test_a_mesh_that_fails_leaves_the_last_answer(monkeypatch):
+    """What three meshes said is shown with its own estimate when the next one cannot be solved."""
+    deck = parse_deck(beam(1, "XF 3 0. 3.\nITERSTEP 10 3 1e-9"), mode=7)
+    compute = mesh_accuracy.MeshSearch.compute
+
+    def limited(self, pieces, measure):
+        if max(pieces.values()) > 4:
+            raise AnalysisError("no more", "test")
+        return compute(self, pieces, measure)
+
+    monkeypatch.setattr(mesh_accuracy.MeshSearch, "compute", limited)
+    found = spacar.run(7, deck, accuracy=1e-12).header["accuracy"]
+    assert not found.met
+    assert "meshes of 1, 2, 4" in found.way
+    assert found.way.endswith("the mesh could not be refined further: no more")
+    assert np.isfinite(found.estimate)
+    assert found.pieces == {1: 4}
+
+
+@pytest.mark.slow
+def test_the_guide_of_leaf_springs(deck):
+    """Warping leaves the guide order 2; first frequency of its default mesh extrapolated from 4, 8, 16 by Romberg."""
+    given = deck("leafguide", 7)
+    count = len(spacar.run(7, given)["eigval"][-1])
+    result = spacar.run(7, given, accuracy=1e-7, variables=[f"abs(eigval[{count}])", "x[7,1]", "x[7,2]"])
+    assert result.header["accuracy"].met
+    known = (87.0446759, 1.01806692e-2, 9.93759468e-2)
+    found = (2 * np.pi * result.frequencies[-1][0], result.node(7, 1)[-1], result.node(7, 2)[-1])
+    np.testing.assert_allclose(found, known, rtol=1e-7)
