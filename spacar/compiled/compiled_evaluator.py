@@ -2,7 +2,7 @@
 
 It has a NumPy evaluator, `general`, for what C cannot do: a start that is far away, states that fail (and are
 explained), and everything that needs element sweeps. Nothing is shared between both: a `Placement` goes from the state
-in C to the general evaluator (`settled`), or back (`_stand`).
+in C to the general evaluator (`settled`), or back (`stand`).
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ class CompiledDynamics:
         self.state.begin(x0[:, None], e0)
         if self._derivative(0.0, y, CONVERGED) < 0 or self._far(x0):
             y = self.general.start()
-            self._stand(self.general.placement())
+            self.stand(self.general.placement())
         else:
             M = self.solver.reduced_mass()
             if M is None:
@@ -119,7 +119,7 @@ class CompiledDynamics:
     def resume(self, at: Moving) -> None:
         self.state.resume(at.t, np.stack((at.x, at.xd, at.xdd))[:, :, None], at.e[:, None])
 
-    def _stand(self, at: Placement) -> None:
+    def stand(self, at: Placement) -> None:
         """Go on from there, without the memory of earlier states."""
         s = self.state
         s.begin(at.x[:, None], at.e[:, None])
@@ -134,7 +134,7 @@ class CompiledDynamics:
         """Another state of the same model; the general evaluator goes wherever one of them needs it."""
         other = copy.copy(self)
         other.state = self.solver.state()
-        other._stand(self.placement())
+        other.stand(self.placement())
         return other
 
     def sample(self) -> None:
@@ -154,8 +154,18 @@ class CompiledDynamics:
         """Let the general evaluator look at a state that C could not do; it explains failures."""
         self.general.stand(self.placement())
         result = evaluate()
-        self._stand(self.general.placement())
+        self.stand(self.general.placement())
         return result
+
+    # -- inputs of a simulation -----------------------------------------------------------------------------------
+    def push(self, sigma: Array, force: Array) -> None:
+        """Stresses (ne,) on active rows and forces (nx,) besides those of the model; `general` is not told."""
+        self.solver.push(sigma, force)
+
+    def reach(self, t: float, y: Array, within: float = CONVERGED) -> bool:
+        """Whether C could evaluate the state; then everything of it is in `state`."""
+        self._y[:] = y
+        return self.solver.evaluate(self.state, t, self._y, within) >= 0
 
     # -- checks ---------------------------------------------------------------------------------------------------
     def condition(self) -> float:

@@ -90,6 +90,7 @@ class CompiledModel:
         # contiguous copies are made first, as a motion that is no polynomial is written into them
         self.x_motion, self.e_motion = np.ascontiguousarray(numbers.x_motion), np.ascontiguousarray(numbers.e_motion)
         motions = self.x_motion, self.e_motion
+        self.force, self.preload = np.array(numbers.force, order="C"), np.array(numbers.preload, order="C")
         self.slots = Slots(numbers.elements, drive, motions, user, (numbering.nx, numbering.ne))
         spec = self._spec(numbers, scales)
         self.handle = ctypes.c_void_p(self.engine.begin(ctypes.addressof(spec)))
@@ -127,14 +128,13 @@ class CompiledModel:
         ) = places  # fmt: skip
         values = self._packed(
             [
-                mass[2], *scales, numbers.force, numbers.field, numbers.preload, S[2], D[2], linear[2], coupling[2],
-                numbers.x0, *(b.parameters for b in batches),
+                mass[2], *scales, numbers.field, S[2], D[2], linear[2], coupling[2], numbers.x0,
+                *(b.parameters for b in batches),
             ],
             np.float64,
         )  # fmt: skip
         (
-            constant_mass, scale_at, e_scale_at, force, field, preload, s_values, d_values, moments, coupled, x0,
-            *parameters,
+            constant_mass, scale_at, e_scale_at, field, s_values, d_values, moments, coupled, x0, *parameters,
         ) = values  # fmt: skip
         table = (CBatch * len(batches))(
             *(
@@ -159,7 +159,8 @@ class CompiledModel:
         ask = ctypes.cast(slots.ask, ctypes.c_void_p) if slots.needed else None
         return CSpec(
             *counts, ctypes.addressof(table), constant_row, constant_column, constant_mass,
-            scale_at, e_scale_at, force, field, preload, s_rows, s_columns, d_rows, d_columns, s_values, d_values,
+            scale_at, e_scale_at, self.force.ctypes.data, field, self.preload.ctypes.data,
+            s_rows, s_columns, d_rows, d_columns, s_values, d_values,
             m_rows, m_columns, moments, c_rows, c_columns, coupled, free, given, x0,
             self.x_motion.ctypes.data, self.e_motion.ctypes.data, user, ask,
         )  # fmt: skip
@@ -171,6 +172,12 @@ class CompiledModel:
         sizes = accumulate((a.size for a in arrays[:-1]), initial=0)
         first, width = together.ctypes.data, together.itemsize
         return [first + width * size for size in sizes]
+
+    def push(self, sigma: Array, force: Array) -> None:
+        """Stresses (ne,) on active rows and forces (nx,) besides those of the model."""
+        first = self.numbering.e_class["input"].stop
+        self.force[:] = self.numbers.force + force[:, None]
+        self.preload[first:] = self.numbers.preload[first:] + sigma[first:, None]
 
     # -- calls; y, out, K are C-contiguous with the cases last ----------------------------------------------------
     def rhs(self, state: State, t: float, y: int, out: int, converged: float) -> int:

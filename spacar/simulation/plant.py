@@ -14,14 +14,15 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.deck import Deck, read_deck
-from spacar.dynamics.array_evaluator import Dynamics
+from spacar.dynamics.array_evaluator import component_name
 from spacar.errors import UsageError
 from spacar.frame import Frame
 from spacar.linear.linearization_signals import signals
 from spacar.linear.state_space import DRIVING_SIGN
 from spacar.mechanism import build
-from spacar.mechanism.mechanism import Mechanism, UserForces
+from spacar.mechanism.mechanism import Mechanism
 from spacar.simulation.blocks import Block
+from spacar.simulation.evaluated_plant import ArrayPlant, CompiledPlant
 
 INPUT_KINDS = ("INPUTS", "INPUTF")
 OUTPUT_KINDS = ("OUTE", "OUTEP", "OUTEDP", "OUTX", "OUTXP", "OUTXDP")
@@ -58,13 +59,20 @@ class Spasim(Block):
         super().__init__(name, [s.name for s in self.u_signals], [s.name for s in self.y_signals])
         self.direct = np.array([QUANTITY[s.kind] == ACCELERATION for s in self.y_signals], bool)
         self._places()
-        self._zero = np.zeros(n.ne), np.zeros(n.nx)
-        self.dynamics = Dynamics(replace(mechanism, user_signal=self._user))
-        self.u = np.zeros(self.n_in)
+        self.choose(mechanism.settings.compiled)
         self.breaks = tuple(mechanism.drive.breaks)
-        names = [self.dynamics.component_name(i) for i in range(2 * n.nddof + n.nk)]
+        names = [component_name(n, i) for i in range(2 * n.nddof + n.nk)]
         self.states = tuple(names)
-        self.x0 = self.dynamics.start()
+        self.x0 = self.start()
+
+    def choose(self, compiled: bool) -> None:
+        """The compiled engine where it is available and wanted, else NumPy; `engine`: which, and level or reason."""
+        from spacar.compiled import level, why_general
+
+        settings = replace(self.mechanism.settings, compiled=compiled)
+        reason = why_general(replace(self.mechanism, settings=settings))
+        self.engine = ("compiled", level()) if reason is None else ("general", reason)
+        self.motion = CompiledPlant(self.mechanism) if reason is None else ArrayPlant(self.mechanism)
         self._at: tuple[float, bytes] | None = None
         self._solved: bytes | None = None
 
@@ -84,24 +92,22 @@ class Spasim(Block):
 
     def start(self) -> Array:
         self._at = self._solved = None
-        self.u = np.zeros(self.n_in)
-        return self.dynamics.start()
+        self._push(np.zeros(self.n_in))
+        return self.motion.start()
 
     # -- the mechanism --------------------------------------------------------------------------------------------
-    def _user(self, t: float, e: Array, ed: Array, x: Array, xd: Array) -> UserForces:
-        """The inputs as stresses and forces, added to what a user function of the file gives."""
-        ze, zx = self._zero
-        signal = self.mechanism.user_signal
-        found = signal(t, e, ed, x, xd) if signal is not None else UserForces(ze.copy(), zx.copy(), ze, ze, zx, zx)
-        np.add.at(found.sigma, self._e_of, -DRIVING_SIGN * self.u[self._by_stress])
-        np.add.at(found.force, self._x_of, self.u[self._by_force])
-        return found
+    def _push(self, u: Array) -> None:
+        """The inputs as stresses and forces."""
+        sigma, force = np.zeros(self.numbering.ne), np.zeros(self.numbering.nx)
+        np.add.at(sigma, self._e_of, -DRIVING_SIGN * u[self._by_stress])
+        np.add.at(force, self._x_of, u[self._by_force])
+        self.motion.push(sigma, force)
 
     def _place(self, t: float, x: Array) -> None:
         key = (t, x.tobytes())
         if key != self._at:
             self._at = self._solved = None
-            self._drive = self.dynamics.place(t, x)
+            self.motion.place(t, x)
             self._at = key
 
     def _solve(self, t: float, x: Array, u: Array) -> None:
@@ -109,8 +115,8 @@ class Spasim(Block):
         self._place(t, x)
         key = u.tobytes()
         if key != self._solved:
-            self.u = u.copy()
-            self.found = self.dynamics.accelerate(t, self._drive)
+            self._push(u)
+            self.motion.accelerate()
             self._solved = key
 
     def _check(self, x: Array, u: Array | None) -> None:
@@ -124,12 +130,13 @@ class Spasim(Block):
         """Outputs that are positions and rates; accelerations are left zero."""
         self._check(x, None)
         self._place(t, x)
-        d, y = self.dynamics, np.zeros(self.n_out)
+        y = np.zeros(self.n_out)
         (ke, re), (kx, rx), (kep, rep), (kxp, rxp), *_ = self._read
-        y[ke], y[kx] = d.sweep.e[re], d.kinematics.x[rx]
-        if len(kep):
-            y[kep] = d.sweep.rate(d.xd)[rep]
-        y[kxp] = d.xd[rxp]
+        e, x_now = self.motion.positions()
+        y[ke], y[kx] = e[re], x_now[rx]
+        if len(kep) or len(kxp):
+            ed, xd = self.motion.rates()
+            y[kep], y[kxp] = ed[rep], xd[rxp]
         return y
 
     def outputs(self, t: float, x: Array, u: Array) -> Array:
@@ -138,27 +145,28 @@ class Spasim(Block):
         if self.direct.any():
             self._solve(t, x, u)
             (ke, re), (kx, rx) = self._read[4:]
-            if len(ke):
-                y[ke] = (self.dynamics.sweep.rate(self.found.xdd) + self.found.convective)[re]
-            y[kx] = self.found.xdd[rx]
+            edd, xdd = self.motion.accelerations()
+            y[ke], y[kx] = edd[re], xdd[rx]
         return y
 
     def derivative(self, t: float, x: Array, u: Array) -> Array:
         """Time derivative of the states, (n_states,)."""
         self._check(x, u)
         self._solve(t, x, u)
-        d, n = self.dynamics, self.numbering
-        out, m = np.empty(len(x)), d.n_positions
+        n = self.numbering
+        xs, es, m = n.x_class, n.e_class, n.nddof + n.nk
+        out = np.empty(len(x))
         out[: n.nddof] = x[m:]
         if n.nk:
-            rates = d.sweep.rate(d.xd)
-            out[n.nddof : m] = np.concatenate((d.xd[d.xs["kinematic"]], rates[d.es["kinematic"]]))
-        edd = d.sweep.rate(self.found.xdd) + self.found.convective
-        out[m:] = np.concatenate((self.found.xdd[d.xs["dynamic"]], edd[d.es["dynamic"]]))
+            ed, xd = self.motion.rates()
+            out[n.nddof : m] = np.concatenate((xd[xs["kinematic"]], ed[es["kinematic"]]))
+        edd, xdd = self.motion.accelerations()
+        out[m:] = np.concatenate((xdd[xs["dynamic"]], edd[es["dynamic"]]))
         return out
 
     def frame(self, t: float, x: Array, u: Array) -> Frame:
         """The whole state of the mechanism for these inputs, as mode 1 gives it."""
         self._check(x, u)
-        self.u, self._at, self._solved = u.copy(), None, None
-        return self.dynamics.frame(t, x)
+        self._at = self._solved = None
+        self._push(u)
+        return self.motion.frame(t, x)

@@ -17,10 +17,12 @@ from spacar_cli.status import tell
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--output", "-o", type=click.Path(path_type=Path), help="Write .npz, .mat or .csv; default FILE_sim.npz.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
+@click.option("--compiled/--general", default=True, help="Mechanisms in C (default where possible) or NumPy.")
 @scope_options
 @click.pass_obj
 def command(
-    environment: Environment, file: Path, output: Path | None, quiet: bool, plot: bool, pictures: tuple[Path, ...]
+    environment: Environment, file: Path, output: Path | None, quiet: bool, compiled: bool, plot: bool,
+    pictures: tuple[Path, ...],
 ) -> None:
     """Simulate the blocks and wires of a model file (docs/simulation.md).
 
@@ -46,6 +48,10 @@ def command(
     if not quiet:
         for warning in model.warnings:
             tell(environment, "warning", warning)
+    plants = {name: block for name, block in model.diagram.blocks.items() if isinstance(block, Spasim)}
+    for plant in plants.values():
+        if not compiled:
+            plant.choose(compiled)
     begun = time.perf_counter()
     response = simulate(model.diagram, model.times, **model.options)
     seconds = time.perf_counter() - begun
@@ -65,6 +71,8 @@ def command(
     for name, block in model.diagram.blocks.items():
         kind = type(block).__name__
         lines.append(f"block {name} ({kind}): {block.n_in} inputs, {block.n_out} outputs, {block.n_states} states")
+        if name in plants:
+            lines.append("  engine: {} ({})".format(*plants[name].engine))
         lines += [f"  output {k + 1}: {text}" for k, text in enumerate(block.outputs_)]
     lines += [f"warning: {text}" for text in model.warnings] + [f"note: {text}" for text in response.notes]
     lines += [f"event at t = {t:.12g}: {text}" for t, text in response.events]
@@ -74,7 +82,6 @@ def command(
         files = " ".join(str(path) for path in (target, *motions))
         environment.say(f"{source.name}: {len(response.t)} times in {seconds:.2f} s: {files}")
     if plot or pictures:
-        names = [name for name, b in model.diagram.blocks.items() if isinstance(b, Spasim)]
-        names = names or list(dict.fromkeys(table.blocks))
+        names = [*plants] or list(dict.fromkeys(table.blocks))
         panels = table.panels or tuple(p for name in names for p in panels_by_quantity(table, name))
         show_scopes(environment, table, response.t, panels, source.stem, plot, pictures)
