@@ -9,6 +9,8 @@ in the order of the model, whatever chart they are computed in.
 
 Applied to nodes all of whose three parameters are dynamic, in models without user functions (these know coordinates by
 their places). Otherwise the motion ends at half a turn with a message (`spacar.kinematics.regularity.HalfTurns`).
+Transfer functions and linearized equations are those of the model's own degrees of freedom
+(`spacar.forward.motion.motion`).
 """
 
 from __future__ import annotations

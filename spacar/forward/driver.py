@@ -165,7 +165,7 @@ def frames(
         return
     tolerances = Tolerances.of(settings, divisor, displaced(evaluator))
     jacobian: Jacobian | None = None
-    if METHODS[settings.integrator].needs_jacobian or (settings.integrator == AUTOMATIC and _has_forces(model)):
+    if METHODS[settings.integrator].needs_jacobian or (settings.integrator == AUTOMATIC and has_forces(model)):
         from spacar.linearization.state_jacobian import state_jacobian
 
         jacobian = partial(state_jacobian, evaluator, within=ITERATED)
@@ -189,7 +189,7 @@ def frames(
         trail.continuity.finish()
 
 
-def _has_forces(model: LoadedMechanism) -> bool:
+def has_forces(model: LoadedMechanism) -> bool:
     """Whether anything can make a vibration or a decay that is faster than the motion: stresses or forces that depend
     on the state. A rigid mechanism has none, and no method for stiff models is looked for."""
     return not model.law.passive or model.mechanism.user_signal is not None

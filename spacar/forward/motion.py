@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.evaluator import Evaluator
+from spacar.dynamics.loaded_mechanism import Moving
 from spacar.errors import AnalysisError
 from spacar.forward.charts import Chart, ChartEnds, ChartWatch, tumbling_nodes
 from spacar.forward.driver import at_time, frames, watched
@@ -15,21 +18,26 @@ from spacar.frame import Frame
 from spacar.integrators import METHODS, EvenTimes
 from spacar.integrators.times import RemainingTimes
 from spacar.kinematics.output import TransferOutput
+from spacar.mechanism.numbering import Numbering
 from spacar.stream import Run
+
+EPS = float(np.finfo(float).eps)
+OWN = 1e-6  # |lambda0| of a node below which its degrees of freedom have no digits: eps/lambda0^2 = 2e-4
+DEGREES_LOSE = 1e-4  # below it what is linear in them is known to less than the usual ERROR, 2e-8
 
 
 def forward(run: Run) -> Iterator[Frame]:
     """Frames of mode 1. Raises AnalysisError; frames that were computed before stay valid."""
     output = TransferOutput(run)
-    for evaluator, frame in motion(run, tumbling=not output.wanted):
+    for evaluator, frame in motion(run, own=output.wanted):
         yield output.add(frame, evaluator.settled().kinematics) if output.wanted else frame
 
 
-def motion(run: Run, tumbling: bool = False) -> Iterator[tuple[Evaluator, Frame]]:
+def motion(run: Run, own: bool = True) -> Iterator[tuple[Evaluator, Frame]]:
     """Frames at the output times, and the evaluator that stands there.
 
-    `tumbling`: Euler parameters may pass half a turn; the evaluators are then those of other coordinates, and whoever
-    needs the degrees of freedom of the model (transfer functions, linearization) cannot use them.
+    Euler parameters may pass half a turn. The evaluators are then those of other coordinates, unless whoever asks needs
+    the degrees of freedom of the model (transfer functions, linearization): with `own` they are of that model.
     """
     settings = run.mechanism.settings
     evaluator = chosen(run)
@@ -39,9 +47,10 @@ def motion(run: Run, tumbling: bool = False) -> Iterator[tuple[Evaluator, Frame]
     run.n_frames = len(times)
     if run.mechanism.numbering.nkddof and len(times) > 1:
         run.header["integrator"] = METHODS[settings.integrator].name
-    nodes = tumbling_nodes(run.mechanism) if tumbling else ()
+    nodes = tumbling_nodes(run.mechanism)
     if nodes and isinstance(times, EvenTimes):
-        yield from _tumbling(run, evaluator, y, times, Chart.of(run.mechanism, dict.fromkeys(nodes, 1)))
+        moved = _tumbling(run, evaluator, y, times, Chart.of(run.mechanism, dict.fromkeys(nodes, 1)))
+        yield from _at_home(run, moved, nodes) if own else moved
     else:
         yield from frames(evaluator, y, times, settings, run.report, watch=watched(evaluator, run.report))
 
@@ -83,6 +92,49 @@ def _tumbling(
             if watch.next is None:
                 raise
         t, y, better = watch.t, watch.y, watch.next
+
+
+def _at_home(
+    run: Run, moved: Iterator[tuple[Evaluator, Frame]], nodes: Sequence[int]
+) -> Iterator[tuple[Evaluator, Frame]]:
+    """The frames with an evaluator of the model's own degrees of freedom at each of them, where these exist.
+
+    Raises AnalysisError 'position.singular' at an output within OWN of half a turn.
+    """
+    n = run.mechanism.numbering
+    rows = np.array([n.x_index(node, 1) for node in nodes])
+    home = chosen(replace(run, header={}))
+    home.start()
+    told = False
+    for evaluator, frame in moved:
+        least = np.abs(frame.x[rows]).min()
+        if evaluator.model.mechanism is run.mechanism and least > DEGREES_LOSE:
+            yield evaluator, frame
+            continue
+        node = nodes[int(np.argmin(np.abs(frame.x[rows])))]
+        if least < OWN:
+            raise AnalysisError(
+                f"singular position at t = {frame.t:.9g}: the rotation of node {node} is 180 degrees at this output,"
+                " where lambda1, lambda2, lambda3 (DYNX) are no coordinates to linearize in; take other output times,"
+                " or describe it by HINGE elements (DYNE)",
+                "position.singular",
+            )
+        if least < DEGREES_LOSE and not told:
+            told = True
+            run.report.add(
+                f"warning: at t = {frame.t:.6g} the rotation of node {node} is near 180 degrees: transfer functions and"
+                f" linearized equations in lambda1, lambda2, lambda3 are known to {EPS / least**2:.0e} of their size"
+            )
+        home.resume(Moving(frame.t, frame.x.copy(), frame.xd.copy(), frame.xdd.copy(), frame.e.copy()))
+        home.frame(frame.t, _state(n, frame))
+        yield home, frame
+
+
+def _state(n: Numbering, frame: Frame) -> Array:
+    """The state of a frame, as `Dynamics.start_values`."""
+    x, e = n.x_class, n.e_class
+    positions = (frame.x[x["dynamic"]], frame.e[e["dynamic"]], frame.x[x["kinematic"]], frame.e[e["kinematic"]])
+    return np.concatenate((*positions, frame.xd[x["dynamic"]], frame.ed[e["dynamic"]]))
 
 
 def chosen(run: Run) -> Evaluator:

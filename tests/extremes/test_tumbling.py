@@ -113,7 +113,48 @@ def test_two_bodies_change_each_at_its_time():
     assert np.abs(attitude(both) - attitude(alone)).max() < 1e-8
 
 
-def test_linearized_motions_stop_there():
-    """Mode 4 linearizes in the degrees of freedom of the model, which end at half a turn."""
-    with pytest.raises(AnalysisError, match="reaches 180 degrees"):
-        spacar.run(4, parse_deck(BODY.format(steps=20), mode=4))
+def test_linearized_motions_go_on_too():
+    """Mode 4 linearizes in the degrees of freedom of the model wherever the body is. The same matrices as of a motion
+    that starts there (lambda and -lambda are one attitude; with lambda0 > 0 as every start has it)."""
+    moved = spacar.run(4, parse_deck(BODY.format(steps=20), mode=4))
+    lam, rate = attitude(moved), attitude(moved, "xd")
+    np.testing.assert_allclose(lam, attitude(spacar.run(1, parse_deck(BODY.format(steps=20), mode=1))), atol=1e-9)
+    later = [k for k in range(1, 21) if 0.05 < abs(lam[0, k]) < 0.9 and moved.t[k] > 2.0]
+    assert min(lam[0, later]) < 0.0
+    for k in later[:4]:
+        sign = np.sign(lam[0, k])
+        text = BODY.format(steps=1)
+        for c, place in ((2, "0. 0.1"), (3, "0. 5."), (4, "0. 0.1")):
+            value = f"{float(sign * lam[c - 1, k])!r} {float(sign * rate[c - 1, k])!r}"
+            text = text.replace(f"STARTDX 2 {c} {place}", f"STARTDX 2 {c} {value}")
+        there = spacar.run(4, parse_deck(text.replace("TIMESTEP 10.", "TIMESTEP 1e-6"), mode=4))
+        names = {"m0", "c0", "k0", "n0", "d0"} & set(there.frames[0].matrices)
+        assert {"m0", "k0"} <= names
+        for name in names:
+            a, b = moved[name][k], there[name][0]
+            np.testing.assert_allclose(a, b, atol=1e-6 * max(np.abs(b).max(), 1.0), err_msg=f"{name} at {k}")
+
+
+def test_an_output_at_half_a_turn_has_no_such_coordinates():
+    """180 degrees about z exactly at the first output: lambda3 = sin(5 t), t = pi/10."""
+    text = BODY.format(steps=1).replace("STARTDX 2 2 0. 0.1\nSTARTDX 2 3 0. 5.\n", "").replace("4 0. 0.1", "4 0. 5.")
+    text = text.replace("TIMESTEP 10.", f"TIMESTEP {np.pi / 10!r}")
+    assert spacar.run(1, parse_deck(text, mode=1)).node(2, 4)[-1] == pytest.approx(1.0)
+    with pytest.raises(AnalysisError, match="180 degrees at this output"):
+        spacar.run(4, parse_deck(text, mode=4))
+
+
+def test_transfer_functions_beyond_half_a_turn():
+    """OUTLEVEL 1 1 in mode 1: dx of the fourth parameter by the others is -lambda_i/lambda0, whatever the attitude."""
+    deck = parse_deck(BODY.format(steps=20).replace("END HALT", "OUTLEVEL 1 1\nEND HALT"), mode=1)
+    result = spacar.run(1, deck)
+    lam = attitude(result)
+    n = result.mechanism.numbering
+    row = n.x_index(2, 1)
+    columns = [n.x_index(2, c) - n.x_class["dynamic"].start for c in (2, 3, 4)]
+    assert min(lam[0]) < -0.5
+    for k, frame in enumerate(result.frames):
+        if abs(lam[0, k]) > 1e-3:
+            dx = np.asarray(result["dx"][k])[row, columns]
+            np.testing.assert_allclose(dx, -lam[1:, k] / lam[0, k], rtol=1e-9, atol=1e-9)
+            assert frame.t == result.t[k]

@@ -75,6 +75,8 @@ class Dimensions:
             return [zero, zero, *(per(own, *(second,) * k) for k in range(len(values) - 2))]
         if name in ("ESIG", "DELESIG"):
             return [zero, *(per(ENERGY, self.mode(first, k)) for k in range(1, len(values)))]
+        if name == "TRVMAX":  # of a path of positions; rise time, speed
+            return [zero, second, per(self.node(first), second)][: len(values)]
         if name == "MEE":
             a = self.mode(first, int(values[1]))
             b = self.mode(int(values[2]), int(values[3])) if len(values) == 5 else a
