@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable
+from math import log
 from typing import TypeVar
 
 import numpy as np
@@ -143,9 +144,11 @@ class CompiledDynamics:
 
     def sampled(self) -> tuple[float, bool]:
         c, (low, changed) = self.state.c, self.general.sampled()
-        found = min(low, c.low), changed or c.signs == 3
-        c.low, c.signs = float("inf"), 0
-        return found
+        if c.signs:
+            low = min(low, -(log(c.mantissa) + log(2.0) * c.exponent))
+        changed = changed or c.signs == 3
+        c.signs, c.mantissa, c.exponent = 0, 0.0, 0.0
+        return low, changed
 
     def _in_general(self, evaluate: Callable[[], Result]) -> Result:
         """Let the general evaluator look at a state that C could not do; it explains failures."""

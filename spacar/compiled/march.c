@@ -81,7 +81,7 @@ static int seen(March *r, double t, const double *y)
         position_determinant(m, &now[1], &now[2]);
         if (r->entered) return r->tell(t, y);
         if (!before) r->peak = now[2];
-        else if (now[1] != before[1] || s->signs == 3 || s->low <= fmin(before[2], now[2]) + r->inside
+        else if (now[1] != before[1] || s->signs == 3 || logarithm(s->mantissa, s->exponent) <= fmin(before[2], now[2]) + r->inside
                  || (now[2] > before[2] && before[2] <= r->peak + r->half)) return r->tell(t, y);
         else if (now[2] > r->peak) r->peak = now[2];
     }

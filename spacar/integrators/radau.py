@@ -20,7 +20,7 @@ moves its tip by 1e-5, 1e-7 has frequencies up to 170 and 1,100 rad/s; velocitie
 
 from __future__ import annotations
 
-from math import sqrt
+from math import isfinite, sqrt
 
 import numpy as np
 
@@ -54,7 +54,12 @@ class Radau:
         self.nq = rates if 2 * rates <= n else 0
         self.n = n
         self.y, self.y_new, self.scaled, self.f = np.zeros((4, n))
-        self.Z, self.F = np.zeros((2, stages, n))
+        # Z over F: what `stages` of a problem takes for an explicit step whose first rows are there
+        self.rows = np.zeros((2 * stages, n))
+        self.Z, self.F = self.rows[:stages], self.rows[stages:]
+        self.nodes = np.zeros(2 * stages)
+        self.sums = np.zeros((2 * stages, 2 * stages))
+        self.sums[stages:, :stages] = np.eye(stages)
         self.t = self.h = 0.0
         self._forget()
 
@@ -152,26 +157,22 @@ class Radau:
         from scipy.linalg.lapack import dgetrs, zgetrs
 
         m, n, nq, Z, F = self.method, self.n, self.nq, self.Z, self.F
-        rhs, statistics = self.evaluation.rhs, self.evaluation.statistics
+        statistics = self.evaluation.statistics
         self._guess(h)
         drift = (h * m.c)[:, None] * self.y[n - nq :]
         ha, inverse = h * m.a, m.inverse / h
         (lu, pivots), *complexes = self.factors
         Z[:, :nq] = drift + ha @ Z[:, n - nq :]
         weight = self._weights(h, self.y + Z[-1])
-        times = [self.t + c * h for c in m.c]
         factor = 1.0 / sqrt(Z.size)
         change, theta = 0.0, 0.0
         # What is known of the contraction is older by a step (IV.8.11); nothing is known of new factors.
         self.contraction = estimate = min(max(self.contraction, EPS) ** 0.8, 0.99)
         dZ = np.empty_like(Z)
-        increment = np.empty((len(times), n - nq))
-        stages = np.empty_like(Z)
+        increment = np.empty((len(Z), n - nq))
         for k in range(MAX_NEWTON):
             statistics.newton_iterations += 1
-            np.add(Z, self.y, stages)
-            for i, t in enumerate(times):
-                F[i] = rhs(t, stages[i])
+            self._evaluate(h)
             residual = m.to @ (F[:, nq:] - inverse @ Z[:, nq:])
             increment[0] = dgetrs(lu, pivots, residual[0])[0]
             for i, (clu, cpivots) in enumerate(complexes):
@@ -198,6 +199,21 @@ class Radau:
         failure = slow_newton(self.evaluation, self.t, h, change, theta, worst, KAPPA)
         self.contraction = 1.0
         return failure
+
+    def _evaluate(self, h: float) -> None:
+        """F of all stages, in one call of a problem that can."""
+        evaluation, s = self.evaluation, len(self.Z)
+        done = s
+        if evaluation.stages is not None:
+            # F(t + 1 c_i h, y + 1 Z_i)
+            np.multiply(self.method.c, h, out=self.nodes[s:])
+            window = evaluation.first, evaluation.last
+            done = evaluation.stages(s, self.nodes, self.sums, self.t, 1.0, window, self.y, self.rows)
+            if not isfinite(self.F[: done - s].sum()):
+                done = s  # one by one, until one says which component
+            evaluation.statistics.n_rhs += done - s
+        for i in range(done - s, s):
+            self.F[i] = evaluation.rhs(self.t + self.method.c[i] * h, self.y + self.Z[i])
 
     def _error(self, h: float, f: np.ndarray) -> float:
         """Norm of (lambda_0/h - J)^-1 (f + error @ Z / h), by the factors of the real system."""
