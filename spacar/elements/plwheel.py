@@ -18,6 +18,7 @@ import numpy as np
 from spacar.arrays import Array
 
 from . import chord
+from .angles import arc_tangent
 from .family import ElementGroup, Family, GeometryError
 
 
@@ -31,15 +32,14 @@ class PlanarWheel(Family):
         """Geometry: radius, direction of the spin axis (2). GeometryError if that is zero or missing."""
         self.keyword, self.numbers = group.keyword, group.numbers
         self.length = np.zeros(group.n)
-        axis = np.zeros((2, group.n))
         for k, values in enumerate(group.geometry):
             if len(values) < 3 or not np.any(values[1:3]):
                 raise GeometryError(k, "PLWHEEL needs a radius and a direction of the spin axis, not zero")
-            axis[:, k] = values[1:3]
+        axis = np.array([values[1:3] for values in group.geometry]).reshape(-1, 2).T
         self.radius = np.array([values[0] for values in group.geometry])
         self.data = self.radius[:, None]
         self.Sd = group.edamp[:, 0:2].T
-        self.angle = np.arctan2(-axis[0], axis[1])  # of the heading: the axis turned by -90 degrees
+        self.angle = arc_tangent(-axis[0], axis[1])  # of the heading: the axis turned by -90 degrees
         self.frame_p = chord.frame(np.stack((np.cos(self.angle), np.sin(self.angle))))
 
     def strain(self, x: Array, near: Array, e: Array, V: Array) -> Array:
@@ -78,6 +78,6 @@ class PlanarWheel(Family):
 
     def stiffness(self) -> tuple[Array, Array]:
         """S = 0, S_d = diag(Sd1, Sd2) [N s/m]."""
-        Sd = np.zeros((2, 2, self.n))
+        Sd = np.zeros((2, 2, self.n), self.Sd.dtype)
         Sd[0, 0], Sd[1, 1] = self.Sd
         return np.zeros_like(Sd), Sd

@@ -162,7 +162,7 @@ class _Wheel(Family):
         self.data = np.column_stack((self.radius, self.rho))
         self.constants = director_tensor(frame[:, 2]), self.radius, self.rho
         self._coefficients = group.estiff[:, :6], group.edamp[:, :6]
-        self._check_start(group.x0)
+        self._check_start(group.x0.real)
 
     def _read(self, group: ElementGroup, distance: Array) -> tuple[list[tuple[float, ...]], Array, Array]:
         """Spin axes, radii r0 (n,) of the tread circle and transverse radii rho (n,) [m]."""
@@ -170,9 +170,12 @@ class _Wheel(Family):
 
     def _check_start(self, x0: Array) -> None:
         e, V = np.zeros((6, self.n)), np.zeros((6, 10, self.n))
+        K, radius, rho = self.constants
+        directed, self.constants = self.constants, (K.real, radius.real, rho.real)
         c = self.strain(x0, e, e, V)
+        self.constants = directed
         below = c.r[2] < 0.0
-        allowed = START * (self.radius + self.rho)
+        allowed = START * (radius.real + rho.real)
         axial, lowest = e[1], e[3]
         places = (
             (axial, "off the plane of the wheel"),
@@ -279,7 +282,7 @@ class DiskWheel(_Wheel):
         for k, values in enumerate(group.geometry):
             if len(values) != 3:
                 raise GeometryError(k, f"needs 3 components of the spin axis, {len(values)} are given")
-            if not distance[k] > 0.0:
+            if not distance[k].real > 0.0:
                 raise GeometryError(k, "the radius, the distance between centre and contact point, is zero")
         return list(group.geometry), distance, np.zeros(group.n)
 
@@ -319,8 +322,8 @@ def _frame(axis: tuple[float, ...], k: int) -> Array:
     """Columns x' = a0 x n (direction of travel), y', z' = a0, the spin axis."""
     ez = unit(axis, k, "spin axis")
     ex = np.cross(ez, UP)
-    sine = float(np.sqrt(ex @ ex))
-    if sine < FLAT:
+    sine = np.sqrt(ex @ ex)
+    if sine.real < FLAT:
         raise GeometryError(k, "the spin axis is vertical: the wheel lies flat and has no contact point")
     ex /= sine
     return np.column_stack((ex, np.cross(ez, ex), ez))

@@ -77,6 +77,7 @@ def along(mechanism: Mechanism, deck: Deck) -> Mechanism:
         additional=inputs.loads(deck, n, batches, "DEL", kind=complex) if additional else None,
         additional_drive=inputs.additional_drive(deck, n, complex),
         drive=inputs.drive(deck, n, x0),
+        start=inputs.start(deck, n, x0),
         deformation_inertia=lumped_inertia.deformation_inertia(deck, n),
     )
 

@@ -15,18 +15,17 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.calls import frames
-from spacar.deck import Deck, read_deck
+from spacar.deck import ELEMENT_TYPES, Deck, read_deck
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.limits import Limits
 from spacar.dynamics.motion_equations import Accelerations
-from spacar.errors import UsageError
+from spacar.errors import Report, UsageError
 from spacar.expressions import Dimensions, unit_text
 from spacar.expressions.grammar import ALIASES, indices, parse
 from spacar.kinematics.constraint_condition import condition_number
 from spacar.kinematics.regularity import Regularity
 from spacar.linear.linear_modes import say_lost_digits
 from spacar.linearization.matrices import linearize
-from spacar.mechanism import Mechanism
 from spacar.sensitivities.expression_derivatives import ChainValue, derivative, steps_of, variables
 from spacar.sensitivities.linear_quantities import LinearQuantities
 from spacar.sensitivities.parameters import DeckNumber, deck_numbers, directions
@@ -48,6 +47,7 @@ from spacar.studies.assignments import change
 from spacar.studies.quantities import Quantity, quantity
 
 MODE = 10  # vibration and buckling about the stationary states
+WITH_WHEELS = 7
 
 
 @dataclass(frozen=True)
@@ -98,30 +98,43 @@ def sensitivity(
     at           numbers that the parameters are given first
     options      what overrides the deck, as for `run`
 
-    Raises UsageError for names that the model does not have and for models whose derivatives are not followed (user
-    functions), InputError (wheels),
-    and AnalysisError as modes 7 to 10 and 'sensitivity.singular' at critical states.
+    Raises UsageError for names that the model does not have and for models whose derivatives are not followed (linear
+    quantities of wheels and with USERSIG, steady motion with USERSIG), and AnalysisError as modes 7 to 10 and
+    'sensitivity.singular' at critical states.
     """
     names = [parameters] if isinstance(parameters, str) else list(parameters)
     wanted = [quantity(q, STRESS_INDICES) for q in ([quantities] if isinstance(quantities, str) else quantities)]
-    deck = model if isinstance(model, Deck) else read_deck(model, MODE)
+    deck = model if isinstance(model, Deck) else _read(model)
     deck, numbers = deck_numbers(deck, names)
     if at is not None:
         if len(at) != len(numbers):
             raise UsageError(f"{len(at)} numbers for {len(numbers)} parameters", "sensitivity.parameter")
         deck = change(deck, [n.setting for n in numbers], [float(v) for v in at])
         deck, numbers = deck_numbers(deck, names)
-    run = frames(MODE, deck, **options)
-    _require_followed(run.mechanism)
-    return _Analysis(run, numbers, wanted).run()
+    return _Analysis(frames(_mode(deck), deck, **options), numbers, wanted).run()
 
 
-def _require_followed(mechanism: Mechanism) -> None:
+def _mode(deck: Deck) -> int:
+    """Buckling and compliances are not for wheels."""
+    return WITH_WHEELS if any(ELEMENT_TYPES[s.keyword].slips for s in deck.of(*ELEMENT_TYPES, block=1)) else MODE
+
+
+def _read(path: str | Path) -> Deck:
+    deck = read_deck(path, WITH_WHEELS)
+    return deck if _mode(deck) == WITH_WHEELS else deck.for_mode(MODE)
+
+
+def _require_followed(run: Run, names: set[str]) -> None:
+    """Raises UsageError for models whose derivatives are not followed; `names` of the variables that are asked for."""
+    mechanism = run.mechanism
     why = ""
-    if not mechanism.numbering.holonomic:
-        why = "wheels, whose slips are no constraints on the configuration"
-    elif mechanism.user_signal is not None or mechanism.deck.of("USERINP", block=2):
-        why = "a function of the user, which does not state its derivatives"
+    if not mechanism.numbering.holonomic and names.intersection(LINEAR):
+        why = "wheels for eigenvalues, multipliers and compliances; positions, deformations, forces, stresses have them"
+    elif mechanism.user_signal is not None and names.intersection(LINEAR):
+        why = "forces of the user (USERSIG) for eigenvalues, multipliers and compliances: what the function states of"
+        why += " its stiffness has no known derivatives"
+    elif mechanism.user_signal is not None and StationarySolver(mechanism, Report()).moving:
+        why = "forces of the user (USERSIG) in steady motion"
     if why:
         raise UsageError(f"{mechanism.deck.source}: no derivatives of models with {why}", "sensitivity.model")
 
@@ -140,6 +153,7 @@ class _Analysis:
                 variable = self._variable(node)
                 check_variable(variable, run.mechanism.numbering)
                 self.needed.setdefault(variable, set()).update(places)
+        _require_followed(run, {name for name, _ in self.needed})
         self.directions = directions(run.mechanism, numbers)
         self.found = {v: self._empty(v) for v in self.needed}
 

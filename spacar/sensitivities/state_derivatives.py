@@ -12,6 +12,7 @@ de/dp + C (dS/dp e + dsigma_0/dp): the inverse itself is not differentiated.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,9 +24,13 @@ from spacar.kinematics.kinematics import largest
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
 from spacar.sensitivities.directed_elements import DirectedElements
+from spacar.sensitivities.user_law import UserLawDerivatives, user_law_derivatives
 from spacar.stationary import LoadLevel, StationarySolver
 from spacar.stationary.contract import Tangent
+from spacar.stationary.moving_tangent import MovingTangent
 from spacar.stationary.newton import SINGULAR, digits_left
+from spacar.stationary.singular import minimum_norm_solutions
+from spacar.stationary.stationary_equations import StationaryEquations
 
 
 @dataclass(frozen=True)
@@ -58,6 +63,13 @@ def state_derivatives(
         raise _critical(level, error) from None
     d, n, C = solver.dynamics, solver.mechanism.numbering, q.flexibility
     x, near = d.kinematics.x, d.sweep.e
+    user = None
+    if solver.mechanism.user_signal is not None:
+        assert isinstance(tangent, MovingTangent)
+        user = user_law_derivatives(solver.mechanism, near, x, q.active)
+        _with_user_law(tangent, d, user, q.active)
+    # the tangent at rest has no place for stresses of rows without stiffness, which are known; the dense one has
+    known_rows = q.passive & (not isinstance(tangent, MovingTangent))
     motion = _SteadyMotion(d, solver.solution.xdd, solver.moving)
     sigma = solver.solution.sigma + motion.coupling
     elements, rights = [], []
@@ -74,13 +86,25 @@ def state_derivatives(
             strained = e.deformations().imag
             # the constitutive law at the real deformations: only changes of its numbers and of rates are left of it
             law = (e.law(near + 0j) + motion.stresses(e, v, a)).imag
-            # stresses of rows without stiffness are known: the tangent has no place for them
-            known = sigma + 1j * np.where(q.passive, law, 0.0)
+            known = sigma + 1j * np.where(known_rows, law, 0.0)
             force = e.applied() - e.inertia(v, a, gravity=True) - e.stress_forces(known)
+            begun = None if n.holonomic else _starts(e, mechanism)
+            if user is not None:
+                stress, push = user.along(strained, moved)
+                law, force = law + stress, force + 1j * push
             gap = C.coupled * (strained - given) + C.times(np.where(q.constrained, 0.0, law))
+            if begun is not None:  # slips have no value: kinematic coordinates and deformations keep theirs
+                gap[q.slips] = np.concatenate((-begun.x, strained[q.e_kinematic] - begun.e))
             rights.append(np.concatenate((force.imag[q.F], -C.size * gap)) / STEP)
             elements.append((e, moved / STEP))
-        solutions = _solutions(tangent, rights, C.size, q.nf, level)
+        if n.holonomic or not rights:
+            solutions = _solutions(tangent, rights, C.size, q.nf, level)
+        else:  # wheels roll without stiffness: the place that the file gives is kept, as in the iteration
+            A, begun_at = tangent.dense(), _start_columns(directions, q)
+            try:
+                solutions = begun_at + minimum_norm_solutions(A, np.column_stack(rights) - A @ begun_at)
+            except SingularMatrixError as error:
+                raise _critical(level, error) from None
         found = []
         for (e, dx), z in zip(elements, solutions.T, strict=True):
             dx[q.F] = z[: q.nf]
@@ -92,13 +116,54 @@ def state_derivatives(
             rates = (e.applied(), light - heavy, light + e.stress_forces(s))
             fx, fxgrav, fxtot = (r.imag / STEP for r in rates)
             de = e.deformations().imag / STEP
+            if user is not None:
+                fx = fx + user.along(de, dx)[1]
             dsigma = dsigma - e.coupling(motion.second_rates(e, v, a)).imag / STEP
             found.append(StateDerivative(e, s, v, a, dx, de, dsigma, fx, fxgrav, fxtot))
     return found
 
 
+def _with_user_law(tangent: MovingTangent, d: Dynamics, user: UserLawDerivatives, active: Array) -> None:
+    """The exact gradients of the user's function in the place of those that it states."""
+    V = d.sweep.gradient()
+    x = d.kinematics.x
+    stated = d.forces.user(0.0, d.sweep.e, np.zeros(len(V)), x, np.zeros(len(x))) if d.forces.user is not None else None
+    assert stated is not None
+    force = user.force_e @ V + user.force_x + np.diag(stated.force_k)
+    offset = user.sigma_e @ V + user.sigma_x - (stated.sigma_k * active)[:, None] * V
+    tangent.correct(force, offset)
+
+
+class _Starts(NamedTuple):
+    """Changes of the start values of kinematic coordinates x and deformations e."""
+
+    x: Array
+    e: Array
+
+
+def _start_columns(directions: list[Mechanism], q: StationaryEquations) -> Array:
+    """Changes of the unknowns (n, directions) by the start values of dynamic coordinates."""
+    out = np.zeros((q.nf + q.ne, len(directions)))
+    for column, mechanism in zip(out.T, directions, strict=True):
+        x = np.zeros(mechanism.numbering.nx)
+        x[mechanism.numbering.x_class["dynamic"]] = mechanism.start.x_value.imag
+        column[: q.nf] = x[q.F] / STEP
+    return out
+
+
+def _starts(elements: DirectedElements, mechanism: Mechanism) -> _Starts:
+    """Where the file gives no value of a deformation, that of the reference configuration changes with it."""
+    start, ek = mechanism.start, mechanism.numbering.e_class["kinematic"]
+    reference = DirectedElements(mechanism, LoadLevel(0.0, 0.0))
+    reference.at(mechanism.x0, np.zeros(elements.ne))
+    own = reference.deformations().imag[ek]
+    return _Starts(start.x_kinematic.imag, np.where(np.isnan(start.e_kinematic.real), own, start.e_kinematic.imag))
+
+
 class _SteadyMotion:
     """Velocities and accelerations of steady motion, zero at rest, and how they move with a direction.
+
+    With wheels the rates of the dynamic degrees of freedom are those of the start.
 
     V v = ed and V a = -H(v, v) on the fixed, prescribed and dynamic rows hold along every direction:
     V dv = d(ed) - dV v,  V da = -dH(v, v) - dV a, with the factors of the configuration.
@@ -117,6 +182,9 @@ class _SteadyMotion:
         n, k = self.d.numbering, self.d.kinematics
         xd, ed = np.zeros(n.nx), np.zeros(n.ne)
         xd[n.x_class["input"]], ed[n.e_class["input"]] = e.drive.xd.imag, e.drive.ed.imag
+        if not n.holonomic:
+            start = e.mechanism.start
+            xd[n.x_class["dynamic"]], ed[n.e_class["dynamic"]] = start.x_rate.imag, start.e_rate.imag
         v = self.v + 1j * k.dependent(xd, ed - e.strain_rate(self.v + 0j).imag)
         swept = e.convective(v).imag + e.strain_rate(self.a + 0j).imag
         return v, self.a + 1j * k.dependent(np.zeros(n.nx), -swept)

@@ -78,6 +78,16 @@ class MovingTangent:
         self._columns = np.concatenate((q.F, nx + np.arange(q.ne)))
         self._square = self.full[:, self._columns]
 
+    def correct(self, force: Array, offset: Array) -> None:
+        """Add gradients by x that were not known when it was formed: of the applied forces (nx, nx), of the stresses
+        that are no S e, sigma_1 (ne, nx)."""
+        q = self.q
+        rows = q.flexibility.dense() @ (offset * ~q.constrained[:, None])
+        rows[q.slips] = 0.0
+        self.full[: q.nf, : force.shape[1]] -= force[q.F]
+        self.full[q.nf :, : force.shape[1]] += rows
+        self._square = self.full[:, self._columns]
+
     def solve(self, right: Array) -> Array:
         """Of (n,) or (n, k)."""
         try:

@@ -39,10 +39,7 @@ def minimum_norm(q: StationaryEquations, tangent: Tangent, p: Iterate, dx: Array
     if not np.isfinite(A).all():
         raise Astray("numbers that are not finite")
     right = p.right - tangent.along(dx) if dx.any() else p.right
-    size = np.maximum(np.abs(A).max(axis=1, initial=0.0), np.abs(A).max(axis=0, initial=0.0))
-    d = 1.0 / np.sqrt(np.where(size > 0.0, size, 1.0))
-    u, s, vt = np.linalg.svd(A * d[:, None] * d)
-    regular = s > SPREAD * n * EPS * s[0]
+    d, u, s, vt, regular = _decomposed(A)
     projected = u.T @ (d * right)
     lost = np.abs(projected[~regular])
     rounding = np.abs(u[:, ~regular]).T @ (d * p.rounding)
@@ -53,3 +50,23 @@ def minimum_norm(q: StationaryEquations, tangent: Tangent, p: Iterate, dx: Array
     both = np.column_stack((projected, u.T @ (d * sign * p.rounding)))[regular]
     z = d[:, None] * (vt[regular].T @ (both / s[regular, None]))
     return z[:, 0], largest(z[: q.nf, 1] / q.scale[q.F])
+
+
+def minimum_norm_solutions(A: Array, right: Array) -> Array:
+    """z (n, k) of minimum norm with A z = right (n, k), in the same measure. Raises SingularMatrixError where a column
+    is not in the range of A."""
+    d, u, s, vt, regular = _decomposed(A)
+    projected = u.T @ (d[:, None] * right)
+    lost = np.linalg.norm(projected[~regular], axis=0)
+    if (lost > IN_RANGE * np.linalg.norm(projected, axis=0)).any():
+        raise SingularMatrixError("a motion without stiffness would have to move without limit")
+    return np.asarray(d[:, None] * (vt[regular].T @ (projected[regular] / s[regular, None])))
+
+
+def _decomposed(A: Array) -> tuple[Array, Array, Array, Array, Array]:
+    """d (n,), with which d A d has rows and columns of size one; its singular value decomposition; which singular
+    values are no rounding (n,)."""
+    size = np.maximum(np.abs(A).max(axis=1, initial=0.0), np.abs(A).max(axis=0, initial=0.0))
+    d = 1.0 / np.sqrt(np.where(size > 0.0, size, 1.0))
+    u, s, vt = np.linalg.svd(A * d[:, None] * d)
+    return d, u, s, vt, s > SPREAD * len(A) * EPS * s[0]

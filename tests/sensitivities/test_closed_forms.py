@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from difference_truth import agree
 
 import spacar
 from spacar import Deck
-from spacar.errors import AnalysisError, InputError, UsageError
+from spacar.errors import AnalysisError, UsageError
 
 L, EI, M = 0.5, 2.0, 0.3  # m, N m^2, kg/m
 
@@ -269,19 +267,6 @@ def test_what_there_is_not(parameters: list[str], quantities: list[str], words: 
     with pytest.raises(UsageError) as caught:
         spacar.sensitivity(cantilever(force=(0.0, 1.0)), parameters, quantities)
     assert words in str(caught.value)
-
-
-def test_models_that_are_not_followed() -> None:
-    with pytest.raises(InputError, match="non-holonomic element in mode 10"):
-        spacar.sensitivity(Path(__file__).parents[2] / "data" / "trike2.dat", ["XM.*"], ["x[1,1]"])
-    rows = [("BEAM", 1, 1, 2, 3, 4, 0.0, 1.0, 0.0), ("X", 3, 1.0, 0.0, 0.0), ("FIX", 1), ("INPUTX", 2, 4),
-            ("FIX", 2, 2, 3)]
-    rows += [("DYNE", 1), ("ADEFORM",)]
-    law = [("INPUTX", 2, 4, 0.0, 0.5), ("ESTIFF", 1, 90.0, 2.0, 3.0, 4.0), ("EM", 1, 1.0, 0.01, 0.01, 0.01)]
-    deck = Deck.build(rows, law, mode=10)
-    with pytest.raises(UsageError, match="in steady motion with BEAM in the angle measure"):
-        spacar.sensitivity(deck, ["EM.1"], ["frequency[1]"])
-    assert np.isfinite(spacar.sensitivity(deck, ["EM.1"], ["frequency[1]"], beams="sine").derivatives).all()
 
 
 def test_rotating_spring() -> None:
