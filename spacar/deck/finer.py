@@ -16,7 +16,7 @@ from spacar.deck.statement import Value
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.errors import UsageError
 
-TUBES = tuple(k for k, t in ELEMENT_TYPES.items() if t.keyword in ("PLTUBE", "TUBE"))
+TUBES = tuple(k for k, t in ELEMENT_TYPES.items() if t.shape == "beam" and not t.split)
 UNDIVIDED = "a tube is not divided; write more of them"
 
 

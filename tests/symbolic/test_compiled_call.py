@@ -14,9 +14,14 @@ MODEL = Path(__file__).resolve().parents[2] / "data" / "symbolic" / "manipulator
 
 
 @pytest.mark.skipif(not compiler(), reason="no C compiler")
-def test_a_call_of_the_compiled_right_hand_side_takes_what_python_takes(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_call_of_the_compiled_right_hand_side_takes_what_python_takes(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     """Lists, tuples, slices with steps; the same numbers with and without the headers of Python; errors in words."""
-    model = read_model(MODEL)
+    text = MODEL.read_text().replace('field = ["x**2/L**4", "x**3/L**4", "x**4/L**4"]', 'field = ["x**2/L**4"]')
+    assert text.count('field = ["x**2/L**4"]') == 2
+    (tmp_path / "manipulator.toml").write_text(text)
+    model = read_model(tmp_path / "manipulator.toml")
     program = model.system.derive().program(model.outputs)
     direct = CompiledFunction(program, model.values)
     monkeypatch.setattr("spacar.symbolic.emit.python_call.compiler_options", lambda: None)
