@@ -1,8 +1,8 @@
 """What the engine asks of Python while it evaluates: prescribed motion that is no polynomial, user functions, and the
-batches of elements that have no functions in C (NumPy families, all elements of a batch at once).
+batches of a new element that has no functions in C yet (its NumPy family, all elements of a batch at once).
 
-Everything else stays in C, so one wheel or one user function costs its own share only. Arrays are shared: C writes the
-state into them, Python the answer. An exception is kept, ends the evaluation in C and is raised after it.
+Everything else stays in C, so one such element or one user function costs its own share only. Arrays are shared: C
+writes the state into them, Python the answer. An exception is kept, ends the evaluation in C and is raised after it.
 """
 
 from __future__ import annotations
