@@ -32,7 +32,8 @@ def beam(n: int, bent: bool, angles: bool = False) -> Path:
     lines += ["FIX 1", "FIX 2", *(f"DYNE {k} 2 3" for k in range(1, n + 1)), "END", "HALT"]
     lines += [f"EM {k} {BEAM.density}" for k in range(1, n + 1)]
     lines += [f"ESTIFF {k} 0. {BEAM.EI}" for k in range(1, n + 1)]
-    lines += [f"XF {2 * n + 1} 0. {BEAM.force}", "ITERSTEP 20 10 1.e-10"] if bent else ["ITERSTEP 10 1 1.e-12", "MODES 3"]
+    bending = [f"XF {2 * n + 1} 0. {BEAM.force}", "ITERSTEP 20 10 1.e-10"]
+    lines += bending if bent else ["ITERSTEP 10 1 1.e-12", "MODES 3"]
     path = folder() / f"beam_{n}_{bent}_{angles}.dat"
     path.write_text("\n".join([*lines, "END", "END", ""]))
     return path
