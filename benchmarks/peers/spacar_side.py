@@ -23,15 +23,18 @@ def folder() -> Path:
 
 
 @lru_cache
-def beam(n: int, bent: bool) -> Path:
-    """The file of a cantilever of n inextensible elements; with the force of S5 or without it (S8)."""
+def beam(n: int, bent: bool, angles: bool = False) -> Path:
+    """The file of a cantilever of n inextensible elements; with the force of S5, or for the three frequencies of S8.
+    `angles`: in the angle measure (ADEFORM), which has fourth order."""
     lines = [f"PLBEAM {k} {2 * k - 1} {2 * k} {2 * k + 1} {2 * k + 2}" for k in range(1, n + 1)]
     lines += [f"X {2 * k + 1} {BEAM.length * k / n} 0." for k in range(n + 1)]
+    lines += ["ADEFORM"] * angles
     lines += ["FIX 1", "FIX 2", *(f"DYNE {k} 2 3" for k in range(1, n + 1)), "END", "HALT"]
     lines += [f"EM {k} {BEAM.density}" for k in range(1, n + 1)]
     lines += [f"ESTIFF {k} 0. {BEAM.EI}" for k in range(1, n + 1)]
-    lines += [f"XF {2 * n + 1} 0. {BEAM.force}", "ITERSTEP 20 10 1.e-10"] if bent else ["ITERSTEP 10 1 1.e-12"]
-    path = folder() / f"beam_{n}_{bent}.dat"
+    bending = [f"XF {2 * n + 1} 0. {BEAM.force}", "ITERSTEP 20 10 1.e-10"]
+    lines += bending if bent else ["ITERSTEP 10 1 1.e-12", "MODES 3"]
+    path = folder() / f"beam_{n}_{bent}_{angles}.dat"
     path.write_text("\n".join([*lines, "END", "END", ""]))
     return path
 
@@ -55,9 +58,9 @@ def answer(name: str, error: float | None, code: int | None) -> np.ndarray:
     return np.array([result.node(node, k)[-1] for k in directions])
 
 
-def bent(n: int) -> np.ndarray:
+def bent(n: int, angles: bool = False) -> np.ndarray:
     """S5."""
-    result = spacar.run(8, beam(n, True))
+    result = spacar.run(8, beam(n, True, angles))
     return np.array([result.node(2 * n + 1, k)[-1] for k in (1, 2)])
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from importlib import import_module
+from operator import itemgetter
 from pathlib import Path
 
 from spacar.deck.deck_reader import NOT_UTF8, Span, read_text
@@ -61,10 +62,13 @@ class Deck:
         return sha256(self.data).hexdigest()
 
     @cached_property
-    def _index(self) -> dict[str, list[tuple[int, Statement]]]:
-        index: dict[str, list[tuple[int, Statement]]] = {}
-        for place, statement in enumerate((*self.statements, *self.shorthand)):
-            index.setdefault(statement.keyword, []).append((place, statement))
+    def _index(self) -> dict[tuple[str, int | None], list[tuple[int, Statement]]]:
+        """Statements with their places, by keyword and block, and by keyword alone."""
+        index: dict[tuple[str, int | None], list[tuple[int, Statement]]] = {}
+        for pair in enumerate((*self.statements, *self.shorthand)):
+            s = pair[1]
+            index.setdefault((s.keyword, s.block), []).append(pair)
+            index.setdefault((s.keyword, None), []).append(pair)
         return index
 
     @property
@@ -80,12 +84,11 @@ class Deck:
 
     def of(self, *keywords: str, block: int | None = None) -> list[Statement]:
         """All statements with one of the keywords (and in the block), in file order."""
-        found = [pair for keyword in keywords for pair in self._index.get(keyword, ())]
-        if not found:
+        given = [pairs for keyword in keywords if (pairs := self._index.get((keyword, block)))]
+        if not given:
             return []
-        if len(keywords) > 1:
-            found.sort(key=lambda pair: pair[0])
-        return [s for _, s in found if block is None or s.block == block]
+        pairs = given[0] if len(given) == 1 else sorted((pair for one in given for pair in one), key=itemgetter(0))
+        return [s for _, s in pairs]
 
     def first(self, keyword: str, block: int | None = None) -> Statement | None:
         """First statement with the keyword (and in the block), None when there is none."""

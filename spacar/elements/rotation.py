@@ -88,7 +88,7 @@ def relative_parameters(frame_p: Array, frame_q: Array) -> Array:
     F = np.zeros((4, 2, 4, 4, n), np.result_type(frame_p, frame_q))
     F[0, 0] = np.eye(4)[..., None]
     F[1:, 0] = relative_matrix(frame_p).transpose(2, 0, 1, 3)
-    if not np.array_equal(frame_p, frame_q):
+    if frame_p is not frame_q and not np.array_equal(frame_p, frame_q):
         F[:, 0] = _follow(F[:, 0], frame_p, frame_q)
     F[:, 1] = F[:, 0].swapaxes(1, 2)
     return F

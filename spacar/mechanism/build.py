@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import hypot
 from typing import Any
 
 import numpy as np
@@ -142,7 +143,8 @@ def _size(numbering: Numbering, x0: Array) -> float:
     """Diagonal of the box around all position nodes; 1 when there are none."""
     if len(numbering.positions) < 2:
         return 1.0
-    extent = float(np.linalg.norm(np.ptp(x0[numbering.positions].real, axis=0)))
+    places = x0[numbering.positions].real
+    extent = hypot(*(places.max(0) - places.min(0)))
     return extent if extent > 0.0 else 1.0
 
 

@@ -33,8 +33,8 @@ def element_batches(deck: Deck, numbering: Numbering, x0: Array, beams: str = ""
     projections = {int(s.values[0]): _reals(s.values[1:]) for s in deck.of("DRPINBOD", block=1)}
     present = set(numbering.keyword.values())
     batches, messages = [], []
-    for keyword, angle in itertools.product(ELEMENT_TYPES, (False, True)):
-        if keyword not in present:
+    for keyword, angle in itertools.product((k for k in ELEMENT_TYPES if k in present), (False, True)):
+        if angle and not angles:
             continue
         kind = ELEMENT_TYPES[keyword]
         statements = sorted(
@@ -82,13 +82,10 @@ def element_batches(deck: Deck, numbering: Numbering, x0: Array, beams: str = ""
 
 def by_angles(deck: Deck, beams: str = "") -> set[int]:
     """Numbers of the elements in the angle measure: those of ADEFORM, or with `beams` ("angle", "sine") all or none."""
-    measured = [int(s.values[0]) for s in deck.of(*ELEMENT_TYPES, block=1) if ELEMENT_TYPES[s.keyword].angle_family]
     given = deck.of("ADEFORM", block=1)
-    if beams:
-        return set(measured) if beams == "angle" else set()
-    if any(not s.values for s in given):
-        return set(measured)
-    return {int(s.values[0]) for s in given}
+    if beams == "angle" or (not beams and any(not s.values for s in given)):
+        return {int(s.values[0]) for s in deck.of(*(k for k, t in ELEMENT_TYPES.items() if t.angle_family), block=1)}
+    return {int(s.values[0]) for s in given} if not beams else set()
 
 
 def node_batches(numbering: Numbering, families: Iterable[tuple[Family, Array]]) -> list[Batch]:
@@ -111,9 +108,7 @@ def _table(deck: Deck, keyword: str, width: int) -> dict[int, tuple[float, ...]]
 
 
 def _rows(table: dict[int, tuple[float, ...]], names: list[int], width: int, kind: np.dtype[Any]) -> Array:
-    rows = np.zeros((len(names), width), kind)
-    if table:
-        for k, n in enumerate(names):
-            values = table.get(n, ())
-            rows[k, : len(values)] = values
-    return rows
+    if not table:
+        return np.zeros((len(names), width), kind)
+    none = (0.0,) * width
+    return np.array([(values := table.get(n, ())) + none[len(values) :] for n in names], kind)

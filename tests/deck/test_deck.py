@@ -156,10 +156,10 @@ def test_large_file_costs_linear_time() -> None:
     rows = [("PLBEAM", i, 2 * i - 1, 2 * i, 2 * i + 1, 2 * i + 2) for i in range(1, n + 1)]
     rows += [("X", 2 * i + 1, 0.1 * i) for i in range(1, n + 1)]
     rows += [("DYNE", i, 2, 3) for i in range(1, n + 1)]
-    start = time.perf_counter()
+    start = time.process_time()
     deck = Deck.build(rows, [("ESTIFF", i, 0.0, 1.0) for i in range(1, n + 1)])
     assert len(deck.statements) == 4 * n
-    assert time.perf_counter() - start < 10.0
+    assert time.process_time() - start < 10.0
 
 
 def test_light_import() -> None:
