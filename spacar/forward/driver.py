@@ -57,6 +57,8 @@ CAUSE = 0.1  # chosen: lambda0 of a node below which a dead point is its half tu
 Times = Sequence[float] | EvenTimes | np.ndarray
 Watch = Callable[[float, Array], None]
 
+Marches = Callable[[Callable[[], float]], March]  # of the tolerance of positions
+
 
 @dataclass(frozen=True)
 class Tolerances:
@@ -70,11 +72,10 @@ class Tolerances:
     position: float
 
     @classmethod
-    def of(cls, settings: SolverSettings, divisor: float = 1.0, g: Array | None = None) -> Tolerances:
-        """Those of ERROR and INTEGRAT; `divisor`: how much smaller the norm of a step is than that of a case in it;
-        `g` (n,): displacement that a component causes, where it is not 1."""
+    def of(cls, settings: SolverSettings, g: Array | None = None) -> Tolerances:
+        """Those of ERROR and INTEGRAT; `g` (n,): displacement that a component causes, where it is not 1."""
         method = METHODS[settings.integrator]
-        share = STEP / divisor if method.variable_step else 1.0 / divisor
+        share = STEP if method.variable_step else 1.0
         atol, rtol = share * settings.atol, share * settings.rtol
         each = atol if g is None or not method.variable_step else atol / g
         if method.needs_jacobian:
@@ -91,7 +92,7 @@ class Integrand:
 
     def __init__(
         self, evaluator: Integrable, within: float, jacobian: Jacobian | None, accepted: Watch | None, report: Report,
-        rejected: Callable[[], None] | None = None, trail: Trail | None = None,
+        rejected: Callable[[], None] | None = None, marching: Marches | None = None,
     ) -> None:  # fmt: skip
         self.rejected = rejected
         self.n_positions, self.by_case = evaluator.n_positions, evaluator.by_case
@@ -101,9 +102,7 @@ class Integrand:
         self.report = report
         self._rhs, self._together = evaluator.rhs, evaluator.stages
         self.stages = self._stages if self._together is not None else None
-        self.march: March | None = None
-        if trail is not None and trail.evaluator.marching is not None:
-            self.march = trail.evaluator.marching(trail, lambda: self.within)
+        self.march = None if marching is None else marching(lambda: self.within)
 
     def rhs(self, t: float, y: Array) -> Array:
         return self._rhs(t, y, self.within)
@@ -129,14 +128,14 @@ class Integrand:
 def integrated(
     evaluator: Integrable, y: Array, times: Times, settings: SolverSettings, tolerances: Tolerances, *,
     breaks: Sequence[float] = (), watch: Watch | None = None, jacobian: Jacobian | None = None,
-    report: Report | None = None, back: Callable[[], None] | None = None, trail: Trail | None = None,
+    report: Report | None = None, back: Callable[[], None] | None = None, marching: Marches | None = None,
 ) -> Iterator[Output]:  # fmt: skip
     """States at the output times, with the work done since the last one. Raises AnalysisError.
 
-    `watch` is called after accepted steps, `back` after rejected ones; an evaluator that makes many steps at a time
-    asks the `trail`.
+    `watch` is called after accepted steps, `back` after rejected ones; `marching`: of an evaluator that makes many
+    steps at a time.
     """
-    problem = Integrand(evaluator, tolerances.position, jacobian, watch, report or Report(), back, trail)
+    problem = Integrand(evaluator, tolerances.position, jacobian, watch, report or Report(), back, marching)
     return integrate(
         problem, y, times, settings.integrator, tolerances.atol, tolerances.rtol, settings.step, breaks=breaks
     )
@@ -144,12 +143,11 @@ def integrated(
 
 def frames(
     evaluator: Evaluator, y: Array, times: Times, settings: SolverSettings, report: Report, *,
-    watch: Watched | None = None, divisor: float = 1.0, moved_by: Integrable | None = None,
+    watch: Watched | None = None,
 ) -> Iterator[tuple[Evaluator, Frame]]:  # fmt: skip
     """Frames of the motion that starts with y, and the evaluator that stands there.
 
-    Their `statistics` are the counters of the integrator since the last one. `divisor` as for Tolerances; `moved_by`:
-    what is integrated, if not the evaluator itself. Raises AnalysisError.
+    Their `statistics` are the counters of the integrator since the last one. Raises AnalysisError.
     """
     model = evaluator.model
     if not model.mechanism.numbering.nkddof or len(times) == 1:
@@ -157,7 +155,7 @@ def frames(
         for t in times:
             yield evaluator, checked(evaluator, float(t), y, limits)
         return
-    tolerances = Tolerances.of(settings, divisor, displaced(evaluator))
+    tolerances = Tolerances.of(settings, displaced(evaluator))
     jacobian: Jacobian | None = None
     if METHODS[settings.integrator].needs_jacobian or (settings.integrator == AUTOMATIC and _has_forces(model)):
         from spacar.linearization.state_jacobian import state_jacobian
@@ -167,15 +165,15 @@ def frames(
     # step or the last output in it, not back from its end.
     shown = evaluator.companion()
     limits = Limits(shown, report)
-    trail = Trail(evaluator, watch) if moved_by is None else None
+    trail = Trail(evaluator, watch)
+    marching = None if evaluator.marching is None else partial(evaluator.marching, trail)
     breaks = (*model.drive.breaks, *getattr(model.mechanism.user_signal, "breaks", ()))
     for out in integrated(
-        moved_by or evaluator, y, times, settings, tolerances,
-        breaks=breaks, watch=trail.accepted if trail else watch, jacobian=jacobian,
-        back=watch.back if watch else None, report=report, trail=trail,
+        evaluator, y, times, settings, tolerances,
+        breaks=breaks, watch=trail.accepted, jacobian=jacobian,
+        back=watch.back if watch else None, report=report, marching=marching,
     ):  # fmt: skip
-        if trail:
-            trail.lead(shown)
+        trail.lead(shown)
         frame = checked(shown, float(out.t), out.y, limits)
         frame.statistics = work(out)
         yield shown, frame
