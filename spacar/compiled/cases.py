@@ -17,9 +17,10 @@ from spacar.compiled.library import lanes_of_processor
 from spacar.compiled.marching import Marching
 from spacar.compiled.numbers import Numbers
 from spacar.dynamics.loaded_mechanism import NEVER, Accepted, LoadedMechanism, Moving, unexplained
+from spacar.dynamics.mass_check import require_regular_mass
 from spacar.errors import AnalysisError
 from spacar.integrators.problem import March
-from spacar.kinematics.kinematics import CONVERGED
+from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS
 from spacar.kinematics.regularity import HALF_TURN, HalfTurns
 
 
@@ -55,6 +56,21 @@ class InLanes:
             if self.solver.rhs(self.state, t, where, out, within) < 0:
                 raise _failed(t)
         return self._out.copy()
+
+    def start(self) -> bool:
+        """Place the start state. Was the mass matrix looked at? Large ones are not formed in C.
+
+        Raises AnalysisError where a case does not begin near its reference configuration, or has a singular mass matrix:
+        it is to be looked at alone.
+        """
+        x0 = self.state.x.copy()
+        self.rhs(0.0, self.y0)
+        M = self.solver.reduced_mass()
+        if (np.abs(self.state.x - x0) / self._scale).max() > FARTHEST_GUESS:
+            raise _failed(0.0)
+        for lane in range(self.by_case[2] if M is not None else 0):
+            require_regular_mass(self.numbering, M[:, :, lane])
+        return M is not None
 
     def component_name(self, i: int) -> str:
         """Name of a component of the state, for messages."""

@@ -34,12 +34,12 @@ class Chunk:
 
 
 def in_batches(study: Study, cases: Iterable[Values], engine: Engine, jobs: int | None = 1) -> Iterator[Row]:
-    """Rows of all cases. `engine` runs on `jobs` processes; None or 1: here, in threads on all cores."""
+    """Rows of all cases. `engine` runs on `jobs` processes, 1: here; None: here, in threads on all cores."""
     coming = iter(cases)
     processes = jobs or 1
     first = list(islice(coming, SIZE * processes))
     size = max(1, min(SIZE, -(-len(first) // processes)))
-    threads = cores() if processes == 1 else 1
+    threads = cores() if jobs is None else 1
     chunks = _chunks(study, chain(first, coming), size, threads)
     for chunk, outcome in engine(run_chunk, chunks) if processes > 1 else ((c, run_chunk(c)) for c in chunks):
         if isinstance(outcome, Lost):

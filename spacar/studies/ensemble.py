@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -63,14 +64,22 @@ def why_not(deck: Deck, **options: Any) -> str:
 
 def alike(a: Deck, *others: Deck) -> bool:
     """Whether decks are cases of one mechanism: the same statements, references and settings."""
-    statements = [(s, _references(a, s)) for s in _statements(a)]
+    statements = _with_references(a)
     return all(_like(statements, _statements(other)) for other in others)
+
+
+@lru_cache(maxsize=8)
+def _with_references(deck: Deck) -> list[tuple[Statement, list[int]]]:
+    """Statements that matter, and the places of the values in them that are node or element numbers."""
+    return [(s, _references(deck, s)) for s in _statements(deck)]
 
 
 def _like(statements: list[tuple[Statement, list[int]]], others: list[Statement]) -> bool:
     if len(statements) != len(others):
         return False
     for (s, references), o in zip(statements, others, strict=True):
+        if s is o:
+            continue
         if s.keyword != o.keyword or len(s.values) != len(o.values) or (not references and s.values != o.values):
             return False
         if any(s.values[i] != o.values[i] for i in references):
@@ -84,7 +93,9 @@ def ensemble(
     """Results of mode 1 of every deck at the same times (default TIMESTEP), as `spacar.run` gives them; None of those
     that have to be run alone, as a case beside them comes to a dead point or leaves the range of its theory.
 
-    threads   that integrate blocks of cases;  options   as for `spacar.run`. Raises UsageError for decks that cannot be batched.
+    threads   that integrate blocks of cases;  options   as for `spacar.run`
+
+    Raises UsageError for decks that cannot be batched.
     """
     first = decks[0]
     reason = why_not(first, **options)
@@ -111,6 +122,9 @@ def ensemble(
     def follow(cases: Sequence[int]) -> None:
         block = InLanes(alone.model, alone.kinematics.scale, numbers.take(np.array(cases)), start[list(cases)])
         with suppress(AnalysisError):
+            if not block.start():
+                for k in set(cases):
+                    Dynamics(build(decks[k], 1, **options)).start()  # raises where a mass matrix is singular
             found = _motion(block, times, single, g)
             for lane, k in enumerate(cases):
                 results[k] = Result(single, 1, found(lane), (), {})
@@ -164,7 +178,7 @@ def copies(decks: Sequence[Deck]) -> Deck:
     first = decks[0]
     stride = _stride(first)
     statements = []
-    references = [_references(first, s) for s in _statements(first)]
+    references = [places for _, places in _with_references(first)]
     for k, deck in enumerate(decks):
         for s, places in zip(_statements(deck), references, strict=True):
             if not places:
@@ -190,7 +204,7 @@ def _references(deck: Deck, s: Statement) -> list[int]:
 
 
 def _stride(deck: Deck) -> int:
-    return max(s.integer(i) for s in _statements(deck) for i in _references(deck, s))
+    return max(s.integer(i) for s, places in _with_references(deck) for i in places)
 
 
 def _places(single: Mechanism, together: Mechanism, n: int, stride: int) -> tuple[np.ndarray, np.ndarray]:

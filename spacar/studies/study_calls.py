@@ -40,7 +40,7 @@ def sweep(
     *,
     mode: int = 1,
     together: bool = False,
-    jobs: int = 1,
+    jobs: int | None = None,
     output: str | Path | None = None,
     retry: bool = False,
     batch: bool | None = None,
@@ -53,8 +53,8 @@ def sweep(
     change    {"ESTIFF.*[EI]": [5.0, 10.0], "XM.8": "1:100:7:log"}: targets and values of docs/studies.md; all
               combinations, with `together` the first values of each, the second ones ...
     results   expressions that come to one number: "x[8,1]@end", "tip: max(abs(x[8,2]))"
-    jobs      processes. With more than one, a script needs `if __name__ == "__main__":`. Batches run in threads on all
-              cores where there is one
+    jobs      processes; with more than one, a script needs `if __name__ == "__main__":`. None: this one, batches in
+              threads on all cores
     output    .csv or .jsonl that keeps the rows: cases that are there are not run again; retry  those that failed are
     batch     many cases at once in the lanes of the processor's vectors; None: where that is possible
     options   of `spacar.run`, such as rtol, duration, n_steps
@@ -72,7 +72,7 @@ def sweep(
     settings, cases = combine(axes, together)
     study = Study(number, deck_of(source, number), settings, tuple(map(quantity, texts)), options)
     require_columns(study)
-    engine: Engine = partial(run, jobs=jobs)
+    engine: Engine = partial(run, jobs=jobs or 1)
     with TemporaryDirectory() as folder:
         path = Path(folder) / "rows.jsonl" if output is None else Path(output)
         if path.suffix.lower() not in (".csv", ".jsonl"):
@@ -192,8 +192,8 @@ def batches_of(
 ) -> tuple[Batch | None, str]:
     """What runs the cases in batches; None when they run one by one, and why if nobody has asked for that.
 
-    `jobs` processes, None: threads on all cores. Raises UsageError for a batch that cannot be; `option` names what asked
-    for it.
+    `jobs` processes, None: threads on all cores. Raises UsageError for a batch that cannot be; `option` names what
+    asked for it.
     """
     if wanted is False or not (wanted or is_motion(study)):
         return None, ""
