@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from numbers import Integral
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spacar.deck import Deck, read_deck
+from spacar.deck.finer import refine_divisible
 from spacar.errors import UsageError
 from spacar.mechanism import build
 from spacar.modes import Mode, find_mode
@@ -20,7 +22,7 @@ if TYPE_CHECKING:
 
 def frames(
     mode: int, source: str | Path | Deck | Model, *, nominal: Any = None, accuracy: float | bool | None = None,
-    variables: Sequence[str] = (), mesh: bool = True, **options: Any,
+    variables: Sequence[str] = (), mesh: bool = True, elements: int = 1, **options: Any,
 ) -> Run:  # fmt: skip
     """Prepare an analysis: read, check and number the model; the frames come when the returned Run is iterated over.
 
@@ -32,6 +34,8 @@ def frames(
     variables expressions whose accuracy it is ('x[6,1]'); default: all free coordinates, in the stationary modes also
               reactions, the lowest frequencies and load multipliers
     mesh      False: the accuracy is that of the integration alone, the beams are not divided for it
+    elements  equal beams in the place of each flexible beam that can be divided; results are those of the divided
+              model, in which nodes of the file keep their numbers
     options   override the deck for this run: atol, rtol, integrator, step, duration, n_steps, compiled (see Settings)
 
     Raises UsageError (unknown mode or option, wrong value of one), InputError (bad input) now; AnalysisError while
@@ -41,15 +45,27 @@ def frames(
     options, notes = checked_options(options)
     deck = deck_of(source, found.number)
     request = _accuracy(found, accuracy, variables, mesh)
+    kept: dict[int, str] = {}
+    if elements != 1:
+        deck, kept = refine_divisible(deck, _pieces(elements))
     prepared = Run(found, build(deck, found.number, **options), nominal=nominal, accuracy=request)
     for note in notes:
         prepared.report.add(f"warning: {note}")
+    for beam, reason in kept.items():
+        prepared.report.add(f"warning: beam {beam} is not divided into {elements}: {reason}")
     if deck.of("RLSE", block=1):
         from spacar.kinematics.lost_stiffness import lost_stiffness
 
         for message in lost_stiffness(deck, prepared.mechanism):
             prepared.report.add(str(message))
     return prepared
+
+
+def _pieces(elements: object) -> int:
+    """A whole number of beams in the place of one. Raises UsageError."""
+    if isinstance(elements, bool) or not isinstance(elements, Integral) or elements < 1:
+        raise UsageError(f"the option elements = {elements!r} must be a whole number from 1", "usage.option")
+    return int(elements)
 
 
 def deck_of(source: str | Path | Deck | Model, mode: int) -> Deck:
@@ -87,7 +103,7 @@ def run(mode: int, source: str | Path | Deck | Model, *, nominal: Any = None, **
 
     mode      0 to 4, 7 to 10, see MODES;  source   path of the input file, a Deck, or a Model
     nominal   mode 3 only: result of mode 2, or of modes 7 to 10
-    options   accuracy, variables, and what overrides the deck, see `frames`
+    options   accuracy, variables, elements, and what overrides the deck, see `frames`
     """
     from spacar.result import Result  # the command line needs no results in memory
 

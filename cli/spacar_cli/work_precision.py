@@ -1,4 +1,4 @@
-"""The work-precision diagram: error against wall time, and against right-hand sides (stationary modes: elements)."""
+"""The work-precision diagram: error against processor time, and right-hand sides (stationary modes: elements)."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def draw(
         axes.grid(alpha=0.3)
         axes.xaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))  # labels of less than two decades do not touch
         axes.xaxis.set_minor_formatter(LogFormatterSciNotation(minor_thresholds=(2.0, 2.0)))
-    left.set_xlabel("wall time [s]")
+    left.set_xlabel("processor time [s]")
     left.set_ylabel("error (dashed: target, dotted: of the reference)")
     right.set_xlabel("elements a beam" if stationary else "right-hand sides")
     left.legend(fontsize="small")

@@ -31,7 +31,7 @@ class InLanes:
     """
 
     stages = None
-    look, back, half, capacity = NEVER, True, 0.0, 2
+    look, back, half, inside, capacity = NEVER, True, 0.0, 0.0, 2
 
     def __init__(self, model: LoadedMechanism, scale: Array, numbers: Numbers, start: Array) -> None:
         mechanism = model.mechanism
@@ -60,17 +60,19 @@ class InLanes:
     def start(self) -> bool:
         """Place the start state. Was the mass matrix looked at? Large ones are not formed in C.
 
-        Raises AnalysisError where a case does not begin near its reference configuration, or has a singular mass matrix:
-        it is to be looked at alone.
+        Raises AnalysisError where a case does not begin near its reference configuration, or has a singular mass
+        matrix: it is to be looked at alone.
         """
         x0 = self.state.x.copy()
         self.rhs(0.0, self.y0)
         M = self.solver.reduced_mass()
         if (np.abs(self.state.x - x0) / self._scale).max() > FARTHEST_GUESS:
             raise _failed(0.0)
-        for lane in range(self.by_case[2] if M is not None else 0):
+        if M is None:
+            return False
+        for lane in range(self.by_case[2]):
             require_regular_mass(self.numbering, M[:, :, lane])
-        return M is not None
+        return True
 
     def component_name(self, i: int) -> str:
         """Name of a component of the state, for messages."""
@@ -87,6 +89,9 @@ class InLanes:
     ) -> tuple[float, bool, Accepted | None]:
         """C does not ask."""
         return peak, False, None
+
+    def started(self, t: float, y: Array) -> None:
+        """C does not ask."""
 
     def passed(self, n: int, begin: Callable[[], Moving | None]) -> None:
         """Outputs are placed from the output before."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from typing import Any
 
 from spacar.deck.deck import Deck
 from spacar.deck.divide import BEAMS, beam_modes, divided, obstacles, stiffness_modes
@@ -71,7 +72,7 @@ def refine_divisible(deck: Deck, n: int) -> tuple[Deck, dict[int, str]]:
 
 def with_pieces(deck: Deck, pieces: Mapping[int, int]) -> tuple[Deck, dict[int, list[int]]]:
     """The mechanism with pieces[beam] equal elements in the place of these beams, which can be divided, and the
-    elements that each of them became. Its unit of length, sections and pictures are those of the deck."""
+    elements that each of them became. Unit of length, sections, pictures and the digest of the file stay."""
     blocks: list[list[tuple[Value, ...]]] = [[], [], []]
     statements, parts = divided(deck.statements, pieces)
     for s in statements:
@@ -82,8 +83,8 @@ def with_pieces(deck: Deck, pieces: Mapping[int, int]) -> tuple[Deck, dict[int, 
     sections = tuple(
         replace(s, parts=tuple(part for old in s.parts for part in parts.get(old, (old,)))) for s in deck.sections
     )
-    drawn = {"visualization": deck.visualization, "drawn": deck.drawn}
-    return replace(made, shorthand=deck.shorthand, sections=sections, **drawn), parts
+    same: dict[str, Any] = {k: getattr(deck, k) for k in ("data", "visualization", "drawn", "shorthand")}
+    return replace(made, sections=sections, **same), parts
 
 
 def divisible_beams(deck: Deck) -> tuple[tuple[int, ...], dict[int, str]]:

@@ -1,8 +1,8 @@
 """What rounding of the entries of a matrix makes of a solution.
 
-A computed z solves (A + E) z = b with |E| about eps |A| (N. J. Higham, Accuracy and Stability of Numerical Algorithms, SIAM
-2002, section 7.2), so it is known to A^-1 (eps |A| |z|): a measure of singularity that takes the units and the range of
-stiffness of a model as they are, where the size of z itself grows with both.
+A computed z solves (A + E) z = b with |E| about eps |A| (N. J. Higham, Accuracy and Stability of Numerical Algorithms,
+SIAM 2002, section 7.2), so it is known to A^-1 (eps |A| |z|): a measure of singularity that takes the units and the
+range of stiffness of a model as they are, where the size of z itself grows with both.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ def entry_rounding(n: int, rows: Index, columns: Index, entries: Array, z: Array
 
 
 def lost(solve: Callable[[Array], Array], rounding: Array, z: Array, count: int) -> float:
-    """The change of z by `rounding` (n,) with alternating signs, over z, both the largest of the first `count` unknowns;
-    inf when it is not a number."""
+    """The change of z by `rounding` (n,) with alternating signs over z itself, each the largest of the first `count`
+    unknowns; inf when it is not a number."""
     sign = np.where(np.arange(len(z)) % 2, -1.0, 1.0)
     change = float(np.max(np.abs(solve(sign * rounding)[:count]), initial=0.0))
     size = float(np.max(np.abs(z[:count]), initial=0.0))

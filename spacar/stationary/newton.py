@@ -37,7 +37,7 @@ CORRECTION = 1e-7  # last correction / model length, or rad: the next one would 
 PASSING_FORCES, PASSING_LENGTHS, PASSING_CORRECTION = 1e-4, 1e-7, 1e-3  # at a state that is no result
 FIRST_RATIO, LATER_RATIO, LINEAR_RATIO = 0.6, 0.75, 0.98  # of two corrections, at most
 SINGULAR = 1e14  # displacement under forces of the size of the stiffness, 1/(50 eps): is a digit left?
-NO_DIGITS = 1e-4  # of such a displacement, or a correction [model lengths or rad] that is rounding: the matrix is singular
+NO_DIGITS = 1e-4  # of such a displacement, or a correction [model lengths or rad], from rounding: a singular matrix
 
 
 @dataclass(frozen=True)

@@ -276,7 +276,10 @@ def _extrapolated(given: Mechanism, chain: list[Mesh], left: float, active: Sequ
         return MeshResult(fine.frames, _bars(fine, chain[0], error), error, f"{way}, not extrapolated", [])
     a, b, c = chain[-3:]
     amplitude = c.found.amplitude
-    before = extrapolate_rows(*(m.found.values for m in chain[-4:-1]), amplitude) if len(chain) > 3 else None
+    before = None
+    if len(chain) > 3:
+        coarser = chain[-4].found.values
+        before = extrapolate_rows(coarser, a.found.values, b.found.values, amplitude)
     rows = extrapolate_rows(a.found.values, b.found.values, c.found.values, amplitude, before)
     error = float(rows.errors.max(initial=0.0)) + left + in_time
     counted = np.isfinite(amplitude) & (rows.errors > ROUNDING)

@@ -71,8 +71,8 @@ class ExtrapolatedRows:
 def extrapolate_rows(
     coarse: Array, middle: Array, fine: Array, amplitude: Array, before: ExtrapolatedRows | None = None
 ) -> ExtrapolatedRows:
-    """As `extrapolate`, every variable with the order that it shows, or with the values of the finest mesh. `before`: the
-    same of the meshes n/2, n, 2n."""
+    """As `extrapolate`, every variable with the order that it shows, or with the values of the finest mesh. `before`:
+    the same of the meshes n/2, n, 2n."""
 
     def size(v: Array) -> Array:
         return np.asarray(np.max(np.abs(v), axis=1, initial=0.0) / amplitude)
@@ -91,5 +91,6 @@ def extrapolate_rows(
         errors[rows] = np.maximum(step, GAINED * second[rows])
     if before is not None:
         again = (order > 0) & (order == before.order)
-        errors = np.where(again, np.minimum(errors, np.maximum(size(values - before.values), GAINED**2 * second)), errors)
+        twice = np.maximum(size(values - before.values), GAINED**2 * second)
+        errors = np.where(again, np.minimum(errors, twice), errors)
     return ExtrapolatedRows(values, errors, order)

@@ -24,7 +24,7 @@ from spacar.studies.quantities import quantity
 from spacar.studies.rows import Row, Rows
 from spacar.studies.sweep import Batch, Study
 from spacar.studies.sweep import sweep as swept
-from spacar.studies.trade import Entry, Reference, Trade, assess, default_variables, recommend
+from spacar.studies.trade import Entry, Reference, Trade, default_variables, recommend
 from spacar.studies.workers import Engine, run
 
 if TYPE_CHECKING:
@@ -141,7 +141,7 @@ def trade(
     asked = Trade(number, deck, chosen, repeats, options)
     found = search(asked, target, budget)
     assert found.reference is not None  # search has said why otherwise
-    entries = assess(asked, found.rows, found.tried, found.reference)
+    entries = found.entries
     best = recommend(entries, target, found.reference)
     command = ""
     given: dict[str, Any] = {}

@@ -2,8 +2,8 @@
 reference.
 
 A `Setup` is one way to compute the same thing. Every setup is run (the reference ones too) to a row with the values
-of the chosen variables at the output times, its median wall time and its right-hand sides; `assess` turns rows into
-errors.
+of the chosen variables at the output times, its median processor time and its right-hand sides; `assess` turns rows
+into errors.
 
 Error of a setup: that of `spacar.studies.error_norm`, with amplitudes of the reference.
 """
@@ -11,7 +11,7 @@ Error of a setup: that of `spacar.studies.error_norm`, with amplitudes of the re
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
@@ -21,22 +21,24 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.calls import frames
 from spacar.deck import Deck
-from spacar.deck.finer import refine
+from spacar.deck.finer import refine, refine_divisible
 from spacar.errors import AnalysisError, UsageError
 from spacar.integrators.methods import METHODS
 from spacar.mechanism import build
 from spacar.modes import find_mode
 from spacar.options import integrator
 from spacar.result import Result
-from spacar.studies.error_norm import amplitudes, distance
+from spacar.studies.compared import aligned, compared, real_series, row_values
+from spacar.studies.error_norm import distance
 from spacar.studies.models import linear_strain, rigid
 from spacar.studies.perturbation import perturbation, require_perturbation
 from spacar.studies.quantities import Quantity, quantity
-from spacar.studies.richardson import extrapolate
+from spacar.studies.richardson import extrapolate, extrapolate_rows
 from spacar.studies.rows import Row, key
 from spacar.studies.sweep import explain
 
-MOST_VARIABLES = 60  # chosen without being asked
+MOST_VARIABLES = 600  # chosen without being asked
+LONG = 1.0  # seconds, after which no run is repeated that has a limit: its time is known well enough
 REFERENCE_METHODS = (853, 0)
 REFERENCE_TOLERANCE = 1e-12  # smallest
 REFERENCE_MARGIN = 0.01  # tolerance of the reference / smallest error that is looked at
@@ -58,6 +60,7 @@ class Setup:
     substeps: int | None = None
     method: str = "full"
     measure: str = ""  # of the deformations of beams, "angle" or "sine"; "": that of the file
+    general: bool = False  # equations in NumPy where they could be in C
 
     @property
     def model(self) -> str:
@@ -76,12 +79,16 @@ class Setup:
         if self.integrator is None:
             return ""
         how = f"tol {self.tolerance:.3g}" if self.substeps is None else f"{self.substeps} steps an output"
-        return f"{self.integrator} {how}"
+        return f"{self.integrator} {how}" + (", general" if self.general else "")
 
 
 @dataclass(frozen=True)
 class Trade:
-    """The question: a checked deck in a mode, variables, repeats of the timing, options of `spacar.run`."""
+    """The question: a checked deck in a mode, variables, repeats of the timing, options of `spacar.run`.
+
+    Without variables, in the stationary modes only, it is about what `spacar.studies.result_quantities` says:
+    coordinates and reactions of the nodes of the deck, the lowest frequencies and load multipliers.
+    """
 
     mode: int
     deck: Deck
@@ -123,16 +130,21 @@ class Entry:
 
 @dataclass(frozen=True)
 class Reference:
-    """Values (variables, times), their estimated error in the norm of the study, and how both came about."""
+    """Values (variables, times), their estimated error in the norm of the study, and how both came about; names of the
+    variables (none: all that a row has, in its order)."""
 
     values: Array
     amplitude: Array
     error: float
     text: str
+    names: tuple[str, ...] = ()
 
 
 def default_variables(mode: int, deck: Deck) -> tuple[Quantity, ...]:
-    """All coordinates that the motion determines: calculable, dynamic, kinematic. Raises UsageError when too many."""
+    """All coordinates that the motion determines: calculable, dynamic, kinematic; none in the stationary modes, where
+    more counts than coordinates. Raises UsageError when too many."""
+    if find_mode(mode).stationary:
+        return ()
     n = build(deck, mode).numbering
     given = {*range(n.x_class["fixed"].stop), *range(n.x_class["input"].start, n.x_class["input"].stop)}
     names = [n.x_owner(i) for i in range(n.nx) if i not in given]
@@ -151,6 +163,8 @@ def setups(
     models = [Setup(n) for n in elements]
     models += [Setup(n, strain="linear") for n in elements] if linear_too else []
     models += [Setup(beams="rigid")] if rigid_too else []
+    for n in elements:
+        refine(trade.deck, n) if n != 1 else None
     for model in models:
         variant(trade.deck, model)
     if trade.stationary:
@@ -198,7 +212,7 @@ def variant(deck: Deck, setup: Setup) -> Deck:
         return rigid(deck)
     if setup.strain == "linear":
         deck = linear_strain(deck)
-    return refine(deck, setup.elements) if setup.elements != 1 else deck
+    return refine_divisible(deck, setup.elements)[0] if setup.elements != 1 else deck
 
 
 def run_setup(job: Job) -> Row:
@@ -210,12 +224,14 @@ def run_setup(job: Job) -> Row:
         options = setup_options(trade, setup, deck)
         seconds = []
         for _ in range(trade.repeats):
-            begun = time.perf_counter()
+            begun = time.process_time()
             result = _run(trade, setup, deck, options, job.limit)
-            seconds.append(time.perf_counter() - begun)
-            if job.limit is not None and (len(seconds) + 1) * seconds[-1] > job.limit:
+            seconds.append(time.process_time() - begun)
+            if job.limit is not None and ((len(seconds) + 1) * seconds[-1] > job.limit or sum(seconds) > LONG):
                 break
-        row["values"] = [_series(v, result) for v in trade.variables]
+        found = compared(trade.deck, trade.mode, trade.variables, result)
+        row["names"], row["values"] = list(found.names), found.values.tolist()
+        row["amplitude"] = [a if np.isfinite(a) else None for a in found.amplitude]
         row["seconds"] = float(np.median(seconds))
         row["rhs"] = int(sum(f.statistics.get("rhs", 0) for f in result.frames))
         row["status"] = "done"
@@ -225,28 +241,24 @@ def run_setup(job: Job) -> Row:
 
 
 def timed_values(
-    trade: Trade, setup: Setup, deck: Deck, options: dict[str, Any], limit: float
+    trade: Trade, setup: Setup, deck: Deck, options: dict[str, Any], limit: float, names: Sequence[str] = ()
 ) -> tuple[Array, float]:
     """The variables (variables, times) of one model with these options, and its time [s], the least of three runs.
-    Rows of variables that this model has not are nan. Raises SpacarError.
+    Rows of variables that this model has not are nan; `names` as in `Reference`. Raises SpacarError.
     """
     seconds: list[float] = []
     while not seconds or (len(seconds) < min(trade.repeats, 3) and sum(seconds) < 0.5 * limit):
-        begun = time.perf_counter()
+        begun = time.process_time()
         result = _run(trade, setup, deck, options, limit)
-        seconds.append(time.perf_counter() - begun)
+        seconds.append(time.process_time() - begun)
+    if not trade.variables:
+        found = compared(trade.deck, trade.mode, trade.variables, result)
+        return aligned(dict(zip(found.names, found.values, strict=True)), names, len(result.frames)), min(seconds)
     values = np.full((len(trade.variables), len(result.frames)), np.nan)
     for row, variable in zip(values, trade.variables, strict=True):
         with suppress(UsageError):
-            row[:] = _series(variable, result)
+            row[:] = real_series(variable, result)
     return values, min(seconds)
-
-
-def _series(variable: Quantity, result: Result) -> list[float]:
-    series = variable.series(result)
-    if np.iscomplexobj(series):
-        raise UsageError(f"{variable.text} is complex; compare real(), imag() or abs() of it", "study.trade")
-    return [float(v) for v in series]
 
 
 def _run(trade: Trade, setup: Setup, deck: Deck, options: dict[str, Any], limit: float | None = None) -> Result:
@@ -255,11 +267,11 @@ def _run(trade: Trade, setup: Setup, deck: Deck, options: dict[str, Any], limit:
     run = frames(trade.mode, deck, **options)
     if limit is None:
         return Result.collect(run)
-    end = time.perf_counter() + limit
+    end = time.process_time() + limit
     found = []
     for frame in run:
         found.append(frame)
-        if time.perf_counter() > end and len(found) != run.n_frames:
+        if time.process_time() > end and len(found) != run.n_frames:
             at = f"at t = {frame.t:.6g}"
             text = f"stopped after {limit:.3g} s {at}: a cheaper setting is better, or the budget is used"
             raise AnalysisError(text, "study.stopped")
@@ -271,6 +283,8 @@ def setup_options(trade: Trade, setup: Setup, deck: Deck) -> dict[str, Any]:
     options = dict(trade.options)
     if setup.measure:
         options["beams"] = setup.measure
+    if setup.general:
+        options["compiled"] = False
     if setup.integrator is not None:
         given = build(deck, trade.mode, **options).settings
         options["integrator"] = setup.integrator
@@ -282,40 +296,71 @@ def setup_options(trade: Trade, setup: Setup, deck: Deck) -> dict[str, Any]:
     return options
 
 
-def reference(trade: Trade, rows: Sequence[Row], wanted: Sequence[Setup]) -> Reference:
-    """The reference of the rows of `wanted` (reference_setups) and its estimated error. Raises AnalysisError."""
+def reference(
+    trade: Trade, rows: Sequence[Row], wanted: Sequence[Setup], integration: tuple[float, str] | None = None
+) -> Reference:
+    """The reference of the rows of `wanted` and its estimated error: two methods on one of the meshes (unless the error
+    of the `integration` is given, and how it is known), two or three meshes, each twice as fine as the one before.
+
+    Raises AnalysisError.
+    """
     by_key = {row["case"]: row for row in rows}
     found = [(s, by_key.get(trade.key(s))) for s in wanted]
-    good = {s: np.array(row["values"]) for s, row in found if row is not None and row["status"] == "done"}
+    good = {s: row for s, row in found if row is not None and row["status"] == "done"}
     meshes = sorted({s.elements for s in wanted})
-    first = {n: next((v for s, v in good.items() if s.elements == n), None) for n in meshes}
-    best = first[meshes[-1]]
-    if best is None or any(v is None for v in first.values()):
+    first = {n: next((row for s, row in good.items() if s.elements == n), None) for n in meshes}
+    finest = first[meshes[-1]]
+    if finest is None or any(row is None for row in first.values()):
         reasons = [str(row["reason"]) for _, row in found if row is not None and row.get("reason")]
         raise AnalysisError(f"the reference could not be computed: {'; '.join(reasons)}", "study.reference")
-    stationary = trade.stationary
-    amplitude = amplitudes(best, stationary)
+    names = tuple(name for name in finest["names"] if all(name in row["names"] for row in first.values() if row))
+    values = [row_values(row, names) for row in first.values() if row is not None]
+    best = values[-1]
+    scale = dict(zip(finest["names"], finest["amplitude"], strict=True))
+    amplitude = np.array([np.inf if scale[name] is None else scale[name] for name in names])
     error, words = 0.0, []
-    finest = [v for s, v in good.items() if s.elements == meshes[-1]]
-    if not stationary:
+    if integration is not None:
+        error, text = integration
+        words.append(text)
+    elif not trade.stationary:
         tight = next(s.tolerance for s in wanted)
-        if len(finest) < 2:
+        pair = next(([s for s in good if s.elements == n] for n in meshes if _methods(good, n) > 1), None)
+        if pair is None:
             text = "only one of the two methods reached the reference; choose a shorter time"
             raise AnalysisError(text, "study.reference")
-        error = distance(finest[0], finest[1], amplitude)
-        codes = " and ".join(str(s.integrator) for s in wanted if s.elements == meshes[-1])
+        one, other = (row_values(good[s], names) for s in pair[:2])
+        error = distance(one, other, amplitude)
+        codes = " and ".join(str(s.integrator) for s in pair[:2])
         words.append(f"methods {codes} at tolerance {tight:.3g} differ by {error:.2e}")
     if len(meshes) > 1:
-        coarse, middle, fine = (np.asarray(first[n]) for n in meshes)
-        result = extrapolate(coarse, middle, fine, amplitude)
-        best = result.values
-        error += result.error
-        words.append(f"meshes {', '.join(map(str, meshes))} elements a beam, {result.text}")
-    return Reference(best, amplitude, error, "; ".join(words))
+        seen = ", ".join(map(str, meshes))
+        if len(meshes) == 2:
+            last = distance(values[-1], values[-2], amplitude)
+            how = f"which differ by {last:.2e}"
+        else:
+            coarse, middle, fine = values[-3:]
+            result = extrapolate_rows(coarse, middle, fine, amplitude)
+            best, last = result.values, float(result.errors.max(initial=0.0))
+            orders = [int(np.sum(result.order == p)) for p in (4, 2, 0)]
+            told = zip(orders, ("with order 4", "with order 2", "not"), strict=True)
+            how = f"variables extrapolated: {', '.join(f'{k} {how}' for k, how in told if k)}, "
+            how += f"estimated error {last:.2e}"
+            if len(set(result.order.tolist())) == 1 and result.order.all():  # an order that all share is no accident
+                whole = extrapolate(coarse, middle, fine, amplitude)
+                best, last, how = whole.values, whole.error, whole.text
+        error += last
+        words.append(f"meshes {seen} elements a beam, {how}")
+    return Reference(best, amplitude, error, "; ".join(words), names)
 
 
-def assess(trade: Trade, rows: Sequence[Row], wanted: Sequence[Setup], ref: Reference) -> list[Entry]:
-    """Entries of the setups, and in the stationary modes of every three meshes n, 2n, 4n among them."""
+def _methods(good: Mapping[Setup, Row], elements: int) -> int:
+    return len({s.integrator for s in good if s.elements == elements})
+
+
+def assess(
+    trade: Trade, rows: Sequence[Row], wanted: Sequence[Setup], ref: Reference, extrapolated: bool = True
+) -> list[Entry]:
+    """Entries of the setups, and (`extrapolated`) in the stationary modes of every three meshes n, 2n, 4n of them."""
     by_key = {row["case"]: row for row in rows}
     entries = []
     values: dict[Setup, tuple[Array, float]] = {}
@@ -325,11 +370,12 @@ def assess(trade: Trade, rows: Sequence[Row], wanted: Sequence[Setup], ref: Refe
         if row["status"] != "done":
             entries.append(Entry(setup, label, float("nan"), float("nan"), None, str(row["reason"])))
             continue
-        found = np.array(row["values"])
+        found = row_values(row, ref.names)
         values[setup] = found, row["seconds"]
-        rhs = row["rhs"] or None
-        entries.append(Entry(setup, label, distance(found, ref.values, ref.amplitude), row["seconds"], rhs))
-    if trade.stationary:
+        rhs, error = row["rhs"] or None, distance(found, ref.values, ref.amplitude)
+        reason = "it has not all frequencies or load multipliers of the finer meshes" if np.isnan(error) else ""
+        entries.append(Entry(setup, label, error, row["seconds"], rhs, reason))
+    if trade.stationary and extrapolated:
         entries += _extrapolated(values, ref)
     return entries
 

@@ -57,6 +57,8 @@ def command_of_mode(word: str) -> click.Command:
         "element length, sine of second."
     )
     params.append(click.Option(["--beams"], type=click.Choice(BEAMS), help=text))
+    text = "Equal beams in the place of each flexible beam that can be divided; results are those of the divided model."
+    params.append(click.Option(["--elements"], type=Whole(min=1), help=text))
     if mode.integrated:
         for flag, field, kind, text in OVERRIDES:
             switch = {"is_flag": True, "default": None} if kind is bool else {"type": kind}
@@ -206,7 +208,7 @@ def _flags(overrides: dict[str, Any], setpoints: str | None) -> dict[str, Any]:
         if field in overrides:
             yes, _, no = flag.partition("/")
             given[no if kind is bool and not overrides[field] else yes] = True if kind is bool else overrides[field]
-    given |= {f"--{name}": overrides[name] for name in ("beams", "modes") if name in overrides}
+    given |= {f"--{name}": overrides[name] for name in ("beams", "elements", "modes") if name in overrides}
     return given | ({"--setpoints": setpoints} if setpoints else {})
 
 

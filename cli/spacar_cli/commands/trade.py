@@ -21,7 +21,7 @@ from spacar_cli.status import ExitStatus, tell
 from spacar_cli.studying import common, counted, say_table
 
 CODES, TOLERANCES, JUDGES = "0,155,853", "1e-3:1e-9:7:log", "853,0"  # where only some of the lists are given
-HEADER = ("model", "integration", "error", "wall time [s]", "right-hand sides", "note")
+HEADER = ("model", "integration", "error", "processor time [s]", "right-hand sides", "note")
 
 
 @click.command("trade", epilog="The error norm and the reference are explained in docs/studies.md.")
@@ -204,7 +204,7 @@ def _within_budget(
 ) -> ExitStatus:  # fmt: skip
     """The settings that suit the model, cheapest first, until the time is used; the recommendation as a command."""
     from spacar.studies.budgeted import command_line, search, unneeded
-    from spacar.studies.trade import assess, recommend
+    from spacar.studies.trade import recommend
 
     def tick(what: str, left: float) -> None:
         if environment.error_is_terminal and not quiet:
@@ -218,7 +218,7 @@ def _within_budget(
             print("\r\x1b[K", end="", file=environment.stderr, flush=True)
     ref = found.reference
     assert ref is not None  # search has said why otherwise
-    entries = assess(trade, found.rows, found.tried, ref)
+    entries = found.entries
     best = recommend(entries, target, ref)
     command = "" if best is None or best.setup is None else command_line(trade, best.setup, name)
     if output is not None:
@@ -230,7 +230,8 @@ def _within_budget(
     if as_json:
         environment.say(json.dumps(_document(entries, ref, target, best) | {
             "command": command or None,
-            "prices": [vars(p) for p in prices],
+            "prices": [vars(p) | {"error": p.error if math.isfinite(p.error) else None} for p in prices],
+            "undivided": {str(beam): why for beam, why in found.undivided.items()},
         }))
     elif not quiet:
         rows = [(*_cells(e)[:-1], "stopped" if "stopped after" in e.reason else _cells(e)[-1]) for e in entries]
@@ -239,6 +240,8 @@ def _within_budget(
         environment.say(_sentence(best, target, ref))
         if found.skipped:
             environment.say(f"{found.skipped} settings were not tried: the budget of {budget:g} s is used (--budget)")
+        for beam, why in found.undivided.items():
+            environment.say(f"the error of the mesh of beam {beam} is not known: it cannot be divided: {why}")
         for price in prices:
             environment.say(price.line(target, best.seconds if best is not None else math.nan))
         if command:

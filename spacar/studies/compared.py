@@ -1,0 +1,64 @@
+"""What the runs of a trade are compared by, the same variables in the same order for every model.
+
+Expressions where the user gives them (in motions, coordinates otherwise). In the stationary modes without them: what
+`spacar.studies.result_quantities` says of the nodes that the user's model has.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from spacar.arrays import Array
+from spacar.deck import Deck
+from spacar.errors import UsageError
+from spacar.mechanism import build
+from spacar.modes import find_mode
+from spacar.result import Result
+from spacar.studies.error_norm import amplitudes
+from spacar.studies.quantities import Quantity
+from spacar.studies.result_quantities import Assessed, assessed
+from spacar.studies.rows import Row
+
+GENERAL = ("eigenvalue", "load multiplier")  # in the name of a variable that is of no node
+
+
+def compared(deck: Deck, mode: int, variables: Sequence[Quantity], result: Result) -> Assessed:
+    """The variables that count in a result of `deck` or of one with more nodes. Raises UsageError."""
+    if variables:
+        values = np.array([real_series(v, result) for v in variables])
+        return Assessed(tuple(v.text for v in variables), values, amplitudes(values, find_mode(mode).stationary))
+    n = build(deck, mode).numbering
+    own = {n.x_name(i) for i in range(n.nx)}
+    found = assessed(result.mechanism, mode, result.frames, (), stationary=True)
+    here = [
+        i
+        for i, name in enumerate(found.names)
+        if np.isfinite(found.amplitude[i])
+        and (name.removeprefix("reaction at ") in own or any(word in name for word in GENERAL))
+    ]
+    return Assessed(tuple(found.names[i] for i in here), found.values[here], found.amplitude[here])
+
+
+def real_series(variable: Quantity, result: Result) -> list[float]:
+    """A variable over the steps of a result. Raises UsageError for a complex one."""
+    series = variable.series(result)
+    if np.iscomplexobj(series):
+        raise UsageError(f"{variable.text} is complex; compare real(), imag() or abs() of it", "study.trade")
+    return [float(v) for v in series]
+
+
+def aligned(found: Mapping[str, Any], names: Sequence[str], times: int) -> Array:
+    """Rows in the order of the names, nan where there is none: (names, times)."""
+    missing = np.full(times, np.nan)
+    return np.array([found.get(name, missing) for name in names])
+
+
+def row_values(row: Row, names: Sequence[str]) -> Array:
+    """Values of a finished row for these names, (variables, times); no names: all of the row."""
+    values = np.array(row["values"])
+    if not names or list(names) == row["names"]:
+        return values
+    return aligned(dict(zip(row["names"], values, strict=True)), names, values.shape[1])
