@@ -132,16 +132,16 @@ class Result:
 
     @property
     def t(self) -> Array:
-        return np.array([f.t for f in self.frames])
+        return self.frames.t if isinstance(self.frames, StoredFrames) else np.array([f.t for f in self.frames])
 
     def __getitem__(self, name: str) -> Any:
         """A variable of all steps, step first, or one of `tables`. Raises UsageError for a name that is neither."""
         if name == "t":
             return self.t
-        if name in self.tables:
-            return self.tables[name]
         if isinstance(self.frames, StoredFrames) and name in self.frames.variables:
             return self.frames.variables[name]
+        if name in self.tables:
+            return self.tables[name]
         values = [self._value(f, name) for f in self.frames]
         if not values or any(v is None for v in values):
             raise UsageError(f"the variable {name} was not computed in this run of mode {self.mode}", "result.missing")

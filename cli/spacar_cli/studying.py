@@ -16,7 +16,7 @@ Item = TypeVar("Item")
 OPTIONS = (
     click.option("--time", "duration", type=POSITIVE, help="Length of the time interval, instead of TIMESTEP [s]."),
     click.option("--steps", "n_steps", type=Whole(min=1), help="Number of output steps, instead of TIMESTEP."),
-    click.option("--jobs", "-j", type=Whole(min=1), default=1, show_default=True, help="Local processes."),
+    click.option("--jobs", "-j", type=Whole(min=1), help="Local processes; default: sweep all cores, trade one."),
     click.option("--quiet", "-q", is_flag=True, help="Print errors only."),
     click.option("--json", "as_json", is_flag=True, help="Print a summary in JSON."),
 )

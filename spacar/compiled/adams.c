@@ -1,5 +1,4 @@
 /* Code 0, as spacar/integrators/adams.py; see there for formulas and sources. */
-#if LANES == 1
 enum { MAX_ORDER = 12 };
 
 typedef struct {
@@ -10,15 +9,18 @@ typedef struct {
     int k, order, k_old, equal, starting, rejections; /* k: of the last step; order: of the next one */
 } Adams;
 
-/* Weighted norm of a, or of a + factor b. */
+/* Weighted norm of a, or of a + factor b; the largest one of a case. */
 static double adams_norm(const Adams *a, int n, const double *v, double factor, const double *w)
 {
-    double sum = 0.0;
-    for (int i = 0; i < n; i++) {
-        const double scaled = (v[i] + (w ? factor * w[i] : 0.0)) * a->weight[i];
-        sum += scaled * scaled;
-    }
-    return sqrt(sum);
+    double sum[LANES] = {0.0};
+    for (int i = 0; i < n; i += LANES)
+        for (int l = 0; l < LANES; l++) {
+            const double scaled = (v[i + l] + (w ? factor * w[i + l] : 0.0)) * a->weight[i + l];
+            sum[l] += scaled * scaled;
+        }
+    double most = sum[0];
+    for (int l = 1; l < LANES; l++) if (!(sum[l] <= most)) most = sum[l];
+    return sqrt(most);
 }
 
 static void adams_weights(const March *r, Adams *a)
@@ -189,4 +191,3 @@ static int spacar_adams(March *r, Adams *a)
         if (end >= 0) return end;
     }
 }
-#endif

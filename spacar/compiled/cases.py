@@ -1,127 +1,140 @@
-"""Many cases of one mechanism in C, as the driver integrates them: as many at a time as a vector of the
-processor has lanes (2, 4 or 8).
+"""Several cases of one mechanism in C, as the driver integrates them: as many as a vector of the processor has lanes
+(2, 4 or 8).
 
-The state is made of blocks of that many cases; a block has all components, each with its lanes, (blocks, components,
-lanes). The last block is filled up with copies of the last case. All cases share the steps.
+The state has all components, each with its lanes, (components, lanes). The cases share the steps, each of which has the
+largest error of a case; codes 0, 135, 155 and 853 make them in C from output to output, without Python.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
 from spacar.arrays import Array
 from spacar.compiled.compiled_model import EXACT, CompiledModel
 from spacar.compiled.library import lanes_of_processor
+from spacar.compiled.marching import Marching
 from spacar.compiled.numbers import Numbers
-from spacar.dynamics.loaded_mechanism import Moving, unexplained
+from spacar.dynamics.loaded_mechanism import NEVER, Accepted, LoadedMechanism, Moving, unexplained
+from spacar.dynamics.mass_check import require_regular_mass
 from spacar.errors import AnalysisError
-from spacar.kinematics import Kinematics
-from spacar.kinematics.kinematics import CONVERGED
+from spacar.integrators.problem import March
+from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS
 from spacar.kinematics.regularity import HALF_TURN, HalfTurns
-from spacar.mechanism.mechanism import Mechanism
 
 
-class CompiledCases:
-    """The cases whose numbers are given; `mechanism` is one of them, `start` (cases, components) their state."""
+class InLanes:
+    """One block of cases; an `Integrable`, and the `Lookout` of its own steps: C looks at them.
 
-    def __init__(self, mechanism: Mechanism, numbers: Numbers, start: Array) -> None:
-        n = mechanism.numbering
-        self.n_cases, self.size = start.shape
-        self.n_positions = self.size // 2
-        self.lanes = lanes = lanes_of_processor()
-        of = np.minimum(np.arange(-(-self.n_cases // lanes) * lanes), self.n_cases - 1).reshape(-1, lanes)
-        kinematics = Kinematics(mechanism)
-        scales = kinematics.scale, mechanism.deformation_scale
-        self.models = [CompiledModel(n, numbers.take(cases), scales, mechanism.drive) for cases in of]
-        self.states = [model.state() for model in self.models]
-        self.shown = [model.state() for model in self.models]
-        self.y0 = np.ascontiguousarray(start[of].transpose(0, 2, 1)).ravel()
-        self.lambda0 = HalfTurns(n).lambda0
-        self.by_case = (len(of), self.size, lanes)
-        self._accepted = [(state.x.copy(), state.e.copy()) for state in self.states]
-        self._seen: list[tuple[Moving, Array] | None] = [None] * len(of)  # last accepted state, sign of the determinant
-        self._scale = kinematics.scale[:, None]
+    numbers, start (cases, components)   of every lane
+    """
+
+    stages = None
+    look, back, half, inside, capacity = NEVER, True, 0.0, 0.0, 2
+
+    def __init__(self, model: LoadedMechanism, scale: Array, numbers: Numbers, start: Array) -> None:
+        mechanism = model.mechanism
+        self.model, self.numbering = model, mechanism.numbering
+        lanes, size = start.shape
+        self.n_positions, self.by_case = size // 2, (1, size, lanes)
+        self.solver = CompiledModel(self.numbering, numbers, (scale, mechanism.deformation_scale), mechanism.drive)
+        self.state, self.shown = self.solver.state(), self.solver.state()
+        self.y0 = np.ascontiguousarray(start.T).ravel()
+        self.lambda0 = HalfTurns(self.numbering).lambda0
+        self._scale = scale[:, None]
+        self._seen: tuple[Moving, Array] | None = None  # last accepted state, signs of the determinants
+        self._accepted = self.state.x.copy(), self.state.e.copy()
         self._out = np.zeros_like(self.y0)
-
-    def _addresses(self, array: Array) -> list[int]:
-        start, block = array.ctypes.data, 8 * self.size * self.lanes
-        return [start + k * block for k in range(len(self.models))]
 
     def rhs(self, t: float, y: Array, within: float = CONVERGED) -> Array:
         """Time derivative of the state. Raises AnalysisError when a case cannot be evaluated."""
-        blocks = zip(self.models, self.states, self._addresses(y), self._addresses(self._out), strict=True)
-        for k, (model, state, where, out) in enumerate(blocks):
-            if model.rhs(state, t, where, out, within) < 0:
-                # a stage of a step that is too long may have led far away: once more from the last accepted state
-                state.begin(*self._accepted[k])
-                if model.rhs(state, t, where, out, within) < 0:
-                    raise _failed(t)
-        return self._out
+        where, out = y.ctypes.data, self._out.ctypes.data
+        if self.solver.rhs(self.state, t, where, out, within) < 0:
+            # a stage of a step that is too long may have led far away: once more from the last accepted state
+            self.state.begin(*self._accepted)
+            if self.solver.rhs(self.state, t, where, out, within) < 0:
+                raise _failed(t)
+        return self._out.copy()
 
-    def stages(
-        self, done: int, c: Array, a: Array, t: float, h: float, window: tuple[float, float], y: Array, K: Array,
-        within: float = CONVERGED,
-    ) -> int:  # fmt: skip
-        """Stages of an explicit Runge-Kutta step, see `spacar.integrators.problem.Problem`."""
-        stride = self.size * len(self.models)
-        reached = len(c)
-        at_c, at_a = c.ctypes.data, a.ctypes.data
-        blocks = zip(self.models, self.states, self._addresses(y), self._addresses(K), strict=True)
-        for model, state, at_y, at_K in blocks:
-            one = model.stages(state, done, len(c), at_c, at_a, t, h, window, at_y, at_K, stride, within)
-            reached = min(reached, one)
-            if reached < len(c):
-                break
-        return reached
+    def start(self) -> bool:
+        """Place the start state. Was the mass matrix looked at? Large ones are not formed in C.
+
+        Raises AnalysisError where a case does not begin near its reference configuration, or has a singular mass
+        matrix: it is to be looked at alone.
+        """
+        x0 = self.state.x.copy()
+        self.rhs(0.0, self.y0)
+        M = self.solver.reduced_mass()
+        if (np.abs(self.state.x - x0) / self._scale).max() > FARTHEST_GUESS:
+            raise _failed(0.0)
+        if M is None:
+            return False
+        for lane in range(self.by_case[2]):
+            require_regular_mass(self.numbering, M[:, :, lane])
+        return True
 
     def component_name(self, i: int) -> str:
         """Name of a component of the state, for messages."""
-        block, place = divmod(i, self.size * self.lanes)
-        component, lane = divmod(place, self.lanes)
-        return f"component {component} of case {min(block * self.lanes + lane, self.n_cases - 1) + 1}"
+        component, lane = divmod(i, self.by_case[2])
+        return f"component {component} of case {lane + 1} of the block"
 
+    # -- steps in C -----------------------------------------------------------------------------------------------
+    def marching(self, within: Callable[[], float]) -> March:
+        """Steps from output to output."""
+        return Marching(self, self, within).steps
+
+    def closer(
+        self, t: float, y: Array, peak: float, before: list[Accepted] | None
+    ) -> tuple[float, bool, Accepted | None]:
+        """C does not ask."""
+        return peak, False, None
+
+    def started(self, t: float, y: Array) -> None:
+        """C does not ask."""
+
+    def passed(self, n: int, begin: Callable[[], Moving | None]) -> None:
+        """Outputs are placed from the output before."""
+
+    # -- steps in Python: other codes -----------------------------------------------------------------------------
     def watch(self, t: float, y: Array) -> None:
         """Raises AnalysisError where a case comes to a dead point or half a turn, or its velocities jump (see
         `spacar.forward.continuity`): it has to be followed alone."""
-        for block, (model, state) in enumerate(zip(self.models, self.states, strict=True)):
-            if (np.abs(state.x[self.lambda0]) < HALF_TURN).any():
-                raise _failed(t)
-            sign = model.determinant()[0].copy()
-            place, xd, xdd = state.of_x.copy()
-            now = Moving(float(state.c.t), place, xd, xdd, state.e)
-            seen, self._seen[block] = self._seen[block], (now, sign)
-            if seen is not None and ((seen[1] != sign).any() or unexplained(seen[0], now, self._scale).any()):
-                raise _failed(t)
-            x, e = self._accepted[block]
-            x[:], e[:] = state.x, state.e
+        state = self.state
+        if (np.abs(state.x[self.lambda0]) < HALF_TURN).any():
+            raise _failed(t)
+        sign = self.solver.determinant()[0].copy()
+        place, xd, xdd = state.of_x.copy()
+        now = Moving(float(state.c.t), place, xd, xdd, state.e.copy())
+        seen, self._seen = self._seen, (now, sign)
+        if seen is not None and ((seen[1] != sign).any() or unexplained(seen[0], now, self._scale).any()):
+            raise _failed(t)
+        self._accepted = place, now.e
 
     def rejected(self) -> None:
         """Back to the last accepted step."""
-        for state, seen, (_, e) in zip(self.states, self._seen, self._accepted, strict=True):
-            if seen is not None:
-                at = seen[0]
-                state.resume(at.t, np.stack((at.x, at.xd, at.xdd)), e)
+        if self._seen is not None:
+            at = self._seen[0]
+            self.state.resume(at.t, np.stack((at.x, at.xd, at.xdd)), at.e)
 
-    def variables(self, t: float, y: Array) -> dict[str, Array]:
-        """What frames have, (nx, cases) and (ne, cases), at a state.
+    # -- outputs --------------------------------------------------------------------------------------------------
+    def variables(self, t: float, y: Array) -> tuple[Array, Array]:
+        """x, xd, xdd, fx, fxgrav, fxtot (6, nx, lanes) and e, ed, edd, sig (4, ne, lanes) at a state.
 
         Raises AnalysisError where a case cannot be evaluated, or an element may be outside the range of its theory:
         the single run says what it is.
         """
-        blocks = y.reshape(self.by_case)
-        for model, state, own in zip(self.models, self.shown, blocks, strict=True):
-            if model.evaluate(state, t, np.ascontiguousarray(own), EXACT) < 0 or not model.in_range(state):
-                raise _failed(t)
+        shown = self.shown
+        if self.solver.evaluate(shown, t, y, EXACT) < 0 or not self.solver.in_range(shown):
+            raise _failed(t)
+        return np.concatenate((shown.of_x, self.solver.forces)), shown.of_e[:4].copy()
 
-        def joined(arrays: list[Array]) -> Array:
-            return np.concatenate(arrays, axis=-1)[:, : self.n_cases]
 
-        found = {name: joined([getattr(s, name) for s in self.shown]) for name in ("x", "xd", "xdd", "e", "ed", "edd")}
-        found["sig"] = joined([s.sigma for s in self.shown])
-        found["fx"] = joined([m.applied for m in self.models])
-        found["fxgrav"] = joined([m.gravity for m in self.models])
-        found["fxtot"] = joined([m.total for m in self.models])
-        return found
+def blocks(cases: int) -> Iterator[Sequence[int]]:
+    """Cases of every block; the last one is filled up with its last case."""
+    lanes = lanes_of_processor()
+    for first in range(0, cases, lanes):
+        yield [min(k, cases - 1) for k in range(first, first + lanes)]
 
 
 def _failed(t: float) -> AnalysisError:

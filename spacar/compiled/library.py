@@ -99,13 +99,11 @@ FUNCTIONS: dict[str, tuple[Any, ...]] = {  # in the order of the table in engine
     "reduced_mass": (INTEGER, POINTER, POINTER),
     "guard": (NUMBER, POINTER, POINTER),
     "rcond": (NUMBER, POINTER, POINTER, POINTER),
-}  # fmt: skip
-OF_ONE_CASE = {  # behind them, in the engine for one case
     "adams_begin": (INTEGER, POINTER, POINTER),
     "adams": (INTEGER, POINTER, POINTER),
     "adams_value": (INTEGER, POINTER, POINTER, NUMBER, POINTER),
     "runge_kutta": (INTEGER, POINTER, POINTER),
-}
+}  # fmt: skip
 
 
 class Engine:
@@ -120,8 +118,7 @@ class Engine:
         for k, word in enumerate(ctypes.string_at(addresses[0]).decode("ascii").split()):
             name, _, count = word.partition("/")
             self.kinds[name] = k, int(count)
-        functions = FUNCTIONS | OF_ONE_CASE if lanes == 1 else FUNCTIONS
-        for k, (name, (result, *arguments)) in enumerate(functions.items(), 1):
+        for k, (name, (result, *arguments)) in enumerate(FUNCTIONS.items(), 1):
             setattr(self, name, ctypes.CFUNCTYPE(result, *arguments)(addresses[k]))
 
     begin: Any

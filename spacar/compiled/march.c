@@ -2,8 +2,10 @@
 
    The methods are those of spacar/integrators, on the same arrays and with the same coefficients, which Python gives; only
    sums may be rounded in another order. Python is asked for derivatives that the model in C cannot give, and told of accepted
-   steps at which the watch of dead points (spacar/forward/continuity.py) has to look closer; all others are told apart here. */
-#if LANES == 1
+   steps at which the watch of dead points (spacar/forward/continuity.py) has to look closer; all others are told apart here.
+
+   Several cases share their steps: n, and every array of the state, counts all lanes, a step has the largest error of a case,
+   and where one of them would have to be asked or told about, the call ends: Python follows them alone. */
 enum { ARRIVED = 0, AT_OUTPUT = 1, PAUSED = 2, TOO_SMALL = 3, NOT_EVALUATED = 4, INTERRUPTED = 5 }; /* as in marching.py */
 enum { LOOK_NEVER, LOOK_AT_DETERMINANTS, LOOK_AT_VELOCITIES, LOOK_ALWAYS };
 
@@ -25,6 +27,9 @@ typedef struct {
     double begin, sizes[2];  /* of the last step; sizes of it and of the one before */
     int recorded, entered;   /* accepted steps in the records; entered: look always, as a dead point is being left */
     int n_steps, n_rhs, n_rejected, reductions;
+    const int *lambda0;      /* of several cases: coordinates that may not come to zero, here nearer than half_turn */
+    double half_turn, signs[8]; /* signs of the determinants at the last accepted step */
+    int n_lambda0;
 } March;
 
 static double *record(const March *r, int k) { return r->records + (size_t)(k % r->capacity) * r->width; }
@@ -33,35 +38,55 @@ static double *record(const March *r, int k) { return r->records + (size_t)(k % 
 static int derivative(March *r, double t, const double *y, double *f)
 {
     t = fmin(fmax(t, r->earliest), r->latest);
-    if (spacar_rhs(r->model, r->at, t, y, f, r->converged, r->jump) >= 0) {
+    if (spacar_rhs(r->model, r->at, t, (const real *)y, (real *)f, r->converged, r->jump) >= 0) {
         double sum = 0.0;
         for (int i = 0; i < r->n; i++) sum += f[i];
         if (isfinite(sum)) { r->n_rhs++; return 0; }
     }
-    return r->ask(t, y, f);
+    return r->ask ? r->ask(t, y, f) : 1;
 }
 
 /* `unexplained` of spacar/dynamics/loaded_mechanism.py, of any coordinate. */
 static int unexplained(const March *r, const double *a, const double *b)
 {
     const int nx = r->model->s.nx;
-    const double h = b[0] - a[0], *va = a + 4 + r->n + nx, *vb = b + 4 + r->n + nx;
-    double fastest = 0.0;
-    for (int i = 0; i < nx; i++) fastest = fmax(fastest, fmax(fabs(va[i]), fabs(vb[i])) / r->scale[i]);
-    for (int i = 0; i < nx; i++) {
-        const double change = fabs(vb[i] - va[i] - 0.5 * h * (va[nx + i] + vb[nx + i]));
-        const double v = fmax(fabs(va[i]), fabs(vb[i])), acceleration = fmax(fabs(va[nx + i]), fabs(vb[nx + i]));
-        if (change > fabs(h) * acceleration + r->share * v + fastest * r->scale[i] * r->noise) return 1;
+    const double h = b[0] - a[0], *va = a + 4 + r->n + nx * LANES, *vb = b + 4 + r->n + nx * LANES;
+    const double *aa = va + nx * LANES, *ab = vb + nx * LANES;
+    EACH_LANE {
+        double fastest = 0.0;
+        for (int i = 0, k = w; i < nx; i++, k += LANES) fastest = fmax(fastest, fmax(fabs(va[k]), fabs(vb[k])) / r->scale[i]);
+        for (int i = 0, k = w; i < nx; i++, k += LANES) {
+            const double change = fabs(vb[k] - va[k] - 0.5 * h * (aa[k] + ab[k]));
+            const double v = fmax(fabs(va[k]), fabs(vb[k])), acceleration = fmax(fabs(aa[k]), fabs(ab[k]));
+            if (change > fabs(h) * acceleration + r->share * v + fastest * r->scale[i] * r->noise) return 1;
+        }
     }
     return 0;
 }
+
+#if LANES > 1
+/* Does one of the cases come to a dead point or half a turn, or do its velocities jump? */
+static int has_to_be_alone(March *r, const double *before, const double *now)
+{
+    double mantissa[LANES], exponent[LANES];
+    int alone = !r->at->known;
+    for (int i = 0; i < r->n_lambda0; i++) EACH_LANE alone |= fabs(LANE(r->at->x[r->lambda0[i]], w)) < r->half_turn;
+    determinant(of_rates(r->model), mantissa, exponent);
+    EACH_LANE {
+        const double sign = mantissa[w] < 0.0 ? -1.0 : 1.0;
+        alone |= before && sign != r->signs[w];
+        r->signs[w] = sign;
+    }
+    return alone || (before && unexplained(r, before, now));
+}
+#endif
 
 /* Record the accepted step that the state stands at, and tell of it if it has to be looked at; 0, or 2 when all has to end. */
 static int seen(March *r, double t, const double *y)
 {
     const Model *m = r->model;
     const State *s = r->at;
-    const int nx = m->s.nx;
+    const int nx = m->s.nx * LANES;
     r->n_steps++;
     if (r->recorded && !(s->t > record(r, r->recorded - 1)[0])) r->recorded = 0;
     const double *before = r->recorded ? record(r, r->recorded - 1) : NULL;
@@ -75,7 +100,10 @@ static int seen(March *r, double t, const double *y)
     memcpy(x, s->x, sizeof(double) * nx);
     memcpy(x + nx, s->xd, sizeof(double) * nx);
     memcpy(x + 2 * nx, s->xdd, sizeof(double) * nx);
-    memcpy(x + 3 * nx, s->e, sizeof(double) * m->s.ne);
+    memcpy(x + 3 * nx, s->e, sizeof(real) * m->s.ne);
+#if LANES > 1
+    return has_to_be_alone(r, before, now) ? 2 : 0;
+#else
     if (!s->known) return r->tell(t, y);
     if (r->look == LOOK_AT_DETERMINANTS) {
         position_determinant(m, &now[1], &now[2]);
@@ -90,6 +118,7 @@ static int seen(March *r, double t, const double *y)
     }
     else if (r->look == LOOK_ALWAYS) return r->tell(t, y);
     return 0;
+#endif
 }
 
 static int accepted(March *r, double t, const double *y)
@@ -106,12 +135,12 @@ static void rejected(March *r)
     clear_samples(r->at);
     if (!r->back || !r->recorded) return;
     const double *last = record(r, r->recorded - 1), *x = last + 4 + r->n;
-    const int nx = r->model->s.nx;
+    const int nx = r->model->s.nx * LANES;
     State *s = r->at;
     memcpy(s->x, x, sizeof(double) * nx);
     memcpy(s->xd, x + nx, sizeof(double) * nx);
     memcpy(s->xdd, x + 2 * nx, sizeof(double) * nx);
-    memcpy(s->e, x + 3 * nx, sizeof(double) * r->model->s.ne);
+    memcpy(s->e, x + 3 * nx, sizeof(real) * r->model->s.ne);
     s->t = last[0];
     s->known = last[3] != 0.0;
     r->model->transfer_of = NULL;
@@ -142,4 +171,3 @@ static double smallest_step(const March *r)
 {
     return 4.0 * DBL_EPSILON * fmax(fmax(fabs(r->t), fabs(r->t_end)), r->t_end - r->t);
 }
-#endif

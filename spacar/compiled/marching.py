@@ -24,6 +24,7 @@ from spacar.integrators.failures import MAX_REDUCTIONS, REDUCTION, not_evaluated
 from spacar.integrators.problem import Step
 from spacar.integrators.runge_kutta import TINY, ExplicitRungeKutta
 from spacar.kinematics.kinematics import LARGEST_JUMP
+from spacar.kinematics.regularity import HALF_TURN, HalfTurns
 from spacar.mechanism.numbering import Numbering
 
 ARRIVED, AT_OUTPUT, PAUSED, TOO_SMALL, NOT_EVALUATED, INTERRUPTED = range(6)  # as in march.c
@@ -46,6 +47,7 @@ class CMarch(ctypes.Structure):
         )),
         ("sizes", NUMBER * 2),
         *((name, INTEGER) for name in ("recorded", "entered", "n_steps", "n_rhs", "n_rejected", "reductions")),
+        ("lambda0", POINTER), ("half_turn", NUMBER), ("signs", NUMBER * 8), ("n_lambda0", INTEGER),
     ]  # fmt: skip
 
 
@@ -117,8 +119,9 @@ class Marching:
 
     def __init__(self, evaluator: InC, lookout: Lookout, within: Callable[[], float]) -> None:
         model = evaluator.solver
-        nx, ne = evaluator.numbering.nx, evaluator.numbering.ne
-        n = evaluator.n_positions + evaluator.numbering.nddof
+        lanes = model.cases
+        nx, ne = evaluator.numbering.nx * lanes, evaluator.numbering.ne * lanes
+        n = (evaluator.n_positions + evaluator.numbering.nddof) * lanes
         self.evaluator, self.lookout, self.within = evaluator, lookout, within
         self.engine = model.engine
         self.shape = n, nx
@@ -126,10 +129,11 @@ class Marching:
         self.scale = np.ascontiguousarray(evaluator.model.mechanism.scale)
         self.atol = np.empty(n)  # absolute error of every component
         self.gamma_star = np.array(GAMMA_STAR)
-        self.calls = ASK(self._ask), TELL(self._tell)
+        alone = lanes == 1
+        self.calls = (ASK(self._ask), TELL(self._tell)) if alone else ()
         self.error: BaseException | None = None
         self.kept: tuple[Any, ...] = ()  # what C points at
-        ask, tell = (ctypes.cast(call, POINTER).value for call in self.calls)
+        ask, tell = (ctypes.cast(call, POINTER).value for call in self.calls) if alone else (None, None)
         most = max(1, min(MOST, COMPONENTS // (nx + ne)))
         self.c = CMarch(
             model.handle, evaluator.state.address, ask, tell, self.records.ctypes.data, self.scale.ctypes.data,
@@ -138,6 +142,9 @@ class Marching:
         )  # fmt: skip
         self.c.jump, self.c.share, self.c.noise = LARGEST_JUMP, SHARE, NOISE
         self.c.half, self.c.inside = lookout.half, lookout.inside
+        if not alone:
+            self.near = np.ascontiguousarray(HalfTurns(evaluator.numbering).lambda0, np.int32)
+            self.c.lambda0, self.c.n_lambda0, self.c.half_turn = self.near.ctypes.data, len(self.near), HALF_TURN
         self.address = ctypes.c_void_p(ctypes.addressof(self.c))
 
     def steps(
@@ -223,7 +230,8 @@ class Marching:
         if status == TOO_SMALL:
             worst = int(np.argmax(np.abs(self.method.scaled)))
             raise step_too_small(evaluation, c.t, c.h, c.error, worst)
-        assert error is not None
+        if error is None:  # of several cases
+            error = AnalysisError(f"a case of the batch could not be followed at t = {c.t:.9g}", "study.batch")
         if status == NOT_EVALUATED and started:
             assert isinstance(error, AnalysisError)
             raise not_evaluated(error, c.t, c.h, c.reductions) from error

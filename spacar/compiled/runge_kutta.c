@@ -1,5 +1,4 @@
 /* Explicit Runge-Kutta codes with variable steps, as spacar/integrators/runge_kutta.py and the step loop of drive.py. */
-#if LANES == 1
 typedef struct {
     const double *c, *a, *b, *errors;   /* (rows), (rows, rows), (stages), (1 or 2, rows of the estimate) */
     double *K, *y, *y_new, *scaled;     /* (stages + 1, n), (n) each; scaled: the error over the tolerance */
@@ -21,7 +20,7 @@ static int rk_trial(March *r, RungeKutta *p)
 {
     const int n = r->n;
     const double h = r->h;
-    double square[2] = {0.0, 0.0}, *stage = p->scaled;
+    double square[2][LANES] = {{0.0}}, *stage = p->scaled;
     p->h = h;
     for (int k = 1; k < p->rows; k++) {
         combine(p, n, k, p->a + k * p->rows, stage);
@@ -35,10 +34,15 @@ static int rk_trial(March *r, RungeKutta *p)
         combine(p, n, p->estimated, p->errors + k * p->estimated, p->scaled);
         for (int i = 0; i < n; i++) {
             p->scaled[i] /= r->atol[i] + r->rtol * fmax(fabs(p->y[i]), fabs(p->y_new[i]));
-            square[k] += p->scaled[i] * p->scaled[i] / n;
+            square[k][i % LANES] += p->scaled[i] * p->scaled[i] * LANES / n;
         }
     }
-    r->error = p->two ? p->safety * h * square[0] / sqrt(square[0] + 0.01 * square[1] + p->tiny) : h * sqrt(square[0]);
+    r->error = 0.0; /* the largest one of a case */
+    EACH_LANE {
+        const double s0 = square[0][w], s1 = square[1][w];
+        const double error = p->two ? p->safety * h * s0 / sqrt(s0 + 0.01 * s1 + p->tiny) : h * sqrt(s0);
+        if (!(error <= r->error)) r->error = error;
+    }
     if (!(r->error <= 1.0) || p->rows > p->stages) return 0;
     return derivative(r, r->t + h, p->y_new, p->K + p->stages * n); /* first stage of the next step */
 }
@@ -80,4 +84,3 @@ static int spacar_runge_kutta(March *r, RungeKutta *p)
         if (end >= 0) return end;
     }
 }
-#endif

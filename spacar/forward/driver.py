@@ -58,6 +58,8 @@ CAUSE = 0.1  # chosen: lambda0 of a node below which a dead point is its half tu
 Times = Sequence[float] | EvenTimes | np.ndarray
 Watch = Callable[[float, Array], None]
 
+Marches = Callable[[Callable[[], float]], March]  # of the tolerance of positions
+
 
 @dataclass(frozen=True)
 class Tolerances:
@@ -71,11 +73,10 @@ class Tolerances:
     position: float
 
     @classmethod
-    def of(cls, settings: SolverSettings, divisor: float = 1.0, g: Array | None = None) -> Tolerances:
-        """Those of ERROR and INTEGRAT; `divisor`: how much smaller the norm of a step is than that of a case in it;
-        `g` (n,): displacement that a component causes, where it is not 1."""
+    def of(cls, settings: SolverSettings, g: Array | None = None) -> Tolerances:
+        """Those of ERROR and INTEGRAT; `g` (n,): displacement that a component causes, where it is not 1."""
         method = METHODS[settings.integrator]
-        share = STEP / divisor if method.variable_step else 1.0 / divisor
+        share = STEP if method.variable_step else 1.0
         atol, rtol = share * settings.atol, share * settings.rtol
         each = atol if g is None or not method.variable_step else atol / g
         if method.needs_jacobian:
@@ -92,7 +93,7 @@ class Integrand:
 
     def __init__(
         self, evaluator: Integrable, within: float, jacobian: Jacobian | None, accepted: Watch | None, report: Report,
-        rejected: Callable[[], None] | None = None, trail: Trail | None = None,
+        rejected: Callable[[], None] | None = None, trail: Trail | None = None, marching: Marches | None = None,
     ) -> None:  # fmt: skip
         self.rejected = rejected
         self.n_positions, self.by_case = evaluator.n_positions, evaluator.by_case
@@ -103,9 +104,9 @@ class Integrand:
         self._rhs, self._together = evaluator.rhs, evaluator.stages
         self.starting = trail
         self.stages = self._stages if self._together is not None else None
-        self.march: March | None = None
-        if trail is not None and trail.evaluator.marching is not None:
-            self.march = trail.evaluator.marching(trail, lambda: self.within)
+        if marching is None and trail is not None and trail.evaluator.marching is not None:
+            marching = partial(trail.evaluator.marching, trail)
+        self.march: March | None = None if marching is None else marching(lambda: self.within)
 
     def rhs(self, t: float, y: Array) -> Array:
         f = self._rhs(t, y, self.within)
@@ -136,13 +137,14 @@ def integrated(
     evaluator: Integrable, y: Array, times: Times, settings: SolverSettings, tolerances: Tolerances, *,
     breaks: Sequence[float] = (), watch: Watch | None = None, jacobian: Jacobian | None = None,
     report: Report | None = None, back: Callable[[], None] | None = None, trail: Trail | None = None,
+    marching: Marches | None = None,
 ) -> Iterator[Output]:  # fmt: skip
     """States at the output times, with the work done since the last one. Raises AnalysisError.
 
     `watch` is called after accepted steps, `back` after rejected ones; an evaluator that makes many steps at a time
-    asks the `trail`.
+    asks the `trail`, or has its own `marching`.
     """
-    problem = Integrand(evaluator, tolerances.position, jacobian, watch, report or Report(), back, trail)
+    problem = Integrand(evaluator, tolerances.position, jacobian, watch, report or Report(), back, trail, marching)
     return integrate(
         problem, y, times, settings.integrator, tolerances.atol, tolerances.rtol, settings.step, breaks=breaks
     )
@@ -150,12 +152,11 @@ def integrated(
 
 def frames(
     evaluator: Evaluator, y: Array, times: Times, settings: SolverSettings, report: Report, *,
-    watch: Watched | None = None, divisor: float = 1.0, moved_by: Integrable | None = None,
+    watch: Watched | None = None,
 ) -> Iterator[tuple[Evaluator, Frame]]:  # fmt: skip
     """Frames of the motion that starts with y, and the evaluator that stands there.
 
-    Their `statistics` are the counters of the integrator since the last one. `divisor` as for Tolerances; `moved_by`:
-    what is integrated, if not the evaluator itself. Raises AnalysisError.
+    Their `statistics` are the counters of the integrator since the last one. Raises AnalysisError.
     """
     model = evaluator.model
     if not model.mechanism.numbering.nkddof or len(times) == 1:
@@ -163,7 +164,7 @@ def frames(
         for t in times:
             yield evaluator, checked(evaluator, float(t), y, limits)
         return
-    tolerances = Tolerances.of(settings, divisor, displaced(evaluator))
+    tolerances = Tolerances.of(settings, displaced(evaluator))
     jacobian: Jacobian | None = None
     if METHODS[settings.integrator].needs_jacobian or (settings.integrator == AUTOMATIC and has_forces(model)):
         from spacar.linearization.state_jacobian import state_jacobian
@@ -176,12 +177,11 @@ def frames(
     trail = Trail(evaluator, watch)
     breaks = (*model.drive.breaks, *getattr(model.mechanism.user_signal, "breaks", ()))
     for out in integrated(
-        moved_by or evaluator, y, times, settings, tolerances,
+        evaluator, y, times, settings, tolerances,
         breaks=breaks, watch=trail.accepted, jacobian=jacobian,
-        back=trail.rejected if trail.back else None, report=report, trail=trail if moved_by is None else None,
+        back=trail.rejected if trail.back else None, report=report, trail=trail,
     ):  # fmt: skip
-        if moved_by is None:
-            trail.lead(shown)
+        trail.lead(shown)
         frame = checked(shown, float(out.t), out.y, limits)
         frame.statistics = work(out)
         yield shown, frame

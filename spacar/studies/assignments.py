@@ -18,6 +18,7 @@ import re
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import chain, product
 from operator import eq
 from pathlib import Path
@@ -31,6 +32,7 @@ from spacar.deck.deck import parse
 from spacar.deck.deck_writer import splice
 from spacar.deck.keyword_table import KEYWORDS, BlockKind
 from spacar.deck.statement import Value
+from spacar.deck.substitution import with_numbers
 from spacar.deck.table_types import Parameter
 from spacar.errors import UsageError
 
@@ -87,21 +89,25 @@ class Axis:
 
 
 def change(deck: Deck, settings: Sequence[Setting], numbers: Sequence[float]) -> Deck:
-    """The deck with a number at all places of each setting, read and checked once. Raises UsageError, InputError."""
+    """The deck with a number at all places of each setting, checked. Where the number is an integer, which may change
+    what the deck consists of, the text is read again. Raises UsageError, InputError."""
     edits: dict[tuple[int, int], tuple[Statement, int, float | int]] = {}
     later = []
-    for given, number in zip(settings, numbers, strict=True):
-        for target in given.targets:
-            for statement, position in target.places(deck):
-                value = _typed(number, _parameter(deck, statement, position).kind, given.name)
-                if position > len(statement.values):
-                    later.append((target, position, value))
-                    continue
-                deck.require_written(statement)
-                place = (statement.lines[position - 1], statement.columns[position - 1])
-                if place in edits:
-                    raise UsageError(f"{statement.subject}: argument {position} is set twice", "study.set")
-                edits[place] = (statement, position, value)
+    for given, number, found in zip(settings, numbers, _places(deck, tuple(settings)), strict=True):
+        for target, statement, position, kind in found:
+            value = _typed(number, kind, given.name)
+            if position > len(statement.values):
+                later.append((target, position, value))
+                continue
+            deck.require_written(statement)
+            place = (statement.lines[position - 1], statement.columns[position - 1])
+            if place in edits:
+                raise UsageError(f"{statement.subject}: argument {position} is set twice", "study.set")
+            edits[place] = (statement, position, value)
+    if edits and not later and all(isinstance(value, float) for _, _, value in edits.values()):
+        substituted = with_numbers(deck, tuple(edits.values()))
+        if substituted is not None:
+            return substituted
     text = deck.text
     for place in sorted(edits, reverse=True):  # from the end, so that earlier columns stay
         text = splice(text, *edits[place])
@@ -111,6 +117,14 @@ def change(deck: Deck, settings: Sequence[Setting], numbers: Sequence[float]) ->
         for k in range(len(target.places(deck))):
             deck = deck.with_value(target.places(deck)[k][0], position, value)
     return deck
+
+
+@lru_cache(maxsize=16)
+def _places(deck: Deck, settings: tuple[Setting, ...]) -> list[list[tuple[Target, Statement, int, str]]]:
+    """Of every setting the targets, the statements and argument numbers that they mean, and what these are."""
+    return [
+        [(t, s, k, _parameter(deck, s, k).kind) for t in given.targets for s, k in t.places(deck)] for given in settings
+    ]
 
 
 def setting(text: str) -> Setting:

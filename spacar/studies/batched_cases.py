@@ -1,8 +1,8 @@
-"""Cases of a sweep in batches (spacar.studies.ensemble), where that is possible and measures faster.
+"""Cases of a sweep in batches (spacar.studies.ensemble), where that is possible.
 
-A few cases run singly first, then one batch; the faster way per case runs the rest. A batch is one piece of work for a
-process and its rows appear together. When a case of a batch fails, all its cases run one by one, so that the row says
-what is wrong with that case alone.
+A batch is one piece of work for a process, or for threads on all cores of this one, as C lets go of Python's lock; its
+rows appear together. Cases that have to be run alone (one beside them in the lanes comes to a dead point, or leaves the
+range of a theory) are, so that the row says what is wrong with that case.
 """
 
 from __future__ import annotations
@@ -18,12 +18,10 @@ from spacar.modes import find_mode
 from spacar.studies.assignments import change
 from spacar.studies.ensemble import alike, ensemble, why_not
 from spacar.studies.rows import Row
-from spacar.studies.sweep import LOST, Case, Study, Values, row, run_case, singly
-from spacar.studies.workers import Engine, Lost
+from spacar.studies.sweep import LOST, Case, Study, Values, row, run_case
+from spacar.studies.workers import Engine, Lost, cores
 
-SAMPLE = 4  # cases that are run singly to know what one costs; the first of them also imports
 SIZE = 64  # cases of a batch: more gain little, and a killed process loses them
-FEWEST = 16  # cases for which a batch is tried
 
 
 @dataclass(frozen=True)
@@ -32,34 +30,18 @@ class Chunk:
 
     study: Study
     cases: tuple[Values, ...]
+    threads: int = 1
 
 
-def in_batches(
-    study: Study, cases: Iterable[Values], engine: Engine, jobs: int = 1, always: bool = False
-) -> Iterator[Row]:
-    """Rows of all cases; `always` batches without measuring. `engine` runs on `jobs` processes."""
+def in_batches(study: Study, cases: Iterable[Values], engine: Engine, jobs: int | None = 1) -> Iterator[Row]:
+    """Rows of all cases. `engine` runs on `jobs` processes, 1: here; None: here, in threads on all cores."""
     coming = iter(cases)
-    if not always:
-        first = list(islice(coming, FEWEST))
-        coming = chain(first, coming)
-        if len(first) < FEWEST or reason(study, first[0]):
-            yield from singly(study, coming, engine)
-            return
-        seconds = []
-        for values in islice(coming, SAMPLE):
-            found = run_case(Case(study, values))
-            seconds.append(found["seconds"])
-            yield found
-        batch = tuple(islice(coming, SIZE))
-        begun = time.perf_counter()
-        yield from run_chunk(Chunk(study, batch))
-        batched = (time.perf_counter() - begun) / len(batch)
-        if batched > min(seconds[1:]):
-            yield from singly(study, coming, engine)
-            return
-    first = list(islice(coming, SIZE * jobs))
-    chunks = _chunks(study, chain(first, coming), max(1, min(SIZE, -(-len(first) // jobs))))
-    for chunk, outcome in engine(run_chunk, chunks):
+    processes = jobs or 1
+    first = list(islice(coming, SIZE * processes))
+    size = max(1, min(SIZE, -(-len(first) // processes)))
+    threads = cores() if jobs is None else 1
+    chunks = _chunks(study, chain(first, coming), size, threads)
+    for chunk, outcome in engine(run_chunk, chunks) if processes > 1 else ((c, run_chunk(c)) for c in chunks):
         if isinstance(outcome, Lost):
             for values in chunk.cases:
                 yield {**row(study, values, {}, 0.0, outcome.reason), "status": LOST}
@@ -67,9 +49,9 @@ def in_batches(
             yield from outcome
 
 
-def _chunks(study: Study, cases: Iterator[Values], size: int) -> Iterator[Chunk]:
+def _chunks(study: Study, cases: Iterator[Values], size: int, threads: int) -> Iterator[Chunk]:
     while batch := tuple(islice(cases, size)):
-        yield Chunk(study, batch)
+        yield Chunk(study, batch, threads)
 
 
 def is_motion(study: Study) -> bool:
@@ -106,10 +88,17 @@ def run_chunk(chunk: Chunk) -> list[Row]:
             others.append(values)
     rows = []
     try:
-        results = ensemble([deck for _, deck in together], **study.options) if together else []
-        found = [{q.name: q.number(result) for q in study.quantities} for result in results]
+        decks = [deck for _, deck in together]
+        results = ensemble(decks, threads=chunk.threads, **study.options) if together else []
+        found = [
+            None if result is None else {q.name: q.number(result) for q in study.quantities} for result in results
+        ]
         seconds = (time.perf_counter() - begun) / max(len(together), 1)
-        rows = [row(study, values, own, seconds, "") for (values, _), own in zip(together, found, strict=True)]
+        for (values, _), own in zip(together, found, strict=True):
+            if own is None:
+                others.append(values)
+            else:
+                rows.append(row(study, values, own, seconds, ""))
     except (SpacarError, ArithmeticError):
-        others = list(chunk.cases)
+        rows, others = [], list(chunk.cases)
     return rows + [run_case(Case(study, values)) for values in others]

@@ -1,46 +1,43 @@
 """Many cases of one mechanism at once: forward dynamics of decks that differ in numbers only.
 
-The cases become one mechanism of N disjoint copies: case k has the nodes and elements of the first one, their numbers
-raised by k times the largest number. So every element family evaluates n N elements along its element axis, the
-matrices are block diagonal and factored in one call (band storage: the bandwidth is that of one case), and the overhead
-of NumPy calls, which is most of the time of a small mechanism, is paid once for all. Since coordinates are numbered by
+C evaluates and integrates as many cases at a time as a vector of the processor has lanes (`spacar.compiled.cases`): a
+block. The cases of a block share the steps, each of which has the largest error of a case in it, so that every case is
+at least as accurate as alone. The numbers of all cases come from one mechanism of disjoint copies: case k has the nodes
+and elements of the first one, their numbers raised by k times the largest number. Since coordinates are numbered by
 class, then node, case k holds the same places of every class as the single mechanism.
 
-All cases share the steps. The error norm of a step is never smaller than the largest norm of a case: the norm of
-method 0 is a sum over the state, that of the Runge-Kutta methods a mean, whose tolerance is therefore divided by
-sqrt(N). So every case is at least as accurate as alone; one demanding case makes all of its batch take small steps.
-
-Where the mechanism has a compiled form, the copies only give the numbers: C evaluates one mechanism for several cases
-at a time, in the lanes of the processor's vectors (spacar.compiled.cases), and every case keeps the tolerance.
-
-Not for: modes other than 1, user functions, wheels and other slips, implicit methods (dense Jacobian), cases whose
-statements, settings or GRAVITY differ. An error in one case ends the batch; `spacar.studies.batched_cases` then
-runs its cases one by one.
+Not for: modes other than 1, user functions, wheels and other slips, elements without functions in C, implicit methods,
+cases whose statements, settings or GRAVITY differ, and installations without the compiled engine: these run one by
+one. Of a block in which a case cannot be followed all cases have to be run alone.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
 from spacar.dynamics.array_evaluator import Dynamics
-from spacar.errors import AnalysisError, Report, UsageError
+from spacar.errors import AnalysisError, UsageError
 from spacar.forward.displaced import displaced
-from spacar.forward.driver import Tolerances, frames, integrated, watched, work
-from spacar.frame import Frame, StoredFrames
+from spacar.forward.driver import Tolerances, integrated, work
+from spacar.frame import StoredFrames
 from spacar.integrators import METHODS
 from spacar.mechanism import Mechanism, build
 from spacar.result import Result
 from spacar.studies.assignments import parameters_of
-from spacar.studies.reduced import ReducedCopies
+
+if TYPE_CHECKING:
+    from spacar.compiled.cases import InLanes
 
 X_FIELDS = ("x", "xd", "xdd", "fx", "fxgrav", "fxtot")
 E_FIELDS = ("e", "ed", "edd", "sig")
-METHOD_WITH_SUM = 0  # the norm of this method does not shrink with the number of cases
 WITHOUT_LANES = (220, 225)  # want a state of positions first, then velocities
 
 
@@ -58,19 +55,31 @@ def why_not(deck: Deck, **options: Any) -> str:
         return "nothing is integrated"
     if METHODS[settings.integrator].needs_jacobian:
         return "implicit methods need a dense Jacobian"
-    return ""
+    if settings.integrator in WITHOUT_LANES:
+        return f"method {settings.integrator} runs alone"
+    from spacar.compiled import why_general, why_not_in_lanes
+
+    return why_general(mechanism) or why_not_in_lanes(mechanism) or ""
 
 
 def alike(a: Deck, *others: Deck) -> bool:
     """Whether decks are cases of one mechanism: the same statements, references and settings."""
-    statements = [(s, _references(a, s)) for s in _statements(a)]
+    statements = _with_references(a)
     return all(_like(statements, _statements(other)) for other in others)
+
+
+@lru_cache(maxsize=8)
+def _with_references(deck: Deck) -> list[tuple[Statement, list[int]]]:
+    """Statements that matter, and the places of the values in them that are node or element numbers."""
+    return [(s, _references(deck, s)) for s in _statements(deck)]
 
 
 def _like(statements: list[tuple[Statement, list[int]]], others: list[Statement]) -> bool:
     if len(statements) != len(others):
         return False
     for (s, references), o in zip(statements, others, strict=True):
+        if s is o:
+            continue
         if s.keyword != o.keyword or len(s.values) != len(o.values) or (not references and s.values != o.values):
             return False
         if any(s.values[i] != o.values[i] for i in references):
@@ -78,10 +87,15 @@ def _like(statements: list[tuple[Statement, list[int]]], others: list[Statement]
     return True
 
 
-def ensemble(decks: Sequence[Deck], times: np.ndarray | None = None, **options: Any) -> list[Result]:
-    """Results of mode 1 of every deck at the same times (default TIMESTEP), as `spacar.run` gives them.
+def ensemble(
+    decks: Sequence[Deck], times: np.ndarray | None = None, *, threads: int = 1, **options: Any
+) -> list[Result | None]:
+    """Results of mode 1 of every deck at the same times (default TIMESTEP), as `spacar.run` gives them; None of those
+    that have to be run alone, as a case beside them comes to a dead point or leaves the range of its theory.
 
-    `options` as for `spacar.run`. Raises UsageError for decks that cannot be batched, AnalysisError when a case fails.
+    threads   that integrate blocks of cases;  options   as for `spacar.run`
+
+    Raises UsageError for decks that cannot be batched.
     """
     first = decks[0]
     reason = why_not(first, **options)
@@ -89,7 +103,8 @@ def ensemble(decks: Sequence[Deck], times: np.ndarray | None = None, **options: 
         raise UsageError(
             f"the cases cannot be run together: {reason or 'they differ in more than numbers'}", "study.batch"
         )
-    from spacar.compiled import why_general, why_not_in_lanes
+    from spacar.compiled.cases import InLanes, blocks
+    from spacar.compiled.numbers import of_copies
 
     single = build(first, 1, **options)
     together = build(copies(decks), 1, **options)
@@ -98,42 +113,53 @@ def ensemble(decks: Sequence[Deck], times: np.ndarray | None = None, **options: 
         assert settings.duration is not None
         times = np.linspace(0.0, settings.duration, settings.n_steps + 1)
     x_of, e_of = _places(single, together, len(decks), _stride(first))
-    if settings.integrator not in WITHOUT_LANES and not (why_general(single) or why_not_in_lanes(single)):
-        return _in_lanes(single, together, times, x_of, e_of)
-    found: list[list[Frame]] = [[] for _ in decks]
-    for frame in _frames(together, times, x_of):
-        x = [getattr(frame, name)[x_of] for name in X_FIELDS]
-        e = [getattr(frame, name)[e_of] for name in E_FIELDS]
-        for k, own in enumerate(found):
-            values = {name: v[k] for name, v in zip((*X_FIELDS, *E_FIELDS), (*x, *e), strict=True)}
-            own.append(Frame(t=frame.t, statistics=frame.statistics, **values))
-    return [Result(single, 1, tuple(frames), (), {}) for frames in found]
+    numbers, start = of_copies(single, together, x_of, e_of), _start(together, x_of, e_of)
+    alone = Dynamics(single)
+    alone.start()
+    g = displaced(alone)
+    results: list[Result | None] = [None] * len(decks)
 
+    def follow(cases: Sequence[int]) -> None:
+        block = InLanes(alone.model, alone.kinematics.scale, numbers.take(np.array(cases)), start[list(cases)])
+        with suppress(AnalysisError):
+            if not block.start():
+                for k in set(cases):
+                    Dynamics(build(decks[k], 1, **options)).start()  # raises where a mass matrix is singular
+            found = _motion(block, times, single, g)
+            for lane, k in enumerate(cases):
+                results[k] = Result(single, 1, found(lane), (), {})
 
-def _in_lanes(single: Mechanism, together: Mechanism, times: Array, x_of: Array, e_of: Array) -> list[Result]:
-    """Results of the compiled batch."""
-    from spacar.compiled.cases import CompiledCases
-    from spacar.compiled.numbers import of_copies
-
-    settings = single.settings
-    cases = CompiledCases(single, of_copies(single, together, x_of, e_of), _start(together, x_of, e_of))
-    stored: list[dict[str, Array]] = []
-    statistics: list[dict[str, int]] = []
-    first = Dynamics(single)
-    first.start()
-    g = displaced(first)
-    if g is not None:
-        g = np.broadcast_to(g[None, :, None], cases.by_case).ravel()
-    tolerances = Tolerances.of(settings, g=g)
-    for out in integrated(cases, cases.y0, times, settings, tolerances, watch=cases.watch, back=cases.rejected):
-        stored.append(cases.variables(float(out.t), out.y))
-        statistics.append(work(out))
-    arrays = {name: np.stack([s[name] for s in stored]).transpose(2, 0, 1) for name in (*X_FIELDS, *E_FIELDS)}
-    results: list[Result] = []
-    for k in range(len(x_of)):
-        own = {name: array[k] for name, array in arrays.items()}
-        results.append(Result(single, 1, StoredFrames(times, own, statistics), (), {}))
+    if threads == 1:
+        for cases in blocks(len(decks)):
+            follow(cases)
+    else:
+        with ThreadPoolExecutor(threads) as pool:
+            list(pool.map(follow, blocks(len(decks))))
     return results
+
+
+def _motion(block: InLanes, times: Array, single: Mechanism, g: Array | None) -> Callable[[int], StoredFrames]:
+    """The frames of a lane of the block. Raises AnalysisError."""
+    settings = single.settings
+    each = None if g is None else np.broadcast_to(g[:, None], block.by_case[1:]).ravel()
+    xs, es = [], []
+    statistics: list[dict[str, int]] = []
+    outputs = integrated(
+        block, block.y0, times, settings, Tolerances.of(settings, each),
+        watch=block.watch, back=block.rejected, marching=block.marching,
+    )  # fmt: skip
+    for out in outputs:
+        x, e = block.variables(float(out.t), out.y)
+        xs.append(x)
+        es.append(e)
+        statistics.append(work(out))
+    all_x, all_e = np.array(xs).transpose(3, 1, 0, 2), np.array(es).transpose(3, 1, 0, 2)  # lane, variable, step, place
+
+    def of_lane(lane: int) -> StoredFrames:
+        own = dict(zip((*X_FIELDS, *E_FIELDS), (*all_x[lane], *all_e[lane]), strict=True))
+        return StoredFrames(times, own, statistics)
+
+    return of_lane
 
 
 def _start(together: Mechanism, x_of: Array, e_of: Array) -> Array:
@@ -152,7 +178,7 @@ def copies(decks: Sequence[Deck]) -> Deck:
     first = decks[0]
     stride = _stride(first)
     statements = []
-    references = [_references(first, s) for s in _statements(first)]
+    references = [places for _, places in _with_references(first)]
     for k, deck in enumerate(decks):
         for s, places in zip(_statements(deck), references, strict=True):
             if not places:
@@ -178,7 +204,7 @@ def _references(deck: Deck, s: Statement) -> list[int]:
 
 
 def _stride(deck: Deck) -> int:
-    return max(s.integer(i) for s in _statements(deck) for i in _references(deck, s))
+    return max(s.integer(i) for s, places in _with_references(deck) for i in places)
 
 
 def _places(single: Mechanism, together: Mechanism, n: int, stride: int) -> tuple[np.ndarray, np.ndarray]:
@@ -195,22 +221,3 @@ def _places(single: Mechanism, together: Mechanism, n: int, stride: int) -> tupl
         for i in np.flatnonzero(number < 0):
             e[:, i] = [row[int(m)] for m in -number[i] + shift[:, 0]]
     return x, e
-
-
-def _frames(mechanism: Mechanism, times: np.ndarray, x_of: np.ndarray) -> Iterator[Frame]:
-    """Frames of the copies, with the common work in their statistics."""
-    settings, n = mechanism.settings, len(x_of)
-    method = METHODS[settings.integrator]
-    dynamics = Dynamics(mechanism)
-    y = dynamics.start()
-    passed = Report()
-    together = frames(
-        dynamics, y, times, settings, Report(),
-        watch=watched(dynamics, passed),
-        divisor=float(np.sqrt(n)) if method.variable_step and method.code != METHOD_WITH_SUM else 1.0,
-        moved_by=ReducedCopies(dynamics, x_of) if ReducedCopies.suits(mechanism, n) else None,
-    )  # fmt: skip
-    for _, frame in together:
-        if passed.lines:  # each case says it in its own log
-            raise AnalysisError("a case of the batch passed a dead point", "study.batch")
-        yield frame

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -40,7 +40,7 @@ def sweep(
     *,
     mode: int = 1,
     together: bool = False,
-    jobs: int = 1,
+    jobs: int | None = None,
     output: str | Path | None = None,
     retry: bool = False,
     batch: bool | None = None,
@@ -53,9 +53,10 @@ def sweep(
     change    {"ESTIFF.*[EI]": [5.0, 10.0], "XM.8": "1:100:7:log"}: targets and values of docs/studies.md; all
               combinations, with `together` the first values of each, the second ones ...
     results   expressions that come to one number: "x[8,1]@end", "tip: max(abs(x[8,2]))"
-    jobs      processes. With more than one, a script needs `if __name__ == "__main__":`
+    jobs      processes; with more than one, a script needs `if __name__ == "__main__":`. None: this one, batches in
+              threads on all cores
     output    .csv or .jsonl that keeps the rows: cases that are there are not run again; retry  those that failed are
-    batch     many cases at once along one more array axis; None: where that is possible and faster
+    batch     many cases at once in the lanes of the processor's vectors; None: where that is possible
     options   of `spacar.run`, such as rtol, duration, n_steps
 
     A case that fails is a row. Raises UsageError for a target, a value or an expression that cannot be, and InputError.
@@ -71,14 +72,14 @@ def sweep(
     settings, cases = combine(axes, together)
     study = Study(number, deck_of(source, number), settings, tuple(map(quantity, texts)), options)
     require_columns(study)
-    engine: Engine = partial(run, jobs=jobs)
+    engine: Engine = partial(run, jobs=jobs or 1)
     with TemporaryDirectory() as folder:
         path = Path(folder) / "rows.jsonl" if output is None else Path(output)
         if path.suffix.lower() not in (".csv", ".jsonl"):
             raise UsageError(f"output {path}: the rows are written as .csv or .jsonl", "usage.sweep")
         with Rows(path, study.columns) as rows:
             earlier = {key: _typed(row) for key, row in rows.done.items()}
-        batches = batches_of(study, cases, engine, jobs, batch, "batch")
+        batches, _ = batches_of(study, cases, engine, jobs, batch, "batch")
         new = {str(row["case"]): row for row in swept(study, cases, path, engine, retry, batches)}
     found = earlier | new
     return [found[study.key(case)] for case in cases]
@@ -187,17 +188,21 @@ def require_columns(study: Study) -> None:
 
 
 def batches_of(
-    study: Study, cases: Sequence[tuple[float, ...]], engine: Engine, jobs: int, wanted: bool | None, option: str
-) -> Batch | None:
-    """What runs the cases in batches; None when they run one by one. Raises UsageError for a batch that cannot be;
-    `option` names what asked for it.
+    study: Study, cases: Sequence[tuple[float, ...]], engine: Engine, jobs: int | None, wanted: bool | None, option: str
+) -> tuple[Batch | None, str]:
+    """What runs the cases in batches; None when they run one by one, and why if nobody has asked for that.
+
+    `jobs` processes, None: threads on all cores. Raises UsageError for a batch that cannot be; `option` names what
+    asked for it.
     """
-    if wanted and (why := reason(study, cases[0])):
+    if wanted is False or not (wanted or is_motion(study)):
+        return None, ""
+    why = reason(study, cases[0])
+    if why and wanted:
         raise UsageError(f"{option}: {why}", "usage.sweep")
-    if wanted is False or not is_motion(study):
-        return None
-    run_batches: Callable[..., Any] = in_batches
-    return lambda study, todo: run_batches(study, todo, engine, jobs, bool(wanted))
+    if why:
+        return None, why
+    return partial(in_batches, engine=engine, jobs=jobs), ""
 
 
 def _numbers(target: str, given: Sequence[float] | Array | str) -> tuple[float, ...]:

@@ -8,6 +8,7 @@ under way are run again, one process each, and the one that dies once more is gi
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -15,6 +16,7 @@ from itertools import chain, islice
 from threading import Thread
 from typing import Any
 
+HERE = 2.0  # s
 AHEAD = 2  # cases handed over per process
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
@@ -31,12 +33,25 @@ Engine = Callable[[Function, Iterable[Any]], Iterator[tuple[Any, Any]]]
 """Runs a picklable function of a module on every case: `run`, or that of a cluster."""
 
 
-def run(function: Function, cases: Iterable[Any], jobs: int = 1) -> Iterator[tuple[Any, Any]]:
+def cores() -> int:
+    """Of the processor, as far as this process may use them."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def run(function: Function, cases: Iterable[Any], jobs: int | None = 1) -> Iterator[tuple[Any, Any]]:
     """Outcomes of function(case) in the order in which they finish; exceptions of the function come through.
 
-    `cases` are taken as they are needed: they may be more than fit into memory.
+    `cases` are taken as they are needed: they may be more than fit into memory. `jobs` processes; None: this one for
+    HERE seconds, and what is left then on all cores, as processes cost as long to start.
     """
     coming = iter(cases)
+    if jobs is None:
+        until = time.monotonic() + HERE
+        for case in coming:
+            yield case, function(case)
+            if time.monotonic() > until:
+                break
+        jobs = cores()
     first = list(islice(coming, jobs))
     coming = chain(first, coming)
     if len(first) <= 1:

@@ -102,16 +102,17 @@ def test_sweep_with_and_without_batches(call):
     words = sweep_words("--set", "XM.8=20:40:6")
     assert call(*words, "--batch", "-o", "a.csv").status == 0
     assert call(*words, "--no-batch", "-o", "b.csv").status == 0
-    assert call(*words, "--batch", "--general", "-o", "c.csv").status == 0
-    names = ["a.csv", "c.csv"]
+    general = call(*words, "--general", "-o", "c.csv")
+    assert general.status == 0
+    assert "one by one, not in batches: --general" in general.out
+    assert call(*words, "--batch", "--general", "-o", "d.csv").status == 2
     alone = column("b.csv", "z")
-    for together in (column(name, "z") for name in names):
+    for together in (column(name, "z") for name in ("a.csv", "c.csv")):
         assert together.keys() == alone.keys()
         assert all(abs(float(together[m]) - float(alone[m])) < 1e-6 for m in alone)
 
 
-def test_sweep_measures_and_takes_the_faster(call):
-    """Twenty cases: some singly, the rest in the way that is faster; every case once."""
+def test_every_case_runs_once(call):
     done = call(*sweep_words("--set", "XM.8=20:40:20", "-o", "c.csv"))
     assert done.status == 0, done.err
     assert len(column("c.csv", "z")) == 20

@@ -61,7 +61,7 @@ from spacar_cli.studying import common, counted
 @click.option(
     "--batch/--no-batch",
     default=None,
-    help="Many cases at once along one more array axis; default: where that is possible and measures faster.",
+    help="Many cases at once in the lanes of the processor's vectors; default: where that is possible.",
 )
 @click.option("--atol", type=POSITIVE, help="Absolute error tolerance, instead of ERROR.")
 @click.option("--rtol", type=TOLERANCE, help="Relative error tolerance, instead of ERROR.")
@@ -84,7 +84,7 @@ def command(
     scheduler: str | None,
     retry_failed: bool,
     batch: bool | None,
-    jobs: int,
+    jobs: int | None,
     quiet: bool,
     as_json: bool,
     **options: Any,
@@ -117,7 +117,11 @@ def command(
         from spacar_cli.cluster import run_on_cluster
 
         engine = partial(run_on_cluster, scheduler=scheduler)
-    batches = batches_of(study, cases, engine, jobs, batch, "--batch") if scheduler is None else None
+    batches = None
+    if scheduler is None:
+        batches, why = batches_of(study, cases, engine, jobs, batch, "--batch")
+        if why and not quiet and not as_json:
+            environment.say(f"the cases run one by one, not in batches: {why}")
     begun = time.perf_counter()
     failed = new = 0
     reasons: list[str] = []

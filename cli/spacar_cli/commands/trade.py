@@ -123,7 +123,7 @@ def command(
     compiled: bool | None,
     output: Path | None,
     plot: Path | None,
-    jobs: int,
+    jobs: int | None,
     quiet: bool,
     as_json: bool,
     duration: float | None,
@@ -158,7 +158,7 @@ def command(
     trade = Trade(number, deck, chosen, repeats, options)
     require_beams(deck, number)
     lists = (integrators, tolerances, elements, judges)
-    if all(v is None for v in lists) and not (rigid or linear or perturbation) and jobs == 1:
+    if all(v is None for v in lists) and not (rigid or linear or perturbation) and jobs in (None, 1):
         return _within_budget(environment, trade, target, budget, source.name, output, plot, quiet, as_json)
     integrators, tolerances = integrators or CODES, tolerances or TOLERANCES
     meshes = _whole(elements or "1", "--elements")
@@ -174,7 +174,7 @@ def command(
     )
     judging = _whole(judges or JUDGES, "--reference")
     against = reference_setups(trade, meshes, min(target, *_numbers(tolerances)), judging)
-    rows = _rows(environment, trade, list(dict.fromkeys([*against, *cases])), output, jobs, quiet)
+    rows = _rows(environment, trade, list(dict.fromkeys([*against, *cases])), output, jobs or 1, quiet)
     ref = reference(trade, rows, against)
     entries = assess(trade, rows, cases, ref)
     best = recommend(entries, target, ref)

@@ -1,0 +1,87 @@
+"""A deck with other numbers: the statements of a deck that has been read, with some of their real arguments replaced.
+
+Nothing is read again: a number does not change what the words mean. What a number may be is checked as ever: its size
+here, everything else by the checks of a deck (`spacar.deck.deck_checks`). Whatever is unusual (sections, several
+statements on a line, a number that is refused) gives None: the text is read, which says what is wrong.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import lru_cache
+
+from spacar.deck.deck import Deck
+from spacar.deck.deck_checks import check
+from spacar.deck.deck_writer import value_text
+from spacar.deck.findings import Findings
+from spacar.deck.lexer import is_in_range, split_lines
+from spacar.deck.mode_blocks import uses
+from spacar.deck.outline import Outline
+from spacar.deck.statement import Statement, Value
+from spacar.deck.table_elements import ELEMENT_TYPES
+from spacar.errors import Message
+
+WORD = re.compile(r"[^\s%#;]+")
+Edit = tuple[Statement, int, float]  # statement of the deck, argument from 1, new value
+
+
+class _Template:
+    """What all variants of a deck have in common."""
+
+    def __init__(self, deck: Deck) -> None:
+        self.usable = not deck.shorthand and deck.text.isascii()
+        self.deck = deck
+        self.used = {block for block in (1, 2, 3) if uses(deck.mode, block)}
+        self.skipped: list[Message] | None = None
+        if not self.usable:
+            return
+        self.lines = split_lines(deck.text)
+        self.place = {id(s): k for k, s in enumerate(deck.statements)}
+        own = set(self.checked(deck.statements) or ())
+        self.read = tuple([m for m in deck.messages if m not in own])  # said when it was read
+
+    def checked(self, statements: tuple[Statement, ...]) -> list[Message] | None:
+        """Messages of the checks, None when there is an error, or another one in a block that the mode skips."""
+        outline = Outline(metre=1.0)
+        for s in statements:
+            if s.keyword in ELEMENT_TYPES:
+                outline.add(s)
+        findings, others = Findings(self.deck.source), Findings(self.deck.source)
+        by_block = {block: findings if block in self.used else others for block in (1, 2, 3)}
+        check(statements, outline, self.deck.mode, self.deck.third, by_block)
+        if self.skipped is None:
+            self.skipped = others.messages
+        return None if findings.errors or others.messages != self.skipped else findings.messages
+
+
+@lru_cache(maxsize=4)
+def _template(deck: Deck) -> _Template:
+    return _Template(deck)
+
+
+def with_numbers(deck: Deck, edits: Sequence[Edit]) -> Deck | None:
+    """The deck with these real arguments changed; None where the text has to be read."""
+    template = _template(deck)
+    if not template.usable:
+        return None
+    statements, lines = list(deck.statements), list(template.lines)
+    for s, position, value in edits:
+        k = template.place.get(id(s))
+        if k is None or s.block not in template.used or not isinstance(s.place, str) or not is_in_range(value, "0"):
+            return None
+        now = statements[k]  # another of its arguments may have been changed before
+        start = now.columns[position - 1] - 1
+        line = lines[s.line - 1]
+        word = WORD.match(line, start)
+        assert word is not None
+        line = lines[s.line - 1] = line[:start] + value_text(value) + line[word.end() :]
+        values: tuple[Value, ...] = (*now.values[: position - 1], float(value), *now.values[position:])
+        statements[k] = now._replace(values=values, place=line)
+    messages = template.checked(tuple(statements))
+    if messages is None:
+        return None
+    text = "\n".join(lines)
+    found = sorted((*template.read, *messages), key=lambda m: m.line or 0)
+    return replace(deck, statements=tuple(statements), text=text, data=text.encode(), messages=tuple(found))

@@ -1,0 +1,109 @@
+"""Sweeps in lanes: every case is its single run to the error asked, one that cannot be followed takes its block along
+to single runs and no other one, threads change nothing, and what is done is kept when the rest is interrupted."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import spacar
+from spacar.compiled.library import lanes_of_processor, unavailable
+from spacar.deck import read_deck
+from spacar.studies import batched_cases, workers
+from spacar.studies.assignments import change, setting
+from spacar.studies.ensemble import ensemble, why_not
+
+DATA = Path(__file__).parents[2] / "data"
+pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
+OPTIONS = {"duration": 0.3, "n_steps": 3, "rtol": 1e-7, "atol": 1e-7}
+MASSES = np.linspace(20.0, 40.0, 2 * lanes_of_processor() + 1)
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return read_deck(DATA / "robotsim.dat", 1)
+
+
+@pytest.mark.parametrize("code", [0, 155, 553, 853])
+def test_every_case_is_its_single_run(robot, code):
+    decks = [change(robot, [setting("XM.8")], [m]) for m in MASSES]
+    options = OPTIONS | {"integrator": code}
+    if why := why_not(robot, **options):
+        pytest.skip(why)
+    results = ensemble(decks, **options)
+    for deck, result in list(zip(decks, results, strict=True))[:: len(decks) // 2]:
+        single = spacar.run(1, deck, **options)
+        for name in ("x", "xd", "sig"):
+            size = max(1.0, np.abs(single[name]).max())
+            np.testing.assert_allclose(result[name], single[name], atol=10 * OPTIONS["rtol"] * size, err_msg=name)
+
+
+def test_threads_change_nothing(robot):
+    decks = [change(robot, [setting("XM.8")], [m]) for m in MASSES]
+    one, two = (ensemble(decks, threads=k, **OPTIONS) for k in (1, 2))
+    for a, b in zip(one, two, strict=True):
+        assert np.array_equal(a["x"], b["x"])
+
+
+def test_only_the_block_of_a_case_that_fails_is_run_alone(robot):
+    """A link of nearly no length makes one case too hard: the others of its block are run alone, all are right."""
+    low = [setting("X.8[coordinate x1]"), setting("X.8[coordinate x3]")]
+    places = [(0.5 + 0.01 * k, 0.1) for k in range(2 * lanes_of_processor())]
+    places[1] = (0.26801, 0.6467)
+    decks = [change(robot, low, p) for p in places]
+    options = OPTIONS | {"duration": 0.02, "n_steps": 1}
+    lanes = lanes_of_processor()
+    missing = [k for k, r in enumerate(ensemble(decks, **options)) if r is None]
+    assert set(missing) <= set(range(lanes))
+    change_of = {"X.8[coordinate x1]": [p[0] for p in places], "X.8[coordinate x3]": [p[1] for p in places]}
+    rows = spacar.sweep(robot, change_of, "z: x[8,3]@end", together=True, **options)
+    for k in (0, 2, lanes):
+        single = spacar.run(1, decks[k], **options)
+        assert rows[k]["status"] == "done"
+        assert rows[k]["z"] == pytest.approx(single.node(8, 3)[-1], abs=1e-6)
+
+
+def test_rows_that_are_there_survive_an_interruption(robot, tmp_path, monkeypatch):
+    begun = []
+    follow = batched_cases.run_chunk
+
+    def interrupted(chunk):
+        begun.append(chunk)
+        if len(begun) > 1:
+            raise KeyboardInterrupt
+        return follow(chunk)
+
+    monkeypatch.setattr(batched_cases, "run_chunk", interrupted)
+    monkeypatch.setattr(batched_cases, "SIZE", 8)
+    output = tmp_path / "rows.csv"
+    ask = (robot, {"XM.8": list(np.linspace(20.0, 40.0, 20))}, "z: x[8,3]@end")
+    with pytest.raises(KeyboardInterrupt):
+        spacar.sweep(*ask, output=output, **OPTIONS)
+    assert len(list(csv.DictReader(output.open()))) == 8
+    monkeypatch.setattr(batched_cases, "run_chunk", follow)
+    rows = spacar.sweep(*ask, output=output, **OPTIONS)
+    assert [row["status"] for row in rows] == 20 * ["done"]
+    assert len(list(csv.DictReader(output.open()))) == 20
+
+
+def test_processes_come_when_one_takes_long(monkeypatch):
+    """Without a number of processes the first cases run here; what is left then goes to all cores."""
+    monkeypatch.setattr(workers, "HERE", 0.0)
+    monkeypatch.setattr(workers, "cores", lambda: 2)
+    asked = []
+
+    def pool(function, cases, jobs):
+        asked.append(jobs)
+        yield from ((case, function(case)) for case in cases)
+
+    monkeypatch.setattr(workers, "_on_processes", pool)
+    assert [value for _, value in workers.run(abs, [-1, -2, -3, -4], None)] == [1, 2, 3, 4]
+    assert asked == [2]
+
+
+def test_without_lanes_the_sweep_says_why(call):
+    done = call("sweep", "trike2", "--set", "XM.*=1,2", "-r", "x[1,1]@end", "--time", "0.01", "--steps", "1")
+    assert "one by one, not in batches: " in done.out
