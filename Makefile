@@ -9,6 +9,8 @@ PARALLEL := -n $(WORKERS) --dist loadfile
 # One thread per process: the matrices are small, and test processes run side by side.
 export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
+# SymPy keeps the results of 1000 calls; tests that derive equations ask for more of them again: 15 % of their time.
+export SYMPY_CACHE_SIZE ?= 100000
 # Bytecode is kept: pytest rewrites its 200 files once, not in every worker of every run.
 unexport PYTHONDONTWRITEBYTECODE
 
@@ -35,7 +37,7 @@ $(VENV)/.installed: pyproject.toml $(ENGINE)
 
 $(VENV)/.installed-dev: pyproject.toml $(ENGINE)
 	$(environment)
-	$(BIN)/python -m pip install --quiet -e '.[test,dev,symbolic,control]'
+	$(BIN)/python -m pip install --quiet --no-compile -e '.[test,dev,symbolic,control]'
 	@touch $@ $(VENV)/.installed
 
 $(VENV)/.installed-docs: pyproject.toml $(ENGINE)

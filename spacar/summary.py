@@ -54,7 +54,8 @@ def result_summary(result: Result) -> str:
     span = f", t = {t[0]:.6g} to {t[-1]:.6g}{' s' * mode.timed}" if n > 1 else ""
     lines.append(f"  steps       {n}{span}")
     lines.append(f"  size        {numbering.nx} coordinates x, {numbering.ne} deformations e")
-    lines.append(f"  freedom     {numbering.ndof} degree{'s' * (numbering.ndof != 1)} of freedom, {numbering.nddof} of them dynamic")
+    plural = "s" * (numbering.ndof != 1)
+    lines.append(f"  freedom     {numbering.ndof} degree{plural} of freedom, {numbering.nddof} of them dynamic")
     if n and "eigval" in result.frames[-1].matrices:
         lines.append(f"  frequencies {_numbers(result.frequencies[-1])} Hz (last step)")
     if n and "lmult" in result.frames[-1].matrices:

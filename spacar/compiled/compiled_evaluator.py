@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable
+from math import log
 from typing import TypeVar
 
 import numpy as np
@@ -136,13 +137,18 @@ class CompiledDynamics:
         other._stand(self.placement())
         return other
 
-    def memory(self) -> tuple[int, float, Array, Array]:
-        s = self.state
-        return s.c.known, s.c.t, s.of_x.copy(), s.of_e.copy()
+    def sample(self) -> None:
+        self.state.c.watched = 1
+        self.general.sample()
+        self.sampled()
 
-    def remember(self, memory: tuple[int, float, Array, Array]) -> None:
-        s = self.state
-        s.c.known, s.c.t, s.of_x[:], s.of_e[:] = memory
+    def sampled(self) -> tuple[float, bool]:
+        c, (low, changed) = self.state.c, self.general.sampled()
+        if c.signs:
+            low = min(low, -(log(c.mantissa) + log(2.0) * c.exponent))
+        changed = changed or c.signs == 3
+        c.signs, c.mantissa, c.exponent = 0, 0.0, 0.0
+        return low, changed
 
     def _in_general(self, evaluate: Callable[[], Result]) -> Result:
         """Let the general evaluator look at a state that C could not do; it explains failures."""

@@ -14,7 +14,29 @@ GUARD, LEFT = 0.71, 0.7
 
 
 def _plbeam(f: Family) -> Array:
-    return np.stack([f.length, f.angle[0], 0.5 * f.A2, f.B, f.unit, f.lumped])  # type: ignore[attr-defined]
+    start = getattr(f, "start", np.zeros((3, f.n)))  # of tubes
+    own = [0.5 * f.A2, f.B, *start, f.unit, f.lumped]  # type: ignore[attr-defined]
+    return np.stack([f.length, *f.angle, *own])  # type: ignore[attr-defined]
+
+
+def _flow(f: Family) -> Array:
+    """Mass flow and thrust a G U/l0 of a fluid; both again where it leaves at p, at q."""
+    flow, fluid, shape = f.flow, f.fluid, f.shape_factor  # type: ignore[attr-defined]
+    thrust = shape * flow**2 / (np.where(flow == 0.0, 1.0, fluid) * f.length)
+    jets = f.jet_p, f.jet_q  # type: ignore[attr-defined]
+    return np.stack([flow, *(flow * jet for jet in jets), thrust, *(thrust * jet for jet in jets)])
+
+
+def _pltube(f: Family) -> Array:
+    return np.vstack((_plbeam(f), _flow(f)))
+
+
+def _plwheel(f: Family) -> Array:
+    return np.stack([f.radius, f.angle])  # type: ignore[attr-defined]
+
+
+def _plbelt(f: Family) -> Array:
+    return np.stack([f.length, *f.radii, *f.u0, f.unit, *f.wound])  # type: ignore[attr-defined]
 
 
 def _plpinbod(f: Family) -> Array:
@@ -35,17 +57,53 @@ def _frame(f: Family) -> Array:
     return f.frame_p.T
 
 
-def _beam(f: Family) -> Array:
+def _ends(f: Family) -> Array:
+    """Length, start frames at p and q, the turn between them, constants of strain and mass."""
+    assert f.frame_p is not None
+    assert f.frame_q is not None
     assert f.data is not None
     second = f.constants.g * f.length  # type: ignore[attr-defined]
     unit = f.line.C[0, 0] / 156.0  # type: ignore[attr-defined]
-    return np.vstack((f.length, _frame(f), f.data[:, 0], second, unit))
+    turn = np.zeros((4, f.n))
+    turn[0] = 1.0
+    if not np.array_equal(f.frame_p, f.frame_q):
+        from spacar.elements.rotation import parameters_of_frame  # curved tubes only
+
+        own = np.flatnonzero((f.frame_p != f.frame_q).any(1))
+        frames = (rows[own].reshape(-1, 3, 3) for rows in (f.frame_q, f.frame_p))
+        turned = parameters_of_frame(np.einsum("nai,naj->ijn", *frames))
+        turn[:, own] = np.where(turned[0] < 0.0, -turned, turned)
+    return np.vstack((f.length, f.frame_p.T, f.frame_q.T, turn, f.data[:, 0], second, unit))
+
+
+def _beam(f: Family) -> Array:
+    start = getattr(f, "start", None)  # of tubes
+    return np.vstack((_ends(f), np.zeros((6, f.n)) if start is None else start))
 
 
 def _beam_angle(f: Family) -> Array:
     a = f.angles  # type: ignore[attr-defined]
-    unit = f.line.C[0, 0] / 156.0  # type: ignore[attr-defined]
-    return np.vstack((f.length, _frame(f), a.f, a.second, unit, a.shear[:2], a.ratio))
+    return np.vstack((_beam(f), a.shear[:2], a.ratio, a.start))
+
+
+def _tube(f: Family) -> Array:
+    return np.vstack((_beam(f), _flow(f)))
+
+
+def _tube_angle(f: Family) -> Array:
+    return np.vstack((_beam_angle(f), _flow(f)))
+
+
+def _screw(f: Family) -> Array:
+    return np.vstack((_frame(f), f.r, f.pitch))  # type: ignore[attr-defined]
+
+
+def _wheel(f: Family) -> Array:
+    from spacar.elements.wheel import LEFT as HEIGHT  # spatial only
+
+    assert f.frame_p is not None
+    radius, rho = f.radius, f.rho  # type: ignore[attr-defined]
+    return np.vstack((f.frame_p[:, 6:].T, radius, rho, HEIGHT * (radius + rho)))
 
 
 def _pinbody(f: Family) -> Array:
@@ -61,17 +119,26 @@ def _body(f: Family) -> Array:
 SUPPORTED: dict[str, tuple[str, Callable[[Family], Array]]] = {
     "PLBEAM": ("plbeam", _plbeam),
     "PLBEAM angle": ("plbeam_angle", _plbeam),
+    "PLTUBE": ("pltube", _pltube),
+    "PLTUBE angle": ("pltube_angle", _pltube),
     "PLTRUSS": ("pltruss", _length),
     "PLTOR": ("pltor", _none),
     "PLPINBOD": ("plpinbod", _plpinbod),
     "PLRBEAM": ("plpinbod", _plpinbod),
+    "PLWHEEL": ("plwheel", _plwheel),
+    "PLBELT": ("plbelt", _plbelt),
     "BEAM": ("beam", _beam),
     "BEAM angle": ("beam_angle", _beam_angle),
-    "BEAMW": ("beamw", _beam),
+    "TUBE": ("tube", _tube),
+    "TUBE angle": ("tube_angle", _tube_angle),
+    "BEAMW": ("beamw", _ends),
     "TRUSS": ("truss", _length),
     "HINGE": ("hinge", _frame),
     "PINBODY": ("pinbody", _pinbody),
     "RBEAM": ("pinbody", _pinbody),
+    "SCREW": ("screw", _screw),
+    "WHEEL": ("wheel", _wheel),
+    "TWHEEL": ("wheel", _wheel),
     "normalization": ("normalization", _none),
     "rigid body": ("body", _body),
 }

@@ -1,6 +1,6 @@
 /* What Python gives, a model, and its elements: strains, convective terms, inertia, guards.
 
-   The functions of the kinds, STRAIN, CONVECTIVE, INERTIA and GUARD, are the tables at the end of kernels.c. What has no
+   The functions of the kinds, STRAIN, CONVECTIVE, INERTIA, FLOW, WHOLE_TURN and GUARD, are the tables at the end of kernels.c. What has no
    function here is asked of Python, which shares the arrays of `Foreign` and answers for all elements of a batch at once;
    so it is with user functions and prescribed motions that are no polynomials.
    All vectors are in the order of the result files. V and M are lists of the entries of the elements. */
@@ -55,6 +55,8 @@ typedef struct {
     int known;                            /* rates and accelerations too, at t; 2: placed from outside, with no transfer functions */
     double t;
     real *x, *xd, *xdd, *e, *ed, *edd, *sigma, *given_e;
+    int watched, signs;                   /* watched: derivatives keep the two below; 1: det V[E, U] was positive, 2: negative */
+    double mantissa, exponent;            /* of the inverse of its smallest size since these were cleared: mantissa 2^exponent */
 } State;
 
 typedef struct {
@@ -75,6 +77,15 @@ typedef struct {
     real *degrees, *transfer, *weighted, *small;
     int *v_place;                         /* (n_v) order of V's rows: place in `values` */
 } Model;
+
+/* Add as many whole turns to e of one element as bring its first row closest to `near`. */
+static inline void unwind(const Batch *k, real near, const real *p, real *e)
+{
+    real turn[MAX_E], count = EVERY(0.0);
+    WHOLE_TURN[k->kind](p, turn);
+    EACH_LANE if (LANE(turn[0], w) != 0.0) LANE(count, w) = rint((LANE(near, w) - LANE(e[0], w)) / LANE(turn[0], w));
+    for (int r = 0; r < k->nee; r++) e[r] += count * turn[r];
+}
 
 /* e, and V into `values`. OK or NOT_ANSWERED. */
 static int strain(const Model *m, const real *x, const real *near, real *e)
@@ -98,8 +109,7 @@ static int strain(const Model *m, const real *x, const real *near, real *e)
             const int *ix = k->x + i * k->nxe, *ie = k->e + i * k->nee;
             for (int j = 0; j < k->nxe; j++) xe[j] = x[ix[j]];
             STRAIN[k->kind](xe, k->p + i * k->np, ee, m->values + *offset);
-            const int turns = TURNS[k->kind];
-            if (turns >= 0) ee[turns] += 2 * M_PI * lanes_rint((near[ie[turns]] - ee[turns]) / (2 * M_PI));
+            if (WHOLE_TURN[k->kind]) unwind(k, near[ie[0]], k->p + i * k->np, ee);
             for (int r = 0; r < k->nee; r++) e[ie[r]] = ee[r];
         }
     }
@@ -156,6 +166,9 @@ static int inertia(const Model *m, const real *x, const real *v)
             }
             if (!k->inertia) continue;
             INERTIA[k->kind](xe, ve, p, m->values + *offset, he);
+            for (int r = 0; r < k->nxe; r++) m->convected[ix[r]] += he[r];
+            if (!FLOW[k->kind]) continue;
+            FLOW[k->kind](xe, ve, p, he);
             for (int r = 0; r < k->nxe; r++) m->convected[ix[r]] += he[r];
         }
     }

@@ -1,15 +1,18 @@
 """Write kernels.c: `python -m spacar.compiled.generate > spacar/compiled/kernels.c` (needs SymPy).
 
-Up to four functions per element type:
+Up to six functions per element type:
 
-    NAME_strain(x, p, e, V)          e = D(x), V = dD/dx row by row (structural zeros are not written)
-    NAME_convective(x, v, p, h)      H(v,v) = d^2 D(x + s v)/ds^2 at s = 0
+    NAME_strain(x, p, e, V)          e = D(x), V = dD/dx row by row (structural zeros are not written); slips: e = 0
+    NAME_convective(x, v, p, h)      H(v,v) = d^2 D(x + s v)/ds^2 at s = 0; of slips dW(x + s v)/ds v
     NAME_inertia(x, v, p, M, h)      M = Y^T C Y, h = Y^T C d^2 y(x + s v)/ds^2; types with mass only
+    NAME_flow(x, v, p, h)            Y^T (D y' + A y), another part of h; types with a fluid only
     NAME_guard(x, p, g)              what shows that the element is in the range of its theory; types with a limit only
+    NAME_whole_turn(p, s)            change of D in a whole turn; types that count turns only
 
-D is first turned into a straight-line program (common subexpressions). V comes from it in reverse, H(v,v) by carrying
-first and second derivatives along v forward, so the text stays small; nothing is expanded. What the statements then
-still share is named once more.
+D is first turned into a straight-line program (common subexpressions), behind the local coordinates that it is a
+function of. V comes from it in reverse, H(v,v) by carrying first and second derivatives along v forward, so the text
+stays small; nothing is expanded. What the statements then still share is named once more. A type that has a function of
+a type before it (`owner`) gets no second text.
 
 and at the end the tables by which the solver finds them: the numbers of the kinds in the order of `parameters.kinds`,
 the largest sizes, and one array for each function.
@@ -20,6 +23,8 @@ Numbers are of type `real`: one double, or LANES doubles of as many cases (lanes
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
+from typing import Any
 
 import sympy as sp
 from sympy.printing.c import C99CodePrinter
@@ -67,8 +72,35 @@ TABLES = {  # table -> arguments of its functions
     "strain": "const real *x, const real *p, real *e, real *V",
     "convective": "const real *x, const real *v, const real *p, real *h",
     "inertia": "const real *x, const real *v, const real *p, real *M, real *h",
+    "flow": "const real *x, const real *v, const real *p, real *h",
     "guard": "const real *x, const real *p, real *g",
+    "whole_turn": "const real *p, real *s",
 }
+
+
+def made_of(definition: Definition) -> dict[str, tuple[Any, ...]]:
+    """What the functions of a type are made of; only the functions that it has."""
+    d, n = definition, definition.n_coordinates
+    strain = (n, d.strain, d.local, d.slips) if rows_of(d) else ()
+    flow = (n, d.line, d.flow) if d.flow else ()
+    parts = {
+        "strain": strain,
+        "convective": strain,
+        "inertia": (n, d.line, d.inertia) if d.line or d.inertia else (),
+        "flow": flow,
+        "guard": (n, d.guard, d.local) if d.guard else (),
+        "whole_turn": (d.turn,) if d.turn else (),
+    }
+    return {what: part for what, part in parts.items() if part}
+
+
+def owner(definition: Definition, what: str) -> Definition:
+    """The first type with the same function, whose parameters agree with those of this one as far as both go."""
+    for other in DEFINITIONS:
+        agree = all(a == b for a, b in zip(other.parameters, definition.parameters, strict=False))
+        if agree and made_of(other).get(what) == made_of(definition)[what]:
+            return other
+    raise AssertionError(definition.name)
 
 
 def symbols_of(definition: Definition) -> tuple[list[sp.Symbol], list[sp.Symbol], dict[str, sp.Symbol]]:
@@ -78,65 +110,96 @@ def symbols_of(definition: Definition) -> tuple[list[sp.Symbol], list[sp.Symbol]
     return x, v, {name: sp.Symbol(f"p{k}", real=True) for k, name in enumerate(definition.parameters)}
 
 
+def localized(definition: Definition, x: list, p: dict) -> tuple[Program, list[sp.Expr]]:
+    """The local coordinates, and the program that makes them."""
+    if definition.local is None:
+        return [], x
+    program, z = named("z", sp.Matrix(definition.local(x, p)))
+    return program, list(z)
+
+
+@cache
+def rows_of(definition: Definition) -> tuple[int, int]:
+    """Numbers of deformations and slips; empty without any."""
+    x, v, p = symbols_of(definition)
+    slips = len(definition.slips(x, v, p)) if definition.slips else 0
+    strains = len(definition.strain(localized(definition, x, p)[1], p))
+    return (strains, slips) if strains or slips else ()  # type: ignore[return-value]
+
+
 def tables(definitions: list[Definition]) -> Iterator[str]:
     """C text of the enumeration of the kinds, of the sizes and of the tables of functions."""
-    strains, guards = [], []
+    guards = []
     for definition in definitions:
         x, _, p = symbols_of(definition)
-        strains.append(len(definition.strain(x, p)))
-        guards.append(len(definition.guard(x, p)) if definition.guard else 0)
-    has: dict[str, list[bool]] = {
-        "strain": [n > 0 for n in strains],
-        "convective": [n > 0 for n in strains],
-        "inertia": [bool(definition.line or definition.inertia) for definition in definitions],
-        "guard": [n > 0 for n in guards],
-    }
+        guards.append(len(definition.guard(localized(definition, x, p)[1], p)) if definition.guard else 0)
     largest = max(definition.n_coordinates for definition in definitions)
+    most = max(sum(rows_of(definition)) for definition in definitions)
     yield f"enum {{ {', '.join(definition.name.upper() for definition in definitions)}, N_KINDS }};"
-    yield f"enum {{ MAX_X = {largest}, MAX_E = {max(strains)}, MAX_GUARDS = {max(guards)} }};"
+    yield f"enum {{ MAX_X = {largest}, MAX_E = {most}, MAX_GUARDS = {max(guards)} }};"
     for what, arguments in TABLES.items():
         yield f"static void (*const {what.upper()}[N_KINDS])({arguments}) = {{"
-        for definition, there in zip(definitions, has[what], strict=True):
-            if there:
-                yield f"    [{definition.name.upper()}] = {definition.name}_{what},"
+        for definition in definitions:
+            if what in made_of(definition):
+                yield f"    [{definition.name.upper()}] = {owner(definition, what).name}_{what},"
         yield "};"
     yield f"static const int N_GUARDS[N_KINDS] = {{ {', '.join(map(str, guards))} }};"
     counts = " ".join(f"{d.name}/{len(d.parameters)}" for d in definitions)
     yield "/* Names of the kinds and numbers of their parameters: Python evaluates what is not here. */"
     yield f'static const char KINDS[] = "{counts}";'
-    yield "/* Row that is an angle of which whole turns are counted, or -1. */"
-    yield f"static const int TURNS[N_KINDS] = {{ {', '.join(str(d.turns) for d in definitions)} }};"
 
 
 def functions(definition: Definition) -> Iterator[str]:
-    """C text of the functions of one type."""
+    """C text of the functions of one type that are its own."""
     n = definition.n_coordinates
     x, v, p = symbols_of(definition)
-    D = definition.strain(x, p)
-    if D:
-        program, results = straight(D)
-        V, adjoint = reverse(program, results, x)
-        outputs = {f"e[{i}]": d for i, d in enumerate(results)}
-        outputs |= {f"V[{i * n + j}]": V[i][j] for i in range(len(D)) for j in range(n) if V[i][j] != 0}
-        yield function(definition, "strain", program + adjoint, outputs)
-        rates, second = forward(program, results, x, v)
-        outputs = {f"h[{i}]": expression for i, expression in enumerate(second)}
-        yield function(definition, "convective", program + rates, outputs)
-    if definition.guard:
-        program, guards = straight(definition.guard(x, p))
-        outputs = {f"g[{i}]": g for i, g in enumerate(guards)}
-        yield function(definition, "guard", program, outputs)
-    if definition.line or definition.inertia:
+    own = {what for what in made_of(definition) if owner(definition, what) is definition}
+    if "strain" in own:
+        program, e, V, h = strains(definition, x, v, p)
+        outputs = {f"e[{i}]": value for i, value in enumerate(e)}
+        yield function(definition, "strain", program, outputs | {f"V[{i * n + j}]": w for (i, j), w in V.items()})
+        yield function(definition, "convective", program, {f"h[{i}]": value for i, value in enumerate(h)})
+    if "guard" in own:
+        assert definition.guard is not None
+        first, z = localized(definition, x, p)
+        program, guards = straight(definition.guard(z, p), first)
+        yield function(definition, "guard", program, {f"g[{i}]": g for i, g in enumerate(guards)})
+    if "inertia" in own:
         program, M, h = inertia(definition, x, v, p)
         outputs = {f"M[{i * n + j}]": M[i, j] for i in range(n) for j in range(n) if M[i, j] != 0}
-        outputs |= {f"h[{i}]": expression for i, expression in enumerate(h)}
-        yield function(definition, "inertia", program, outputs)
+        yield function(definition, "inertia", program, outputs | {f"h[{i}]": value for i, value in enumerate(h)})
+    if "flow" in own:
+        program, h = flow(definition, x, v, p)
+        yield function(definition, "flow", program, {f"h[{i}]": value for i, value in enumerate(h)})
+    if "whole_turn" in own:
+        assert definition.turn is not None
+        yield function(definition, "whole_turn", [], {f"s[{i}]": step for i, step in enumerate(definition.turn(p))})
 
 
-def straight(expressions: list) -> tuple[Program, list[sp.Expr]]:
-    """Common subexpressions as a program, and what remains of the expressions, each a symbol or number."""
-    program, results = sp.cse(expressions, symbols=sp.numbered_symbols("t", real=True))
-    named = []
+def strains(
+    definition: Definition, x: list, v: list, p: dict
+) -> tuple[Program, list[sp.Expr], dict[tuple[int, int], sp.Expr], list[sp.Expr]]:
+    """A program for e, the entries of V and H(v,v); these."""
+    first, z = localized(definition, x, p)
+    D = definition.strain(z, p)
+    unit = [[sp.Integer(i == j) for i in range(len(x))] for j in range(len(x))]
+    slips = list(zip(*(definition.slips(x, u, p) for u in unit), strict=True)) if definition.slips else []
+    places = [(i, j) for i, row in enumerate(slips, len(D)) for j, w in enumerate(row) if w != 0]
+    program, results = straight([*D, *(slips[i - len(D)][j] for i, j in places)], first)
+    e, W = results[: len(D)], dict(zip(places, results[len(D) :], strict=True))
+    rows, adjoint = reverse(program, e, x)
+    rates, along, second = forward(program, results, x, v)
+    V = {(i, j): w for i, row in enumerate(rows) for j, w in enumerate(row) if w != 0} | W
+    h = second[: len(D)] + [sp.Integer(0)] * len(slips)
+    for (i, j), rate in zip(places, along[len(D) :], strict=True):
+        h[i] += rate * v[j]
+    return program + adjoint + rates, e + [sp.Integer(0)] * len(slips), V, h
+
+
+def straight(expressions: list, first: Program) -> tuple[Program, list[sp.Expr]]:
+    """Common subexpressions as a program behind another, and what remains of the expressions, each a symbol."""
+    found, results = sp.cse(expressions, symbols=sp.numbered_symbols("t", real=True))
+    program, named = [*first, *found], []
     for k, result in enumerate(results):
         symbol = sp.Symbol(f"r{k}", real=True)
         program.append((symbol, sp.sympify(result)))
@@ -159,13 +222,19 @@ def reverse(program: Program, results: list, x: list) -> tuple[list[list[sp.Expr
                 bar = name
             for argument in sorted(expression.free_symbols, key=str):
                 if not argument.name.startswith("p"):
-                    adjoint[argument] = adjoint.get(argument, sp.Integer(0)) + bar * sp.diff(expression, argument)
+                    adjoint[argument] = adjoint.get(argument, sp.Integer(0)) + bar * slope(expression, argument)
         rows.append([adjoint.get(a, sp.Integer(0)) for a in x])
     return rows, statements
 
 
-def forward(program: Program, results: list, x: list, v: list) -> tuple[Program, list[sp.Expr]]:
-    """Program of first and second derivatives along v, and the second derivatives of the results."""
+@cache
+def slope(expression: sp.Expr, by: sp.Symbol) -> sp.Expr:
+    """Derivative; every row and both directions ask for the same ones."""
+    return sp.diff(expression, by) if by in expression.free_symbols else sp.Integer(0)
+
+
+def forward(program: Program, results: list, x: list, v: list) -> tuple[Program, list[sp.Expr], list[sp.Expr]]:
+    """Program of first and second derivatives along v, and those of the results."""
     first: dict[sp.Symbol, sp.Expr] = dict(zip(x, v, strict=True))
     second: dict[sp.Symbol, sp.Expr] = {}
     statements = []
@@ -182,14 +251,15 @@ def forward(program: Program, results: list, x: list, v: list) -> tuple[Program,
     for symbol, expression in program:
         moving = [a for a in sorted(expression.free_symbols, key=str) if a in first]
         rate, bend = sp.Integer(0), sp.Integer(0)
-        for a in moving:
-            slope = sp.diff(expression, a)
-            rate += slope * first[a]
-            bend += slope * second.get(a, sp.Integer(0))
-            bend += sum(sp.diff(slope, b) * first[a] * first[b] for b in moving)
+        for k, a in enumerate(moving):
+            by_a = slope(expression, a)
+            rate += by_a * first[a]
+            bend += by_a * second.get(a, sp.Integer(0)) + slope(by_a, a) * first[a] ** 2
+            bend += sum(2 * slope(by_a, b) * first[a] * first[b] for b in moving[:k])
         keep("d", symbol, rate, first)
         keep("dd", symbol, bend, second)
-    return statements, [second.get(r, sp.Integer(0)) for r in results]
+    along, bends = ([table.get(r, sp.Integer(0)) for r in results] for table in (first, second))
+    return statements, along, bends
 
 
 def inertia(definition: Definition, x: list, v: list, p: dict) -> tuple[Program, sp.Matrix, list]:
@@ -199,28 +269,42 @@ def inertia(definition: Definition, x: list, v: list, p: dict) -> tuple[Program,
         return [], M, h
     assert definition.line is not None
     y, C = definition.line(x, p)
-    Y = sp.Matrix(y).jacobian(x)
-    program: Program = []
-
-    def named(prefix: str, matrix: sp.Matrix) -> sp.Matrix:
-        out = sp.zeros(*matrix.shape)
-        for i in range(matrix.rows):
-            for j in range(matrix.cols):
-                value = matrix[i, j]
-                if not (value.is_Number or value.is_Symbol):
-                    symbol = sp.Symbol(f"{prefix}{i}_{j}", real=True)
-                    program.append((symbol, value))
-                    value = symbol
-                out[i, j] = value
-        return out
-
     s = sp.Symbol("s")
     shifted = {a: a + s * b for a, b in zip(x, v, strict=True)}
     moved = [sp.diff(f.subs(shifted, simultaneous=True), s, 2).subs(s, 0) for f in y]
-    Y = named("y", Y)
-    CY = named("c", C * Y)
-    acceleration = named("a", sp.Matrix(moved))
-    return program, Y.T * CY, list(CY.T * acceleration)
+    first, Y = named("y", sp.Matrix(y).jacobian(x))
+    then, CY = named("c", C * Y)
+    last, acceleration = named("a", sp.Matrix(moved))
+    return first + then + last, Y.T * CY, list(CY.T * acceleration)
+
+
+def flow(definition: Definition, x: list, v: list, p: dict) -> tuple[Program, list]:
+    """Program and h of the fluid. A does not act on a common translation: positions count from that of p."""
+    assert definition.line is not None
+    assert definition.flow is not None
+    y, _ = definition.line(x, p)
+    n = len(y) // 4  # position and tangent at p, the same at q
+    at_p, tangent_p, at_q, tangent_q = (sp.Matrix(y[k * n : (k + 1) * n]) for k in range(4))
+    D, A = (sp.kronecker_product(matrix, sp.eye(n)) for matrix in definition.flow(p))
+    first, Y = named("y", sp.Matrix([at_p, tangent_p, at_q, tangent_q]).jacobian(x))
+    then, from_p = named("f", sp.Matrix([0 * at_p, tangent_p, at_q - at_p, tangent_q]))
+    last, force = named("w", D * (Y * sp.Matrix(v)) + A * from_p)
+    return first + then + last, list(Y.T * force)
+
+
+def named(prefix: str, matrix: sp.Matrix) -> tuple[Program, sp.Matrix]:
+    """The program of the entries that are more than numbers or symbols, and the matrix with symbols for them."""
+    program: Program = []
+    out = sp.zeros(*matrix.shape)
+    for i in range(matrix.rows):
+        for j in range(matrix.cols):
+            value = matrix[i, j]
+            if not (value.is_Number or value.is_Symbol):
+                symbol = sp.Symbol(f"{prefix}{i}_{j}", real=True)
+                program.append((symbol, value))
+                value = symbol
+            out[i, j] = value
+    return program, out
 
 
 def shared(program: Program, outputs: dict[str, sp.Expr]) -> tuple[Program, dict[str, sp.Expr]]:

@@ -31,7 +31,6 @@ typedef int64_t bits __attribute__((vector_size(8 * LANES), aligned(8)));
 LANE_BY_LANE(lanes_sin, sin)
 LANE_BY_LANE(lanes_cos, cos)
 LANE_BY_LANE(lanes_sqrt, sqrt)
-LANE_BY_LANE(lanes_rint, rint)
 
 /* G(c) = 2 acos(c)/sqrt(1 - c^2) and two derivatives (theory-beam-order4.md 2.3): a series in 1 - c near 1. */
 static double turn(double c, int order)

@@ -22,7 +22,9 @@ NAME = {"win32": "engine.dll", "darwin": "engine.dylib"}.get(sys.platform, "engi
 GENERAL = "SPACAR_GENERAL"  # environment variable: anything but empty or 0 switches the engine off
 
 # what enters kernels.c: a row of elements that is not in the library yet must not be taken for one that is
-GENERATED_FROM = ("definitions.py", "element_parameters.py", "generate.py")
+GENERATED_FROM = (
+    "definitions.py", "planar_definitions.py", "spatial_definitions.py", "element_parameters.py", "generate.py",
+)  # fmt: skip
 DOUBLES = INTEGERS = ctypes.c_void_p  # addresses: typed pointers cost more to make than small models to evaluate
 
 
@@ -76,6 +78,8 @@ class CState(ctypes.Structure):
     _fields_ = [
         ("known", ctypes.c_int), ("t", ctypes.c_double),
         *((name, DOUBLES) for name in ("x", "xd", "xdd", "e", "ed", "edd", "sigma", "given_e")),
+        ("watched", ctypes.c_int), ("signs", ctypes.c_int),
+        ("mantissa", ctypes.c_double), ("exponent", ctypes.c_double),
     ]  # fmt: skip
 
 

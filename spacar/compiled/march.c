@@ -20,7 +20,7 @@ typedef struct {
     const double *scale;     /* (nx) of the coordinates whose velocities are compared */
     const double *atol;      /* (n) absolute error of every component of the state */
     int n, capacity, width, look, back, most, max_reductions;
-    double reduction, rtol, longest, converged, jump, earliest, latest, half, share, noise;
+    double reduction, rtol, longest, converged, jump, earliest, latest, half, inside, share, noise;
     double t, t_end, until, h, error, peak; /* peak: largest determinant since its last minimum */
     double begin, sizes[2];  /* of the last step; sizes of it and of the one before */
     int recorded, entered;   /* accepted steps in the records; entered: look always, as a dead point is being left */
@@ -56,8 +56,8 @@ static int unexplained(const March *r, const double *a, const double *b)
     return 0;
 }
 
-/* Record the accepted step that the state stands at; 0, or 2 when all has to end. */
-static int accepted(March *r, double t, const double *y)
+/* Record the accepted step that the state stands at, and tell of it if it has to be looked at; 0, or 2 when all has to end. */
+static int seen(March *r, double t, const double *y)
 {
     const Model *m = r->model;
     const State *s = r->at;
@@ -78,13 +78,11 @@ static int accepted(March *r, double t, const double *y)
     memcpy(x + 3 * nx, s->e, sizeof(double) * m->s.ne);
     if (!s->known) return r->tell(t, y);
     if (r->look == LOOK_AT_DETERMINANTS) {
-        double mantissa, exponent; /* of the inverse */
-        determinant(of_rates(m), &mantissa, &exponent);
-        now[1] = mantissa < 0.0 ? -1.0 : 1.0;
-        now[2] = -(log(fabs(mantissa)) + log(2.0) * exponent);
+        position_determinant(m, &now[1], &now[2]);
         if (r->entered) return r->tell(t, y);
         if (!before) r->peak = now[2];
-        else if (now[1] != before[1] || (now[2] > before[2] && before[2] <= r->peak + r->half)) return r->tell(t, y);
+        else if (now[1] != before[1] || s->signs == 3 || logarithm(s->mantissa, s->exponent) <= fmin(before[2], now[2]) + r->inside
+                 || (now[2] > before[2] && before[2] <= r->peak + r->half)) return r->tell(t, y);
         else if (now[2] > r->peak) r->peak = now[2];
     }
     else if (r->look == LOOK_AT_VELOCITIES) {
@@ -94,10 +92,18 @@ static int accepted(March *r, double t, const double *y)
     return 0;
 }
 
+static int accepted(March *r, double t, const double *y)
+{
+    const int status = seen(r, t, y);
+    clear_samples(r->at);
+    return status;
+}
+
 /* After a rejected step: its stages may have led the state far away. */
 static void rejected(March *r)
 {
     r->n_rejected++;
+    clear_samples(r->at);
     if (!r->back || !r->recorded) return;
     const double *last = record(r, r->recorded - 1), *x = last + 4 + r->n;
     const int nx = r->model->s.nx;

@@ -41,8 +41,8 @@ class CMarch(ctypes.Structure):
         ("scale", DOUBLES), ("atol", DOUBLES),
         *((name, INTEGER) for name in ("n", "capacity", "width", "look", "back", "most", "max_reductions")),
         *((name, NUMBER) for name in (
-            "reduction", "rtol", "longest", "converged", "jump", "earliest", "latest", "half", "share", "noise",
-            "t", "t_end", "until", "h", "error", "peak", "begin",
+            "reduction", "rtol", "longest", "converged", "jump", "earliest", "latest", "half", "inside", "share",
+            "noise", "t", "t_end", "until", "h", "error", "peak", "begin",
         )),
         ("sizes", NUMBER * 2),
         *((name, INTEGER) for name in ("recorded", "entered", "n_steps", "n_rhs", "n_rejected", "reductions")),
@@ -75,12 +75,14 @@ class Lookout(Protocol):
     look      which of them: NEVER, AT_DETERMINANTS, AT_VELOCITIES, ALWAYS
     back      whether the state goes back to the last accepted step after a rejected one
     half      logarithm: a minimum of the determinant below its last maximum that is looked at
+    inside    logarithm: the same of a state inside a step below both of its ends
     capacity  how many steps are remembered
     """
 
     look: int
     back: bool
     half: float
+    inside: float
     capacity: int
 
     def closer(
@@ -90,6 +92,9 @@ class Lookout(Protocol):
         all have been shown here). Returns peak, whether to look at the next one too, and the step (None: not known).
         Raises AnalysisError.
         """
+
+    def started(self, t: float, y: Array) -> Accepted | None:
+        """The start of the motion, unless it has begun before: then the last step of it; None: not known."""
 
     def passed(self, n: int, begin: Callable[[], Moving | None]) -> None:
         """So many steps have been made; `begin` says where the last one began."""
@@ -131,7 +136,8 @@ class Marching:
             self.atol.ctypes.data, n, lookout.capacity, self.records.shape[1], lookout.look, lookout.back, most,
             MAX_REDUCTIONS, REDUCTION,
         )  # fmt: skip
-        self.c.jump, self.c.half, self.c.share, self.c.noise = LARGEST_JUMP, lookout.half, SHARE, NOISE
+        self.c.jump, self.c.share, self.c.noise = LARGEST_JUMP, SHARE, NOISE
+        self.c.half, self.c.inside = lookout.half, lookout.inside
         self.address = ctypes.c_void_p(ctypes.addressof(self.c))
 
     def steps(
@@ -146,6 +152,10 @@ class Marching:
         c.sizes[:] = 0.0, 0.0
         c.n_steps = c.n_rhs = c.n_rejected = 0
         run, kept = self._adams(method) if isinstance(method, Adams) else self._runge_kutta(method)
+        before = self.lookout.started(t, self.y)
+        if not c.recorded and before is not None:
+            self._record(0, before)
+            c.recorded, c.peak = 1, before.size
         counted = evaluation.statistics
         status = self.status = PAUSED
         while status != ARRIVED:
@@ -248,13 +258,16 @@ class Marching:
             if seen is None and not self.evaluator.state.c.known:
                 c.recorded -= 1
             elif seen is not None:
-                at = seen.at
-                row = self.records[(c.recorded - 1) % len(self.records)]
-                row[:] = np.concatenate(((at.t, seen.sign, seen.size, 1.0), seen.y, at.x, at.xd, at.xdd, at.e))
+                self._record(c.recorded - 1, seen)
         except BaseException as error:
             self.error = error
             return 2
         return 0
+
+    def _record(self, k: int, seen: Accepted) -> None:
+        at = seen.at
+        row = self.records[k % len(self.records)]
+        row[:] = np.concatenate(((at.t, seen.sign, seen.size, 1.0), seen.y, at.x, at.xd, at.xdd, at.e))
 
     def _seen(self, k: int) -> Accepted:
         """A recorded step."""

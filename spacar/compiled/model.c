@@ -296,7 +296,6 @@ static int spacar_gradient(const Model *m, int *row, int *column, real *value)
     return n;
 }
 
-static const Sparse *of_rates(const Model *m) { return m->holonomic ? &m->position : &m->velocity; }
 
 /* Of the inverse of the matrix of the velocities at the last evaluated state: mantissa 2^exponent. */
 static void spacar_determinant(const Model *m, double *mantissa, double *exponent)

@@ -1,14 +1,15 @@
 """What the engine asks of Python while it evaluates: prescribed motion that is no polynomial, user functions, and the
-batches of elements that have no functions in C (NumPy families, all elements of a batch at once).
+batches of a new element that has no functions in C yet (its NumPy family, all elements of a batch at once).
 
-Everything else stays in C, so one wheel or one user function costs its own share only. Arrays are shared: C writes the
-state into them, Python the answer. An exception is kept, ends the evaluation in C and is raised after it.
+Everything else stays in C, so one such element or one user function costs its own share only. Arrays are shared: C
+writes the state into them, Python the answer. An exception is kept, ends the evaluation in C and is raised after it.
 """
 
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -61,6 +62,7 @@ class Slots:
     ) -> None:  # fmt: skip
         nx, ne = sizes
         self.drive, self.user = drive, user
+        self.user_rows: Callable[..., Any] | None = getattr(user, "rows", None)  # USERSIG: numbers, no arrays
         self.x_motion, self.e_motion = motions
         self.foreign = {b: ForeignBatch(e.family) for b, e in enumerate(elements) if e.family is not None}
         self.x, self.xd, self.force = np.zeros((3, nx))
@@ -103,8 +105,15 @@ class Slots:
 
     def _stress(self, t: float) -> None:
         assert self.user is not None
-        given = self.user(t, *self.told)
-        self.force[:], self.sigma[:], self.lost = given.force, given.sigma, given.lost
+        if self.user_rows is None:
+            given = self.user(t, *self.told)
+            self.force[:], self.sigma[:], self.lost = given.force, given.sigma, given.lost
+            return
+        stresses, forces, self.lost = self.user_rows(t, *self.told)
+        for values, rows in ((self.sigma, stresses), (self.force, forces)):
+            values.fill(0.0)
+            for i, row in rows:
+                values[i] += row[2]
 
     def raise_error(self) -> None:
         """Raise what happened in the last call, if anything did."""

@@ -382,6 +382,22 @@ static void solve_transposed(const Sparse *s, const real *b, real *x)
     for (int k = 0; k < n; k++) x[s->row_order[k]] = y[k] * s->weight[s->row_order[k]];
 }
 
+/* frexp of a number, its exponent added to power; the call of frexp would take ten times as long. */
+static double split(double value, long *power)
+{
+    union { double value; unsigned long long bits; } number = { value };
+    const int exponent = number.bits >> 52 & 0x7ff;
+    if (exponent == 0 || exponent == 0x7ff) { /* zero, subnormal, not finite */
+        int part;
+        value = frexp(value, &part);
+        *power += part;
+        return value;
+    }
+    *power += exponent - 1022;
+    number.bits = (number.bits & ~(0x7ffULL << 52)) | 1022ULL << 52;
+    return number.value;
+}
+
 /* Inverse of the determinant of the factored matrix, lane by lane (LANES each): mantissa 2^exponent. Logarithms would take
    longer than the factorization of a small matrix. */
 static void determinant(const Sparse *s, double *mantissa, double *exponent)
@@ -390,11 +406,7 @@ static void determinant(const Sparse *s, double *mantissa, double *exponent)
         double product = s->even;
         long power = 0;
         for (int k = 0; k < s->n; k++) {
-            int part;
-            product = frexp(product * LANE(s->inverse[k], w), &part);
-            power += part;
-            product = frexp(product * s->weight[s->row_order[k]], &part);
-            power += part;
+            product = split(product * (LANE(s->inverse[k], w) * s->weight[s->row_order[k]]), &power);
         }
         mantissa[w] = product;
         exponent[w] = power;

@@ -97,6 +97,39 @@ static int spacar_evaluate(Model *m, State *at, double t, const real *y, double 
     return status;
 }
 
+static const Sparse *of_rates(const Model *m) { return m->holonomic ? &m->position : &m->velocity; }
+
+/* Logarithm of a number from that of its inverse. */
+static double logarithm(double mantissa, double exponent) { return -(log(fabs(mantissa)) + log(2.0) * exponent); }
+
+/* Sign and logarithm of the size of det V[E, U] at the last evaluated state of one case. */
+static void position_determinant(const Model *m, double *sign, double *size)
+{
+    double mantissa[LANES], exponent[LANES];
+    determinant(of_rates(m), mantissa, exponent);
+    *sign = mantissa[0] < 0.0 ? -1.0 : 1.0;
+    *size = logarithm(mantissa[0], exponent[0]);
+}
+
+/* Keep the smallest determinant of the evaluated states, and its signs; without logarithms, which cost a part of a small model. */
+static void sample(const Model *m, State *at)
+{
+    double mantissa[LANES], exponent[LANES];
+    determinant(of_rates(m), mantissa, exponent);
+    const double size = fabs(mantissa[0]);
+    at->signs |= mantissa[0] < 0.0 ? 2 : 1;
+    if (at->mantissa == 0.0 || exponent[0] > at->exponent || (exponent[0] == at->exponent && size > at->mantissa)) {
+        at->mantissa = size;
+        at->exponent = exponent[0];
+    }
+}
+
+static void clear_samples(State *at)
+{
+    at->signs = 0;
+    at->mantissa = at->exponent = 0.0;
+}
+
 /* Time derivative of y. */
 static int spacar_rhs(Model *m, State *at, double t, const real *y, real *out, double converged, double jump)
 {
@@ -112,6 +145,7 @@ static int spacar_rhs(Model *m, State *at, double t, const real *y, real *out, d
         const int r = s->e_dynamic + i - a;
         out[positions + i] = rate(m, r, at->xdd) + m->h[r];
     }
+    if (LANES == 1 && at->watched) sample(m, at);
     return status;
 }
 

@@ -104,7 +104,7 @@ def _check_stiffness(scene: CheckMaterial) -> None:
     free: dict[int, list[int]] = {}
     for (element, mode), (name, _) in scene.deformations.items():
         kind = scene.outline.types[element]
-        if name != "dynamic" or not kind.axial:
+        if name != "dynamic" or not kind.axial or ("ESTIFF", element) in scene.outline.broken:
             continue
         given = stiff.get(element)
         if given is None or given.real(kind.stiffness[mode - 1] - 1) == 0.0:

@@ -37,7 +37,8 @@ class SectionConstants:
 class Shape:
     """A kind of section: names of its dimensions with the exponent of the metre, and its constants.
 
-    `constants` takes the dimensions [m] and Poisson's ratio. `wrong` gives "" or why no section has these dimensions.
+    `constants` takes the dimensions [m] and Poisson's ratio. `wrong` takes the unit of length of the file and the
+    dimensions in it, and gives "" or why no section has them.
     `drawn` is the CROSSTYPE and CROSSDIM of pictures, None for a shape that has none.
     """
 
@@ -123,22 +124,24 @@ def custom(
     return SectionConstants(A, Iy, Iz, It, ky, kz, Cw)
 
 
-def _right(*dims: float) -> str:
+def _right(unit: str, *dims: float) -> str:
     return ""
 
 
-def _wall(d: float, t: float) -> str:
-    return "" if 2 * t < d else f"wall {t:g} m, twice as thick as the tube is wide ({d:g} m) or more"
+def _wall(unit: str, d: float, t: float) -> str:
+    return "" if 2 * t < d else f"wall {t:g} {unit}, twice as thick as the tube is wide ({d:g} {unit}) or more"
 
 
-def _inside(w: float, h: float, wi: float, hi: float) -> str:
-    return "" if wi < w and hi < h else f"the hole {wi:g} x {hi:g} m does not fit into {w:g} x {h:g} m"
+def _inside(unit: str, w: float, h: float, wi: float, hi: float) -> str:
+    if wi < w and hi < h:
+        return ""
+    return f"the hole {wi:g} x {hi:g} {unit} does not fit into {w:g} x {h:g} {unit}"
 
 
-def _web(b: float, h: float, tw: float, tf: float) -> str:
+def _web(unit: str, b: float, h: float, tw: float, tf: float) -> str:
     if 2 * tf >= h:
-        return f"two flanges of {tf:g} m do not fit into the height {h:g} m"
-    return "" if tw <= b else f"web {tw:g} m thicker than the flanges are wide ({b:g} m)"
+        return f"two flanges of {tf:g} {unit} do not fit into the height {h:g} {unit}"
+    return "" if tw <= b else f"web {tw:g} {unit} thicker than the flanges are wide ({b:g} {unit})"
 
 
 SHAPES = {

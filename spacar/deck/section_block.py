@@ -45,12 +45,14 @@ def expand(statements: Sequence[Statement], outline: Outline, findings: Findings
     plain = [s for s in statements if s.keyword not in WORDS]
     uses = [s for s in statements if s.keyword == "BEAMSEC"]
     before = len(findings.errors)
-    sections = _sections([s for s in statements if s.keyword == "SECTION"], findings)
+    sections = _sections([s for s in statements if s.keyword == "SECTION"], outline.metre, findings)
     materials = _materials([s for s in statements if s.keyword == "MATERIAL"], findings)
     _once([s for s in statements if s.keyword == "UNITS"], findings)
     chosen = {s.integer(0): _use(s, plain, sections, materials, outline, findings) for s in uses}
     _once(uses, findings)
-    if len(findings.errors) > before or not uses:
+    # what a wrong BEAMSEC stands for is not missed
+    outline.broken.update((word, n) for n, use in chosen.items() if use is None for word in ("ESTIFF", "EM"))
+    if len(findings.errors) > before or not uses or None in chosen.values():
         return Expansion(tuple(plain), outline, (), ())
     pieces = {s.integer(0): s.integer(3) if len(s.values) > 3 else 1 for s in uses}
     by = {s.integer(0): s for s in uses}
@@ -77,12 +79,15 @@ def expand(statements: Sequence[Statement], outline: Outline, findings: Findings
     return Expansion(tuple(full), _outline_of(full, outline), tuple(found), tuple(drawn))
 
 
-def _sections(statements: Sequence[Statement], findings: Findings) -> dict[str, _GivenSection]:
-    """Sections by name in small letters."""
+def _sections(
+    statements: Sequence[Statement], metre: float, findings: Findings
+) -> dict[str, _GivenSection | None]:
+    """Sections by name in small letters; None for a wrong one, about which an error was said."""
     _once(statements, findings)
-    found = {}
+    found: dict[str, _GivenSection | None] = {}
     for s in statements:
         name, word = str(s.values[0]), str(s.values[1]).upper()
+        found.setdefault(name.casefold(), None)
         shape = SHAPES.get(word)
         dims = s.reals(2, len(s.values) - 2)
         if shape is None:
@@ -100,9 +105,10 @@ def _sections(statements: Sequence[Statement], findings: Findings) -> dict[str, 
             continue
         dims += (0.0,) * (len(names) - len(dims))
         bad = [k for k, v in enumerate(dims) if v < 0.0 or (v == 0.0 and names[k] not in ZERO_ALLOWED)]
-        wrong = "" if bad else shape.wrong(*dims)
+        shown = [v / metre**power for v, (_, power) in zip(dims, shape.dims, strict=True)]  # as in the file
+        wrong = "" if bad else shape.wrong("m" if metre == 1.0 else "mm", *shown)
         if bad:
-            text = f"{names[bad[0]]} of a {shape.title} is {dims[bad[0]]:g}; it must be positive"
+            text = f"{names[bad[0]]} of a {shape.title} is {shown[bad[0]]:g}; it must be positive"
             findings.error(s, 2 + bad[0], text, "section")
         elif wrong:
             findings.error(s, 2, wrong, "section")
@@ -111,11 +117,12 @@ def _sections(statements: Sequence[Statement], findings: Findings) -> dict[str, 
     return found
 
 
-def _materials(statements: Sequence[Statement], findings: Findings) -> dict[str, Material]:
-    """Materials by name in small letters, the known ones too."""
+def _materials(statements: Sequence[Statement], findings: Findings) -> dict[str, Material | None]:
+    """Materials by name in small letters, the known ones too; None for a wrong one, about which an error was said."""
     _once(statements, findings)
-    found = dict(MATERIALS)
+    found: dict[str, Material | None] = dict(MATERIALS)
     for s in statements:
+        found[str(s.values[0]).casefold()] = None
         E, G, rho = s.reals(1, 3)
         if E <= 0.0:
             findings.error(s, 1, f"Young's modulus {E:g} must be positive", "material")
@@ -141,8 +148,8 @@ def _once(statements: Sequence[Statement], findings: Findings) -> None:
 def _use(
     s: Statement,
     plain: Sequence[Statement],
-    sections: Mapping[str, _GivenSection],
-    materials: Mapping[str, Material],
+    sections: Mapping[str, _GivenSection | None],
+    materials: Mapping[str, Material | None],
     outline: Outline,
     findings: Findings,
 ) -> tuple[_GivenSection, Material, SectionConstants] | None:
@@ -166,6 +173,8 @@ def _use(
         name = str(s.values[place])
         thing = table.get(name.casefold())
         if thing is None:
+            if name.casefold() in table or any(keyword == noun for keyword, _ in outline.broken):
+                return None  # its own statement is wrong
             near = _nearest(name.casefold(), table, 0.6)
             known = f"; nearest: {near}" if near else f"; known: {', '.join(table) or 'none'}"
             findings.error(s, place, f"there is no {noun} '{name}'{known}", "section")

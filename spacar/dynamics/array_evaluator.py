@@ -14,7 +14,6 @@ from spacar.dynamics.mass_check import dynamic_mass, is_checked, require_regular
 from spacar.dynamics.motion_equations import Accelerations, EquationsOfMotion
 from spacar.frame import Frame
 from spacar.kinematics.constraint_condition import condition_number
-from spacar.kinematics.predictor import State
 from spacar.kinematics.regularity import PositionMatrix
 from spacar.mechanism.mechanism import Drive, Loads, Mechanism
 from spacar.mechanism.numbering import Numbering
@@ -31,6 +30,7 @@ class Dynamics(EquationsOfMotion):
         self, mechanism: Mechanism, *, loads: Loads | None = None, drive: Drive | None = None, kind: str | None = None
     ) -> None:
         super().__init__(LoadedMechanism.of(mechanism, loads, drive), kind)
+        self._low, self._signs = float("inf"), set[float]()
 
     # -- start --------------------------------------------------------------------------------------------------
     def start_values(self) -> Array:
@@ -115,13 +115,21 @@ class Dynamics(EquationsOfMotion):
         other.kinematics.start_from(self.kinematics)
         return other
 
-    def memory(self) -> tuple[Placement, State | None]:
-        at = self.placement()
-        return Placement(at.x.copy(), at.xd.copy(), at.e.copy(), at.e_given.copy()), self.last
+    def sample(self) -> None:
+        matrix = self.position_matrix()
 
-    def remember(self, memory: tuple[Placement, State | None]) -> None:
-        self.stand(memory[0])
-        self.last, self.before = memory[1], None
+        def keep() -> None:
+            sign, size = matrix.determinant()
+            self._signs.add(sign)
+            self._low = min(self._low, size)
+
+        self.after_rhs = keep if matrix.has_determinant else None
+
+    def sampled(self) -> tuple[float, bool]:
+        found = self._low, len(self._signs) > 1
+        self._low = float("inf")
+        self._signs.clear()
+        return found
 
     def condition(self) -> float:
         return condition_number(self.kinematics)

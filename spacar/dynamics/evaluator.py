@@ -13,7 +13,7 @@ or what is watched: the driver (`spacar.forward.driver`) does, and hands them ov
     6  settled  the NumPy evaluator standing there, with sweeps and factors: for linearization, transfer functions,
                 diagnoses. The evaluator itself goes on undisturbed
     7  companion  another evaluator of the same model that follows its own path from here, for stored states
-    8  memory   a copy of all that the evaluator remembers, which a companion can `remember`
+    8  samples  det V[E, U] of the states evaluated since the last question, for whoever watches what happens in a step
     9  marching  the steps of an integrator from output to output in one call, or None: then they are made one by one
 
 `spacar.dynamics.Dynamics` (NumPy) and `spacar.compiled.CompiledDynamics` (C) fulfil it, and
@@ -92,12 +92,14 @@ class Evaluator(Integrable, Protocol):
     def companion(self) -> Evaluator:
         """Another evaluator of the same model, which follows its own path from the present configuration."""
 
-    def memory(self) -> Any:
-        """A copy of the configuration and motion at the last evaluated state."""
+    def sample(self) -> None:
+        """From now on derivatives keep what `sampled` gives."""
+
+    def sampled(self) -> tuple[float, bool]:
+        """The logarithm of the smallest |det V[E, U]| of the derivatives since the last call (infinite: none), and
+        whether its sign has changed among them.
+        """
 
     @property
     def marching(self) -> Callable[..., Any] | None:
         """`marching(lookout, within)` gives `march` of `spacar.integrators.problem.Problem`."""
-
-    def remember(self, memory: Any) -> None:
-        """Go on from the `memory` of this evaluator or of a companion."""

@@ -17,6 +17,7 @@ Without degrees of freedom the accelerations follow from the second row alone, a
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -62,6 +63,7 @@ class EquationsOfMotion:
         self.xd, self.ed = np.zeros(n.nx), np.zeros(n.ne)
         self.convected = np.zeros(n.nx)  # h minus gravity on moving families, of the last accelerations
         self.last: State | None = None  # t, x, xd, xdd of the last accelerated state: the next guess starts there
+        self.after_rhs: Callable[[], None] | None = None  # looks at every evaluated state
         self.before: State | None = None  # the same of the one before, where the motion is prescribed
 
     def use(self, model: LoadedMechanism) -> None:
@@ -190,6 +192,8 @@ class EquationsOfMotion:
         out[m : m + self.n_xm] = xdd[xs["dynamic"]]
         if self.n_em:
             out[m + self.n_xm :] = (self.sweep.rate(xdd) + convective)[es["dynamic"]]
+        if self.after_rhs is not None:
+            self.after_rhs()
         return out
 
 

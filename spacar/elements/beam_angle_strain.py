@@ -38,13 +38,13 @@ _PSI, _TY, _TZ = slice(0, 3), 3, 4
 
 
 def _series_coefficients() -> Array:
-    """(4, terms): G and its derivatives by c as power series in 1 - c, G = 2 sum k!/(2k+1)!! (1-c)^k."""
+    """(5, terms): G and its derivatives by c as power series in 1 - c, G = 2 sum k!/(2k+1)!! (1-c)^k."""
     terms = 18
-    g = np.ones(terms + 3) * 2.0
-    for k in range(1, terms + 3):
+    g = np.ones(terms + 4) * 2.0
+    for k in range(1, terms + 4):
         g[k] = g[k - 1] * k / (2 * k + 1)
     rows = [g]
-    for _ in range(3):
+    for _ in range(4):
         last = rows[-1]
         rows.append(np.append(-last[1:] * np.arange(1, len(last)), 0.0))
     return np.array([row[:terms] for row in rows])
@@ -100,30 +100,36 @@ class AngleState(NamedTuple):
 
 def rotation_factor(c: Array) -> Array:
     """G(c) = 2 acos(c)/sqrt(1 - c^2) and its first three derivatives, (4, n); nan for c <= -1 (a full turn)."""
-    if np.iscomplexobj(c):  # the first order that a complex step needs; the last derivative is not followed
-        G = rotation_factor(c.real)
-        follow = np.concatenate((G[1:], np.zeros_like(G[:1])))
-        return G + 1j * c.imag * follow
+    if np.iscomplexobj(c):  # the first order that a complex step needs
+        G = _factor_derivatives(c.real, 5)
+        return G[:4] + 1j * c.imag * G[1:]
+    return _factor_derivatives(c, 4)
+
+
+def _factor_derivatives(c: Array, count: int) -> Array:
+    """G and its derivatives, (count, n)."""
     x = 1.0 - c
-    out = np.zeros((4, *c.shape)) + _G[:, -1].reshape(4, *(1,) * c.ndim)
+    out = np.zeros((count, *c.shape)) + _G[:count, -1].reshape(count, *(1,) * c.ndim)
     for k in range(_G.shape[1] - 2, -1, -1):
         out *= x
-        out += _G[:, k].reshape(4, *(1,) * c.ndim)
+        out += _G[:count, k].reshape(count, *(1,) * c.ndim)
     far = np.abs(x) > SERIES
     if far.any():
-        out[:, far] = _closed_factor(c[far])
+        out[:, far] = _closed_factor(c[far], count)
     return out
 
 
-def _closed_factor(c: Array) -> Array:
-    """The same from the closed form, continued beyond c = 1 by 2 acosh(c)/sqrt(c^2 - 1)."""
+def _closed_factor(c: Array, count: int) -> Array:
+    """The same from the closed form, continued beyond c = 1 by 2 acosh(c)/sqrt(c^2 - 1):
+    (1 - c^2) G' = c G - 2, and (1 - c^2) G^(n+1) = (2n + 1) c G^(n) + n^2 G^(n-1)."""
     q = np.where(c > -1.0, 1.0 - c * c, np.nan)
     with np.errstate(invalid="ignore"):
         value = np.where(c < 1.0, np.arccos(np.clip(c, -1.0, 1.0)), np.arccosh(np.maximum(c, 1.0)))
-        G = 2.0 * value / np.sqrt(np.abs(q))
-    G1 = (c * G - 2.0) / q
-    G2 = (3.0 * c * G1 + G) / q
-    return np.stack((G, G1, G2, (5.0 * c * G2 + 4.0 * G1) / q))
+        G = [2.0 * value / np.sqrt(np.abs(q))]
+    G.append((c * G[0] - 2.0) / q)
+    for n in range(1, count - 1):
+        G.append(((2 * n + 1) * c * G[n] + n * n * G[n - 1]) / q)
+    return np.stack(G)
 
 
 class Inner(NamedTuple):

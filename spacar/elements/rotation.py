@@ -110,19 +110,20 @@ def _follow(F: Array, frame_p: Array, frame_q: Array) -> Array:
 
 
 def parameters_of_frame(R: Array) -> Array:
-    """Euler parameters (4, n), scalar first, of rotation matrices (3, 3, n).
+    """Euler parameters (4, n), scalar first, of rotation matrices (3, 3, n); the largest is positive.
 
-    Of a complex step R + i R' the first order: R' = w~ R, lam' = (0, w) o lam / 2.
+    Of the products 4 lam_i lam_j, which are linear in R, the column with the largest square (Shepperd).
     """
-    from scipy.spatial.transform import Rotation
-
-    lam = np.roll(Rotation.from_matrix(R.real.transpose(2, 0, 1)).as_quat(), 1, axis=1).T
-    if not np.iscomplexobj(R):
-        return np.asarray(lam)
-    spin = np.einsum("ian,jan->ijn", R.imag, R.real)
-    w = 0.5 * np.stack((spin[2, 1] - spin[1, 2], spin[0, 2] - spin[2, 0], spin[1, 0] - spin[0, 1]))
-    rate = np.concatenate((-(w * lam[1:]).sum(0)[None], lam[0] * w + cross(w, lam[1:])))
-    return np.asarray(lam + 0.5j * rate)
+    four = np.zeros((4, 4, R.shape[-1]), R.dtype)
+    trace = R[0, 0] + R[1, 1] + R[2, 2]
+    four[0, 0] = 1.0 + trace
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        four[1 + i, 1 + i] = 1.0 + 2.0 * R[i, i] - trace
+        four[0, 1 + i] = four[1 + i, 0] = R[k, j] - R[j, k]
+        four[1 + i, 1 + j] = four[1 + j, 1 + i] = R[i, j] + R[j, i]
+    largest = np.argmax(np.einsum("iin->in", four).real, axis=0)
+    lam = four[:, largest, np.arange(R.shape[-1])]
+    return np.asarray(lam / np.sqrt((lam * lam).sum(0)))
 
 
 def skew(v: Array) -> Array:

@@ -41,24 +41,39 @@ class SpatialTube(SpatialBeam):
         frame_p, frame_q = stack([p for p, _ in frames]), stack([q for _, q in frames])
         self._build(group, frame_p, frame_q, f1)
         tube, fluid, flow, shape, end = group.em[:, :5].T
+        self.fluid, self.flow, self.shape_factor = fluid, flow, shape
+        self.jet_p, self.jet_q = np.isin(end, JET_AT_P), np.isin(end, JET_AT_Q)
         self.line = line_constants(frame_p[:, 0], frame_q[:, 0], self.length, tube + fluid)
         if flow.any():
-            D, A = _fluid_matrices(fluid, flow, shape, end, self.length)
+            _check_fluid(fluid, flow, end)
+            D, A = self._fluid_matrices()
             self.line = self.line._replace(D=D, A=A)
         self.has_mass = bool(np.any(tube + fluid != 0.0))
         self._section = group.em[:, 5:9]
-        self._start: Array | None = None
+        self.start: Array | None = None
         if any(given is not None for given in group.directions):
             kind = group.x0.dtype
             start, V = np.zeros((6, group.n), kind), np.zeros((6, 14, group.n), kind)
             super().strain(group.x0, start, start, V)
-            self._start = start
+            self.start = start
 
     def strain(self, x: Array, near: Array, e: Array, V: Array) -> SpatialBeamConfiguration:
         c = super().strain(x, near, e, V)
-        if self._start is not None:
-            e -= expand((self._start,), x.ndim)[0]
+        if self.start is not None:
+            e -= expand((self.start,), x.ndim)[0]
         return c
+
+    def _fluid_matrices(self) -> tuple[Array, Array]:
+        """D [kg/s] and A [kg/s^2], (4, 4, n) each."""
+        flow = self.flow
+        thrust = self.shape_factor * flow**2 / (np.where(flow == 0.0, 1.0, self.fluid) * self.length)
+        D = (FLOW - FLOW.T)[..., None] * flow
+        A = -TENSION[..., None] * thrust
+        D[0, 0] -= self.jet_p * flow
+        A[0, 1] -= self.jet_p * thrust
+        D[2, 2] += self.jet_q * flow
+        A[2, 3] += self.jet_q * thrust
+        return D, A
 
 
 def _frames(
@@ -75,19 +90,9 @@ def _frames(
     return at_p, at_q
 
 
-def _fluid_matrices(fluid: Array, flow: Array, shape: Array, end: Array, l0: Array) -> tuple[Array, Array]:
-    """D [kg/s] and A [kg/s^2], (4, 4, n) each."""
+def _check_fluid(fluid: Array, flow: Array, end: Array) -> None:
     for k in range(len(flow)):
         if flow[k] != 0.0 and not fluid[k] > 0.0:
             raise GeometryError(k, f"the mass flow {flow[k]:g} kg/s needs a positive fluid mass per length")
         if end[k] not in (0, 1, 2, 3):
             raise GeometryError(k, f"the end condition of the flow is 0, 1, 2 or 3, not {end[k]:g}")
-    thrust = shape * flow**2 / (np.where(flow == 0.0, 1.0, fluid) * l0)
-    D = (FLOW - FLOW.T)[..., None] * flow
-    A = -TENSION[..., None] * thrust
-    at_p, at_q = np.isin(end, JET_AT_P), np.isin(end, JET_AT_Q)
-    D[0, 0] -= at_p * flow
-    A[0, 1] -= at_p * thrust
-    D[2, 2] += at_q * flow
-    A[2, 3] += at_q * thrust
-    return D, A

@@ -13,26 +13,46 @@ vector,
 
     w.v_a and w.v_b have the same sign:  the dead point was passed, which is said
     opposite signs and another sign of the determinant:  the position has jumped
-    opposite signs on one branch:  reflected if
-        |v_b - v_a - h (a_a + a_b)/2| > h max(|a_a|, |a_b|) + max(|v_a|, |v_b|)/10
+    opposite signs on one branch:  turned, or reflected; looked at closer
 
-for any coordinate (a tenth: the trapezoidal rule of a smooth motion with one radian a step errs by 8 %). Motions that
-really turn as fast as that do so too, in steps that are long for them: so the degrees of freedom are interpolated
-(Hermite) and the step is halved as long as its parts fail. The motion was reflected where a position in between cannot
-be reached, is another one from the two ends, or is nearer to the dead point than they are known.
+and likewise any step that is suspected (below). Looking closer is following the path of the degrees of freedom: they
+are interpolated (Hermite), and the step is halved until in every part the velocities are explained by the accelerations
+
+    |v_b - v_a - h (a_a + a_b)/2| <= h max(|a_a|, |a_b|) + max(|v_a|, |v_b|)/10
+
+(a tenth: the trapezoidal rule of a smooth motion with one radian a step errs by 8 %), and no dead point lies in it: the
+smallest singular value s of the scaled matrix, with its vectors u and w, changes with the rate
+
+    ds/dt = u^T H(w, v)         (H: second derivative of the deformations, v: velocity)
+
+so that a dead point is s/|ds/dt| away, and a part with h |ds/dt| <= s/2 at both ends does not reach it (the contraction
+of Kantorovich, h |v| times the curvature, along the one direction that matters; the half is for a ds/dt that changes).
+The motion was reflected where a position in between cannot be reached, is another one from the two ends, or is nearer
+to the dead point than the degrees of freedom are known. A motion that turns before a dead point passes.
 
 So near to a dead point that the velocities are lost the integration may also stop: where the position is not where
-v_a leads within half of the way and 4 h^2 |a_a|, it is an error too.
+v_a leads within half of the way and 4 h^2 |a_a|, it is an error too. Where it turns there within a step or two, so that
+turning is as good as passing, a warning says so.
 
-To be cheap, steps are looked at only where the determinant has changed its sign, or has a minimum of at most half of
-its last maximum (at a fold it falls to zero, and steps that straddle it see it fall by that much); with the second
-test alone, and always, where there is no cheap determinant.
+To be cheap, only suspected steps are looked at: the determinant of all states evaluated in a step tells. At a fold it
+is zero and about linear in time on both sides. Suspected is a step in which its sign changes, or
+
+    in which a state lies below 2/3 of both ends            (INSIDE)
+    whose begin is a minimum, below half of the last maximum  (HALF)
+
+Were steps without states inside, a zero in the middle of a long one would lie between two equal ends. With the states
+of the codes, fractions c of the step, the two rules find a zero wherever it lies in the step: halfway between two of
+the c it leaves at most 0.29 of the lower end with 853, 0.56 with 155, 0.61 with 553, or the end itself is a minimum.
+Adams steps have no states inside; a zero in the middle is seen in steps up to one radian of |sin|, which they do not
+reach: no position is placed farther than 0.8 rad from the one before. The start state belongs to the first step. Where
+there is no cheap determinant the velocities alone are asked, always.
 """
 
 from __future__ import annotations
 
 from collections import deque
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,24 +65,31 @@ from spacar.errors import AnalysisError, Report
 from spacar.kinematics.fold import fold
 from spacar.kinematics.regularity import PositionMatrix
 
-HALF = float(np.log(0.5))
+HALF, INSIDE = float(np.log(0.5)), float(np.log(2.0 / 3.0))
+TURNING = 0.5  # part of the largest velocity of a motion that turns by which a step may change it: a reflection, by 2
+APART = 0.5  # part of the way to a dead point that a step without one may go
 MORE = 4.0  # times the last acceleration that is known: what it may become while the dead point is passed
 REMEMBERED = 200  # steps: towards a dead point they become shorter, by orders of magnitude
-DEEPEST = 12  # halvings
+DEEPEST = 40  # halvings; the path is followed to the dead point, ERROR ends that before
 SAME = float(np.sqrt(np.finfo(float).eps))  # scaled difference of positions: half of the digits, more than rounding
 
 
 class Continuity:
-    """Looks at the accepted steps of one motion. `errors`: absolute and relative one of the degrees of freedom."""
+    """Looks at the accepted steps of one motion. `errors`: absolute and relative one of the degrees of freedom;
+    `resolved`: steps follow every vibration, so that accelerations tell what happens within them."""
 
     def __init__(
-        self, evaluator: Evaluator, matrix: PositionMatrix, report: Report, errors: tuple[float, float]
-    ) -> None:
+        self, evaluator: Evaluator, matrix: PositionMatrix, report: Report, errors: tuple[float, float],
+        resolved: bool = True,
+    ) -> None:  # fmt: skip
         self.evaluator, self.matrix, self.report, self.errors = evaluator, matrix, report, errors
+        self.resolved = resolved
         self.scale = evaluator.model.mechanism.scale
         self.steps: deque[Accepted] = deque(maxlen=REMEMBERED)
         self.peak = -np.inf  # of the determinant, since its last minimum
         self.entered: tuple[Accepted, float] | None = None  # last step before a dead point that is being left, its time
+        if matrix.has_determinant:
+            evaluator.sample()
 
     def resume(self, before: list[Accepted], peak: float) -> None:
         """Go on behind steps that were looked at elsewhere; `peak` of the determinant since its last minimum."""
@@ -73,6 +100,7 @@ class Continuity:
     def check(self, t: float, y: Array) -> None:
         """Raises AnalysisError 'position.singular'."""
         at, steps = self.evaluator.moving(), self.steps
+        low, changed = self.evaluator.sampled()
         if at is None:
             return
         if steps and not at.t > steps[-1].at.t:
@@ -87,18 +115,23 @@ class Continuity:
                 self._closer().turned(before, now)
         elif self.entered is not None:
             self._leave(now)
-        elif sign != before.sign or (size > before.size and before.size <= self.peak + HALF):
+        elif (
+            sign != before.sign
+            or changed
+            or low <= min(before.size, size) + INSIDE
+            or (size > before.size and before.size <= self.peak + HALF)
+        ):
             self._enter(before, now)
         else:
             self.peak = max(size, self.peak)
 
     def _enter(self, before: Accepted, now: Accepted) -> None:
-        """A sign has changed, or the determinant had a minimum at `before`."""
+        """A sign has changed, or the determinant had a minimum at `before` or in the step from there."""
         self.peak = now.size
         closer, steps = self._closer(), list(self.steps)
         if before.sign == now.sign and not closer.near(before):
             for a, b in pairwise(steps[-3:]):
-                if a.sign == b.sign and unexplained(a.at, b.at, self.scale).any():
+                if a.sign == b.sign:
                     closer.turned(a, b)
             return
         steps.pop()
@@ -122,15 +155,37 @@ class Continuity:
         if not on:
             if unexplained(a.at, now.at, self.scale).any():
                 raise _stopped(t, "the integration turned back instead of passing it")
+            if not closer.turned_in_steps([p for p in self.steps if p.at.t >= a.at.t]):
+                self._turned(a, now, t)
             return
+        self._passed(a, now, t)
+
+    def finish(self) -> None:
+        """The motion ends here: was it leaving a dead point?"""
+        if self.entered is None or not self.steps:
+            return
+        (a, t), now = self.entered, self.steps[-1]
+        if a.sign != now.sign:
+            self._passed(a, now, t)
+        elif not self._closer().turned_in_steps([p for p in self.steps if p.at.t >= a.at.t]):
+            self._turned(a, now, t)
+
+    def _passed(self, a: Accepted, b: Accepted, t: float) -> None:
         self.report.add(
-            f"warning: between t = {a.at.t:.9g} and {now.at.t:.9g} the degrees of freedom passed a singular position"
+            f"warning: between t = {a.at.t:.9g} and {b.at.t:.9g} the degrees of freedom passed a singular position"
             f" (dead point) at about t = {t:.6g}; the accuracy of the integration is lost there: choose other degrees"
             " of freedom"
         )
 
+    def _turned(self, a: Accepted, b: Accepted, t: float) -> None:
+        self.report.add(
+            f"warning: between t = {a.at.t:.9g} and {b.at.t:.9g} the degrees of freedom turned before a singular"
+            f" position (dead point) at about t = {t:.6g}, but nearer to it than ERROR: they may as well pass it;"
+            " choose other degrees of freedom, or a smaller ERROR"
+        )
+
     def _closer(self) -> Closer:
-        return Closer(self.evaluator.settled().companion(), *self.errors)
+        return Closer(self.evaluator.settled().companion(), *self.errors, self.resolved)
 
 
 def strayed(a: Moving, b: Moving, scale: Array) -> NDArray[np.bool_]:
@@ -141,30 +196,57 @@ def strayed(a: Moving, b: Moving, scale: Array) -> NDArray[np.bool_]:
     return np.asarray(np.abs(b.x - a.x - h * a.xd) > MORE * h * h * np.abs(a.xdd) + 0.5 * way + noise)
 
 
+class Fold(NamedTuple):
+    """Smallest singular value s of the position at a step, its vector w (len(U),), its rate ds/dt along the motion, and
+    whether the dead point is nearer than the degrees of freedom are known."""
+
+    s: float
+    w: Array
+    rate: float
+    near: bool
+
+
 class Closer:
     """Looks at steps with a NumPy evaluator of its own. Its checks raise AnalysisError."""
 
-    def __init__(self, dynamics: Dynamics, atol: float, rtol: float) -> None:
-        self.d, self.atol, self.rtol = dynamics, atol, rtol
+    def __init__(self, dynamics: Dynamics, atol: float, rtol: float, resolved: bool = True) -> None:
+        self.d, self.atol, self.rtol, self.resolved = dynamics, atol, rtol, resolved
         self.scale = dynamics.mechanism.scale
+        self.found: dict[int, tuple[Accepted, Fold]] = {}
 
     def goes_on(self, a: Accepted, b: Accepted) -> bool:
         """Does the motion that is not determined at a dead point between both go on in its direction?"""
-        w = min((self._fold(p) for p in (a, b)), key=lambda found: found[0])[1]
+        w = min((self._fold(p) for p in (a, b)), key=lambda found: found.s).w
         U = self.d.kinematics.U
         before, after = (float(w @ (p.at.xd / self.scale)[U]) for p in (a, b))
         return before * after >= 0.0
 
+    def turned_in_steps(self, steps: list[Accepted]) -> bool:
+        """Did the motion that is not determined at the dead point turn in steps, or jump to its opposite in one?"""
+        w = min((self._fold(p) for p in (steps[0], steps[-1])), key=lambda found: found.s).w
+        U = self.d.kinematics.U
+        along = np.array([w @ (p.at.xd / self.scale)[U] for p in steps])
+        return bool(np.abs(np.diff(along)).max() <= TURNING * np.abs(along).max())
+
     def near(self, p: Accepted) -> bool:
         """Is the dead point nearer than the degrees of freedom are known?"""
-        return self._fold(p)[2]
+        return self._fold(p).near
 
     def turned(self, a: Accepted, b: Accepted) -> None:
-        """On one branch: has the motion turned, or was it reflected?"""
+        """On one branch: has the motion turned, or was it reflected?
+
+        Where steps pass over vibrations the rates of the degrees of freedom may have changed unexplained; then those of
+        b, at the position of a, make the velocities of b.
+        """
+        if not self.resolved:
+            p = self.d.n_positions
+            with_rates = self._place(a, a.at.t, np.concatenate((a.y[:p], b.y[p:])))
+            if not unexplained(with_rates.at, b.at, self.scale).any():
+                return
         self._between(a, b, 0)
 
     def _between(self, a: Accepted, b: Accepted, depth: int) -> None:
-        if depth > DEEPEST or not unexplained(a.at, b.at, self.scale).any():
+        if depth > DEEPEST or not (unexplained(a.at, b.at, self.scale).any() or self._reaches(a, b)):
             return
         t, y = self._middle(a, b)
         try:
@@ -180,13 +262,17 @@ class Closer:
         self._between(m, b, depth + 1)
 
     def _middle(self, a: Accepted, b: Accepted) -> tuple[float, Array]:
-        """State in the middle of a step: quintic polynomials, cubic ones of the kinematic coordinates."""
+        """State in the middle of a step: quintic polynomials, cubic ones of the kinematic coordinates, and of all where
+        the accelerations are those of vibrations that the step passes over."""
         d, n = self.d, self.d.numbering.nddof
         h, p = b.at.t - a.at.t, d.n_positions
         f0, f1 = self._derivative(a), self._derivative(b)
         rise = (b.y - a.y)[:p]
         y = 0.5 * (a.y + b.y)
         y[:p] += (h / 8.0) * (f0 - f1)[:p]
+        if not self.resolved:
+            y[p:] = (1.5 / h) * rise[:n] - 0.5 * y[p:]
+            return a.at.t + 0.5 * h, y
         v0, v1, a0, a1 = a.y[p:], b.y[p:], f0[p:], f1[p:]
         y[:n] += (h / 32.0) * (v0 - v1) + (h * h / 64.0) * (a0 + a1)
         y[p:] = (15.0 / 8.0 / h) * rise[:n] - (7.0 / 16.0) * (v0 + v1) + (h / 32.0) * (a1 - a0)
@@ -206,9 +292,18 @@ class Closer:
         assert at is not None
         return Accepted(y, at, 0.0, 0.0)
 
-    def _fold(self, p: Accepted) -> tuple[float, Array, bool]:
-        """Smallest singular value of the position, its vector w (len(U),), and whether the dead point is nearer than
-        the degrees of freedom are known."""
+    def _reaches(self, a: Accepted, b: Accepted) -> bool:
+        """May a dead point lie between two steps?"""
+        h = b.at.t - a.at.t
+        return any(h * abs(fold.rate) > APART * fold.s for fold in (self._fold(a), self._fold(b)))
+
+    def _fold(self, p: Accepted) -> Fold:
+        """At a step; found once."""
+        if id(p) not in self.found:
+            self.found[id(p)] = p, self._find(p)  # p too: so that no other step gets its id
+        return self.found[id(p)][1]
+
+    def _find(self, p: Accepted) -> Fold:
         d = self.d
         self._derivative(p)
         k, n = d.kinematics, d.numbering
@@ -220,7 +315,14 @@ class Closer:
         force, m = k.sweep.rate_transposed(sigma)[xs], d.n_xm
         error = self.atol + self.rtol * np.abs(p.y[: n.nddof])
         known = float(np.abs(force) @ error[:m] + np.abs(sigma[es]) @ error[m:])
-        return s, w, bool(s * s <= 2.0 * abs(bend) * known)
+        speed = float(np.abs(p.at.xd / self.scale).max(initial=0.0))
+        rate = 0.0
+        if speed > 0.0:
+            along, v = np.zeros(n.nx), p.at.xd / speed
+            along[k.U] = w * columns
+            both = k.sweep.convective(v + along) - k.sweep.convective(v - along)
+            rate = 0.25 * speed * float(sigma @ both)
+        return Fold(s, w, rate, bool(s * s <= 2.0 * abs(bend) * known))
 
 
 def _stopped(t: float, what: str) -> AnalysisError:

@@ -9,6 +9,7 @@ deformation is measured by the displacement that it causes (`spacar.forward.disp
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -30,7 +31,7 @@ from spacar.dynamics.loaded_mechanism import (
 )
 from spacar.errors import AnalysisError, Report
 from spacar.forward.charts import ChartWatch
-from spacar.forward.continuity import HALF, REMEMBERED, Continuity
+from spacar.forward.continuity import HALF, INSIDE, Continuity
 from spacar.forward.displaced import displaced
 from spacar.frame import Frame
 from spacar.integrators import AUTOMATIC, METHODS, EvenTimes, integrate
@@ -100,13 +101,18 @@ class Integrand:
         self.within = self.usual = within
         self.report = report
         self._rhs, self._together = evaluator.rhs, evaluator.stages
+        self.starting = trail
         self.stages = self._stages if self._together is not None else None
         self.march: March | None = None
         if trail is not None and trail.evaluator.marching is not None:
             self.march = trail.evaluator.marching(trail, lambda: self.within)
 
     def rhs(self, t: float, y: Array) -> Array:
-        return self._rhs(t, y, self.within)
+        f = self._rhs(t, y, self.within)
+        if self.starting is not None:  # every code asks the start state first
+            trail, self.starting = self.starting, None
+            trail.started(t, y)
+        return f
 
     def exact(self, t: float, y: Array) -> Array:
         """F with a position that is exact enough for differences."""
@@ -167,18 +173,20 @@ def frames(
     # step or the last output in it, not back from its end.
     shown = evaluator.companion()
     limits = Limits(shown, report)
-    trail = Trail(evaluator, watch) if moved_by is None else None
+    trail = Trail(evaluator, watch)
     breaks = (*model.drive.breaks, *getattr(model.mechanism.user_signal, "breaks", ()))
     for out in integrated(
         moved_by or evaluator, y, times, settings, tolerances,
-        breaks=breaks, watch=trail.accepted if trail else watch, jacobian=jacobian,
-        back=watch.back if watch else None, report=report, trail=trail,
+        breaks=breaks, watch=trail.accepted, jacobian=jacobian,
+        back=trail.rejected if trail.back else None, report=report, trail=trail if moved_by is None else None,
     ):  # fmt: skip
-        if trail:
+        if moved_by is None:
             trail.lead(shown)
         frame = checked(shown, float(out.t), out.y, limits)
         frame.statistics = work(out)
         yield shown, frame
+    if trail.continuity is not None:
+        trail.continuity.finish()
 
 
 def has_forces(model: LoadedMechanism) -> bool:
@@ -188,30 +196,30 @@ def has_forces(model: LoadedMechanism) -> bool:
 
 
 class Trail:
-    """Where an integrated evaluator stood at the ends of its last two steps, so that outputs between them are placed
-    from there: from the output before, many turns earlier perhaps, the way would be long and could be another one.
+    """The accepted steps of one motion that are remembered; of two at least, of more where continuity is watched.
 
-    Where a few steps lie between outputs these follow their own way: a determinant that changes its sign along it tells
-    of a dead point at which steps that are too long have turned back.
+    Outputs inside the last step are placed from its begin: from the output before, many turns earlier perhaps, the way
+    would be long and could be another one. Where a few steps lie between outputs these follow their own way: a
+    determinant that changes its sign along it tells of a dead point at which steps that are too long have turned back.
     """
 
     def __init__(self, evaluator: Evaluator, watch: Watched | None) -> None:
         self.evaluator, self.watch = evaluator, watch
-        self.at_begin: Any = None
-        self.at_end: Any = None
-        self.begin: Callable[[], Moving | None] | None = None  # instead of them, where many steps are made at a time
-        self.steps = 0  # since the last output
+        self.continuity = None if watch is None else watch.continuity
+        self.steps: deque[Accepted] = deque(maxlen=2) if self.continuity is None else self.continuity.steps
+        self.begin: Callable[[], Moving | None] = self._nowhere  # of the last step
+        self.n = 0  # steps since the last output
 
     # -- of many steps at a time: `spacar.compiled.marching.Lookout` ----------------------------------------------
-    half = HALF
+    half, inside = HALF, INSIDE
 
     @property
     def capacity(self) -> int:
-        return REMEMBERED if self.back else 2
+        return self.steps.maxlen or 0
 
     @property
     def back(self) -> bool:
-        return self.watch is not None and self.watch.continuity is not None
+        return self.continuity is not None
 
     @property
     def look(self) -> int:
@@ -225,25 +233,50 @@ class Trail:
 
     def passed(self, n: int, begin: Callable[[], Moving | None]) -> None:
         """So many have been made; `begin` says where the last one began."""
-        self.steps += n
+        self.n += n
         self.begin = begin
 
+    def started(self, t: float, y: Array) -> Accepted | None:
+        """The evaluator stands at the start state: the first step is looked at too. The last step, None: not known."""
+        if not self.steps:
+            self._keep(t, y)
+        return self.steps[-1] if self.steps else None
+
+    def _keep(self, t: float, y: Array) -> None:
+        if self.continuity is not None:
+            self.continuity.check(t, y)
+            return
+        at = self.evaluator.moving()
+        if at is not None:
+            self.steps.append(Accepted(y.copy(), at, 1.0, 0.0))
+
+    # -- of steps one by one ---------------------------------------------------------------------------------------
     def accepted(self, t: float, y: Array) -> None:
         """After every accepted step."""
-        self.steps += 1
-        self.at_begin, self.at_end = self.at_end, self.evaluator.memory()
+        self.n += 1
+        at = self.steps[-1].at if self.steps else None
+        self.begin = lambda: at
+        if self.continuity is None:
+            self._keep(t, y)
         if self.watch is not None:
             self.watch(t, y)
 
+    def rejected(self) -> None:
+        """After a rejected step: its last stages may stand on another branch."""
+        self.evaluator.sampled()
+        if self.steps:
+            self.evaluator.resume(self.steps[-1].at)
+
     def lead(self, shown: Evaluator) -> None:
         """Let the evaluator of the outputs begin at the start of the step with t, if its last output was far before."""
-        if self.steps > FAR and self.begin is not None:
-            begin = self.begin()
-            if begin is not None:
-                shown.resume(begin)
-        elif self.steps > FAR and self.at_begin is not None:
-            shown.remember(self.at_begin)
-        self.steps = 0
+        begin = self.begin() if self.n > FAR else None
+        if begin is not None:
+            shown.resume(begin)
+        self.n = 0
+
+    @staticmethod
+    def _nowhere() -> Moving | None:
+        return None
 
 
 def work(out: Output) -> dict[str, int]:
@@ -319,18 +352,15 @@ class Watched:
         seen = c.steps[-1] if c.steps and not (before and c.steps[-1] is before[-1]) else None
         return c.peak, c.entered is not None, seen
 
-    def back(self) -> None:
-        """After a rejected step: its last stages may stand on another branch."""
-        if self.continuity is not None and self.continuity.steps:
-            self.evaluator.resume(self.continuity.steps[-1].at)
-
 
 def watched(evaluator: Evaluator, report: Report, charts: ChartWatch | None = None) -> Watched | None:
     """What is watched after every accepted step; None where there is nothing."""
     mechanism, matrix = evaluator.model.mechanism, evaluator.position_matrix()
     half_turns = HalfTurns(mechanism.numbering, without=charts.chart.dependent if charts else ())
     settings = mechanism.settings
-    continuity = Continuity(evaluator, matrix, report, (settings.atol, settings.rtol)) if len(matrix.columns) else None
+    resolved = not METHODS[settings.integrator].needs_jacobian
+    errors = settings.atol, settings.rtol
+    continuity = Continuity(evaluator, matrix, report, errors, resolved) if len(matrix.columns) else None
     if not half_turns.nodes and continuity is None and charts is None:
         return None
     return Watched(evaluator, half_turns, continuity, charts)

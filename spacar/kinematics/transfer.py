@@ -23,6 +23,15 @@ def velocity_transfer(k: Kinematics) -> Array:
     return k.dependent(given, rate)
 
 
+def moved_along(k: Kinematics, force: Array) -> Array:
+    """W^T force (ndof,) of forces (nx,) without forming W: the stresses that hold the coordinates against them do the
+    work of the degrees of freedom (theory-system.md (10))."""
+    n = k.numbering
+    sigma = np.zeros(n.ne)
+    k.reactions(-force, sigma)
+    return np.concatenate(((force - k.sweep.rate_transposed(sigma))[n.q_x], sigma[n.q_e]))
+
+
 def configuration_transfer(k: Kinematics, W: Array | None = None) -> Array:
     """G, (nx, nkdof), columns q then kinematic coordinates, kinematic deformations."""
     n = k.numbering

@@ -16,18 +16,30 @@ stresses s1 beside the present ones, c = c0 + lambda c1:
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.linearization.matrices import Linearization
 
 
-def internal_unknowns(dynamics: Dynamics, sigma: Array, other: Array | None = None) -> tuple[Array, Array, Array]:
-    """Couplings (nx, m), stiffnesses, which are eliminated (m,), of all elements that have such an unknown; also of
-    those where only the stresses `other` (ne,) couple."""
-    sweep = dynamics.sweep
-    found: list[tuple[Array, Array, Array]] = [(np.zeros((sweep.nx, 0)), np.zeros(0), np.zeros(0, bool))]
+class ElementUnknowns(NamedTuple):
+    """Of one batch: rows (n, m) of the coordinates of the elements that have an unknown, coupling (n, m), stiffness
+    (m,), eliminated (m,)."""
+
+    rows: Index
+    coupling: Array
+    stiffness: Array
+    eliminated: NDArray[np.bool_]
+
+
+def element_unknowns(dynamics: Dynamics, sigma: Array, other: Array | None = None) -> list[ElementUnknowns]:
+    """Of all batches that have such unknowns, at the stresses sigma (ne,); also of elements where only the stresses
+    `other` (ne,) couple."""
+    sweep, found = dynamics.sweep, []
     for b in sweep.curved:
         configuration = sweep.configuration[b.index]
         internal = b.family.internal(configuration, sigma[b.e])
@@ -38,10 +50,21 @@ def internal_unknowns(dynamics: Dynamics, sigma: Array, other: Array | None = No
             beside = b.family.internal(configuration, other[b.e])
             coupled = coupled | (beside is not None and beside.coupling.any(0))
         has = np.flatnonzero(np.isfinite(internal.stiffness) & coupled)
-        coupling = np.zeros((sweep.nx, len(has)))
-        np.add.at(coupling, (b.x[:, has], np.arange(len(has))), internal.coupling[:, has])
-        found.append((coupling, internal.stiffness[has], internal.eliminated[has]))
-    couplings, stiffnesses, eliminated = zip(*found, strict=True)
+        found.append(
+            ElementUnknowns(b.x[:, has], internal.coupling[:, has], internal.stiffness[has], internal.eliminated[has])
+        )
+    return found
+
+
+def internal_unknowns(dynamics: Dynamics, sigma: Array, other: Array | None = None) -> tuple[Array, Array, Array]:
+    """Couplings (nx, m), stiffnesses, which are eliminated (m,) of `element_unknowns`."""
+    nx = dynamics.numbering.nx
+    parts: list[tuple[Array, Array, Array]] = [(np.zeros((nx, 0)), np.zeros(0), np.zeros(0, bool))]
+    for u in element_unknowns(dynamics, sigma, other):
+        coupling = np.zeros((nx, len(u.stiffness)))
+        np.add.at(coupling, (u.rows, np.arange(len(u.stiffness))), u.coupling)
+        parts.append((coupling, u.stiffness, u.eliminated))
+    couplings, stiffnesses, eliminated = zip(*parts, strict=True)
     return np.concatenate(couplings, axis=1), np.concatenate(stiffnesses), np.concatenate(eliminated)
 
 

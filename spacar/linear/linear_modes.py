@@ -18,9 +18,10 @@ from spacar.kinematics.output import TransferOutput
 from spacar.kinematics.regularity import Regularity
 from spacar.linear.buckling import NO_STRESS, BucklingModes, buckling_modes, directional_compliances
 from spacar.linear.eigen import Modes, vibration_modes
-from spacar.linear.internal_unknowns import buckling_matrices, internal_unknowns
+from spacar.linear.internal_unknowns import buckling_matrices
 from spacar.linear.large_results import buckling_motions, sparse_matrices, vibration_motions
-from spacar.linear.lowest import WANTED, lowest_buckling, lowest_vibration, sparse_compliances
+from spacar.linear.lowest import WANTED, lowest_vibration, sparse_compliances
+from spacar.linear.lowest_multipliers import lowest_buckling
 from spacar.linear.state_space import chosen_rows
 from spacar.linear.stored_system import StoredSystem
 from spacar.linear_systems import SingularMatrixError
@@ -33,10 +34,6 @@ from spacar.stream import Run
 # Dynamic degrees of freedom above which no dense matrices are formed: measured, docs/performance.md "Sizes".
 LARGE = 200
 SHARE = 4  # all modes of a model cost less than its lowest ones if these are more than one of four
-NO_TWIST_GRADIENT = (
-    "warning: load multipliers of large systems leave out the twist gradient of beams in the angle measure, so they"
-    " converge with order 2 in the length of the elements; MODES 0 asks for the dense matrices, that contain it"
-)
 LOST = 1e-6  # chosen: relative error of the matrices that a user shall know of
 
 
@@ -274,8 +271,6 @@ def _store_buckling(run: Run, solution: LinearizedSolution, required: bool = Tru
         frame.xcompl = directional_compliances(L, dynamic, run.report)
     try:
         if tangent is not None:
-            if internal_unknowns(solution.dynamics, tangent.sigma)[1].size:
-                run.report.add(NO_TWIST_GRADIENT)
             modes = lowest_buckling(tangent, run.report, solution.wanted)
             if not len(modes.multipliers):
                 run.report.add(NO_STRESS)

@@ -1,4 +1,4 @@
-"""Lowest modes of large systems at rest, without dense matrices (theory-system.md 6.2).
+"""Lowest modes of vibration of large systems at rest, without dense matrices (theory-system.md 6.2).
 
 Vibration: (lambda^2 M + lambda C + K_x) x + V^T sigma = 0, V x = 0 (rows fixed and input). With a real shift s > 0,
 that is the negative shift -s^2 for omega^2, Q = K_x + s C + s^2 M is regular although there may be rigid-body modes:
@@ -6,11 +6,9 @@ that is the negative shift -s^2 for omega^2, Q = K_x + s C + s^2 M is regular al
     C = 0, K symmetric:  op = Q^-1 M,  theta = 1/(omega^2 + s^2), Rayleigh quotients in the energy of Q
     otherwise:           op (x, v) = (x', x + s x'),  Q x' = -(M v + (C + s M) x),  theta = 1/(lambda - s)
 
-s^2 is a hundredth of the highest wanted omega^2, found by two steps of the iteration. Buckling: op = -K_S^-1 (Hs +
-load), theta = 1/lambda, K_S = V^T S V; where that is singular,
-op = -(K_S + s (Hs + load))^-1 (Hs + load), theta = 1/(lambda - s). Pairs with |op(z) - theta z| > 1e-8 |theta| |z| are
-kept, with a warning. Where it exceeds 0.1 |theta| |z| no digit of theta is known (theta is an eigenvalue of an operator
-that differs by that much): value and shape are nan, with the same warning.
+s^2 is a hundredth of the highest wanted omega^2, found by two steps of the iteration. Pairs with
+|op(z) - theta z| > 1e-8 |theta| |z| are kept, with a warning. Where it exceeds 0.1 |theta| |z| no digit of theta is
+known (theta is an eigenvalue of an operator that differs by that much): value and shape are nan, with the same warning.
 """
 
 from __future__ import annotations
@@ -21,10 +19,9 @@ from numpy.typing import NDArray
 from spacar.arrays import Array
 from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
-from spacar.linear.buckling import SINGULAR_K0, BucklingModes, order_of
 from spacar.linear.eigen import Modes, arranged
-from spacar.linear.subspace import NOTHING, SPARE, SUFFICIENT, Operator, dominant, real_vectors
-from spacar.linear_systems import LinearSystem, SingularMatrixError
+from spacar.linear.subspace import SPARE, SUFFICIENT, Operator, dominant, real_vectors
+from spacar.linear_systems import SingularMatrixError
 from spacar.stationary.tangent import STATIC, SparseTangent
 
 WANTED = 20  # modes
@@ -32,85 +29,31 @@ SHIFT = 1e-2  # s^2 as a fraction of the highest wanted omega^2
 LOADING = ("geometric", "load", "moment")
 RIGID = 1e-10  # s^2 M of rods at least: below 1e-14 a matrix counts as singular, and omega^2 loses nothing
 SYMMETRIC = 1e-9
-SHIFTS = (1e-2, 0.3, 1.0)  # of the present load, for buckling: no multiplier of interest
 LEAST = 1e-9  # theta below this part of the largest is compared with it: op knows it to n eps of the largest only
 NO_DIGIT = 0.1  # relative residual above which not even the first digit of a value is known
 COLUMNS = 256  # right-hand sides at once
 
 
-def lowest_vibration(tangent: SparseTangent, report: Report, wanted: int = WANTED) -> Modes:
-    """The `wanted` modes of lowest frequency about the equilibrium of `tangent` (its sigma set)."""
+def lowest_vibration(
+    tangent: SparseTangent, report: Report, wanted: int = WANTED, undamped: bool = False
+) -> Modes:
+    """The `wanted` modes of lowest frequency about the equilibrium of `tangent` (its sigma set); `undamped`: without
+    dampers and without what the flow in tubes gives with rates."""
     n = tangent.dynamics.numbering
     wanted = min(wanted, n.nddof)
     s = _shift(tangent, wanted)
-    if tangent.damped or not _symmetric(tangent):
+    if not undamped and (tangent.damped or not is_symmetric_loading(tangent)):
         values, x = _quadratic(tangent, s, wanted, report)
     else:
         squares, x = _undamped(tangent, s, wanted, report)
         root = np.sqrt(squares.astype(complex))
         values, x = np.concatenate((1j * root, -1j * root)), np.hstack((x, x)).astype(complex)
-    q = _degrees_of_freedom(tangent, x)
+    q = degrees_of_freedom_of(tangent, x)
     modes = arranged(values, np.vstack((q, q * np.where(np.isnan(values), 1.0, values))), len(q), x)
     assert modes.motions is not None
     modes.vectors[:, np.isnan(modes.values)] = np.nan
     modes.motions[:, np.isnan(modes.values)] = np.nan
     return modes
-
-
-def lowest_buckling(tangent: SparseTangent, report: Report, wanted: int = WANTED) -> BucklingModes:
-    """The `wanted` load multipliers of smallest modulus. Raises AnalysisError when K0 and G0 are singular
-    together."""
-    wanted = min(wanted, tangent.dynamics.numbering.nddof)
-    if not any(tangent.parts[k].values().any() for k in LOADING):
-        return BucklingModes(np.zeros(0), np.zeros((tangent.dynamics.numbering.nddof, 0)))
-    shift = 0.0
-    try:
-        system = tangent.factor({})
-    except SingularMatrixError:
-        shift, system = _shifted(tangent)
-        report.add(SINGULAR_K0)
-
-    def operator(x: Array) -> Array:
-        return -tangent.displacement(system, tangent.times(LOADING, x))
-
-    values, vectors = dominant(operator, operator(_random(tangent, wanted)), wanted)
-    if _symmetric(tangent):
-        x = real_vectors(values, vectors)
-        theta = _rayleigh(x, tangent.times(LOADING, x), operator(x))
-    else:
-        # a double value is known to half of the digits
-        real = np.abs(values.imag) <= np.sqrt(backward_error.rounding(len(vectors))) * np.abs(values)
-        theta, x = values[real].real, vectors[:, real].real
-    with np.errstate(divide="ignore"):
-        multipliers = shift + 1.0 / theta
-    lost = lost_pairs(operator, theta, x, multipliers, "load multipliers", report)
-    theta[lost], x[:, lost] = np.nan, np.nan
-    infinite = np.abs(theta) <= NOTHING * np.max(np.abs(theta[~lost]), initial=0.0)
-    theta, x = theta[~infinite], x[:, ~infinite]
-    multipliers = shift + 1.0 / theta
-    # the residual that counts as converged, of the shift
-    multipliers[np.abs(multipliers) <= SUFFICIENT * shift] = 0.0
-    unknown = np.isnan(multipliers)
-    known = np.flatnonzero(~unknown)
-    order = np.concatenate((known[order_of(multipliers[known])], np.flatnonzero(unknown)))
-    x = x[:, order]
-    modes = _degrees_of_freedom(tangent, x)
-    size = np.linalg.norm(modes, axis=0)
-    return BucklingModes(multipliers[order], modes / size, x / size)
-
-
-def _shifted(tangent: SparseTangent) -> tuple[float, LinearSystem]:
-    """K0 + s G0 for K0 singular, and s > 0: (K0 + s G0) v = -(lambda - s) G0 v. Raises AnalysisError."""
-    for shift in SHIFTS:
-        try:
-            return shift, tangent.factor(dict.fromkeys(LOADING, shift))
-        except SingularMatrixError:
-            continue
-    raise AnalysisError(
-        "K0 and G0 have a common null vector: a motion without stiffness and without geometric stiffness; support or"
-        " prescribe it before buckling is asked for",
-        "buckling.singular",
-    )
 
 
 def sparse_compliances(tangent: SparseTangent) -> Array:
@@ -151,7 +94,7 @@ def _shift(tangent: SparseTangent, wanted: int) -> float:
     square = max(1e-6 * K / M, least)
     for _ in range(12):
         operator = _squared(tangent, square)
-        X = np.linalg.qr(operator(operator(_random(tangent, wanted))))[0]
+        X = np.linalg.qr(operator(operator(start_block(tangent, wanted))))[0]
         theta = np.sort(np.abs(np.linalg.eigvals(X.T @ operator(X))))[::-1][wanted - 1]
         better = SHIFT * max(1.0 / float(theta) - square, SHIFT * square)
         square, before = max(better, least), square
@@ -163,15 +106,26 @@ def _shift(tangent: SparseTangent, wanted: int) -> float:
 def _squared(tangent: SparseTangent, square: float) -> Operator:
     """op = (K_x + s^2 M)^-1 M."""
     system = tangent.factor({**STATIC, "mass": square})
-    return lambda x: tangent.displacement(system, tangent.times(("mass",), x))
+    M, F = tangent.assembled(("mass",)), tangent.F
+
+    def operator(x: Array) -> Array:
+        force = np.zeros_like(x)
+        force[F] = M @ x[F]
+        return tangent.displacement(system, force)
+
+    return operator
 
 
 def _undamped(tangent: SparseTangent, s: float, wanted: int, report: Report) -> tuple[Array, Array]:
-    """omega^2 (wanted,) and shapes (nx, wanted)."""
+    """omega^2 (wanted,) and shapes (nx, wanted); complex where the loading is not symmetric."""
     operator = _squared(tangent, s * s)
-    theta, x = dominant(operator, operator(_random(tangent, wanted)), wanted)
+    theta, x = dominant(operator, operator(start_block(tangent, wanted)), wanted)
+    if not is_symmetric_loading(tangent):
+        squares = 1.0 / theta - s * s
+        squares[lost_pairs(operator, theta, x, squares, "omega^2", report)] = np.nan
+        return squares, x
     x = real_vectors(theta, x)
-    theta = _rayleigh(x, tangent.times(("mass",), x), operator(x))
+    theta = rayleigh(x, tangent.times(("mass",), x), operator(x))
     squares = 1.0 / theta - s * s
     squares[lost_pairs(operator, theta, x, squares, "omega^2", report)] = np.nan
     return squares, x
@@ -189,7 +143,7 @@ def _quadratic(tangent: SparseTangent, s: float, wanted: int, report: Report) ->
         following = -tangent.displacement(system, force)
         return np.vstack((size * following, x + s * following))
 
-    theta, z = dominant(operator, operator(_random(tangent, 2 * wanted, 2)), 2 * wanted)
+    theta, z = dominant(operator, operator(start_block(tangent, 2 * wanted, 2)), 2 * wanted)
     if theta[-1].imag and not np.any(np.isclose(theta[:-1], theta[-1].conj(), rtol=1e-8)):
         theta, z = theta[:-1], z[:, :-1]  # half a pair
     values = s + 1.0 / theta
@@ -197,12 +151,12 @@ def _quadratic(tangent: SparseTangent, s: float, wanted: int, report: Report) ->
     return values, z[:n]
 
 
-def _rayleigh(x: Array, F: Array, Y: Array) -> Array:
+def rayleigh(x: Array, F: Array, Y: Array) -> Array:
     """theta of op = Q^-1 B from the quotient (x^T B Y)/(x^T B x) of every vector, F = B x, Y = op(x)."""
     return np.asarray(np.sum(F * Y, axis=0) / np.sum(F * x, axis=0))
 
 
-def _symmetric(tangent: SparseTangent) -> bool:
+def is_symmetric_loading(tangent: SparseTangent) -> bool:
     """Is the loading part symmetric? Follower moments and tube flow make it unsymmetric."""
     a, b = np.zeros((2, tangent.dynamics.numbering.nx))
     a[tangent.F], b[tangent.F] = np.random.default_rng(1).standard_normal((2, tangent.nf))
@@ -211,7 +165,7 @@ def _symmetric(tangent: SparseTangent) -> bool:
     return abs(left - right) <= SYMMETRIC * max(size, 1e-300)
 
 
-def _random(tangent: SparseTangent, wanted: int, parts: int = 1) -> Array:
+def start_block(tangent: SparseTangent, wanted: int, parts: int = 1) -> Array:
     """Start block (parts nx, p) of positions, or of positions and rates, always the same."""
     n = tangent.dynamics.numbering
     columns = min(wanted + SPARE, parts * n.nddof)
@@ -220,7 +174,7 @@ def _random(tangent: SparseTangent, wanted: int, parts: int = 1) -> Array:
     return x.reshape(parts * n.nx, columns)
 
 
-def _degrees_of_freedom(tangent: SparseTangent, x: Array) -> Array:
+def degrees_of_freedom_of(tangent: SparseTangent, x: Array) -> Array:
     """q_d of displacement shapes (nx, k)."""
     d = tangent.dynamics
     n = d.numbering

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Protocol
@@ -113,6 +113,7 @@ class UserForces:
     lost: dict[int, str] = field(default_factory=dict)
 
 
+Rows = list[tuple[int, Sequence[float]]]  # place in e or x, and a row of 3 or 5 numbers that a user function returned
 UserSignal = Callable[[float, Array, Array, Array, Array], UserForces]  # t, e, ed, x, xd
 
 

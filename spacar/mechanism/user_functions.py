@@ -17,6 +17,7 @@ import ast
 import importlib.util
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from math import isfinite
 from pathlib import Path
 from types import ModuleType
@@ -27,9 +28,9 @@ import numpy as np
 from spacar.arrays import Array, Index
 from spacar.deck import Deck, Statement
 from spacar.errors import AnalysisError, InputError, Message
-from spacar.mechanism.mechanism import DriveState, Polynomial, SolverSettings, UserForces, UserSignal
+from spacar.mechanism.mechanism import DriveState, Polynomial, Rows, SolverSettings, UserForces, UserSignal
 from spacar.mechanism.numbering import Numbering
-from spacar.mechanism.placed_vectors import placed
+from spacar.mechanism.placed_vectors import PlacedVector, placed
 from spacar.modes import find_mode
 
 STATEMENTS = {"USERSIG": "forces and stresses", "USERINP": "prescribed motion", "USERTRAJ": "trajectory"}
@@ -238,26 +239,60 @@ class UserLaw:
 
     def __call__(self, t: float, e: Array, ed: Array, x: Array, xd: Array) -> UserForces:
         n = self.numbering
-        e, ed = placed(e, "e"), placed(ed, "ep")
-        x, xd = placed(x, "x"), placed(xd, "xp")
-        sig, f = call(self.function, self.name, t, n.ne, self.le, e, ed, n.nx, self.lnp, x, xd)
+        sig, f, lost = self.rows(t, placed(e, "e"), placed(ed, "ep"), placed(x, "x"), placed(xd, "xp"))
         (sigma, k_e, d_e), (force, k_x, d_x) = np.zeros((3, n.ne)), np.zeros((3, n.nx))
-        result = UserForces(sigma, force, k_e, d_e, k_x, d_x)
-        for k, row in enumerate(read_rows(self.name, "sig", sig, (3, 5), t)):
-            i = self._place(n.e_index, row, "sig", k, t)
-            result.sigma[i] += row[2]
-            result.sigma_k[i] += row[3]
-            result.sigma_d[i] += row[4]
-            if any(row[2:]) and (reason := self._without_effect(i)):
-                result.lost[i] = (
-                    f"warning: {self.name} at t = {t:.9g}: the stress of {n.e_name(i)} has no effect: {reason}"
-                )
-        for k, row in enumerate(read_rows(self.name, "f", f, (3, 5), t)):
-            i = self._place(n.x_index, row, "f", k, t)
-            result.force[i] += row[2]
-            result.force_k[i] += row[3]
-            result.force_d[i] += row[4]
-        return result
+        for given, (value, k, d) in ((sig, (sigma, k_e, d_e)), (f, (force, k_x, d_x))):
+            for i, row in given:
+                value[i] += row[2]
+                if len(row) > 3:
+                    k[i] += row[3]
+                    d[i] += row[4]
+        return UserForces(sigma, force, k_e, d_e, k_x, d_x, lost)
+
+    def rows(
+        self, t: float, e: PlacedVector, ed: PlacedVector, x: PlacedVector, xd: PlacedVector
+    ) -> tuple[Rows, Rows, dict[int, str]]:
+        """What the function returns at guarded vectors: rows of sig and f with their places in e and x, checked, and
+        the sentences of `UserForces.lost`."""
+        n = self.numbering
+        sig, f = call(self.function, self.name, t, n.ne, self.le, e, ed, n.nx, self.lnp, x, xd)
+        stresses = self._known(sig, "sig") or self._found(n.e_index, sig, "sig", t)
+        forces = self._known(f, "f") or self._found(n.x_index, f, "f", t)
+        lost = {}
+        for i, row in stresses:
+            if i < self._first and any(row[2:]):
+                text = f"the stress of {n.e_name(i)} has no effect: {self._without_effect(i)}"
+                lost[i] = f"warning: {self.name} at t = {t:.9g}: {text}"
+        return stresses, forces, lost
+
+    def _known(self, rows: Any, what: str) -> Rows:
+        """The rows, when they are a list of three numbers each whose places were looked up before; else empty, also for
+        an answer without rows. Every call of a run but the first comes here."""
+        if type(rows) is not list or len(rows) > FEW:
+            return []
+        found = []
+        for row in rows:
+            if type(row) not in (list, tuple) or len(row) != 3:
+                return []
+            a, b, value = row
+            if type(a) is not int or type(b) is not int or type(value) not in NUMBERS or not isfinite(value):
+                return []
+            i = self.places.get((what, a, b))
+            if i is None:
+                return []
+            found.append((i, row))
+        return found
+
+    def _found(self, find: Callable[[int, int], int], rows: Any, what: str, t: float) -> Rows:
+        if type(rows) is list and not rows:
+            return []
+        read = read_rows(self.name, what, rows, (3, 5), t)
+        return [(self._place(find, row, what, k, t), row) for k, row in enumerate(read)]
+
+    @cached_property
+    def _first(self) -> int:
+        """First row of e on which a stress can act."""
+        return int(self.numbering.e_class["fixed" if self.prescribed_act else "input"].stop)
 
     def _place(self, find: Callable[[int, int], int], row: Sequence[float], what: str, k: int, t: float) -> int:
         known = self.places.get((what, row[0], row[1]))
@@ -273,11 +308,8 @@ class UserLaw:
             raise AnalysisError(text, "user-function.index") from None
 
     def _without_effect(self, i: int) -> str:
-        """Why a stress on this row cannot act; '' where it can."""
-        classes = self.numbering.e_class
-        if i >= classes["fixed" if self.prescribed_act else "input"].stop:
-            return ""
-        kind = "fixed" if i < classes["fixed"].stop else "prescribed"
+        """Why a stress on this row cannot act."""
+        kind = "fixed" if i < self.numbering.e_class["fixed"].stop else "prescribed"
         return (
             f"the deformation is {kind}, so that its stress follows from equilibrium alone; a stress law needs DYNE or"
             " RLSE"

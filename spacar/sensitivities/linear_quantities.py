@@ -16,11 +16,7 @@ from spacar.linear.eigen import Modes, is_symmetric, is_zero, matters, vibration
 from spacar.linear.internal_unknowns import buckling_matrices, internal_unknowns
 from spacar.linearization.contractions import geometric_stiffness
 from spacar.sensitivities.pencil_derivatives import Change, LinearizedState, PencilMode, null_vectors, together
-from spacar.sensitivities.reduced_derivatives import (
-    ReducedDerivatives,
-    reduced_derivatives,
-    require_third_derivatives,
-)
+from spacar.sensitivities.reduced_derivatives import ReducedDerivatives, reduced_derivatives
 from spacar.sensitivities.state_derivatives import StateDerivative
 
 
@@ -40,8 +36,6 @@ class LinearQuantities:
 
     @cached_property
     def _reduced(self) -> list[ReducedDerivatives]:
-        for state in self.states[:1]:
-            require_third_derivatives(state)
         return [reduced_derivatives(self.at, s) for s in self.states]
 
     # -- vibration -----------------------------------------------------------------------------------------------
@@ -182,7 +176,7 @@ class LinearQuantities:
         phi, psi = null_vectors(K0 + value * G0, np.abs(np.diag(K0)), count)
         n = len(at.dynamic)
         weight = -psi.T @ G0 @ phi
-        if self.moving:  # no unknowns inside elements: the angle measure in space is refused
+        if self.moving:
             brackets = [psi.T @ (r.K0 + value * r.G0) @ phi for r in self._reduced]
             return np.real(self._eigenvalues_of(brackets, weight))
         c, k, eliminated = internal_unknowns(at.dynamics, L.sigma)

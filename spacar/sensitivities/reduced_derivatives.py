@@ -18,9 +18,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spacar.arrays import Array
+from spacar.arrays import Array, Index
 from spacar.deck.directed import STEP, nothing_lost
-from spacar.errors import UsageError
 from spacar.sensitivities.directed_elements import ElementMatrices
 from spacar.sensitivities.pencil_derivatives import LinearizedState
 from spacar.sensitivities.state_derivatives import StateDerivative
@@ -28,7 +27,8 @@ from spacar.sensitivities.state_derivatives import StateDerivative
 
 @dataclass(frozen=True)
 class ReducedDerivatives:
-    """Derivatives of m0, damping, stiffness, k0, g0 over the dynamic degrees of freedom (n, n), and of W (nx, n)."""
+    """Derivatives of m0, damping, stiffness over the dynamic degrees of freedom (n, n), of K0, G0 of the load
+    multipliers with the unknowns inside elements (`spacar.linear.internal_unknowns`), and of W (nx, n)."""
 
     M: Array
     C: Array
@@ -36,14 +36,6 @@ class ReducedDerivatives:
     K0: Array
     G0: Array
     W: Array
-
-
-def require_third_derivatives(state: StateDerivative) -> None:
-    """Raises UsageError for elements whose third derivatives do not carry a complex step."""
-    for b in state.elements.mechanism.batches:
-        if b.family.measure == "angle" and b.family.n_coordinates == 14:
-            text = f"no derivatives of the linearized equations in steady motion with {b.family.keyword} in the angle"
-            raise UsageError(f"{text} measure; leave ADEFORM out (--beams sine)", "sensitivity.model")
 
 
 def reduced_derivatives(at: LinearizedState, state: StateDerivative) -> ReducedDerivatives:
@@ -73,7 +65,23 @@ def reduced_derivatives(at: LinearizedState, state: StateDerivative) -> ReducedD
         damping = W.T @ (M @ Yv + h @ W) + We.T @ (Me @ Yev + Sd @ We)
         k0, g0 = We.T @ S @ We, W.T @ (Hs + weight) @ W
         n0 = W.T @ (M @ Y + I @ W + h @ Z) + We.T @ (Sd @ Ze + Me @ Ye)
-        return ReducedDerivatives(*(A.imag / STEP for A in (m0, damping, k0 + n0 + g0, k0, g0, W)))
+        pencil = _with_internal(k0, g0, W, e.internal(state.sigma))
+        return ReducedDerivatives(*(A.imag / STEP for A in (m0, damping, k0 + n0 + g0, *pencil, W)))
+
+
+def _with_internal(
+    k0: Array, g0: Array, W: Array, unknowns: list[tuple[Index, Array, Array, Array]]
+) -> tuple[Array, Array]:
+    """K0 and G0 bordered by the unknowns inside elements."""
+    columns, k, part = [np.zeros((W.shape[1], 0), complex)], [np.zeros(0, complex)], [np.zeros(0, complex)]
+    for rows, coupling, stiffness, eliminated in unknowns:
+        columns.append(np.einsum("bnq,bn->qn", W[rows], coupling))
+        k.append(stiffness + 0j)
+        part.append(eliminated / (stiffness + 0j))
+    c, diagonal = np.concatenate(columns, axis=1), np.diag(np.concatenate(k))
+    n, m = c.shape
+    K0 = np.block([[k0, np.zeros((n, m))], [np.zeros((m, n)), diagonal]])
+    return K0, np.block([[g0 + (c * np.concatenate(part)) @ c.T, c], [c.T, np.zeros((m, m))]])
 
 
 def _dense(parts: list[ElementMatrices], rows: int, columns: int) -> Array:

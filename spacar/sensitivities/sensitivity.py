@@ -99,7 +99,7 @@ def sensitivity(
     options      what overrides the deck, as for `run`
 
     Raises UsageError for names that the model does not have and for models whose derivatives are not followed (user
-    functions; the linearized equations of spatial beams in the angle measure in steady motion), InputError (wheels),
+    functions), InputError (wheels),
     and AnalysisError as modes 7 to 10 and 'sensitivity.singular' at critical states.
     """
     names = [parameters] if isinstance(parameters, str) else list(parameters)

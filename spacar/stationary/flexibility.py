@@ -9,6 +9,8 @@ Row by row of e, with the typical stiffness `size` (the largest entry of S), by 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from spacar.arrays import Array, Index
@@ -18,17 +20,22 @@ from spacar.mechanism.mechanism import Batch
 
 
 class Flexibility:
-    """C of one model. `rows`, `columns` (k,) place its entries, `rigid` the rows of e without element stiffness."""
+    """C of one model. `rows`, `columns` (k,) place its entries, `rigid` the rows of e without element stiffness.
 
-    def __init__(self, dynamics: Dynamics) -> None:
+    `released` (k,): prescribed rows of e that are free and without stiffness nevertheless.
+    """
+
+    def __init__(self, dynamics: Dynamics, released: Sequence[int] = ()) -> None:
         n, sweep = dynamics.numbering, dynamics.sweep
-        self.ne, self.constrained = n.ne, n.e_class["input"].stop
+        self.ne = n.ne
+        self.constrained = np.arange(n.ne) < n.e_class["input"].stop
+        self.constrained[list(released)] = False
         self.elastic = [b for b in sweep.strained if any(S.any() for S in b.family.stiffness())]
         self.active = {b.index: (b.e >= dynamics.law.first).astype(float) for b in self.elastic}
         self.rows, self.columns = _squares(self.elastic)
         self.rigid = np.setdiff1d(np.arange(n.ne), self.rows)
         # their diagonal: zero for a multiplier, else sigma / size alone
-        self.rigid_diagonal = np.where(self.rigid >= self.constrained, 1.0, 0.0)
+        self.rigid_diagonal = np.where(self.constrained[self.rigid], 0.0, 1.0)
         self.values, self.coupled, self.size = self.inverse()
 
     def inverse(self, stiffness: float = 1.0, damping: float = 0.0) -> tuple[Array, Array, float]:
@@ -49,9 +56,9 @@ class Flexibility:
             S = S / size
             S[np.arange(n), np.arange(n)] += 1.0 - elastic  # decoupled rows: sigma alone, or the multiplier below
             C = _inverted(S, b)
-            C[np.arange(n), np.arange(n)] -= b.e < self.constrained
+            C[np.arange(n), np.arange(n)] -= self.constrained[b.e]
             values.append(C.ravel())
-        coupled[: self.constrained] = 1.0
+        coupled[self.constrained] = 1.0
         return np.concatenate(values) if values else np.zeros(0), coupled, size
 
     @property

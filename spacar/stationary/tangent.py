@@ -16,6 +16,7 @@ Only for systems at rest, holonomic, without user functions and MEE.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -48,13 +49,16 @@ class TangentTerm:
 
 
 class SparseTangent:
-    """The parts of the tangent of one Dynamics, and the system that factors weighted sums of them."""
+    """The parts of the tangent of one Dynamics, and the system that factors weighted sums of them.
 
-    def __init__(self, dynamics: Dynamics, flexibility: Flexibility) -> None:
+    `free` (nf,): the coordinates F, if not those that are calculable or dynamic.
+    """
+
+    def __init__(self, dynamics: Dynamics, flexibility: Flexibility, free: Index | None = None) -> None:
         self.dynamics = dynamics
         n, sweep = dynamics.numbering, dynamics.sweep
-        free = [np.arange(n.x_class[c].start, n.x_class[c].stop) for c in ("calculable", "dynamic")]
-        self.F = np.concatenate(free)
+        moving = [np.arange(n.x_class[c].start, n.x_class[c].stop) for c in ("calculable", "dynamic")]
+        self.F = np.concatenate(moving) if free is None else free
         self.nf, self.n_rows = len(self.F), n.e_class["input"].stop
         self.place = np.full(n.nx, -1)
         self.place[self.F] = np.arange(self.nf)
@@ -145,15 +149,19 @@ class SparseTangent:
         x[self.F] = system.solve(b)[: self.nf]
         return x
 
-    def times(self, names: tuple[str, ...], x: Array) -> Array:
-        """Sum of parts times x (nx, k), rows and columns F only."""
-        from scipy.sparse import coo_matrix
+    def assembled(self, names: tuple[str, ...]) -> Any:
+        """Sum of parts (nf, nf) over F, in compressed rows."""
+        from scipy.sparse import coo_array
 
         values = np.concatenate([self.parts[k].values() for k in names])
         rows = np.concatenate([self.parts[k].rows for k in names])
         columns = np.concatenate([self.parts[k].columns for k in names])
+        return coo_array((values, (rows, columns)), (self.nf, self.nf)).tocsr()
+
+    def times(self, names: tuple[str, ...], x: Array) -> Array:
+        """Sum of parts times x (nx, k), rows and columns F only."""
         out = np.zeros_like(x)
-        out[self.F] = coo_matrix((values, (rows, columns)), (self.nf, self.nf)).tocsr() @ x[self.F]
+        out[self.F] = self.assembled(names) @ x[self.F]
         return out
 
     def viscous(self, x: Array) -> Array:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import zip_longest
 
 import numpy as np
 
@@ -21,16 +22,17 @@ from spacar.deck.deck_writer import write_rows
 from spacar.deck.statement import Statement, Value
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import UsageError
-from spacar.kinematics.transfer import velocity_transfer
+from spacar.kinematics.transfer import moved_along
 from spacar.mechanism.build import E_STATEMENTS, X_STATEMENTS
 from spacar.mechanism.mechanism import Mechanism
 from spacar.stroke.stroke_move import StrokeMove, move_of, parse_move
 
 Row = tuple[Value, ...]
 Place = tuple[str, int, int]  # "x" or "e", node or element, coordinate or mode
+STORED = ("OUTLEVEL", "MODES")  # what is stored of the states: nothing here
 ADDITIONAL = ("DELXF", "DELGRAV", "DELESIG", "DELOMF", "DELINPX", "DELINPE")
 STEERED = ("STARTDE", "STARTDX", "MEE")  # statements that need the class of a degree of freedom
-STILL = 1e-9  # of the largest entry of the transfer function: a degree of freedom that does not move the drive
+STILL = 1e-9  # of the size of the drive's coordinate: degrees of freedom that do not move it by more
 
 
 def own_move(deck: Deck, mechanism: Mechanism) -> StrokeMove:
@@ -68,15 +70,30 @@ def driven(deck: Deck, mechanism: Mechanism, move: StrokeMove, end: float, loads
     about = [("e" if move.deformation else "x", move.number, move.place), *([freed[0]] if freed else [])]
     blocks: list[list[Row]] = [[], []]
     for s in deck.statements:
-        if s.block > 2 or s.keyword in ADDITIONAL or (s.block == 2 and _start_of(s) in about):
+        if s.block > 2 or s.keyword in (*ADDITIONAL, *STORED) or (s.block == 2 and _start_of(s) in about):
             continue
         blocks[s.block - 1] += _without(s, mechanism, about) if s.block == 1 else [(s.keyword, *s.values)]
     blocks[0].append((names[wanted], move.number, move.place))
     if freed is not None and freed[1]:
         blocks[0].append((freed[1], *freed[0][1:]))
-    blocks[1] += [*loads, *_stroke_rows(mechanism, move, end)]
+    blocks[1] = [*_with_loads(blocks[1], loads), *_stroke_rows(mechanism, move, end)]
     made = parse(write_rows(blocks), deck.source, 10, path=deck.path, visualization=deck.visualization)
     return replace(made, shorthand=deck.shorthand, sections=deck.sections)
+
+
+def _with_loads(rows: Sequence[Row], loads: Sequence[Row]) -> list[Row]:
+    """The dynamics block with further XF; those of one node are added up, as it has one statement at most."""
+    out, place = list(rows), {int(row[1]): k for k, row in enumerate(rows) if row[0] == "XF"}
+    for load in loads:
+        node = int(load[1])
+        if node not in place:
+            place[node] = len(out)
+            out.append(load)
+            continue
+        before = out[place[node]][2:]
+        both = zip_longest(before, load[2:], fillvalue=0.0)
+        out[place[node]] = ("XF", node, *(float(a) + float(b) for a, b in both))
+    return out
 
 
 def _stroke_rows(mechanism: Mechanism, move: StrokeMove, end: float) -> list[Row]:
@@ -166,11 +183,13 @@ def _replaced(mechanism: Mechanism, move: StrokeMove) -> tuple[Place, str] | Non
     dynamics = Dynamics(mechanism)
     dynamics.kinematics.begin()
     dynamics.place(0.0, dynamics.start_values())
-    W = velocity_transfer(dynamics.kinematics)
-    row = dynamics.sweep.gradient()[i] @ W if move.deformation else W[i]
+    unit = np.zeros(n.ne if move.deformation else n.nx)
+    unit[i] = 1.0
+    row = moved_along(dynamics.kinematics, dynamics.sweep.rate_transposed(unit) if move.deformation else unit)
     size = np.concatenate((mechanism.scale[n.q_x], mechanism.deformation_scale[n.q_e]))
     share = np.abs(row) * size
-    if not share.max(initial=0.0) > STILL * max(1.0, float(np.abs(W).max(initial=0.0))):
+    own = (mechanism.deformation_scale if move.deformation else mechanism.scale)[i]
+    if not share.max(initial=0.0) > STILL * own:
         text = f"{move.text} cannot be moved: no degree of freedom moves it in the reference configuration"
         raise UsageError(text, "flexure.move")
     place = _candidate(mechanism, share, drives)

@@ -235,7 +235,7 @@ class Flexure:
         """Multipliers of the extra load alone, if one was given."""
         if not self.extra:
             return []
-        title = f"multiplier of {' and '.join(self.extra)} alone"
+        title = f"load multiplier, {' and '.join(self.extra)} alone"
         return [
             Column("margin_extra", f"{title}, drive locked", "", self.of("extra")),
             Column("margin_extra_free", f"{title}, drive free", "", self.of("extra_free")),

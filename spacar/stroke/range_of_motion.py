@@ -17,7 +17,7 @@ from spacar.arrays import Array
 from spacar.calls import frames
 from spacar.deck import Deck, read_deck
 from spacar.errors import AnalysisError, Report, UsageError
-from spacar.linear.linear_modes import stationary
+from spacar.linear.linear_modes import LARGE, stationary
 from spacar.mechanism import build
 from spacar.mechanism.mechanism import Mechanism
 from spacar.options import checked_options
@@ -26,6 +26,7 @@ from spacar.stroke.driven_deck import Row, driven, load_row, own_move
 from spacar.stroke.error_motions import error_motions
 from spacar.stroke.extra_load import ExtraLoad
 from spacar.stroke.flexure_results import Flexure
+from spacar.stroke.large_station import DriveTangents, large_station, node_compliance_of
 from spacar.stroke.observed_node import ObservedNode
 from spacar.stroke.station import Station, free_compliance, station
 from spacar.stroke.stroke_move import StrokeMove, parse_move
@@ -134,17 +135,28 @@ def _side(
     side = _Side(run.mechanism, here, move, run.report)
     extra = ExtraLoad.of(beside, n) if beside else None
     at_drive = None if move.deformation else ObservedNode.of(n, move.number) if move.rotation else None
+    turned = at_drive if move.pushed else None
+    tangents: DriveTangents | None = None
     with np.errstate(all="ignore"):
-        for k, solution in enumerate(stationary(run, reducible=False)):
-            assert solution.L is not None
-            found = station(
-                solution.frame, solution.dynamics, solution.L, side.drive, not move.pushed, here, modes, extra,
-                run.report,
-            )  # fmt: skip
+        for k, solution in enumerate(stationary(run, reducible=n.nddof > LARGE)):
+            C, d = None, solution.dynamics
+            if solution.tangent is not None:
+                if tangents is None or tangents.dynamics is not d:
+                    tangents = DriveTangents.of(d, side.row, move.deformation)
+                tangents.at(solution.tangent.sigma)
+                found = large_station(solution.frame, tangents, not move.pushed, here, modes, extra, run.report)
+                if turned is not None:
+                    C = node_compliance_of(tangents, solution.frame, turned, run.report)
+            else:
+                assert solution.L is not None
+                found = station(
+                    solution.frame, d, solution.L, side.drive, not move.pushed, here, modes, extra, run.report
+                )
+                if turned is not None:
+                    C = free_compliance(solution.frame, solution.L, n.dynamic, turned, run.report)
             turning = 0.0
-            if move.pushed and at_drive is not None:
-                axis = at_drive.names.index(f"phi{move.text[-1]}")
-                C = free_compliance(solution.frame, solution.L, n.dynamic, at_drive, run.report)
+            if turned is not None and C is not None:
+                axis = turned.names.index(f"phi{move.text[-1]}")
                 turning = float(C[axis, axis])
             side.add(found, end * k / count, turning)
     return side

@@ -72,7 +72,7 @@ def station(
     D = node.map(frame.x) @ L.G[node.rows]
     try:
         follow = -displacements(K[np.ix_(others, others)], K[others, drive][:, None])[:, 0]
-        locked = _rigid(compliance_of(K[np.ix_(others, others)], D[:, others]), D[:, others], D, node.points)
+        locked = without_still(compliance_of(K[np.ix_(others, others)], D[:, others]), D[:, others], D, node.points)
     except AnalysisError as error:
         report.add(f"warning: with the drive locked {error}")
         follow, locked = np.full(len(others), np.nan), np.full((len(D), len(D)), np.nan)
@@ -83,9 +83,9 @@ def station(
     hertz_free, shapes = _frequencies(L, dynamics, every, report)
     drive_hertz, unwanted = _split(hertz_free, shapes, L.m0[np.ix_(every, every)], path)
     return Station(
-        frame, slope, D[:, every] @ path, locked, free, _first(hertz, modes), _first(hertz_free, modes), drive_hertz,
-        unwanted, _margin(L, dynamics, others, report), _margin(L, dynamics, every, report),
-        *_extra(L, dynamics, others, every, held, extra, report), _strain_energy(dynamics),
+        frame, slope, D[:, every] @ path, locked, free, first_of(hertz, modes), first_of(hertz_free, modes),
+        drive_hertz, unwanted, _margin(L, dynamics, others, report), _margin(L, dynamics, every, report),
+        *_extra(L, dynamics, others, every, held, extra, report), strain_energy(dynamics),
     )  # fmt: skip
 
 
@@ -93,13 +93,13 @@ def free_compliance(frame: Frame, L: Linearization, rows: Index, node: ObservedN
     """(m, m) compliance of a node with the degrees of freedom `rows` free; nan where the stiffness is singular."""
     D = node.map(frame.x) @ L.G[node.rows]
     try:
-        return _rigid(compliance_of(L.stiffness[np.ix_(rows, rows)], D[:, rows]), D[:, rows], D, node.points)
+        return without_still(compliance_of(L.stiffness[np.ix_(rows, rows)], D[:, rows]), D[:, rows], D, node.points)
     except AnalysisError as error:
         report.add(f"warning: with the drive free {error}")
         return np.full((len(D), len(D)), np.nan)
 
 
-def _rigid(C: Array, D: Array, every: Array, points: int) -> Array:
+def without_still(C: Array, D: Array, every: Array, points: int) -> Array:
     """C without the rounding of directions that nothing moves: their rows and columns are zero."""
     size = np.abs(D).max(axis=1, initial=0.0)
     largest = np.abs(every).max(axis=1, initial=0.0)
@@ -115,6 +115,9 @@ def _frequencies(L: Linearization, dynamics: Dynamics, rows: Index, report: Repo
     """Frequencies [Hz] from low to high, unstable ones negative, and shapes (len(rows), n). None without mass."""
     none = np.zeros(0), np.zeros((len(rows), 0))
     if not len(rows):
+        return none
+    if _massless(L.m0[np.ix_(rows, rows)]):
+        report.add("warning: no frequencies: the mass matrix is not positive definite; a motion carries no mass")
         return none
     undamped = replace(L, c0=np.zeros_like(L.c0), d0=np.zeros_like(L.d0))
     told = Report()
@@ -133,6 +136,14 @@ def _frequencies(L: Linearization, dynamics: Dynamics, rows: Index, report: Repo
     return hertz[order], found.vectors[: len(rows), chosen[order]].real
 
 
+def _massless(M: Array) -> bool:
+    """Is the mass matrix singular to rounding, beside degrees of freedom without any mass?"""
+    M = M[M.any(axis=1)][:, M.any(axis=0)]
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(M), np.finfo(float).tiny))
+    values = np.linalg.eigvalsh(M * np.outer(scale, scale))
+    return bool(values.min(initial=np.inf) <= np.finfo(float).eps * len(M) * values.max(initial=0.0))
+
+
 def _split(hertz: Array, shapes: Array, M: Array, path: Array) -> tuple[float, float]:
     """Frequency of the mode that is the motion of the drive, and the lowest of the others."""
     if not len(hertz) or not np.isfinite(path).all():
@@ -144,7 +155,7 @@ def _split(hertz: Array, shapes: Array, M: Array, path: Array) -> tuple[float, f
     return float(hertz[k]), float(rest[0]) if len(rest) else np.nan
 
 
-def _first(hertz: Array, n: int) -> Array:
+def first_of(hertz: Array, n: int) -> Array:
     return np.pad(hertz[:n], (0, max(0, n - len(hertz))), constant_values=np.nan)
 
 
@@ -185,7 +196,7 @@ def _extra(
     return found[0], found[1]
 
 
-def _strain_energy(dynamics: Dynamics) -> float:
+def strain_energy(dynamics: Dynamics) -> float:
     """e^T S e/2 + sigma0^T e of the elements whose deformations are free."""
     law, e = dynamics.law, dynamics.sweep.e
     return 0.5 * float(e @ (law(e, np.zeros(len(e))) + law.preload))

@@ -44,7 +44,7 @@ def linearize(eq: DerivedEquations, values: dict[str, float], point: dict[str, f
     ):
         raise UsageError("M0, C0, K0 need every speed to be the derivative of its coordinate")
     program = make_program(eq, {})
-    f = program.function(values)
+    f = program.function(values, jacobian=True)
     names = [str(s.func) for s in (*eq.coordinates, *eq.speeds)]
     y = [float(point.get(name, 0.0)) for name in names]
     n = len(eq.speeds)

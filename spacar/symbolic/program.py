@@ -36,7 +36,7 @@ class EquationProgram(OrderedProgram):
     def function(
         self,
         values: dict[str, float],
-        jacobian: bool = True,
+        jacobian: bool = False,
         feeds: Mapping[str, Callable[..., float]] | None = None,
     ) -> Any:
         """f(t, y) -> ẏ and f.jac(t, y) in Python for parameter values; see `simulated_motion.py`."""

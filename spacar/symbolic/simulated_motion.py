@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -88,17 +89,34 @@ def check_feeds(program: OrderedProgram, feeds: Mapping[str, Callable[..., float
 def make_function(
     program: OrderedProgram,
     values: Mapping[str, float],
-    jacobian: bool = True,
+    jacobian: bool = False,
     feeds: Mapping[str, Callable[..., float]] | None = None,
 ) -> Any:
-    """The generated Python right-hand side f(t, y) for parameter values, with f.jac, f.inputs, f.outputs, f.accel."""
+    """The generated Python right-hand side f(t, y) for parameter values, with f.jac, f.inputs, f.outputs, f.accel.
+
+    The Jacobian takes most of the time: it is derived at once where `jacobian` says that it will be needed, otherwise
+    by the first call of f.jac.
+    """
     numbers = check_values(program, values)
     check_feeds(program, feeds)
+    rhs, jac = generated(program, jacobian)(numbers, feeds)
+
+    def derived(t: float, y: Sequence[float]) -> np.ndarray:
+        rhs.jac = generated(program, True)(numbers, feeds)[1]
+        found: np.ndarray = rhs.jac(t, y)
+        return found
+
+    rhs.jac = jac or derived
+    return rhs
+
+
+@lru_cache(maxsize=32)
+def generated(program: OrderedProgram, jacobian: bool) -> Callable[..., Any]:
+    """`make_rhs` of the generated Python: the text does not depend on the parameter values."""
     space: dict[str, Any] = {}
     exec(compile(emit(program, "python", jacobian, headed=False), "<equations of motion>", "exec"), space)
-    rhs, jac = space["make_rhs"](numbers, feeds)
-    rhs.jac = jac
-    return rhs
+    made: Callable[..., Any] = space["make_rhs"]
+    return made
 
 
 def simulate(

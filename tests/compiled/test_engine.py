@@ -1,6 +1,7 @@
 """How the engine is built, loaded, chosen and switched off; what log and JSON say of it."""
 
 import importlib.util
+import io
 import json
 import os
 import shutil
@@ -9,6 +10,8 @@ import sys
 from pathlib import Path
 
 import pytest
+from spacar_cli.environment import Environment
+from spacar_cli.main import main
 
 import spacar
 from spacar.compiled import library, why_general
@@ -135,12 +138,15 @@ def test_a_library_of_other_element_definitions_is_not_used(elsewhere):
 
 @here
 def test_log_and_json_say_which_engine_and_why(tmp_path, monkeypatch):
-    program = [str(Path(sys.executable).parent / "spacar"), "1", str(DATA / "crank.dat"), "-o", str(tmp_path), "--json"]
+    program = ["1", str(DATA / "crank.dat"), "-o", str(tmp_path), "--json", "--steps", "2"]
 
     def engine(*words, **variables):
-        environment = {k: v for k, v in os.environ.items() if k != library.GENERAL} | variables
-        done = subprocess.run([*program, *words], env=environment, capture_output=True, text=True, check=True)
-        said = json.loads(done.stdout)
+        out, err = io.StringIO(), io.StringIO()
+        monkeypatch.delenv(library.GENERAL, raising=False)
+        for name, value in variables.items():
+            monkeypatch.setenv(name, value)
+        assert main([*program, *words], Environment(io.StringIO(), out, err, os.environ)) == 0, err.getvalue()
+        said = json.loads(out.getvalue())
         assert f"Engine: {said['engine']} ({said['engine_note']})" in (tmp_path / "crank.log").read_text()
         return said["engine"], said["engine_note"]
 

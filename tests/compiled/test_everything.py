@@ -91,18 +91,57 @@ def test_constant_moments() -> None:
     assert compiled.model.loads.moment_rows.size
 
 
-@pytest.mark.parametrize("spatial", [False, True])
-def test_tubes_with_flow(spatial: bool) -> None:
-    em = ("EM", 1, 0.3, 0.2, 0.5, 1.1, 2.0)
-    if spatial:
-        rows = [("TUBE", 1, 1, 2, 3, 4, 0.0, 1.0, 0.0), ("X", 3, 1.0), ("FIX", 1), ("FIX", 2)]
-        rows += [("DYNE", 1, 3, 4, 5, 6)]
-        dynamics = [em, ("ESTIFF", 1, 0.0, 2.0, 4.0, 5.0)]
-    else:
-        rows = [("PLTUBE", 1, 1, 2, 3, 4), ("X", 3, 1.0), ("FIX", 1), ("FIX", 2), ("DYNE", 1, 2, 3)]
-        dynamics = [em, ("ESTIFF", 1, 0.0, 5.0)]
-    compiled = same(mechanism(rows, dynamics), 1e-1)
-    assert without_form(compiled.model.mechanism) or compiled.solver.slots.foreign == {}
+PIPE = ("EM", 1, 0.3, 0.2, 0.5, 1.1)
+PLANAR = [("X", 3, 1.0), ("FIX", 1), ("FIX", 2), ("DYNE", 1, 2, 3)]
+SPATIAL = [("X", 3, 1.0), ("FIX", 1), ("FIX", 2), ("DYNE", 1, *range(1, 7))]
+SECTION = (0.02, 0.01, 0.03)  # inertia about the axes
+CURVED = ("ORTUBE", 1, 0.9, 0.1, 0.3, 0.8, 0.2, -0.3, 0.1, 1.0, 0.2)
+ROLLING = [("X", 1, 0.0, 0.0, 0.5), ("X", 3, 0.0, 0.0, 0.0), ("DYNX", 1, 2), ("DYNX", 2, 2, 3, 4), ("KINX", 1, 1)]
+
+
+@pytest.mark.parametrize("angle", [False, True])
+@pytest.mark.parametrize("end", [0, 1, 2, 3])
+@pytest.mark.parametrize("rows", [
+    [("PLTUBE", 1, 1, 2, 3, 4, 0.2, -0.1), *PLANAR],
+    [("TUBE", 1, 1, 2, 3, 4, 0.0, 1.0, 0.0), *SPATIAL],
+    [("TUBE", 1, 1, 2, 3, 4, 0.0, 1.0, 0.0), CURVED, *SPATIAL],
+], ids=["planar", "spatial", "curved"])  # fmt: skip
+def test_tubes_with_flow(rows: list[tuple], end: int, angle: bool) -> None:
+    planar = rows[0][0] == "PLTUBE"
+    law = [(*PIPE, end, *SECTION[: 1 if planar else 3]), ("ESTIFF", 1, 6.0, 5.0, 4.0, 3.0)[: 4 if planar else 6]]
+    whole = mechanism([*rows, *[("ADEFORM",)] * angle], law)
+    assert without_form(whole) == []
+    same(whole, 3e-2)
+
+
+def test_torus_wheel_with_slips() -> None:
+    """Rolling and skidding: the lateral slip is released and damped."""
+    rows = [("TWHEEL", 1, 1, 2, 3, 0.5, 0.1, 0.0, 1.0, 0.0), *ROLLING, ("RLSE", 1, 6)]
+    law = [("XM", 1, 2.0), ("XM", 2, 0.1, 0.0, 0.0, 0.2, 0.0, 0.1), ("XF", 1, 1.0, 2.0)]
+    law.append(("EDAMP", 1, 0, 0, 0, 0, 0, 0.3))
+    whole = mechanism(rows, law)
+    assert without_form(whole) == []
+    same(whole)
+
+
+def test_screws_and_belts_count_turns() -> None:
+    """In steps of 0.7 rad to more than two turns: a nut on its screw, and a planet around a wheel that stands still."""
+    screw = [("SCREW", 1, 1, 2, 3, 4, 1.0, 0.0, 0.0, 0.05), ("FIX", 1), ("FIX", 2), ("DYNE", 1, 1)]
+    belt = [("PLBELT", 1, 1, 2, 3, 4, 0.3, -0.1), ("PLRBEAM", 2, 1, 5, 3), ("X", 3, 0.5), ("FIX", 1), ("FIX", 2)]
+    nut, wheel = [("XM", 3, 1.0), ("XM", 4, 0.1, 0, 0, 0.1, 0, 0.1)], [("XM", 3, 1.0), ("XM", 4, 0.1)]
+    models = [(mechanism(screw, nut), 3, 0.05), (mechanism([*belt, ("DYNX", 5, 1)], wheel), 4, (0.3 + 0.1) / 0.1)]
+    for model, node, ratio in models:
+        general, compiled = Dynamics(model), CompiledDynamics(model)
+        for evaluator in (general, compiled):
+            evaluator.start()
+        compiled._in_general = None
+        place = model.numbering.lnp[node - 1, 0] - 1
+        for k in range(22):
+            y = np.array([0.7 * k, 1.0])
+            a, b = general.frame(0.1 * k, y), compiled.frame(0.1 * k, y)
+            for name in ("x", "e", "edd", "sig"):
+                np.testing.assert_allclose(getattr(b, name), getattr(a, name), atol=1e-11)
+            assert b.x[place] == pytest.approx(ratio * y[0], abs=1e-12)
 
 
 USER = "import math\ndef push(t, ne, le, e, ep, nx, lnp, x, xp):\n"

@@ -94,7 +94,7 @@ def test_examples(name, code, one_by_one):
     same(DATA / f"{name}.dat", one_by_one, 1e-8, integrator=code)
 
 
-@pytest.mark.parametrize("code", [0, 853])
+@pytest.mark.parametrize("code", [0, pytest.param(853, marks=pytest.mark.slow)])
 def test_a_screw(code, one_by_one):
     """Python evaluates it; ERROR is 1e-4."""
     same(DATA / "screw.dat", one_by_one, 1e-3, alike=True, integrator=code)

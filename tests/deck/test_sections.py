@@ -221,6 +221,28 @@ def test_wrong_input(line, sentence):
     assert found[0].line >= 8
 
 
+ONE_SENTENCE = [
+    ("SECTION bad RECT 50", "SECTION bad: 1 numbers for a rectangle"),
+    ("SECTION bad RECT 50 abc", "'abc' is not a number"),
+    ("SECTION bad RECT -50 1", "w along y' of a rectangle is -50; it must be positive"),
+    ("SECTION bad TUBE 5 3", "wall 3 mm, twice as thick as the tube is wide (5 mm)"),
+    ("SECTION bad RECTHOL 5 3 6 2", "the hole 6 x 2 mm does not fit into 5 x 3 mm"),
+    ("SECTION bad I 1 2 3 0.5", "web 3 mm thicker than the flanges are wide (1 mm)"),
+    ("SECTION bad CIRC 1\nMATERIAL steel 2e5", "MATERIAL steel: too few arguments"),
+    ("SECTION bad CIRC 1\nMATERIAL steel -1. 0.3", "Young's modulus"),
+]
+
+
+@pytest.mark.parametrize(("lines", "sentence"), ONE_SENTENCE, ids=[w[0].replace("\n", " ") for w in ONE_SENTENCE])
+def test_a_wrong_section_is_told_once_and_in_the_unit_of_the_file(lines, sentence):
+    """The BEAMSEC that names it says nothing more."""
+    text = f"UNITS mm\n{lines}\nBEAMSEC 1 bad steel\nPLBEAM 1 1 2 3 4\nX 3 5. 0.\nFIX 1\nFIX 2\nDYNE 1\nEND HALT\n"
+    with pytest.raises(InputError) as caught:
+        parse_deck(f"{text}XM 3 1.\nEND END\n", "model.dat")
+    assert [str(m) for m in caught.value.messages if sentence in str(m)]
+    assert len(caught.value.messages) == 1, [str(m) for m in caught.value.messages]
+
+
 def test_bending_modes_of_one_pair_have_one_class():
     text = BASE.replace("DYNE 1", "DYNE 1 3") + "BEAMSEC 1 leaf steel 2\nEND END\n"
     with pytest.raises(InputError, match=r"modes 3 and 4 are of different classes \(DYNE, fixed\)"):

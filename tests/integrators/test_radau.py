@@ -207,7 +207,7 @@ def test_failing_iteration_says_where_how_far_and_what_to_do(code):
 
     class Noisy(Pendulum):
         def rhs(self, t, y):
-            return super().rhs(t, y) + 1e12 * random.standard_normal(2)
+            return super().rhs(t, y) + 1e24 * random.standard_normal(2)
 
         def component_name(self, i):
             return ("angle", "rate of the angle")[i]

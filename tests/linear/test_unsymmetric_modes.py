@@ -35,7 +35,7 @@ def exact(M: np.ndarray, C: np.ndarray, K: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.02])
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(k, marks=pytest.mark.slow) for k in (2, 3, 4))])
 def test_every_mode_of_a_stiffness_over_ten_decades(seed: int, damping: float) -> None:
     """Half of the decades from either end: eps 1e10 / 1e5, and some for the coupling."""
     M, C, K = pencil(seed, damping)
@@ -63,7 +63,9 @@ def eigenvalue_near(K: np.ndarray, M: np.ndarray, w: float) -> float:
     with mp.workdps(40):
         A, B, value = mp.matrix(K.tolist()), mp.matrix(M.tolist()), mp.mpf(w)
         x, y = mp.ones(len(K), 1), mp.ones(len(K), 1)
-        for _ in range(4):
+        before = mp.mpf(0)
+        while abs(value - before) > mp.mpf(10) ** -15 * abs(value):  # cubic: the last step leaves far less
+            before = value
             near = A - value * (1 + mp.mpf(10) ** -30) * B
             x, y = mp.lu_solve(near, B * x), mp.lu_solve(near.T, B.T * y)
             x, y = x / mp.norm(x), y / mp.norm(y)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import os
+import re
 import resource
 import signal
 import stat
@@ -33,7 +34,8 @@ ALLOWED = {
 
 def writers(path):
     """Lines of calls that write files."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    text = path.read_text(encoding="utf-8")
+    for node in ast.walk(ast.parse(text)) if re.search(rf"\b({'|'.join(WRITES)}|open)\s*\(", text) else ():
         if not isinstance(node, ast.Call):
             continue
         function = node.func

@@ -34,13 +34,17 @@ def folder(tmp_path_factory):
 
 
 def test_closed_loop_from_the_model_file(folder, monkeypatch):
-    status, out, err = run(folder, monkeypatch, "sim", "robotsim")
+    """The first third of the motion; `test_robot.py` follows the whole of it."""
+    text = (folder / "robotsim.sim").read_text()
+    assert "time = 1.5" in text
+    (folder / "short.sim").write_text(text.replace("time = 1.5", "time = 0.5"))
+    status, out, err = run(folder, monkeypatch, "sim", "short")
     assert (status, err) == (0, "")
-    assert "151 times" in out
-    found = np.load(folder / "robotsim_sim.npz")
+    assert "51 times" in out
+    found = np.load(folder / "short_sim.npz")
     reference = found["y0"][:, 9:12]
     assert np.linalg.norm(found["robot"][:, 9:12] - reference, axis=1).max() < 1e-3
-    assert "block robot (Spasim): 3 inputs, 15 outputs, 6 states" in (folder / "robotsim_sim.log").read_text()
+    assert "block robot (Spasim): 3 inputs, 15 outputs, 6 states" in (folder / "short_sim.log").read_text()
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,7 @@ def column(n: int, spatial: bool) -> str:
         nodes = f"{2 * k - 1} {2 * k} {2 * k + 1} {2 * k + 2}"
         lines += [f"BEAM {k} {nodes} 0 0 1" if spatial else f"PLBEAM {k} {nodes}", f"DYNE {k}"]
         more = f" {EI!r} {EI!r} {10 * EI!r} 0 0" if spatial else f" {EI!r}"
-        stiff.append(f"ESTIFF {k} {models.EA!r}" + more)
+        stiff += [f"ESTIFF {k} {models.EA!r}" + more, f"EM {k} 0.2" + " 1e-6 5e-7 5e-7" * spatial]
     return "\n".join([*lines, "FIX 1", "FIX 2", "END", "HALT", *stiff, f"XM {2 * n + 1} 0.1", "END", "END"]) + "\n"
 
 

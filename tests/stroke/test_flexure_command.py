@@ -16,6 +16,7 @@ from spacar_cli.environment import Environment
 from spacar_cli.main import main
 
 import spacar
+from spacar.deck import parse_deck
 
 DATA = Path(__file__).parents[2] / "data"
 
@@ -165,3 +166,26 @@ def test_a_model_without_mass_has_no_frequencies():
     assert np.isnan(study.frequencies).all()
     assert any(line.startswith("no frequencies") for line in study.warnings)
     assert study.drive_stiffness == pytest.approx(2625.0, rel=1e-3)
+
+
+def test_loads_on_one_node_add_up(tmp_path):
+    """Two --load on a node, and one on a node that the file loads: the sum, not a second statement."""
+    loaded = models.two_leaves(models.GUIDE, 3, dynamics=("XF 9 0 -10",))
+    plain = models.two_leaves(models.GUIDE, 3)
+    one, two, three = (
+        spacar.flexure(parse_deck(text), move="9x=0.002", steps=1, loads=loads).table()
+        for text, loads in ((plain, ["9y=-25"]), (plain, ["9y=-10", "9y=-15"]), (loaded, ["9y=-15"]))
+    )
+    for name, values in one.items():
+        assert two[name] == pytest.approx(values, rel=1e-9, abs=1e-12, nan_ok=True), name
+        assert three[name] == pytest.approx(values, rel=1e-6, abs=1e-9, nan_ok=True), name
+
+
+def test_a_singular_mass_matrix_is_told(capsys):
+    """Of three translations one mass gives six frequencies no value: rounding is no frequency."""
+    lines = ["BEAM 1 1 2 3 4 0 0 1", "BEAM 2 3 4 5 6 0 0 1", "X 1 0 0 0", "X 3 0 0.1 0", "X 5 0 0.2 0"]
+    lines += ["FIX 1", "FIX 2", "DYNE 1", "DYNE 2", "END", "HALT", "XM 5 1"]
+    lines += [f"ESTIFF {k} 1e6 1 1 10 0 0" for k in (1, 2)]
+    study = spacar.flexure(parse_deck("\n".join([*lines, "END", "END"])), force="6rz=0.05", steps=1)
+    assert any("no frequencies" in line for line in study.warnings)
+    assert np.isnan(study.frequencies).all()

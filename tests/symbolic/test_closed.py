@@ -199,7 +199,8 @@ BEAMS = [
 
 
 def is_slow(kind, spatial, shortening, strategy):
-    return (spatial and strategy == "held") or ((spatial or shortening) and kind not in ("close", "knife"))
+    few = ("close",) if shortening else ("close", "knife")
+    return (spatial and strategy == "held") or ((spatial or shortening) and kind not in few)
 
 
 @pytest.mark.parametrize(("spatial", "shortening", "strategy", "kind"), [

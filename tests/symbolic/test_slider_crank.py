@@ -33,6 +33,7 @@ def driven():
     return model, eq, simulate(model, program, model.start, t_end=0.1, steps=100, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_the_model_is_right_and_closed(driven):
     _, eq, run = driven
     check = eq.check()

@@ -109,7 +109,7 @@ def _keyword(keyword: Keyword) -> Iterator[str]:
         yield f"  also written {', '.join(keyword.aliases)}"
     for variant in keyword.variants:
         yield ""
-        yield f"  {_scope(variant)}{alternatives(variant.counts)} arguments"
+        yield f"  {_scope(variant)}{alternatives(variant.counts)} argument{'s' * (set(variant.counts) != {1})}"
         width = max(len(p.text) for p in variant.parameters)
         for position, p in enumerate(variant.parameters, 1):
             default = "" if p.default is None else f"  default {p.default:g}"

@@ -1,0 +1,208 @@
+"""Lowest load multipliers of large systems at rest, without dense matrices (theory-system.md 6.2, 6.5).
+
+    all loads      op = -K_S^-1 G,  theta = 1/lambda, K_S = V^T S V, G = Hs(sigma) + load; where K_S is singular,
+                   op = -(K_S + s G)^-1 G, theta = 1/(lambda - s)
+    an extra load  op = -K^-1 G1, K = K_S + G of the present state, G1 of the stresses s1 of the extra load alone
+
+Unknowns a inside elements (`spacar.linear.internal_unknowns`) stand beside the coordinates: z = (x, b), with b = a
+sqrt(k/size), so that their stiffness has the size of the others. In the shifted problem they are left out, which is
+said. Doubtful pairs as in `spacar.linear.lowest`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from spacar.arrays import Array, Index
+from spacar.errors import AnalysisError, Report
+from spacar.linear import backward_error
+from spacar.linear.buckling import SINGULAR_K0, BucklingModes, order_of
+from spacar.linear.internal_unknowns import element_unknowns
+from spacar.linear.lowest import (
+    LOADING,
+    WANTED,
+    degrees_of_freedom_of,
+    is_symmetric_loading,
+    lost_pairs,
+    rayleigh,
+    start_block,
+)
+from spacar.linear.subspace import NOTHING, SUFFICIENT, dominant, real_vectors
+from spacar.linear_systems import LinearSystem, SingularMatrixError
+from spacar.stationary.tangent import STATIC, SparseTangent
+
+SHIFTS = (1e-2, 0.3, 1.0)  # of the present load: no multiplier of interest
+NO_TWIST_GRADIENT = (
+    "warning: the stiffness K0 is singular: these load multipliers leave out the twist gradient of beams in the angle"
+    " measure, so they converge with order 2 in the length of the elements; MODES 0 asks for the dense matrices, that"
+    " contain it"
+)
+
+
+def lowest_buckling(tangent: SparseTangent, report: Report, wanted: int = WANTED) -> BucklingModes:
+    """The `wanted` load multipliers of smallest modulus. Raises AnalysisError when K0 and G0 are singular
+    together."""
+    if not any(tangent.parts[k].values().any() for k in LOADING):
+        return BucklingModes(np.zeros(0), np.zeros((tangent.dynamics.numbering.nddof, 0)))
+    unknowns = _Unknowns(tangent, tangent.sigma)
+    shift = 0.0
+    try:
+        system = tangent.factor({})
+    except SingularMatrixError:
+        if unknowns.m:
+            report.add(NO_TWIST_GRADIENT)
+            unknowns = _Unknowns(tangent, None)
+        shift, system = _shifted(tangent)
+        report.add(SINGULAR_K0)
+    G, coupling = tangent.assembled(LOADING), unknowns.coupling
+
+    def loading(z: Array) -> Array:
+        return _bordered(tangent, G, unknowns, coupling, z)
+
+    def solve(force: Array) -> Array:
+        x, b = unknowns.split(force)
+        return np.vstack((tangent.displacement(system, x), b / unknowns.size))
+
+    return _modes(tangent, unknowns, solve, loading, is_symmetric_loading(tangent), shift, wanted, report)
+
+
+def lowest_extra_load(
+    tangent: SparseTangent, s1: Array, moments: tuple[Index, Index, Array], report: Report, wanted: int = WANTED
+) -> BucklingModes:
+    """The `wanted` multipliers of smallest modulus of an extra load beside all present ones.
+
+    s1 (ne,) the stresses that it adds; moments: rows, columns, values of the gradient -df/dx of its moments
+    Unknowns inside elements that have a rigid deformation are left out. Raises SingularMatrixError at a critical state.
+    """
+    from scipy.sparse import coo_array
+
+    sigma, place = tangent.sigma, tangent.place
+    system = tangent.factor(STATIC)
+    present, added = _Unknowns(tangent, sigma, s1, True), _Unknowns(tangent, s1, sigma, True)
+    tangent.sigma = s1
+    G = tangent.assembled(("geometric",))
+    tangent.sigma = sigma
+    rows, columns = place[moments[0]], place[moments[1]]
+    keep = (rows >= 0) & (columns >= 0)
+    own = coo_array((moments[2][keep], (rows[keep], columns[keep])), G.shape).tocsr()
+    G = G + own
+
+    def loading(z: Array) -> Array:
+        return _bordered(tangent, G, added, added.coupling, z)
+
+    def solve(force: Array) -> Array:
+        """[K + c0 c0^T/k, c0; c0^T, k]: without b, K is left, which has them eliminated."""
+        fx, fb = present.split(force)
+        x = tangent.displacement(system, fx - present.push(present.coupling, fb) / present.size)
+        return np.vstack((x, (fb - present.pull(present.coupling, x)) / present.size))
+
+    symmetric = is_symmetric_loading(tangent) and not len(moments[2])
+    return _modes(tangent, added, solve, loading, symmetric, 0.0, wanted, report)
+
+
+class _Unknowns:
+    """b (m,) beside the coordinates: `coupling` (nf, m) [c sqrt(size/k)], their stiffness `size`, `part` (m,): 1 where
+    eliminated. `eliminated`: only these."""
+
+    def __init__(
+        self, tangent: SparseTangent, sigma: Array | None, other: Array | None = None, eliminated: bool = False
+    ) -> None:
+        from scipy.sparse import csr_array, hstack
+
+        self.nx, self.F, self.size = tangent.dynamics.numbering.nx, tangent.F, tangent.flexibility.size
+        found = [] if sigma is None else element_unknowns(tangent.dynamics, sigma, other)
+        blocks, parts = [csr_array((tangent.nf, 0))], [np.zeros(0)]
+        for u in found:
+            keep = np.flatnonzero(u.eliminated) if eliminated else np.arange(len(u.stiffness))
+            if len(keep):
+                c = u.coupling[:, keep] * np.sqrt(self.size / u.stiffness[keep])
+                blocks.append(_columns(tangent, u.rows[:, keep], c))
+                parts.append(u.eliminated[keep].astype(float))
+        self.coupling, self.part = hstack(blocks, format="csr"), np.concatenate(parts)
+        self.m = len(self.part)
+
+    def split(self, z: Array) -> tuple[Array, Array]:
+        return z[: self.nx], z[self.nx :]
+
+    def push(self, c: Any, b: Array) -> Array:
+        """c b, over all coordinates."""
+        out = np.zeros((self.nx, *b.shape[1:]), b.dtype)
+        out[self.F] = c @ b
+        return out
+
+    def pull(self, c: Any, x: Array) -> Array:
+        """c^T x."""
+        return np.asarray(c.T @ x[self.F])
+
+
+def _columns(tangent: SparseTangent, rows: Index, values: Array) -> Any:
+    """(nf, m) with a column for every element."""
+    from scipy.sparse import coo_array
+
+    i, j = tangent.place[rows], np.broadcast_to(np.arange(rows.shape[1]), rows.shape)
+    keep = i >= 0
+    return coo_array((values[keep], (i[keep], j[keep])), (tangent.nf, rows.shape[1])).tocsr()
+
+
+def _bordered(tangent: SparseTangent, G: Any, unknowns: _Unknowns, c: Any, z: Array) -> Array:
+    """[G + c part c^T/size, c; c^T, 0] z."""
+    x, b = unknowns.split(z)
+    pulled = unknowns.pull(c, x)
+    force = unknowns.push(c, unknowns.part[:, None] * pulled / unknowns.size + b)
+    force[tangent.F] += G @ x[tangent.F]
+    return np.vstack((force, pulled))
+
+
+def _modes(
+    tangent: SparseTangent, unknowns: _Unknowns, solve: Callable[[Array], Array], loading: Callable[[Array], Array],
+    symmetric: bool, shift: float, wanted: int, report: Report,
+) -> BucklingModes:  # fmt: skip
+    wanted = min(wanted, tangent.dynamics.numbering.nddof)
+
+    def operator(z: Array) -> Array:
+        return -solve(loading(z))
+
+    start = start_block(tangent, wanted)
+    start = np.vstack((start, np.zeros((unknowns.m, start.shape[1]))))
+    values, vectors = dominant(operator, operator(start), wanted)
+    if symmetric:
+        z = real_vectors(values, vectors)
+        theta = rayleigh(z, loading(z), operator(z))
+    else:
+        # a double value is known to half of the digits
+        real = np.abs(values.imag) <= np.sqrt(backward_error.rounding(len(vectors))) * np.abs(values)
+        theta, z = values[real].real, vectors[:, real].real
+    with np.errstate(divide="ignore"):
+        multipliers = shift + 1.0 / theta
+    lost = lost_pairs(operator, theta, z, multipliers, "load multipliers", report)
+    theta[lost], z[:, lost] = np.nan, np.nan
+    infinite = np.abs(theta) <= NOTHING * np.max(np.abs(theta[~lost]), initial=0.0)
+    theta, x = theta[~infinite], z[: unknowns.nx, ~infinite]
+    multipliers = shift + 1.0 / theta
+    # the residual that counts as converged, of the shift
+    multipliers[np.abs(multipliers) <= SUFFICIENT * shift] = 0.0
+    unknown = np.isnan(multipliers)
+    known = np.flatnonzero(~unknown)
+    order = np.concatenate((known[order_of(multipliers[known])], np.flatnonzero(unknown)))
+    x = x[:, order]
+    modes = degrees_of_freedom_of(tangent, x)
+    size = np.linalg.norm(modes, axis=0)
+    size = np.where(size > 0.0, size, 1.0)
+    return BucklingModes(multipliers[order], modes / size, x / size)
+
+
+def _shifted(tangent: SparseTangent) -> tuple[float, LinearSystem]:
+    """K0 + s G0 for K0 singular, and s > 0: (K0 + s G0) v = -(lambda - s) G0 v. Raises AnalysisError."""
+    for shift in SHIFTS:
+        try:
+            return shift, tangent.factor(dict.fromkeys(LOADING, shift))
+        except SingularMatrixError:
+            continue
+    raise AnalysisError(
+        "K0 and G0 have a common null vector: a motion without stiffness and without geometric stiffness; support or"
+        " prescribe it before buckling is asked for",
+        "buckling.singular",
+    )

@@ -1,0 +1,75 @@
+"""Large models: the sparse path gives the numbers of the dense one, whatever the drive; and it is fast."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import stroke_models as models
+from test_extra_load import column
+
+import spacar
+from spacar.deck import parse_deck, read_deck
+from spacar.linear import linear_modes
+from spacar.stroke import range_of_motion
+
+DATA = Path(__file__).parents[2] / "data"
+GUIDE = models.two_leaves(models.GUIDE, 5)
+PAYLOAD = {"loads": ["9y=-20"], "extra": ["9y=-4"]}
+CASES = {
+    "move": (GUIDE, {"move": "9x=+-0.004", "steps": 2} | PAYLOAD),
+    "force": (GUIDE, {"force": "9x=20", "steps": 2} | PAYLOAD),
+    "deformation": (GUIDE, {"move": "e[3,2]=0.0005", "steps": 1, "node": 9} | PAYLOAD),
+    "planar rotation": (models.two_leaves(models.CROSS, 4), {"move": "6r=0.05", "steps": 1}),
+    "spatial": (
+        column(6, True), {"move": "13x=0.002", "steps": 1, "loads": ["13y=-2", "14rz=0.01"], "extra": ["14rx=0.1"]},
+    ),
+    "spatial angle": (
+        column(6, True),
+        {"move": "13x=0.002", "steps": 1, "loads": ["13y=-2", "13z=1"], "extra": ["13z=2"], "beams": "angle"},
+    ),
+    "spatial moment": (column(6, True), {"force": "14rz=0.05", "steps": 1, "extra": ["13y=-2"]}),
+    "warping": (DATA / "crosshingew.dat", {"move": "8rz=0.05", "steps": 1, "extra": ["7y=-1"]}),
+    "published": (DATA / "published" / "leafspring_guide.dat", {"steps": 1}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_same_numbers_without_dense_matrices(name, monkeypatch):
+    """Every column. What the dense matrices lose is up to cond^2 eps, of the place of a far pole more."""
+    source, asked = CASES[name]
+    deck = parse_deck(source) if isinstance(source, str) else read_deck(source, 10)
+    dense = spacar.flexure(deck, **asked)
+    calls = []
+    inner = range_of_motion.large_station
+    for module in (linear_modes, range_of_motion):
+        monkeypatch.setattr(module, "LARGE", 3)
+    monkeypatch.setattr(range_of_motion, "large_station", lambda *a: calls.append(1) or inner(*a))
+    sparse = spacar.flexure(deck, **asked)
+    assert len(calls) >= len(sparse)
+    theirs = dense.table()
+    for column_, values in sparse.table().items():
+        expected = theirs[column_]
+        assert (np.isfinite(values) == np.isfinite(expected)).all(), column_
+        known = np.isfinite(expected)
+        size = np.abs(expected[known]).max(initial=0.0)
+        limit = 1e-6 if "pivot" in column_ or "pole" in column_ else 2e-7
+        np.testing.assert_allclose(values[known], expected[known], rtol=limit, atol=limit * size, err_msg=column_)
+    C = dense.compliance()
+    np.testing.assert_allclose(sparse.compliance(), C, rtol=1e-6, atol=1e-7 * np.abs(C).max())
+
+
+@pytest.mark.slow
+def test_a_thousand_elements_take_seconds():
+    """24 EI/L^3 and 2 pi^2 EI/L^2; Awtar's support stiffness, 0.2 % too high at 0.04 L."""
+    deck = parse_deck(models.two_leaves(models.GUIDE, 500))
+    start = time.process_time()
+    study = spacar.flexure(deck, move="9x=0.004", steps=4, extra=["9y=-4"])
+    assert time.process_time() - start < 60.0
+    expected = 2.0 / (models.LENGTH / models.EA + models.LENGTH * study.stroke**2 / (700.0 * models.EI))
+    assert study.stiffness()[:, 1] == pytest.approx(expected, rel=3e-3)
+    assert study.drive_stiffness[0] == pytest.approx(24.0 * models.EI / models.LENGTH**3, rel=1e-4)
+    assert 4.0 * study.of("extra_free")[0] == pytest.approx(2.0 * np.pi**2 * models.EI / models.LENGTH**2, rel=1e-3)
+    assert study.of("unwanted_free") == pytest.approx(study.free_frequencies[:, 1])
