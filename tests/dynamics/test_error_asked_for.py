@@ -145,8 +145,8 @@ FLOOR = 1e-10  # of the size of a coordinate: what rounding leaves of these moti
 @pytest.mark.parametrize("name", CASES)
 def test_the_error_of_the_result_falls_with_error(name: str, code: int) -> None:
     """As its power 3/4 at least: the slope of the straight line through the logarithms of the errors of five decades of
-    ERROR. A factor of two in one of them, by which errors of the slider-crank scatter after 83 turns with the rounding of
-    the machine, moves it by 0.06 at most, and the ratio of the first and the last one by twice of that. Errors below
+    ERROR. A factor of two in one of them, by which those of the slider-crank scatter after 83 turns with the rounding
+    of the machine, moves it by 0.06 at most. Errors below
     FLOOR do not count: steps that are limited by stability are more accurate than asked for."""
     decades = np.arange(-5.0, -9.5, -1.0)
     errors = np.array([relative_error(name, motion(CASES[name], code, 10.0**k)) for k in decades])

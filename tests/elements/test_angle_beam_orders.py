@@ -1,5 +1,5 @@
 """Where beams in the angle measure keep order 4, where they do not, and what restores it (theory-beam-order4.md
-sections 2.2, 3.10 and 3.11)."""
+section 2.2, tables 3.10 and 3.11)."""
 
 from __future__ import annotations
 

@@ -31,8 +31,8 @@ def moved(name, mode, shift):
 
 
 def test_a_crank_far_away_is_the_crank():
-    """Slider at 0.15 cos a + sqrt(0.3^2 - (0.15 sin a)^2); velocities, accelerations and forces as near the origin, all up
-    to the rounding of the positions over the length of the crank."""
+    """Slider at 0.15 cos a + sqrt(0.3^2 - (0.15 sin a)^2); velocities, accelerations and forces as near the origin, all
+    up to the rounding of the positions over the length of the crank."""
     near, far = (spacar.run(1, moved("crank", 1, s)) for s in (0.0, FAR))
     a = 150.0 * far.t
     slider = 0.15 * np.cos(a) + np.sqrt(0.3**2 - (0.15 * np.sin(a)) ** 2)
