@@ -93,7 +93,7 @@ class InLanes:
     def started(self, t: float, y: Array) -> None:
         """C does not ask."""
 
-    def passed(self, n: int, begin: Callable[[], Moving | None]) -> None:
+    def passed(self, n: int, last: Callable[[int], list[Accepted]]) -> None:
         """Outputs are placed from the output before."""
 
     # -- steps in Python: other codes -----------------------------------------------------------------------------
