@@ -68,8 +68,11 @@ def spread(s: Section, key: str) -> Any:
 
 
 def sampling_of(s: Section) -> tuple[float, float] | None:
-    """Period and offset, or None for a continuous block."""
+    """Period and offset, or None for a continuous block. Raises UsageError for what only a sampled block has."""
     if not s.has("period"):
+        for key in ("offset", "delay"):
+            if s.given(key):
+                raise s.wrong(key, "needs 'period': only a sampled block has it")
         return None
     period = s.number("period")
     if not 0.0 < period < np.inf:
