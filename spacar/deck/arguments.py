@@ -1,5 +1,4 @@
-"""Raw statements to typed statements: the variant that applies, the number of arguments, their types,
-references.
+"""Raw statements to typed statements: the variant that applies, the number of arguments, their types, references.
 
 Every node, element, coordinate and mode number that the table declares as such is looked up here. A plain line about
 which nothing needs a message is read by `plain_forms`; every other statement is read here word by word.
@@ -165,8 +164,8 @@ def _in_metres(
 
 
 def _squared(parameter: Parameter, raw: Raw) -> bool:
-    """Whether a value is one of the geometry and motion, whose squares are needed: forces, masses, stiffnesses and
-    tolerances of any size are computed with."""
+    """Whether a value belongs to the geometry or the motion, so that its square must be in range as well. Forces,
+    masses, stiffnesses and tolerances may have any size."""
     return raw.keyword not in _TOLERANCES and (raw.block == 1 or not ("N" in parameter.unit or "kg" in parameter.unit))
 
 

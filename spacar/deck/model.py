@@ -244,7 +244,7 @@ def _refused(row: Keyword, place: Place, text: str, code: str) -> InputError:
 
 
 def _place() -> Place:
-    """Of the call outside these two modules."""
+    """File and line of the user's call: the innermost one outside this module and `model_statements`."""
     own = (__file__, model_statements.__file__)
     frame = sys._getframe(1)
     while frame.f_back is not None and frame.f_code.co_filename in own:

@@ -24,7 +24,8 @@ _CONVERT: dict[str, Callable[[str], Value]] = {"integer": int, "real": float}
 
 @dataclass(frozen=True, slots=True)
 class _Form:
-    """A form of a statement with so many arguments: how each is read, and which refer to something, as what."""
+    """A form of a statement with a certain number of arguments: what converts each of them, and the places (from 0) of
+    those that refer to something, with what that is (`Parameter.of`)."""
 
     convert: tuple[Callable[[str], Value], ...]
     references: tuple[tuple[int, str], ...]

@@ -1,5 +1,4 @@
-"""Keywords of the third block: trajectories, nominal inputs and outputs, linearization, simulation
-(sections 6-9)."""
+"""Keywords of the third block: trajectories, nominal inputs and outputs, linearization, simulation (sections 6-9)."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ class Accelerations(NamedTuple):
 
 
 class EquationsOfMotion:
-    """Of one loaded mechanism, in the configuration of `kinematics` with the velocity `xd`.
+    """The equations of one loaded mechanism, in the configuration of `kinematics` with the velocity `xd`.
 
     `kind` forces the storage of the linear systems. `place` must come before `accelerate`.
     """
@@ -64,7 +64,7 @@ class EquationsOfMotion:
         self.convected = np.zeros(n.nx)  # h minus gravity on moving families, of the last accelerations
         self.last: State | None = None  # t, x, xd, xdd of the last accelerated state: the next guess starts there
         self.after_rhs: Callable[[], None] | None = None  # looks at every evaluated state
-        self.before: State | None = None  # the same of the one before, where the motion is prescribed
+        self.before: State | None = None  # the state before `last`; only without degrees of freedom
 
     def use(self, model: LoadedMechanism) -> None:
         """Put other loads, another prescribed motion or another stress law on the same mechanism."""

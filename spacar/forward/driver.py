@@ -58,7 +58,7 @@ CAUSE = 0.1  # chosen: lambda0 of a node below which a dead point is its half tu
 Times = Sequence[float] | EvenTimes | np.ndarray
 Watch = Callable[[float, Array], None]
 
-Marches = Callable[[Callable[[], float]], March]  # of the tolerance of positions
+Marches = Callable[[Callable[[], float]], March]  # takes what gives the tolerance of positions
 
 
 @dataclass(frozen=True)
