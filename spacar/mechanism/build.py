@@ -33,7 +33,7 @@ def build(deck: Deck, mode: int = 1, **options: Any) -> Mechanism:
         raise InputError([Message("error", deck.source, None, "", "the model has no elements")])
     x_class, e_class = classes(deck, elements)
     if analysis.takes_setpoints:
-        # all degrees of freedom follow the nominal motion; the file may call them dynamic (files.md 3)
+        # all degrees of freedom follow the nominal motion; the file may call them dynamic (files.md section 3)
         x_class, e_class = _prescribed(x_class), _prescribed(e_class)
     numbering = number(elements, x_class, e_class)
     x0 = reference_configuration(deck, numbering)
@@ -98,7 +98,7 @@ def element_list(deck: Deck) -> list[tuple[int, str, tuple[int, ...]]]:
 def classes(
     deck: Deck, elements: list[tuple[int, str, tuple[int, ...]]]
 ) -> tuple[dict[tuple[int, int], str], dict[tuple[int, int], str]]:
-    """Classes of coordinates and deformations that statements give (input-language.md 4.2, notes k5 and k6), and those
+    """Classes of coordinates and deformations that statements give (input-language.md section 4.2, notes k5 and k6), and those
     that differ from the defaults without a statement: warping coordinates are dynamic, the deformations that belong to
     them calculable (theory-warping.md section 1)."""
     kinds = {n: role for _, k, nodes in elements for n, role in zip(nodes, ELEMENT_TYPES[k].nodes, strict=True)}
