@@ -122,7 +122,7 @@ class Slots:
             raise error
 
     def interrupted(self) -> None:
-        """Raise what is no failure of the state, such as Ctrl-C. A failure is forgotten: it happens again when it is asked for."""
+        """Raise what is no failure of the state, such as Ctrl-C. A failure is forgotten, because it will come again."""
         error, self.error = self.error, None
         if error is not None and not isinstance(error, Exception):
             raise error

@@ -122,7 +122,7 @@ class EquationsOfMotion:
 
     # -- stresses, forces, motion -------------------------------------------------------------------------------
     def accelerate(self, t: float, drive: DriveState) -> Accelerations:
-        """Accelerations, stresses and multipliers at the placed state. Raises AnalysisError when they are not determined."""
+        """Accelerations, stresses and multipliers at the placed state. Raises AnalysisError where they do not exist."""
         n, sweep = self.numbering, self.sweep
         convective = sweep.convective(self.xd)
         sigma, user = self.constitutive(t)

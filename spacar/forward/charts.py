@@ -100,8 +100,8 @@ class Chart:
 
 
 def _in_chart(statements: tuple[Statement, ...], dependent: Mapping[int, int]) -> list[Statement]:
-    """The statements with DYNX for the other parameters of the tumbling nodes; their start values are left out, which are
-    those of the first chart."""
+    """The statements with DYNX for the other parameters of the tumbling nodes. Their start values, which belong to the
+    first chart, are left out."""
     found = []
     for s in statements:
         node = s.values[0] if s.values else None

@@ -235,7 +235,7 @@ class UserLaw:
     lnp: Index
     prescribed_act: bool  # along set-points the prescribed deformations are the degrees of freedom
     breaks: tuple[float, ...] = ()
-    places: dict[tuple[Any, ...], int] = field(default_factory=dict, repr=False, compare=False)  # those that have been looked up
+    places: dict[tuple[Any, ...], int] = field(default_factory=dict, repr=False, compare=False)  # looked up
 
     def __call__(self, t: float, e: Array, ed: Array, x: Array, xd: Array) -> UserForces:
         n = self.numbering
