@@ -362,7 +362,7 @@ def hessian(c: AngleState, sigma: Array, out: Array) -> None:
     Dy = inner_rows(c.inner)
     H = np.einsum("yi...,yj...->ij...", Dy, np.einsum("yb...,bj...->yj...", curvature, Dy))
     force = np.einsum("ye...,e...->y...", c.E, sigma)
-    # second derivatives of the inner quantities
+    # the stresses times the second derivatives of the inner quantities
     relative = np.einsum("a...,aij->ij...", force[0:4], _Z)
     H[0:4, 4:8] += relative
     H[4:8, 0:4] += relative.swapaxes(0, 1)
