@@ -29,7 +29,7 @@ class Frame:
     state_space   A B C D G sig0 u0 y0 m0 c0b k0b of the ltv file, by their file name
     log           transfer functions that only the log asks for: dx de d2x d2e d3x d3e bigd
     statistics    what the log prints of this step: right-hand sides, iterations, residuals
-    lost          about stresses of a user function that cannot act, by their row of e; the run reports each once
+    lost          sentences about stresses of a user function that cannot act, by their row of e; each is reported once
     """
 
     t: float

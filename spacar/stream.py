@@ -37,8 +37,9 @@ class Sink(Protocol):
 
 @dataclass(frozen=True)
 class AccuracyRequest:
-    """Accuracy of the result that is asked for: error over amplitude (None: only measured), over these expressions
-    (none: what `spacar.studies.result_quantities` says). `mesh`: flexible beams may be divided for it."""
+    """The accuracy that is asked of a result: its error over the amplitude (None: the error is only estimated), for
+    these expressions (none: those that `spacar.studies.result_quantities` chooses). `mesh`: flexible beams may be
+    divided for it."""
 
     target: float | None = None
     variables: tuple[str, ...] = ()
@@ -62,8 +63,9 @@ class Run:
     report    warnings and information for the log, complete when the iteration has ended
     header    scalars and arrays that the analysis states before its first frame (NNOM, NU, NY, condition ...)
     n_frames  number of frames to come, None if unknown
-    nominal   mode 3 only: the earlier mode 2 result
-    accuracy  of the result, that is estimated and kept by several runs; these choose the settings of `mechanism`
+    nominal   mode 3 only: the result of mode 2, or of modes 7 to 10, along which it linearizes
+    accuracy  None, or the error of the result that is estimated and kept by several runs, which then choose the
+              settings of `mechanism`
     """
 
     mode: Mode

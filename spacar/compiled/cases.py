@@ -87,14 +87,14 @@ class InLanes:
     def closer(
         self, t: float, y: Array, peak: float, before: list[Accepted] | None
     ) -> tuple[float, bool, Accepted | None]:
-        """C does not ask."""
+        """Nothing to do here: C looks at the steps itself."""
         return peak, False, None
 
     def started(self, t: float, y: Array) -> None:
-        """C does not ask."""
+        """Nothing to do here: C looks at the steps itself."""
 
     def passed(self, n: int, last: Callable[[int], list[Accepted]]) -> None:
-        """Outputs are placed from the output before."""
+        """Nothing is kept: outputs are placed from the output before."""
 
     # -- steps in Python: other codes -----------------------------------------------------------------------------
     def watch(self, t: float, y: Array) -> None:

@@ -160,7 +160,7 @@ def _loaded() -> ctypes.CDLL | str:
 
 
 def source_digest() -> str:
-    """Of the C text beside this module and of what it is generated from, as hatch_build.py makes it."""
+    """Digest of the C text beside this module and of what it is generated from, as hatch_build.py makes it."""
     text = hashlib.sha256()
     entering = (HERE / name for name in GENERATED_FROM)
     for path in sorted((*HERE.glob("*.c"), *filter(Path.is_file, entering))):
@@ -180,7 +180,7 @@ def switched_off() -> bool:
 
 
 def level() -> str:
-    """Of the processor, by which the build was chosen: 'x86-64-v3', ... Only where the engine is available."""
+    """Level of the processor, by which the build was chosen: 'x86-64-v3', ... Only where the engine is available."""
     name: bytes = _ready().spacar_level()
     return name.decode("ascii")
 

@@ -99,7 +99,7 @@ class Lookout(Protocol):
         """The start of the motion, unless it has begun before: then the last step of it; None: not known."""
 
     def passed(self, n: int, last: Callable[[int], list[Accepted]]) -> None:
-        """So many steps have been made; `last(k)` gives the last k of them, fewer if fewer are known."""
+        """n steps have been made; `last(k)` gives the last k of them, fewer if fewer are known."""
 
 
 class InC(Protocol):
@@ -242,7 +242,7 @@ class Marching:
         return np.ctypeslib.as_array((ctypes.c_double * self.shape[0]).from_address(address))
 
     def _ask(self, t: float, y: int, out: int) -> int:
-        """A derivative that C cannot give."""
+        """Answer C with a derivative that it cannot compute."""
         try:
             self.evaluator.solver.slots.interrupted()
             self._vector(out)[:] = self.method.evaluation.rhs(t, self._vector(y))
@@ -255,7 +255,7 @@ class Marching:
         return 0
 
     def _tell(self, t: float, y: int) -> int:
-        """A step that has to be looked at."""
+        """Look at a step for C."""
         c = self.c
         try:
             before = None

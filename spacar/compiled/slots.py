@@ -72,7 +72,7 @@ class Slots:
         self.told = tuple(placed(values, name) for values, name in guarded)  # as user functions get them
         self.user_c = CUser(*(a.ctypes.data for a in arrays))
         self.error: BaseException | None = None
-        self.lost: dict[int, str] = {}  # about stresses of the user function that cannot act
+        self.lost: dict[int, str] = {}  # sentences about stresses that cannot act, by row of e
         self.needed = bool(self.foreign) or user is not None or not isinstance(drive, Polynomial)
         self.ask = ASK(self._answer)
 
@@ -122,7 +122,7 @@ class Slots:
             raise error
 
     def interrupted(self) -> None:
-        """The same for what is no failure of the state, such as Ctrl-C; a failure is forgotten: it comes again."""
+        """Raise what is no failure of the state, such as Ctrl-C. A failure is forgotten, because it will come again."""
         error, self.error = self.error, None
         if error is not None and not isinstance(error, Exception):
             raise error

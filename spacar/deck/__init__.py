@@ -1,5 +1,4 @@
-"""The input language: text to `Deck`. One table of keywords drives reading, checking, echo and
-documentation."""
+"""The input language: text to `Deck`. One table of keywords drives reading, checking, echo and documentation."""
 
 from spacar.deck.deck import Deck, parse_deck, read_deck
 from spacar.deck.echo import echo

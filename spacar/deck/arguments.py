@@ -1,15 +1,10 @@
-"""Raw statements to typed statements: the variant that applies, the number of arguments, their types,
-references.
+"""Raw statements to typed statements: the variant that applies, the number of arguments, their types, references.
 
-Every node, element, coordinate and mode number that the table declares as such is looked up here. A plain line of the
-right length needs no more than that (`_plain`); whatever is unusual about a statement is left to the longer way.
+Every node, element, coordinate and mode number that the table declares as such is looked up here. A plain line about
+which nothing needs a message is read by `plain_forms`; every other statement is read here word by word.
 """
 
 from __future__ import annotations
-
-from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cache
 
 from spacar.deck.findings import Findings, alternatives, ordinal
 from spacar.deck.length_unit import length_power
@@ -24,13 +19,12 @@ from spacar.deck.lexer import (
     number_of,
 )
 from spacar.deck.outline import Outline
+from spacar.deck.plain_forms import NUMBERED_PARTS, plain_statement
 from spacar.deck.splitter import Raw
 from spacar.deck.statement import Statement, Value
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.deck.table_types import Keyword, Parameter, Variant
 
-_CONVERT: dict[str, Callable[[str], Value]] = {"integer": int, "real": float}
-_PARTS = ("coordinate", "mode")
 _NAMES = ("name of a section", "name of a material", "shape", "unit")
 _UNUSED_NODES_ALLOWED = ("X", "FIX")
 _TOLERANCES = ("ERROR", "ITERSTEP")
@@ -54,7 +48,7 @@ def read_statement(raw: Raw, keyword: Keyword, outline: Outline, findings: Findi
         else:
             role = outline.roles.get(number, "")
     if isinstance(raw.given, Plain) and outline.metre == 1.0:
-        statement = _plain(raw, keyword, (space, role, kind), outline)
+        statement = plain_statement(raw, keyword, (space, role, kind), outline)
         if statement is not None:
             return statement
     variants = [v for v in keyword.variants if v.fits(space, role, kind)]
@@ -69,64 +63,6 @@ def read_statement(raw: Raw, keyword: Keyword, outline: Outline, findings: Findi
         return None
     statement = _statement(raw, words, values)
     return statement if _references(statement, variant, outline, findings) else None
-
-
-@dataclass(frozen=True, slots=True)
-class _Form:
-    """A form of a statement with so many arguments: how each is read, and which refer to something, as what."""
-
-    convert: tuple[Callable[[str], Value], ...]
-    references: tuple[tuple[int, str], ...]
-
-
-@cache
-def _form(keyword: Keyword, space: str, role: str, kind: str, count: int) -> _Form | None:
-    """The form that so many ordinary numbers take, None when there is none or when it has names."""
-    for variant in keyword.variants:
-        if variant.fits(space, role, kind) and count in variant.counts:
-            parameters = variant.parameters[:count]
-            if any(p.kind not in _CONVERT for p in parameters):
-                return None
-            references = [(i, p.of) for i, p in enumerate(parameters) if p.of]
-            return _Form(tuple([_CONVERT[p.kind] for p in parameters]), tuple(references))
-    return None
-
-
-def _plain(raw: Raw, keyword: Keyword, whose: tuple[str, str, str], outline: Outline) -> Statement | None:
-    """The statement of a plain line when nothing about it needs a message, else None."""
-    texts, line = raw.texts, raw.line
-    form = _form(keyword, *whose, len(texts))
-    if form is None:
-        return None
-    try:
-        values = tuple([convert(text) for convert, text in zip(form.convert, texts, strict=True)])
-    except ValueError:  # an integer with a point
-        return None
-    assert isinstance(raw.given, Plain)
-    statement = Statement(raw.keyword, values, raw.block, line, (line,) * len(values), raw.given.text)
-    if raw.keyword in ELEMENT_TYPES:
-        numbers = statement.integers()[: 1 + len(ELEMENT_TYPES[raw.keyword].nodes)]
-        return statement if min(numbers) >= 1 and max(numbers) <= LARGEST_NUMBER else None
-    return statement if _known(statement.integers(), form, outline) else None
-
-
-def _known(values: tuple[int, ...], form: _Form, outline: Outline) -> bool:
-    """Whether everything that the values of a plain line refer to exists; see `_references`."""
-    most = 0
-    for i, of in form.references:
-        number = values[i]
-        if of == "element":
-            if number not in outline.types:
-                return False
-            most = outline.modes(number)
-        elif of.endswith("node"):
-            role = outline.roles.get(number)
-            if role is None or (of != "node" and of != f"{role} node"):
-                return False
-            most = outline.coordinates(number)
-        elif of in _PARTS and most and not 1 <= number <= most:
-            return False
-    return True
 
 
 def _statement(raw: Raw, words: list[Word], values: tuple[Value, ...]) -> Statement:
@@ -228,8 +164,8 @@ def _in_metres(
 
 
 def _squared(parameter: Parameter, raw: Raw) -> bool:
-    """Whether a value is one of the geometry and motion, whose squares are needed: forces, masses, stiffnesses and
-    tolerances of any size are computed with."""
+    """Whether a value belongs to the geometry or the motion, so that its square must be in range as well. Forces,
+    masses, stiffnesses and tolerances may have any size."""
     return raw.keyword not in _TOLERANCES and (raw.block == 1 or not ("N" in parameter.unit or "kg" in parameter.unit))
 
 
@@ -355,7 +291,7 @@ def _references(statement: Statement, variant: Variant, outline: Outline, findin
                 text = f"node {number} is {_an(found)} node ({where}); expected {_an(of)}"
                 findings.error(statement, i, text, "node-role")
                 good = False
-        elif of in _PARTS and owner is not None:
+        elif of in NUMBERED_PARTS and owner is not None:
             good = _in_range(statement, i, owner, number, outline, findings) and good
     return good
 

@@ -32,7 +32,8 @@ def classify(scene: CheckMaterial) -> None:
 
 
 def _without_released(scene: CheckMaterial, s: Statement, indices: tuple[int, ...]) -> tuple[int, ...]:
-    """The modes that the statement can give a class to; others are an error, except for RLSE, which says what holds."""
+    """The modes that the statement can give a class to; others are an error, except for RLSE, which
+    repeats what holds in any case."""
     number = s.integer(0)
     released = scene.outline.types[number].released
     if not released:
@@ -76,8 +77,7 @@ def _listed(numbers: list[int]) -> str:
 
 
 def _check_euler_parameters(scene: CheckMaterial) -> None:
-    """At most three of the four Euler parameters of a node can be given: the normalization gives the
-    fourth."""
+    """At most three of the four Euler parameters of a node can be given: the normalization gives the fourth."""
     if scene.outline.space == "planar":
         return
     for node, role in scene.outline.roles.items():

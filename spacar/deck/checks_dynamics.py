@@ -1,5 +1,4 @@
-"""Checks of the dynamics block: masses and stiffnesses, prescribed motion, solver settings, additional
-loading."""
+"""Checks of the dynamics block: masses and stiffnesses, prescribed motion, solver settings, additional loading."""
 
 from __future__ import annotations
 
@@ -41,7 +40,7 @@ def _check_signs(scene: CheckMaterial, s: Statement) -> None:
     if s.keyword == "MEE":
         first = 2 if last == 3 else last
     elif s.keyword == "EM" and scene.outline.types[s.integer(0)].carries_flow:
-        last = min(last, 3)  # then follow flow rate, shape factor, end condition
+        last = min(last, 3)  # behind them stand flow rate, shape factor and end condition
     elif s.keyword == "EM" and last > 5:  # a product of inertia may be negative
         last, rest = 5, (6,) if last == 7 else ()
     for i in (*range(first, last), *rest):
@@ -50,8 +49,7 @@ def _check_signs(scene: CheckMaterial, s: Statement) -> None:
 
 
 def check_tensor(scene: CheckMaterial, s: Statement) -> None:
-    """Warn when the inertia tensor of XM or TRM is not positive semi-definite (all principal minors not
-    negative)."""
+    """Warn when the inertia tensor of XM or TRM is not positive semi-definite (all principal minors not negative)."""
     xx, xy, xz, yy, yz, zz = s.reals(1, 6)
     scale = max(abs(v) for v in (xx, xy, xz, yy, yz, zz))
     if scale == 0.0:
@@ -98,8 +96,7 @@ def _check_settings(scene: CheckMaterial, s: Statement) -> None:
 
 
 def _check_stiffness(scene: CheckMaterial) -> None:
-    """Dynamic deformations of beams and trusses without stiffness move freely: meant for measuring
-    elements."""
+    """Dynamic deformations of beams and trusses without stiffness move freely: meant for measuring elements."""
     stiff = {s.integer(0): s for s in scene.of("ESTIFF", block=2)}
     free: dict[int, list[int]] = {}
     for (element, mode), (name, _) in scene.deformations.items():

@@ -1,5 +1,4 @@
-"""Checks that come from the table: statements that may be given once, classes to which a statement may
-refer."""
+"""Checks that come from the table: statements that may be given once, classes to which a statement may refer."""
 
 from __future__ import annotations
 
@@ -28,8 +27,7 @@ def check_once(scene: CheckMaterial, block: int) -> None:
 
 
 def check_classes(scene: CheckMaterial, block: int) -> None:
-    """A time function needs a prescribed coordinate, a start value a dynamic one, an output no fixed one,
-    ..."""
+    """A time function needs a prescribed coordinate, a start value a dynamic one, an output no fixed one, ..."""
     for keyword, statements in scene.keywords(block):
         if keyword.classes or keyword.holonomic:
             for s in statements:

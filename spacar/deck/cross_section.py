@@ -38,8 +38,8 @@ class Shape:
     """A kind of section: names of its dimensions with the exponent of the metre, and its constants.
 
     `constants` takes the dimensions [m] and Poisson's ratio. `wrong` takes the unit of length of the file and the
-    dimensions in it, and gives "" or why no section has them.
-    `drawn` is the CROSSTYPE and CROSSDIM of pictures, None for a shape that has none.
+    dimensions in it, and gives "" or why no section has them. `drawn` is the CROSSTYPE and CROSSDIM of pictures, None
+    for a shape that has none.
     """
 
     title: str

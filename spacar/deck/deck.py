@@ -24,12 +24,11 @@ from spacar.errors import Message, UsageError
 class Deck:
     """A read and checked input file.
 
-    `statements` in file order; `source` names the file in messages; `path` is the file that was read (None
-    for a deck built in code); `text` the whole text; `visualization` the raw lines of that section or of
-    NAME.spv; `messages` warnings and information; `mode` the mode it was checked for; `third` the kind of
-    its third block; `spans` where each block begins and ends in the text (line, column). `shorthand` are the statements
-    UNITS, SECTION, MATERIAL and BEAMSEC as given: `statements` has what they stand for, in SI, and `sections` the
-    constants.
+    `statements` in file order; `source` names the file in messages; `path` is the file that was read (None for a deck
+    built in code); `text` the whole text; `visualization` the raw lines of that section or of NAME.spv; `messages`
+    warnings and information; `mode` the mode it was checked for; `third` the kind of its third block; `spans` where
+    each block begins and ends in the text (line, column). `shorthand` are the statements UNITS, SECTION, MATERIAL and
+    BEAMSEC as given: `statements` has what they stand for, in SI, and `sections` the constants.
     """
 
     statements: tuple[Statement, ...]
@@ -126,10 +125,9 @@ class Deck:
         """A new deck with one `value` of a `keyword` changed, checked again.
 
         `number` is the first value of the statement, a name for SECTION (None: the keyword occurs once); `position`
-        counts the
-        arguments from 1 as in the reference (1 is the number itself); `block` is needed when the keyword
-        occurs in two blocks with the same number. Raises UsageError when there is not exactly one such
-        statement, InputError when the new value is refused.
+        counts the arguments from 1 as in the reference (1 is the number itself); `block` is needed when the keyword
+        occurs in two blocks with the same number. Raises UsageError when there is not exactly one such statement,
+        InputError when the new value is refused.
         """
         found = [s for s in self.of(keyword.upper(), block=block) if number is None or s.values[:1] == (number,)]
         what = keyword.upper() if number is None else f"{keyword.upper()} {number}"

@@ -176,8 +176,7 @@ def _wrong_kind(raw: Raw, kind: BlockKind | None, findings: Findings) -> None:
 
 
 def _report_skipped(block: int, raws: list[Raw], mode: Purpose, found: Findings, findings: Findings) -> None:
-    """One line about a block that the mode does not use, and one when it has errors that would matter
-    elsewhere."""
+    """One line about a block that the mode does not use, and one when it has errors that would matter elsewhere."""
     first = next((r for r in raws if r.block == block), None)
     if first is None:
         return

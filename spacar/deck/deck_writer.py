@@ -51,8 +51,7 @@ def write_rows(blocks: Sequence[Iterable[Sequence[Value]]], visualization: Seque
 
 
 def splice(text: str, statement: Statement, position: int, value: Value) -> str:
-    """The text with argument `position` (from 1) of a statement replaced; left out arguments before it
-    become 0.
+    """The text with argument `position` (from 1) of a statement replaced; left out arguments before it become 0.
 
     Comments and line numbers stay. Raises UsageError for a position below 1.
     """

@@ -4,7 +4,7 @@ A beam of length l is divided along its chord into n of length h = l/n. With xi 
 e_p, e_q of a bending pair (slopes relative to the chord times l, e_q with the opposite sign: pure bending is
 e_q = e_p) belong to the cubic
 
-    w/l = e_p/l (xi - 2 xi^2 + xi^3) - e_q/l (xi^3 - xi^2)        (clamped cubic; theory-planar.md, beam)
+    w/l = e_p/l (xi - 2 xi^2 + xi^3) - e_q/l (xi^3 - xi^2)        (clamped cubic; theory-planar.md section 3.1)
 
 and those of a part follow from its end slopes relative to its own chord, times h. Elongation is divided by n, torsion
 (twist times length) by n^2. A preload (sigma_p, sigma_q) is a bending moment that runs linearly from sigma_p l to

@@ -1,5 +1,4 @@
-"""Collecting messages about a deck: the place is that of the offending word, the subject names the
-statement."""
+"""Collecting messages about a deck: the place is that of the offending word, the subject names the statement."""
 
 from __future__ import annotations
 
@@ -60,7 +59,7 @@ class Findings:
 
 
 def _clean(text: str) -> str:
-    """Input is quoted in messages: control characters are shown escaped, monsters are cut."""
+    """Input is quoted in messages: control characters are shown escaped, very long text is cut."""
     if len(text) > 500:
         text = f"{text[:300]} ... {text[-100:]}"
     return text if text.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)

@@ -1,5 +1,4 @@
-"""The keyword table of the input language, assembled: look up a keyword by block, by name, by place in the
-file."""
+"""The keyword table of the input language, assembled: look up a keyword by block, by name, by place in the file."""
 
 from __future__ import annotations
 
@@ -32,8 +31,7 @@ NAME_PLACES = {
 """Keyword -> its arguments (from 0) that are one word, whatever it looks like."""
 
 NAMES: dict[int, dict[str, int]] = {number: {} for number in (1, 2, 3)}
-"""For each block number the keywords that may stand there, with the largest number of arguments of any
-form."""
+"""For each block number the keywords that may stand there, with the largest number of arguments of any form."""
 for _row in _ROWS:
     NAMES[_row.block.number][_row.name] = _row.most
 

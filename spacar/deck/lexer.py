@@ -14,8 +14,7 @@ LONGEST_LINE = 160
 SMALLEST_REAL, LARGEST_REAL = 1e-100, 1e100
 """Sizes of reals other than zero: squares, and products with such numbers, are still numbers."""
 LARGEST_NUMBER = 1_000_000
-"""Node and element numbers are row numbers of result arrays, so a slip of the keyboard must not cost
-gigabytes."""
+"""Node and element numbers are row numbers of result arrays, so a slip of the keyboard must not cost gigabytes."""
 
 _WORD = re.compile(r"[^\s%#;]+", re.ASCII)
 _COMMENT = re.compile(r"[%#;]")
@@ -51,8 +50,9 @@ class Plain(NamedTuple):
 
 @dataclass
 class SourceText:
-    """The analysis part line by line, what is plain and the words of what is not; the raw lines of the visualization
-    section (None: there is none), line numbers of lines that are too long, and the last line of the analysis part."""
+    """The lines of the analysis part, a plain line as it is and any other as its words; the raw lines of the
+    visualization section (None: there is none), the numbers of lines that are too long, and that of the last line
+    of the analysis part."""
 
     rows: list[Plain | list[Word]]
     visualization: tuple[str, ...] | None

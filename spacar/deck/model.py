@@ -83,8 +83,8 @@ class Model(ModelStatements):
         return number
 
     def of_section(self, number: int, section: str | None, material: str | None, parts: int) -> None:
-        """BEAMSEC of the element `number` from the arguments section, material and parts of its method; nothing without
-        both names."""
+        """BEAMSEC of the element `number` from the arguments section, material and parts of its method; no statement
+        when none of the three is given."""
         if section is not None or material is not None or parts != 1:
             self.statement("BEAMSEC", 1, number, section, material, *([parts] if parts != 1 else []))
 
@@ -212,7 +212,7 @@ def _by_name(form: Variant, names: list[str], named: Mapping[str, Value]) -> lis
 def _filled(
     row: Keyword, parameters: Sequence[Parameter], values: Sequence[Value | None], place: Place
 ) -> list[Value]:
-    """Without those that were left out at the end; others that were left out take their defaults."""
+    """The values up to the last that is given; those that are left out before it take their defaults."""
     given = list(values)
     while given and given[-1] is None:
         given.pop()
@@ -244,7 +244,7 @@ def _refused(row: Keyword, place: Place, text: str, code: str) -> InputError:
 
 
 def _place() -> Place:
-    """Of the call outside these two modules."""
+    """File and line of the user's call: the innermost one outside this module and `model_statements`."""
     own = (__file__, model_statements.__file__)
     frame = sys._getframe(1)
     while frame.f_back is not None and frame.f_code.co_filename in own:

@@ -12,8 +12,7 @@ from spacar.deck.table_types import ElementType, coordinates_of
 
 @dataclass(slots=True, eq=False)
 class Outline:
-    """Elements by number with their types, nodes by number with their roles and the element that uses
-    them first.
+    """Elements by number with their types, nodes by number with their roles and the element that uses them first.
 
     `space` is planar, spatial or "" (no element). `complete` is false when some element statement could not
     be read, so that nodes may be missing here; `broken` holds keyword and first number of the other
@@ -44,8 +43,7 @@ class Outline:
         return self.types[element].classed if element in self.types else ()
 
     def independent(self, node: int) -> tuple[int, ...]:
-        """Coordinates that a statement without coordinate numbers means: all, but of Euler parameters not
-        lambda0."""
+        """Coordinates that a statement without coordinate numbers means: all, but of Euler parameters not lambda0."""
         count = self.coordinates(node)
         return (2, 3, 4) if count == 4 else tuple(range(1, count + 1))
 

@@ -40,7 +40,7 @@ class _Template:
         self.lines = split_lines(deck.text)
         self.place = {id(s): k for k, s in enumerate(deck.statements)}
         own = set(self.checked(deck.statements) or ())
-        self.read = tuple([m for m in deck.messages if m not in own])  # said when it was read
+        self.read = tuple([m for m in deck.messages if m not in own])  # not those of the checks
 
     def checked(self, statements: tuple[Statement, ...]) -> list[Message] | None:
         """Messages of the checks, None when there is an error, or another one in a block that the mode skips."""

@@ -107,7 +107,7 @@ def _coefficients(prefix: str, damping: bool) -> tuple[Variant, ...]:
 
 
 def _coefficient_form(t: ElementType, damping: bool) -> str:
-    """Of a type with one coefficient a mode also how many; slips without stiffness may have damping."""
+    """Name of the form for this type. With one coefficient a mode it says how many: slips have damping only."""
     return t.coefficients if t.coefficients != "modes" else f"modes {len(t.modes if damping else t.stiffness)}"
 
 

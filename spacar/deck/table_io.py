@@ -1,5 +1,5 @@
 """Keywords of the third block: trajectories, nominal inputs and outputs, linearization, simulation
-(sections 6-9)."""
+(reference/input-language.md sections 6 to 9)."""
 
 from __future__ import annotations
 

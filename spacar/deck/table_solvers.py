@@ -81,9 +81,9 @@ KEYWORDS = (
     ),
 )
 
-# The last three are ours.
+# -1, 553, 595 and 853 are ours; the others are those of the original program.
 INTEGRATORS = (-1, 0, 130, 135, 140, 155, 220, 225, 310, 320, 330, 410, 420, 430, 553, 595, 853)
-INTEGRATOR_ALIASES = {255: 225}  # input-language.md d14 names both
+INTEGRATOR_ALIASES = {255: 225}  # input-language.md note d14 names both
 
 
 def alias_note(code: int) -> str:

@@ -58,9 +58,8 @@ class Variant:
     """One form of a statement: which models, nodes or elements it is for, its parameters and allowed counts.
 
     `space` (planar, spatial), `role` (position, orientation, warping) and `types` (element keywords) restrict the
-    variant; empty means any. `counts` are the allowed numbers of arguments. `components` marks forms whose
-    last values are vector components, where a surplus zero third component of a planar model is dropped
-    with a warning.
+    variant; empty means any. `counts` are the allowed numbers of arguments. `components` marks forms whose last values
+    are vector components, where a surplus zero third component of a planar model is dropped with a warning.
     """
 
     parameters: tuple[Parameter, ...]
@@ -83,10 +82,9 @@ class Variant:
 class Keyword:
     """One keyword of one block.
 
-    `unique` leading arguments identify a statement that may be given only once (0: once per file, -1: all
-    arguments but the last, None: may be repeated). `classes` are the classes (fixed, calculable, prescribed,
-    dynamic, kinematic) to which the coordinate or deformation of the statement may belong, empty means any;
-    `holonomic` excludes slips.
+    `unique` leading arguments identify a statement that may be given only once (0: once per file, -1: all arguments but
+    the last, None: may be repeated). `classes` are the classes (fixed, calculable, prescribed, dynamic, kinematic) to
+    which the coordinate or deformation of the statement may belong, empty means any; `holonomic` excludes slips.
     """
 
     name: str
@@ -124,22 +122,20 @@ class ElementType:
     """One element type: everything about it that other rooms ask for.
 
     `nodes` are the roles (position, orientation, warping) in the order of the statement, `node_names` their names
-    there. `modes` are (name, unit), `slips` the 0-based non-holonomic modes, `code` the number in the array
-    `it`. `stiffness` gives for each mode the position of its coefficient in ESTIFF (argument number, 1 =
-    element). `length` says when the distance between the position nodes must not be zero: always, with
-    direction, or never. `direction` is (first argument number, number of components, role) of the direction
-    vector, with the role plane (a vector in the x'y' plane, not parallel to pq), axis (any direction) or
-    spin (not parallel to pq).
+    there. `modes` are (name, unit), `slips` the 0-based non-holonomic modes, `code` the number in the array `it`.
+    `stiffness` gives for each mode the position of its coefficient in ESTIFF (argument number, 1 = element). `length`
+    says when the distance between the position nodes must not be zero: always, with direction, or never. `direction` is
+    (first argument number, number of components, role) of the direction vector, with the role plane (a vector in the
+    x'y' plane, not parallel to pq), axis (any direction) or spin (not parallel to pq).
 
-    `family` is "module:Class" in `spacar.elements`, empty for a type that is not supported, `angle_family` that of
-    the angle measure (ADEFORM) of types that have one. `shape` says what
-    the element is like: beam, truss, hinge, body, or a shape of its own; pictures are chosen by it.
-    `coefficients` and `mass` name the forms of ESTIFF, EDAMP and of EM in `table_dynamics` (one per mode; no EM).
-    `statements` are those of both blocks that apply to some types only. `axial`: mode 1 is the change of the
-    length between the position nodes. `quadratic`: the strains have second order terms. `normal_mode` is the
-    mode (from 1) whose stress is the force on the ground, 0 without. `split` are the pairs of bending modes
-    (at p, at q) of a type that can be divided along its chord. `released` are the modes (from 1) that are calculable
-    whatever a statement says.
+    `family` is "module:Class" in `spacar.elements`, empty for a type that is not supported, `angle_family` that of the
+    angle measure (ADEFORM) of types that have one. `shape` says what the element is like: beam, truss, hinge, body, or
+    a shape of its own; pictures are chosen by it. `coefficients` and `mass` name the forms of ESTIFF, EDAMP and of EM
+    in `table_dynamics` (one per mode; no EM). `statements` are those of both blocks that apply to some types only.
+    `axial`: mode 1 is the change of the length between the position nodes. `quadratic`: the strains have second order
+    terms. `normal_mode` is the mode (from 1) whose stress is the force on the ground, 0 without. `split` are the pairs
+    of bending modes (at p, at q) of a type that can be divided along its chord. `released` are the modes (from 1) that
+    are calculable whatever a statement says.
     """
 
     keyword: str

@@ -22,7 +22,7 @@ from spacar.mechanism.numbering import Numbering
 class Dynamics(EquationsOfMotion):
     """Evaluator of one mechanism; `loads` and `drive` replace those of the mechanism, `kind` forces the storage."""
 
-    stages = None  # of a step are asked one by one
+    stages = None  # those of a step are asked for one by one
     by_case = None
     marching = None  # steps are made one by one
 
@@ -138,7 +138,7 @@ class Dynamics(EquationsOfMotion):
         return PositionMatrix(self.kinematics)
 
     def in_range(self) -> bool:
-        return False  # the elements are asked
+        return False  # not known: the elements have to be asked
 
     def component_name(self, i: int) -> str:
         return component_name(self.numbering, i)

@@ -51,7 +51,7 @@ class Limits:
         self.check_elements(evaluator, frame)
 
     def check_elements(self, evaluator: Evaluator, frame: Frame) -> None:
-        """The same without the question whether the degrees of freedom determine the configuration."""
+        """As `check`, without asking whether the degrees of freedom determine the configuration."""
         if not evaluator.in_range():
             self._elements(evaluator.settled().sweep, frame)
         if len(self.rows):
@@ -81,6 +81,6 @@ class Limits:
             if self.pressed or self.compression[k] > LIFTED * size:
                 raise AnalysisError(text, "element.lift-off", element=int(self.wheels[k]))
             if self.wheels[k] not in self.warned:
-                # a model without gravity does not care what presses its wheels on the ground
+                # without gravity nothing in the model presses wheels on the ground: the lift-off may be meant
                 self.warned.add(int(self.wheels[k]))
                 self.report.add(f"warning: {text} (the model has no gravity)")

@@ -43,7 +43,7 @@ class Accelerations(NamedTuple):
 
 
 class EquationsOfMotion:
-    """Of one loaded mechanism, in the configuration of `kinematics` with the velocity `xd`.
+    """The equations of one loaded mechanism, in the configuration of `kinematics` with the velocity `xd`.
 
     `kind` forces the storage of the linear systems. `place` must come before `accelerate`.
     """
@@ -64,7 +64,7 @@ class EquationsOfMotion:
         self.convected = np.zeros(n.nx)  # h minus gravity on moving families, of the last accelerations
         self.last: State | None = None  # t, x, xd, xdd of the last accelerated state: the next guess starts there
         self.after_rhs: Callable[[], None] | None = None  # looks at every evaluated state
-        self.before: State | None = None  # the same of the one before, where the motion is prescribed
+        self.before: State | None = None  # the state before `last`; only without degrees of freedom
 
     def use(self, model: LoadedMechanism) -> None:
         """Put other loads, another prescribed motion or another stress law on the same mechanism."""
@@ -122,7 +122,7 @@ class EquationsOfMotion:
 
     # -- stresses, forces, motion -------------------------------------------------------------------------------
     def accelerate(self, t: float, drive: DriveState) -> Accelerations:
-        """At the placed state."""
+        """Accelerations, stresses and multipliers at the placed state. Raises AnalysisError where they do not exist."""
         n, sweep = self.numbering, self.sweep
         convective = sweep.convective(self.xd)
         sigma, user = self.constitutive(t)

@@ -120,7 +120,7 @@ def _factor_derivatives(c: Array, count: int) -> Array:
 
 
 def _closed_factor(c: Array, count: int) -> Array:
-    """The same from the closed form, continued beyond c = 1 by 2 acosh(c)/sqrt(c^2 - 1):
+    """The derivatives of G from the closed form, continued beyond c = 1 by 2 acosh(c)/sqrt(c^2 - 1):
     (1 - c^2) G' = c G - 2, and (1 - c^2) G^(n+1) = (2n + 1) c G^(n) + n^2 G^(n-1)."""
     q = np.where(c > -1.0, 1.0 - c * c, np.nan)
     with np.errstate(invalid="ignore"):
@@ -144,7 +144,7 @@ class Inner(NamedTuple):
 
 
 def inner(L: Any, d: Any) -> Inner:
-    """Of L (2, 4, n) and d (3, n)."""
+    """The inner quantities at L (2, 4, n) and d (3, n)."""
     p, q = L[0], L[1]
     mu_p, mu_q = contracted("aij,j...->ai...", _Z, q), contracted("aij,i...->aj...", _Z, p)
     mu = contracted("ai...,i...->a...", mu_p, p)
@@ -186,7 +186,7 @@ class Outer(NamedTuple):
 
 
 def outer(p: AngleConstants, y: Any, G: Any) -> Outer:
-    """Of y (8, n) and G (n,)."""
+    """The quantities (2a), (2b) at y (8, n) and G (n,)."""
     psi = y[1:4] * G
     x, yy, z = psi[0], psi[1], psi[2]
     Ay = 2.0 * angle(y[6], y[4]) - x * z * (p.second / 12.0)
@@ -201,7 +201,7 @@ def outer(p: AngleConstants, y: Any, G: Any) -> Outer:
 
 
 def deformations(p: AngleConstants, y: Any, G: Any) -> Any:
-    """e (6, n)."""
+    """e (6, n) at y (8, n) and G (n,)."""
     o = outer(p, y, G)
     k = o.P / (o.D + root(3.0 * o.D))
     My, Mz = o.By - 0.5 * (k * o.psi[2]), o.Bz + 0.5 * (k * o.psi[1])
@@ -295,7 +295,7 @@ def gradient_of_sum(p: AngleConstants, sigma: Array, y: Any, G: Any, G1: Any) ->
 
 
 def state(p: AngleConstants, x: Array) -> AngleState:
-    """At x (14, n)."""
+    """The state at x (14, n)."""
     x7 = x.reshape(2, 7, *x.shape[1:])
     L = np.einsum("sij...,sj...->si...", p.C, x7[:, 3:])
     d = x7[1, :3] - x7[0, :3]
@@ -362,7 +362,7 @@ def hessian(c: AngleState, sigma: Array, out: Array) -> None:
     Dy = inner_rows(c.inner)
     H = np.einsum("yi...,yj...->ij...", Dy, np.einsum("yb...,bj...->yj...", curvature, Dy))
     force = np.einsum("ye...,e...->y...", c.E, sigma)
-    # second derivatives of the inner quantities
+    # the stresses times the second derivatives of the inner quantities
     relative = np.einsum("a...,aij->ij...", force[0:4], _Z)
     H[0:4, 4:8] += relative
     H[4:8, 0:4] += relative.swapaxes(0, 1)

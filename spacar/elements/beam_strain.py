@@ -5,14 +5,12 @@ Raw deformations in a frame that follows the chord (d = x_q - x_p, l = |d|, n = 
     eb1 = l - l0,   eb2 = 2 l0 mu0 mu_x,   eb3..6 = n.U_k,   U_k = s_k l0 R(lam_k) c_k
     (s, lam, c) = (-, p, z'), (+, q, z'), (+, p, y'), (-, q, y')
 
-and, unless LDEFORM switches them off, the second order terms e = eb + 1/2 eb Q_k eb with constant Q_k
-(section 3.2).
+and, unless LDEFORM switches them off, the second order terms e = eb + 1/2 eb Q_k eb with constant Q_k (section 3.2).
 
-The four bending modes are one batch with the axes [c, s], c in (z', y'), s in (p, q). Rows W of first
-derivatives have the shape (6, 2, 7, n): modes, node p or q, (position, lambda). They are filled for the
-position of q only; the columns of the position of p are the opposite, which `put` writes at the end. In a
-beam everything that depends on the orientation is K lam with constant per-element tensors K (see `rotation`),
-so no rotation matrix is formed.
+The four bending modes are one batch with the axes [c, s], c in (z', y'), s in (p, q). Rows W of first derivatives have
+the shape (6, 2, 7, n): modes, node p or q, (position, lambda). They are filled for the position of q only; the columns
+of the position of p are the opposite, which `put` writes at the end. In a beam everything that depends on the
+orientation is K lam with constant per-element tensors K (see `rotation`), so no rotation matrix is formed.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Length l and direction angle beta of the chord p-q: what all planar two-node elements share.
 
-Source: theory-planar.md section 1, (1), (2); with z = d_x + i d_y they are the real and the imaginary part
-of ln z = ln l + i beta and its derivatives. With d = x_q - x_p, l = |d|, u = d/l, nu = u turned by +90
-degrees and w = v_q - v_p:
+Source: theory-planar.md section 1, (1), (2); with z = d_x + i d_y they are the real and the imaginary part of
+ln z = ln l + i beta and its derivatives. With d = x_q - x_p, l = |d|, u = d/l, nu = u turned by +90 degrees and
+w = v_q - v_p:
 
     l' = u.w                               beta' = nu.w/l
     D^2 l = nu nu^T/l                      D^2 beta = -(u nu^T + nu u^T)/l^2

@@ -58,11 +58,9 @@ class RigidBodyNode(Family):
 
 
 class GyrostatNode(Family):
-    """Rotors whose axis is fixed in an orientation node: body components h (n, 3) of J_axial Omega [kg
-    m^2/s].
+    """Rotors whose axis is fixed in an orientation node: body components h (n, 3) of J_axial Omega [kg m^2/s].
 
-    The axial tensor of a rotor with prescribed relative rate (`prescribed_rotor_tensor`) belongs to the
-    RigidBodyNode.
+    The axial tensor of a rotor with prescribed relative rate (`prescribed_rotor_tensor`) belongs to the RigidBodyNode.
     """
 
     n_coordinates = 4

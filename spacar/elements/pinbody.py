@@ -3,7 +3,7 @@
 Coordinates x_p (3), lambda_p (4), x_q (3). e_i = (R(lam_p) c_i).(x_q - x_p) - r_i [m], c_i the measuring
 directions, r_i their projections at the start or the DRPINBOD values. Inertia of an RBEAM: straight uniform
 rod on x_p, x_q, the rotary inertia of its section on lambda_p. Without direction the c_i of a PINBODY are the
-global axes, those of an RBEAM the default axes of a BEAM: x' from p to q (input-language.md 4.1).
+global axes, those of an RBEAM the default axes of a BEAM: x' from p to q (input-language.md section 4.1).
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """PLBELT: planar belt or gear. Coordinates x_p, phi_p, x_q, phi_q; deformation e1 elongation of the belt [m].
 
-Formulas: theory-planar.md section 7. Signed base radii r_p, r_q (positive: belt on the left when looking
-from p to q), rho = r_p - r_q, d = x_q - x_p, |d| > |rho|. The straight span has the length
-l = sqrt(d.d - rho^2), the direction
+Formulas: theory-planar.md section 7. Signed base radii r_p, r_q (positive: belt on the left when looking from p to q),
+rho = r_p - r_q, d = x_q - x_p, |d| > |rho|. The straight span has the length l = sqrt(d.d - rho^2), the direction
 
     u = (l d - rho d turned by +90 degrees)/d.d,   n = u turned by +90 degrees
 
@@ -15,9 +14,9 @@ and theta, the angle from its start direction to u (chord angle plus delta, sin 
 The program knows theta within whole turns only: of the values of e1 that differ by 2 pi rho, `strain` takes
 the one that is closest to the last accepted elongation.
 
-Inertia (16): mass m per length on the start length of the span, velocity linear between
-v_i = x_i' - r_i phi_i' u, i = p, q; h is Lagrange's. The wound angles w_i add the constants m |r_i| w_i at
-the centre and m |r_i|^3 w_i at the angle.
+Inertia (16): mass m per length on the start length of the span, velocity linear between v_i = x_i' - r_i phi_i' u,
+i = p, q; h is Lagrange's. The wound angles w_i add the constants m |r_i| w_i at the centre and m |r_i|^3 w_i at the
+angle.
 """
 
 from __future__ import annotations

@@ -1,11 +1,9 @@
 """PLTUBE: planar beam that may be curved at the start and carries a flowing fluid. Coordinates as PLBEAM.
 
-Formulas: theory-planar.md section 8. The end tangents start at the angles alpha_p, alpha_q to the line p-q;
-e is the change of the beam's b_p, b_q and l + Q (17); stiffness as the beam; mass per length m (tube) + mu
-(fluid).
+Formulas: theory-planar.md section 8. The end tangents start at the angles alpha_p, alpha_q to the line p-q; e is the
+change of the beam's b_p, b_q and l + Q (17); stiffness as the beam; mass per length m (tube) + mu (fluid).
 
-Flow with the rate G = mu U [kg/s], velocity U, shape factor kappa, in the notation y of the beam's inertia
-(18):
+Flow with the rate G = mu U [kg/s], velocity U, shape factor kappa, in the notation y of the beam's inertia (18):
 
     F = G (S - S^T) y' - (kappa G U/l0) (integral of N' N'^T) y + jets,   S = integral of N N'^T
     jet at q (end condition 2, 3): + G (x_q' + kappa U t_q);  at p (1, 3): - G (x_p' + kappa U t_p)

@@ -1,5 +1,4 @@
-"""PLWHEEL: upright wheel in the plane. Coordinates x_p (centre), phi_p (yaw), phi_q (spin); two slips, no
-deformations.
+"""PLWHEEL: upright wheel in the plane. Coordinates x_p (centre), phi_p (yaw), phi_q (spin); two slips, no deformations.
 
 Formulas: theory-planar.md section 6. With the heading t = t(phi_p + beta_0) and the spin axis n = t turned
 by +90 degrees (n points along the given direction at the start), radius r:

@@ -77,12 +77,10 @@ def relative_matrix(e: Array) -> Array:
 
 
 def relative_parameters(frame_p: Array, frame_q: Array) -> Array:
-    """F (4, 2, 4, 4, n): parameters of the frame at q relative to that at p, in components along the frame at
-    p.
+    """F (4, 2, 4, 4, n): parameters of the frame at q relative to that at p, in components along the frame at p.
 
-    mu_i = lam_p F[i, 0] lam_q; the gradient with respect to lam_p is F[i, 0] lam_q, to lam_q it is F[i, 1]
-    lam_p. Frames that coincide at the start, the usual case, give mu0 = lam_p.lam_q and mu_i = lam_p Z(e_i)
-    lam_q.
+    mu_i = lam_p F[i, 0] lam_q; the gradient with respect to lam_p is F[i, 0] lam_q, to lam_q it is F[i, 1] lam_p.
+    Frames that coincide at the start, the usual case, give mu0 = lam_p.lam_q and mu_i = lam_p Z(e_i) lam_q.
     """
     n = frame_p.shape[-1]
     F = np.zeros((4, 2, 4, 4, n), np.result_type(frame_p, frame_q))

@@ -8,8 +8,7 @@ factor a) adds on the cubic centre line y of `beam_inertia`
     jet at q: D[xq, xq] += Q, A[xq, tq] += a Q^2/(m_f l0);   jet at p: the same at p with the opposite sign
 
 B* = integral of N_i N_j', A* = integral of N_i' N_j': the momentum balance of an open control volume. End
-condition:
-0 spherical at both ends, 1 jet at p, 2 jet at q, 3 jets at both.
+condition: 0 spherical flow at both ends, 1 jet at p, 2 jet at q, 3 jets at both.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Wheels on the flat ground z = 0, keywords WHEEL (disk) and TWHEEL (torus) (theory-spatial.md section 8).
 
 Coordinates x_p (3, centre), lambda_p (4), x_q (3, contact point). With the spin axis a = R a0, n = (0, 0, 1),
-d = x_q - x_p, the transverse radius rho (0 for a disk), r = d + rho n from the centre to the centre of the
-tread circle:
+d = x_q - x_p, the transverse radius rho (0 for a disk), r = d + rho n from the centre to the centre of the tread
+circle:
 
     e1 = |r| - r0   radial [m]            e3 = z of x_q     height above the ground [m]
     e2 = a.r        axial [m]             e4 = r.(a x n)    the contact is the lowest point [m]
@@ -288,8 +288,7 @@ class DiskWheel(_Wheel):
 
 
 class TorusWheel(_Wheel):
-    """All TWHEEL elements: tread circles of radius (equatorial radius - transverse radius) with a round
-    tread.
+    """All TWHEEL elements: tread circles of radius (equatorial radius - transverse radius) with a round tread.
 
     Raises GeometryError as `DiskWheel`, and for radii that are not equatorial > transverse >= 0.
     """

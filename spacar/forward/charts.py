@@ -58,7 +58,7 @@ class Chart:
 
     @classmethod
     def of(cls, given: Mechanism, dependent: Mapping[int, int]) -> Chart:
-        """The mechanism with other coordinates; the one that is given where all are 1."""
+        """The mechanism with these dependent parameters; `given` itself where all of them are 1."""
         if all(c == 1 for c in dependent.values()):
             return cls(given, dependent, np.arange(given.numbering.nx))
         deck = replace(given.deck, statements=tuple(_in_chart(given.deck.statements, dependent)))
@@ -100,7 +100,8 @@ class Chart:
 
 
 def _in_chart(statements: tuple[Statement, ...], dependent: Mapping[int, int]) -> list[Statement]:
-    """DYNX of the tumbling nodes for their other parameters, without start values, those of the first chart."""
+    """The statements with DYNX for the other parameters of the tumbling nodes. Their start values, which belong to the
+    first chart, are left out."""
     found = []
     for s in statements:
         node = s.values[0] if s.values else None

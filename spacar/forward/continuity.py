@@ -143,6 +143,7 @@ class Continuity:
         self._leave(now, closer)
 
     def _leave(self, now: Accepted, closer: Closer | None = None) -> None:
+        """Decide what the motion did at the dead point, as soon as that is farther away than it is known."""
         closer = closer or self._closer()
         assert self.entered is not None
         a, t = self.entered
@@ -191,7 +192,7 @@ class Continuity:
 
 
 def strayed(a: Moving, b: Moving, scale: Array) -> NDArray[np.bool_]:
-    """Coordinates that did not go from a to b as their velocity at a demands, for several times its acceleration."""
+    """Coordinates whose way from a to b is not that of their velocity at a, even with MORE times their acceleration."""
     h = b.t - a.t
     way = h * np.abs(a.xd)
     noise = NOISE * scale * (way / scale).max(initial=0.0)
@@ -248,6 +249,7 @@ class Closer:
         self._between(a, b, 0)
 
     def _between(self, a: Accepted, b: Accepted, depth: int) -> None:
+        """Follow the path of the degrees of freedom from a to b, by halving the step."""
         if depth > DEEPEST:
             return
         if not self._reaches(a, b) and (not unexplained(a.at, b.at, self.scale).any() or self._joined(a, b)):
@@ -310,7 +312,7 @@ class Closer:
         return bool(np.abs((found.at.x - b.at.x) / self.scale).max(initial=0.0) <= SAME)
 
     def _fold(self, p: Accepted) -> Fold:
-        """At a step; found once."""
+        """The fold at a step, which is computed once."""
         if id(p) not in self.found:
             self.found[id(p)] = p, self._find(p)  # p too: so that no other step gets its id
         return self.found[id(p)][1]

@@ -6,8 +6,8 @@ the absolute error of a dynamic deformation (and of its rate) is that of ERROR d
 
     g = max_i |dx_i/de|,   i the coordinates of position nodes;   1 <= g <= L/l
 
-taken from the velocity transfer function of the start state (theory-system.md 1.3); L is the size of the model. Below 1
-nothing is gained, as the deformation itself is a result. Rotations and coordinates keep their own unit.
+taken from the velocity transfer function of the start state (theory-system.md section 1.3); L is the size of the model.
+Below 1 nothing is gained, as the deformation itself is a result. Rotations and coordinates keep their own unit.
 """
 
 from __future__ import annotations

@@ -58,7 +58,7 @@ CAUSE = 0.1  # chosen: lambda0 of a node below which a dead point is its half tu
 Times = Sequence[float] | EvenTimes | np.ndarray
 Watch = Callable[[float, Array], None]
 
-Marches = Callable[[Callable[[], float]], March]  # of the tolerance of positions
+Marches = Callable[[Callable[[], float]], March]  # takes what gives the tolerance of positions
 
 
 @dataclass(frozen=True)
@@ -198,17 +198,18 @@ def has_forces(model: LoadedMechanism) -> bool:
 class Trail:
     """The accepted steps of one motion that are remembered; of two at least, of more where continuity is watched.
 
-    Outputs inside the last step are placed from its begin: from the output before, many turns earlier perhaps, the way
-    would be long and could be another one. Where a few steps lie between outputs these follow their own way: a
-    determinant that changes its sign along it tells of a dead point at which steps that are too long have turned back.
+    Outputs inside the last step are placed from the begin of that step. The output before may lie many turns earlier:
+    the way from there would be long and could be another one. Where only a few steps lie between outputs, each output
+    is placed from the one before: a determinant that changes its sign along this way tells of a dead point at which
+    steps that are too long have turned back.
     """
 
     def __init__(self, evaluator: Evaluator, watch: Watched | None) -> None:
         self.evaluator, self.watch = evaluator, watch
         self.continuity = None if watch is None else watch.continuity
         self.steps: deque[Accepted] = deque(maxlen=2) if self.continuity is None else self.continuity.steps
-        self.elsewhere: Callable[[int], list[Accepted]] | None = None  # where many steps are made at a time
-        self.begin: Moving | None = None  # of the last of steps that are made one by one
+        self.elsewhere: Callable[[int], list[Accepted]] | None = None  # gives the last k steps that were made at a time
+        self.begin: Moving | None = None  # of the last step, where steps are made one by one
         self.n = 0  # steps since the last output
 
     # -- of many steps at a time: `spacar.compiled.marching.Lookout` ----------------------------------------------
@@ -229,16 +230,16 @@ class Trail:
     def closer(
         self, t: float, y: Array, peak: float, before: list[Accepted] | None
     ) -> tuple[float, bool, Accepted | None]:
-        """Look at one of them."""
+        """Look at one of the steps that are made at a time."""
         return (peak, False, None) if self.watch is None else self.watch.closer(t, y, peak, before)
 
     def passed(self, n: int, last: Callable[[int], list[Accepted]]) -> None:
-        """So many have been made; `last(k)` gives the last k of them."""
+        """n steps have been made; `last(k)` gives the last k of them."""
         self.n += n
         self.elsewhere = last
 
     def _fetch(self) -> None:
-        """What was remembered elsewhere, before a step is made here."""
+        """Take over what was remembered elsewhere, before a step is made here."""
         if self.elsewhere is not None:
             steps = self.elsewhere(self.capacity)
             self.elsewhere = None
@@ -249,7 +250,7 @@ class Trail:
                 self.steps.extend(steps)
 
     def started(self, t: float, y: Array) -> Accepted | None:
-        """The evaluator stands at the start state: the first step is looked at too. The last step, None: not known."""
+        """Remember the start state, where the evaluator stands. Returns the last step, None when it is not known."""
         if not self.steps:
             self._keep(t, y)
         return self.steps[-1] if self.steps else None
@@ -281,7 +282,7 @@ class Trail:
             self.evaluator.resume(self.steps[-1].at)
 
     def lead(self, shown: Evaluator) -> None:
-        """Let the evaluator of the outputs begin at the start of the step with t, if its last output was far before."""
+        """Let the evaluator of outputs go on from the begin of the last step, if its last output was long before it."""
         if self.n > FAR:
             begin = self.begin
             if self.elsewhere is not None:

@@ -54,9 +54,8 @@ def step_coefficients(
 ) -> tuple[list[float], list[float], list[float], np.ndarray]:
     """Coefficients of a step h of order k whose last n_s steps, this one included, are equal.
 
-    `psi` are the sums of the last i steps at the start of the step. Returns the sums at its end, g_1 ...
-    g_{k+1}, sigma_1 ... sigma_{k+1} and the (k+1, k) matrix that maps phi to (sum g_i phi*_i, phi^e_1, ...,
-    phi^e_k).
+    `psi` are the sums of the last i steps at the start of the step. Returns the sums at its end, g_1 ... g_{k+1},
+    sigma_1 ... sigma_{k+1} and the (k+1, k) matrix that maps phi to (sum g_i phi*_i, phi^e_1, ..., phi^e_k).
     """
     psi_new = [h]
     psi_new += [h + p for p in psi[:-1]]

@@ -57,9 +57,8 @@ def integrate(
     breaks    times of discontinuities of F: a step ends and a new start is made at each; the values used on
               either side are those four rounding units of the time away from it
 
-    Raises UsageError for wrong arguments and AnalysisError (codes `integrator.*`, or the code of the error
-    raised by the problem) when the integration fails. The arguments are checked at the call, not at the first
-    output.
+    Raises UsageError for wrong arguments and AnalysisError (codes `integrator.*`, or the code of the error raised by
+    the problem) when the integration fails. The arguments are checked at the call, not at the first output.
     """
     row = method(code)
     state = np.array(y0, dtype=float)
@@ -112,7 +111,7 @@ def _check(
 
     if y0.ndim != 1 or not len(y0) or not np.isfinite(y0).all():
         wrong("the initial state must be a non-empty vector of finite numbers", "integrator.state")
-    if not isinstance(times, EvenTimes):  # which has seen to it
+    if not isinstance(times, EvenTimes):  # which has checked its times when it was made
         if times.ndim != 1 or len(times) < 2 or not np.isfinite(times).all():
             wrong("the integration needs a start time and at least one later output time", "integrator.times")
         bad = np.flatnonzero(np.diff(times) <= 0.0)
@@ -273,7 +272,7 @@ def _first_step(evaluation: Evaluation, integrator: Any, t: float, y: np.ndarray
     try:
         bend = norm(evaluation.rhs(t + h0, y + h0 * f) - f) / h0
     except AnalysisError:
-        return h0  # the step loop deals with it
+        return h0  # the step loop deals with a state that cannot be evaluated
     largest = max(slope, bend)
     h1 = max(1e-6, 1e-3 * h0) if largest <= 1e-15 else (0.01 / largest) ** (1.0 / integrator.controller[0])
     return min(100.0 * h0, h1)

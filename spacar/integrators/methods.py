@@ -25,8 +25,7 @@ from .tableaus import BOGACKI_SHAMPINE, DORMAND_PRINCE, KUTTA
 
 @dataclass(frozen=True, slots=True)
 class Method:
-    """One integration code. `order` 0 means variable order; `original` is False for codes that only we
-    have."""
+    """One integration code. `order` 0: variable; `original` is False for codes that the original program lacks."""
 
     code: int
     name: str

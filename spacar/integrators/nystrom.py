@@ -80,8 +80,7 @@ class RungeKuttaNystrom:
         self._step(t, h)
 
     def attempt(self, h: float) -> float:
-        """A trial step; returns the error estimate as a multiple of the tolerance, `scaled` holds its
-        components."""
+        """A trial step; returns the error estimate as a multiple of the tolerance, `scaled` holds its components."""
         self.h = h
         self._step(self.t, h)
         n = self.n

@@ -1,5 +1,4 @@
-"""What an integrator needs from a problem and what it gives back: protocol, records and the counted
-evaluation."""
+"""What an integrator needs from a problem and what it gives back: protocol, records and the counted evaluation."""
 
 from __future__ import annotations
 
@@ -22,16 +21,23 @@ class Problem(Protocol):
 
     Positions include the kinematic coordinates of a non-holonomic system; the second-order codes 220 and 225
     need `len(y) == 2 * n_positions`. `rhs` may return the same array at every call: integrators copy what
-    they keep. It must neither change nor keep the `y` it is given. Seven optional members are used when they are
-    present: `jacobian(t, y)`, which the linearly implicit and implicit codes need, (dF/dy, dF/dt) with shapes (n, n)
-    and (n,), `accepted(t, y) -> None`, called after each accepted step so that a problem can update its branch
-    memory, `rejected() -> None`, called after each rejected one so that it goes back to that, `component_name(i) ->
-    str`, the name of state component `i` in messages, and `stages(done, c, a, t, h, window, y, K) -> int`, which
-    evaluates F(t + c_i h, y + h a_i K) into the rows i of K from `done` on, at times clipped to the window, and
-    returns the first row that it could not do (that one is then asked from `rhs`, which says why), `by_case`, the
-    shape (blocks, components, lanes) of a state of many cases, each of which keeps the tolerance (Runge-Kutta codes),
-    and `march(method, t, t_end, h, longest)`, which takes the steps of codes 0, 135, 155 and 853 itself (`accepted` and
-    `rejected` are then its own affair) and yields those with an output.
+    they keep. It must neither change nor keep the `y` it is given.
+
+    Seven optional members are used when they are present (`Automatic` knows two more):
+
+    jacobian(t, y)     (dF/dy, dF/dt) with shapes (n, n) and (n,); the linearly implicit and implicit codes need it
+    accepted(t, y)     called after each accepted step, so that a problem can update its branch memory
+    rejected()         called after each rejected step, so that a problem goes back to that memory
+    component_name(i)  the name of state component `i` in messages
+    stages(done, c, a, t, h, window, y, K)
+                       evaluates F(t + c_i h, y + h a_i K) into the rows i of K from `done` on, at times clipped to the
+                       window, and returns the first row that it could not do; that one is then asked from `rhs`, which
+                       says why
+    by_case            the shape (blocks, components, lanes) of a state of many cases, each of which keeps the tolerance
+                       (Runge-Kutta codes)
+    march(method, t, t_end, h, longest)
+                       takes the steps of codes 0, 135, 155 and 853 itself, with what `accepted` and `rejected` do, and
+                       yields those with an output
     """
 
     @property

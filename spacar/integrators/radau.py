@@ -13,7 +13,7 @@ Z_q = h (c v + a Z_v).
 A velocity is measured by the displacement that its error makes within the step: h dv counts like dq, as chapter VII
 does with variables of index 2, which the velocities of constrained motion are; a stiff vibration is nearly a constraint
 (Ch. Lubich, ZAMP 44 (1993) 1022). What is resolved has h omega near 1, and h dv is about its displacement dv/omega; of
-what is not, h dv is more than that. With dv itself steps followed every vibration whose *velocity* was above the
+what is not, h dv is more than that. With dv itself steps would follow every vibration whose *velocity* was above the
 tolerance: a unit beam that is released has displacements 4 beta^-5 and velocities 4 beta^-3 with omega = beta^2. What
 moves its tip by 1e-5, 1e-7 has frequencies up to 170 and 1,100 rad/s; velocities of 1e-5, 1e-7 go to 5,400 and 120,000.
 """

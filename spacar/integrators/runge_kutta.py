@@ -18,8 +18,7 @@ from .tableaus import Tableau
 def hermite(
     t: float, h: float, y: np.ndarray, f: np.ndarray, y_new: np.ndarray, f_new: np.ndarray
 ) -> np.ndarray:
-    """Cubic through y, y_new with slopes f, f_new, at t from the step start; for y = (q, v) it uses
-    accelerations."""
+    """Cubic through y, y_new with slopes f, f_new, at t from the step start; for y = (q, v) it uses accelerations."""
     s = t / h
     r = 1.0 - s
     value = (r * r * (1.0 + 2.0 * s)) * y + (s * s * (3.0 - 2.0 * s)) * y_new
@@ -104,8 +103,7 @@ class ExplicitRungeKutta:
         self.stages[0] = self.stages[-1]
 
     def attempt(self, h: float) -> float:
-        """A trial step; returns the error estimate as a multiple of the tolerance, `scaled` holds its
-        components."""
+        """A trial step; returns the error estimate as a multiple of the tolerance, `scaled` holds its components."""
         self.h = h
         if not self._stages(self.t, h, end=True):
             self.stages[-1] = self.evaluation.rhs(self.t + h, self.y_new)

@@ -1,9 +1,8 @@
 """Coefficients of the explicit Runge-Kutta codes 130, 135, 140 and 155 (853 has its own module, dop853.py).
 
-Sources: P. Bogacki, L. F. Shampine, Appl. Math. Letters 2 (1989) 321 (130, 135); W. Kutta, Z. Math. Phys. 46
-(1901) 435 (140); J. R. Dormand, P. J. Prince, J. Comput. Appl. Math. 6 (1980) 19 (155) with the continuous
-extension of E. Hairer, S. P. Norsett, G. Wanner, "Solving Ordinary Differential Equations I", Springer 1993,
-section II.6.
+Sources: P. Bogacki, L. F. Shampine, Appl. Math. Letters 2 (1989) 321 (130, 135); W. Kutta, Z. Math. Phys. 46 (1901) 435
+(140); J. R. Dormand, P. J. Prince, J. Comput. Appl. Math. 6 (1980) 19 (155) with the continuous extension of E. Hairer,
+S. P. Norsett, G. Wanner, "Solving Ordinary Differential Equations I", Springer 1993, section II.6.
 """
 
 from __future__ import annotations
@@ -17,9 +16,8 @@ import numpy as np
 class Tableau:
     """c (s,), A (s, s) strictly lower triangular, b (s,) and the error weights b - b_embedded.
 
-    `error`, shape (s + 1,), includes F at the step end as last stage; `controller` is (exponent denominator,
-    smallest, largest factor of the step). `dense`, shape (s + 1,), is the quartic term of the continuous
-    extension of 155.
+    `error`, shape (s + 1,), includes F at the step end as last stage; `controller` is (exponent denominator, smallest,
+    largest factor of the step). `dense`, shape (s + 1,), is the quartic term of the continuous extension of 155.
     """
 
     order: int

@@ -33,14 +33,14 @@ def build(deck: Deck, mode: int = 1, **options: Any) -> Mechanism:
         raise InputError([Message("error", deck.source, None, "", "the model has no elements")])
     x_class, e_class = classes(deck, elements)
     if analysis.takes_setpoints:
-        # all degrees of freedom follow the nominal motion; the file may call them dynamic (files.md 3)
+        # all degrees of freedom follow the nominal motion; the file may call them dynamic (files.md section 3)
         x_class, e_class = _prescribed(x_class), _prescribed(e_class)
     numbering = number(elements, x_class, e_class)
     x0 = reference_configuration(deck, numbering)
     batches = element_batches(deck, numbering, x0, options.get("beams") or "")
     batches += node_batches(numbering, lumped_inertia.lumped(deck, numbering, batches))
     loads = inputs.loads(deck, numbering, batches)
-    levels = analysis.stationary or analysis.takes_setpoints  # load steps, computed here or linearized about
+    levels = analysis.stationary or analysis.takes_setpoints  # load steps: they are computed, or linearized about
     stiffness, damping = _constitutive(batches)
     return Mechanism(
         deck=deck,
@@ -63,7 +63,8 @@ def build(deck: Deck, mode: int = 1, **options: Any) -> Mechanism:
 
 def along(mechanism: Mechanism, deck: Deck) -> Mechanism:
     """The mechanism with the numbers of a deck that differs by a direction (`spacar.deck.directed`): complex arrays,
-    in the numbering of the real one. For the derivatives of element quantities; no analysis runs on it."""
+    in the numbering of the real one. For the derivatives of element quantities; no analysis runs on it: `stiffness` and
+    `damping` stay the real ones."""
     n = mechanism.numbering
     x0 = reference_configuration(deck, n, complex)
     batches = element_batches(deck, n, x0, mechanism.settings.beams)
@@ -98,9 +99,9 @@ def element_list(deck: Deck) -> list[tuple[int, str, tuple[int, ...]]]:
 def classes(
     deck: Deck, elements: list[tuple[int, str, tuple[int, ...]]]
 ) -> tuple[dict[tuple[int, int], str], dict[tuple[int, int], str]]:
-    """Classes of coordinates and deformations that statements give (input-language.md 4.2, notes k5 and k6), and those
-    that differ from the defaults without a statement: warping coordinates are dynamic, the deformations that belong to
-    them calculable (theory-warping.md section 1)."""
+    """Classes of coordinates and deformations that statements give (input-language.md section 4.2, notes k5, k6), and
+    those that differ from the defaults without a statement: warping coordinates are dynamic, the deformations that
+    belong to them calculable (theory-warping.md section 1)."""
     kinds = {n: role for _, k, nodes in elements for n, role in zip(nodes, ELEMENT_TYPES[k].nodes, strict=True)}
     keyword = {n: k for n, k, _ in elements}
     planar = ELEMENT_TYPES[elements[0][1]].planar

@@ -18,7 +18,7 @@ def loads(deck: Deck, numbering: Numbering, batches: list[Batch], prefix: str = 
     """Initial loads (prefix empty) or their increments (prefix DEL): XF, GRAVITY, ESIG, mass flow.
 
     Three numbers on a spatial orientation node are a global moment, four the forces dual to lambda
-    (input-language.md 5.2).
+    (input-language.md section 5.2).
     """
     force: Array = np.zeros(numbering.nx, kind)
     moments, rows = [], []
@@ -61,7 +61,7 @@ def loads(deck: Deck, numbering: Numbering, batches: list[Batch], prefix: str = 
 
 
 def drive(deck: Deck, numbering: Numbering, x0: Array) -> Drive:
-    """Prescribed motion: the polynomials of INPUTX and INPUTE, overridden by USERINP where it speaks."""
+    """Prescribed motion: the polynomials of INPUTX and INPUTE, overridden by USERINP for the inputs that it gives."""
     x, e = _tables(deck, numbering, x0, ("INPUTX", "INPUTE"), 3)
     polynomial = Polynomial(x[numbering.x_class["input"]], e[numbering.e_class["input"]])
     user = deck.last("USERINP", block=2)
@@ -133,7 +133,7 @@ def additional_drive(deck: Deck, numbering: Numbering, kind: type = float) -> Dr
 
 
 def settings(deck: Deck) -> SolverSettings:
-    """TIMESTEP, INTEGRAT, ERROR, ITERSTEP, OUTLEVEL, MODES with their defaults (input-language.md 4.2, 5.4, 5.5)."""
+    """TIMESTEP, INTEGRAT, ERROR, ITERSTEP, OUTLEVEL, MODES with defaults (input-language.md sections 4.2, 5.4, 5.5)."""
     names = {
         "TIMESTEP": ("duration", "n_steps"),
         "INTEGRAT": ("integrator", "step"),

@@ -1,8 +1,8 @@
 """Where the contributions of the batches are in the flat arrays of an evaluation: made once per mechanism.
 
 The entries of V (ne x nx) come first, batch by batch, (n_deformations, n_coordinates, n) each, then those of M
-(nx x nx), (n_coordinates, n_coordinates, n). A place is the part of a flat array that belongs to a
-batch, and its shape.
+(nx x nx), (n_coordinates, n_coordinates, n). A place is the part of a flat array that belongs to a batch, and its
+shape.
 """
 
 from __future__ import annotations

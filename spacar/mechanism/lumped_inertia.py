@@ -1,6 +1,7 @@
 """Lumped inertia: XM of all node types, rotary inertia that elements put on orientation nodes, XGYRO, MEE.
 
-All tensors of one spatial orientation node are summed first; the node is then one rigid body (theory-spatial.md 1).
+All tensors of one spatial orientation node are summed first: the node is then one rigid body (theory-spatial.md
+section 1).
 """
 
 from __future__ import annotations

@@ -82,7 +82,7 @@ class Drive(Protocol):
 
 @dataclass(frozen=True)
 class Polynomial:
-    """start + rate t + acceleration t^2 / 2 for every input coordinate and deformation (input-language.md 5.4)."""
+    """start + rate t + acceleration t^2/2 of every input coordinate and deformation (input-language.md section 5.4)."""
 
     x: Array  # (n_xr, 3): start, rate, acceleration
     e: Array  # (n_er, 3)

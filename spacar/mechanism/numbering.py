@@ -222,7 +222,7 @@ def number(
 ) -> Numbering:
     """Number a mechanism. `x_class` maps (node, coordinate), `e_class` (element, mode) to classes.
 
-    Defaults (input-language.md 4.3): coordinates calculable, deformations fixed.
+    Defaults (input-language.md section 4.3): coordinates calculable, deformations fixed.
     """
     elements = tuple(sorted(elements))
     planar = ELEMENT_TYPES[elements[0][1]].planar

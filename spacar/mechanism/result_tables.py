@@ -1,4 +1,5 @@
-"""What result files say once a run: sizes, tables and parameters of the model, under their MATLAB names (files.md 4).
+"""What result files say once a run: sizes, tables and parameters of the model, by their MATLAB names
+(files.md section 4).
 
 Tables have a row for every node or element number up to the highest, zero where the number is not used.
 """

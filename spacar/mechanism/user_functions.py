@@ -130,7 +130,7 @@ def _breaks(module: ModuleType, path: Path, refuse: Callable[[str], Exception]) 
 
 
 def one_line_of(value: object) -> str:
-    """A value in words for a message, shortened."""
+    """A value as a message shows it, on one line and shortened."""
     text = repr(value).splitlines()[0]
     return text if len(text) < 80 else f"{text[:77]}..."
 
@@ -235,7 +235,7 @@ class UserLaw:
     lnp: Index
     prescribed_act: bool  # along set-points the prescribed deformations are the degrees of freedom
     breaks: tuple[float, ...] = ()
-    places: dict[tuple[Any, ...], int] = field(default_factory=dict, repr=False, compare=False)  # that were looked up
+    places: dict[tuple[Any, ...], int] = field(default_factory=dict, repr=False, compare=False)  # looked up
 
     def __call__(self, t: float, e: Array, ed: Array, x: Array, xd: Array) -> UserForces:
         n = self.numbering
