@@ -51,7 +51,7 @@ class TimeAxis:
         return low, self.cuts[k + 1][0] - (self.shift if k + 2 < len(self.cuts) else 0.0)
 
     def cut(self, k: int, t: float) -> float:
-        """Cut at t, behind cut k. Returns the time of the cut: t itself, or that of an existing cut at the same time."""
+        """Cut at t, behind cut k. Returns the time of the cut: t, or that of an existing cut at the same time."""
         for place in range(k + 1, len(self.cuts)):
             other = self.cuts[place][0]
             if self.same(t, other):
