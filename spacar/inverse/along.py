@@ -5,8 +5,8 @@ stored load steps of a stationary solution.
 
 All rows of q are kept; springs and dampers of prescribed deformations enter K0 and D0 as if these were free,
 while the geometric stiffness uses the stresses of the nominal (rigidified) motion. sigma0 are the stresses
-of the rigidified deformations: prescribed here, fixed or prescribed and at rest in mode 2, and no actuators
-(`spacar.inverse.ports`). It does not matter which of both the mode 2 file says.
+of the rigidified deformations (`spacar.inverse.ports`): those that are prescribed here, rest in mode 2 and are no
+actuators. Whether the file of mode 2 fixes them or prescribes them at rest makes no difference.
 
 After a mode 7 to 10 run (file NAME_3, INPUTX replaced by DYNX) no deformation is rigidified: the flexible ones carry
 their elastic stress, and the loads are those of the load steps, which the same ITERSTEP in both files tells. A
@@ -81,9 +81,7 @@ class Along:
         self.difference = (0.0, 0.0)
 
     def header(self) -> dict[str, Any]:
-        """Sizes of the ltv file (files.md section 6); NRBM counts the degrees of freedom that are no
-        rigidified ones.
-        """
+        """Sizes of the ltv file (files.md section 6). NRBM counts the degrees of freedom that are not rigidified."""
         ndof, second = self.mechanism.numbering.ndof, self.ports.second_order
         sizes: dict[str, Any] = {
             "NNOM": len(self.ports.inputs), "NX": 2 * ndof, "NU": len(self.signals), "NY": len(self.outputs),
@@ -94,7 +92,10 @@ class Along:
         return sizes | names | ({"NYSI": second + 1} if len(second) else {})
 
     def frame(self, k: int) -> Frame:
-        """Step k: nominal frame, matrices, state space, set-points. Raises AnalysisError, UsageError."""
+        """Step k (from 0): nominal frame, matrices, state space, set-points.
+
+        Raises AnalysisError, and UsageError when the configuration is not that of the nominal motion.
+        """
         t = float(self.nominal.t[k])
         dynamics = self._dynamics(k)
         frame = at_time(dynamics, t, NO_STATE)
@@ -116,6 +117,7 @@ class Along:
         return frame
 
     def finish(self) -> None:
+        """After the last step: the warnings about the nominal inputs of all steps."""
         self.inputs.finish()
         size, t = self.difference
         if size > SAME_INPUT:
@@ -165,7 +167,7 @@ class Along:
             self.difference = difference, float(self.nominal.t[k])
 
     def _linearize(self, dynamics: Dynamics, frame: Frame, u0: Array) -> Linearization:
-        """(13) on all rows, with the nominal inputs as stresses and forces of the nominal motion."""
+        """Matrices of (13) over all degrees of freedom, with the nominal inputs as stresses and forces."""
         n = self.mechanism.numbering
         loads = dynamics.loads
         law = self._elastic(loads)
@@ -188,8 +190,8 @@ class Along:
         return StressLaw.of(self.mechanism, loads, first=self.mechanism.numbering.e_class["input"].start)
 
     def _second_order(self, dynamics: Dynamics, L: Linearization) -> Array:
-        """G: one row per output with a second order expression, columns i + ndof j, from one adjoint solve
-        each (16).
+        """G of (16): one row for every output with a second order expression, from one adjoint solution each. The
+        coefficient of dq_i dq_j stands in column i + ndof j.
         """
         kinematics, n = dynamics.kinematics, self.mechanism.numbering
         rows = []
@@ -226,7 +228,7 @@ def _output_kind(kind: str) -> str:
 
 
 def _legs(mechanism: Mechanism) -> list[Any]:
-    """Trajectories of this file whose extra loads act here too, as far as their times are given."""
+    """Trajectories of this file, for their extra loads (TRM, TRF) only: nothing moves along them here."""
     return [Leg(number, statements, 0.0, 0.0, 0, NO_STATE, NO_STATE) for number, statements in groups(mechanism.deck)]
 
 

@@ -1,5 +1,6 @@
-"""Modes 2 and 3 as streams of frames: inverse dynamics, and linearization along its result (theory-system.md
-section 7).
+"""Modes 2 and 3 as streams of frames: inverse dynamics, and linearization along its result.
+
+Theory: theory-system.md section 7.
 """
 
 from __future__ import annotations
@@ -28,8 +29,8 @@ NO_STATE: Array = np.zeros(0)
 
 
 def inverse(run: Run) -> Iterator[Frame]:
-    """Mode 2. Raises InputError (path, velocity profile, classes) before the first frame, AnalysisError
-    while iterating.
+    """Mode 2. Raises InputError (path, velocity profile) and UsageError (degrees of freedom that are not prescribed)
+    before the first frame, AnalysisError while iterating.
     """
     mechanism = run.mechanism
     _require_prescribed(mechanism)
@@ -55,8 +56,8 @@ def inverse(run: Run) -> Iterator[Frame]:
 
 
 def along(run: Run) -> Iterator[Frame]:
-    """Mode 3. Raises UsageError when the nominal motion is missing or of another mechanism, AnalysisError
-    while iterating.
+    """Mode 3. Raises UsageError when the nominal motion is missing or of another mechanism, AnalysisError while
+    iterating.
     """
     mechanism = run.mechanism
     if run.nominal is None:
@@ -100,8 +101,9 @@ def _require_prescribed(mechanism: Mechanism) -> None:
 
 
 def _placed(work: TrajectoryProgram, mechanism: Mechanism) -> Iterator[tuple[Dynamics, float]]:
-    """An evaluator near the configuration of every output time; trajectories with extra loads have their
-    own.
+    """(evaluator near the configuration of the output time, output time [s]), one after the other.
+
+    A trajectory with extra loads has an evaluator of its own.
     """
     dynamics, here = None, -1
     plain: Dynamics | None = None

@@ -1,8 +1,8 @@
 """The nominal motion of mode 2, or the stationary solutions of modes 7 to 10, as mode 3 needs them, and their
 comparison with the mechanism of mode 3.
 
-Nodes and elements must be the same; the classes may differ (RLSE in mode 2 becomes INPUTE in mode 3), so
-everything is looked up by node and coordinate, element and mode.
+Nodes and elements must be the same; the classes may differ (RLSE in mode 2 becomes INPUTE in mode 3), so everything
+is looked up by node and coordinate, element and mode.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from spacar.modes import MODES
 if TYPE_CHECKING:
     from spacar.result import Result
 
-# A prescribed deformation that changes less, of its size, rests: the position keeps a prescribed value to 1e-11
-# and, far from the origin, the rounding of the coordinates; a motion that small would be lost in it.
+# A prescribed deformation whose change over its typical size is at most this rests. The position keeps a prescribed
+# value to 1e-11 only, and to the rounding of the coordinates far from the origin: a smaller motion would be lost in it.
 REST = float(np.sqrt(np.finfo(float).eps))
 
 
@@ -35,7 +35,7 @@ class Nominal:
     t         (steps,) [s];  x, xd, xdd (steps, nx);  e, ed, edd, sig (steps, ne)
     keywords  element type of every element number, "" where there is none
     n_fixed   number of fixed deformations: the first ones of e
-    n_given   the same with the prescribed ones, which follow them
+    n_given   number of fixed and prescribed deformations; the prescribed ones follow the fixed ones
     u0        (steps, inputs) nominal inputs, None when they are not known
     warnings  what the log of mode 3 must say about the source
     mode      number of the mode of the run
@@ -62,12 +62,12 @@ class Nominal:
 
     @property
     def stationary(self) -> bool:
-        """Load steps instead of a motion?"""
+        """Are the rows load steps instead of the steps of a motion?"""
         return MODES[self.mode].stationary
 
     @classmethod
     def of(cls, result: Result) -> Nominal:
-        """From a run in memory. Raises UsageError when it is one of another mode."""
+        """From a run in memory. Raises UsageError when it is of a mode other than 2 and 7 to 10."""
         if not MODES[result.mode].nominal:
             text = f"mode 3 needs a result of mode 2, this one is of mode {result.mode} (7 to 10 do as well)"
             raise UsageError(text, "files.not-mode-2")
@@ -103,9 +103,8 @@ class Nominal:
         return np.array(found, np.int64)
 
     def rests(self, mechanism: Mechanism) -> NDArray[np.bool_]:
-        """(ne,) which deformations of a mechanism with the same elements are fixed here, or prescribed and rest.
-
-        In a stationary solution everything rests: only what is fixed counts.
+        """(ne,) which deformations of a mechanism with the same elements are fixed in this motion, or prescribed and at
+        rest. In a stationary solution everything rests, and only those that are fixed count.
         """
         columns = self.e_columns(mechanism.numbering)
         if self.stationary:
@@ -143,7 +142,7 @@ def _described(element: tuple[str, tuple[int, ...]] | None) -> str:
 class NominalDrive:
     """Prescribed motion at the steps of a nominal motion (and nowhere else), in the classes of a mechanism.
 
-    What rests there keeps exactly its value: the stored deformations have the error of the position, which a stiff
+    Deformations that rest there keep exactly one value: the stored ones have the error of the position, which a stiff
     element would turn into a moment.
     """
 
@@ -160,5 +159,6 @@ class NominalDrive:
         self.e[:, 0, still] = np.where(ei < nominal.n_fixed, 0.0, nominal.e[0, ei])[still]
 
     def at(self, t: float) -> DriveState:
+        """The values of the step nearest to t [s]."""
         k = int(np.argmin(np.abs(self.t - t)))
         return DriveState(*self.x[k], *self.e[k])

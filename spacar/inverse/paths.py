@@ -1,8 +1,8 @@
-"""Paths of trajectories: from the arc length p (or angle, or deformation) to prescribed values
-(theory-system.md 7.2).
+"""Paths of trajectories: from the arc length p (or angle, or deformation) to prescribed values (theory-system.md 7.2).
 
-A path knows where its values go (`rows` of the prescribed coordinates or deformations), how long it is, and
-gives the values, rates and accelerations for p, dp/dt, d2p/dt2. Arrays have the shape (len(rows),).
+A path knows where its values go (`rows` of the prescribed coordinates or deformations), how long it is, and gives the
+values, rates and accelerations for p, dp/dt, d2p/dt2. Lengths are in metres, angles in radians. Arrays have the shape
+(len(rows),).
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class Path(Protocol):
 
 @dataclass(frozen=True)
 class StraightPath:
-    """start + p u with a constant direction u: TRANS, TRE (u = +-1) and planar TROT (u = +-1)."""
+    """Values start + p u with a constant direction u: TRANS, TRE (u = +-1) and planar TROT (u = +-1)."""
 
     rows: Index
     start: Array
@@ -53,7 +53,7 @@ class StraightPath:
 
 @dataclass(frozen=True)
 class ArcPath:
-    """c + R (cos psi e1 + sin psi e2), psi = p/R: TRCIRL."""
+    """Positions c + R (cos psi e1 + sin psi e2) on a circle, psi = p/R: TRCIRL."""
 
     rows: Index
     centre: Array
@@ -114,14 +114,14 @@ def straight(rows: Index, start: Array, end: Array) -> StraightPath:
 
 
 def change(rows: Index, start: Array, total: float, of_elements: bool) -> StraightPath:
-    """A single value that changes by `total` (angle or elongation)."""
+    """A single value that changes by `total`: an angle [rad], or a deformation in its unit."""
     return StraightPath(rows, start, np.array([1.0 if total >= 0.0 else -1.0]), abs(total), of_elements)
 
 
 def arc(rows: Index, start: Array, centre: Array, end: Array) -> ArcPath:
     """Circle about the centre from start to the ray from the centre through `end`, the shorter way round.
 
-    Raises BadPath when the radius vanishes, the end direction is undefined, or the plane is (spatial).
+    Raises BadPath when the radius vanishes, or the direction of the end or, in space, the plane is undefined.
     """
     first, last = start - centre, end - centre
     radius, reach = float(np.linalg.norm(first)), float(np.linalg.norm(last))
@@ -144,7 +144,10 @@ def arc(rows: Index, start: Array, centre: Array, end: Array) -> ArcPath:
 
 
 def turn(rows: Index, components: Index, start: Array, total: float, axis: Array) -> TurnPath:
-    """Rotation by `total` [rad] about a fixed axis from the orientation `start` (4,). Raises BadPath."""
+    """Rotation by `total` [rad] about a fixed axis (3,) from the orientation `start` (4,).
+
+    Raises BadPath when it reaches half a turn from the reference orientation.
+    """
     h = axis / np.linalg.norm(axis) * (1.0 if total >= 0.0 else -1.0)
     path = TurnPath(rows, components, h, start, abs(total))
     if path.smallest_scalar <= 1e-6:

@@ -1,8 +1,9 @@
-"""Nominal inputs and reference outputs: NOMS, NOMF, REFE..., REFX... (input-language.md section 7,
-theory-system.md 7.3).
+"""Nominal inputs (NOMS, NOMF) and reference outputs (REFE..., REFX...).
 
-The driving forces that the degrees of freedom need, with all passive stresses (the springs and dampers of
-the actuated joints themselves included), are
+Statements: input-language.md section 7; theory: theory-system.md 7.3.
+
+The driving forces that the degrees of freedom need, with all passive stresses (the springs and dampers of the actuated
+joints themselves included), are
 
     Q = W^T (M xdd + h - f) + We^T sigma_passive                                                          (22)
 
@@ -10,8 +11,9 @@ and the nominal inputs follow from  [s_u We[NOMS]^T, W[NOMF]^T] u0 = Q (23).
 
 A deformation that is prescribed, rests and is no actuator is *rigidified*: INPUTE in mode 2 or 3 for what is flexible
 in truth. It is a degree of freedom here, but takes no part in u0: (23) holds for the others, as in the rigid
-mechanism where it is fixed. Its own equation gives sigma0, the stress resultant that holds it, less its constitutive
-stress (a preload ESIG, or S e when it rests away from zero): what excites it once it is free (24).
+mechanism where it is fixed. Its own equation gives sigma0, the stress resultant that holds it minus its constitutive
+stress (a preload ESIG, or S e when it rests away from zero). It is this difference that excites the deformation once
+it is free (24).
 """
 
 from __future__ import annotations
@@ -66,7 +68,7 @@ class Ports:
 
 
 def rigidified(mechanism: Mechanism, ports: Ports, rests: Callable[[Mechanism], NDArray[np.bool_]]) -> Index:
-    """Rows of e that are prescribed, without a path (TRE) in this file, not an actuator, and at rest.
+    """Rows of e that are prescribed and at rest, have no path (TRE) in this file and are no actuators.
 
     `rests` says of all deformations (ne,) whether they rest; it is asked only when there is one to be decided on.
     """
@@ -82,8 +84,8 @@ class NominalInputs:
     """Solves (23) at every step: `u0` and, for the rigidified rows `rigid` of e, sigma0.
 
     Raises AnalysisError 'inverse.inputs' when two inputs do the same or one does nothing. Fewer inputs than
-    degrees of freedom that are not rigidified: least squares; more: minimum norm; both with a warning in the report.
-    `elastic`: prescribed deformations carry their elastic stress (stationary solutions).
+    degrees of freedom that are not rigidified give a least squares solution, more of them one of minimum norm, both
+    with a warning in the report. `elastic`: prescribed deformations carry their elastic stress (stationary solutions).
     """
 
     def __init__(
@@ -141,11 +143,10 @@ class NominalInputs:
         return u0, table[self.held] @ u0 - Q[self.held]
 
     def apply(self, dynamics: Dynamics, frame: Frame, u0: Array) -> None:
-        """Let the actuators carry the motion: stresses and total forces of the frame with u0 in place of the
-        multipliers.
+        """Let the actuators carry the motion: u0 replaces the multipliers in stresses and total forces of the frame.
 
-        A released actuated deformation gets the stress constitutive - s_u u0; what the prescribed
-        coordinates still need (nothing, if the inputs suffice) remains as their reaction.
+        A released actuated deformation gets its constitutive stress minus s_u u0; what the prescribed coordinates
+        still need (nothing, if the inputs suffice) remains as their reaction.
         """
         n, sweep = dynamics.numbering, dynamics.sweep
         released = n.e_class["input"].stop <= self.S

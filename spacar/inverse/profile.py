@@ -40,8 +40,9 @@ FRONTS = (constant, sine, squared_sine)
 
 @dataclass(frozen=True)
 class Profile:
-    """Motion p(t) from 0 to `length` in `duration` [s], at most with `speed`; `front` is an index into
-    FRONTS.
+    """Motion p(t) from 0 to `length` [m or rad] in `duration` [s], at most with `speed` [m/s or rad/s].
+
+    rise, decline   duration of both phases [s];  front  index into FRONTS
     """
 
     length: float
@@ -57,9 +58,7 @@ class Profile:
         return (0.0, self.rise, self.duration - self.decline, self.duration)
 
     def at(self, t: float) -> tuple[float, float, float]:
-        """p, its rate and its acceleration; where two phases meet, the acceleration is that of the later
-        one.
-        """
+        """p, its rate and its acceleration at t [s]; where two phases meet, the acceleration of the later one."""
         if self.length == 0.0 or t < 0.0:
             return 0.0, 0.0, 0.0
         front, v, end = FRONTS[self.front], self.speed, self.duration
@@ -78,7 +77,7 @@ class Profile:
 def make_profile(
     length: float, duration: float, rise: float | None = None, speed: float | None = None, front: int = 0
 ) -> Profile:
-    """Profile from what TRVMAX or TREPMAX gives; rise <= 0 is a dummy and means a symmetric profile.
+    """Profile from what TRVMAX or TREPMAX gives. rise <= 0 stands for no value and means a symmetric profile.
 
     length >= 0 [m or rad], duration > 0 [s], speed > 0 [m/s or rad/s]. Raises IllegalProfile.
     """
@@ -94,7 +93,7 @@ def make_profile(
     else:
         decline = 2.0 * (duration - length / speed) - rise  # type: ignore[operator]
     assert rise is not None
-    # A decline time that is a rounding error of the total time is not meant to be one.
+    # A decline time of the size of a rounding error counts as zero, which is refused.
     small = TOLERANCE * duration
     if not (rise > small and decline > small and rise + decline <= duration + small):
         raise IllegalProfile(_explanation(length, duration, rise, decline, speed, symmetric))

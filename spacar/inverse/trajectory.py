@@ -1,8 +1,8 @@
 """The trajectories of a deck as one prescribed motion (theory-system.md 7.2, input-language.md section 6).
 
-Trajectories follow each other: each starts where the previous one ended, time accumulates, and coordinates
-without a path rest. The set-point where two of them meet is the end of the earlier one: its accelerations
-and loads count there. Extra masses (TRM) and forces (TRF) act during their own trajectory only.
+Trajectories follow each other: each starts where the previous one ended, time accumulates, and coordinates without a
+path rest. The set-point where two of them meet is the end of the earlier one: its accelerations and loads count there.
+Extra masses (TRM) and forces (TRF) act during their own trajectory only.
 """
 
 from __future__ import annotations
@@ -35,9 +35,7 @@ NAMES = {k.name for k in TRAJECTORIES}
 
 @dataclass(frozen=True)
 class Leg:
-    """One trajectory: its statements, when it starts, how long it takes, its output steps, and what moves in
-    it.
-    """
+    """One trajectory: its statements, when it starts and how long it takes [s], its output steps, what moves in it."""
 
     number: int
     statements: tuple[Statement, ...]
@@ -82,10 +80,11 @@ class TrajectoryDrive:
 
 @dataclass(frozen=True)
 class TrajectoryProgram:
-    """What mode 2 runs through: the motion and its trajectories; as long as it has output times."""
+    """What mode 2 runs through: the motion and its trajectories. Its length is the number of output times."""
 
     drive: Drive
     legs: tuple[Leg, ...]
+
     def __len__(self) -> int:
         return 1 + sum(leg.steps for leg in self.legs)
 
@@ -108,7 +107,8 @@ class TrajectoryProgram:
 def program(mechanism: Mechanism, report: Report) -> TrajectoryProgram:
     """The motion of all TRAJECT statements and its output times.
 
-    Raises InputError for an illegal velocity profile or path, with the line of the statement, and without a TRAJECT.
+    Raises InputError for an illegal velocity profile or path, with the line of the statement, and when there is no
+    TRAJECT.
     """
     deck = mechanism.deck
     if not groups(deck):

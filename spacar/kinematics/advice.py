@@ -76,8 +76,8 @@ def coefficient(statement: Statement | None, keyword: str, mode: int) -> float:
 def effects(mechanism: Mechanism, rows: Index, x: Array | None) -> tuple[Array, Array]:
     """Effect of the release of each of the rows, and the redundancies among the fixed rows alone.
 
-    rows (n,) are the fixed, input and dynamic deformations, in this order from 0 on; x the configuration, None for
-    that of reference. Returns (n,) and (n, k).
+    rows (n,) are the fixed, input and dynamic deformations, in this order from 0 on; x (nx,) is the configuration,
+    None for that of reference. Returns (n,) and (n, k).
     """
     numbering = mechanism.numbering
     deck = full_deck(mechanism.deck)

@@ -7,7 +7,7 @@ multiplied by L and a row of a deformation in metres divided by L. Singular valu
 Left null vectors are over-constraints: combinations of deformations that no motion can change independently, so that
 the stresses along them are undetermined. Right null vectors are under-constraints: motions of the calculable
 coordinates that no deformation feels. A large matrix stays sparse, and only its null spaces are computed
-(`null_space`). With several at once, releases (or new degrees of freedom) are proposed one
+(`null_space`). Where there are several constraints of a kind, releases (or new degrees of freedom) are proposed one
 after the other: the largest component in the null space, which is then projected on the rest. Releases are taken
 from the deformations whose release keeps the physics as long as these can help, then from rigid ones that the others
 hold as well, at last from those that put a hinge into the model (`advice`).
@@ -41,7 +41,7 @@ from spacar.kinematics.self_stress import scaled_part
 from spacar.mechanism.mechanism import Mechanism
 
 SHOWN = 1e-6  # smaller shares are not listed
-TIE = 9  # decimals of the weights: of equals the lowest number comes first, whatever the rounding
+TIE = 9  # decimals of the weights: of equal weights the lowest number comes first, whatever the rounding
 
 
 @dataclass(frozen=True)
@@ -55,9 +55,9 @@ class Diagnosis:
     parts, advice      the same as `deformations` (flexible ones first) and `releases`, with numbers and effects
     paste              lines for the input file that carry out the releases
     freedoms           coordinates to be made degrees of freedom (or supported), one per under-constraint
-    singular           (k,) singular values, descending (of a large matrix the largest, and the
-                       smallest beside the null space);  condition  s_1/s_n, infinite if not
-                       square and regular
+    singular           (k,) singular values, descending (of a large matrix the largest, and the smallest beside the
+                       null space)
+    condition          s_1/s_n, infinite if not square and regular
     """
 
     n_rows: int

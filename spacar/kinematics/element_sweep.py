@@ -98,6 +98,7 @@ class ElementSweep:
             family.mass(self.configured(family, key), self.M[key])
 
     def configured(self, family: Family, key: int) -> Configuration:
+        """The configuration of a batch. Those without deformations are not in `strain`: theirs is made here."""
         if family.n_deformations == 0:
             empty = np.zeros((0, *self.x_of[key].shape[1:]))
             self.configuration[key] = family.strain(self.x_of[key], empty, empty, empty[:, None])

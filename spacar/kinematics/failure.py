@@ -16,7 +16,7 @@ from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
 
-SHORT = 1e-6
+SHORT = 1e-6  # length over the undeformed one from which an element counts as collapsed
 # Smallest over largest singular value at the last iterate: one that was zero (below ZERO of `diagnosis`) at the
 # reference configuration has grown by no more than the square root of that limit.
 NEARLY = ZERO**0.5
@@ -72,7 +72,7 @@ def position_failure(
 ) -> AnalysisError:
     """Newton's iteration did not converge. residual (h,) belongs to x, or to the last trial after `history`.
 
-    What is printed is scaled like the history: by the size of the mechanism where the deformation is a length.
+    What is printed is scaled like the history: a deformation that is a length is divided by the size of the mechanism.
     """
     numbering = kinematics.numbering
     collapsed = collapse(kinematics)
@@ -112,7 +112,9 @@ def position_failure(
 
 
 def _singular_choice(kinematics: Position, x: Array) -> str:
-    """The cause, when the choice of degrees of freedom is singular at the reference configuration already; else ""."""
+    """The cause in words, when the choice of degrees of freedom is singular at the reference configuration already;
+    otherwise "".
+    """
     mechanism, sweep = kinematics.mechanism, kinematics.sweep
     sweep.strain(mechanism.x0)
     diagnosis = diagnose(mechanism, sweep, mechanism.x0)
@@ -134,8 +136,8 @@ def _shown(history: list[float]) -> str:
 
 
 def collapse(kinematics: Position) -> str:
-    """Which element has no length left: one that is asked to be shorter than nothing, or whose deformations are no
-    numbers at the last iterate. Empty when there is none."""
+    """Which element has no length left, in words: one that is asked for a length of nearly zero or less, or whose
+    deformations are no numbers at the last iterate. Empty when there is none."""
     sweep = kinematics.sweep
     for batch in sweep.strained:
         family = batch.family

@@ -9,9 +9,9 @@ Newton's method starts from a guess (the motion extrapolated in time, if the cal
 configuration, moved by the first order prediction with the last factorization. It has converged when
 max |dx_i|/scale_i <= `within` (1e-11; scale: size of the mechanism for positions, 1 for angles and Euler
 parameters); the correction that passes the test is still applied, and since convergence is quadratic the position is
-accurate to rounding, while V and so the velocity are those of a configuration that differs by the last correction. Who
-integrates may ask for less in intermediate states, or for more, so that this difference does not disturb the error
-estimates. At most 20 iterations; a correction that makes the residual grow is halved, at most 5 times.
+accurate to rounding, while V and so the velocity are those of a configuration that differs by the last correction. An
+integrator may ask for less in intermediate states, or for more, so that this difference does not disturb its error
+estimates. There are at most 20 iterations; a correction that makes the residual grow is halved, at most 5 times.
 
 Rounding sets how small corrections and residuals can become. The numbers that enter a deformation are coordinates and
 deformations; with s = max(1, |x_i|/scale_i, |e_i|/scale_i) the scaled residual is known to
@@ -51,8 +51,9 @@ ROUNDING = 64.0 * float(np.finfo(float).eps)  # of the scaled residual, per unit
 MANY_RATES = 20_000  # rates at once from which one product with a sparse matrix is faster than a sum a column
 MAX_ITERATIONS = 20
 MAX_HALVINGS = 5
-GROWN = 1e-6  # chosen: a residual that doubles but stays below has its correction not halved. Accepts nothing; without
-# it (only rounding excused) the ways to stages beyond a dead point were cut hundreds of times, for the same result
+# Chosen: when a residual doubles but stays below this, its correction is not halved. It accepts nothing. With rounding
+# as the only excuse, the ways to stages beyond a dead point are cut hundreds of times, for the same result.
+GROWN = 1e-6
 LARGEST_JUMP = 0.8  # rad or model lengths between two configurations
 FARTHEST_GUESS = 0.5 * LARGEST_JUMP  # from farther Newton's method could end at another solution
 MAX_DEPTH = 10
@@ -61,7 +62,9 @@ MOST_PIECES = 50_000  # of a prescribed motion between two positions: some 6000 
 
 
 class Unplaced(Exception):
-    """A Newton iteration that did not reach its target. Smaller steps may; explaining costs more than trying."""
+    """A Newton iteration that did not reach its target. Smaller steps may reach it; as an explanation costs more than
+    another trial, it is made only when somebody asks for it (`explain`).
+    """
 
     def __init__(self, explain: Callable[[], AnalysisError]) -> None:
         super().__init__()
@@ -124,7 +127,7 @@ class Kinematics:
     def begin(self) -> None:
         """At the first call: the way to the first given values starts with the deformations of the present x.
 
-        DRPINBOD: the deformations of the reference configuration need not be those wanted.
+        These need not be the wanted ones in the reference configuration (DRPINBOD).
         """
         if self._factored:
             return
@@ -350,7 +353,7 @@ def largest(values: Array) -> float:
     return float(np.abs(values).max()) if len(values) else 0.0
 
 
-# Explanations are loaded when an iteration has failed: a run that goes well does not need them.
+# The module of explanations is imported when an iteration has failed: a run that goes well does not need it.
 def _position_failure(*about: Any) -> AnalysisError:
     from spacar.kinematics.failure import position_failure
 

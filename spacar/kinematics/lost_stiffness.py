@@ -64,7 +64,7 @@ def _candidates(deck: Deck) -> dict[int, list[tuple[int, int]]]:
         keyword = keywords[element]
         whole = len(modes_of[element]) == len(ELEMENT_TYPES[keyword].modes)
         if whole and not any(element in law for law in laws.values()):
-            continue  # it measures
+            continue  # a measuring element
         stiff, damp, preload = (laws[name].get(element) for name in ("ESTIFF", "EDAMP", "ESIG"))
         pairs = [
             (element, mode)
@@ -90,7 +90,8 @@ def _can_change(mechanism: Mechanism, pairs: list[tuple[int, int]]) -> set[tuple
         return set(pairs)
     places = [n.e_index(*pair) for pair in pairs]
     held = redundancies(mechanism, np.concatenate((fixed, places)))[len(fixed) :]
-    # a motion of the candidates that no redundancy forbids: those determined are a subspace of all candidates
+    # Motions of the candidates that no redundancy forbids: the columns of `free`. A candidate without a share in any
+    # of them is determined by the fixed deformations.
     left, s, _ = np.linalg.svd(held) if held.size else (np.eye(len(pairs)), np.zeros(0), None)
     free = left[:, int(np.sum(s > SMALL)) :]
     return {pair for pair, row in zip(pairs, free, strict=True) if np.linalg.norm(row) > SMALL}

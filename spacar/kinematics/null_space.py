@@ -21,11 +21,11 @@ from spacar.arrays import Array
 
 EPS = float(np.finfo(float).eps)
 LARGEST_DECOMPOSED = 400  # rows or columns up to which a full singular value decomposition is cheap
-BLOCK = 8  # vectors more than the null space must have at least
+BLOCK = 8  # vectors in the block beyond the least dimension of the null space
 ITERATIONS = 6
 PROJECTIONS = 4
 NORM_ITERATIONS = 30  # the norm is then known to some percent
-SHARE = 0.5  # of all columns: with more of them in the block a full decomposition is cheaper
+SHARE = 0.5  # of all columns: with more vectors than that in the block a full decomposition is cheaper
 
 
 def norm_estimate(A: Any) -> float:
@@ -42,7 +42,7 @@ def norm_estimate(A: Any) -> float:
 def null_space(A: Any, size: float, zero: float) -> tuple[Array, Array]:
     """Orthonormal null space (n, k) of a sparse A (m, n) of norm `size`, and the singular values beside it, ascending.
 
-    Singular values up to `zero` x `size` count as zero; min(m, n) - n + m more do where A has fewer rows than columns.
+    Singular values up to `zero` x `size` count as zero, and n - m more where A has fewer rows than columns.
     """
     m, n = A.shape
     least = max(n - m, 0)

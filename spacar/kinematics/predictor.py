@@ -17,8 +17,8 @@ from spacar.arrays import Array
 
 State = tuple[float, Array, Array, Array]  # t, x, xd, xdd
 FARTHEST = 1.5  # steps h ahead
-# The difference between both polynomials: with less than SMALL of the scale of the coordinates, Newton's method takes
-# two iterations from Taylor's already; with more than ROUGH of what the coordinates move, the motion is not smooth.
+# Bounds of the difference between both polynomials. Below SMALL times the scale of the coordinates Newton's method
+# takes two iterations from Taylor's polynomial already; above ROUGH times the motion of a step it is not smooth.
 SMALL, ROUGH = 1e-6, 0.1
 
 

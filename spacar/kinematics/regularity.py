@@ -1,7 +1,7 @@
 """Is the configuration determined by its degrees of freedom? Asked at stored steps only.
 
 At a dead point the position may still solve D(x) = e to rounding, but velocities and reactions are not determined:
-numbers would come out, of any size. Below a reciprocal condition of sqrt(eps), times sqrt(|x|/L) far from the origin,
+their values would be of any size. Below a reciprocal condition of sqrt(eps), times sqrt(|x|/L) far from the origin,
 the position is looked at: is its root a single one (`spacar.kinematics.fold`)? Euler parameters as dynamic coordinates
 end at a rotation of 180 degrees.
 
@@ -38,7 +38,7 @@ class PositionMatrix:
         self.columns = k.scale[k.U]
         far = float(np.abs(k.mechanism.x0 / k.scale).max(initial=1.0))
         self.zero = ZERO * float(np.sqrt(far))  # a reciprocal condition below which the position is looked at
-        # of systems in dense storage, where the determinant costs nothing
+        # Only with dense storage, where the determinant costs next to nothing.
         self.has_determinant = bool(len(k.U)) and isinstance(k.velocity_system, DenseSystem)
 
     def determinant(self) -> tuple[float, float]:
@@ -53,7 +53,7 @@ class PositionMatrix:
         return reciprocal_condition(system, norm, self.rows, self.columns)
 
     def determined(self) -> bool:
-        """Is the position a single root? For a condition so bad that it may not be."""
+        """Is the position a single root? Worth its cost only where `rcond` is below `zero`."""
         k = self.kinematics
         rounding = k.rounding(k.x, k.sweep.e[k.h])
         return is_single_root(
@@ -109,8 +109,8 @@ class Regularity:
 
 
 class HalfTurns:
-    """Watches the nodes whose lambda1, lambda2 or lambda3 is a dynamic coordinate, at every accepted step; `without`
-    those that may pass half a turn."""
+    """Watches the nodes whose lambda1, lambda2 or lambda3 is a dynamic coordinate, at every accepted step, except the
+    nodes `without`, which may pass half a turn."""
 
     def __init__(self, n: Numbering, without: Collection[int] = ()) -> None:
         nodes: set[int] = set()
@@ -121,7 +121,7 @@ class HalfTurns:
         self.lambda0 = np.array([n.x_index(node, 1) for node in self.nodes], np.int64)
 
     def check(self, t: float, x: Array, within: float = HALF_TURN) -> None:
-        """Raises AnalysisError 'position.singular' at the configuration x (nx,) where lambda0 is that small."""
+        """Raises AnalysisError 'position.singular' when |lambda0| of a node is below `within` at x (nx,), t [s]."""
         near = np.flatnonzero(np.abs(x[self.lambda0]) < within)
         if len(near):
             raise AnalysisError(

@@ -23,8 +23,8 @@ ROUNDS = 3
 
 @dataclass(frozen=True)
 class Release:
-    """deck after the releases; parts what was released; diagnosis of that deck; left: the over-constraints that no
-    flexible deformation can take away."""
+    """deck  after the releases;  parts  what was released;  diagnosis  of that deck;  left  number of over-constraints
+    that no flexible deformation can take away."""
 
     deck: Deck
     parts: tuple[OverconstraintPart, ...]
@@ -68,7 +68,7 @@ def _diagnose(deck: Deck) -> Diagnosis:
 
 
 def _edited(text: str, changed: list[Edit]) -> str:
-    """The text with every DYNE of the edits changed, from the end so that the places before stay right."""
+    """The text with every DYNE of the edits changed, beginning at the end so that earlier places stay right."""
     mark = "\ufeff" if text.startswith("\ufeff") else ""
     lines = split_lines(text.removeprefix(mark))
     for edit in sorted(changed, key=lambda e: (e.statement.lines[0], e.statement.columns[0]), reverse=True):

@@ -7,7 +7,8 @@ stiffness. Along a true redundancy all e of the rows stay zero, so D2e_i(v, v) +
 
     sum_i c_i D2e_i(v, v) = -c R a = 0          for all v with R v = 0,
 
-which is the test, to the second order: the self-stresses whose geometric stiffness vanishes on the null space of R.
+which is the test, to the second order: those self-stresses mean a redundancy whose geometric stiffness vanishes on the
+null space of R.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 Velocity transfer W (nx, ndof): xd = W qd, from one factorization and ndof right-hand sides (5). Configuration
 transfer G (nx, nkdof): dx = G ds; equal to W for holonomic systems, else from the position matrix with unit rows for
-the kinematic coordinates. Second order tensors are formed only for OUTLEVEL (6).
+the kinematic coordinates. Second order tensors (6) are formed only for OUTLEVEL, in `second_order_transfer`.
 """
 
 from __future__ import annotations

@@ -5,8 +5,7 @@
 
 Multipliers are ordered by modulus, of a pair +- the positive one first; modes have norm 1; negative multipliers
 belong to the reversed load. Every pair is checked (`spacar.linear.backward_error`); a doubtful one is kept, with a
-warning. The
-compliance of coordinate i is W_i K^-1 W_i^T with K = K0 + N0 + G0 of the dynamic degrees of freedom.
+warning. The compliance of coordinate i is W_i K^-1 W_i^T with K = K0 + N0 + G0 of the dynamic degrees of freedom.
 """
 
 from __future__ import annotations
@@ -25,14 +24,14 @@ NOTHING = 1e-13  # mu below this fraction of the largest is an infinite multipli
 PAIR = 1e-6  # relative difference of moduli below which multipliers count as +- the same: loads are known to 1e-8
 NO_STRESS = "no stress, no load multiplier: the geometric stiffness vanishes"
 SINGULAR_K0 = "the stiffness matrix K0 is singular: a load multiplier is zero"
-SINGULAR = 1e-14
+SINGULAR = 1e-14  # singular values of the scaled K below this fraction of the largest are zero
 
 
 @dataclass(frozen=True)
 class BucklingModes:
     """multipliers (n,), infinite where the load has no effect; modes (n, n) of norm 1 over the dynamic rows.
 
-    motions (nx, n): what the coordinates do, where they are computed without transfer functions.
+    motions (nx, n): displacements of the coordinates, where they are computed without transfer functions.
     """
 
     multipliers: Array
@@ -40,7 +39,10 @@ class BucklingModes:
     motions: Array | None = None
 
     def first(self, n: int) -> BucklingModes:
-        """The n lowest, and of the modes the first n rows, of norm 1 again: without unknowns inside elements."""
+        """The n lowest multipliers with the first n rows of their modes, of norm 1 again.
+
+        The rows that are left out belong to unknowns inside elements.
+        """
         if n == len(self.modes):
             return self
         modes = self.modes[:n, :n]
@@ -101,7 +103,7 @@ def _general(K: Array, G: Array, report: Report) -> tuple[Array, Array]:
     (alpha, beta), vectors = eig(-G / of_G, K / of_K, homogeneous_eigvals=True)
     size = np.maximum(np.abs(alpha), np.abs(beta))
     rounding = backward_error.rounding(len(K))
-    undetermined = size <= rounding  # of two matrices of norm 1: 0/0
+    undetermined = size <= rounding  # alpha and beta of matrices of norm 1 are both zero: any value is an eigenvalue
     if undetermined.any():
         raise AnalysisError(
             "K0 + lambda G0 is singular for every lambda: a motion without stiffness that the load does not restore;"

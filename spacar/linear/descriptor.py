@@ -104,7 +104,7 @@ class DescriptorSystem:
 
     def effects(self, B: Any) -> tuple[Array, Array]:
         """Columns of the input matrix of (15) for these sparse columns B (n, k), and the rounding in them, both
-        (n_states, k): what errors of eps in every entry, with random signs, change in the solution.
+        (n_states, k). The rounding is what errors of eps in every entry, with random signs, change in the solution.
         """
         n = self.n_states
         sizes, following = abs(self.A), self.A[:n, n:]
@@ -153,6 +153,6 @@ def of_frame(state_space: dict[str, Array], header: dict[str, Any]) -> Descripto
 
 
 def dense_steps(systems: Iterable[DescriptorSystem], steps: int) -> dict[str, Array]:
-    """A, B, C, D of every one of the `steps` systems, stacked. Errors as `DescriptorSystem.state_space`."""
+    """A, B, C, D of every one of the `steps` systems, stacked. Raises as `DescriptorSystem.state_space`."""
     found = [system.state_space(steps) for system in systems]
     return {name: np.array([matrices[k] for matrices in found]) for k, name in enumerate("ABCD")}

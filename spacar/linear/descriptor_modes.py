@@ -25,10 +25,12 @@ TRIALS = 12  # shifts
 
 
 def lowest_modes(system: DescriptorSystem, n_positions: int, nx: int, report: Report, wanted: int) -> Modes:
-    """The 2 `wanted` eigenvalues of smallest modulus with the motions (nx,) of the coordinates; of a pair that would
-    be divided nan.
+    """The 2 `wanted` eigenvalues of smallest modulus with the motions of the coordinates (nx, 2 wanted). An eigenvalue
+    whose conjugate would be the next one is nan.
 
-    n_positions   rows of the state that are positions. Raises AnalysisError where the accelerations are not unique.
+    n_positions   rows of the state that are positions
+
+    Raises AnalysisError where the accelerations are not unique.
     """
     n = system.n_states
     count = min(2 * wanted, n)
@@ -46,7 +48,7 @@ def lowest_modes(system: DescriptorSystem, n_positions: int, nx: int, report: Re
     values = inverse.shift + 1.0 / theta
     values[lost_pairs(inverse, theta, z, values, "eigenvalues", report)] = np.nan
     if theta[-1].imag and not np.any(np.isclose(theta[:-1], theta[-1].conj(), rtol=1e-8)):
-        values[-1] = np.nan  # half a pair; the number of values is that of all steps
+        values[-1] = np.nan  # half a pair; it keeps its place, as the number of values is the same at all steps
     motions = inverse.motions(z, nx)
     z[:n_positions] /= inverse.size
     found = arranged(values, z, n_positions, motions)
@@ -58,7 +60,7 @@ def lowest_modes(system: DescriptorSystem, n_positions: int, nx: int, report: Re
 
 
 class _Inverse:
-    """op of the module; the state with its positions multiplied by `size`."""
+    """The operator op of the module, for states with their positions multiplied by `size`."""
 
     def __init__(self, system: DescriptorSystem, n_positions: int, shift: float) -> None:
         from scipy.sparse.linalg import splu

@@ -33,7 +33,7 @@ ROUNDING = 1e-12  # omega^2 below this fraction of the largest may be rigid moti
 class Modes:
     """values (n,), vectors (n_state, n): eigenvalues [rad/s] and state eigenvectors; n_positions rows are positions.
 
-    motions (nx, n): what the coordinates do, where they are computed without transfer functions.
+    motions (nx, n): displacements of the coordinates, where they are computed without transfer functions.
     """
 
     values: Complex
@@ -221,8 +221,8 @@ def symmetric_pencil(K: Array, M: Array) -> tuple[Array, Array]:
 
 
 def _pencil(K: Array, M: Array) -> tuple[Array, Array]:
-    """omega^2 ascending and vectors; by one routine of LAPACK where SciPy is loaded in any case, as it needs half of
-    the time. Raises LinAlgError when M is not positive definite."""
+    """omega^2 ascending and vectors. Larger ones, for which SciPy is loaded anyway, take one routine of LAPACK, in half
+    of the time. Raises LinAlgError when M is not positive definite."""
     if len(K) > DENSE_LIMIT:
         from scipy.linalg.lapack import dsygvd
 

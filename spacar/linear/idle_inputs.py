@@ -3,9 +3,8 @@
 The value, the rate and the acceleration of a prescribed coordinate are three independent inputs (INX, INXP, INXDP):
 they act through the stiffness K, the damping C and the mass M between it and the dynamic degrees of freedom (and the
 kinematic coordinates of wheels), so the road input of a car on springs is INX, and INXP only where a damper touches the
-road. A force or stress acts where its
-coordinate or deformation moves with them. An entry of K, C, M counts as zero when it is rounding of
-sqrt(|X_qq X_rr|), which bounds it in a positive semidefinite matrix.
+road. A force or stress acts where its coordinate or deformation moves with them. An entry X_qr of K, C or M counts as
+zero when it is rounding of sqrt(|X_qq X_rr|), which bounds it in a positive semidefinite matrix.
 """
 
 from __future__ import annotations
@@ -31,7 +30,8 @@ class IdleInputs:
 
     def __init__(self, inputs: Sequence[Signal]) -> None:
         self.inputs = inputs
-        self.acting = np.zeros((len(inputs), 3), bool)  # value, rate, acceleration; forces and stresses: the first
+        # Columns value, rate, acceleration; forces and stresses use the first one only.
+        self.acting = np.zeros((len(inputs), 3), bool)
         self.has_states = False
 
     def see(self, dynamics: Dynamics, L: Linearization) -> None:
@@ -54,7 +54,7 @@ class IdleInputs:
                 ) if len(q) else False  # fmt: skip
 
     def see_sparse(self, linearization: SparseLinearization, system: DescriptorSystem) -> None:
-        """The same for a large model: B of the values, rates and accelerations against the rounding in it."""
+        """The same for a large model: B of the values, rates and accelerations compared with the rounding in it."""
         self.has_states = True
         if self.all_acted:
             return

@@ -27,7 +27,7 @@ from spacar.linearization.matrices import Linearization
 
 
 class ElementUnknowns(NamedTuple):
-    """Of one batch: rows (n, m) of the coordinates of the elements that have an unknown, coupling (n, m), stiffness
+    """Unknowns of one batch: rows (n, m) of the coordinates of the m elements that have one, coupling (n, m), stiffness
     (m,), eliminated (m,)."""
 
     rows: Index
@@ -37,8 +37,8 @@ class ElementUnknowns(NamedTuple):
 
 
 def element_unknowns(dynamics: Dynamics, sigma: Array, other: Array | None = None) -> list[ElementUnknowns]:
-    """Of all batches that have such unknowns, at the stresses sigma (ne,); also of elements where only the stresses
-    `other` (ne,) couple."""
+    """Unknowns of all batches that have any, at the stresses sigma (ne,), also of elements in which only the stresses
+    `other` (ne,) couple them."""
     sweep, found = dynamics.sweep, []
     for b in sweep.curved:
         configuration = sweep.configuration[b.index]

@@ -33,8 +33,8 @@ from spacar.stream import Run
 
 # Dynamic degrees of freedom above which no dense matrices are formed: measured, docs/performance.md "Sizes".
 LARGE = 200
-SHARE = 4  # all modes of a model cost less than its lowest ones if these are more than one of four
-LOST = 1e-6  # chosen: relative error of the matrices that a user shall know of
+SHARE = 4  # all modes together cost less than the lowest ones if these are more than one in four
+LOST = 1e-6  # chosen: relative error of the matrices above which there is a warning
 
 
 def forward(run: Run) -> Iterator[Frame]:
@@ -120,8 +120,8 @@ def _stored_system(run: Run, may_move: bool) -> StoredSystem:
 def stationary(
     run: Run, reducible: bool = True, store: StoredSystem | None = None
 ) -> Iterator[LinearizedSolution]:
-    """The stored stationary solutions. `reducible`: no dense matrices for large systems unless OUTLEVEL asks; with a
-    `store` that is sparse this makes the linearizations.
+    """The stored stationary solutions. `reducible`: no dense matrices for large systems unless OUTLEVEL asks for them.
+    A `store` in sparse form makes the linearizations itself.
     """
     mechanism, settings = run.mechanism, run.mechanism.settings
     n = mechanism.numbering
@@ -180,8 +180,11 @@ def stationary(
 
 
 def say_lost_digits(run: Run, reduced: bool) -> None:
-    """W^T M W and its kin have entries up to cond^2 larger than their smallest eigenvalues ask for: eps cond^2 of the
-    eigenvalues may be rounding. The sparse pencil, which keeps all coordinates, does not lose them."""
+    """Warn when the condition number costs digits of the reduced matrices.
+
+    W^T M W and the other reduced matrices have entries up to cond^2 times their smallest eigenvalues, so that a part of
+    eps cond^2 of these may be rounding. The sparse pencil, which keeps all coordinates, does not lose these digits.
+    """
     condition = run.header["condition"]
     lost = float(np.finfo(float).eps) * condition**2
     if lost > LOST and np.isfinite(condition) and not reduced:
@@ -201,7 +204,7 @@ def _is_dead_point(run: Run, solver: StationarySolver, level: LoadLevel, t: floa
         return False
     if not (reducible and solver.sparse):
         Regularity(matrix).check(t)
-        return False  # doubtful, which was said where the state was found, but not singular
+        return False  # doubtful but not singular; the warning was given where the state was found
     run.report.add(
         f"warning: at {level} the degrees of freedom do not determine the motion of {matrix.undetermined()} (a dead"
         " point): no matrices and no transfer functions are stored for this step; choose other degrees of freedom to"
@@ -255,8 +258,8 @@ def _sparse_vibration(run: Run, tangent: SparseTangent, wanted: int) -> Modes:
 
 
 def _store_buckling(run: Run, solution: LinearizedSolution, required: bool = True) -> None:
-    """Compliances, load multipliers, modes. Not `required`: where there are no multipliers they are nan, and why is
-    said.
+    """Compliances, load multipliers, modes. Where there are no multipliers: AnalysisError if they are `required`, else
+    they are nan, with a warning.
     """
     frame, dynamic = solution.frame, run.mechanism.numbering.dynamic
     if not len(dynamic):

@@ -27,9 +27,9 @@ from spacar.stationary.tangent import STATIC, SparseTangent
 WANTED = 20  # modes
 SHIFT = 1e-2  # s^2 as a fraction of the highest wanted omega^2
 LOADING = ("geometric", "load", "moment")
-RIGID = 1e-10  # s^2 M of rods at least: below 1e-14 a matrix counts as singular, and omega^2 loses nothing
-SYMMETRIC = 1e-9
-LEAST = 1e-9  # theta below this part of the largest is compared with it: op knows it to n eps of the largest only
+RIGID = 1e-10  # least s^2 M of rods without springs: below 1e-14 a matrix counts as singular; omega^2 loses nothing
+SYMMETRIC = 1e-9  # relative asymmetry of the loading that is rounding
+LEAST = 1e-9  # part of the largest theta with which smaller ones are compared: op knows them to n eps of the largest
 NO_DIGIT = 0.1  # relative residual above which not even the first digit of a value is known
 COLUMNS = 256  # right-hand sides at once
 
@@ -37,8 +37,10 @@ COLUMNS = 256  # right-hand sides at once
 def lowest_vibration(
     tangent: SparseTangent, report: Report, wanted: int = WANTED, undamped: bool = False
 ) -> Modes:
-    """The `wanted` modes of lowest frequency about the equilibrium of `tangent` (its sigma set); `undamped`: without
-    dampers and without what the flow in tubes gives with rates."""
+    """The `wanted` modes of lowest frequency about the equilibrium of `tangent`, whose sigma is set.
+
+    undamped   without dampers and without the forces of the flow in tubes that are proportional to rates
+    """
     n = tangent.dynamics.numbering
     wanted = min(wanted, n.nddof)
     s = _shift(tangent, wanted)
@@ -83,14 +85,14 @@ def sparse_compliances(tangent: SparseTangent) -> Array:
 def _shift(tangent: SparseTangent, wanted: int) -> float:
     """s > 0 with s^2 = a hundredth of the highest wanted omega^2, from upper bounds that two iterations give."""
     springs = [b.family.stiffness()[0] for b in tangent.elastic]
-    loading = [tangent.parts[k].values() for k in LOADING]  # all that a pendulum has
+    loading = [tangent.parts[k].values() for k in LOADING]  # the only stiffness of a pendulum
     K = max(float(np.max(np.abs(S), initial=0.0)) for S in (springs or loading))
     M = float(np.max(np.abs(tangent.parts["mass"].values()), initial=0.0))
     if M == 0.0:
         raise AnalysisError("singular mass matrix: the system carries no mass; add XM or EM", "dynamics.singular-mass")
     if K == 0.0:
         return 1.0  # nothing restores anything: all eigenvalues are zero, any shift will do
-    least = 0.0 if springs else RIGID / M  # rods without springs: the constraints have the size one
+    least = 0.0 if springs else RIGID / M  # without springs the entries of the constraints are of size one
     square = max(1e-6 * K / M, least)
     for _ in range(12):
         operator = _squared(tangent, square)
@@ -187,8 +189,8 @@ def degrees_of_freedom_of(tangent: SparseTangent, x: Array) -> Array:
 def lost_pairs(
     operator: Operator, theta: Array, z: Array, values: Array, what: str, report: Report
 ) -> NDArray[np.bool_]:
-    """Pairs of which no digit is known. Warns about all with |op(z) - theta z| > SUFFICIENT |theta| |z|; `values`: what
-    theta stands for.
+    """(k,) which pairs have no known digit. Warns about all with |op(z) - theta z| > SUFFICIENT |theta| |z|, by their
+    `values`, the eigenvalues that belong to theta.
     """
     image = operator(z.real) + 1j * operator(z.imag) if np.iscomplexobj(z) else operator(z)
     size = np.maximum(np.abs(theta), LEAST * np.max(np.abs(theta), initial=0.0)) * np.linalg.norm(z, axis=0)

@@ -5,8 +5,8 @@
     an extra load  op = -K^-1 G1, K = K_S + G of the present state, G1 of the stresses s1 of the extra load alone
 
 Unknowns a inside elements (`spacar.linear.internal_unknowns`) stand beside the coordinates: z = (x, b), with b = a
-sqrt(k/size), so that their stiffness has the size of the others. In the shifted problem they are left out, which is
-said. Doubtful pairs as in `spacar.linear.lowest`.
+sqrt(k/size), so that their stiffness has the size of the others. In the shifted problem they are left out, with a
+warning. Doubtful pairs are treated as in `spacar.linear.lowest`.
 """
 
 from __future__ import annotations
@@ -104,8 +104,11 @@ def lowest_extra_load(
 
 
 class _Unknowns:
-    """b (m,) beside the coordinates: `coupling` (nf, m) [c sqrt(size/k)], their stiffness `size`, `part` (m,): 1 where
-    eliminated. `eliminated`: only these."""
+    """Unknowns b (m,) beside the coordinates.
+
+    `coupling` (nf, m) is c sqrt(size/k), `size` the stiffness of every b, `part` (m,) is 1 where the element has
+    eliminated its unknown. `eliminated`: take only these.
+    """
 
     def __init__(
         self, tangent: SparseTangent, sigma: Array | None, other: Array | None = None, eliminated: bool = False
@@ -182,7 +185,7 @@ def _modes(
     infinite = np.abs(theta) <= NOTHING * np.max(np.abs(theta[~lost]), initial=0.0)
     theta, x = theta[~infinite], z[: unknowns.nx, ~infinite]
     multipliers = shift + 1.0 / theta
-    # the residual that counts as converged, of the shift
+    # A multiplier below the residual that counts as converged, times the shift, is zero.
     multipliers[np.abs(multipliers) <= SUFFICIENT * shift] = 0.0
     unknown = np.isnan(multipliers)
     known = np.flatnonzero(~unknown)

@@ -59,7 +59,7 @@ class SparseLinearization:
     def __init__(
         self, dynamics: Dynamics, inputs: Sequence[Signal], outputs: Sequence[Signal], moving: bool = True
     ) -> None:
-        """moving   whether any state may have velocities: at rest there are fewer entries."""
+        """`moving`: may any state have velocities? At rest there are fewer entries."""
         k, n = dynamics.kinematics, dynamics.numbering
         self.n, self.places = n, _Places(n)
         self.inputs, self.outputs = inputs, outputs

@@ -21,7 +21,7 @@ from spacar.arrays import Array, Index
 
 EPS = float(np.finfo(float).eps)
 SINGLE = 60  # unknowns up to which one block is faster
-SMALLEST_BLOCK = 16  # below, the call of the eigenvalue solver costs more than its work
+SMALLEST_BLOCK = 16  # unknowns; below, the call of the eigenvalue solver costs more than its work
 FACTORED_BLOCK = 48  # the same for L D L^T
 EQUILIBRATIONS = 3  # passes; rows and columns are then within a factor of two of size one
 GROWTH = 10.0  # of the entries (of size one) in one elimination: one of their digits is lost at most
@@ -48,8 +48,8 @@ class Inertia:
     def __call__(self, entries: Array) -> tuple[int, int]:
         """Negative and zero eigenvalues.
 
-        The matrix is scaled to rows of size one first; zero means below n eps then, which is what its rounding makes of
-        zero.
+        The matrix is scaled to rows of size one first. Zero then means below n eps, the size that rounding gives a zero
+        eigenvalue.
         """
         n = self.n
         if n == 0:

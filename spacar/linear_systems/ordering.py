@@ -33,8 +33,10 @@ def _distinct(places: Index) -> Index:
 
 
 def _permutation(n: int, places: Index) -> Index:
-    """The reverse Cuthill-McKee order of a symmetric pattern, row n + column ascending. Its arrays of compressed rows
-    are made here, which SciPy does in several times the time."""
+    """The reverse Cuthill-McKee order of a symmetric pattern, given as row n + column ascending.
+
+    The arrays of compressed rows are made here, as SciPy takes several times as long.
+    """
     row, column = np.divmod(places, n)
     start = np.concatenate(([0], np.cumsum(np.bincount(row, minlength=n))))
     pattern = csr_matrix((np.ones(len(places)), column.astype(np.int32), start.astype(np.int32)), (n, n))

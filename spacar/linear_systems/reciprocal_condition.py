@@ -15,7 +15,7 @@ from spacar.arrays import Array
 from spacar.linear_systems.linear_system import LinearSystem, SingularMatrixError
 
 ITERATIONS = 10
-SETTLED = 1.1  # growth of the estimate in one iteration below which it is good enough: a factor of two is no matter
+SETTLED = 1.1  # growth of the estimate in one iteration below which it is good enough: a factor of two does not matter
 
 
 def reciprocal_condition(system: LinearSystem, norm: float, row_scale: Array, column_scale: Array) -> float:

@@ -8,9 +8,9 @@ Let Z be the inverse of the matrix that is left after step j, u the row of U bey
 
 where P_j exchanges two columns (N. J. Higham, Accuracy and Stability of Numerical Algorithms, SIAM 2002, section 14.3:
 the recursion of an inverse from its factors). It needs entries of Z in a window of lower + upper + lower rows and
-columns only, since l has `lower` and u `lower + upper` entries, and exchanges stay inside. (K. Takahashi, J. Fagan,
-M.-S. Chin 1973, see A. M. Erisman, W. F. Tinney, Comm. ACM 18 (1975) 177-179, use the same for sparse symmetric
-matrices.)
+columns only, since l has `lower` and u `lower + upper` entries, and exchanges stay inside. K. Takahashi, J. Fagan and
+M.-S. Chin (1973) use the same for sparse symmetric matrices, see A. M. Erisman, W. F. Tinney, Comm. ACM 18 (1975)
+177-179.
 """
 
 from __future__ import annotations

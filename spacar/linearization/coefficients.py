@@ -39,7 +39,7 @@ class Coefficients:
 
     V, rate_x, second_v, second_x  (ne, nx);  S, Sd, deformation_inertia  (ne, ne);  all others  (nx, nx)
     sigma   (ne,) stresses: rows fixed, input and dynamic from the equilibrium of the calculable coordinates
-    moving  at rest rate_x, second_v, second_x are zero
+    moving  is there any motion? At rest rate_x, second_v, second_x are zero
     """
 
     V: Matrix
@@ -96,9 +96,8 @@ def coefficients(
 
 
 def structure(dynamics: Dynamics, moving: bool) -> Coefficients:
-    """The same with a positive number wherever any state may have an entry: the pattern of sums and products of them.
-
-    moving   whether it may move at all
+    """Coefficients with a positive number wherever any state may have an entry. Sums and products of them show where
+    those of a state may have entries. `moving`: may the mechanism move at all?
     """
     sweep, n, m = dynamics.sweep, dynamics.numbering, dynamics.mechanism
     blocks = block_pattern(sweep) if moving else zero_matrix((n.ne, n.nx))
@@ -135,7 +134,9 @@ def equilibrium_stresses(dynamics: Dynamics, xdd: Array, edd: Array, sigma: Arra
 
 
 def load_gradient(dynamics: Dynamics) -> Matrix:
-    """-df/dx of gravity and of constant global moments, (nx, nx); what user functions state belongs to K0 and D0."""
+    """-df/dx of gravity and of constant global moments, (nx, nx). The stiffness and damping that user functions state
+    belong to K0 and D0.
+    """
     n, sweep = dynamics.numbering, dynamics.sweep
     out = zero_matrix((n.nx, n.nx))
     forces = dynamics.forces

@@ -30,7 +30,7 @@ from spacar.linearization.coefficients import Coefficients, coefficients
 
 @dataclass(frozen=True)
 class Linearization:
-    """Matrices over all degrees of freedom: rows q (ndof), columns q or s (nkdof); maps to coordinates and
+    """Matrices over all degrees of freedom, rows q (ndof), columns q or s (nkdof), and maps to coordinates and
     deformations.
 
     m0, c0, d0 (ndof, ndof); k0, n0, g0 (ndof, nkdof); ak0 (nkdof, ndof); bk0 (nkdof, nkdof)
@@ -41,8 +41,8 @@ class Linearization:
     load_x, load_v        (nx, nx) -df/dx, -df/dv
     S, Sd   (ne, ne) constitutive matrices of the active rows, the stated ones of user functions included
 
-    Those of type Matrix are sparse when the model is large (`spacar.linear_systems.matrix`); Z ... Yev only at rest,
-    where they vanish.
+    Those of type Matrix are sparse when the model is large (`spacar.linear_systems.matrix`), but Z to Yev only at rest,
+    where they vanish; in motion these are dense.
     """
 
     m0: Array

@@ -21,7 +21,7 @@ from spacar.mechanism.mechanism import Polynomial
 def state_jacobian(
     evaluator: Evaluator, t: float, y: Array, within: float = CONVERGED
 ) -> tuple[Array, Array]:
-    """dF/dy (n, n) and dF/dt (n,) at the state; `within` as for `Evaluator.rhs`."""
+    """dF/dy (n, n) and dF/dt (n,) at the time t [s] and state y (n,); `within` as for `Evaluator.rhs`."""
     F_t = np.zeros(len(y))
     if depends_on_time(evaluator.model):
         settings = evaluator.model.mechanism.settings

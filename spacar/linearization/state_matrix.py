@@ -36,7 +36,7 @@ def assembled_state_matrix(M: Array, C: Array, K: Array, ak0: Array, bk0: Array)
 
 
 def solve_mass(M: Array, b: Array) -> Array:
-    """M^-1 b for a symmetric positive definite M, scaled to a unit diagonal."""
+    """M^-1 b for a symmetric positive definite M, scaled to a unit diagonal. Raises AnalysisError for a singular M."""
     diagonal = np.diag(M)
     if np.any(diagonal <= 0.0):
         raise AnalysisError(

@@ -1,7 +1,8 @@
 """All elements at complex coordinates: values in the real part, i STEP times a derivative in the imaginary part.
 
-What `spacar.stationary` and `spacar.linearization` have for real numbers is here for numbers with a direction, without
-any linear system: residuals, and the blocks of the stiffness and mass of every element (sensitivity.md section 2).
+What `spacar.stationary` and `spacar.linearization` compute for real numbers is computed here for numbers with a
+direction, without any linear system: residuals, and the blocks of the stiffness and mass of every element
+(sensitivity.md section 2).
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ class ElementMatrices:
 
     @property
     def rate(self) -> ElementMatrices:
-        """The derivative."""
+        """The derivatives of the matrices along the direction, real."""
         return ElementMatrices(self.rows, self.columns, self.values.imag / STEP)
 
     def form(self, left: Array, right: Array) -> Array:
@@ -125,7 +126,7 @@ class DirectedElements:
         return out
 
     def coupling(self, accelerations: Array) -> Array:
-        """Stresses of MEE for second rates of the deformations (ne,)."""
+        """Stresses (ne,) of MEE by second rates (ne,) of the deformations."""
         out = np.zeros(self.ne, complex)
         rows, columns, values = self.mechanism.deformation_inertia
         np.add.at(out, rows, values * accelerations[columns])
@@ -179,7 +180,8 @@ class DirectedElements:
         return found
 
     def loading(self, flow: bool, v: Array | None = None, a: Array | None = None) -> list[ElementMatrices]:
-        """-df/dx of gravity and global moments, with `flow` also d(M a + h)/dx, at rest that of the fluid in tubes."""
+        """-df/dx of gravity and global moments; with `flow` also d(M a + h)/dx, which at rest comes from the fluid in
+        tubes only."""
         still = np.zeros(self.nx, complex)
         v, a = still if v is None else v, still if a is None else a
         heavy, _ = self.inertia_gradient(v, a, gravity=True)

@@ -31,7 +31,8 @@ Leaf = Callable[[ast.Subscript], ChainValue]
 
 
 def derivative(expression: Expression, variable: Leaf, steps: int, directions: int) -> ChainValue:
-    """Of an expression whose variables `variable` gives over all steps. Raises UsageError for a wrong step."""
+    """Value and derivatives of an expression; `variable` gives its variables over all steps. Raises UsageError for a
+    step that does not exist."""
     return _Chain(expression.text, variable, steps, directions).of(expression.tree)
 
 
@@ -41,7 +42,7 @@ def variables(node: ast.expr) -> Iterator[ast.Subscript]:
 
 
 def steps_of(expression: Expression, steps: int) -> set[int]:
-    """Steps (from 0) whose variables the expression needs. Raises UsageError for a step that there is not."""
+    """Steps (from 0) whose variables the expression needs. Raises UsageError for a step that does not exist."""
     found: set[int] = set()
 
     def walk(node: ast.expr, at: int | None) -> None:

@@ -58,11 +58,11 @@ class LinearQuantities:
 
     @property
     def eigenvalues(self) -> Array:
-        """In the order of the results (n,)."""
+        """(n,) [rad/s], in the order of the results."""
         return np.asarray(self._modes.values)
 
     def eigenvalue(self, index: int) -> tuple[complex, Array]:
-        """Of the eigenvalue at a place (from 0) of the results."""
+        """Value and derivatives of the eigenvalue at a place (from 0) of the results."""
         values = self.eigenvalues
         group = together(values, index)
         rates = self._eigenvalue_rates(index)
@@ -72,7 +72,7 @@ class LinearQuantities:
         return complex(values[index]), np.take_along_axis(rates, order, 1)[:, rank]
 
     def frequency(self, index: int) -> tuple[float, Array]:
-        """Of the natural frequency at a place (from 0) of those from low to high [Hz]."""
+        """Value and derivatives of the natural frequency [Hz] at a place (from 0), counted from low to high."""
         values = self.eigenvalues
         order = frequency_order(values)
         here = int(order[index])
@@ -82,7 +82,7 @@ class LinearQuantities:
         return float(np.abs(values[here])) / (2.0 * np.pi), np.sort(rates, axis=1)[:, rank] / (2.0 * np.pi)
 
     def _eigenvalue_rates(self, index: int) -> Array:
-        """Derivatives of the eigenvalues that are equal to this one, (directions, m), in no order."""
+        """Derivatives of the eigenvalues that are equal to this one, (directions, m), in no particular order."""
         values = self.eigenvalues
         key = ("eigenvalue", int(together(values, index)[0]))
         if key in self._found:
@@ -123,7 +123,7 @@ class LinearQuantities:
             return self._eigenvalues_of([bracket(change) for change in self._changes], weight, symmetric)
 
     def _eigenvalues_of(self, brackets: list[Array], weight: Array, symmetric: bool = False) -> Array:
-        """Of the small pencils bracket - rate weight, (directions, m)."""
+        """Eigenvalues `rate` of the small pencils bracket - rate weight, (directions, m)."""
         found = []
         for B in brackets:
             if B.shape == (1, 1):
@@ -150,11 +150,11 @@ class LinearQuantities:
 
     @property
     def multipliers(self) -> Array:
-        """In the order of the results (n,)."""
+        """(n,) in the order of the results."""
         return self._buckling.multipliers
 
     def multiplier(self, index: int) -> tuple[float, Array]:
-        """Of the load multiplier at a place (from 0) of the results."""
+        """Value and derivatives of the load multiplier at a place (from 0) of the results."""
         values = self.multipliers
         value = float(values[index])
         if not np.isfinite(value):
@@ -192,11 +192,11 @@ class LinearQuantities:
     # -- compliances ---------------------------------------------------------------------------------------------
     @cached_property
     def compliances(self) -> Array:
-        """As the results have them (nx,)."""
+        """(nx,) as in the results."""
         return directional_compliances(self.at.L, self.at.dynamic, self.report)
 
     def compliance(self, place: int) -> tuple[float, Array]:
-        """Of the compliance of a coordinate (from 0)."""
+        """Value and derivatives of the compliance of a coordinate (from 0)."""
         value = float(self.compliances[place])
         row = self.at.W[place]
         if not row.any() or not np.isfinite(value):

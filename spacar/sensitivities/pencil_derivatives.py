@@ -68,7 +68,7 @@ class LinearizedState:
 
     @property
     def stiffness(self) -> Array:
-        """Of the dynamic degrees of freedom."""
+        """K of the dynamic degrees of freedom."""
         return np.asarray(self.L.stiffness[self.block])
 
     def mode(self, phi: Array, psi: Array, matrix: Array, law: Array, load: Array | None = None) -> PencilMode:

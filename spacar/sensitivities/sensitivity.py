@@ -56,7 +56,7 @@ class Sensitivity:
 
     parameters, quantities   their names;  parameter_values (parameters,) in the unit of the file
     parameter_units, quantity_units   as text; a derivative is in the unit of its quantity per unit of its parameter
-    notes   what the analysis said, warnings first of all
+    notes   the lines of the report of the analysis, among them its warnings
     """
 
     parameters: tuple[str, ...]
@@ -115,7 +115,7 @@ def sensitivity(
 
 
 def _mode(deck: Deck) -> int:
-    """Buckling and compliances are not for wheels."""
+    """The mode that is run: without buckling and compliances for models with wheels, which have none."""
     return WITH_WHEELS if any(ELEMENT_TYPES[s.keyword].slips for s in deck.of(*ELEMENT_TYPES, block=1)) else MODE
 
 

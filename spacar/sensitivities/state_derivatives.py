@@ -35,8 +35,12 @@ from spacar.stationary.stationary_equations import StationaryEquations
 
 @dataclass(frozen=True)
 class StateDerivative:
-    """`elements` evaluated at x + i STEP dx; sigma (ne,), v, a (nx,) with their directions, sigma with what MEE adds;
-    derivatives dx (nx,), de, dsigma (ne,); fx, fxgrav, fxtot: of what the frames call so, (nx,)."""
+    """The state and its derivatives along one direction.
+
+    elements      evaluated at x + i STEP dx
+    sigma, v, a   (ne,), (nx,), (nx,) complex, with the direction; sigma with the stresses of MEE
+    dx, de, dsigma, fx, fxgrav, fxtot   derivatives (nx,), (ne,), (ne,), (nx,) ... of what frames call x, e, sig, fx ...
+    """
 
     elements: DirectedElements
     sigma: Array
@@ -68,7 +72,7 @@ def state_derivatives(
         assert isinstance(tangent, MovingTangent)
         user = user_law_derivatives(solver.mechanism, near, x, q.active)
         _with_user_law(tangent, d, user, q.active)
-    # the tangent at rest has no place for stresses of rows without stiffness, which are known; the dense one has
+    # The tangent at rest has no unknowns for stresses of rows without stiffness, as these are known; the dense one has.
     known_rows = q.passive & (not isinstance(tangent, MovingTangent))
     motion = _SteadyMotion(d, solver.solution.xdd, solver.moving)
     sigma = solver.solution.sigma + motion.coupling
@@ -84,7 +88,7 @@ def state_derivatives(
             given = np.zeros(n.ne)
             given[n.e_class["input"]] = e.drive.e.imag
             strained = e.deformations().imag
-            # the constitutive law at the real deformations: only changes of its numbers and of rates are left of it
+            # The law is taken at the real deformations: its imaginary part holds changes of its numbers and of rates.
             law = (e.law(near + 0j) + motion.stresses(e, v, a)).imag
             known = sigma + 1j * np.where(known_rows, law, 0.0)
             force = e.applied() - e.inertia(v, a, gravity=True) - e.stress_forces(known)
@@ -93,13 +97,13 @@ def state_derivatives(
                 stress, push = user.along(strained, moved)
                 law, force = law + stress, force + 1j * push
             gap = C.coupled * (strained - given) + C.times(np.where(q.constrained, 0.0, law))
-            if begun is not None:  # slips have no value: kinematic coordinates and deformations keep theirs
+            if begun is not None:  # the equations of slips are those of kinematic coordinates and deformations
                 gap[q.slips] = np.concatenate((-begun.x, strained[q.e_kinematic] - begun.e))
             rights.append(np.concatenate((force.imag[q.F], -C.size * gap)) / STEP)
             elements.append((e, moved / STEP))
         if n.holonomic or not rights:
             solutions = _solutions(tangent, rights, C.size, q.nf, level)
-        else:  # wheels roll without stiffness: the place that the file gives is kept, as in the iteration
+        else:  # wheels roll without stiffness: they stay where the file puts them, as in the iteration
             A, begun_at = tangent.dense(), _start_columns(directions, q)
             try:
                 solutions = begun_at + minimum_norm_solutions(A, np.column_stack(rights) - A @ begun_at)
@@ -124,7 +128,7 @@ def state_derivatives(
 
 
 def _with_user_law(tangent: MovingTangent, d: Dynamics, user: UserLawDerivatives, active: Array) -> None:
-    """The exact gradients of the user's function in the place of those that it states."""
+    """Replace the gradients that the user's function states by the exact ones, in the tangent."""
     V = d.sweep.gradient()
     x = d.kinematics.x
     stated = d.forces.user(0.0, d.sweep.e, np.zeros(len(V)), x, np.zeros(len(x))) if d.forces.user is not None else None
@@ -152,7 +156,8 @@ def _start_columns(directions: list[Mechanism], q: StationaryEquations) -> Array
 
 
 def _starts(elements: DirectedElements, mechanism: Mechanism) -> _Starts:
-    """Where the file gives no value of a deformation, that of the reference configuration changes with it."""
+    """Changes of the start values. A deformation without a value in the file starts with that of the reference
+    configuration, which changes with the direction."""
     start, ek = mechanism.start, mechanism.numbering.e_class["kinematic"]
     reference = DirectedElements(mechanism, LoadLevel(0.0, 0.0))
     reference.at(mechanism.x0, np.zeros(elements.ne))
@@ -194,15 +199,18 @@ class _SteadyMotion:
         return e.strain_rate(a) + e.convective(v)
 
     def stresses(self, e: DirectedElements, v: Array, a: Array) -> Array:
-        """Of dampers and MEE (ne,)."""
+        """Stresses of dampers and MEE, (ne,)."""
         if not self.moving:
             return np.zeros(e.ne, complex)
         return e.viscous(e.strain_rate(v)) + e.coupling(self.second_rates(e, v, a))
 
 
 def _solutions(tangent: Tangent, rights: list[Array], size: float, nf: int, level: LoadLevel) -> Array:
-    """Of all right-hand sides; the last one, a load of the size of the stiffness, tells whether the matrix is singular
-    to working precision, as in Newton's iteration."""
+    """Solutions (n, k) for all right-hand sides.
+
+    One more right-hand side, a load of the size of the stiffness, tells whether the matrix is singular to working
+    precision, as in Newton's iteration. Raises AnalysisError 'sensitivity.singular' then.
+    """
     if not rights:
         return np.zeros((0, 0))
     probe = np.zeros(len(rights[0]))

@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 COORDINATES, DEFORMATIONS = ("x", "fx", "fxgrav", "fxtot"), ("e", "sig")
 LINEAR = ("frequency", "eigval", "lmult", "xcompl")
 _N, _MOMENT, _STRESS = unit(N=1), unit(N=1, m=1), unit(N=1, m=-2)
-# Along beams and trusses, [element] or [element, place]; computed where pictures of them are (named, not imported).
+# Stresses along beams and trusses, [element] or [element, place]. The package of pictures computes them; it lies above
+# this room and is therefore named (STRESS_DERIVATIVES), not imported.
 STRESSES: Mapping[str, Unit] = {
     "N": _N, "Qy": _N, "Qz": _N, "T": _MOMENT, "My": _MOMENT, "Mz": _MOMENT, "B": unit(N=1, m=2),
     "mises": _STRESS, "normal": _STRESS, "shear": _STRESS,
@@ -36,7 +37,7 @@ Variable = tuple[str, tuple[int, ...]]
 
 
 def stress_derivatives(mechanism: Mechanism, directions: Sequence[Mechanism], mode: int) -> Any:
-    """What gives stresses and their derivatives. Raises UsageError where that package is not installed."""
+    """The evaluator of stresses and their derivatives. Raises UsageError where its package is not installed."""
     try:
         home = import_module(STRESS_DERIVATIVES)
     except ImportError as error:
@@ -46,7 +47,7 @@ def stress_derivatives(mechanism: Mechanism, directions: Sequence[Mechanism], mo
 
 
 def check_variable(variable: Variable, numbering: Numbering) -> None:
-    """Raises UsageError for a variable that is not stationary, and for nodes, elements and modes that there are not."""
+    """Raises UsageError for a variable that is not stationary, and for nodes, elements and modes that do not exist."""
     name, numbers = variable
     if name not in KNOWN:
         text = f"'{name}' is no quantity of stationary states that has derivatives; these are {', '.join(KNOWN)}"

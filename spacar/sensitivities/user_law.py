@@ -1,10 +1,10 @@
-"""The derivatives of a function of the user (USERSIG), which is a program in its own: by differences.
+"""The derivatives of a function of the user (USERSIG), which is a program of its own: by differences.
 
     df/du = (f(u - 2h) - 8 f(u - h) + 8 f(u + h) - f(u + 2h))/(12 h),     h = eps^(1/5) times the size of u
 
 for every deformation and coordinate u: 4 (ne + nx) calls a stored step. The error is about eps^(4/5) = 3e-13 of f over
-the size of u where the function is smooth; at a corner it is the mean of both sides. What the function states itself
-(its fourth and fifth column) is not used: it may be left out, or be of an approximation.
+the size of u where the function is smooth; at a corner the result is the mean of both sides. The stiffness and damping
+that the function states itself (its fourth and fifth column) are not used: they may be left out, or be approximate.
 """
 
 from __future__ import annotations

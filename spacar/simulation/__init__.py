@@ -1,6 +1,4 @@
-"""Controlled simulation, set-points and time-varying linear systems (the roles of SPASIM, LTV and their
-blocks).
-"""
+"""Controlled simulation, set-points and time-varying linear systems (the roles of SPASIM, LTV and their blocks)."""
 
 from __future__ import annotations
 

@@ -46,8 +46,11 @@ class Group:
     jacobian: Array | None = None
 
     def solve(self, t: float, y: Array, wiring: Array, sweep: Callable[[], None]) -> int:
-        """Find the outputs of the loop in y; `sweep` evaluates its blocks once, from the values in y. Returns how
-        often it did. Raises AnalysisError.
+        """Find the outputs of the loop and leave them in y, all outputs; returns the number of calls of `sweep`.
+
+        sweep   evaluates the blocks of the loop once, from the values in y
+
+        Raises AnalysisError 'simulation.algebraic-loop', and those of the blocks.
         """
         calls, last, v = 0, np.inf, y[self.tearing].copy()
         if not np.isfinite(v).all():
@@ -84,7 +87,7 @@ class Group:
             if not np.isfinite(step) or (fresh and step > 1e-3 / EPS * max(size, 1e-300)):
                 self._fail(t, "it has the gain one, so that any value solves it or none")
             v = v + dv
-            theta = step / last  # zero after the first correction, which tells nothing about the next one
+            theta = step / last  # zero after the first correction, from which no contraction is known
             done = 0.0 < theta < 1.0 and theta / (1.0 - theta) * step <= EPS * size
             if step <= EPS * size or done or (theta >= SLOW and step <= FEW_DIGITS * EPS * size):
                 r = residual(v)

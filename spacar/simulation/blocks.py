@@ -1,8 +1,8 @@
 """Blocks of a diagram: what has inputs, outputs and perhaps states.
 
-A block gives its outputs in two calls. `state_outputs` needs no inputs; `outputs` does. Only rows for which
-`direct` is True may differ between the two, so an output without direct feedthrough (the position of a
-mechanism) is known before the inputs are, even when another one (its acceleration) is not.
+A block gives its outputs in two calls. `state_outputs` needs no inputs; `outputs` does. Only rows for which `direct` is
+True may differ between the two, so an output without direct feedthrough (the position of a mechanism) is known before
+the inputs are, even when another one (its acceleration) is not.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class Block:
     x0                initial continuous states
     breaks            times where the block's right-hand side jumps
     period, offset    a sampled block: its outputs change at offset + k period only [s]
-    lag               time that the block looks back, told of its inputs in every step (transport_delay.py) [s]
+    lag               time that the block looks back; it is told its inputs in every step (transport_delay.py) [s]
     n_events          number of functions of `events`; zero for a block that is smooth
     event_word        what the log calls its events: "limit of NAME"
 
@@ -89,7 +89,7 @@ class Block:
         return NONE
 
     def switch(self, t: float, x: Array, u: Array) -> bool:
-        """Choose the mode that fits these values; was it another one before?"""
+        """Choose the mode that fits these values. True when it was another one before."""
         return False
 
     def step(self, t: float, u: Array) -> Array:
@@ -102,9 +102,7 @@ def _names(letter: str, given: Sequence[str] | int) -> tuple[str, ...]:
 
 
 def checked(value: Any, size: int, what: str, t: float) -> Array:
-    """A user's return value as (size,) finite numbers; AnalysisError with shape, time and component
-    otherwise.
-    """
+    """A user's return value as (size,) finite numbers; AnalysisError with shape, time and component otherwise."""
     try:
         found = np.asarray(value, dtype=float)
     except (TypeError, ValueError) as error:
@@ -238,8 +236,9 @@ class Gain(Block):
 
 
 def proportional_derivative(name: str, size: int, omega: float, damping: float) -> Gain:
-    """y = omega^2 u[:size] + 2 damping omega u[size:]: PD control of `size` errors followed by their
-    rates.
+    """y = omega^2 u[:size] + 2 damping omega u[size:]: PD control of `size` errors followed by their rates.
+
+    omega [rad/s], damping [1]
     """
     eye = np.eye(size)
     return Gain(name, np.hstack((omega**2 * eye, 2.0 * damping * omega * eye)))
@@ -272,7 +271,7 @@ class Linear(Continuous):
 
 
 class Scope(Block):
-    """Only looks: its inputs are kept at every output time, drawn over time and stored with the result.
+    """A block without outputs: its inputs are kept at every output time, drawn over time and stored with the result.
 
     title     above its panel (default the name of the block);  labels of the curves (default: of the signals)
     unit      of the vertical axis, as text

@@ -1,6 +1,4 @@
-"""Blocks as python-control systems (optional extra `control`): for `control.interconnect`,
-`input_output_response`.
-"""
+"""Blocks as python-control systems (optional extra `control`): for `control.interconnect`, `input_output_response`."""
 
 from __future__ import annotations
 
@@ -58,7 +56,7 @@ def as_control(block: Block, numbered: bool = False) -> Any:
 
 
 def _names(letter: str, given: Sequence[str], count: int) -> list[str]:
-    """Names that python-control accepts, every one once."""
+    """Names that python-control accepts, all different."""
     if len(given) != count:
         return [f"{letter}{k + 1}" for k in range(count)]
     clean = [name.replace(".", "_") for name in given]

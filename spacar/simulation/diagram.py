@@ -1,9 +1,9 @@
 """A diagram: blocks and wires, and the order in which outputs can be computed.
 
-Signals are named as text: "robot" is all signals of that block, "robot:1-6,10" some of them, numbered from 1
-as in the input file. Several wires to one input are added. Outputs that do not depend directly on the inputs
-of their block are computed first; then every other block follows those it needs. Blocks that need each other at
-the same time are an algebraic loop, solved in algebraic_loops.py; with a sampled block in it it is refused.
+Signals are named as text: "robot" is all signals of that block, "robot:1-6,10" some of them, numbered from 1 as in the
+input file. Several wires to one input are added. Outputs that do not depend directly on the inputs of their block are
+computed first; then every other block follows those it needs. Blocks that need each other at the same time are an
+algebraic loop, solved in algebraic_loops.py; a loop with a sampled block in it is refused.
 """
 
 from __future__ import annotations

@@ -1,13 +1,11 @@
-"""Simulation of a diagram: integration between sampling times and discontinuities, location of events,
-output.
+"""Simulation of a diagram: integration between sampling times and discontinuities, events, output.
 
 The time axis is cut (time_axis.py). Inside a piece the states follow a one-step code with error control
-(spacar/integrators).
-Events are zeros of functions of the signals: those of the caller, and those of blocks whose mode ends (blocks.Block).
-They are looked for at the middle and the end of every step and at the output times in it; the first one is located on
-the dense output to rounding, by secants and bisection, and the integration starts again behind it with new modes.
-A mode that ends MOST_RESTARTS times without that time goes on chatters: a failure. Implicit codes take the Jacobian of
-the diagram by differences.
+(spacar/integrators). Events are zeros of functions of the signals: those of the caller, and those of blocks whose mode
+ends (blocks.Block). They are looked for at the middle and the end of every step and at the output times in it; the
+first one is located on the dense output to rounding (event_location.py), and the integration starts again behind it
+with new modes. Blocks whose modes end more than MOST_RESTARTS times in a row while the time makes no progress chatter,
+which is a failure. Implicit codes take the Jacobian of the diagram by differences.
 """
 
 from __future__ import annotations
@@ -16,7 +14,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spacar.arrays import Array
 from spacar.errors import AnalysisError, UsageError
@@ -24,14 +21,12 @@ from spacar.integrators import Step, Tolerance, named, steps
 from spacar.simulation.algebraic_loops import Group
 from spacar.simulation.blocks import Block
 from spacar.simulation.diagram import Diagram, Schedule, schedule
+from spacar.simulation.event_location import first_event, passed
 from spacar.simulation.response import Event, Response, Signals
 from spacar.simulation.time_axis import EPS, TimeAxis
 from spacar.simulation.transport_delay import TransportDelay
 
-MOST_LOOKS = 160  # for one event; every third halves the interval
-MOST_RESTARTS = 200  # of events without that time goes on
-
-
+MOST_RESTARTS = 200  # events in a row without progress of the time
 CALM = "give a relay some hysteresis, or sample the controller"
 
 
@@ -106,8 +101,8 @@ class _Simulation:
 
     # -- evaluation --------------------------------------------------------------------------------------------------
     def evaluate(self, t: float, x: Array, hit: Sequence[Block] = (), settling: bool = False) -> Array:
-        """All outputs at a time and state (in self.y), and all inputs as the result. `hit` blocks are
-        sampled now; when `settling`, blocks choose the mode that fits.
+        """All outputs at a time and state (in self.y), and all inputs as the result. Blocks in `hit` are sampled at
+        this time; when `settling`, blocks choose the mode that fits.
         """
         s, y = self.s, self.y
         for b in s.first:
@@ -142,7 +137,10 @@ class _Simulation:
                 self.switched, group.jacobian = True, None  # solved anew in the next turn of `settle`
 
     def settle(self, t: float, x: Array) -> None:
-        """Modes that fit the signals at a time where these may have jumped. Raises AnalysisError without such."""
+        """Choose the modes that fit the signals at a time where these may have jumped.
+
+        Raises AnalysisError 'simulation.chatter' when there are none.
+        """
         if not self.watched:
             return
         for _ in range(MOST_RESTARTS):
@@ -159,8 +157,8 @@ class _Simulation:
         raise AnalysisError(text, "simulation.chatter")
 
     def sample(self, t: float, hit: Sequence[Block]) -> None:
-        """Sampling time: blocks with direct feedthrough in order, then the delayed ones with what they see
-        now.
+        """At a sampling time: step the blocks in `hit`, those with direct feedthrough in their order, then the delayed
+        ones with the inputs that follow from them.
         """
         self.settle(t, self.x)
         if not hit:
@@ -190,7 +188,9 @@ class _Simulation:
         return out
 
     def derivative(self, t: float, x: Array) -> Array:
-        """What the integrator asks: a mistake in a block is not cured by smaller steps and goes straight through."""
+        """What the integrator evaluates. It would answer an AnalysisError with a smaller step, which does not cure a
+        mistake in a block: that goes straight through as a _Mistake.
+        """
         try:
             return self.rhs(t, x)
         except AnalysisError as error:
@@ -199,8 +199,8 @@ class _Simulation:
             raise
 
     def jacobian(self, t: float, x: Array) -> tuple[Array, Array]:
-        """(dF/dx, dF/dt) by forward differences of sqrt(eps) of the size of a state; a simplified Newton iteration
-        needs no more.
+        """(dF/dx, dF/dt), (n, n) and (n,): dF/dx by forward differences of sqrt(eps) of the size of a state, dF/dt as
+        zero; a simplified Newton iteration needs no more.
         """
         f = self.derivative(t, x)
         slopes = np.empty((len(x), len(x)))
@@ -288,7 +288,7 @@ class _Simulation:
         )  # fmt: skip
 
     def remember(self, t: float, t_new: float, interpolate: Callable[[float], Array]) -> None:
-        """Tell what looks back its inputs in an accepted step."""
+        """Tell the blocks that look back their inputs in an accepted step."""
         for b in self.delayed if t < t_new else ():
 
             def inputs(time: float, block: Block = b) -> Array:
@@ -298,7 +298,10 @@ class _Simulation:
             b.remember(t, t_new, inputs, self.tolerance)
 
     def pass_on_jumps(self, k: int, t: float, jump: float) -> None:
-        """A jump of what a delay sees, evaluated at t in piece k, cuts the time axis where it comes out."""
+        """Cut the time axis where a jump in the input of a delay comes out again.
+
+        t is where the input behind the jump is evaluated, in piece k; `jump` the time of the jump [s].
+        """
         if not self.delayed:
             return
         u = self.evaluate(t, self.x)
@@ -311,8 +314,8 @@ class _Simulation:
     def step(
         self, t: float, end: float, h: float | None
     ) -> tuple[float, Callable[[float], Array], Array, float | None]:
-        """One accepted step from t, not beyond `end`: new time, interpolation inside it, new state, size for a start
-        behind it.
+        """One accepted step from t, not beyond `end`: new time, interpolation inside the step, new state, and the step
+        size with which an integration that starts anew behind it begins.
         """
         if not len(self.x):
             return min(end, t + self.max_step), lambda time: self.x, self.x, h
@@ -343,55 +346,24 @@ class _Simulation:
         """The first event inside a step: its time, its state and the blocks whose mode ends there."""
         if not len(before):
             return t_new, x_new, []
-        low, f_low = t, before
         first, last = np.searchsorted(self.times, (t, t_new), side="right")
-        for high in (*sorted({0.5 * (t + t_new), *self.times[first:last].tolist()}), t_new):
-            if not low < high:
-                continue
-            at = x_new if high == t_new else interpolate(high)
-            f_high = self.signs(high, at)
-            if self._passed(f_low, f_high).any():
-                break
-            low, f_low = high, f_high
-        else:
-            return t_new, x_new, []
-        for k in range(MOST_LOOKS):
-            if high - low <= 3.0 * self.shift:
-                break
-            guess = 0.5 * (low + high)
-            if k % 3 < 2:  # a secant, a little before and a little behind its zero: the interval closes from both sides
-                passed = self._passed(f_low, f_high)
-                start, end = f_low[passed], f_high[passed]
-                part = np.min(start / (start - end))  # one of them is not zero, and they differ in sign
-                guess = low + float(part) * (high - low) + (self.shift if k % 3 else -self.shift)
-                guess = min(max(guess, low + self.shift), high - self.shift)
-            if not low < guess < high:
-                break
-            at_guess = interpolate(guess)
-            f = self.signs(guess, at_guess)
-            if self._passed(f_low, f).any():
-                high, f_high, at = guess, f, at_guess
-            else:
-                low, f_low = guess, f
-        ended = self._passed(f_low, f_high)[: len(f_high) - len(self.user_events)]
-        owners = [b for b in self.watched for _ in range(b.n_events)]
-        return high, np.array(at), list(dict.fromkeys(b for b, end in zip(owners, ended, strict=True) if end))
+        looks = (*sorted({0.5 * (t + t_new), *self.times[first:last].tolist()}), t_new)
 
-    def _passed(self, before: Array, after: Array) -> NDArray[np.bool_]:
-        """Which modes ended between two times, and which functions of the caller changed their sign in a direction
-        that counts.
-        """
-        n = len(before) - len(self.user_events)
-        ended = (before >= 0.0) & (after < 0.0)
-        direction = np.concatenate((np.zeros(n), [e.direction for e in self.user_events]))
-        rising, falling = (before < 0.0) & (after >= 0.0), (before > 0.0) & (after <= 0.0)
-        crossed = (rising & (direction >= 0)) | (falling & (direction <= 0))
-        return np.where(np.arange(len(before)) < n, ended, crossed)
+        def state(time: float) -> Array:
+            return x_new if time == t_new else interpolate(time)
+
+        found = first_event(self.signs, state, t, before, looks, self.user_events, self.shift)
+        if found is None:
+            return t_new, x_new, []
+        time, x_event, ended = found
+        owners = [b for b in self.watched for _ in range(b.n_events)]
+        return time, x_event, list(dict.fromkeys(b for b, end in zip(owners, ended, strict=True) if end))
 
     def _tell(self, t: float, ended: Sequence[Block], before: Array, now: Array, log: list[tuple[float, str]]) -> bool:
-        """Log the modes that ended and the events of the caller that happened; does one of them end the simulation?"""
+        """Log the modes that ended and the events of the caller that happened. True when one ends the simulation."""
         n = len(now) - len(self.user_events)
-        crossed = [e for e, yes in zip(self.user_events, self._passed(before, now)[n:], strict=True) if yes]
+        counted = passed(before, now, self.user_events)[n:]
+        crossed = [e for e, yes in zip(self.user_events, counted, strict=True) if yes]
         names = {f"{b.event_word} of {b.name}" for b in ended} | {e.name for e in crossed}
         log += [(t, name) for name in sorted(names)]
         return any(e.terminal for e in crossed)

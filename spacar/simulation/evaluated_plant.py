@@ -70,11 +70,12 @@ class ArrayPlant:
 
 
 class CompiledPlant(ArrayPlant):
-    """In C, where `why_general` has no reason; a state that C cannot do is left to NumPy, which explains failures.
+    """In C, for mechanisms in which `why_general` finds no obstacle. A state that C cannot do is left to NumPy, which
+    explains failures.
 
-    One evaluation gives everything. Placing makes it with the inputs as they were; with the same ones, which is so
-    between the samples of a controller, it is not made again. Positions and rates stay those of placing, bit by bit:
-    they do not depend on inputs, and who looks for algebraic loops compares them.
+    One evaluation gives everything. `place` makes it with the inputs of the last `push`; if the next inputs are the
+    same, as between the samples of a controller, `accelerate` does not make it again. Positions and rates stay those of
+    `place` to the last bit: they do not depend on inputs, and the search for algebraic loops compares them.
     """
 
     def __init__(self, mechanism: Mechanism) -> None:

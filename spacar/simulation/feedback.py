@@ -1,9 +1,7 @@
-"""Feedback for manipulators: gains folded into a linear system, and the computed torque law
-(theory-system.md 7.5).
+"""Feedback for manipulators: gains folded into a linear system, and the computed torque law (theory-system.md 7.5).
 
-Feedback du = -K_P de_a - K_D ded_a of the actuated coordinates e_a = E_a^T q, with E_a the generalized
-forces of unit nominal inputs, adds E_a K_P E_a^T to the stiffness and E_a K_D E_a^T to the damping; A
-changes accordingly, B does not.
+Feedback du = -K_P de_a - K_D ded_a of the actuated coordinates e_a = E_a^T q, with E_a the generalized forces of unit
+nominal inputs, adds E_a K_P E_a^T to the stiffness and E_a K_D E_a^T to the damping; A changes accordingly, B does not.
 """
 
 from __future__ import annotations
@@ -24,6 +22,7 @@ def with_gain(data: TimeVarying, kp: Array, kd: Array | None = None) -> TimeVary
     """The system with feedback of its actuated coordinates.
 
     kp, kd    (n_nominal, n_nominal), or (k, n_nominal, n_nominal) one for every stored time
+
     Raises UsageError for another shape, gains that are not finite, or a system without nominal inputs.
     """
     A, m0, c0b, k0b = data.need("A", "m0", "c0b", "k0b")
@@ -34,8 +33,7 @@ def with_gain(data: TimeVarying, kp: Array, kd: Array | None = None) -> TimeVary
     kp = _gains(kp, len(data.t), count, "K_P")
     kd = np.zeros_like(kp) if kd is None else _gains(kd, len(data.t), count, "K_D")
     stiffness = E @ kp @ np.swapaxes(E, 1, 2)
-    # The coordinates e_a = E(t)^T q move with their directions: d(e_a)/dt = E^T qd; E' q is of second order
-    # small.
+    # d(e_a)/dt = E^T qd: the change of the directions, E'^T q, is small of second order.
     damping = E @ kd @ np.swapaxes(E, 1, 2)
     changed = A.copy()
     changed[:, n:, :n] -= np.linalg.solve(m0, stiffness)
@@ -89,8 +87,11 @@ def computed_torque(
     """The control law u = u0 + M0 (omega^2 (e0 - e) + 2 damping omega (ed0 - ed)) as a function (t, y) -> u.
 
     nominal   mode 2 result with u0 and y0;  linear: mode 3 result with M0 (its leading block is used)
-    positions, rates   numbers (from 1) of the outputs that are the actuated coordinates and their rates, in
-    y and y0 alike
+    positions, rates   numbers (from 1) of the outputs that are the actuated coordinates and their rates, in y and y0
+              alike
+    omega [rad/s], damping [1]; interpolation, hold: of time_tables.Table
+
+    Raises UsageError for numbers of outputs that do not fit or data that are not stored.
     """
     u0, y0 = nominal.need("u0", "y0")
     (m0,) = linear.need("m0")

@@ -20,11 +20,11 @@ def closed_loop(
 ) -> Response:  # fmt: skip
     """Simulate a mechanism with u = control(t, y).
 
-    feedback  numbers (from 1) of the outputs that the law gets, such as "1-6"; default: all. The vector y
-    has the length
-              of all outputs, so that numbers keep their place; those that are not fed back are NaN.
-    period    sampling period [s] of a discrete-time law; default continuous
+    feedback  numbers (from 1) of the outputs that the law gets, such as "1-6"; default: all. The vector y has the
+              length of all outputs, so that numbers keep their place; those that are not fed back are NaN
+    period    sampling period [s] of a discrete-time law; default: continuous
     options   of `simulate`
+
     The blocks of the response are the plant under its own name and "control". Raises as `simulate`.
     """
     diagram = Diagram().add(plant)

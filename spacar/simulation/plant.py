@@ -1,8 +1,8 @@
 """Spasim: the non-linear mechanism as a block with inputs u and outputs y (input-language.md section 9).
 
-States are the degrees of freedom and their rates. Inputs are driving stresses (INPUTS, positive when they do
-positive work on the rate of their deformation) and forces (INPUTF). Outputs that are accelerations depend
-directly on the inputs, the others do not.
+States are the degrees of freedom and their rates. Inputs are driving stresses (INPUTS, positive when they do positive
+work on the rate of their deformation) and forces (INPUTF). Outputs that are accelerations depend directly on the
+inputs, the others do not.
 """
 
 from __future__ import annotations
@@ -40,8 +40,8 @@ QUANTITY = {
 class Spasim(Block):
     """A mechanism from a file name, a Deck (read for the mode "simulation") or a Mechanism.
 
-    Raises InputError for a wrong file, UsageError without dynamic degrees of freedom; ValueError for vectors
-    of wrong size.
+    Raises InputError for a wrong file, UsageError without dynamic degrees of freedom; its methods raise ValueError for
+    vectors of wrong size.
     """
 
     def __init__(self, model: str | Path | Deck | Mechanism, name: str = "plant") -> None:
@@ -66,7 +66,10 @@ class Spasim(Block):
         self.x0 = self.start()
 
     def choose(self, compiled: bool) -> None:
-        """The compiled engine where it is available and wanted, else NumPy; `engine`: which, and level or reason."""
+        """Take the compiled engine where it is available and wanted, else NumPy.
+
+        `engine` becomes ("compiled", its level) or ("general", the reason).
+        """
         from spacar.compiled import level, why_general
 
         settings = replace(self.mechanism.settings, compiled=compiled)

@@ -1,5 +1,4 @@
-"""Simulation of a stored time-varying linear system from stored time to stored time, without step size
-control.
+"""Simulation of a stored time-varying linear system from stored time to stored time, without step size control.
 
 Stepwise: A and B are constant around every stored time, so each half interval is solved exactly by the exponential of
 [A B u; 0 0]. Linear: A, B and u are interpolated linearly, and an interval of length h is advanced by the fourth order
@@ -26,9 +25,7 @@ from spacar.simulation.time_varying import TimeVarying
 
 @dataclass(frozen=True)
 class LtvResponse:
-    """t (k,) [s]; z (k, n) states; dy (k, p) outputs of the linear system; y (k, p) = y0 + dy + second order
-    terms.
-    """
+    """t (k,) [s]; z (k, n) states; dy (k, p) outputs of the linear system; y (k, p) = y0 + dy + second order terms."""
 
     t: Array
     z: Array
@@ -51,8 +48,10 @@ def simulate_ltv(
 ) -> LtvResponse:  # fmt: skip
     """Response to the inputs u (k, m) at the stored times (default: sigma0 alone), from z0 (default X0).
 
-    `substeps` divides every interval (linear interpolation: error of order 4 in the step). Raises UsageError
-    for wrong shapes, AnalysisError when the response overflows.
+    interpolation   "linear" (default) or "step"
+    substeps        parts of every interval with linear interpolation, whose error is of order 4 in the step
+
+    Raises UsageError for wrong shapes, AnalysisError when the response overflows.
     """
     A, B, C = data.need("A", "B", "C")
     steps, n, m = B.shape

@@ -1,10 +1,10 @@
 """Modal reduction of a time-varying linear system (mrltv, theory-system.md 7.6).
 
-At every stored time the modes of (K + K^T)/2 and M, normalized to Phi^T M Phi = I, are split into three
-groups by their frequency at the first time: low ones are kept as degrees of freedom eta, quasi-static ones
-answer without inertia, high ones are dropped. Modes are followed by the largest |Phi_(k-1)^T M Phi_k|. The
-basis of the kept modes is turned inside its own space so that it changes as little as possible from time to
-time (orthogonal Procrustes problem), and is interpolated by cubic splines, which give its derivatives:
+At every stored time the modes of (K + K^T)/2 and M, normalized to Phi^T M Phi = I, are split into three groups by their
+frequency at the first time: low ones are kept as degrees of freedom eta, quasi-static ones answer without inertia, high
+ones are dropped. Modes are followed by the largest |Phi_(k-1)^T M Phi_k|. The basis of the kept modes is turned inside
+its own space so that it changes as little as possible from time to time (orthogonal Procrustes problem), and is
+interpolated by cubic splines, which give its derivatives:
 
     dq = Phi_l eta + dq_h,        eta'' + Phi_l^T (C1 eta' + K1 eta + K dq_h + C dq_h') = Phi_l^T r
     dq_h = X (r - C1 eta' - K1 eta),    X = Phi_h (Phi_h^T K Phi_h)^-1 Phi_h^T                                  (25)
@@ -35,7 +35,7 @@ POOR_OVERLAP = 0.7  # of a mode with its successor: below it the stored times ar
 class Reduction:
     """The reduced system and what it is made of.
 
-    basis (k, n, kept) [M-orthonormal];  rates (k, n) signed circular frequencies [rad/s] of all modes in the
+    basis (k, n, kept) M-orthonormal;  rates (k, n) signed circular frequencies [rad/s] of all modes in the
     order of the first time (negative: unstable, -sqrt(-eigenvalue));  kept, static, dropped: numbers of the
     modes (from 0);  report for users
     """
@@ -99,8 +99,8 @@ def reduce_modes(data: TimeVarying, n_low: int, n_static: int | None = None) -> 
 def tracked_modes(t: Array, M: Array, K: Array) -> tuple[Array, Array, Array]:
     """Eigenvalues (k, n), modes (k, n, n) and the overlap of each mode with its predecessor (k, n).
 
-    The order is that of ascending eigenvalues at the first time; later each mode is the one that overlaps
-    most.
+    The order is that of ascending eigenvalues at the first time; later each mode is the one that overlaps most. Raises
+    AnalysisError for matrices that are not finite, or a mass matrix that is not positive definite.
     """
     from scipy.linalg import eigh
     from scipy.optimize import linear_sum_assignment
@@ -136,7 +136,7 @@ def _aligned(modes: Array, M: Array) -> Array:
 
 
 def _derivatives(t: Array, basis: Array) -> tuple[Array, Array]:
-    """First and second time derivative at the stored times, from cubic splines; zero for a single time."""
+    """First and second time derivative at the stored times, from cubic splines; zero for less than four times."""
     if len(t) < 4:
         return np.zeros_like(basis), np.zeros_like(basis)
     from scipy.interpolate import CubicSpline

@@ -31,8 +31,9 @@ class Signals(Mapping[str, Array]):
 
 @dataclass(frozen=True)
 class Event:
-    """A zero of function(t, signals). direction: +1 only rising, -1 only falling, 0 both; `terminal` ends
-    the simulation.
+    """A zero of function(t, signals). direction: +1 only rising, -1 only falling, 0 both.
+
+    `terminal`: the event ends the simulation.
     """
 
     name: str
@@ -45,8 +46,9 @@ class Event:
 class Response:
     """What happened: `response["robot:10-12"]` are outputs (times, signals).
 
-    t (n,) [s]; y (n, all outputs); x (n, all states) ; events: (time, name) in order; notes for the log;
-    counters of work
+    t (n,) [s];  y (n, all outputs);  x (n, all states);  u (n, all inputs)
+    outputs, states, inputs   columns of each block in y, x, u
+    events (time, name) in order;  notes for the log;  statistics  counters of work
     """
 
     t: Array

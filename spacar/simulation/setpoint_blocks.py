@@ -100,9 +100,7 @@ class TimesM0(Block):
 
 
 class Ltv(Block):
-    """dz/dt = A(t) z + B(t) u, y = C(t) z + D(t) u; with `modes`, reduced to that many modes (see
-    reduction).
-    """
+    """dz/dt = A(t) z + B(t) u, y = C(t) z + D(t) u; with `modes`, reduced to that many modes (reduction.py)."""
 
     def __init__(
         self, data: TimeVarying, name: str = "ltv", interpolation: str = "linear", hold: bool = False,

@@ -50,7 +50,7 @@ class Constant(Source):
 
 
 class StepSignal(Source):
-    """y = before for t < time, then after. The time is met exactly [s]."""
+    """y = before for t < time [s], then after. A step of the integration ends exactly at that time."""
 
     def __init__(self, name: str, time: float = 0.0, after: Numbers = 1.0, before: Numbers = 0.0) -> None:
         super().__init__(name, max(np.size(after), np.size(before)))

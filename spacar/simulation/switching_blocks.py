@@ -157,7 +157,7 @@ class LookupTable(Piecewise):
             )
             raise UsageError(text, "simulation.table")
         self.points, self.beyond, self.stepwise = x, beyond, interpolation == "step"
-        # piece k = 0 ... n is what lies before point k; polynomials c0 + c1 d + c2 d^2 + c3 d^3 of d = u - origin
+        # Piece k = 0 ... n lies before point k. Its polynomial is c0 + c1 d + c2 d^2 + c3 d^3 of d = u - origin.
         inner = np.zeros((4, len(x) - 1))
         if interpolation == "cubic":
             from scipy.interpolate import PchipInterpolator
@@ -216,6 +216,6 @@ def region(u: Array, lower: Array, upper: Array) -> NDArray[np.int64]:
 
 
 def region_margins(mode: NDArray[np.int64], u: Array, lower: Array, upper: Array) -> Array:
-    """Distances to the ends of the region, not negative inside it; two for every signal. [as u]."""
+    """(2 size,) distances to the ends of the region in the unit of u, not negative inside it; two for every signal."""
     first = np.where(mode < 0, lower - u, np.where(mode > 0, u - upper, u - lower))
     return np.concatenate((first, np.where(mode == 0, upper - u, first)))

@@ -16,8 +16,8 @@ EPS = float(np.finfo(float).eps)
 
 
 class TimeAxis:
-    """`cuts`: times from the first to the last one [s], each with the blocks that are sampled there; pieces lie between
-    them.
+    """`cuts`: times from the first to the last one [s], each with the blocks that are sampled there. Piece k lies
+    between cuts k and k + 1. `shift` [s], see above.
     """
 
     def __init__(self, first: float, last: float, blocks: Sequence[Block]) -> None:
@@ -51,7 +51,7 @@ class TimeAxis:
         return low, self.cuts[k + 1][0] - (self.shift if k + 2 < len(self.cuts) else 0.0)
 
     def cut(self, k: int, t: float) -> float:
-        """Cut at t, behind cut k; the time of the cut that serves: t itself, or an old one that is the same."""
+        """Cut at t, behind cut k. Returns the time of the cut: t, or that of an existing cut at the same time."""
         for place in range(k + 1, len(self.cuts)):
             other = self.cuts[place][0]
             if self.same(t, other):

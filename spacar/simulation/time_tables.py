@@ -1,9 +1,8 @@
-"""Values between the stored times of a result: stepwise, linear or by a cubic spline (reference/files.md
-section 7).
+"""Values between the stored times of a result: stepwise, linear or by a cubic spline (reference/files.md section 7).
 
-Stepwise: constant around each stored time, changing half-way to the next one. Beyond the last stored time
-the original is undefined; here it is an error unless `hold` is asked for, which keeps the last value. The
-same holds before the first.
+Stepwise: constant around each stored time, changing half-way to the next one. Beyond the last stored time SPACAR leaves
+the value undefined; here it is an error unless `hold` is asked for, which keeps the last value. The same applies before
+the first one.
 """
 
 from __future__ import annotations
@@ -22,9 +21,7 @@ ROUNDING = 1e-9
 
 
 class Table:
-    """A time-varying array: `times` (k,) increasing, `values` (k, ...). Raises UsageError for wrong
-    arguments.
-    """
+    """A time-varying array: `times` (k,) increasing [s], `values` (k, ...). Raises UsageError for wrong arguments."""
 
     def __init__(
         self, times: Array, values: Array, kind: str = "linear", hold: bool = False, name: str = "table"
@@ -59,9 +56,7 @@ class Table:
         return tuple({"step": self._middles, "linear": self._list, "spline": held}[self.kind])
 
     def __call__(self, t: float) -> Array:
-        """Value at a time, with the shape of one stored value. Raises AnalysisError outside the stored
-        times.
-        """
+        """Value at a time, with the shape of one stored value. Raises AnalysisError outside the stored times."""
         times = self._list
         if not times[0] <= t <= times[-1]:
             if not self.hold and not times[0] - self._margin <= t <= times[-1] + self._margin:

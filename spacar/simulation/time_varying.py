@@ -1,6 +1,4 @@
-"""The contents of an `.ltv` result as arrays: set-points of mode 2, time-varying linear system of modes 3, 4
-and 9.
-"""
+"""The contents of an `.ltv` result as arrays: set-points of mode 2, time-varying linear system of modes 3, 4 and 9."""
 
 from __future__ import annotations
 
@@ -20,17 +18,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class TimeVarying:
-    """dz/dt = A z + B u, y = y0 + C z + D u with z = (dq, dqd), and the set-points, step by step (files.md
-    section 6).
+    """dz/dt = A z + B u, y = y0 + C z + D u with z = (dq, dqd), and the set-points, step by step (files.md section 6).
 
     name      where it comes from, for messages;  t (k,) [s]
     A (k, n, n), B (k, n, m), C (k, p, n), D (k, p, m); an absent D is zero
     m0, c0b, k0b (k, n/2, n/2): mass, damping and stiffness of the same equations
-    u0 (k, n_nominal), y0 (k, p), sigma0 (k, m - n_nominal): nominal inputs, reference outputs, stresses
-    sigma0
+    u0 (k, n_nominal), y0 (k, p), sigma0 (k, m - n_nominal): nominal inputs, reference outputs, stresses of the
+              rigidified deformations
     second    (k, s, n/2, n/2) second order expressions of the outputs `second_rows` (s,): y += dq^T G dq / 2
     x0        (n,) initial state
-    n_nominal first columns of B that are nominal inputs; n_rigid rigid degrees of freedom
+    n_nominal number of the first columns of B that are nominal inputs;  n_rigid  number of rigid degrees of freedom
+
     A field that the result does not have is None.
     """
 
@@ -71,7 +69,7 @@ class TimeVarying:
         full = {name: get(name) for name in "ABCD"}
         if "asp" in first:  # of a large model
             full |= dense_steps((of_frame(f.state_space, header) for f in result.frames), count)
-            full["D"] = full["D"] if header["DFT"] else None  # rounding
+            full["D"] = full["D"] if header["DFT"] else None  # without feedthrough D is rounding
         second = get("G")
         if second is not None:
             n = int(header["NX"]) // 2

@@ -1,9 +1,9 @@
 """Transport delay: y(t) = u(t - lag), and `initial` for t - lag before the start.
 
 The input is remembered over every accepted step, as a polynomial of degree 4 through five Chebyshev points; where it is
-not within the tolerance of a step at two points between them, the interval is halved. A step is not longer than the
-lag, so all that is asked for lies behind. A jump of the input comes out one lag later as a jump, and a step ends there
-(Bellen and Zennaro, chapter 4); kinks are left to the control of the step size.
+not within the tolerance of a step at two points between them, the interval is halved. No step is longer than the lag,
+so that only remembered values are asked for. A jump of the input comes out one lag later as a jump, and a step ends
+there (Bellen and Zennaro, chapter 4); kinks are left to the control of the step size.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from spacar.simulation.blocks import NONE, Block
 from spacar.simulation.switching_blocks import Numbers
 
 NODES = np.sin(0.25 * np.pi * np.arange(-2.0, 3.0))  # in [-1, 1]
-WEIGHTS = np.array([0.5, -1.0, 1.0, -1.0, 0.5])  # barycentric ones of these nodes
-BETWEEN = (-0.35, 0.35)  # where the polynomial is compared
-MOST_HALVES = 30
+WEIGHTS = np.array([0.5, -1.0, 1.0, -1.0, 0.5])  # barycentric weights of these nodes
+BETWEEN = (-0.35, 0.35)  # places in [-1, 1] where the polynomial is compared with the input
+MOST_HALVES = 30  # halvings of a step
 
 
 class TransportDelay(Block):
@@ -56,7 +56,7 @@ class TransportDelay(Block):
         return bool(np.any(np.abs(u - self.end) > tolerance.absolute + tolerance.relative * np.abs(u)))
 
     def jumps_out(self, t: float) -> None:
-        """The jump that was seen last comes out at t [s], up to rounding one lag later."""
+        """The jump that was seen last comes out at t [s], which is one lag later up to rounding."""
         self.begin = t - self.lag
 
     def remember(self, t0: float, t1: float, u: Callable[[float], Array], tolerance: Tolerance) -> None:

@@ -25,7 +25,7 @@ DISTANCE = 0.5  # of the two evaluations of the derivative
 
 @dataclass(frozen=True)
 class Arc:
-    """The end of a step: the state, its place, and the number of corrections."""
+    """The end of an arc: the state, its place on the load step (0 to 1), and the number of corrections."""
 
     point: Iterate
     place: float
@@ -33,7 +33,8 @@ class Arc:
 
 
 def arc(at: At, x: Array, sigma: Array, place: float, before: Array, s: float, limit: int) -> Arc:
-    """The state at the arc length s [model lengths, rad] further on; `before` (nx,) points forward.
+    """The state at the arc length s [model lengths, rad] from x (nx,), sigma (ne,) at this place; `before` (nx,) points
+    forward, `limit` is the largest number of corrections.
 
     Raises Astray, SingularMatrixError.
     """

@@ -7,7 +7,7 @@ from typing import Protocol
 from spacar.arrays import Array
 from spacar.stationary.stationary_equations import Iterate
 
-SPREAD = 10.0  # the signs of the rounding errors are not known: factor between one sample and their largest effect
+SPREAD = 10.0  # largest effect of rounding errors over that of one sample of their signs, which are not known
 
 
 class Tangent(Protocol):

@@ -39,7 +39,7 @@ class Flexibility:
         self.values, self.coupled, self.size = self.inverse()
 
     def inverse(self, stiffness: float = 1.0, damping: float = 0.0) -> tuple[Array, Array, float]:
-        """Of stiffness x S + damping x S_d: the inverse times its size; which rows have an e (ne,) 0 or 1; the size."""
+        """For A = stiffness x S + damping x S_d: entries of size x A^-1; the rows with an e, (ne,) 0 or 1; the size."""
         coupled, blocks = np.zeros(self.ne), []
         for b in self.elastic:
             S, Sd = b.family.stiffness()

@@ -18,8 +18,8 @@ from spacar.stationary.tangent import SparseTangent
 class LevelEvaluator:
     """`dynamics`, `equations`, `tangent` under the loads of the last level that was loaded.
 
-    `y` (state vector) holds the kinematic values and the rates that non-holonomic systems keep; `hold` fades out the
-    forces that hold a start state until the first level is reached.
+    `y` (state vector) holds the kinematic values and the rates that non-holonomic systems keep; `hold` (nx,) are forces
+    that hold a start state which is no equilibrium; they fade out until the first level is reached.
     """
 
     def __init__(self, mechanism: Mechanism) -> None:
@@ -56,7 +56,8 @@ class LevelEvaluator:
         self.hold, self._hold_until = force, until
 
     def load(self, level: LoadLevel) -> Given:
-        """Put the loads of a level on the evaluator; a change of the flow in tubes needs a new one."""
+        """Put the loads of a level on the evaluator, and return the prescribed values. Where the flow in tubes changes,
+        `dynamics`, `equations` and `tangent` are made anew."""
         loads, drive = loads_at(self.mechanism, level), SteadyDrive.at_level(self.mechanism, level)
         mechanism = with_flow(self.mechanism, loads)
         if mechanism is self.mechanism:

@@ -49,7 +49,7 @@ class LoadLevel:
 
 @dataclass(frozen=True)
 class LoadProgram:
-    """All levels in order, made one after the other as often as it is run through."""
+    """All levels in order, made one after the other; it may be run through more than once."""
 
     settings: SolverSettings
 
@@ -115,7 +115,7 @@ def with_flow(mechanism: Mechanism, loads: Loads) -> Mechanism:
 
 @dataclass(frozen=True)
 class SteadyDrive:
-    """Prescribed values of a load level: constant rates, no accelerations. The time is that of the start."""
+    """Prescribed values of a load level: constant rates, no accelerations, the same at all times."""
 
     state: DriveState
     breaks: tuple[float, ...] = ()

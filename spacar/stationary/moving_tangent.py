@@ -79,8 +79,10 @@ class MovingTangent:
         self._square = self.full[:, self._columns]
 
     def correct(self, force: Array, offset: Array) -> None:
-        """Add gradients by x that were not known when it was formed: of the applied forces (nx, nx), of the stresses
-        that are no S e, sigma_1 (ne, nx)."""
+        """Add gradients with respect to x that were not known when the matrix was formed.
+
+        force (nx, nx) of the applied forces;  offset (ne, nx) of sigma_1, the stresses that are not S e
+        """
         q = self.q
         rows = q.flexibility.dense() @ (offset * ~q.constrained[:, None])
         rows[q.slips] = 0.0
@@ -89,7 +91,7 @@ class MovingTangent:
         self._square = self.full[:, self._columns]
 
     def solve(self, right: Array) -> Array:
-        """Of (n,) or (n, k)."""
+        """Solution for right-hand sides (n,) or (n, k). Raises SingularMatrixError."""
         try:
             return np.linalg.solve(self._square, right)
         except np.linalg.LinAlgError:
@@ -108,6 +110,7 @@ class MovingTangent:
         return np.asarray(EPS * (np.abs(self._square) @ np.abs(z)))
 
     def sign(self) -> float:
+        """Sign of the determinant of the tangent stiffness."""
         # The mixed matrix has one negative eigenvalue more for every stress.
         return float(np.linalg.slogdet(self._square)[0]) * (-1.0) ** self.q.ne
 

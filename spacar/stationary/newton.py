@@ -1,7 +1,8 @@
 """Newton's iteration on the mixed equations, with its test of contraction.
 
-Prescribed coordinates are unknowns that move with the first correction: V and the geometric stiffness at the old
-position take them along, no configuration is evaluated where only the prescribed coordinates have jumped.
+Prescribed coordinates are unknowns that move with the first correction: V and the geometric stiffness at the last
+position take the others along, so that no configuration is evaluated in which only the prescribed coordinates have
+jumped.
 
 Corrections must contract: with the exact tangent the second is at most 0.6 of the first (half of it at an exactly
 critical state, where Newton's method converges linearly), later ones three quarters of the one before. An iteration
@@ -11,9 +12,9 @@ types 1, 3) or with user functions, which may not state their stiffness, converg
 factor will do. In motion and with slips a cyclic coordinate may drift while the forces converge; there it is enough
 that the forces contract.
 
-What rounding makes of a correction is measured, not assumed: a third right-hand side holds the rounding errors of the
-residual (eps times the sum of the sizes of its terms). Corrections of that size need not contract, and end the
-iteration.
+What rounding makes of a correction is measured, not assumed: one more right-hand side holds the rounding errors of the
+residual (eps times the sum of the sizes of its terms). Corrections of the size of its solution need not contract, and
+end the iteration.
 """
 
 from __future__ import annotations
@@ -36,13 +37,16 @@ LENGTHS = 1e-11  # incompatibility / model length, or rad
 CORRECTION = 1e-7  # last correction / model length, or rad: the next one would be of the size of its square
 PASSING_FORCES, PASSING_LENGTHS, PASSING_CORRECTION = 1e-4, 1e-7, 1e-3  # at a state that is no result
 FIRST_RATIO, LATER_RATIO, LINEAR_RATIO = 0.6, 0.75, 0.98  # of two corrections, at most
-SINGULAR = 1e14  # displacement under forces of the size of the stiffness, 1/(50 eps): is a digit left?
-NO_DIGITS = 1e-4  # of such a displacement, or a correction [model lengths or rad], from rounding: a singular matrix
+# Displacement under forces of the size of the stiffness, 1/(50 eps), from which it is asked whether digits are left.
+SINGULAR = 1e14
+# Part of such a displacement, or size of a correction [model lengths or rad], that is rounding: the matrix is singular.
+NO_DIGITS = 1e-4
 
 
 @dataclass(frozen=True)
 class Demand:
-    """What an iteration has to reach: relative forces, lengths, last correction; largest force [N]; how many times."""
+    """What an iteration has to reach in at most `limit` corrections: the relative sizes of forces, lengths and of the
+    last correction as the constants above, and `tolerance`, the largest force out of balance [N]."""
 
     limit: int
     tolerance: float = np.inf
@@ -52,9 +56,11 @@ class Demand:
 
     @classmethod
     def of(cls, limit: int, tolerance: float, stored: bool) -> Demand:
+        """The demand of a level that is stored, or of one that is passed through only."""
         return cls(limit, tolerance, FORCES, LENGTHS, CORRECTION) if stored else cls(limit)
 
     def met(self, p: Iterate) -> bool:
+        """Are forces and lengths small enough at this point?"""
         small = p.work <= self.forces * p.work_size and p.force <= self.tolerance and p.gap <= self.lengths
         return p.quiet or small
 
@@ -102,7 +108,8 @@ class Corrections:
         return met
 
     def _left(self, last: float) -> float:
-        """With linear convergence the error is what a geometric series leaves; scaled like a quadratic one."""
+        """The error behind the last correction, scaled so that `Demand.correction` applies to it: with quadratic
+        convergence the correction itself, with linear convergence what a geometric series leaves."""
         if self.exact or len(self.sizes) < 2:
             return last
         ratio = min(last / self.sizes[-2], LINEAR_RATIO) if self.sizes[-2] > 0.0 else 0.0

@@ -33,12 +33,12 @@ class RestingTangent:
         self._system = self.t.factor_static()
 
     def solve(self, right: Array) -> Array:
-        """Of (n,) or (n, k). Raises SingularMatrixError (dense storage factors here)."""
+        """Solution for right-hand sides (n,) or (n, k). Raises SingularMatrixError (dense storage factors here)."""
         assert self._system is not None
         return self._system.solve(right)
 
     def along(self, dx: Array) -> Array:
-        """The matrix times a change dx (nx,) of prescribed coordinates, (n,), without the gradient of the loads."""
+        """The matrix times a change dx (nx,) of prescribed coordinates, (n,). The gradient of the loads is left out."""
         t, sweep = self.t, self.t.dynamics.sweep
         force = np.zeros_like(dx)
         for b, block in geometric_blocks(sweep, t.sigma):
@@ -58,7 +58,7 @@ class RestingTangent:
 
     @property
     def symmetric(self) -> bool:
-        """Follower moments and the flow in tubes make the matrix unsymmetric."""
+        """Is the matrix symmetric? Follower moments and the flow in tubes make it unsymmetric."""
         from scipy.sparse import coo_matrix
 
         for part in self._unsymmetric:
@@ -69,12 +69,13 @@ class RestingTangent:
 
     @property
     def natural(self) -> bool:
-        """Nothing but the stiffness of the elements, and that not negative: no eigenvalue of K can be negative."""
+        """Is there nothing but the stiffness of the elements, and this not negative? Then no eigenvalue of K is."""
         t = self.t
         loaded = t.sigma.any() or any(part.values().any() for part in self._unsymmetric)
         return not loaded and t.flexibility.definite
 
     def sign(self) -> float:
+        """Sign of the determinant of the tangent stiffness."""
         # The mixed matrix has one negative eigenvalue more for every stress.
         assert self._system is not None
         return self._system.determinant_sign() * (-1.0) ** self.t.ne

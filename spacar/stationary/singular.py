@@ -20,7 +20,7 @@ IN_RANGE = 1e-8  # relative: half of the digits of a matrix that is singular to 
 
 
 class FreeMotion(Astray):
-    """The load works on a motion without stiffness; the load works most at `coordinate` of x."""
+    """The load works on a motion without stiffness, most of all at `coordinate` of x."""
 
     def __init__(self, coordinate: int) -> None:
         super().__init__("the tangent stiffness is singular")
@@ -53,8 +53,10 @@ def minimum_norm(q: StationaryEquations, tangent: Tangent, p: Iterate, dx: Array
 
 
 def minimum_norm_solutions(A: Array, right: Array) -> Array:
-    """z (n, k) of minimum norm with A z = right (n, k), in the same measure. Raises SingularMatrixError where a column
-    is not in the range of A."""
+    """z (n, k) of minimum norm, measured as in `minimum_norm`, with A z = right (n, k).
+
+    Raises SingularMatrixError where a column is not in the range of A.
+    """
     d, u, s, vt, regular = _decomposed(A)
     projected = u.T @ (d[:, None] * right)
     lost = np.linalg.norm(projected[~regular], axis=0)

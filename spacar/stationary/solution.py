@@ -27,8 +27,11 @@ SINGULAR_SLIP = 1e-8  # relative: the stress of a slip that its law does not giv
 
 @dataclass(frozen=True)
 class StationarySolution:
-    """The state of a level. xdd (nx,), convective (ne,) of steady motion; sigma (ne,) all stresses; norm: largest
-    out-of-balance force; determined: do the degrees of freedom determine the configuration?
+    """The state of a level.
+
+    xdd (nx,), convective (ne,)   of steady motion;  sigma  (ne,) all stresses
+    norm         largest out-of-balance force [N, N m]
+    determined   do the degrees of freedom determine the configuration?
     """
 
     xdd: Array
@@ -41,7 +44,7 @@ class StationarySolution:
 @dataclass
 class StationarySolver:
     """Walks through load levels. At a level that is stored `dynamics` is placed at the solution and `solution`
-    describes it; `iterations` are those of the last level.
+    describes it; `iterations` is their number at the last level.
 
     Raises AnalysisError 'statics.no-convergence', 'statics.limit-point' or 'statics.no-solution'.
     """
@@ -60,7 +63,7 @@ class StationarySolver:
         self.dynamics = d = e.dynamics
         if n.holonomic and d.start_values()[d.n_positions :].any():
             self.report.add("warning: start rates of dynamic degrees of freedom are ignored in a stationary solution")
-        # for a loading that does nothing all levels have the solution of the first
+        # When the loading does nothing, all levels have the solution of the first one.
         self._idle = e.plain and not loads_at(m, LoadLevel(1.0, 0.0)).present and not motion.shift(m)
         self.iterations = 0
         self._said: Stability | None = None
@@ -99,7 +102,7 @@ class StationarySolver:
         return np.concatenate((d.kinematics.x[n.x_class["dynamic"]], d.sweep.e[n.e_class["dynamic"]]))
 
     def solve(self, target: LoadLevel) -> None:
-        """Go to a load level."""
+        """Go to a load level. Raises AnalysisError as the class says."""
         if self._walk is None:
             self._walk = self._begin(target)
         idle = self._idle and target.additional == 0.0 and self._walk.level.path > 0.0
@@ -107,7 +110,7 @@ class StationarySolver:
             self.iterations = 0
             return
         if not self.mechanism.numbering.nddof and not target.store:
-            return  # the kinematics goes its way to the prescribed values itself
+            return  # `Kinematics` itself divides the way to the prescribed values
         self._walk.go(target)
         self.iterations = self._walk.iterations
         if target.store:
@@ -116,7 +119,8 @@ class StationarySolver:
             self._say_stability(target)
 
     def _begin(self, first: LoadLevel) -> Walk:
-        """The walk starts at the start values. A state that is no equilibrium is held by forces that fade."""
+        """A walk from the start values. Where these are no equilibrium, forces hold them that fade out on the way to
+        the first level."""
         e, d = self._evaluator, self.dynamics
         given = e.load(LoadLevel(0.0, 0.0))
         p = self._reference(given)
@@ -174,7 +178,7 @@ class StationarySolver:
             raise AnalysisError(f"{text} with its rate", "statics.no-solution")
 
     def _say_stability(self, level: LoadLevel) -> None:
-        """Every stored state that is unstable or critical is said, from the step where that changes."""
+        """Report where stored states become unstable, critical, or stable again."""
         assert self._walk is not None
         now, said = self._walk.stable, self._said
         self._said = now

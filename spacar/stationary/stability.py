@@ -30,9 +30,10 @@ ITERATIONS = 8
 
 @dataclass(frozen=True)
 class Stability:
-    """Negative and zero eigenvalues of the tangent stiffness; `exact` False: negative is only odd (1) or even (0).
+    """Numbers of negative and zero eigenvalues of the tangent stiffness.
 
-    `critical`: rounding decides about the signs, all eigenvalues count as zero.
+    exact      False: `negative` tells odd (1) from even (0) only
+    critical   rounding decides about the signs, and all eigenvalues count as zero
     """
 
     negative: int
@@ -95,7 +96,7 @@ def critical_motion(q: StationaryEquations, tangent: Tangent, p: Iterate, negati
 
 
 def _nearest_zero(q: StationaryEquations, tangent: Tangent, negative: bool) -> Array | None:
-    """Scaled eigenvector (nf,)."""
+    """Scaled eigenvector (nf,) of the critical motion; None when it cannot be told."""
     n, nf, scale = q.nf + q.ne, q.nf, q.scale[q.F]
     k = min(BLOCK, nf)
     X = np.random.default_rng(1).standard_normal((nf, k))

@@ -15,8 +15,9 @@ geometric stiffness and spoil the next correction (Magisano, Leonetti, Garcea, C
 
 In steady motion v and a are those of the configuration: V v = ed, V a = -H(v, v) on the fixed, prescribed and dynamic
 rows, with the prescribed rates and, for holonomic systems, no rates of the dynamic degrees of freedom.
-Non-holonomic: kinematic coordinates and deformations are given too; their equations take the place of those that slips
-do not have, and the stress of a slip that is a degree of freedom is free (`Iterate.slip` says what it lacks).
+In non-holonomic systems kinematic coordinates and deformations are given too; their equations take the place of those
+that slips do not have, and the stress of a slip that is a degree of freedom is free (`Iterate.slip` is its difference
+from the law).
 """
 
 from __future__ import annotations
@@ -99,7 +100,8 @@ class StationaryEquations:
         self.nf, self.ne = len(self.F), n.ne
         self.flexibility = flexibility
         self.scale, self.e_scale = m.scale, m.deformation_scale
-        # an angle enters by directions, whose components are of size one: l (phi - beta) is known to eps l at phi = 0
+        # An angle enters by directions, whose components are of size one: also at phi = 0 l (phi - beta) is known to
+        # eps l only.
         self.least = np.ones(n.nx)
         self.least[n.positions] = 0.0
         self.rest = np.zeros(n.nx)

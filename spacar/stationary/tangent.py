@@ -65,7 +65,8 @@ class SparseTangent:
         self.sigma = np.zeros(n.ne)
         self.flexibility = flexibility
         self.elastic, self.active = self.flexibility.elastic, self.flexibility.active
-        m = dynamics.mechanism  # gravity may come with the additional loading only
+        m = dynamics.mechanism
+        # Gravity may come with the additional loading only.
         heavy = any(loads is not None and loads.gravity.any() for loads in (m.loads, m.additional, dynamics.loads))
         loaded = [b for b in sweep.moving if heavy or _is_tube(b)]
         moment_rows = _moment_rows(dynamics)

@@ -16,8 +16,8 @@ from spacar.stationary.stationary_equations import Iterate
 
 MOST_ARCS = 500
 FIRST_ARC, SMALLEST_ARC, LARGEST_ARC = (1e-3, 0.02), 1e-6, 0.2  # model lengths, or rad
-BACKWARDS = 1e-5  # a first arc as short as this that goes back starts at the limit point
-STEPPED = 1e-6  # a distance that gives a direction
+BACKWARDS = 1e-5  # model lengths or rad: a first arc as short as this that goes back starts at the limit point
+STEPPED = 1e-6  # model lengths or rad: least distance of two states that gives a direction
 EASY = 4  # iterations after which the next arc is longer
 
 
@@ -86,7 +86,7 @@ def around(at: At, known: Sequence[tuple[Array, Array]], place: float, limit: in
 
 
 def _extreme(s: Sequence[float], p: Sequence[float]) -> float:
-    """Of the parabola through three points (s, p)."""
+    """The extreme value of the parabola through three points (s, p)."""
     a, b = (p[1] - p[0]) / (s[1] - s[0]), (p[2] - p[1]) / (s[2] - s[1])
     curvature = (b - a) / (s[2] - s[0])
     if not curvature:

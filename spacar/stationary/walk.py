@@ -40,7 +40,7 @@ from spacar.stationary.turning import LimitPoint, around
 
 SMALLEST_PART = 1.0 / 1024.0
 CRITICAL_PART = 1.0 / 256.0  # of a load step, in which a critical state is looked for
-STILL = 1e-6  # model lengths or rad: a straight column hardly moves at its critical load, nothing can be mistaken
+STILL = 1e-6  # model lengths or rad: parts that move less (a straight column at its critical load) keep their branch
 LARGE = 600  # unknowns; above, the count costs more than an iteration: see `Walk._odd`
 EASY = 6  # iterations after which the next part of a step may be twice as large
 FARTHEST = 16.0  # weight of a state in the prediction: 6 for equal parts, more when the parts have grown
@@ -60,8 +60,9 @@ class Known:
 
 
 class Walk:
-    """The path so far. `point` is the last state, `stable` its stability if known, `iterations` those of the last
-    level.
+    """The path so far.
+
+    point   the last state;  stable  its stability if known;  iterations  their number at the last level
     """
 
     def __init__(self, evaluator: LevelEvaluator, point: Iterate, known: bool, report: Report) -> None:
@@ -76,7 +77,7 @@ class Walk:
         self.follow = bool(settings.follow_path)
         if known:
             self._count(stored=evaluator.plain)
-        # held, or without stiffness as long as no load acts: not on the path, predicts nothing
+        # A start that is held, or has no stiffness as long as no load acts, is not on the path and predicts nothing.
         self._arbitrary = not known or (self.stable is not None and self.stable.zero > 0)
 
     def go(self, target: LoadLevel) -> None:
@@ -151,7 +152,8 @@ class Walk:
         e, last = self.evaluator, self.path[-1]
         q, point = e.equations, found.point
         moved = largest((point.x - last.x) / q.scale)
-        # no path to be lost: a start that is not on it, wheels that turn as far as they roll, prescribed positions
+        # There is no path to be lost from a start that is not on it, with wheels, which turn as far as they roll, and
+        # where everything is prescribed.
         free = self._arbitrary or not q.holonomic or not q.d.numbering.nddof
         if free or moved < WIDE or self._steady(level, moved):
             return False
@@ -163,7 +165,7 @@ class Walk:
             back = newton(e.equations, e.tangent, point.x, point.sigma, given, demand)
             if largest((back.point.x - last.x) / q.scale) > ELSEWHERE * moved:
                 return True
-        except (Astray, SingularMatrixError):  # says nothing: a step back may be as hard as one forward
+        except (Astray, SingularMatrixError):  # tells nothing: a step back may be as hard as one forward
             pass
         given = e.load(level)
         e.dynamics.sweep.near[:] = near
@@ -171,7 +173,7 @@ class Walk:
         return False
 
     def _steady(self, level: LoadLevel, moved: float) -> bool:
-        """Is the path as fast as in the part before, about?"""
+        """Is the path about as fast as in the part before, or slower?"""
         if len(self.path) < 2:
             return False
         before, last = self.path[-2:]

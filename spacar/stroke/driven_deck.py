@@ -2,9 +2,9 @@
 
 The drive has to be a degree of freedom of its own, so that stiffness and mass are known with it free and with it
 locked. What the file itself moves (DELINPX, DELINPE) is its drive, and becomes free when another coordinate is moved. A
-coordinate that was calculable takes the place of that drive, or of the dynamic deformation that moves it most in the
-reference configuration; that one is released, which keeps its stiffness (theory-system.md 1.1, class c). What the file
-says about additional loading (DEL...) and about the start of the drive is left out.
+coordinate that is calculable in the file takes the place of that drive, or of the dynamic deformation that moves it
+most in the reference configuration; the deformation is released, which keeps its stiffness (theory-system.md 1.1, class
+c). What the file says about additional loading (DEL...) and about the start of the drive is left out.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from spacar.stroke.stroke_move import StrokeMove, move_of, parse_move
 
 Row = tuple[Value, ...]
 Place = tuple[str, int, int]  # "x" or "e", node or element, coordinate or mode
-STORED = ("OUTLEVEL", "MODES")  # what is stored of the states: nothing here
+STORED = ("OUTLEVEL", "MODES")  # what is stored of the states: left out, as nothing is stored here
 ADDITIONAL = ("DELXF", "DELGRAV", "DELESIG", "DELOMF", "DELINPX", "DELINPE")
 STEERED = ("STARTDE", "STARTDX", "MEE")  # statements that need the class of a degree of freedom
 STILL = 1e-9  # of the size of the drive's coordinate: degrees of freedom that do not move it by more
@@ -121,7 +121,7 @@ def load_row(text: str, mechanism: Mechanism, metre: float, option: str = "--loa
 
 
 def _start(deck: Deck, mechanism: Mechanism, move: StrokeMove) -> float:
-    """What the initial loading of the file prescribes, from the reference configuration."""
+    """The value that the initial loading of the file prescribes, counted from the reference configuration."""
     n = mechanism.numbering
     keyword = "INPUTE" if move.deformation else "INPUTX"
     reference = 0.0 if move.deformation else float(mechanism.x0[n.x_index(move.number, move.place)])
@@ -138,7 +138,7 @@ def _start_of(s: Statement) -> Place | None:
 
 
 def _without(s: Statement, mechanism: Mechanism, dropped: Sequence[Place]) -> list[Row]:
-    """A statement of the kinematics block without the classes of these."""
+    """A statement of the kinematics block as rows that give no class to the `dropped` places."""
     n = mechanism.numbering
     if s.keyword in X_STATEMENTS:
         kind, every = "x", _independent(mechanism, s.integer(0))
@@ -154,7 +154,7 @@ def _without(s: Statement, mechanism: Mechanism, dropped: Sequence[Place]) -> li
 
 
 def _independent(mechanism: Mechanism, node: int) -> list[int]:
-    """Coordinates of a node that a class statement without numbers means."""
+    """Coordinates of a node to which a class statement without numbers applies."""
     n = mechanism.numbering
     kind = n.kind.get(node)
     if kind == "position":

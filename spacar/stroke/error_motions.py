@@ -17,16 +17,16 @@ import numpy as np
 
 from spacar.arrays import Array
 
-NEAR = 3.0  # sizes of the mechanism: a pole so near is a pivot
+NEAR = 3.0  # distance of the pole over the size of the mechanism, below which the pole is a pivot
 AT_INFINITY = 1e-9  # |w| length / |v| below which the body only translates
 
 
 @dataclass(frozen=True)
 class ErrorMotions:
-    """Along the stroke, each (k, 3), in global axes.
+    """Along the stroke, in global axes. Definitions: see above.
 
-    displacement [m];  rotation vector [rad];  line_error [m];  pivot_shift [m];  tilt [rad];  pole [m] (nan where the
-    body only translates)
+    displacement [m], rotation (vector) [rad], line_error [m], pivot_shift [m], tilt [rad], pole [m]  (k, 3) each; the
+             pole is nan where the body only translates
     angle    (k,) rotation about the axis [rad];  tangent, axis  (3,) unit vectors, zero where they do not exist
     pivot    (3,) the ideal pivot in the undeflected state [m]
     turning  is the ideal motion a rotation: is the pivot nearer than NEAR times the size of the mechanism to the node?
@@ -49,9 +49,14 @@ def error_motions(
     places: Array, turns: Array, moves: Array, spins: Array, zero: int, length: float, pivot: Array | None = None,
     turned: bool = False,
 ) -> ErrorMotions:  # fmt: skip
-    """Of a node at `places` (k, 3) with Euler parameters `turns` (k, 4), velocities `moves` and `spins` (k, 3) by the
-    drive, `zero` the undeflected state, `length` the size of the mechanism [m], `pivot` (3,) the ideal pivot, if it is
-    not the pole of the undeflected state; `turned`: the drive turns the body itself."""
+    """The errors of a node over k states.
+
+    places, turns   (k, 3) positions [m], (k, 4) Euler parameters
+    moves, spins    (k, 3) velocity and angular velocity by the drive
+    zero            number of the undeflected state;  length  size of the mechanism [m]
+    pivot           (3,) the ideal pivot [m], if it is not the pole of the undeflected state
+    turned          the drive turns the body itself
+    """
     displacement = places - places[zero]
     rotation = np.array([rotation_vector(turn, turns[zero]) for turn in turns])
     pole = np.array([_pole(*state, length) for state in zip(places, moves, spins, strict=True)])

@@ -42,7 +42,7 @@ class ExtraLoad:
 
     @classmethod
     def of(cls, loads: Sequence[Row], n: Numbering) -> ExtraLoad:
-        """All XF statements together."""
+        """The sum of all XF statements, rows of the dynamics block."""
         force, rows, moments = np.zeros(n.nx), [np.zeros((4, 0), np.int64)], [np.zeros((0, 3))]
         for _, node, *values in loads:
             places = n.lnp[int(node) - 1] - 1

@@ -18,9 +18,9 @@ from spacar.stroke.observed_node import ObservedNode
 from spacar.stroke.station import Station
 from spacar.stroke.stroke_move import StrokeMove
 
-DRAWING = "spacar_drawing"  # named, not imported: pictures and stresses lie above this room
+DRAWING = "spacar_drawing"  # the package of pictures and stresses, named because it lies above this room
 DIRECTION = {"ux": "x", "uy": "y", "uz": "z", "phi": "r", "phix": "rx", "phiy": "ry", "phiz": "rz"}
-UNBALANCED = 0.01  # of the energy: more is said
+UNBALANCED = 0.01  # of the energy: when the work integral misses more, there is a warning
 POINTS = 9  # places along every beam where stresses are computed
 
 
@@ -88,7 +88,7 @@ class Flexure:
         return C
 
     def stiffness(self, locked: bool = True, body: bool = False) -> Array:
-        """(k, m) force by displacement along each direction with nothing else held; infinite where nothing moves."""
+        """(k, m) force over displacement along each direction with nothing else held; infinite where nothing moves."""
         c = np.diagonal(self.compliance(locked, body), axis1=1, axis2=2)
         with np.errstate(divide="ignore"):
             return np.where(c == 0.0, np.inf, 1.0 / c)

@@ -1,7 +1,8 @@
 """What is known of one state of the stroke (`spacar.stroke.station`), for large models: no dense matrices.
 
-Two tangents of the mixed equations (theory-system.md 6.2) stand for the drive held and free: its coordinate is left out
-of, or added to the free ones, its deformation is a constraint, or has no stress. Then
+Two tangents of the mixed equations (theory-system.md 6.2) stand for the drive held and free. The coordinate of the
+drive is left out of the free ones or added to them; if the drive is a deformation, this is a constraint or has no
+stress. Then
 
     path            T_held (x, sigma) = -(column of the drive); for a deformation 1 in its row
     slope           the row of the drive of the mixed matrix times (path, 1); for a deformation -sigma of its row
@@ -38,7 +39,7 @@ FIRST, MOST = 6, 40  # multipliers, and free modes, that are computed at first a
 
 @dataclass(frozen=True)
 class DriveTangents:
-    """Tangents of one evaluator with the drive held and free. `row` of x or of e; `deformation`: of e."""
+    """Tangents of one evaluator with the drive held and free. `row`: of the drive in x, or in e for a `deformation`."""
 
     held: SparseTangent
     free: SparseTangent
@@ -91,7 +92,7 @@ def large_station(
     frame: Frame, tangents: DriveTangents, held: bool, node: ObservedNode, modes: int, extra: ExtraLoad | None,
     report: Report,
 ) -> Station:  # fmt: skip
-    """Everything of a placed state, as `station` has it."""
+    """Everything about a placed state, as from `spacar.stroke.station.station`."""
     d = tangents.dynamics
     P = np.zeros((d.numbering.nx, len(node.names)))
     P[node.rows] = node.map(frame.x).T
@@ -142,7 +143,7 @@ def _compliance(
 
 
 def _frequencies(tangent: SparseTangent, wanted: int, report: Report) -> tuple[Array, Array]:
-    """Lowest frequencies [Hz] from low to high, unstable ones negative, and shapes (nx, n). None without mass."""
+    """Lowest frequencies (n,) [Hz] from low to high, unstable ones negative, and shapes (nx, n); n = 0 without mass."""
     told = Report()
     try:
         found = lowest_vibration(tangent, told, wanted, undamped=True)
@@ -161,8 +162,10 @@ def _frequencies(tangent: SparseTangent, wanted: int, report: Report) -> tuple[A
 
 
 def _free_modes(tangent: SparseTangent, wanted: int, path: Array, report: Report) -> tuple[Array, float, float]:
-    """Free frequencies, that of the mode which is the motion of the drive, and the lowest of the others: of the first
-    `wanted` modes, of more where one that was not computed may have a larger share of that motion."""
+    """Free frequencies, the frequency of the mode that is the motion of the drive, and the lowest of the others [Hz].
+
+    `wanted` modes are computed, and more where one that is missing may have a larger share of that motion.
+    """
     hertz, shapes = _frequencies(tangent, wanted, report)
     if not len(hertz) or not np.isfinite(path).all():
         return hertz, np.nan, np.nan
@@ -196,7 +199,7 @@ def _margin(tangent: SparseTangent, report: Report) -> float:
 def _searched(
     find: Callable[[Report, int], BucklingModes], tangent: SparseTangent, what: str, report: Report
 ) -> float:
-    """The lowest positive one: of the lowest by modulus, of more where all of those are negative."""
+    """The lowest positive multiplier among those of smallest modulus, of more where all these are negative."""
     wanted, most = FIRST, min(MOST, tangent.dynamics.numbering.nddof)
     while True:
         told = Report()
@@ -206,7 +209,7 @@ def _searched(
             report.add(f"warning: no {what}: {error}")
             return np.nan
         value = _lowest_positive(found.multipliers)
-        # fewer than wanted: the others are infinite, or complex, which only an unsymmetric loading gives
+        # If there are fewer than wanted, the others are infinite or, with an unsymmetric loading only, complex.
         all_found = len(found.multipliers) < wanted and is_symmetric_loading(tangent)
         if np.isfinite(value) or wanted >= most or all_found:
             break
@@ -244,4 +247,3 @@ def _stresses(t: SparseTangent, force: Array) -> Array:
     right[: t.nf] = force[t.F]
     solution: Array = t.factor(STATIC).solve(right)
     return t.flexibility.size * solution[t.nf :]
-

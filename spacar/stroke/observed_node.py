@@ -24,8 +24,8 @@ class ObservedNode:
 
     @classmethod
     def of(cls, numbering: Numbering, number: int, orientation: int = 0) -> ObservedNode:
-        """From either node; `orientation` names the other one where no element has both. A body that has several
-        position nodes at elements is seen at that of the lowest number. Raises UsageError."""
+        """From the number of either node; `orientation` names the other one where no element has both. A body with
+        several position nodes is observed at the one with the lowest number. Raises UsageError."""
         kind = numbering.kind.get(number)
         if kind not in ("position", "orientation"):
             raise UsageError(f"there is no position or orientation node {number}", "flexure.node")
@@ -51,7 +51,7 @@ class ObservedNode:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the displacements and small rotations: ux, uy, uz, phix, phiy, phiz; planar ux, uy, phi."""
+        """Names of the displacements and small rotations: ux, uy, uz, phix, phiy, phiz; planar ux, uy, phi."""
         every = directions(self.planar)
         return every if self.orientation else every[: self.points]
 
@@ -80,7 +80,7 @@ class ObservedNode:
         return np.array([np.cos(angle[0] / 2), 0.0, 0.0, np.sin(angle[0] / 2)]) if self.planar else angle.copy()
 
     def spatial(self, twist: Array) -> tuple[Array, Array]:
-        """Displacement and rotation, (3,) each, of a row of m."""
+        """Displacement and rotation, (3,) each, from a row of the m directions of the node."""
         move, turn = np.zeros(3), np.zeros(3)
         move[: self.points] = twist[: self.points]
         rest = twist[self.points :]

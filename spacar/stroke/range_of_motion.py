@@ -172,7 +172,7 @@ def _observed(mechanism: Mechanism, move: StrokeMove, node: int | None, orientat
 
 
 def _joined(deck: Deck, move: StrokeMove, sides: Sequence[_Side], pivot: Array | None) -> Flexure:
-    """Both sides as one stroke with increasing values, the undeflected state once."""
+    """Both sides as one stroke with increasing values, which contains the undeflected state once."""
     first = sides[0]
     order = [(side, k) for side in sides for k in range(len(side.stations))]
     if len(sides) == 2:

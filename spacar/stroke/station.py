@@ -31,12 +31,12 @@ from spacar.linearization.matrices import Linearization
 from spacar.stroke.extra_load import ExtraLoad, extra_margin, extra_stresses
 from spacar.stroke.observed_node import ObservedNode
 
-NOTHING = 1e-11  # of the largest displacement by a degree of freedom: a direction that nothing flexible moves
+NOTHING = 1e-11  # of the largest displacement by a degree of freedom: a direction that moves less counts as rigid
 
 
 @dataclass(frozen=True)
 class Station:
-    """One state. d: the coordinate of the drive; m directions of the node; f frequencies that were asked for.
+    """One state, with d the coordinate of the drive, m directions of the node and f frequencies that were asked for.
 
     slope  dF/dd;  velocity (m,) of the node by d;  locked, free (m, m) compliances;  hertz, hertz_free (f,) [Hz];
     drive_hertz, unwanted_free  of the free modes, that of the drive and the lowest of the others
@@ -64,8 +64,11 @@ def station(
     frame: Frame, dynamics: Dynamics, L: Linearization, drive: int, held: bool, node: ObservedNode, modes: int,
     extra: ExtraLoad | None, report: Report,
 ) -> Station:  # fmt: skip
-    """Everything of a placed state; `drive` is the row of q, `held`: it is prescribed, `modes` how many frequencies are
-    kept, `extra` the load whose own margin is asked for."""
+    """Everything about a placed state.
+
+    drive   its row of q;  held  is it prescribed?
+    modes   how many frequencies are kept;  extra  the load whose own margin is asked for
+    """
     others = np.array([k for k in dynamics.numbering.dynamic.tolist() if k != drive], np.int64)
     every = np.append(others, drive)
     K = L.stiffness
@@ -112,7 +115,7 @@ def without_still(C: Array, D: Array, every: Array, points: int) -> Array:
 
 
 def _frequencies(L: Linearization, dynamics: Dynamics, rows: Index, report: Report) -> tuple[Array, Array]:
-    """Frequencies [Hz] from low to high, unstable ones negative, and shapes (len(rows), n). None without mass."""
+    """Frequencies (n,) [Hz] from low to high, unstable ones negative, and shapes (len(rows), n); n = 0 without mass."""
     none = np.zeros(0), np.zeros((len(rows), 0))
     if not len(rows):
         return none
@@ -156,6 +159,7 @@ def _split(hertz: Array, shapes: Array, M: Array, path: Array) -> tuple[float, f
 
 
 def first_of(hertz: Array, n: int) -> Array:
+    """The first n, filled up with nan."""
     return np.pad(hertz[:n], (0, max(0, n - len(hertz))), constant_values=np.nan)
 
 

@@ -1,7 +1,7 @@
 """Work of the drive and of the other loads along the stroke (docs/flexures.md section 4).
 
-    drive   integral of F ds by Hermite's rule, h (F_0 + F_1)/2 + h^2 (k_0 - k_1)/12 a step, k = dF/ds; its error is of
-            fourth order in the step
+    drive   integral of F ds by Hermite's rule, h (F_0 + F_1)/2 + h^2 (k_0 - k_1)/12 in a step of length h, k = dF/ds;
+            its error is of fourth order in the step
     others  sum of (f_0 + f_1).(x_1 - x_0)/2: exact for constant forces, second order for gravity on beams
     moments sum of M.theta, theta the rotation vector from one state to the next: exact for turns about one axis
 

@@ -42,21 +42,21 @@ from spacar.studies.quantities import Quantity, quantity
 from spacar.studies.result_quantities import assessed, free_coordinates
 
 EXPLICIT, STIFF = (155, 853), (553, 595)
-# What takes the place of 155 below this tolerance: up to a third cheaper, but at looser ones its errors are like those
-# of 853 (a pendulum, 1e-3: the error 2.2 times the estimate).
+# Below the tolerance TIGHT the method MULTISTEP replaces 155: it is up to a third cheaper. At looser tolerances its
+# errors are like those of 853 (measured for a pendulum at 1e-3: the error was 2.2 times the estimate).
 MULTISTEP, TIGHT = 0, 1e-5
 STABLE = 5.0  # h rho at which method 853 leaves its region of stability on the imaginary axis, about
 EXPENSIVE = 10_000  # steps of stability beyond which implicit methods are taken
 LARGEST_JACOBIAN = 600  # states; above, its eigenvalues take longer than a short run, and implicit methods are taken
-LOOSEST, TIGHTEST = 1e-3, 2e-13  # tolerances that are tried; looser ones made two errors alike by chance
+LOOSEST, TIGHTEST = 1e-3, 2e-13  # tolerances that are tried; with looser ones two errors may be alike by chance
 FIRST = 10.0  # tolerance of the first run over the target: the result of most motions is better than ERROR
 GAIN = 10.0  # of the second tolerance over the first
 MARGIN = 0.5  # of the target that the next run aims at
 FURTHEST = 1e-4  # tolerance of the next run over the last one, at least
-TRUSTED = 0.01  # the most that a fall of the differences may gain over the difference itself
+TRUSTED = 0.01  # least estimate over the last difference, however fast the differences fall
 STALLED, SMALL = 0.3, 1e-4  # differences below SMALL that fall by less than STALLED are rounding
 KEPT = 2**28  # bytes of frames that are held in memory; of more, the last run is made twice
-UNRESOLVED = 1e-8  # relative tolerance of the run that checks one with fixed steps
+UNRESOLVED = 1e-8  # relative tolerance of the run that checks another one with fixed steps
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,8 @@ class Attempt:
 class Accuracy:
     """What is known of the error of a result, in amplitudes. `run.header["accuracy"]`.
 
-    target    asked for, None: only measured;  estimate  of the error of the frames, nan when there is none
+    target    that was asked for; None: the error is only measured
+    estimate  of the error of the frames, nan when there is none
     until     time up to which the target is met [s], None when it is met throughout or not asked for
     pieces    beams in the place of each beam of the model in the result; empty: the mesh is that of the model
     cost      time of all runs over that of the last one;  way  how the estimate came about, in words
@@ -185,7 +186,8 @@ class Search:
 
 
 def forward(run: Run) -> Iterator[Frame]:
-    """Frames of mode 1 or 4 with the error that `run.accuracy` asks for; they have `xerr`. Raises as these modes do."""
+    """Frames of mode 1 or 4 within the error that `run.accuracy` asks for, with its estimate in `xerr`. Raises as these
+    modes do."""
     request, settings = run.accuracy or AccuracyRequest(), run.mechanism.settings
     plain = replace(run, accuracy=None, report=run.report, header=run.header)
     if settings.duration is None or not run.mechanism.numbering.nkddof:

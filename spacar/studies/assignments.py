@@ -89,8 +89,8 @@ class Axis:
 
 
 def change(deck: Deck, settings: Sequence[Setting], numbers: Sequence[float]) -> Deck:
-    """The deck with a number at all places of each setting, checked. Where the number is an integer, which may change
-    what the deck consists of, the text is read again. Raises UsageError, InputError."""
+    """The deck with a number at all places of each setting, checked. Integers may change the statements that the deck
+    needs; with these the whole text is read again. Raises UsageError, InputError."""
     edits: dict[tuple[int, int], tuple[Statement, int, float | int]] = {}
     later = []
     for given, number, found in zip(settings, numbers, _places(deck, tuple(settings)), strict=True):
@@ -199,7 +199,7 @@ def table(path: Path) -> tuple[list[str], list[tuple[float, ...]]]:
 
 
 class Combinations(Sequence[tuple[float, ...]]):
-    """Every row of a first table joined with every row of a second, and so on; the last one runs fastest.
+    """Every row of a first table joined with every row of a second, and so on; the last table runs fastest.
 
     Only the tables are stored, never their product. Raises UsageError for more cases than a computer can count.
     """

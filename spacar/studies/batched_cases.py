@@ -1,8 +1,8 @@
 """Cases of a sweep in batches (spacar.studies.ensemble), where that is possible.
 
 A batch is one piece of work for a process, or for threads on all cores of this one, as C lets go of Python's lock; its
-rows appear together. Cases that have to be run alone (one beside them in the lanes comes to a dead point, or leaves the
-range of a theory) are, so that the row says what is wrong with that case.
+rows appear together. Where a case comes to a dead point or leaves the range of a theory, all cases in the lanes beside
+it are run alone, so that the row of each says what is wrong with that case.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def _chunks(study: Study, cases: Iterator[Values], size: int, threads: int) -> I
 
 
 def is_motion(study: Study) -> bool:
-    """Is it what the ensemble integrates, without linearized equations?"""
+    """Is the mode of the study one that an ensemble can integrate, a motion without linearized equations?"""
     mode = find_mode(study.mode)
     return mode.integrated and not mode.linearized
 

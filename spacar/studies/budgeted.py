@@ -1,6 +1,6 @@
 """The trade between speed and accuracy within a time limit: the settings that matter, the cheapest first.
 
-    reference   two methods at REFERENCE_MARGIN of the target, and below until they agree; Radau where explicit steps
+    reference   two methods at REFERENCE_MARGIN of the target, and below it until they agree; Radau where explicit steps
                 would be too small. With beams that can be divided: two methods from the loosest tolerance on until
                 they agree to that margin; then 1, 2, 4 ... beams in the angle measure with one of them, extrapolated,
                 until that is a judge
@@ -49,18 +49,18 @@ from spacar.studies.trade import (
 from spacar.studies.unneeded import Price, prices
 
 METHODS, STIFF_METHODS = (155, 853, 0), (595, 553)
-EXPLICIT = (0, 853)  # of a reference
+EXPLICIT = (0, 853)  # methods of a reference that is not stiff
 FINEST = {True: 64, False: 16}  # elements in the place of a beam, at most: stationary modes, motions
 DEARER = 4.0  # time of a mesh over that of one half as fine, about
 LOOSEST, DECADES = 1e-2, 2  # tolerances: from here to so many decades below the target
-FOR_REFERENCE = 0.6  # of the budget
+FOR_REFERENCE = 0.6  # part of the budget
 JUDGE = 0.1  # error of the reference over the target, to be a judge of it
 ROOM = 0.7  # of the target that the error of a mesh may take
 LONGEST_PRICE = 10.0  # times the recommended setting: what is dearer saves nothing
 ENOUGH = 3.0  # times the cheapest accurate mesh: one of the other measure that takes longer is not looked at
 
 Tick = Callable[[str, float], None]
-"""Is told what runs next, and the time to go at most [s]."""
+"""Called with what runs next and the longest time that is left [s]."""
 
 
 @dataclass
@@ -94,12 +94,12 @@ class TradeSearch:
         return row
 
     def row(self, setup: Setup) -> Row | None:
-        """That of a setting that has run."""
+        """The row of a setting that has run, else None."""
         case = self.trade.key(setup)
         return next((row for row in self.rows if row["case"] == case), None)
 
     def error(self, row: Row) -> float:
-        """Of a finished row, with that of the reference."""
+        """The error of a finished row, plus that of the reference."""
         assert self.reference is not None
         ref = self.reference
         return distance(row_values(row, ref.names), ref.values, ref.amplitude) + ref.error
@@ -130,7 +130,7 @@ def search(trade: Trade, target: float, budget: float, tick: Tick = lambda _what
 
 
 def _reference(found: TradeSearch, target: float, methods: Sequence[int]) -> None:
-    """On the mesh of the file."""
+    """Find the reference on the mesh of the file."""
     trade = found.trade
     for smaller in (1.0, 1e-2, 1e-4):  # a motion that magnifies errors needs more
         found.against = reference_setups(trade, (1,), smaller * target, methods)
@@ -175,8 +175,10 @@ def _mesh_reference(found: TradeSearch, target: float, hard: bool) -> list[tuple
 
 @dataclass(frozen=True)
 class ReferenceIntegration:
-    """How the meshes of a reference are integrated: by this method, Radau where a mesh is stiff, at this tolerance;
-    twice its error on the coarsest mesh, and how that is known."""
+    """How the meshes of a reference are integrated: method (Radau where a mesh is stiff) and tolerance.
+
+    known   twice its error on the coarsest mesh, and how that error is known, in words
+    """
 
     code: int
     tolerance: float
@@ -280,7 +282,7 @@ def _without_compiler(found: TradeSearch, target: float, best: float) -> None:
 
 
 def unneeded(found: TradeSearch, target: float, tick: Tick = lambda _what, _left: None) -> list[Price]:
-    """What the recommended setting could do without, as far as the budget goes; without one nothing."""
+    """What the recommended setting could do without, as far as the budget goes; empty when none is recommended."""
     ref = found.reference
     assert ref is not None
     best = recommend(found.entries, target, ref)

@@ -16,14 +16,14 @@ from spacar.deck.divide import BEAMS, MOTIONS
 from spacar.deck.statement import Value
 from spacar.errors import UsageError
 
-IN_LINE = 1e-9  # sine between the two axes: digits of a file
+IN_LINE = 1e-9  # sine of the angle between the two axes, which are known to the digits of a file
 KEPT = (*MOTIONS, "ESIG", "DELESIG", "MEE")
 
 
 def merged(deck: Deck) -> tuple[Deck, list[int]]:
-    """The model with every second of such nodes left out, and the position nodes that were.
+    """The model in which pairs of such beams are one beam each, and the position nodes that were left out.
 
-    Raises UsageError when there is none.
+    Raises UsageError when there is no such pair.
     """
     pairs = _pairs(deck)
     if not pairs:
@@ -98,12 +98,12 @@ def _pairs(deck: Deck) -> list[tuple[int, int, tuple[int, ...]]]:
 
 
 def _zero(s: Statement) -> bool:
-    """A start value of zero, as without it?"""
+    """Is it a start value of zero, which changes nothing?"""
     return s.keyword == "STARTDE" and not any(s.reals(2, len(s.values) - 2))
 
 
 def _about(statements: Sequence[Statement], element: int) -> list[tuple[str, tuple[Value, ...]]] | object:
-    """What is said of an element; something that equals nothing when it cannot be merged."""
+    """What statements say of an element; when it cannot be merged, an object that equals no other."""
     found = []
     for s in statements:
         if s.values and s.values[0] == element and s.keyword not in ELEMENT_TYPES:

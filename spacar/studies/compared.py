@@ -1,6 +1,6 @@
 """What the runs of a trade are compared by, the same variables in the same order for every model.
 
-Expressions where the user gives them (in motions, coordinates otherwise). In the stationary modes without them: what
+These are the expressions that the user gives; without them coordinates in motions, and in the stationary modes what
 `spacar.studies.result_quantities` says of the nodes that the user's model has.
 """
 
@@ -22,7 +22,7 @@ from spacar.studies.quantities import Quantity
 from spacar.studies.result_quantities import Assessed, assessed
 from spacar.studies.rows import Row
 
-GENERAL = ("eigenvalue", "load multiplier")  # in the name of a variable that is of no node
+GENERAL = ("eigenvalue", "load multiplier")  # words in the names of variables that belong to no node
 
 
 def compared(deck: Deck, mode: int, variables: Sequence[Quantity], result: Result) -> Assessed:

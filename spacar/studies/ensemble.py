@@ -1,8 +1,8 @@
 """Many cases of one mechanism at once: forward dynamics of decks that differ in numbers only.
 
 C evaluates and integrates as many cases at a time as a vector of the processor has lanes (`spacar.compiled.cases`): a
-block. The cases of a block share the steps, each of which has the largest error of a case in it, so that every case is
-at least as accurate as alone. The numbers of all cases come from one mechanism of disjoint copies: case k has the nodes
+block. The cases of a block share the steps, whose error is the largest one of all cases in it, so that every case is at
+least as accurate as alone. The numbers of all cases come from one mechanism of disjoint copies: case k has the nodes
 and elements of the first one, their numbers raised by k times the largest number. Since coordinates are numbered by
 class, then node, case k holds the same places of every class as the single mechanism.
 
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 X_FIELDS = ("x", "xd", "xdd", "fx", "fxgrav", "fxtot")
 E_FIELDS = ("e", "ed", "edd", "sig")
-WITHOUT_LANES = (220, 225)  # want a state of positions first, then velocities
+WITHOUT_LANES = (220, 225)  # methods that want a state of positions first, then velocities
 
 
 def why_not(deck: Deck, **options: Any) -> str:
@@ -90,8 +90,10 @@ def _like(statements: list[tuple[Statement, list[int]]], others: list[Statement]
 def ensemble(
     decks: Sequence[Deck], times: np.ndarray | None = None, *, threads: int = 1, **options: Any
 ) -> list[Result | None]:
-    """Results of mode 1 of every deck at the same times (default TIMESTEP), as `spacar.run` gives them; None of those
-    that have to be run alone, as a case beside them comes to a dead point or leaves the range of its theory.
+    """Results of mode 1 of every deck at the same `times` [s] (default: TIMESTEP), as `spacar.run` gives them.
+
+    A case that has to be run alone, as it or one beside it comes to a dead point or leaves the range of its theory, has
+    the result None.
 
     threads   that integrate blocks of cases;  options   as for `spacar.run`
 

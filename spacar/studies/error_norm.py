@@ -12,13 +12,13 @@ from spacar.arrays import Array
 
 CONSTANT = 1e-6  # a variable whose span is a smaller part of its magnitude is compared with the magnitude
 STILL = 1e-9  # a variable that stays below this part of the largest one is left out
-# The same of stationary solutions, which are iterated to 5e-7 (ITERSTEP): what is smaller is what the iteration leaves.
+# The same for stationary solutions, which are iterated to 5e-7 (ITERSTEP): smaller values are errors of the iteration.
 STILL_STATIONARY = 1e-6
 
 
 def amplitudes(values: Array, stationary: bool) -> Array:
-    """(variables,) scale of each variable of `values` (variables, times); inf for one that stays at zero, so that it
-    does not count."""
+    """(variables,) amplitude of each variable of `values` (variables, times); inf for a variable that stays at zero, so
+    that it does not count."""
     size = np.abs(values).max(axis=1)
     span = np.ptp(values, axis=1)
     scale = np.where((span > CONSTANT * size) & (not stationary), span, size)

@@ -1,14 +1,14 @@
 """The error of the mesh: flexible beams replaced by 1, 2, 4 ... equal ones until the result is as accurate as asked.
 
-1. All beams are divided by 1, 2, 4. The difference of two meshes is an estimate of the error of the finer one, that of
-   three meshes follows by extrapolation: every variable with the order that it shows
+1. All beams are divided by 1, 2, 4. The difference of two meshes is an estimate of the error of the finer one. With
+   three meshes every variable is extrapolated with the order that it shows
    (`spacar.studies.richardson.extrapolate_rows`); where it shows none, the last difference is its error.
 2. When that is not enough, one beam after the other (or group of neighbours, at most GROUPS) is divided in two in the
-   mesh of the user. The differences d_g tell where the mesh matters: 4/3 d_g is what a group with a series of order 2
-   contributes. The groups that together stay below LEFT of the target are left as they are, the others are divided by
-   8, 16 ...
-3. Results are those of the user's nodes (`spacar.studies.user_nodes`), in modes 4 and 9, whose matrices belong to the
-   degrees of freedom of the user, those of the user's mesh, of which the error is only measured.
+   mesh of the user. The differences d_g tell where the mesh matters: with errors of order 2 a group contributes
+   4/3 d_g. The groups that together stay below LEFT of the target are left as they are, the others are divided by 8,
+   16 ...
+3. Results are given at the user's nodes (`spacar.studies.user_nodes`). In modes 4 and 9, whose matrices belong to the
+   degrees of freedom of the user, they are those of the user's mesh, and its error is only measured.
 
 With a target the beams have the angle measure, of order 4, unless the run says `beams="sine"`: both measures tend to
 the same rod. In motions the mesh of the user is integrated to a part of the target (`spacar.studies.accuracy`), finer
@@ -53,7 +53,7 @@ from spacar.studies.richardson import ROUNDING, extrapolate_rows
 from spacar.studies.user_nodes import UserNodes, deform
 
 GROUPS = {True: 12, False: 4}  # most groups that are divided one by one: stationary solutions, motions
-REST = 4.0 / 3.0  # of a series of differences that fall four times each
+REST = 4.0 / 3.0  # sum of a series of differences, each a quarter of the one before, over the first one
 FEW = 4  # beams in the place of one, up to which all beams are divided alike
 LEFT = 0.1  # part of the target that groups which are not refined may take
 MOST = {True: 64, False: 16}  # beams in the place of one, at most
@@ -193,7 +193,7 @@ def _found(search: MeshSearch, target: float | None) -> MeshResult:
 
 
 def _measure(run: Run) -> str:
-    """Of the refined beams."""
+    """The measure of the deformations of the refined beams."""
     return run.mechanism.settings.beams or "angle"
 
 
@@ -206,7 +206,7 @@ def _difference(a: Mesh, b: Mesh) -> float:
 
 
 def _groups(beams: Sequence[int], most: int) -> list[tuple[int, ...]]:
-    """Neighbours in the numbering, at most so many groups."""
+    """Beams that are neighbours in the numbering, in at most `most` groups."""
     parts = np.array_split(np.array(beams), min(most, len(beams)))
     return [tuple(int(b) for b in part) for part in parts]
 
@@ -242,7 +242,7 @@ def _refined(search: MeshSearch, target: float) -> MeshResult:
         why = f"the mesh could not be refined further: {error}"
         if found is None:
             return MeshResult(own.frames, _bars(own, own, np.nan), np.nan, why, meshes)
-        # shown are the last meshes that all beams, or those that matter, have in common
+        # `_shown` looks at the last mesh: that of the chain, which need not be the one that was computed last.
         return replace(found, way=f"{found.way}; {why}", meshes=[*meshes, chain[-1]])
 
 

@@ -1,5 +1,6 @@
-"""Other models of the same mechanism: rigid beams, beams without the non-linear strain terms. Finer ones are made by
-`spacar.deck.finer`.
+"""Other models of the same mechanism: rigid beams, beams without the non-linear strain terms.
+
+Finer models are made by `spacar.deck.finer`.
 """
 
 from __future__ import annotations

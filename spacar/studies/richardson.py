@@ -1,14 +1,14 @@
 """Richardson's extrapolation over meshes with n, 2n and 4n elements a beam.
 
-For an error c h^p + d h^(p+2) + ...: two steps of extrapolation with the factors 2^p and 2^(p+2) (Romberg). The
-order is observed, 2^p = |u_n - u_2n| / |u_2n - u_4n| in the norm of the study, and taken as 2 or 4, what beams of
-this kind have, if it is close to one of them. The error estimate is the last step of the extrapolation, the
+For an error c h^p + d h^(p+2) + ... two steps of extrapolation are made, with the factors 2^p and 2^(p+2) (Romberg).
+The order is observed, 2^p = |u_n - u_2n| / |u_2n - u_4n| in the norm of the study, and taken as 2 or 4, the orders of
+beams of this kind, if it is close to one of them. The error estimate is the last step of the extrapolation, the
 difference between one step and two: an upper estimate while the expansion holds. Otherwise the finest mesh is taken
 with the last difference as error. `extrapolate_rows` looks at every variable by itself, since one model has quantities
 of both orders; what an accidental order could gain is bounded by GAINED.
 
-Of four meshes two values are extrapolated. Where both show the same order it is no accident, and their difference, the
-error of the one before, is an upper estimate too; what it could gain is bounded by GAINED twice.
+Four meshes give two extrapolated values. Where both show the same order it is no accident, and their difference, the
+error of the first one, is an upper estimate too; what it could gain is bounded by the square of GAINED.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Append-only rows of a study: one line a finished case, whole or not there.
+"""Append-only rows of a study: one line for every finished case, complete or absent.
 
 Every row is written with a single call, so it survives the process; it is on the disk at most SYNC seconds later, as
 waiting for the disk costs more than a small case. A process that is killed leaves at most a piece of a last line; it

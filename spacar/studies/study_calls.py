@@ -51,11 +51,11 @@ def sweep(
 
     source    path of the input file, a Deck or a Model;  mode  that is run
     change    {"ESTIFF.*[EI]": [5.0, 10.0], "XM.8": "1:100:7:log"}: targets and values of docs/studies.md; all
-              combinations, with `together` the first values of each, the second ones ...
+              combinations are run, with `together` the first values of all targets, then the second ones ...
     results   expressions that come to one number: "x[8,1]@end", "tip: max(abs(x[8,2]))"
     jobs      processes; with more than one, a script needs `if __name__ == "__main__":`. None: this one, batches in
               threads on all cores
-    output    .csv or .jsonl that keeps the rows: cases that are there are not run again; retry  those that failed are
+    output    .csv or .jsonl that keeps the rows: cases that it holds are not run again, with `retry` failed ones are
     batch     many cases at once in the lanes of the processor's vectors; None: where that is possible
     options   of `spacar.run`, such as rtol, duration, n_steps
 
@@ -152,7 +152,7 @@ def trade(
 
 
 def compared_deck(source: str | Path | Deck | Model, mode: int | None, options: Mapping[str, Any]) -> tuple[int, Deck]:
-    """Mode and deck of a trade; without a mode 1 where there is a time interval, else 7. Raises UsageError."""
+    """Mode and deck of a trade; without a given mode, 1 where there is a time interval, else 7. Raises UsageError."""
     if mode is None:
         plain = deck_of(source, 1) if isinstance(source, Deck) else deck_of(source, 7)
         mode = 1 if plain.of("TIMESTEP", block=2) or "duration" in options else 7
@@ -172,13 +172,13 @@ def _compared(mode: Mode) -> bool:
 
 
 def require_beams(deck: Deck, mode: int) -> None:
-    """A stationary mode has a reference only with beams to refine. Raises UsageError."""
+    """Raises UsageError for a stationary mode without beams to refine: it has no reference."""
     if find_mode(mode).stationary and not flexible_beams(deck):
         raise UsageError("a stationary solution without flexible beams has no error to compare", "usage.trade")
 
 
 def require_columns(study: Study) -> None:
-    """The columns have different names, and the targets exist. Raises UsageError."""
+    """Raises UsageError when two columns have the same name, or a target does not exist."""
     doubled = [c for c in study.columns if study.columns.count(c) > 1]
     if doubled:
         text = f"two columns would be called {doubled[0]}; name the quantity 'NAME: EXPRESSION'"

@@ -1,8 +1,8 @@
 """Parameter studies: the same model with other numbers, one row of quantities for every case.
 
 A case that fails is a row too, with the reason; exceptions that are no SpacarError are recorded in the same way, so
-that one case cannot end a study of thousands. A case whose process died is marked lost and run again by the next
-start. Rows are append-only and finished cases are skipped, see `rows`.
+that one case cannot end a study of thousands. A case whose process died is marked lost, and is run again when the study
+is started again. Rows are append-only and finished cases are skipped, see `rows`.
 """
 
 from __future__ import annotations

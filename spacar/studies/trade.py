@@ -1,11 +1,8 @@
-"""Speed against accuracy: one model with many settings of model and integration, each timed and compared with a
-reference.
+"""Speed against accuracy: one model with many settings of mesh and integration, timed and compared with a reference.
 
-A `Setup` is one way to compute the same thing. Every setup is run (the reference ones too) to a row with the values
-of the chosen variables at the output times, its median processor time and its right-hand sides; `assess` turns rows
-into errors.
-
-Error of a setup: that of `spacar.studies.error_norm`, with amplitudes of the reference.
+A `Setup` is one way to compute the same thing. Every setup is run (the reference ones too) to a row with the values of
+the chosen variables at the output times, its median processor time and the number of its right-hand sides; `assess`
+turns rows into errors, in the norm of `spacar.studies.error_norm` with amplitudes of the reference.
 """
 
 from __future__ import annotations
@@ -37,8 +34,8 @@ from spacar.studies.richardson import extrapolate, extrapolate_rows
 from spacar.studies.rows import Row, key
 from spacar.studies.sweep import explain
 
-MOST_VARIABLES = 600  # chosen without being asked
-LONG = 1.0  # seconds, after which no run is repeated that has a limit: its time is known well enough
+MOST_VARIABLES = 600  # that are compared when the user names none
+LONG = 1.0  # seconds, after which a run with a limit is not repeated: its time is known well enough
 REFERENCE_METHODS = (853, 0)
 REFERENCE_TOLERANCE = 1e-12  # smallest
 REFERENCE_MARGIN = 0.01  # tolerance of the reference / smallest error that is looked at
@@ -159,7 +156,8 @@ def setups(
     elements: Sequence[int] = (1,), rigid_too: bool = False, linear_too: bool = False,
     perturbation_too: bool = False,
 ) -> list[Setup]:  # fmt: skip
-    """Every model with every integration (stationary modes: every model). Raises UsageError for what is not there."""
+    """Every model with every integration (stationary modes: every model). Raises UsageError for models or methods that
+    do not exist."""
     models = [Setup(n) for n in elements]
     models += [Setup(n, strain="linear") for n in elements] if linear_too else []
     models += [Setup(beams="rigid")] if rigid_too else []
@@ -244,7 +242,7 @@ def timed_values(
     trade: Trade, setup: Setup, deck: Deck, options: dict[str, Any], limit: float, names: Sequence[str] = ()
 ) -> tuple[Array, float]:
     """The variables (variables, times) of one model with these options, and its time [s], the least of three runs.
-    Rows of variables that this model has not are nan; `names` as in `Reference`. Raises SpacarError.
+    Rows of variables that this model does not have are nan; `names` as in `Reference`. Raises SpacarError.
     """
     seconds: list[float] = []
     while not seconds or (len(seconds) < min(trade.repeats, 3) and sum(seconds) < 0.5 * limit):

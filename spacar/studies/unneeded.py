@@ -25,7 +25,7 @@ from spacar.studies.error_norm import distance
 from spacar.studies.models import linear_strain, rigid
 from spacar.studies.trade import Reference, Setup, Trade, setup_options, timed_values, variant
 
-MOST_BEAMS = 6  # that are looked at one by one
+MOST_BEAMS = 6  # of a model whose beams are looked at one by one
 
 
 @dataclass(frozen=True)
@@ -62,14 +62,14 @@ def prices(
             deck = variant(deck, setup) if divisible_beams(deck)[0] else deck
             values, seconds = timed_values(trade, setup, deck, options | extra, left(), ref.names)
         except SpacarError:
-            continue  # not of this model, or it does not move without it
+            continue  # the model has no such variation, or cannot be computed with it
         there = np.asarray(np.isfinite(values).all(axis=1))
         if not there.any():
             continue
         error = distance(values[there], ref.values[there], ref.amplitude[there])
         lost = [name for name, has in zip(ref.names, there.tolist(), strict=False) if not has]
         if any(word in name for name in lost for word in GENERAL):
-            error = np.inf  # a node less is no loss, a frequency is
+            error = np.inf  # a missing node is no loss, a missing frequency is one
         yield Price(what, how, error, seconds)
 
 

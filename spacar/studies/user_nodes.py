@@ -1,12 +1,12 @@
 """Results of a divided model on the nodes and elements of the model that the user gave.
 
-Coordinates, velocities, accelerations and reactions are those of the nodes that both have. Deformations are what the
-elements of the user have there, e = D(x), ed = V xd, edd = V xdd + H(xd, xd); generalized stresses are the end moments
-and the means of normal force and torsion of the parts (`spacar.deck.divide.joined_preload`). Modes of vibration and
-buckling are displacements of the same nodes, then the degrees of freedom of the user: q = (dx, V dx).
+Coordinates, velocities, accelerations and reactions are those of the nodes that both have. Deformations are those of
+the user's elements at these coordinates, e = D(x), ed = V xd, edd = V xdd + H(xd, xd); generalized stresses are the end
+moments and the means of normal force and torsion of the parts (`spacar.deck.divide.joined_preload`). Modes of vibration
+and buckling are displacements of the same nodes, then the degrees of freedom of the user: q = (dx, V dx).
 
-What has no counterpart, the matrices of the linearized equations and transfer functions, is that of the user's mesh;
-the state space is that of the divided model.
+Matrices of the linearized equations and transfer functions have no counterpart and are those of the user's mesh; the
+state space is that of the divided model.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class UserNodes:
         """The frame of the divided model on the nodes of the user; `own` is that of the user's mesh at this step."""
         at = self.at
         sig = np.bincount(self.rows, self.factors * frame.sig[self.columns], self.given.numbering.ne)
-        # The weight of the parts at inner nodes is in the weight of the user's elements.
+        # The weight of the parts at inner nodes is contained in that of the user's elements, `own.fxgrav`.
         reaction = (frame.fxtot - frame.fx - frame.fxgrav)[at]
         fx = frame.fx[at]
         found = replace(
@@ -96,7 +96,7 @@ class UserNodes:
 
 
 def deform(given: Mechanism, sweep: ElementSweep, frame: Frame, near: Array) -> None:
-    """Set e, ed, edd of a frame to what its coordinates say; `near` (ne,): of which turn angles are."""
+    """Set e, ed, edd of a frame from its coordinates; angles are taken on the turn of `near` (ne,)."""
     sweep.near[:] = near
     sweep.strain(frame.x)
     frame.e = np.where(given.numbering.slips, frame.e, sweep.e)

@@ -16,7 +16,7 @@ from itertools import chain, islice
 from threading import Thread
 from typing import Any
 
-HERE = 2.0  # s
+HERE = 2.0  # seconds on this process before others are started
 AHEAD = 2  # cases handed over per process
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
@@ -34,7 +34,7 @@ Engine = Callable[[Function, Iterable[Any]], Iterator[tuple[Any, Any]]]
 
 
 def cores() -> int:
-    """Of the processor, as far as this process may use them."""
+    """How many cores this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
@@ -42,7 +42,7 @@ def run(function: Function, cases: Iterable[Any], jobs: int | None = 1) -> Itera
     """Outcomes of function(case) in the order in which they finish; exceptions of the function come through.
 
     `cases` are taken as they are needed: they may be more than fit into memory. `jobs` processes; None: this one for
-    HERE seconds, and what is left then on all cores, as processes cost as long to start.
+    HERE seconds, and what is left then on all cores: it takes about as long to start processes.
     """
     coming = iter(cases)
     if jobs is None:
