@@ -9,7 +9,7 @@ PARALLEL := -n $(WORKERS) --dist loadfile
 # One thread per process: the matrices are small, and test processes run side by side.
 export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
-# SymPy keeps the results of 1000 calls; tests that derive equations ask for more of them again: 15 % of their time.
+# SymPy keeps the results of 1000 calls; tests that derive equations ask for more of them again.
 export SYMPY_CACHE_SIZE ?= 100000
 # Bytecode is kept: pytest rewrites its 200 files once, not in every worker of every run.
 unexport PYTHONDONTWRITEBYTECODE
@@ -27,7 +27,7 @@ endef
 
 # The C text of the engine and what it is generated from: an installation with another one builds it again.
 ENGINE := hatch_build.py $(wildcard spacar/compiled/*.c) \
-          $(addprefix spacar/compiled/,definitions.py element_parameters.py generate.py)
+          $(addprefix spacar/compiled/,definitions.py planar_definitions.py spatial_definitions.py element_parameters.py generate.py)
 
 $(VENV)/.installed: pyproject.toml $(ENGINE)
 	$(environment)

@@ -1,7 +1,6 @@
 """Cost of the spatial element families per call: D + V + H(v,v), and M and h, for 1 to 1000 elements.
 
-Run: python benchmarks/elements_spatial.py      (prints microseconds per call and per element; nothing is
-asserted)
+Run: python benchmarks/elements_spatial.py. It prints microseconds per call and per element; nothing is asserted.
 """
 
 from __future__ import annotations

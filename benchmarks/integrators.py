@@ -2,10 +2,9 @@
 
     python benchmarks/integrators.py [--json]
 
-Each code integrates n/2 uncoupled oscillators. The time of the evaluations of F is measured alone, in the
-same process, and subtracted. Reported are the medians over the repetitions, in microseconds per accepted
-step, and the number of evaluations of F per step. The last row is code 0 with 2000 outputs,
-per output instead of per step.
+Each code integrates n/2 uncoupled oscillators. The time of the evaluations of F is measured alone, in the same process,
+and subtracted. Reported are the medians over the repetitions, in microseconds per accepted step, and the number of
+evaluations of F per step. The last row is code 0 with 2000 outputs, per output instead of per step.
 """
 
 from __future__ import annotations

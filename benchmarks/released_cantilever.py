@@ -9,7 +9,7 @@ whose steps the highest frequency of the mesh limits, 60 n^2 rad/s (n = 64: some
 What the vibrations ask for: the least fixed steps of the same method, two iterations each, that keep the tip of the
 continuous beam to ERROR. With the roots of cos(beta) cosh(beta) = -1 its modes have the frequencies beta^2, and at the
 tip 4 s/beta^5, s = (sinh(beta) - sin(beta))/(cosh(beta) + cos(beta)); a method with the stability function R errs by
-|R(i omega h)^k - exp(i omega k h)| of each. Said is also how many of them have an amplitude above ERROR.
+|R(i omega h)^k - exp(i omega k h)| of each. The table also says how many modes have an amplitude above ERROR.
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ import ensemble
 import measure
 import numpy as np
 
-CHAIN_TARGETS = {10: 0.12e-3, 100: 0.18e-3, 1000: 1.4e-3}  # [s] NumPy prototype
+CHAIN_TARGETS = {10: 0.12e-3, 100: 0.18e-3, 1000: 1.4e-3}  # n: [s] that a prototype in NumPy took
 SIZES = (10, 20, 50, 100, 200, 500, 1000, 2000)
 PROCESS_FACTOR = 4.0  # `spacar 1 crank` over importing NumPy
 

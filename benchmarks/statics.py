@@ -2,9 +2,8 @@
 
 Run: OMP_NUM_THREADS=1 python benchmarks/statics.py. l = EI = 1, transverse tip force 10 EI/l^2 (tip angle 82
 degrees), four load steps, reading and numbering not included. The truth is the elastica, theta'' = -F cos theta by
-shooting. Columns:
-elements, milliseconds for the first solution (with all load steps), per element, iterations, error of
-the tip relative to l and its measured order.
+shooting. Columns: elements, milliseconds for the first solution (with all load steps), per element, iterations, error
+of the tip relative to l and its measured order.
 """
 
 from __future__ import annotations

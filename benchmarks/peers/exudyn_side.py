@@ -109,7 +109,7 @@ def _tree(
 
 
 def fixed(steps: int, kind: Any = Solver.RK67) -> Callable[[Any], Any]:
-    """So many equal steps."""
+    """A method `kind` with this number of equal steps."""
 
     def chosen(s: Any) -> Any:
         s.timeIntegration.numberOfSteps = steps

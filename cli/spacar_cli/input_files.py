@@ -20,8 +20,7 @@ def piped_text(environment: Environment) -> str:
 
 
 def input_file(name: Path) -> Path:
-    """`crank` stands for `crank.dat`; a name that exists as it is and has no `.dat` beside it is taken as
-    it is.
+    """`crank` stands for `crank.dat`; a name that exists as it is and has no `.dat` beside it is taken as it is.
 
     Raises UsageError when there is no such file.
     """

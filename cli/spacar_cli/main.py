@@ -123,8 +123,7 @@ def program() -> None:
 
 
 def main(arguments: Sequence[str] | None = None, environment: Environment | None = None) -> int:
-    """Run one command line (default: that of the process) and return its exit status. Raises only with
-    --debug."""
+    """Run one command line (default: that of the process) and return its exit status. Raises only with --debug."""
     words = list(sys.argv[1:] if arguments is None else arguments)
     if environment is None:
         open_missing_streams()

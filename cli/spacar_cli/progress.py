@@ -48,7 +48,7 @@ class Progress:
 
     @property
     def _timed(self) -> bool:
-        """Simulated time tells how far the run is."""
+        """Does simulated time tell how far the run is?"""
         return self._run.mode.integrated and self._run.mechanism.settings.duration is not None
 
     def _open(self) -> None:

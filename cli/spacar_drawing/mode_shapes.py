@@ -6,8 +6,8 @@ analysis does not store them (3, 4, 9) from its matrices: with Q = C0 + D0 and K
     d(q_k)/dt = Bk0 q_k + Ak0 u,   M0 du/dt = -Q u - K q_k              (reference/files.md section 5)
 
 Both of a pair (conjugate, or plus and minus without damping) are one mode. Order: unstable modes first, the fastest
-growing one as mode 1, then the others by the modulus of their eigenvalue, zero modes last. Buckling: the order of
-lmult.
+growing one as mode 1, then the others by the modulus of their eigenvalue, zero modes last.
+Buckling: the order of lmult.
 Motion: dx times the vector in the columns of the dynamic and kinematic degrees of freedom (files.md section 3).
 """
 

@@ -71,7 +71,7 @@ def open_source(name: str | Path, stale_ok: bool = False, drawn: bool = True) ->
 
     A result of `spacar symbolic` has its quantities in `named`; with `drawn=False` it may be without nodes. Raises
     UsageError when there is no result, when it has no steps, or when the input file has changed since (unless
-    `stale_ok`). The file stays open as long as the Source lives; only what is asked for is read.
+    `stale_ok`). The file stays open as long as the PictureSource lives; only what is asked for is read.
     """
     wanted = Path(name)
     if wanted.suffix.lower() in (".dat", ".sbm", ".ltv", ".toml", ".py"):

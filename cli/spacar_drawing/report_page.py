@@ -108,7 +108,7 @@ def _texts(source: PictureSource, name: str) -> list[str]:
 
 
 def _is_spatial_rotation(scene: Scene, text: str) -> bool:
-    """The force dual to an Euler parameter says nothing to a reader."""
+    """Does the text name an Euler parameter? The force dual to one says nothing to a reader."""
     return not scene.planar and int(text[2:].partition(",")[0]) not in scene.position_nodes
 
 

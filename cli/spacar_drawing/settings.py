@@ -74,7 +74,7 @@ def read_settings(source: Path) -> PictureSettings:
             try:
                 deck = read_deck(source)
                 return replace(parse_settings(deck.visualization), metre=deck.metre)
-            except InputError:  # the file was changed since; without its sections
+            except InputError:  # the file was changed after the run and is wrong: read on without BEAMSEC and UNITS
                 pass
     beside = source.with_suffix(".spv")
     if not lines and beside.is_file():

@@ -1,6 +1,4 @@
-"""checksbf: what is in a result file, whether its run was complete, and whether its bytes are sound (files.md
-7).
-"""
+"""checksbf: what is in a result file, whether its run was complete, and whether its bytes are sound (files.md 7)."""
 
 from __future__ import annotations
 

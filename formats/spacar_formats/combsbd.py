@@ -1,5 +1,6 @@
-"""combsbd: put the steps of several `.sbd` files one after the other into one (reference/files.md sections 7
-and 9). The original overwrites the output without warning; a result is not lost that way here.
+"""combsbd: put the steps of several `.sbd` files one after the other into one (reference/files.md sections 7 and 9).
+
+The original SPACAR overwrites the output without warning; here an existing file is replaced only with `force`.
 """
 
 from __future__ import annotations

@@ -134,7 +134,7 @@ def _sparse(entries: np.ndarray, nxp: np.ndarray, rows: np.ndarray) -> np.ndarra
     first, second = nxp[0] + np.arange(nxp[1]), nxp[:3].sum() + np.arange(nxp[3])
     place = np.full(nxp.sum(), -1)
     place[np.r_[first, second]] = np.arange(nxp[1] + nxp[3])
-    row, column = (entries[:, k].astype(np.int32) - 1 for k in (0, 1))  # SuperLU of SciPy 1.11 takes no longer ones
+    row, column = (entries[:, k].astype(np.int32) - 1 for k in (0, 1))  # SuperLU of SciPy 1.11 takes int32 only
     A = coo_array((entries[:, 2], (row, column))).tocsc()
     moving = np.flatnonzero(place[rows] >= 0)
     out = np.zeros((len(rows), len(rows)))

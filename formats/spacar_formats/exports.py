@@ -1,6 +1,4 @@
-"""Named arrays to files that other programs read: `.mat`, `.npz`, `.csv`. Each replaces its target as a
-whole.
-"""
+"""Named arrays to files that other programs read: `.mat`, `.npz`, `.csv`. Each replaces its target as a whole."""
 
 from __future__ import annotations
 
@@ -54,9 +52,7 @@ def to_csv(table: Arrays, target: Path) -> None:
 
 
 def step_table(file: SbfFile, ids: tuple[str, ...]) -> dict[str, np.ndarray]:
-    """Columns `step`, `time`, `x_1` ..., `m0_1_1`, `m0_2_1` ... (row, column; column after column), a row a
-    step.
-    """
+    """Columns `step`, `time`, `x_1` ..., `m0_1_1`, `m0_2_1` ... (row, column; column after column), a row a step."""
     records = [file.variable(ident) for ident in ids]
     chosen = [r for r in records if r.is_step and r.type != 3]
     table = {"step": np.arange(1, file.steps + 1)}
@@ -91,8 +87,7 @@ def export_file(
     formats: Sequence[str] = (),
     output: str | os.PathLike[str] | None = None,
 ) -> tuple[list[Path], list[str]]:
-    """Export the result `name` of a kind, all variables or only `idents`; returns the files written and
-    warnings.
+    """Export the result `name` of a kind, all variables or only `idents`; returns the files written and warnings.
 
     Without `output` the target is `NAME.sbd.npz` (`.sbm.npz`) beside the result, in each of the formats
     "mat", "npz", "csv" asked for. Raises UsageError for a missing file or variable, an unknown format, and

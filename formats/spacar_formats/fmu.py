@@ -52,7 +52,7 @@ def export_fmu(model: Path, target: Path, rtol: float = 1e-6, atol: float = 1e-8
         shutil.copyfile(Path(__file__).with_name(SCRIPT), script)
         try:
             made = FmuBuilder.build_FMU(script, dest=place / "made.fmu", project_files=files)
-        except Exception as cause:  # pythonfmu raises what it likes
+        except Exception as cause:  # whatever stops pythonfmu is one error here
             text = f"pythonfmu could not pack {target.name}: {type(cause).__name__}: {cause}"
             raise AnalysisError(text, "fmu.build") from cause
         with replacing(target) as side:

@@ -26,7 +26,7 @@ def frequency_response(system: StateSpaceStep | SparseStep, omega: np.ndarray) -
 
 
 def frequencies(system: StateSpaceStep | SparseStep, low: float | None, high: float | None, points: int) -> np.ndarray:
-    """Angular frequencies: a decade around the non-zero eigenvalues, denser at lightly damped ones. [rad/s].
+    """Angular frequencies [rad/s]: a decade around the non-zero eigenvalues, denser at lightly damped ones.
 
     Of a large model the 20 lowest eigenvalues, and no decade beyond them.
     """

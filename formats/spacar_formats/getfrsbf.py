@@ -48,9 +48,7 @@ def step_numbers(text: str, last: int) -> int | list[int]:
 
 
 def as_json(ident: str, value: np.ndarray | list[str]) -> dict[str, object]:
-    """`{"id", "shape", "data"}`: `numpy.array(data).reshape(shape)` is the value; infinite numbers stay
-    Infinity.
-    """
+    """`{"id", "shape", "data"}`: `numpy.array(data).reshape(shape)` is the value; infinite numbers stay Infinity."""
     if isinstance(value, list):
         return {"id": ident, "shape": [len(value)], "data": value}
     return {"id": ident, "shape": list(value.shape), "data": value.ravel().tolist()}

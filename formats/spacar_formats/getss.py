@@ -1,6 +1,4 @@
-"""getss: the state space matrices A, B, C, D of one step of an `.ltv` file (reference/files.md sections 6 and
-7).
-"""
+"""getss: the state space matrices A, B, C, D of one step of an `.ltv` file (reference/files.md sections 6 and 7)."""
 
 from __future__ import annotations
 
@@ -93,10 +91,10 @@ def state_space_of(result: Result, step: int = 1) -> StateSpaceStep:
     if not 0 <= k < count:
         raise UsageError(f"step {step} does not exist: the result has steps 1 to {count}", "files.step")
     found = result.frames[k].state_space
-    if "asp" in found:  # of a large model
+    if "asp" in found:  # a large model is stored sparse
         found = dict(zip("ABCD", of_frame(found, result.header).state_space(), strict=True))
         if not result.header["DFT"]:
-            del found["D"]  # rounding
+            del found["D"]  # without direct feedthrough the elimination leaves only rounding there
     if "A" not in found:
         text = f"a result of mode {result.mode} has no state space; modes 3, 4 and 9 compute it"
         raise UsageError(text, "files.no-state-space")
@@ -121,7 +119,7 @@ def getss(name: str | os.PathLike[str], step: int = 1) -> StateSpaceStep:
         d: np.ndarray | None
         if is_sparse(file):
             a, b, c, d = descriptor_of(file, step).state_space()
-            d = d if _has_feedthrough(file) else None  # rounding
+            d = d if _has_feedthrough(file) else None  # else only rounding of the elimination
         else:
             a, b, c = (_matrix(file, ident, step) for ident in "ABC")
             d = _matrix(file, "D", step) if _has_feedthrough(file) else None

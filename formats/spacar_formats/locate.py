@@ -1,6 +1,4 @@
-"""Finding a result file by name, and what a user should know about it before trusting it (files.md sections
-7-9).
-"""
+"""Finding a result file by name, and what a user should know about it before trusting it (files.md sections 7-9)."""
 
 from __future__ import annotations
 
@@ -24,11 +22,9 @@ _WRITTEN_BY = {
 
 
 def result_path(name: str | os.PathLike[str], kind: str | None = None) -> Path:
-    """The file that `name`, with or without extension, stands for; without a kind `.sbd` comes before `.sbm`,
-    `.ltv`.
+    """The file that `name`, with or without extension, stands for; without a kind `.sbd` comes before `.sbm`, `.ltv`.
 
-    Raises UsageError when there is none; the text says which command writes it and mentions an unfinished
-    run.
+    Raises UsageError when there is none; the text says which command writes it and mentions an unfinished run.
     """
     path = Path(name)
     if not path.name or "\0" in str(path):

@@ -73,7 +73,10 @@ def _process_file(beside: Path) -> Release | None:
 
 
 def _holder_lives(beside: Path) -> bool:
-    """Of another machine nobody knows: it counts as alive. A file that is just being written, too."""
+    """Whether the process named in the file lives.
+
+    A process of another machine cannot be asked and counts as alive; so does the writer of an unfinished file.
+    """
     try:
         host, _, number = beside.read_text().strip().rpartition(" ")
     except OSError:

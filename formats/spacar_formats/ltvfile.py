@@ -47,7 +47,7 @@ def read_ltv(name: str | os.PathLike[str]) -> tuple[TimeVarying, list[str]]:
         full: dict[str, Any] = {}
         if is_sparse(file):
             matrices = dense_steps((descriptor_of(file, k) for k in range(1, count + 1)), count)
-            full = {**matrices, "D": matrices["D"] if _number(file, "DFT") else None}  # rounding
+            full = {**matrices, "D": matrices["D"] if _number(file, "DFT") else None}  # else only rounding
         found: dict[str, Any] = {name: _matrices(file, ident, count) for ident, name in STEPS.items()}
         found |= {name: _vectors(file, ident, count) for ident, name in VECTORS.items()}
         second = _matrices(file, "G", count)

@@ -27,10 +27,9 @@ def repinsbf(
 ) -> None:
     """Replace a header variable, or a step variable at one step (1, 2, ...).
 
-    The size must be that of the stored variable: (rows, cols), or (n,) for a vector, or a number for 1 x 1;
-    text must have the same number of lines, none longer than the stored width. Raises UsageError otherwise,
-    for an unknown variable or step and when the file cannot be written; SbfError when what is replaced is
-    damaged.
+    The size must be that of the stored variable: (rows, cols), or (n,) for a vector, or a number for 1 x 1; text must
+    have the same number of lines, none longer than the stored width. Raises UsageError otherwise, for an unknown
+    variable or step and when the file cannot be written; SbfError when what is replaced is damaged.
     """
     with open_result(name) as file:
         record = file.variable(ident)

@@ -34,6 +34,14 @@ class SimKey:
     unit: str = ""
 
 
+def _real(text: str) -> float:
+    """A number; infinity is one (a limit that is none). Raises ValueError for what is none, NaN too."""
+    value = float(text)
+    if value != value:
+        raise ValueError(text)
+    return value
+
+
 class Section:
     """One section with typed access to its keys."""
 
@@ -76,7 +84,7 @@ class Section:
 
     def number(self, key: str) -> float:
         try:
-            return float(self.text(key))
+            return _real(self.text(key))
         except ValueError:
             raise self.wrong(key, "is no number") from None
 
@@ -96,7 +104,7 @@ class Section:
     def matrix(self, key: str) -> np.ndarray:
         """Rows separated by ';', numbers by blanks or commas; one number gives a number."""
         try:
-            rows = [[float(v) for v in row.replace(",", " ").split()] for row in self.text(key).split(";")]
+            rows = [[_real(v) for v in row.replace(",", " ").split()] for row in self.text(key).split(";")]
             found = np.array(rows)
         except ValueError:
             raise self.wrong(key, "is no number and no matrix") from None
@@ -105,7 +113,7 @@ class Section:
     def numbers(self, key: str) -> list[float]:
         """Numbers separated by blanks, commas or ';'."""
         try:
-            found = [float(v) for v in self.text(key).replace(",", " ").replace(";", " ").split()]
+            found = [_real(v) for v in self.text(key).replace(",", " ").replace(";", " ").split()]
         except ValueError:
             raise self.wrong(key, "is no list of numbers") from None
         if not found:

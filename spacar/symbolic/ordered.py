@@ -55,8 +55,8 @@ class OrderedProgram:
     `parameters` p, `coordinates` and `speeds` (the state is y = (q, s)), `inputs` {symbol: expression or None};
     `once` reads p; `step` reads p, once, y and inputs. `mass` holds the upper triangle row by row, `rhs` f, `rates`
     q̇, all short expressions in the assigned symbols. Outputs may read the `accelerations` ṡ and the forces of the
-    `constraints`; `fields` are the states of beam fields,
-    `quaternions` the places in the state of the coordinates of unit length. `seconds` is the time of the derivation.
+    `constraints`; `fields` are the states of beam fields, `quaternions` the places in the state of the coordinates of
+    unit length. `seconds` is the time of the derivation.
     """
 
     title: str

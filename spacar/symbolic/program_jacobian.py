@@ -21,8 +21,7 @@ class Jacobian:
     """∂g/∂y and ∂q̇/∂y: `step` holds the values and derivatives in order, `accelerations` the symbols a.
 
     `dg` has shape (n, len(y)), `drates` (len(q), len(y)), `dh` (m, len(y)) of the constraints; entries are
-    short expressions in the symbols of `step`.
-    `once` replaces the once part of the program.
+    short expressions in the symbols of `step`. `once` replaces the once part of the program.
     """
 
     accelerations: tuple[sp.Symbol, ...]

@@ -5,8 +5,8 @@ With r(x) = (x + e − w, u, w) from the root, η_k = ∂r/∂φ_k, r_t = Σ η_
     m,  S_k = ∫ρ η_k,  M_kl = ∫ρ η_k·η_l,  H_k = ∫ρ η_k rᵀ,  D_k = ∫ρ η_k r_tᵀ,  S_0 = ∫ρ r,
     A = ∫ρ r rᵀ = ∫ρ (x + w) e1 rᵀ + Σ φ_k H_k,  B = ∫ρ r_t rᵀ = Σ dφ_k H_k
 
-    I_rs += m V_r·V_s + (V_r × ... )   in words: the point masses summed,  V(x) = V_r + W_r × r,  V_k(x) = η_k
-    f_r  −= ∫ρ V(x)·a0(x),   a0(x) = a0 + al0 × r + w × (w × r) + 2 w × r_t + r_tt,bias
+    I_rs += ∫ρ V_r(x)·V_s(x),   V_r(x) = V_r + W_r × r for a speed r of the root,  V_k(x) = η_k for a field speed
+    f_r  −= ∫ρ V_r(x)·a0(x),    a0(x) = a0 + al0 × r + w × (w × r) + 2 w × r_t + r_tt,bias
 
 Two products replace all cross products under the integral: ∫ρ p × q = vee(∫ρ p qᵀ) and
 ∫ρ r × (w × q) = (tr C 1 − C) w with C = ∫ρ q rᵀ. Source: `symbolic.md`, section 4.4; same result as `held.py`.

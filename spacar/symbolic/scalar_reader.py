@@ -47,9 +47,8 @@ def read_expression(
 ) -> sp.Expr:
     """The scalar that `text` describes, with the names of `known`.
 
-    Known names may contain points (`link1.tip.u`). `unknown` makes a scalar of any
-    other name; without it such a name is an error. Decimal numbers are read exactly.
-    Raises UsageError with a sentence that quotes the offending piece.
+    Known names may contain points (`link1.tip.u`). `unknown` makes a scalar of any other name; without it such a name
+    is an error. Decimal numbers are read exactly. Raises UsageError with a sentence that quotes the offending piece.
 
     >>> q = sp.Symbol("q")
     >>> read_expression("0.5*q**2 + sin(q)", {"q": q})

@@ -32,7 +32,8 @@ def test_finite_escape_time_stops_with_reason(code):
         list(integrate(Explosion(), np.array([0.0, 1.0]), [0.0, 2.0], code))
     error = failure.value
     text = str(error)
-    assert error.code in ("integrator.step-too-small", "integrator.not-finite")
+    # at the smallest step an implicit code may as well find no stages
+    assert error.code in ("integrator.step-too-small", "integrator.not-finite", "integrator.newton")
     # The numerical solution escapes near t = 1 (relative tolerance 1e-4, amplified by 1/(1-t)).
     assert error.data["t"] == pytest.approx(1.0, abs=0.02)
     assert "t = 1.0" in text or "t = 0.99" in text

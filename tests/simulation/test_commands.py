@@ -54,6 +54,12 @@ def test_closed_loop_from_the_model_file(folder, monkeypatch):
         ("omega = 28", "omga = 28", "wrong.sim:26: [pd]: unknown key 'omga'; the keys are size, omega, damping"),
         ("omega = 28\n", "", "[pd]: 'omega' is missing"),
         ("omega = 28", "omega = fast", "omega = fast is no number"),
+        ("omega = 28", "omega = nan", "omega = nan is no number"),
+        (
+            "block = pd\nsize = 3\nomega = 28\ndamping = 0.85",
+            "block = rate-limiter\nrising = 1\nbandwidth = 9\noffset = 1",
+            "offset = 1 needs 'period'",
+        ),
         ("u0 -> robot\n", "u0 -> robbot\n", "[wires]: robbot: there is no block robbot"),
         ("u0 -> robot\n", "u0 robot\n", "is no wire"),
         ("pd -> m0", "pd:1 -> m0", "1 outputs cannot be connected to 3 inputs"),

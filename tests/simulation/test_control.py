@@ -102,3 +102,11 @@ def test_without_python_control(monkeypatch):
     monkeypatch.setitem(sys.modules, "control", None)
     with pytest.raises(UsageError, match=r"pip install 'spacar\[control\]'"):
         as_control(Sampled("c", lambda t, x, u: (x, u), 0.1, 1, 1))
+
+
+def test_a_delay_is_no_system_of_states():
+    pytest.importorskip("control")
+    from spacar.simulation import TransportDelay, as_control
+
+    with pytest.raises(UsageError, match="late remembers its input"):
+        as_control(TransportDelay("late", 1.0))

@@ -1,4 +1,4 @@
-"""The transport delay against solutions by the method of steps, shifted signals and python-control's neighbours."""
+"""The transport delay against solutions by the method of steps and shifted signals."""
 
 from math import factorial
 
@@ -16,13 +16,12 @@ from spacar.simulation import (
     Sine,
     StepSignal,
     TransportDelay,
-    as_control,
     sampled_transfer_function,
     simulate,
     unit_delay,
 )
 
-TIMES = np.linspace(0.0, 4.0, 401)
+TIMES = np.linspace(0.0, 4.0, 101)
 TIGHT = {"rtol": 1e-10, "atol": 1e-12}
 
 
@@ -99,13 +98,10 @@ def test_a_delay_breaks_an_algebraic_loop():
     for _ in range(8):
         value = 1.0 - 0.5 * value
         want.append(value)
-    assert np.allclose(found["sum"][25:400:50, 0], want, rtol=0.0, atol=1e-12)
+    assert np.allclose(found["sum"][6:100:12, 0], want, rtol=0.0, atol=1e-12)
 
 
 def test_wrong_delays():
     for lag in (0.0, -1.0, np.inf, np.nan):
         with pytest.raises(UsageError, match="late: the delay must be positive"):
             TransportDelay("late", lag)
-    pytest.importorskip("control")
-    with pytest.raises(UsageError, match="late remembers its input"):
-        as_control(TransportDelay("late", 1.0))

@@ -8,7 +8,7 @@ import click
 @click.command("combsbd")
 @click.argument("files", nargs=-1, required=True)
 @click.argument("output")
-@click.option("--force", is_flag=True, help="Replace OUTPUT when it exists (the original always does).")
+@click.option("--force", is_flag=True, help="Replace OUTPUT when it exists (the original SPACAR always does).")
 def command(files: tuple[str, ...], output: str, force: bool) -> None:
     """Put the steps of two or more .sbd files of one mechanism, in the given order, into OUTPUT."""
     from spacar_formats.combsbd import combsbd

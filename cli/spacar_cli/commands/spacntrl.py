@@ -58,7 +58,7 @@ def command(
 def _gain(text: str, count: int, steps: int) -> Any:
     """(count, count) from numbers, (steps, count, count) from a function. Raises UsageError."""
     import numpy as np
-    from spacar_formats.sim_blocks import load_function
+    from spacar_formats.block_makers import load_function
 
     if ".py:" in text:
         function = load_function(Path(text), lambda reason: UsageError(reason, "usage.gain"))

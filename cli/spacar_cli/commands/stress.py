@@ -140,7 +140,7 @@ def _csv(found: StressResults) -> str:
 
 
 def _lines(found: StressResults, metre: float) -> list[str]:
-    """Two tables, of the largest of every element and of all, in the unit of length of the input file [m]."""
+    """Two tables, of the largest of every element and of all, in the unit of length of the input file, `metre` [m]."""
     import numpy as np
     from spacar_drawing.stresses import QUANTITIES
     from spacar_formats.log.text_layout import table

@@ -1,8 +1,7 @@
 """The log file of a run, written while the run goes on (reference/files.md section 2).
 
-Opened before the input is read, so that it also explains wrong input; every line reaches the operating
-system at once, so a process that is killed leaves all lines that were printed. It always has its final
-name.
+Opened before the input is read, so that it also explains wrong input; every line reaches the operating system at once,
+so a process that is killed leaves all lines that were printed. It always has its final name.
 """
 
 from __future__ import annotations

@@ -41,9 +41,7 @@ Value = np.ndarray | float | int | str | Sequence[str]
 
 
 class SbfError(UsageError):
-    """The bytes of a result file are not what they should be; the text names the file, the place and the
-    damage.
-    """
+    """The bytes of a result file are not what they should be; the text names the file, the place and the damage."""
 
     def __init__(self, text: str, code: str = "files.damaged") -> None:
         super().__init__(text, code)
@@ -51,9 +49,7 @@ class SbfError(UsageError):
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """One entry of the directory; `offset` is absolute for header variables, inside the step block for
-    others.
-    """
+    """One entry of the directory; `offset` is absolute for header variables, inside the step block for others."""
 
     id: str
     type: int
@@ -82,9 +78,7 @@ class Record:
 
 @dataclass(frozen=True, slots=True)
 class Directory:
-    """What is in front of the step blocks, checked: every offset is inside the file and in the order it must
-    have.
-    """
+    """What is in front of the step blocks, checked: every offset is inside the file and in the order it must have."""
 
     kind: str
     state: int
@@ -140,9 +134,7 @@ def encode_text(lines: Sequence[str], cols: int | None = None) -> tuple[int, int
 
 
 def decode(record: Record, payload: bytes | memoryview, file: str) -> np.ndarray | list[str]:
-    """Value of one variable: (rows, cols) array of int64 or float64, or the lines of a text without trailing
-    blanks.
-    """
+    """Value of one variable: (rows, cols) array of int64 or float64, or the lines of a text without trailing blanks."""
     if record.type != TEXT:
         flat = np.frombuffer(payload, DTYPES[record.type], record.size)
         return flat.astype(flat.dtype.newbyteorder("=")).reshape((record.rows, record.cols), order="F")
@@ -206,9 +198,7 @@ def preamble(
 
 
 def directory_crc(body: bytes | bytearray, tdef_offset: int) -> int:
-    """CRC-32 of the directory with the number of steps taken as zero, because that number changes while
-    writing.
-    """
+    """CRC-32 of the directory with the number of steps taken as zero, because that number changes while writing."""
     at = tdef_offset - PREAMBLE.size + COUNT_IN_RECORD
     crc = zlib.crc32(body[:at])
     return zlib.crc32(body[at + COUNT.size :], zlib.crc32(bytes(COUNT.size), crc))

@@ -1,10 +1,8 @@
-"""Random-access reader of SBF files (reference/files.md section 8 "Reading", section 4 "How getfrsbf returns
-data").
+"""Random-access reader of SBF files (reference/files.md section 8 "Reading", section 4 "How getfrsbf returns data").
 
-The step blocks are mapped into memory: only the requested steps are read. With `verify` (the default) a step
-that is touched for the first time has its checksum and number checked, which reads its whole block;
-`verify=False` reads nothing but the requested variable, for tools that scan one small variable of a huge
-file.
+The step blocks are mapped into memory: only the requested steps are read. With `verify` (the default) a step that is
+touched for the first time has its checksum and number checked, which reads its whole block; `verify=False` reads
+nothing but the requested variable, for tools that scan one small variable of a huge file.
 """
 
 from __future__ import annotations
@@ -36,9 +34,7 @@ from spacar_formats.sbf.variable_names import find, not_found
 
 
 class Header(Mapping[str, "np.ndarray | list[str]"]):
-    """The header variables of a file by name (any case, short or MATLAB name): (rows, cols) arrays, lines of
-    text.
-    """
+    """The header variables of a file by name (any case, short or MATLAB name): (rows, cols) arrays, lines of text."""
 
     def __init__(self, file: SbfFile) -> None:
         self._file = file
@@ -75,7 +71,8 @@ class SbfFile:
                 self.directory: Directory = parse(head, size, name)
                 data, stride = self.directory.data_offset, self.directory.stride
                 self.surplus = size - data - self.directory.committed * stride
-                # A count beyond the end of the file: it was cut off, or the system died too early.
+                # A count beyond the end of the file: the file was cut off, or the machine stopped before all bytes
+                # were on the disk.
                 self.steps = min(self.directory.committed, (size - data) // stride)
                 self._map = mmap.mmap(file.fileno(), data + self.steps * stride, access=mmap.ACCESS_READ)
         except OSError as err:
@@ -181,9 +178,7 @@ class SbfFile:
         return chosen.astype(np.intp) - 1
 
     def damaged_steps(self, chosen: np.ndarray | None = None) -> np.ndarray:
-        """Numbers (1, 2, ...) of the steps whose checksum or number is wrong, among the zero-based indices
-        given.
-        """
+        """Numbers (1, 2, ...) of the steps whose checksum or number is wrong, among the zero-based indices given."""
         todo = np.arange(self.steps) if chosen is None else np.unique(chosen)
         todo = todo[~self._good[todo]]
         data, stride = self.directory.data_offset, self.directory.stride

@@ -1,8 +1,7 @@
 """Stream writer of SBF files (reference/files.md section 8, "Writing").
 
-Each step is handed to the operating system before the count of steps in the file grows, so a process that is
-killed leaves a file with whole steps only. The disk is forced only once, at the end: the page cache survives
-the process.
+Each step is handed to the operating system before the count of steps in the file grows, so a process that is killed
+leaves a file with whole steps only. The disk is forced only once, at the end: the page cache survives the process.
 """
 
 from __future__ import annotations
@@ -94,9 +93,7 @@ class SbfWriter:
         self.steps = k
 
     def close(self, complete: bool = True) -> None:
-        """Force the bytes to the disk, then mark the file complete or stopped early. A second call does
-        nothing.
-        """
+        """Force the bytes to the disk, then mark the file complete or stopped early. A second call does nothing."""
         if self._file.closed:
             return
         try:
@@ -130,9 +127,7 @@ class SbfWriter:
 
 
 def _slots(variables: Mapping[str, tuple[int, int]]) -> tuple[list[tuple[str, tuple[int, ...], Any]], int]:
-    """Name, shape and offset of each variable inside a block, and the bytes they take; n x 1 and 1 x n are
-    1-D.
-    """
+    """Name, shape and offset of each variable inside a block, and the bytes they take; n x 1 and 1 x n are 1-D."""
     slots: list[tuple[str, tuple[int, ...], Any]] = []
     used = 0
     for name, (rows, cols) in variables.items():
@@ -143,9 +138,7 @@ def _slots(variables: Mapping[str, tuple[int, int]]) -> tuple[list[tuple[str, tu
 
 
 def _fit(name: str, value: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
-    """A vector written as a matrix (or a number as a vector of one) in the shape of its place; else
-    ValueError.
-    """
+    """A vector written as a matrix (or a number as a vector of one) in the shape of its place; else ValueError."""
     vector = sum(length != 1 for length in value.shape) <= 1
     if len(shape) == 1 and vector and value.size == shape[0]:
         return value.reshape(shape)

@@ -1,7 +1,6 @@
 """Names of variables: identifiers in the file, their MATLAB names, and the message for one that is not there.
 
-Sources: reference/files.md section 4 (table and the rule that both names are accepted), messages.md section
-2.
+Sources: reference/files.md section 4 (table and the rule that both names are accepted), messages.md section 2.
 """
 
 from __future__ import annotations

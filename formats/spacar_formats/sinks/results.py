@@ -1,7 +1,7 @@
 """The result files as consumers of a stream of frames (reference/files.md sections 4, 5, 6, 9).
 
-A sink is started with the run, gets every frame, and is finished with the error that ended the run, or
-None. Its file grows under the name `NAME.part`; only a run that came to its end gives it the final name.
+A sink is started with the run, gets every frame, and is finished with the error that ended the run, or None.
+Its file grows under the name `NAME.part`; only a run that came to its end gives it the final name.
 """
 
 from __future__ import annotations
@@ -24,11 +24,9 @@ OPTIONAL = ("dx", "de", "dxc", "dec", "d2x", "d2e", "bigd", "bigds", "xcompl", "
 
 
 class ResultSink:
-    """One result file. The first frame decides which variables are stored: every frame of a run has the
-    same ones.
+    """One result file. The first frame decides which variables are stored: every frame of a run has the same ones.
 
-    Raises UsageError when the file cannot be written, AnalysisError when the disk refuses bytes during the
-    run.
+    Raises UsageError when the file cannot be written, AnalysisError when the disk refuses bytes during the run.
     """
 
     def __init__(

@@ -1,0 +1,206 @@
+"""How a section `[NAME]` of a model file of a simulation becomes its block.
+
+The table `spacar_formats.sim_blocks.BLOCKS` names the maker of every block, with the keys that its section may have. A
+maker raises UsageError, with file and line, for a value that its key cannot have.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from spacar.errors import UsageError
+from spacar.mechanism.user_functions import import_file
+from spacar.simulation import blocks, control_blocks, sampled_blocks, sources, switching_blocks
+from spacar.simulation.blocks import Block
+from spacar.simulation.transport_delay import TransportDelay
+from spacar_formats.sim_sections import Section
+
+
+def spasim(s: Section) -> Block:
+    from spacar.simulation.plant import Spasim
+
+    model = s.path("model")
+    return Spasim(model if model.is_file() else model.with_name(f"{model.name}.dat"), s.name)
+
+
+def stored_vector(kind: str) -> Callable[[Section], Block]:
+    def make(s: Section) -> Block:
+        from spacar.simulation import setpoint_blocks
+
+        data, interpolation, hold = s.stored()
+        block: Block = getattr(setpoint_blocks, kind)(data, s.name, interpolation, hold)
+        return block
+
+    return make
+
+
+def times_m0(s: Section) -> Block:
+    from spacar.simulation.setpoint_blocks import TimesM0
+
+    data, interpolation, hold = s.stored()
+    return TimesM0(data, s.name, s.integer("size") if s.has("size") else None, interpolation, hold)
+
+
+def ltv(s: Section) -> Block:
+    from spacar.simulation.setpoint_blocks import Ltv
+
+    data, interpolation, hold = s.stored()
+    return Ltv(data, s.name, interpolation, hold, s.integer("modes") if s.has("modes") else None)
+
+
+def gain(s: Section) -> Block:
+    K = s.matrix("gain")
+    return blocks.Gain(s.name, K, s.integer("size") if not K.ndim else None)
+
+
+def pd(s: Section) -> Block:
+    return blocks.proportional_derivative(s.name, s.integer("size"), s.number("omega"), s.number("damping"))
+
+
+def spread(s: Section, key: str) -> Any:
+    """One number for all signals, or a list with one for each."""
+    found = s.numbers(key)
+    return found[0] if len(found) == 1 else found
+
+
+def sampling_of(s: Section) -> tuple[float, float] | None:
+    """Period and offset, or None for a continuous block. Raises UsageError for what only a sampled block has."""
+    if not s.has("period"):
+        for key in ("offset", "delay"):
+            if s.given(key):
+                raise s.wrong(key, "needs 'period': only a sampled block has it")
+        return None
+    period = s.number("period")
+    if not 0.0 < period < np.inf:
+        raise s.wrong("period", "must be positive")
+    return period, s.number("offset")
+
+
+def limited(kind: Callable[..., Block]) -> Callable[[Section], Block]:
+    return lambda s: kind(s.name, s.numbers("lower"), s.numbers("upper"), s.integer("size"))
+
+
+def relay(s: Section) -> Block:
+    return switching_blocks.Relay(
+        s.name, s.numbers("lower"), s.numbers("upper"), s.number("off"), s.number("on"), s.integer("size"),
+        s.flag("initially_on"),
+    )  # fmt: skip
+
+
+def lookup(s: Section) -> Block:
+    kind, beyond = switching_blocks.LookupTable.KINDS, switching_blocks.LookupTable.ENDS
+    return switching_blocks.LookupTable(
+        s.name, s.numbers("x"), s.numbers("y"), s.choice("interpolation", kind), s.choice("beyond", beyond),
+        s.integer("size"),
+    )  # fmt: skip
+
+
+def integrator(s: Section) -> Block:
+    return control_blocks.Integrator(
+        s.name, s.numbers("initial"), s.numbers("gain"), s.numbers("lower"), s.numbers("upper"), s.integer("size")
+    )
+
+
+def transfer_function(s: Section) -> Block:
+    sampling, b, a = sampling_of(s), s.numbers("numerator"), s.numbers("denominator")
+    if sampling is None:
+        return control_blocks.transfer_function(s.name, b, a)
+    return sampled_blocks.sampled_transfer_function(s.name, sampling[0], b, a, sampling[1])
+
+
+def state_space(s: Section) -> Block:
+    A, B, C = (np.atleast_2d(s.matrix(key)) for key in "ABC")
+    D = np.atleast_2d(s.matrix("D")) if s.has("D") else None
+    x0 = s.numbers("initial") if s.has("initial") else None
+    sampling = sampling_of(s)
+    if sampling is None:
+        return blocks.Linear(s.name, A, B, C, D, x0)
+    return sampled_blocks.sampled_linear(s.name, sampling[0], A, B, C, D, x0, sampling[1])
+
+
+def rate_limiter(s: Section) -> Block:
+    up, down = s.numbers("rising"), s.numbers("falling") if s.has("falling") else None
+    sampling, size, initial = sampling_of(s), s.integer("size"), s.numbers("initial")
+    if sampling is not None:
+        return sampled_blocks.sampled_rate_limiter(s.name, sampling[0], up, down, initial, size, sampling[1])
+    if not s.has("bandwidth"):
+        raise s.error("a continuous rate limiter needs 'bandwidth' [rad/s], a sampled one 'period' [s]")
+    return control_blocks.RateLimiter(s.name, up, down, s.number("bandwidth"), initial, size)
+
+
+def pid(s: Section) -> Block:
+    gains = [s.numbers(key) for key in ("kp", "ki", "kd")]
+    options: dict[str, Any] = {
+        "filter": s.number("filter") if s.has("filter") else None,
+        "lower": s.numbers("lower"), "upper": s.numbers("upper"), "size": s.integer("size"),
+        "anti_windup": s.choice("anti_windup", control_blocks.ANTI_WINDUP),
+        "tracking_time": s.number("tracking_time") if s.has("tracking_time") else None,
+    }  # fmt: skip
+    sampling = sampling_of(s)
+    if sampling is None:
+        return control_blocks.PID(s.name, *gains, **options)
+    return sampled_blocks.sampled_pid(s.name, sampling[0], *gains, **options, offset=sampling[1])
+
+
+def hold(s: Section) -> Block:
+    period, offset = sampling_of(s) or (0.0, 0.0)
+    return sampled_blocks.zero_order_hold(s.name, period, s.integer("size"), offset)
+
+
+def delay(s: Section) -> Block:
+    period, offset = sampling_of(s) or (0.0, 0.0)
+    return sampled_blocks.unit_delay(s.name, period, s.integer("size"), s.numbers("initial"), offset)
+
+
+def transport_delay(s: Section) -> Block:
+    return TransportDelay(s.name, s.number("delay"), s.numbers("initial"), s.integer("size"))
+
+
+def pulses(s: Section) -> Block:
+    return sources.Pulses(
+        s.name, s.number("every"), s.number("duty"), spread(s, "high"), spread(s, "low"), s.number("time")
+    )
+
+
+def table(s: Section) -> Block:
+    """Times and values from a csv file with a heading line: the first column is the time."""
+    path = s.path("file")
+    try:
+        rows = np.genfromtxt(path, delimiter=",", skip_header=1, ndmin=2)
+    except (OSError, ValueError) as cause:
+        raise s.error(f"file = {s.text('file')} cannot be read: {str(cause).splitlines()[0]}", "file") from None
+    if rows.shape[1] < 2 or not np.isfinite(rows).all():
+        raise s.wrong("file", "is no table: expected a heading line, then lines of a time and numbers, with commas")
+    return sources.TimeSeries(s.name, rows[:, 0], rows[:, 1:], s.text("interpolation"), s.flag("hold"))
+
+
+def python(s: Section) -> Block:
+    function = load_function(s.path("function"), s.error)
+    inputs, outputs = s.integer("inputs", 0), s.integer("outputs")
+    sampling = sampling_of(s)
+    if sampling is None:
+        return blocks.Function(s.name, function, inputs, outputs)
+    return blocks.Sampled(
+        s.name, function, sampling[0], inputs, outputs, offset=sampling[1], delay=s.flag("delay")
+    )  # fmt: skip
+
+
+def scope(s: Section) -> Block:
+    labels = [word.strip() for word in s.text("labels").split(",")] if s.has("labels") else []
+    return blocks.Scope(s.name, s.integer("size"), s.text("title"), labels, s.text("unit"))
+
+
+def load_function(path: Path, error: Callable[[str], UsageError]) -> Callable[..., Any]:
+    """The function of `file.py:name`. Raises the given kind of error when file or function cannot be had."""
+    name, colon, function_name = path.name.partition(":")
+    file = path.with_name(name)
+    if not colon or not file.is_file():
+        raise error(f"a function is given as FILE.py:NAME; {file} " + ("does not exist" if colon else "has no name"))
+    function = getattr(import_file(file, error), function_name, None)
+    if not callable(function):
+        raise error(f"{file} does not define a function {function_name}")
+    return function
