@@ -17,7 +17,7 @@ from spacar.compiled.library import lanes_of_processor
 from spacar.compiled.marching import Marching
 from spacar.compiled.numbers import Numbers
 from spacar.dynamics.loaded_mechanism import NEVER, Accepted, LoadedMechanism, Moving, unexplained
-from spacar.dynamics.mass_check import require_regular_mass
+from spacar.dynamics.mass_check import is_doubtful
 from spacar.errors import AnalysisError
 from spacar.integrators.problem import March
 from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS
@@ -58,10 +58,9 @@ class InLanes:
         return self._out.copy()
 
     def start(self) -> bool:
-        """Place the start state. Was the mass matrix looked at? Large ones are not formed in C.
+        """Place the start state. Are the mass matrices regular? Where C leaves a doubt they are to be looked at alone.
 
-        Raises AnalysisError where a case does not begin near its reference configuration, or has a singular mass
-        matrix: it is to be looked at alone.
+        Raises AnalysisError where a case does not begin near its reference configuration.
         """
         x0 = self.state.x.copy()
         self.rhs(0.0, self.y0)
@@ -70,9 +69,9 @@ class InLanes:
             raise _failed(0.0)
         if M is None:
             return False
-        for lane in range(self.by_case[2]):
-            require_regular_mass(self.numbering, M[:, :, lane])
-        return True
+        mechanism = self.model.mechanism
+        condition = self.solver.condition(mechanism)
+        return not any(is_doubtful(mechanism, M[:, :, lane], condition) for lane in range(self.by_case[2]))
 
     def component_name(self, i: int) -> str:
         """Name of a component of the state, for messages."""

@@ -20,7 +20,7 @@ from spacar.compiled.marching import Lookout, Marching
 from spacar.compiled.numbers import of_one
 from spacar.dynamics.array_evaluator import Dynamics, component_name
 from spacar.dynamics.loaded_mechanism import LoadedMechanism, Moving, Placement
-from spacar.dynamics.mass_check import require_regular_mass
+from spacar.dynamics.mass_check import is_doubtful, largest_mass
 from spacar.frame import Frame
 from spacar.integrators.problem import March
 from spacar.kinematics.constraint_condition import of_gradient
@@ -76,6 +76,10 @@ class CompiledDynamics:
     def model(self) -> LoadedMechanism:
         return self.general.model
 
+    @property
+    def doubt(self) -> str | None:
+        return self.general.doubt
+
     # -- where it stands ------------------------------------------------------------------------------------------
     def start(self) -> Array:
         """Start state. One that is near the reference configuration is placed in C; else the general path goes there.
@@ -92,13 +96,18 @@ class CompiledDynamics:
             y = self.general.start()
             self.stand(self.general.placement())
         else:
-            M = self.solver.reduced_mass()
-            if M is None:
+            self.general.stand(self.placement())
+            if self._mass_is_doubtful():
                 self.settled().check_mass()
-            else:
-                self.general.stand(self.placement())
-                require_regular_mass(self.numbering, M[:, :, 0])
         return y
+
+    def _mass_is_doubtful(self) -> bool:
+        M, mechanism, sweep = self.solver.reduced_mass(), self.model.mechanism, self.general.sweep
+        if M is None:
+            return True
+        sweep.strain(self.general.kinematics.x)
+        sweep.mass()
+        return is_doubtful(mechanism, M[:, :, 0], self.solver.condition(mechanism), largest_mass(mechanism, sweep))
 
     def _far(self, x: Array) -> bool:
         moved = np.abs(self.state.x[:, 0] - x) / self.general.kinematics.scale

@@ -237,6 +237,14 @@ class CompiledModel:
         """Smallest reciprocal condition of the cases' rows * V[E, U] * columns at the last evaluated state, 1-norm."""
         return float(self.engine.rcond(self.handle, rows.ctypes.data, columns.ctypes.data))
 
+    def condition(self, mechanism: Mechanism) -> float:
+        """Largest condition of the cases' V[E, U] in the sizes of the mechanism at the last evaluated state, 1-norm."""
+        n = self.numbering
+        unknown = [np.arange(c.start, c.stop) for c in (n.x_class["calculable"], n.x_class["kinematic"])]
+        rows = 1.0 / mechanism.deformation_scale[: n.e_class["dynamic"].stop]
+        rcond = self.rcond(rows, mechanism.scale[np.concatenate(unknown)]) if len(rows) else 1.0
+        return 1.0 / rcond if rcond > 0.0 else float("inf")
+
     def in_range(self, state: State) -> bool:
         """Whether all elements are surely in the range of their theory at a state."""
         return not self.slots.has_limits and bool(self.engine.guard(self.handle, state.x.ctypes.data) > GUARD)

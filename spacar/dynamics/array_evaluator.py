@@ -10,8 +10,9 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.dynamics.loaded_mechanism import LoadedMechanism, Moving, Placement
-from spacar.dynamics.mass_check import dynamic_mass, is_checked, require_regular_mass
+from spacar.dynamics.mass_check import dynamic_mass, is_checked, is_doubtful, largest_mass, require_regular_mass
 from spacar.dynamics.motion_equations import Accelerations, EquationsOfMotion
+from spacar.dynamics.saddle_point import SaddlePoint
 from spacar.frame import Frame
 from spacar.kinematics.constraint_condition import condition_number
 from spacar.kinematics.regularity import PositionMatrix
@@ -31,6 +32,7 @@ class Dynamics(EquationsOfMotion):
     ) -> None:
         super().__init__(LoadedMechanism.of(mechanism, loads, drive), kind)
         self._low, self._signs = float("inf"), set[float]()
+        self.doubt: str | None = None
 
     # -- start --------------------------------------------------------------------------------------------------
     def start_values(self) -> Array:
@@ -52,10 +54,18 @@ class Dynamics(EquationsOfMotion):
         return y
 
     def check_mass(self) -> None:
-        """Raises AnalysisError when a dynamic degree of freedom carries no mass in the placed configuration."""
+        """Raises AnalysisError when a dynamic degree of freedom carries no mass in the placed configuration.
+
+        Sets `doubt` where the inertia may be rounding.
+        """
+        self.doubt = None
         if is_checked(self.numbering):
             self.sweep.mass()
-            require_regular_mass(self.numbering, dynamic_mass(self.kinematics, self.coupling))
+            largest = largest_mass(self.mechanism, self.sweep)
+            condition = self.condition()
+            if is_doubtful(self.mechanism, dynamic_mass(self.kinematics, self.coupling), condition, largest):
+                saddle = SaddlePoint(self.mechanism, self.sweep, self.kind)
+                self.doubt = require_regular_mass(self.mechanism, saddle, condition)
 
     # -- frames -------------------------------------------------------------------------------------------------
     def frame(self, t: float, y: Array) -> Frame:

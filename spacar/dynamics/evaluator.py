@@ -65,6 +65,10 @@ class Evaluator(Integrable, Protocol):
         'dynamics.singular-mass' too when a degree of freedom carries no mass.
         """
 
+    @property
+    def doubt(self) -> str | None:
+        """What the log warns of after `start`: inertia that may be rounding."""
+
     def placement(self) -> Placement:
         """Configuration and velocity of the last evaluated state."""
 

@@ -1,10 +1,30 @@
 """Is the reduced mass matrix of the dynamic degrees of freedom regular? Says which motion carries no mass.
 
-M_dd = W_d^T (M + V^T M_e V) W_d is scaled to a unit diagonal first, so that metres and radians compare. Its entries
-are then at most 1 and known to a few eps, its norm is at most the number q of degrees of freedom, so its eigenvalues
-are known to 8 q eps (Weyl; 8 for the sums): a smallest one below that cannot be told from zero. A larger one may
-belong to a light part that carries a heavy one (mass ratio 1e13 in relative coordinates), which the saddle-point form
-solves accurately.
+M_dd = W_d^T (M + V^T M_e V) W_d is singular when a motion w that the constraints admit, V_R w = 0, has no kinetic
+energy. What is known of M_dd depends on the condition of D = V[E, U], which W comes from, in both directions: two
+degrees of freedom that cross at an angle d give the smallest eigenvalue d^2 to a free mass, and a motion without mass
+gets the energy (eps cond D)^2 of rounding, which scaling to a unit diagonal makes 1. So there are two looks.
+
+The first is cheap, and says where there is nothing to doubt. The position, and with it V, is known to n eps cond D (n
+coordinates), columns of W to that times their size, which is cond D at most: of M_dd, in the sizes of the degrees of
+freedom (length or radian), rounding can give a motion without mass the part r = (8 n eps cond^2 D)^2 of the largest
+mass m. There is no doubt where each degree of freedom has more than max(sqrt(eps), r) m, and no eigenvalue of M_dd
+scaled to a unit diagonal is below sqrt(eps), or r m over the smallest. The sums are known to q eps (Weyl), far below.
+
+The second asks the constraints, without the degrees of freedom. Coordinates are scaled to a unit diagonal of M and
+rows of V_R to norm 1 (the scales of the saddle-point form, so that mass ratios do not count either); Z is an
+orthonormal basis of the admissible motions, from a QR factorization of V_R^T (n coordinates). The eigenvector z of the
+smallest eigenvalue of Z^T M Z has the energy E = z^T M z. Z is known to n eps |V_R|/s, s the smallest singular value of
+V_R (Wedin), and M times a motion to n eps |M| |z|. Energies are squares, so the first error z' of a motion without
+energy gives z'^T M z', not more:
+
+    regular:  E > 8 n eps |z|^T |M| |z| + |M| (8 n eps |V_R|/s)^2
+
+Below that not one digit of the accelerations along z is known: it is refused. A nearly dead position with sin d as the
+transfer to the only mass has E of order d^2, and is accepted from d of some n eps on. V_R is that of the position as it
+was placed, which the degrees of freedom give to n eps cond D only: a motion whose energy is below the same with cond D
+as one more factor is accepted with a warning, as there may be a dead point within rounding. M is semi-definite when it
+comes from masses; a negative one (XM, MEE) that makes E negative is refused too.
 """
 
 from __future__ import annotations
@@ -12,40 +32,103 @@ from __future__ import annotations
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.dynamics.saddle_point import DeformationInertia
+from spacar.dynamics.saddle_point import DeformationInertia, SaddlePoint
 from spacar.errors import AnalysisError
+from spacar.kinematics.element_sweep import ElementSweep
 from spacar.kinematics.kinematics import Kinematics
 from spacar.kinematics.transfer import velocity_transfer
+from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
 
-SMALLEST = 8.0 * float(np.finfo(float).eps)  # per degree of freedom
+EPS = float(np.finfo(float).eps)
+DOUBTFUL = EPS**0.5  # half of the digits: eigenvalue scaled to a unit diagonal, mass over the largest
 LARGEST_CHECKED = 400  # dense work of order nx nq^2; larger models are caught by the factorization itself
 
 
-def require_regular_mass(n: Numbering, M: Array) -> None:
-    """Raises AnalysisError 'dynamics.singular-mass' naming the degrees of freedom without mass.
+def is_doubtful(mechanism: Mechanism, M: Array, condition: float, largest: float = 0.0) -> bool:
+    """Whether the first look leaves a doubt.
 
-    M: reduced mass matrix of the dynamic degrees of freedom, (nddof, nddof).
+    M: reduced mass matrix of the dynamic degrees of freedom, (nddof, nddof); condition: of D, in any norm; largest:
+    that of `largest_mass`, else the degrees of freedom are compared with each other.
     """
+    n = mechanism.numbering
+    size = np.concatenate((mechanism.scale[n.q_x], mechanism.deformation_scale[n.q_e]))[n.dynamic]
     diagonal = M.diagonal()
-    light = diagonal <= 0.0
-    if not light.any():
-        scale = np.sqrt(diagonal)
-        scaled = M / (scale[:, None] * scale)
-        if np.linalg.eigvalsh(scaled)[0] > SMALLEST * len(M):
-            return
-    names = [n.q_names[k] for k in n.dynamic]
-    massless = [names[k] for k in np.flatnonzero(light)]
-    if not massless:
-        vectors = np.linalg.eigh(scaled)[1]
-        weight = np.abs(vectors[:, 0] / scale)
-        massless = [names[k] for k in np.argsort(-weight)[:3] if weight[k] > 0.1 * weight.max()]
-    text = (
-        "singular mass matrix: no inertia on the motion of "
-        + ", ".join(massless[:6])
-        + "; add mass (XM, EM) or prescribe (INPUTX, INPUTE) or release (RLSE) it"
+    mass = diagonal * size**2
+    rounding = (8.0 * n.nx * EPS * condition**2) ** 2 * (largest or float(mass.max()))
+    if not mass.min() > max(DOUBTFUL * largest, rounding, 0.0):
+        return True
+    scale = np.sqrt(diagonal)
+    return bool(np.linalg.eigvalsh(M / (scale[:, None] * scale))[0] <= max(DOUBTFUL, rounding / mass.min()))
+
+
+def largest_mass(mechanism: Mechanism, sweep: ElementSweep) -> float:
+    """Largest diagonal entry of M in the sizes of the coordinates, kg m^2, at the configuration of the sweep."""
+    diagonal = np.zeros(sweep.nx)
+    on = sweep.m_rows == sweep.m_columns
+    np.add.at(diagonal, sweep.m_rows[on], sweep.m_entries[on])
+    return float(np.max(diagonal * mechanism.scale**2, initial=0.0))
+
+
+def require_regular_mass(mechanism: Mechanism, saddle: SaddlePoint, condition: float) -> str | None:
+    """The second look, at the configuration of the sweep; condition: of D there. A warning where it matters.
+
+    Raises AnalysisError 'dynamics.singular-mass' naming the degrees of freedom without mass.
+    """
+    n, sweep, F = mechanism.numbering, saddle.sweep, saddle.F
+    nf, m = len(F), saddle.n_rows
+    x, row = saddle.scale[:nf], saddle.scale[nf:]
+    V = sweep.gradient()
+    mass = np.zeros((n.nx, n.nx))
+    np.add.at(mass, (sweep.m_rows, sweep.m_columns), sweep.m_entries)
+    if saddle.coupling.present:
+        i, j, value = saddle.coupling.table
+        mass += V[i].T @ (value[:, None] * V[j])
+    mass = mass[np.ix_(F, F)] * (x[:, None] * x)
+    Z, known = _admissible(V[:m, F] * (row[:, None] * x))
+    energy, vectors = np.linalg.eigh(Z.T @ mass @ Z)
+    z = Z @ vectors
+    size = float(np.abs(mass).sum(axis=1).max(initial=0.0))
+    # eigh knows the energies to eps |M| only: they are formed again from the motions
+    energy = np.einsum("ik,ik->k", z, mass @ z)
+    sums = 8.0 * nf * EPS * np.einsum("ik,ik->k", np.abs(z), np.abs(mass) @ np.abs(z))
+    physical = np.zeros((n.nx, len(energy)))
+    physical[F] = x[:, None] * z
+    massless = ~(energy > sums + size * known**2)
+    if massless.any():
+        text = (
+            f"singular mass matrix: no inertia on the motion of {_moved(mechanism, V, physical[:, massless])}"
+            "; add mass (XM, EM) or prescribe (INPUTX, INPUTE) or release (RLSE) it"
+        )
+        raise AnalysisError(text, "dynamics.singular-mass")
+    doubtful = ~(energy > sums + size * (known * condition) ** 2)
+    if not doubtful.any():
+        return None
+    return (
+        f"the inertia on the motion of {_moved(mechanism, V, physical[:, doubtful])} is that of rounding in the"
+        f" position (condition {condition:.2g}): the accelerations may have no right digit; begin elsewhere, or choose"
+        " other degrees of freedom"
     )
-    raise AnalysisError(text, "dynamics.singular-mass")
+
+
+def _moved(mechanism: Mechanism, V: Array, motions: Array) -> str:
+    """Names of the degrees of freedom that take part in the motions (nx, k), six at most."""
+    n = mechanism.numbering
+    of_x = motions[n.q_x] / mechanism.scale[n.q_x, None]
+    of_e = (V @ motions)[n.q_e] / mechanism.deformation_scale[n.q_e, None]
+    moved = np.abs(np.concatenate((of_x, of_e))[n.dynamic])
+    weight = (moved / moved.max(axis=0)).max(axis=1)
+    return ", ".join([n.q_names[n.dynamic[k]] for k in np.flatnonzero(weight > 0.1)][:6])
+
+
+def _admissible(V: Array) -> tuple[Array, float]:
+    """Orthonormal basis of the null space of V (m, n), (n, n - m), and to what it is known."""
+    m, n = V.shape
+    if not m:
+        return np.eye(n), 0.0
+    Q, R = np.linalg.qr(V.T, mode="complete")
+    s = np.linalg.svd(R[:m], compute_uv=False)
+    return Q[:, m:], 8.0 * n * EPS * float(s[0] / s[-1]) if s[-1] > 0.0 else float("inf")
 
 
 def is_checked(n: Numbering) -> bool:

@@ -42,6 +42,8 @@ def motion(run: Run, own: bool = True) -> Iterator[tuple[Evaluator, Frame]]:
     settings = run.mechanism.settings
     evaluator = chosen(run)
     y = evaluator.start()
+    if evaluator.doubt:
+        run.report.add(f"warning: {evaluator.doubt}")
     run.header["condition"] = evaluator.condition()
     times = output_times(run)
     run.n_frames = len(times)

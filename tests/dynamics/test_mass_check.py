@@ -1,0 +1,106 @@
+"""Whether a mass matrix is singular does not depend on how well the degrees of freedom are chosen.
+
+Truths: a free mass m obeys F = m a in whatever coordinates; a motion whose nodes carry no mass has no energy.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import spacar
+from spacar import Deck
+from spacar.errors import AnalysisError
+
+STEP = ("TIMESTEP", 1e-3, 1)
+ENGINES = pytest.mark.parametrize("compiled", [False, True])
+
+
+def crossed(angle: float) -> list[tuple]:
+    """Node 2 held by two trusses that cross at a small angle, their elongations the degrees of freedom."""
+    return [
+        ("PLTRUSS", 1, 1, 2), ("PLTRUSS", 2, 3, 2), ("X", 2, 1.0, 0.0),
+        ("X", 3, 1.0 - np.cos(angle), np.sin(angle)), ("FIX", 1), ("FIX", 3), ("DYNE", 1), ("DYNE", 2),
+    ]  # fmt: skip
+
+
+def in_line(tilt: float, slope: float, beyond: float = 0.0) -> list[tuple]:
+    """A slider-crank whose crank and rod are in line (but for the angle `beyond`); the elongation of truss 3 turns the
+    crank, ever faster the smaller its slope to it."""
+    u = np.array([np.cos(tilt), np.sin(tilt)])
+    n = np.array([-u[1], u[0]])
+    crank, slider = np.cos(beyond) * u + np.sin(beyond) * n, (np.cos(beyond) + 1.5) * u
+    drive = crank + np.cos(slope) * u + np.sin(slope) * n
+    return [
+        ("PLTRUSS", 1, 1, 2), ("PLTRUSS", 2, 2, 3), ("PLTRUSS", 3, 2, 4), ("PLTRUSS", 4, 3, 5), ("X", 2, *crank),
+        ("X", 3, *slider), ("X", 4, *drive), ("X", 5, *(slider + n)), ("FIX", 1), ("FIX", 4), ("FIX", 5),
+        ("DYNE", 3),
+    ]  # fmt: skip
+
+
+def refused(rows: list[tuple], dynamics: list[tuple], compiled: bool) -> str:
+    with pytest.raises(AnalysisError) as caught:
+        spacar.run(1, Deck.build(rows, [*dynamics, STEP]), compiled=compiled)
+    assert caught.value.code == "dynamics.singular-mass"
+    return str(caught.value)
+
+
+@ENGINES
+@pytest.mark.parametrize("angle", [1.0, 1e-4, 1e-7, 1e-8, 1e-9])
+def test_a_free_mass_is_not_refused_for_its_coordinates(angle: float, compiled: bool) -> None:
+    """The smallest eigenvalue of the scaled mass matrix is angle^2/2: 1e-18 in the last case."""
+    rows = crossed(angle)
+    r = spacar.run(1, Deck.build(rows, [("XM", 2, 2.0), ("XF", 2, 1.0, 0.0), STEP]), compiled=compiled)
+    np.testing.assert_allclose(r.node(2, 1, "xdd")[0], 0.5, rtol=1e-6)
+    assert not [line for line in r.report if "inertia" in line]
+
+
+@ENGINES
+@pytest.mark.parametrize("angle", [1.0, 1e-4, 1e-8])
+def test_a_node_without_mass_is_named_beside_badly_chosen_coordinates(angle: float, compiled: bool) -> None:
+    rows = [*crossed(angle), ("PLTRUSS", 3, 2, 4), ("PLTRUSS", 4, 5, 4), ("X", 4, 1.7, 0.4), ("X", 5, 2.3, 1.9),
+            ("FIX", 5), ("DYNE", 3)]  # fmt: skip
+    text = refused(rows, [("XM", 2, 1.0)], compiled)
+    assert "element 3 (PLTRUSS) e1 elongation" in text
+    text = refused(rows, [("XM", 4, 1.0)], compiled)
+    assert "element 1 (PLTRUSS) e1 elongation, element 2 (PLTRUSS) e1 elongation" in text
+
+
+@ENGINES
+@pytest.mark.parametrize("tilt", [0.0, 0.3, 0.7, 2.1])
+def test_a_slider_at_its_dead_point_gives_the_crank_no_mass(tilt: float, compiled: bool) -> None:
+    """Its velocity is zero; in a skew frame rounding gives it some 1e-16, whose square is no mass."""
+    assert "element 3 (PLTRUSS) e1 elongation" in refused(in_line(tilt, 1.5), [("XM", 3, 1.0)], compiled)
+
+
+@ENGINES
+@pytest.mark.parametrize("slope", [1e-2, 1e-4, 1e-6])
+@pytest.mark.parametrize("tilt", [0.0, 0.3, 0.7])
+def test_a_dead_point_that_is_placed_badly_is_not_passed_over(tilt: float, slope: float, compiled: bool) -> None:
+    """The position is known to eps/slope: what the slider seems to move there is refused, or said to be rounding."""
+    try:
+        r = spacar.run(1, Deck.build(in_line(tilt, slope), [("XM", 3, 1.0), STEP]), compiled=compiled)
+        text = next(line for line in r.report if line.startswith("warning: the inertia on the motion of"))
+    except AnalysisError as error:
+        text = str(error)
+    assert text.startswith(("warning", "singular mass matrix"))
+    assert "element 3 (PLTRUSS) e1 elongation" in text
+
+
+@ENGINES
+@pytest.mark.parametrize("beyond", [1e-2, 1e-6, 1e-9])
+def test_a_slider_near_its_dead_point_is_accelerated_right(beyond: float, compiled: bool) -> None:
+    """A force on the slider, the only mass: F = m a, and the position gives eps/beyond of it."""
+    rows = in_line(0.0, 1.5, beyond)
+    r = spacar.run(1, Deck.build(rows, [("XM", 3, 2.0), ("XF", 3, 1e-9 * beyond**2), STEP]), compiled=compiled)
+    assert r.node(3, 1, "xdd")[0] == pytest.approx(0.5e-9 * beyond**2, rel=1e-6)
+
+
+@ENGINES
+@pytest.mark.parametrize("mass", [1.0, 1e-10, 1e-13])
+def test_a_light_crank_is_enough_at_the_dead_point(mass: float, compiled: bool) -> None:
+    """The crank alone carries the motion: a = F/m of its node, along its path."""
+    rows = in_line(0.0, 1.5)
+    dynamics = [("XM", 2, mass), ("XM", 3, 1.0), ("XF", 2, 0.0, mass), STEP]
+    r = spacar.run(1, Deck.build(rows, dynamics), compiled=compiled)
+    assert r.node(2, 2, "xdd")[0] == pytest.approx(1.0, rel=1e-6)
