@@ -129,7 +129,7 @@ def _right(unit: str, *dims: float) -> str:
 
 
 def _wall(unit: str, d: float, t: float) -> str:
-    return "" if 2 * t < d else f"wall {t:g} {unit}, twice as thick as the tube is wide ({d:g} {unit}) or more"
+    return "" if 2 * t < d else f"wall {t:g} {unit}, at least half of the width of the tube ({d:g} {unit})"
 
 
 def _inside(unit: str, w: float, h: float, wi: float, hi: float) -> str:

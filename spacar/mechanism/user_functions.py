@@ -173,7 +173,7 @@ def read_rows(name: str, what: str, rows: Any, widths: tuple[int, ...], t: float
         for row in rows:
             if type(row) not in (list, tuple) or len(row) not in widths:
                 break
-            if not all(type(v) in NUMBERS for v in row) or not isfinite(sum(row)):
+            if not all(type(v) in NUMBERS for v in row) or not _finite(sum(row)):
                 break
             found.append((*row, *ZEROS[: longest - len(row)]))
         else:
@@ -183,11 +183,18 @@ def read_rows(name: str, what: str, rows: Any, widths: tuple[int, ...], t: float
     return array
 
 
+def _finite(value: float) -> bool:
+    try:
+        return isfinite(value)
+    except OverflowError:  # an integer beyond the floating-point numbers
+        return False
+
+
 def checked_rows(name: str, what: str, rows: Any, widths: tuple[int, ...], t: float) -> Array:
     """Rows as a 2-D float array; raises AnalysisError naming the time and the row that is wrong."""
     try:
         array = np.atleast_2d(np.asarray(rows if rows is not None else [], float))
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise AnalysisError(
             f"{name} at t = {t:.9g}: {what} is not an array of numbers ({error})", "user-function.shape"
         ) from error
@@ -275,7 +282,7 @@ class UserLaw:
             if type(row) not in (list, tuple) or len(row) != 3:
                 return []
             a, b, value = row
-            if type(a) is not int or type(b) is not int or type(value) not in NUMBERS or not isfinite(value):
+            if type(a) is not int or type(b) is not int or type(value) not in NUMBERS or not _finite(value):
                 return []
             i = self.places.get((what, a, b))
             if i is None:

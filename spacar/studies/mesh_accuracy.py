@@ -217,6 +217,7 @@ def _refined(search: MeshSearch, target: float) -> MeshResult:
     own = search.compute(ones, search.measure)
     meshes, chain, active, left, n = [own], [own], search.beams, 0.0, 1
     found: MeshResult | None = None
+    finest = own  # whose frames are found
 
     def mesh(pieces: dict[int, int]) -> Mesh:
         meshes.append(search.compute(pieces, search.measure))
@@ -230,7 +231,7 @@ def _refined(search: MeshSearch, target: float) -> MeshResult:
                 if len(active) < len(search.beams):
                     chain = [own, *(mesh(ones | dict.fromkeys(active, k)) for k in (2, FEW))]
             chain.append(mesh(ones | dict.fromkeys(active, n)))
-            found = _extrapolated(own.run.mechanism, chain, left, active, n)
+            found, finest = _extrapolated(own.run.mechanism, chain, left, active, n), chain[-1]
             stalled = len(chain) > 2 and _stalled(chain)
             if found.estimate <= target or stalled or 2 * n > MOST[search.stationary]:
                 found.meshes = meshes
@@ -242,8 +243,9 @@ def _refined(search: MeshSearch, target: float) -> MeshResult:
         why = f"the mesh could not be refined further: {error}"
         if found is None:
             return MeshResult(own.frames, _bars(own, own, np.nan), np.nan, why, meshes)
-        # `_shown` looks at the last mesh: that of the chain, which need not be the one that was computed last.
-        return replace(found, way=f"{found.way}; {why}", meshes=[*meshes, chain[-1]])
+        # `_shown` looks at the last mesh: the one whose frames these are, which need not have been computed last.
+        meshes = [*(m for m in meshes if m is not finest), finest]
+        return replace(found, way=f"{found.way}; {why}", meshes=meshes)
 
 
 def _active(
