@@ -33,6 +33,7 @@ class Position(Protocol):
     h: Index
     E: Index
     h_scale: Array
+    x: Array
 
     def rounding(self, x: Array, e: Array) -> float: ...
 
@@ -92,7 +93,11 @@ def position_failure(
         smallest = float(s[-1])
         hardest = int(kinematics.c[int(np.argmax(np.abs(right[-1])))])
         where = f", motion that is hardest to determine: {numbering.x_name(hardest)}"
-    if norm <= kinematics.rounding(x, kinematics.sweep.near[kinematics.h]):
+    # An iterate that met the constraints to rounding r and was left had a correction r/s that bends them by more than r:
+    # the root is not a single one (kinematics/fold.py).
+    given = kinematics.sweep.near[kinematics.h]
+    left = min(history, default=np.inf) <= kinematics.rounding(kinematics.x, given)  # iterates may be far from there
+    if left or norm <= kinematics.rounding(x, given):
         text = (
             "singular position: the constraints are met to rounding, but the coordinates are not determined (smallest"
             f" singular value {smallest:.3g}{where}); a dead point: choose other degrees of freedom"

@@ -6,6 +6,7 @@ from integrator_models import Pendulum
 
 from spacar.errors import AnalysisError
 from spacar.integrators import METHODS, integrate
+from spacar.integrators.methods import AUTOMATIC
 
 VARIABLE = [c for c, m in METHODS.items() if m.variable_step]
 EXPLICIT_FIXED = [130, 140, 220]
@@ -32,8 +33,9 @@ def test_finite_escape_time_stops_with_reason(code):
         list(integrate(Explosion(), np.array([0.0, 1.0]), [0.0, 2.0], code))
     error = failure.value
     text = str(error)
-    # at the smallest step an implicit code may as well find no stages
-    assert error.code in ("integrator.step-too-small", "integrator.not-finite", "integrator.newton")
+    # The automatic method has gone over to an implicit code, whose iteration fails before its error estimate does.
+    also = ("integrator.newton",) if code == AUTOMATIC else ()
+    assert error.code in ("integrator.step-too-small", "integrator.not-finite", *also)
     # The numerical solution escapes near t = 1 (relative tolerance 1e-4, amplified by 1/(1-t)).
     assert error.data["t"] == pytest.approx(1.0, abs=0.02)
     assert "t = 1.0" in text or "t = 0.99" in text

@@ -44,17 +44,13 @@ def said(deck: Deck, compiled: bool) -> tuple[str, Result | None]:
     return " ".join(line for line in result.report if "dead point" in line), result
 
 
-# Rounding may also stop the run at a stage beside the dead point; what must not be is silence.
-TOLD = ("dead point", "no convergence of the position")
-
-
 @pytest.mark.parametrize("compiled", ENGINES)
 @pytest.mark.parametrize("code", CODES)
 def test_a_first_step_over_a_dead_point_is_looked_at(code: int, compiled: bool) -> None:
     """The start state is remembered, and a run that ends just behind the dead point says that it has passed."""
     for angle, ahead in ((0.1, 2.0), (0.1, 3.0)):
-        told = said(free_slider(angle, 1e-3, 1e-3, code, ahead * angle, ahead * angle), compiled)[0]
-        assert any(words in told for words in TOLD), ahead
+        deck = free_slider(angle, 1e-3, 1e-3, code, ahead * angle, ahead * angle)
+        assert "dead point" in said(deck, compiled)[0], ahead
 
 
 @pytest.mark.parametrize("compiled", ENGINES)
@@ -62,8 +58,7 @@ def test_a_first_step_over_a_dead_point_is_looked_at(code: int, compiled: bool) 
 def test_a_dead_point_in_the_middle_of_a_step_is_looked_at(code: int, compiled: bool) -> None:
     """Loose tolerances and light sliders: steps of up to half a radian."""
     for angle in (0.3, 0.5):
-        told = said(free_slider(angle, 1e-4, 1e-2, code, 0.5, angle + 0.6), compiled)[0]
-        assert any(words in told for words in TOLD)
+        assert "dead point" in said(free_slider(angle, 1e-4, 1e-2, code, 0.5, angle + 0.6), compiled)[0]
 
 
 PARALLELOGRAM = [
