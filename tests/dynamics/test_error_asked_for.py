@@ -146,15 +146,15 @@ FLOOR = 1e-10  # of the size of a coordinate: what rounding leaves of these moti
 def test_the_error_of_the_result_falls_with_error(name: str, code: int) -> None:
     """As its power 3/4 at least: the slope of the straight line through the logarithms of the errors of five decades of
     ERROR. A factor of two in one of them, by which those of the slider-crank scatter after 83 turns with the rounding
-    of the machine, moves it by 0.06 at most. Errors below
-    FLOOR do not count: steps that are limited by stability are more accurate than asked for."""
+    of the machine, moves it by 0.06 at most. Errors below FLOOR do not count: steps that are limited by stability are
+    more accurate than asked for."""
     decades = np.arange(-5.0, -9.5, -1.0)
     errors = np.array([relative_error(name, motion(CASES[name], code, 10.0**k)) for k in decades])
     counted = errors > FLOOR
     if counted.sum() > 2:
         assert np.polyfit(decades[counted], np.log10(errors[counted]), 1)[0] >= 0.75
     assert (errors <= np.maximum(errors[0], FLOOR)).all()
-    assert errors[-1] <= max(1e-2 * errors[0], FLOOR)  # nor does it stop anywhere above it
+    assert errors[-1] <= max(4e-3 * errors[0], FLOOR)  # 1e-3 and the scatter of both
 
 
 @pytest.mark.parametrize("compiled", [False, True])
