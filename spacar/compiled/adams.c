@@ -172,7 +172,8 @@ static int spacar_adams(March *r, Adams *a)
         a->k = a->k_old = k;
         a->equal = equal;
         a->h_old = h;
-        a->rejections = r->reductions = 0;
+        a->rejections = 0;
+        evaluated(r);
         adams_weights(r, a);
         if (accepted(r, t_new, a->y)) return INTERRUPTED;
         /* order and size of the next step */

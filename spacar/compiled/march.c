@@ -146,6 +146,13 @@ static void rejected(March *r)
     r->model->transfer_of = NULL;
 }
 
+/* A step could be evaluated. Of several cases the failures of the whole motion are counted: one that creeps along a dead point,
+   failing every few steps, is followed alone. */
+static void evaluated(March *r)
+{
+    if (LANES == 1) r->reductions = 0;
+}
+
 /* The step from t cannot be evaluated: 0 when a shorter one is to be tried. */
 static int reduced(March *r, double h_min)
 {

@@ -57,7 +57,7 @@ static int spacar_runge_kutta(March *r, RungeKutta *p)
         memcpy(p->K, p->K + p->stages * n, sizeof(double) * n);
         double growth = p->largest;
         int final;
-        r->reductions = 0;
+        evaluated(r);
         for (;;) {
             final = r->t + fmin(1.01 * r->h, fmax(r->h, r->longest)) >= r->t_end;
             if (final) r->h = r->t_end - r->t;

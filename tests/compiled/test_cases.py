@@ -63,7 +63,6 @@ def test_frames_are_made_when_they_are_asked_for():
     assert sum(frame.statistics["rhs"] for frame in result.frames) > 0
 
 
-@pytest.mark.slow
 def test_a_case_near_a_dead_point_is_left_to_a_single_run():
     """A falling slider-crank with the slider as degree of freedom: it has to be followed alone, which explains."""
     kinematics = ["PLBEAM 1 1 2 3 4", "PLBEAM 2 3 5 6 7", "X 3 0.15 0.1", "X 6 0.45 0.", "FIX 1", "FIX 6 2", "DYNX 6 1"]
