@@ -95,5 +95,4 @@ def extra_margin(
     loading = geometric_stiffness(dynamics.sweep, sigma) + load.gradient(dynamics.numbering.nx)
     added = np.asarray((W.T @ loading) @ G)
     K = L.stiffness[np.ix_(rows, rows)]
-    found = buckling_modes(*extra_load_matrices(dynamics, L, rows, K, added, sigma), report).multipliers
-    return float(found[found > 0.0].min(initial=np.inf))
+    return buckling_modes(*extra_load_matrices(dynamics, L, rows, K, added, sigma), report).lowest_positive
