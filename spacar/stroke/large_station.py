@@ -213,7 +213,7 @@ def _extra(tangents: DriveTangents, held: bool, load: ExtraLoad | None, report: 
     """Multipliers of the extra load alone, drive held and free."""
     if load is None:
         return np.nan, np.nan
-    d, what = tangents.dynamics, "multiplier of the extra load"
+    d, what = tangents.dynamics, "multipliers of the extra load"
     t = tangents.held if held else tangents.free
     try:
         s1 = _stresses(t, load.at(d.kinematics.x))

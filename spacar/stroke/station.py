@@ -200,7 +200,7 @@ def _extra(
         sigma = extra_stresses(dynamics, L, others if held else every, load)
         found = [extra_margin(dynamics, L, rows, sigma, load, told) for rows in (others, every)]
     except AnalysisError as error:
-        report.add(f"warning: no multiplier of the extra load: {error}")
+        report.add(f"warning: no multipliers of the extra load: {error}")
         return np.nan, np.nan
     add_warnings(told, report)
     return found[0], found[1]
