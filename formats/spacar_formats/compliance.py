@@ -16,7 +16,7 @@ from spacar.linear.node_compliance import compliance_of, planar_maps, spatial_ma
 from spacar.modes import find_mode
 from spacar_formats.locate import notes, open_result
 from spacar_formats.sbf import SbfFile
-from spacar_formats.sparse_system import beside, descriptor_of
+from spacar_formats.sparse_system import descriptor_beside
 
 SINGULAR = "the stiffness is singular (critical load or rigid motion): there is no compliance"
 
@@ -111,8 +111,7 @@ def _of_system(path: Path, step: int, nxp: np.ndarray, rows: np.ndarray) -> np.n
     (K0 + N0 + G0)^-1 between its transfer functions."""
     from scipy.sparse.linalg import splu
 
-    with open_result(beside(path), "ltv", verify=False) as file:
-        system = descriptor_of(file, step)
+    system, _ = descriptor_beside(path, step)
     n, nx = system.n_states, int(nxp.sum())
     given = (rows < nxp[0]) | ((rows >= nxp[:2].sum()) & (rows < nxp[:3].sum()))
     unit = np.zeros((system.A.shape[0], len(rows)))

@@ -123,7 +123,7 @@ def getss(name: str | os.PathLike[str], step: int = 1) -> StateSpaceStep:
         else:
             a, b, c = (_matrix(file, ident, step) for ident in "ABC")
             d = _matrix(file, "D", step) if _has_feedthrough(file) else None
-        t = float(np.ravel(file.get("T", step))[0]) if file.has("T") else float("nan")
+        t = _time(file, step)
         (nx, nu), ny = b.shape, c.shape[0]
         if a.shape != (nx, nx) or c.shape[1] != nx or (d is not None and d.shape != (ny, nu)):
             raise UsageError(f"the sizes of A, B, C, D in {file.path} do not fit together", "files.size")
@@ -149,10 +149,14 @@ def linear_system(name: str | os.PathLike[str], step: int = 1) -> StateSpaceStep
     with open_result(name, "ltv") as file:
         if is_sparse(file):
             system = descriptor_of(file, step)
-            t = float(np.ravel(file.get("T", step))[0])
-            return SparseStep(system, t, _names(file, "UNAMES", "u", system.B.shape[1]),
+            return SparseStep(system, _time(file, step), _names(file, "UNAMES", "u", system.B.shape[1]),
                               _names(file, "YNAMES", "y", system.C.shape[0]))  # fmt: skip
     return getss(name, step)
+
+
+def _time(file: SbfFile, step: int) -> float:
+    """t of the step [s]; nan where the file has none."""
+    return float(np.ravel(file.get("T", step))[0]) if file.has("T") else float("nan")
 
 
 def export_getss(system: StateSpaceStep, target: Path) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 
 from spacar.errors import UsageError
 from spacar.linear.descriptor import DescriptorSystem
+from spacar_formats.locate import open_result
 from spacar_formats.sbf import SbfError, SbfFile
 
 IDENTS = {"A": "ASP", "B": "BSP", "C": "CSP"}
@@ -29,10 +30,16 @@ def descriptor_of(file: SbfFile, step: int) -> DescriptorSystem:
         raise SbfError(f"{file.path} is damaged: the sparse system of step {step} has {error}") from None
 
 
-def beside(path: Path) -> Path:
-    """The `.ltv` file of the run that wrote this one. Raises UsageError when it is not there."""
+def descriptor_beside(path: Path, step: int) -> tuple[DescriptorSystem, int]:
+    """The system of a step (from 1) in the `.ltv` file beside a file of the same run, and the number of its velocities.
+
+    Raises UsageError when there is no such file or it has no sparse system.
+    """
     found = path.with_suffix(".ltv")
     if not found.is_file():
         text = f"{found} not found: of a large model modes 4 and 9 store the linearized equations in it; run again"
         raise UsageError(text, "files.not-found")
-    return found
+    with open_result(found, "ltv", verify=False) as file:
+        if not is_sparse(file):
+            raise UsageError(f"{path} and {file.path} are of different runs; run again", "files.stale")
+        return descriptor_of(file, step), int(np.ravel(file.header["NRBM"])[0])

@@ -22,7 +22,7 @@ from spacar.linear.eigen import Modes, modes_of_matrices
 from spacar.linear.lowest import WANTED
 from spacar_formats.locate import notes, open_result
 from spacar_formats.sbf import SbfError, SbfFile
-from spacar_formats.sparse_system import beside, descriptor_of, is_sparse
+from spacar_formats.sparse_system import descriptor_beside
 
 GROWS = 1e-6  # of the largest modulus: real parts beyond it are a growing motion, values that differ less a pair
 
@@ -187,11 +187,7 @@ def _of_sparse_run(file: SbfFile) -> bool:
 def modes_of_sparse_system(file: SbfFile, step: int, report: Report, wanted: int = WANTED, nx: int = 0) -> Modes:
     """Lowest modes of a large model of modes 4 and 9 from the `.ltv` beside; nx: the coordinates whose motions are
     wanted. Raises UsageError when there is no such file or it has no sparse system."""
-    with open_result(beside(file.path), "ltv", verify=False) as other:
-        if not is_sparse(other):
-            raise UsageError(f"{file.path} and {other.path} are of different runs; run again", "files.stale")
-        system = descriptor_of(other, step)
-        velocities = int(np.ravel(other.header["NRBM"])[0])
+    system, velocities = descriptor_beside(file.path, step)
     return lowest_modes(system, system.n_states - velocities, nx, report, min(wanted, velocities))
 
 

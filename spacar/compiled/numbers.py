@@ -13,7 +13,7 @@ from spacar.arrays import Array, Index
 from spacar.compiled.element_parameters import SUPPORTED
 from spacar.compiled.library import engine
 from spacar.dynamics.array_evaluator import Dynamics
-from spacar.dynamics.forces import StressLaw, gravity_field, moment_gradient
+from spacar.dynamics.forces import StressLaw, gravity_field, moment_entries
 from spacar.elements.family import Family
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.mechanism import Drive, Loads, Mechanism, Polynomial
@@ -150,12 +150,7 @@ def _elements(batch: Batch, kind: int, parameters: Array) -> Elements:
 
 def moments(loads: Loads) -> tuple[Index, Index, Array]:
     """Constant global moments as entries (row, column, value) of forces that are linear in x."""
-    rows = loads.moment_rows
-    if not rows.size:
-        return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0)
-    G = moment_gradient(loads.moment)
-    shape = G.shape
-    return np.broadcast_to(rows[:, None], shape).ravel(), np.broadcast_to(rows[None], shape).ravel(), G.ravel()
+    return moment_entries(loads.moment_rows, loads.moment)
 
 
 def _only(entries: Entries) -> Entries:

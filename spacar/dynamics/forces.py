@@ -107,6 +107,16 @@ def moment_gradient(moments: Array) -> Array:
     return 2.0 * global_dual(moments.T)
 
 
+def moment_entries(rows: Index, moments: Array) -> tuple[Index, Index, Array]:
+    """Rows, columns and values (16 n,) of df/dx of constant global moments (n, 3) at the Euler parameters `rows` (4, n)
+    of x: these forces are linear in x."""
+    if not rows.size:
+        return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0)
+    block = moment_gradient(moments)
+    i, j = (np.broadcast_to(r, block.shape).ravel() for r in (rows[:, None, :], rows[None, :, :]))
+    return i, j, block.ravel()
+
+
 def gravity_field(mechanism: Mechanism, loads: Loads) -> Array:
     """g at every position coordinate, zero elsewhere, (nx,) [m/s^2]."""
     field = np.zeros(mechanism.numbering.nx)

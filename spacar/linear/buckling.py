@@ -38,6 +38,11 @@ class BucklingModes:
     modes: Array
     motions: Array | None = None
 
+    @property
+    def lowest_positive(self) -> float:
+        """The margin against the loads as they act; infinite when no multiplier is positive."""
+        return float(self.multipliers[self.multipliers > 0.0].min(initial=np.inf))
+
     def first(self, n: int) -> BucklingModes:
         """The n lowest multipliers with the first n rows of their modes, of norm 1 again.
 

@@ -18,10 +18,9 @@ from spacar.errors import AnalysisError, Report
 from spacar.linear.descriptor import MASSLESS, DescriptorSystem
 from spacar.linear.eigen import Modes, arranged
 from spacar.linear.lowest import lost_pairs
-from spacar.linear.subspace import SPARE, dominant
+from spacar.linear.subspace import SPARE, TRIALS, dominant, ends_with_half_a_pair, trial_values
 
 SHIFT = 0.1  # of the modulus of the highest wanted eigenvalue
-TRIALS = 12  # shifts
 
 
 def lowest_modes(system: DescriptorSystem, n_positions: int, nx: int, report: Report, wanted: int) -> Modes:
@@ -38,8 +37,7 @@ def lowest_modes(system: DescriptorSystem, n_positions: int, nx: int, report: Re
     rng = np.random.default_rng(1)
     start = rng.standard_normal((n, min(count + SPARE, n)))
     for _ in range(TRIALS):
-        X = np.linalg.qr(inverse(inverse(start)))[0]
-        theta = np.linalg.eigvals(X.T @ inverse(X))
+        theta = trial_values(inverse, start)
         modulus = np.sort(np.abs(inverse.shift + 1.0 / np.where(theta != 0.0, theta, 1e-300)))[count - 1]
         before, inverse = inverse.shift, _Inverse(system, n_positions, max(SHIFT * float(modulus), 1e-12))
         if 0.1 < inverse.shift / before < 10.0:
@@ -47,16 +45,11 @@ def lowest_modes(system: DescriptorSystem, n_positions: int, nx: int, report: Re
     theta, z = dominant(inverse, inverse(start), count)
     values = inverse.shift + 1.0 / theta
     values[lost_pairs(inverse, theta, z, values, "eigenvalues", report)] = np.nan
-    if theta[-1].imag and not np.any(np.isclose(theta[:-1], theta[-1].conj(), rtol=1e-8)):
-        values[-1] = np.nan  # half a pair; it keeps its place, as the number of values is the same at all steps
+    if ends_with_half_a_pair(theta):
+        values[-1] = np.nan  # it keeps its place, as the number of values is the same at all steps
     motions = inverse.motions(z, nx)
     z[:n_positions] /= inverse.size
-    found = arranged(values, z, n_positions, motions)
-    unknown = np.isnan(found.values)
-    found.vectors[:, unknown] = np.nan
-    assert found.motions is not None
-    found.motions[:, unknown] = np.nan
-    return found
+    return arranged(values, z, n_positions, motions)
 
 
 class _Inverse:

@@ -289,7 +289,8 @@ def matters(C: Array, M: Array, K: Array) -> bool:
 
 
 def arranged(values: Complex, vectors: Complex, n_positions: int, motions: Complex | None = None) -> Modes:
-    """Norm 1, real largest position component, decreasing modulus, conjugates together; motions (nx, n) alike."""
+    """Norm 1, real largest position component, decreasing modulus, conjugates together; motions (nx, n) alike. What
+    belongs to values that are nan is nan."""
     size = np.linalg.norm(vectors, axis=0)
     vectors = vectors / size
     motions = motions / size if motions is not None else None
@@ -299,6 +300,9 @@ def arranged(values: Complex, vectors: Complex, n_positions: int, motions: Compl
         phase = np.where(pivot != 0.0, np.abs(pivot) / np.where(pivot != 0.0, pivot, 1.0), 1.0)
         vectors = vectors * phase
         motions = motions * phase if motions is not None else None
+    vectors[:, np.isnan(values)] = np.nan
+    if motions is not None:
+        motions[:, np.isnan(values)] = np.nan
     modulus = np.abs(values)
     # conjugates have equal moduli up to rounding: compare with fewer digits, then by imaginary part
     size = 10.0 ** np.floor(np.log10(np.where(modulus > 0.0, modulus, 1.0)))

@@ -72,10 +72,13 @@ def buckling_matrices(dynamics: Dynamics, L: Linearization, dynamic: Index) -> t
     """K0 and G0 of the dynamic degrees of freedom, then of the unknowns inside elements."""
     block = np.ix_(dynamic, dynamic)
     coupling, k, eliminated = internal_unknowns(dynamics, L.sigma)
-    c = L.W[:, dynamic].T @ coupling
-    n, m = c.shape
-    G0 = _bordered(L.g0[block], c, eliminated / k, np.zeros(m))
-    return np.block([[L.k0[block], np.zeros((n, m))], [np.zeros((m, n)), np.diag(k)]]), G0
+    return bordered_pencil(L.k0[block], L.g0[block], L.W[:, dynamic].T @ coupling, k, eliminated)
+
+
+def bordered_pencil(K0: Array, G0: Array, c: Array, k: Array, eliminated: Array) -> tuple[Array, Array]:
+    """K0 and G0 (n, n), real or complex, with the unknowns of couplings c (n, m) and stiffnesses k (m,)."""
+    part = eliminated / k
+    return _bordered(K0, np.zeros_like(c), part, k), _bordered(G0, c, part, np.zeros(len(k)))
 
 
 def extra_load_matrices(

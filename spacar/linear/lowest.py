@@ -20,7 +20,16 @@ from spacar.arrays import Array
 from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
 from spacar.linear.eigen import Modes, arranged
-from spacar.linear.subspace import SPARE, SUFFICIENT, Operator, dominant, real_vectors
+from spacar.linear.subspace import (
+    SPARE,
+    SUFFICIENT,
+    TRIALS,
+    Operator,
+    dominant,
+    ends_with_half_a_pair,
+    real_vectors,
+    trial_values,
+)
 from spacar.linear_systems import SingularMatrixError
 from spacar.stationary.tangent import STATIC, SparseTangent
 
@@ -51,11 +60,7 @@ def lowest_vibration(
         root = np.sqrt(squares.astype(complex))
         values, x = np.concatenate((1j * root, -1j * root)), np.hstack((x, x)).astype(complex)
     q = degrees_of_freedom_of(tangent, x)
-    modes = arranged(values, np.vstack((q, q * np.where(np.isnan(values), 1.0, values))), len(q), x)
-    assert modes.motions is not None
-    modes.vectors[:, np.isnan(modes.values)] = np.nan
-    modes.motions[:, np.isnan(modes.values)] = np.nan
-    return modes
+    return arranged(values, np.vstack((q, q * np.where(np.isnan(values), 1.0, values))), len(q), x)
 
 
 def sparse_compliances(tangent: SparseTangent) -> Array:
@@ -94,10 +99,8 @@ def _shift(tangent: SparseTangent, wanted: int) -> float:
         return 1.0  # nothing restores anything: all eigenvalues are zero, any shift will do
     least = 0.0 if springs else RIGID / M  # without springs the entries of the constraints are of size one
     square = max(1e-6 * K / M, least)
-    for _ in range(12):
-        operator = _squared(tangent, square)
-        X = np.linalg.qr(operator(operator(start_block(tangent, wanted))))[0]
-        theta = np.sort(np.abs(np.linalg.eigvals(X.T @ operator(X))))[::-1][wanted - 1]
+    for _ in range(TRIALS):
+        theta = np.sort(np.abs(trial_values(_squared(tangent, square), start_block(tangent, wanted))))[::-1][wanted - 1]
         better = SHIFT * max(1.0 / float(theta) - square, SHIFT * square)
         square, before = max(better, least), square
         if 0.1 < square / before < 10.0:
@@ -146,8 +149,8 @@ def _quadratic(tangent: SparseTangent, s: float, wanted: int, report: Report) ->
         return np.vstack((size * following, x + s * following))
 
     theta, z = dominant(operator, operator(start_block(tangent, 2 * wanted, 2)), 2 * wanted)
-    if theta[-1].imag and not np.any(np.isclose(theta[:-1], theta[-1].conj(), rtol=1e-8)):
-        theta, z = theta[:-1], z[:, :-1]  # half a pair
+    if ends_with_half_a_pair(theta):
+        theta, z = theta[:-1], z[:, :-1]
     values = s + 1.0 / theta
     values[lost_pairs(operator, theta, z, values, "eigenvalues", report)] = np.nan
     return values, z[:n]

@@ -74,7 +74,7 @@ def lowest_extra_load(
 ) -> BucklingModes:
     """The `wanted` multipliers of smallest modulus of an extra load beside all present ones.
 
-    s1 (ne,) the stresses that it adds; moments: rows, columns, values of the gradient -df/dx of its moments
+    s1 (ne,) the stresses that it adds; moments: rows, columns, values of the gradient df/dx of its moments
     Unknowns inside elements that have a rigid deformation are left out. Raises SingularMatrixError at a critical state.
     """
     from scipy.sparse import coo_array
@@ -88,7 +88,7 @@ def lowest_extra_load(
     rows, columns = place[moments[0]], place[moments[1]]
     keep = (rows >= 0) & (columns >= 0)
     own = coo_array((moments[2][keep], (rows[keep], columns[keep])), G.shape).tocsr()
-    G = G + own
+    G = G - own
 
     def loading(z: Array) -> Array:
         return _bordered(tangent, G, added, added.coupling, z)

@@ -22,6 +22,7 @@ NOTHING = 1e-13  # theta below this fraction of the largest is zero
 MAX_ITERATIONS = 100
 PATIENCE = 8  # iterations without improvement
 SPARE = 28  # additional columns
+TRIALS = 12  # shifts that are tried, until one is right within a factor of ten
 
 
 def dominant(operator: Operator, start: Array, wanted: int) -> tuple[Complex, Complex]:
@@ -45,6 +46,18 @@ def dominant(operator: Operator, start: Array, wanted: int) -> tuple[Complex, Co
             return theta, X @ c  # not Y c: another step would amplify what is left of larger theta
         V, X = X, np.linalg.qr(Y)[0]
     return theta, V @ c
+
+
+def trial_values(operator: Operator, start: Array) -> Complex:
+    """Ritz values (p,) after two steps from the block start (n, p): the size of the spectrum, for the choice of a
+    shift."""
+    X = np.linalg.qr(operator(operator(start)))[0]
+    return np.linalg.eigvals(X.T @ operator(X)).astype(complex)
+
+
+def ends_with_half_a_pair(theta: Complex) -> bool:
+    """Would the conjugate of the last value of `dominant` be the next one?"""
+    return bool(theta[-1].imag) and not np.any(np.isclose(theta[:-1], theta[-1].conj(), rtol=SUFFICIENT))
 
 
 def real_vectors(theta: Complex, vectors: Complex) -> Array:

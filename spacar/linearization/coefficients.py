@@ -17,7 +17,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
-from spacar.dynamics.forces import StressLaw, moment_gradient
+from spacar.dynamics.forces import StressLaw, moment_entries
 from spacar.linear_systems.matrix import Matrix, diagonal_matrix, matrix, zero_matrix
 from spacar.linearization.contractions import (
     block_pattern,
@@ -145,9 +145,6 @@ def load_gradient(dynamics: Dynamics) -> Matrix:
         with_g, _ = inertia_blocks(sweep, zero, -forces.field)
         without, _ = inertia_blocks(sweep, zero, zero)
         out = scatter(n.nx, with_g) - scatter(n.nx, without)
-    rows = forces.loads.moment_rows
-    if rows.size:
-        gradient = -moment_gradient(forces.loads.moment)
-        i, j = (np.broadcast_to(r, gradient.shape).ravel() for r in (rows[:, None, :], rows[None, :, :]))
-        out = out + matrix(i, j, gradient.ravel(), (n.nx, n.nx))
+    if forces.loads.moment_rows.size:
+        out = out - matrix(*moment_entries(forces.loads.moment_rows, forces.loads.moment), (n.nx, n.nx))
     return out

@@ -1,10 +1,10 @@
 """Where compiled libraries are kept, and which of them are loaded.
 
 A library is code that this process runs, so it is loaded only when nobody else can have written it: folder and file
-belong to this user and are writable by nobody else, and the file has the checksum beside it. A damaged one is built
-again, once. Without such a folder (somebody else's, a home that cannot be written) a private one serves for the time of
-the process. What a compiler made is tried in another process before it is stored: a broken library ends the
-process that loads it.
+belong to this user and are writable by nobody else, nobody else can put another folder in its place, and the file has
+the checksum beside it. A damaged one is built again, once. Without such a folder (somebody else's, a home that cannot
+be written) a private one serves for the time of the process. What a compiler made is tried in another process before it
+is stored: a broken library ends the process that loads it.
 """
 
 from __future__ import annotations
@@ -86,16 +86,27 @@ def _is_ours(path: Path, kind: object) -> bool:
     return not hasattr(os, "getuid") or (found.st_uid == os.getuid() and not found.st_mode & 0o022)
 
 
+def _stays(folder: Path) -> bool:
+    """Can nobody but this user and root put another one in its place? The folders above (no links) belong to these, and
+    others may not write them, or as in /tmp (sticky) only what is their own."""
+    if not hasattr(os, "getuid"):
+        return True
+    above = [os.lstat(place) for place in folder.parents]
+    return all(a.st_uid in (0, os.getuid()) and (a.st_mode & stat.S_ISVTX or not a.st_mode & 0o022) for a in above)
+
+
 def _folder() -> Path:
     """$XDG_CACHE_HOME/spacar or ~/.cache/spacar when it is safe, else a folder of this process."""
     base = os.environ.get("XDG_CACHE_HOME")
     try:
-        folder = (Path(base) if base else Path.home() / ".cache") / "spacar"
-        folder.parent.mkdir(parents=True, exist_ok=True)
+        cache = Path(base) if base else Path.home() / ".cache"
+        cache.mkdir(mode=0o700, parents=True, exist_ok=True)
+        folder = cache.resolve() / "spacar"
         folder.mkdir(mode=0o700, exist_ok=True)
+        safe = _is_ours(folder, stat.S_ISDIR) and _stays(folder) and os.access(folder, os.W_OK)
     except (OSError, RuntimeError):
         return _private()
-    return folder if _is_ours(folder, stat.S_ISDIR) and os.access(folder, os.W_OK) else _private()
+    return folder if safe else _private()
 
 
 @lru_cache

@@ -20,6 +20,7 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.deck.directed import STEP, nothing_lost
+from spacar.linear.internal_unknowns import bordered_pencil
 from spacar.sensitivities.directed_elements import ElementMatrices
 from spacar.sensitivities.pencil_derivatives import LinearizedState
 from spacar.sensitivities.state_derivatives import StateDerivative
@@ -73,15 +74,12 @@ def _with_internal(
     k0: Array, g0: Array, W: Array, unknowns: list[tuple[Index, Array, Array, Array]]
 ) -> tuple[Array, Array]:
     """K0 and G0 bordered by the unknowns inside elements."""
-    columns, k, part = [np.zeros((W.shape[1], 0), complex)], [np.zeros(0, complex)], [np.zeros(0, complex)]
+    found = [(np.zeros((W.shape[1], 0)), np.zeros(0), np.zeros(0, bool))]
     for rows, coupling, stiffness, eliminated in unknowns:
-        columns.append(np.einsum("bnq,bn->qn", W[rows], coupling))
-        k.append(stiffness + 0j)
-        part.append(eliminated / (stiffness + 0j))
-    c, diagonal = np.concatenate(columns, axis=1), np.diag(np.concatenate(k))
-    n, m = c.shape
-    K0 = np.block([[k0, np.zeros((n, m))], [np.zeros((m, n)), diagonal]])
-    return K0, np.block([[g0 + (c * np.concatenate(part)) @ c.T, c], [c.T, np.zeros((m, m))]])
+        found.append((np.einsum("bnq,bn->qn", W[rows], coupling), stiffness, eliminated))
+    couplings, stiffnesses, which = zip(*found, strict=True)
+    c, k = np.concatenate(couplings, axis=1), np.concatenate(stiffnesses)
+    return bordered_pencil(k0, g0, c, k, np.concatenate(which))
 
 
 def _dense(parts: list[ElementMatrices], rows: int, columns: int) -> Array:

@@ -26,9 +26,9 @@ from spacar.mechanism.mechanism import Mechanism
 from spacar.sensitivities.directed_elements import DirectedElements
 from spacar.sensitivities.user_law import UserLawDerivatives, user_law_derivatives
 from spacar.stationary import LoadLevel, StationarySolver
-from spacar.stationary.contract import Tangent
+from spacar.stationary.contract import SINGULAR, Tangent
 from spacar.stationary.moving_tangent import MovingTangent
-from spacar.stationary.newton import SINGULAR, digits_left
+from spacar.stationary.newton import digits_left
 from spacar.stationary.singular import minimum_norm_solutions
 from spacar.stationary.stationary_equations import StationaryEquations
 
@@ -131,8 +131,8 @@ def _with_user_law(tangent: MovingTangent, d: Dynamics, user: UserLawDerivatives
     """Replace the gradients that the user's function states by the exact ones, in the tangent."""
     V = d.sweep.gradient()
     x = d.kinematics.x
-    stated = d.forces.user(0.0, d.sweep.e, np.zeros(len(V)), x, np.zeros(len(x))) if d.forces.user is not None else None
-    assert stated is not None
+    assert d.forces.user is not None
+    stated = d.forces.user(0.0, d.sweep.e, np.zeros(len(V)), x, np.zeros(len(x)))
     force = user.force_e @ V + user.force_x + np.diag(stated.force_k)
     offset = user.sigma_e @ V + user.sigma_x - (stated.sigma_k * active)[:, None] * V
     tangent.correct(force, offset)

@@ -7,6 +7,10 @@ from typing import Protocol
 from spacar.arrays import Array
 from spacar.stationary.stationary_equations import Iterate
 
+# Displacement under forces of the size of the stiffness, 1/(50 eps), from which it is asked whether digits are left.
+SINGULAR = 1e14
+# Part of such a displacement, or size of a correction [model lengths or rad], that is rounding: the matrix is singular.
+NO_DIGITS = 1e-4
 SPREAD = 10.0  # largest effect of rounding errors over that of one sample of their signs, which are not known
 
 

@@ -28,7 +28,7 @@ from spacar.errors import AnalysisError
 from spacar.kinematics.kinematics import LARGEST_JUMP, largest
 from spacar.linear_systems import SingularMatrixError
 from spacar.linear_systems.lost_digits import lost
-from spacar.stationary.contract import SPREAD, Astray, Tangent
+from spacar.stationary.contract import NO_DIGITS, SINGULAR, SPREAD, Astray, Tangent
 from spacar.stationary.singular import minimum_norm
 from spacar.stationary.stationary_equations import FLOOR, Given, Iterate, StationaryEquations
 
@@ -37,10 +37,6 @@ LENGTHS = 1e-11  # incompatibility / model length, or rad
 CORRECTION = 1e-7  # last correction / model length, or rad: the next one would be of the size of its square
 PASSING_FORCES, PASSING_LENGTHS, PASSING_CORRECTION = 1e-4, 1e-7, 1e-3  # at a state that is no result
 FIRST_RATIO, LATER_RATIO, LINEAR_RATIO = 0.6, 0.75, 0.98  # of two corrections, at most
-# Displacement under forces of the size of the stiffness, 1/(50 eps), from which it is asked whether digits are left.
-SINGULAR = 1e14
-# Part of such a displacement, or size of a correction [model lengths or rad], that is rounding: the matrix is singular.
-NO_DIGITS = 1e-4
 
 
 @dataclass(frozen=True)

@@ -28,10 +28,8 @@ from spacar.linear_systems import LinearSystem, SingularMatrixError, assemble
 from spacar.linear_systems.lost_digits import entry_rounding, lost
 from spacar.linearization.contractions import configuration_of, geometric_blocks
 from spacar.mechanism.mechanism import Batch
+from spacar.stationary.contract import NO_DIGITS, SINGULAR
 from spacar.stationary.flexibility import Flexibility
-
-SINGULAR = 1e14  # displacements under a load of the size of the stiffness from which singularity is looked for
-NO_DIGITS = 1e-4  # relative change of a solution by rounding of the entries from which the matrix counts as singular
 
 
 class TangentTerm:

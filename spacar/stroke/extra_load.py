@@ -20,12 +20,12 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
-from spacar.dynamics.forces import moment_gradient
+from spacar.dynamics.forces import moment_entries
 from spacar.errors import Report
 from spacar.linear.buckling import buckling_modes
 from spacar.linear.internal_unknowns import extra_load_matrices
 from spacar.linear.node_compliance import displacements
-from spacar.linear_systems.matrix import Matrix, matrix, zero_matrix
+from spacar.linear_systems.matrix import matrix
 from spacar.linearization.contractions import geometric_stiffness
 from spacar.linearization.matrices import Linearization
 from spacar.mechanism.numbering import Numbering
@@ -55,22 +55,12 @@ class ExtraLoad:
 
     def at(self, x: Array) -> Array:
         """df (nx,) at coordinates x (nx,)."""
-        if not self.rows.size:
-            return self.force
-        dual = (moment_gradient(self.moments) * x[self.rows]).sum(axis=1)
-        return self.force + np.bincount(self.rows.ravel(), dual.ravel(), len(self.force))
+        rows, columns, values = self.gradient_entries()
+        return self.force + np.bincount(rows, values * x[columns], len(self.force))
 
     def gradient_entries(self) -> tuple[Index, Index, Array]:
-        """-d(df)/dx as rows, columns, values (16 n,)."""
-        if not self.rows.size:
-            return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0)
-        block = -moment_gradient(self.moments)
-        i, j = (np.broadcast_to(r, block.shape).ravel() for r in (self.rows[:, None, :], self.rows[None, :, :]))
-        return i, j, block.ravel()
-
-    def gradient(self, nx: int) -> Matrix:
-        """-d(df)/dx (nx, nx)."""
-        return matrix(*self.gradient_entries(), (nx, nx)) if self.rows.size else zero_matrix((nx, nx))
+        """d(df)/dx as rows, columns, values (16 n,)."""
+        return moment_entries(self.rows, self.moments)
 
 
 def extra_stresses(dynamics: Dynamics, L: Linearization, rows: Index, load: ExtraLoad) -> Array:
@@ -92,8 +82,8 @@ def extra_margin(
     if not len(rows):
         return np.inf
     G, W = L.G[:, rows], L.W[:, rows]
-    loading = geometric_stiffness(dynamics.sweep, sigma) + load.gradient(dynamics.numbering.nx)
+    nx = dynamics.numbering.nx
+    loading = geometric_stiffness(dynamics.sweep, sigma) - matrix(*load.gradient_entries(), (nx, nx))
     added = np.asarray((W.T @ loading) @ G)
     K = L.stiffness[np.ix_(rows, rows)]
-    found = buckling_modes(*extra_load_matrices(dynamics, L, rows, K, added, sigma), report).multipliers
-    return float(found[found > 0.0].min(initial=np.inf))
+    return buckling_modes(*extra_load_matrices(dynamics, L, rows, K, added, sigma), report).lowest_positive

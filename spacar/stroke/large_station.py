@@ -28,11 +28,12 @@ from spacar.linear.buckling import BucklingModes
 from spacar.linear.lowest import is_symmetric_loading, lowest_vibration
 from spacar.linear.lowest_multipliers import lowest_buckling, lowest_extra_load
 from spacar.linear_systems import SingularMatrixError
+from spacar.mechanism.numbering import Numbering
 from spacar.stationary.flexibility import Flexibility
 from spacar.stationary.tangent import STATIC, SparseTangent
 from spacar.stroke.extra_load import ExtraLoad
 from spacar.stroke.observed_node import ObservedNode
-from spacar.stroke.station import Station, first_of, strain_energy, without_still
+from spacar.stroke.station import Station, add_warnings, apart, first_of, hertz_of, strain_energy, without_still
 
 FIRST, MOST = 6, 40  # multipliers, and free modes, that are computed at first and at most
 
@@ -49,14 +50,12 @@ class DriveTangents:
     @classmethod
     def of(cls, dynamics: Dynamics, row: int, deformation: bool) -> DriveTangents:
         n = dynamics.numbering
-        moving = [np.arange(n.x_class[c].start, n.x_class[c].stop) for c in ("calculable", "dynamic")]
-        others = np.concatenate(moving)
         stiff = Flexibility(dynamics)
         if deformation:
             return cls(
                 SparseTangent(dynamics, stiff), SparseTangent(dynamics, Flexibility(dynamics, (row,))), row, True
             )
-        others = others[others != row]
+        others = np.setdiff1d(np.r_[n.x_class["calculable"], n.x_class["dynamic"]], row)
         every = np.append(others, row)
         return cls(SparseTangent(dynamics, stiff, others), SparseTangent(dynamics, stiff, every), row, False)
 
@@ -94,10 +93,8 @@ def large_station(
 ) -> Station:  # fmt: skip
     """Everything about a placed state, as from `spacar.stroke.station.station`."""
     d = tangents.dynamics
-    P = np.zeros((d.numbering.nx, len(node.names)))
-    P[node.rows] = node.map(frame.x).T
-    moved = _moved(d, P)
-    own = _row_of_q(d, tangents.row, tangents.deformation)
+    P, moved = _forces(d, frame, node)
+    own = row_of_q(d.numbering, tangents.row, tangents.deformation)
     locked = _compliance(tangents.held, P, np.delete(moved, own, axis=1), moved, node, "locked", report)
     free = _compliance(tangents.free, P, moved, moved, node, "free", report)
     try:
@@ -115,19 +112,20 @@ def large_station(
 
 def node_compliance_of(tangents: DriveTangents, frame: Frame, node: ObservedNode, report: Report) -> Array:
     """(m, m) compliance of a node with the drive free; nan where the stiffness is singular."""
-    P = np.zeros((tangents.dynamics.numbering.nx, len(node.names)))
-    P[node.rows] = node.map(frame.x).T
-    moved = _moved(tangents.dynamics, P)
+    P, moved = _forces(tangents.dynamics, frame, node)
     return _compliance(tangents.free, P, moved, moved, node, "free", report)
 
 
-def _moved(dynamics: Dynamics, P: Array) -> Array:
-    """P^T W (m, ndof): what a unit of every degree of freedom moves along the forces P (nx, m)."""
-    return np.array([moved_along(dynamics.kinematics, f) for f in P.T])
+def _forces(dynamics: Dynamics, frame: Frame, node: ObservedNode) -> tuple[Array, Array]:
+    """Unit forces and moments P (nx, m) on the node, and what a unit of every degree of freedom moves along them, P^T W
+    (m, ndof)."""
+    P = np.zeros((dynamics.numbering.nx, len(node.names)))
+    P[node.rows] = node.map(frame.x).T
+    return P, np.array([moved_along(dynamics.kinematics, f) for f in P.T])
 
 
-def _row_of_q(dynamics: Dynamics, row: int, deformation: bool) -> int:
-    n = dynamics.numbering
+def row_of_q(n: Numbering, row: int, deformation: bool) -> int:
+    """The row of q of a row of e, if it is a `deformation`, or of x."""
     return int(np.flatnonzero((n.q_e if deformation else n.q_x) == row)[0]) + deformation * len(n.q_x)
 
 
@@ -152,13 +150,9 @@ def _frequencies(tangent: SparseTangent, wanted: int, report: Report) -> tuple[A
         return np.zeros(0), np.zeros((tangent.dynamics.numbering.nx, 0))
     for line in told.lines:
         report.add(line)
-    values, shapes = found.values, found.motions
-    assert shapes is not None
-    chosen = np.flatnonzero((values.imag > 0.0) | ((values.imag == 0.0) & (values.real > 0.0)))
-    hertz = np.abs(values[chosen]) / (2.0 * np.pi)
-    hertz = np.where(values[chosen].imag > 0.0, hertz, -hertz)
-    order = np.argsort(hertz, kind="stable")
-    return hertz[order], shapes[:, chosen[order]].real
+    assert found.motions is not None
+    hertz, chosen = hertz_of(found.values)
+    return hertz, found.motions[:, chosen].real
 
 
 def _free_modes(tangent: SparseTangent, wanted: int, path: Array, report: Report) -> tuple[Array, float, float]:
@@ -183,12 +177,7 @@ def _free_modes(tangent: SparseTangent, wanted: int, path: Array, report: Report
         text = f"the motion of the drive is none of the {len(hertz)} lowest free modes: its frequency is not known"
         report.add(f"warning: {text}")
         return hertz, np.nan, float(hertz[0])
-    rest = np.delete(hertz, k)
-    return hertz, float(hertz[k]), float(rest[0]) if len(rest) else np.nan
-
-
-def _lowest_positive(multipliers: Array) -> float:
-    return float(multipliers[multipliers > 0.0].min(initial=np.inf))
+    return hertz, *apart(hertz, k)
 
 
 def _margin(tangent: SparseTangent, report: Report) -> float:
@@ -208,15 +197,13 @@ def _searched(
         except (AnalysisError, SingularMatrixError) as error:
             report.add(f"warning: no {what}: {error}")
             return np.nan
-        value = _lowest_positive(found.multipliers)
+        value = found.lowest_positive
         # If there are fewer than wanted, the others are infinite or, with an unsymmetric loading only, complex.
         all_found = len(found.multipliers) < wanted and is_symmetric_loading(tangent)
         if np.isfinite(value) or wanted >= most or all_found:
             break
         wanted = min(2 * wanted, most)
-    for line in told.lines:
-        if line.startswith("warning"):
-            report.add(line)
+    add_warnings(told, report)
     if np.isinf(value) and not all_found and wanted < tangent.dynamics.numbering.nddof:
         report.add(f"warning: none of the {wanted} lowest {what} is positive; a larger one is not looked for")
     return value
@@ -226,7 +213,7 @@ def _extra(tangents: DriveTangents, held: bool, load: ExtraLoad | None, report: 
     """Multipliers of the extra load alone, drive held and free."""
     if load is None:
         return np.nan, np.nan
-    d, what = tangents.dynamics, "multiplier of the extra load"
+    d, what = tangents.dynamics, "multipliers of the extra load"
     t = tangents.held if held else tangents.free
     try:
         s1 = _stresses(t, load.at(d.kinematics.x))

@@ -26,7 +26,7 @@ from spacar.stroke.driven_deck import Row, driven, load_row, own_move
 from spacar.stroke.error_motions import error_motions
 from spacar.stroke.extra_load import ExtraLoad
 from spacar.stroke.flexure_results import Flexure
-from spacar.stroke.large_station import DriveTangents, large_station, node_compliance_of
+from spacar.stroke.large_station import DriveTangents, large_station, node_compliance_of, row_of_q
 from spacar.stroke.observed_node import ObservedNode
 from spacar.stroke.station import Station, free_compliance, station
 from spacar.stroke.stroke_move import StrokeMove, parse_move
@@ -94,8 +94,7 @@ class _Side:
         self.mechanism, self.node, self.move, self.report = mechanism, node, move, report
         n = mechanism.numbering
         row = n.e_index(move.number, move.place) if move.deformation else n.x_index(move.number, move.place)
-        places = n.q_e if move.deformation else n.q_x
-        self.row, self.drive = row, int(np.flatnonzero(places == row)[0]) + move.deformation * len(n.q_x)
+        self.row, self.drive = row, row_of_q(n, row, move.deformation)
         self.stations: list[Station] = []
         self.stroke: list[float] = []
         self.force: list[float] = []

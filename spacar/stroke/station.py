@@ -18,6 +18,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
@@ -131,12 +132,18 @@ def _frequencies(L: Linearization, dynamics: Dynamics, rows: Index, report: Repo
         return none
     for line in told.lines:
         report.add(line)
-    values = found.values
+    hertz, chosen = hertz_of(found.values)
+    return hertz, found.vectors[: len(rows), chosen].real
+
+
+def hertz_of(values: NDArray[np.complex128]) -> tuple[Array, Index]:
+    """Frequencies (n,) [Hz] of undamped motion from low to high, unstable ones negative, and the places of their
+    eigenvalues: of a pair the one with the positive imaginary, or positive real part."""
     chosen = np.flatnonzero((values.imag > 0.0) | ((values.imag == 0.0) & (values.real > 0.0)))
     hertz = np.abs(values[chosen]) / (2.0 * np.pi)
     hertz = np.where(values[chosen].imag > 0.0, hertz, -hertz)
     order = np.argsort(hertz, kind="stable")
-    return hertz[order], found.vectors[: len(rows), chosen[order]].real
+    return hertz[order], chosen[order]
 
 
 def _massless(M: Array) -> bool:
@@ -153,7 +160,11 @@ def _split(hertz: Array, shapes: Array, M: Array, path: Array) -> tuple[float, f
         return np.nan, np.nan
     along = shapes.T @ (M @ path)
     share = along**2 / np.maximum(np.einsum("ik,ij,jk->k", shapes, M, shapes), np.finfo(float).tiny)
-    k = int(np.argmax(share))
+    return apart(hertz, int(np.argmax(share)))
+
+
+def apart(hertz: Array, k: int) -> tuple[float, float]:
+    """Frequency k, and the lowest of the others (nan: none)."""
     rest = np.delete(hertz, k)
     return float(hertz[k]), float(rest[0]) if len(rest) else np.nan
 
@@ -169,15 +180,12 @@ def _margin(L: Linearization, dynamics: Dynamics, rows: Index, report: Report) -
         return np.inf
     told = Report()
     try:
-        found = buckling_modes(*buckling_matrices(dynamics, L, rows), told).multipliers
+        found = buckling_modes(*buckling_matrices(dynamics, L, rows), told).lowest_positive
     except AnalysisError as error:
         report.add(f"warning: no load multipliers: {error}")
         return np.nan
-    for line in told.lines:
-        if line.startswith("warning"):
-            report.add(line)
-    positive = found[found > 0.0]
-    return float(positive.min(initial=np.inf))
+    add_warnings(told, report)
+    return found
 
 
 def _extra(
@@ -192,12 +200,17 @@ def _extra(
         sigma = extra_stresses(dynamics, L, others if held else every, load)
         found = [extra_margin(dynamics, L, rows, sigma, load, told) for rows in (others, every)]
     except AnalysisError as error:
-        report.add(f"warning: no multiplier of the extra load: {error}")
+        report.add(f"warning: no multipliers of the extra load: {error}")
         return np.nan, np.nan
+    add_warnings(told, report)
+    return found[0], found[1]
+
+
+def add_warnings(told: Report, report: Report) -> None:
+    """What was told of multipliers, without that there are none: the value says it."""
     for line in told.lines:
         if line.startswith("warning"):
             report.add(line)
-    return found[0], found[1]
 
 
 def strain_energy(dynamics: Dynamics) -> float:

@@ -183,6 +183,39 @@ def test_time_varying_system(pair):
         reduce_modes(systems[0], 2)
 
 
+@pytest.fixture
+def saved(monkeypatch, tmp_path):
+    """A sparse result of mode 4, saved."""
+    monkeypatch.setattr(linear_modes, "LARGE", 3)
+    spacar.run(4, parse_deck(planar(), mode=4)).save(tmp_path / "sparse")
+    return tmp_path / "sparse"
+
+
+def test_without_the_file_of_the_equations(saved):
+    saved.with_suffix(".ltv").unlink()
+    with pytest.raises(UsageError, match=r"ltv not found: .* run again"):
+        node_compliance(saved, 13, 14)
+    with pytest.raises(UsageError, match="no eigenvalues and no matrices"):
+        read_vibrations(saved)
+
+
+def test_with_the_file_of_another_run(saved):
+    spacar.run(4, parse_deck(planar(), mode=4), modes=0).save(saved.with_name("dense"))
+    saved.with_name("dense.ltv").replace(saved.with_suffix(".ltv"))
+    with pytest.raises(UsageError, match="different runs; run again"):
+        read_vibrations(saved)
+    with pytest.raises(UsageError, match="different runs; run again"):
+        node_compliance(saved, 13, 14)
+
+
+def test_a_table_with_numbers_that_are_not_finite(saved):
+    result = spacar.run(4, parse_deck(planar(), mode=4))
+    result.frames[0].state_space["asp"][5, 2] = np.nan
+    result.save(saved)
+    with pytest.raises(SpacarError, match="the sparse system of step 1 has numbers that are not finite"):
+        getss(saved)
+
+
 def test_visual_and_eigen_commands(pair, capsys):
     sparse, _, folder = pair
     assert main(["eigen", str(folder / "sparse"), "--lowest", "2", "--json"]) == 0

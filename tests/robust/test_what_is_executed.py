@@ -139,6 +139,19 @@ def test_a_folder_that_others_may_write_is_not_used(cache):
 
 
 @compiled
+@pytest.mark.parametrize(("mode", "used"), [(0o777, False), (0o770, False), (0o1777, True), (0o755, True)])
+def test_a_folder_that_others_may_replace_is_not_used(cache, tmp_path, monkeypatch, mode, used):
+    """Who may write a folder above it can move it away and put another one there, unless that one is sticky as /tmp."""
+    above = tmp_path / "above"
+    (above / "cache").mkdir(mode=0o700, parents=True)
+    above.chmod(mode)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(above / "cache"))
+    assert (small().parent == above / "cache" / "spacar") is used
+    monkeypatch.setenv("XDG_CACHE_HOME", str(above))
+    assert (small().parent == above / "spacar") is used
+
+
+@compiled
 @pytest.mark.parametrize(
     ("script", "found"),
     [

@@ -84,6 +84,13 @@ def test_linearized_equations_with_forces_of_the_user_are_refused(with_law) -> N
         spacar.sensitivity(with_law(), ["ESTIFF.1[EI]"], ["frequency[1]"])
 
 
+def test_steady_motion_with_forces_of_the_user_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "law.py").write_text(LAW.format(stated=""))
+    (tmp_path / "model.dat").write_text(TURNING.format(rate="0.8").replace("XF 5", "USERSIG law\nXF 5"))
+    with pytest.raises(UsageError, match=r"\(USERSIG\) in steady motion"):
+        spacar.sensitivity(read_deck(tmp_path / "model.dat", 10), ["ESTIFF.1[EI]"], ["x[5,1]"])
+
+
 def test_prescribed_motion_of_the_user(tmp_path: Path) -> None:
     """It depends on no number of the file: what the function does not mention still does."""
     (tmp_path / "drive.py").write_text("def drive(t, step):\n    return t, [], [[2, 1, 0.3, 0.0, 0.0]]\n")

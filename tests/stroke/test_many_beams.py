@@ -13,7 +13,7 @@ from test_extra_load import column
 import spacar
 from spacar.deck import parse_deck, read_deck
 from spacar.linear import linear_modes
-from spacar.stroke import range_of_motion
+from spacar.stroke import large_station, range_of_motion
 
 DATA = Path(__file__).parents[2] / "data"
 GUIDE = models.two_leaves(models.GUIDE, 5)
@@ -59,6 +59,23 @@ def test_the_same_numbers_without_dense_matrices(name, monkeypatch):
         np.testing.assert_allclose(values[known], expected[known], rtol=limit, atol=limit * size, err_msg=column_)
     C = dense.compliance()
     np.testing.assert_allclose(sparse.compliance(), C, rtol=1e-6, atol=1e-7 * np.abs(C).max())
+
+
+def test_what_the_lowest_values_do_not_contain(monkeypatch):
+    """A column under tension has negative multipliers only; pushed along its axis it moves in a high mode. What is not
+    among the values that are computed is nan or infinite, with a warning."""
+    for module in (linear_modes, range_of_motion):
+        monkeypatch.setattr(module, "LARGE", 3)
+    monkeypatch.setattr(large_station, "FIRST", 1)
+    monkeypatch.setattr(large_station, "MOST", 2)
+    deck = parse_deck(column(4, False))
+    study = spacar.flexure(deck, move="9y=1e-7", steps=1, modes=1, extra=["9y=1"])
+    assert np.isnan(study.of("drive_hertz")).all()
+    assert study.of("unwanted_free") == pytest.approx(study.free_frequencies[:, 0])
+    assert np.isinf(study.of("extra_free")).all()
+    said = "\n".join(study.result.report)
+    assert "the motion of the drive is none of the 2 lowest free modes" in said
+    assert "none of the 2 lowest multipliers of the extra load is positive" in said
 
 
 @pytest.mark.slow
