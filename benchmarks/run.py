@@ -115,7 +115,7 @@ def main() -> None:
     whole = process(numpy, options.repeats) if wanted("process") else None
     if wanted("sweep"):
         print("== sweep of 200 manipulators [ms a variant]", flush=True)
-        ensemble.main(general=False)
+        ensemble.main()
     promises = [(name, *row) for name, result in found.items() for row in measure.promise(result)]
     if promises:
         print("== error obtained / error asked (ERROR)")

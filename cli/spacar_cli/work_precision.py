@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from spacar.errors import escaped
 
 if TYPE_CHECKING:
-    from spacar.studies.trade import Entry
+    from spacar.studies.judged import Entry
 
 
 def draw(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from spacar.deck.lexer import LONGEST_LINE, split_lines
+from spacar.deck.lexer import LONGEST_LINE, split_lines, word_end
 from spacar.deck.statement import Statement, Value
 from spacar.errors import UsageError
 
@@ -63,10 +63,7 @@ def splice(text: str, statement: Statement, position: int, value: Value) -> str:
     if index < len(statement.values):
         line, start = statement.lines[index], statement.columns[index] - 1
         old = lines[line - 1]
-        end = start
-        while end < len(old) and not old[end].isspace() and old[end] not in "%#;":
-            end += 1
-        lines[line - 1] = old[:start] + value_text(value) + old[end:]
+        lines[line - 1] = old[:start] + value_text(value) + old[word_end(old, start) :]
         return mark + "\n".join(lines)
     words = ["0"] * (index - len(statement.values)) + [value_text(value)]
     if statement.values:
@@ -75,8 +72,6 @@ def splice(text: str, statement: Statement, position: int, value: Value) -> str:
         line, start = statement.line, 0
         start = lines[line - 1].upper().find(statement.keyword)
     old = lines[line - 1]
-    end = start
-    while end < len(old) and not old[end].isspace() and old[end] not in "%#;":
-        end += 1
+    end = word_end(old, start)
     lines[line - 1] = f"{old[:end]} {' '.join(words)}{old[end:]}"
     return mark + "\n".join(lines)

@@ -77,6 +77,12 @@ def words_of(line: str, number: int) -> list[Word]:
     return [Word(m.group(), number, m.start() + 1, i == 0) for i, m in enumerate(found)]
 
 
+def word_end(line: str, start: int) -> int:
+    """Where the word that begins at `start` of a line ends, both counted from 0; `start` where no word begins."""
+    word = _WORD.match(line, start)
+    return word.end() if word else start
+
+
 def columns_of(line: str) -> tuple[int, ...]:
     """Where the words of one line begin, from 1."""
     return tuple([word.column for word in words_of(line, 0)])

@@ -2,12 +2,12 @@
 
 Nothing is read again: a number does not change what the words mean. What a number may be is checked as ever: its size
 here, everything else by the checks of a deck (`spacar.deck.deck_checks`). Whatever is unusual (sections, several
-statements on a line, a number that is refused) gives None: the text is read, which says what is wrong.
+statements on a line, a number that is refused, a line that gets too long or fits again) gives None: the text is read,
+which says what is wrong.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
@@ -16,14 +16,13 @@ from spacar.deck.deck import Deck
 from spacar.deck.deck_checks import check
 from spacar.deck.deck_writer import value_text
 from spacar.deck.findings import Findings
-from spacar.deck.lexer import is_in_range, split_lines
+from spacar.deck.lexer import LONGEST_LINE, is_in_range, split_lines, word_end
 from spacar.deck.mode_blocks import uses
 from spacar.deck.outline import Outline
 from spacar.deck.statement import Statement, Value
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.errors import Message
 
-WORD = re.compile(r"[^\s%#;]+")
 Edit = tuple[Statement, int, float]  # statement of the deck, argument from 1, new value
 
 
@@ -74,11 +73,13 @@ def with_numbers(deck: Deck, edits: Sequence[Edit]) -> Deck | None:
         now = statements[k]  # another of its arguments may have been changed before
         start = now.columns[position - 1] - 1
         line = lines[s.line - 1]
-        word = WORD.match(line, start)
-        assert word is not None
-        line = lines[s.line - 1] = line[:start] + value_text(value) + line[word.end() :]
+        line = lines[s.line - 1] = line[:start] + value_text(value) + line[word_end(line, start) :]
         values: tuple[Value, ...] = (*now.values[: position - 1], float(value), *now.values[position:])
         statements[k] = now._replace(values=values, place=line)
+    for s, _, _ in edits:
+        is_long, was_long = (len(of[s.line - 1]) > LONGEST_LINE for of in (lines, template.lines))
+        if is_long != was_long:
+            return None
     messages = template.checked(tuple(statements))
     if messages is None:
         return None

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from spacar.deck import Deck
 from spacar.deck.deck import parse
-from spacar.deck.lexer import split_lines
+from spacar.deck.lexer import split_lines, word_end
 from spacar.kinematics.advice import KEEPS, Edit, OverconstraintPart, edits
 from spacar.kinematics.diagnosis import Diagnosis, diagnose
 from spacar.kinematics.element_sweep import ElementSweep
@@ -86,9 +86,7 @@ def _change(lines: list[str], edit: Edit) -> None:
         return
     last, start = s.lines[-1] - 1, s.columns[-1] - 1
     old = lines[last]
-    end = start
-    while end < len(old) and not old[end].isspace() and old[end] not in "%#;":
-        end += 1
+    end = word_end(old, start)
     follows = old[end:]
     for mark in "%#;":
         follows = follows.partition(mark)[0]
@@ -102,8 +100,6 @@ def _change(lines: list[str], edit: Edit) -> None:
     for place in range(1, len(s.values)):
         if s.integer(place) in edit.released:
             row, column = s.lines[place] - 1, s.columns[place] - 1
-            word = lines[row]
-            stop = column
-            while stop < len(word) and not word[stop].isspace() and word[stop] not in "%#;":
-                stop += 1
-            lines[row] = f"{word[:column]}{' ' * (stop - column)}{word[stop:]}"
+            text = lines[row]
+            stop = word_end(text, column)
+            lines[row] = f"{text[:column]}{' ' * (stop - column)}{text[stop:]}"

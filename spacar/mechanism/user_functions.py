@@ -173,7 +173,7 @@ def read_rows(name: str, what: str, rows: Any, widths: tuple[int, ...], t: float
         for row in rows:
             if type(row) not in (list, tuple) or len(row) not in widths:
                 break
-            if not all(type(v) in NUMBERS for v in row) or not _finite(sum(row)):
+            if not all(type(v) in NUMBERS for v in row) or not _finite(*row):
                 break
             found.append((*row, *ZEROS[: longest - len(row)]))
         else:
@@ -183,9 +183,10 @@ def read_rows(name: str, what: str, rows: Any, widths: tuple[int, ...], t: float
     return array
 
 
-def _finite(value: float) -> bool:
+def _finite(*values: float) -> bool:
+    """Whether the sum of numbers is one; where it is not, `checked_rows` looks at each of them."""
     try:
-        return isfinite(value)
+        return isfinite(sum(values))
     except OverflowError:  # an integer beyond the floating-point numbers
         return False
 

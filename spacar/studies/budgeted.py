@@ -29,23 +29,19 @@ from spacar.stream import Run
 from spacar.studies.accuracy import stiff
 from spacar.studies.compared import row_values
 from spacar.studies.error_norm import amplitudes, distance
-from spacar.studies.mesh_accuracy import divisible
-from spacar.studies.rows import Row
-from spacar.studies.trade import (
+from spacar.studies.judged import (
     REFERENCE_MARGIN,
     REFERENCE_TOLERANCE,
     Entry,
-    Job,
     Reference,
-    Setup,
-    Trade,
     assess,
     recommend,
     reference,
     reference_setups,
-    run_setup,
-    variant,
 )
+from spacar.studies.mesh_accuracy import divisible
+from spacar.studies.rows import Row
+from spacar.studies.trade import Job, Setup, Trade, run_setup, variant
 from spacar.studies.unneeded import Price, prices
 
 METHODS, STIFF_METHODS = (155, 853, 0), (595, 553)

@@ -20,11 +20,12 @@ from spacar.studies.assignments import Axis, combine, setting
 from spacar.studies.assignments import values as listed_values
 from spacar.studies.batched_cases import in_batches, is_motion, reason
 from spacar.studies.budgeted import command_line, run_options, search
+from spacar.studies.judged import Entry, Reference, recommend
 from spacar.studies.quantities import quantity
 from spacar.studies.rows import Row, Rows
 from spacar.studies.sweep import Batch, Study
 from spacar.studies.sweep import sweep as swept
-from spacar.studies.trade import Entry, Reference, Trade, default_variables, recommend
+from spacar.studies.trade import Trade, default_variables
 from spacar.studies.workers import Engine, run
 
 if TYPE_CHECKING:

@@ -1,14 +1,14 @@
 """Speed against accuracy: one model with many settings of mesh and integration, timed and compared with a reference.
 
 A `Setup` is one way to compute the same thing. Every setup is run (the reference ones too) to a row with the values of
-the chosen variables at the output times, its median processor time and the number of its right-hand sides; `assess`
-turns rows into errors, in the norm of `spacar.studies.error_norm` with amplitudes of the reference.
+the chosen variables at the output times, its median processor time and the number of its right-hand sides;
+`spacar.studies.judged` turns rows into errors, in the norm of `spacar.studies.error_norm`.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
@@ -25,20 +25,15 @@ from spacar.mechanism import build
 from spacar.modes import find_mode
 from spacar.options import integrator
 from spacar.result import Result
-from spacar.studies.compared import aligned, compared, real_series, row_values
-from spacar.studies.error_norm import distance
+from spacar.studies.compared import aligned, compared, real_series
 from spacar.studies.models import linear_strain, rigid
 from spacar.studies.perturbation import perturbation, require_perturbation
 from spacar.studies.quantities import Quantity, quantity
-from spacar.studies.richardson import extrapolate, extrapolate_rows
 from spacar.studies.rows import Row, key
 from spacar.studies.sweep import explain
 
 MOST_VARIABLES = 600  # that are compared when the user names none
 LONG = 1.0  # seconds, after which a run with a limit is not repeated: its time is known well enough
-REFERENCE_METHODS = (853, 0)
-REFERENCE_TOLERANCE = 1e-12  # smallest
-REFERENCE_MARGIN = 0.01  # tolerance of the reference / smallest error that is looked at
 
 
 @dataclass(frozen=True)
@@ -112,31 +107,6 @@ class Job:
     limit: float | None = None  # seconds; a run that takes longer is stopped and has failed
 
 
-@dataclass(frozen=True)
-class Entry:
-    """A setup with its cost and error; nan and a reason when it failed. `estimate`: its own estimate of the error."""
-
-    setup: Setup | None
-    label: tuple[str, str]  # model, integration
-    error: float
-    seconds: float
-    rhs: int | None
-    reason: str = ""
-    estimate: float | None = None
-
-
-@dataclass(frozen=True)
-class Reference:
-    """Values (variables, times), their estimated error in the norm of the study, and how both came about; names of the
-    variables (none: all that a row has, in its order)."""
-
-    values: Array
-    amplitude: Array
-    error: float
-    text: str
-    names: tuple[str, ...] = ()
-
-
 def default_variables(mode: int, deck: Deck) -> tuple[Quantity, ...]:
     """All coordinates that the motion determines: calculable, dynamic, kinematic; none in the stationary modes, where
     more counts than coordinates. Raises UsageError when too many."""
@@ -180,27 +150,6 @@ def setups(
         if perturbation_too and model.beams == "flexible":
             require_perturbation(variant(trade.deck, model), **trade.options)
             found += [replace(model, substeps=k, method="perturbation") for k in substeps]
-    return found
-
-
-def reference_setups(
-    trade: Trade, elements: Sequence[int], smallest: float, methods: Sequence[int] = REFERENCE_METHODS
-) -> list[Setup]:
-    """Setups of the reference: two methods at a tight tolerance, and three meshes when meshes are compared.
-
-    `smallest` error (or tolerance) of the study; the reference gets a hundredth of it. Raises UsageError.
-    """
-    if len(set(methods)) != 2 or not all(c in METHODS and METHODS[c].variable_step for c in methods):
-        raise UsageError("the reference takes two different methods with variable step", "usage.trade")
-    tight = max(REFERENCE_MARGIN * smallest, REFERENCE_TOLERANCE)
-    codes = [None] if trade.stationary else list(methods)
-    finest = 4 * -(-2 * max(elements) // 4)
-    meshes = [finest, finest // 2, finest // 4] if len(set(elements)) > 1 or trade.stationary else [elements[0]]
-    found = []
-    for mesh in meshes:
-        for code in codes[: 2 if mesh == meshes[0] else 1]:
-            tolerance = None if code is None else tight
-            found.append(Setup(mesh, integrator=code, tolerance=tolerance))
     return found
 
 
@@ -292,110 +241,3 @@ def setup_options(trade: Trade, setup: Setup, deck: Deck) -> dict[str, Any]:
         elif given.duration is not None:
             options["step"] = given.duration / given.n_steps / (setup.substeps or 1)
     return options
-
-
-def reference(
-    trade: Trade, rows: Sequence[Row], wanted: Sequence[Setup], integration: tuple[float, str] | None = None
-) -> Reference:
-    """The reference of the rows of `wanted` and its estimated error: two methods on one of the meshes (unless the error
-    of the `integration` is given, and how it is known), two or three meshes, each twice as fine as the one before.
-
-    Raises AnalysisError.
-    """
-    by_key = {row["case"]: row for row in rows}
-    found = [(s, by_key.get(trade.key(s))) for s in wanted]
-    good = {s: row for s, row in found if row is not None and row["status"] == "done"}
-    meshes = sorted({s.elements for s in wanted})
-    first = {n: next((row for s, row in good.items() if s.elements == n), None) for n in meshes}
-    finest = first[meshes[-1]]
-    if finest is None or any(row is None for row in first.values()):
-        reasons = [str(row["reason"]) for _, row in found if row is not None and row.get("reason")]
-        raise AnalysisError(f"the reference could not be computed: {'; '.join(reasons)}", "study.reference")
-    names = tuple(name for name in finest["names"] if all(name in row["names"] for row in first.values() if row))
-    values = [row_values(row, names) for row in first.values() if row is not None]
-    best = values[-1]
-    scale = dict(zip(finest["names"], finest["amplitude"], strict=True))
-    amplitude = np.array([np.inf if scale[name] is None else scale[name] for name in names])
-    error, words = 0.0, []
-    if integration is not None:
-        error, text = integration
-        words.append(text)
-    elif not trade.stationary:
-        tight = next(s.tolerance for s in wanted)
-        pair = next(([s for s in good if s.elements == n] for n in meshes if _methods(good, n) > 1), None)
-        if pair is None:
-            text = "only one of the two methods reached the reference; choose a shorter time"
-            raise AnalysisError(text, "study.reference")
-        one, other = (row_values(good[s], names) for s in pair[:2])
-        error = distance(one, other, amplitude)
-        codes = " and ".join(str(s.integrator) for s in pair[:2])
-        words.append(f"methods {codes} at tolerance {tight:.3g} differ by {error:.2e}")
-    if len(meshes) > 1:
-        seen = ", ".join(map(str, meshes))
-        if len(meshes) == 2:
-            last = distance(values[-1], values[-2], amplitude)
-            how = f"which differ by {last:.2e}"
-        else:
-            coarse, middle, fine = values[-3:]
-            result = extrapolate_rows(coarse, middle, fine, amplitude)
-            best, last = result.values, float(result.errors.max(initial=0.0))
-            orders = [int(np.sum(result.order == p)) for p in (4, 2, 0)]
-            told = zip(orders, ("with order 4", "with order 2", "not"), strict=True)
-            how = f"variables extrapolated: {', '.join(f'{k} {how}' for k, how in told if k)}, "
-            how += f"estimated error {last:.2e}"
-            if len(set(result.order.tolist())) == 1 and result.order.all():  # an order that all share is no accident
-                whole = extrapolate(coarse, middle, fine, amplitude)
-                best, last, how = whole.values, whole.error, whole.text
-        error += last
-        words.append(f"meshes {seen} elements a beam, {how}")
-    return Reference(best, amplitude, error, "; ".join(words), names)
-
-
-def _methods(good: Mapping[Setup, Row], elements: int) -> int:
-    return len({s.integrator for s in good if s.elements == elements})
-
-
-def assess(
-    trade: Trade, rows: Sequence[Row], wanted: Sequence[Setup], ref: Reference, extrapolated: bool = True
-) -> list[Entry]:
-    """Entries of the setups, and (`extrapolated`) in the stationary modes of every three meshes n, 2n, 4n of them."""
-    by_key = {row["case"]: row for row in rows}
-    entries = []
-    values: dict[Setup, tuple[Array, float]] = {}
-    for setup in wanted:
-        row = by_key[trade.key(setup)]
-        label = (setup.model, setup.integration)
-        if row["status"] != "done":
-            entries.append(Entry(setup, label, float("nan"), float("nan"), None, str(row["reason"])))
-            continue
-        found = row_values(row, ref.names)
-        values[setup] = found, row["seconds"]
-        rhs, error = row["rhs"] or None, distance(found, ref.values, ref.amplitude)
-        reason = "it has not all frequencies or load multipliers of the finer meshes" if np.isnan(error) else ""
-        entries.append(Entry(setup, label, error, row["seconds"], rhs, reason))
-    if trade.stationary and extrapolated:
-        entries += _extrapolated(values, ref)
-    return entries
-
-
-def _extrapolated(values: dict[Setup, tuple[Array, float]], ref: Reference) -> list[Entry]:
-    entries = []
-    for setup in values:
-        chain = [replace(setup, elements=k * setup.elements) for k in (1, 2, 4)]
-        if setup.beams == "rigid" or not all(s in values for s in chain):
-            continue
-        coarse, middle, fine = (values[s][0] for s in chain)
-        result = extrapolate(coarse, middle, fine, ref.amplitude)
-        label = f"{', '.join(str(s.elements) for s in chain)} elements a beam, extrapolated"
-        label += f", {setup.measure} measure" if setup.measure else ""
-        label += ", linear strain" if setup.strain == "linear" else ""
-        cost = sum(values[s][1] for s in chain)
-        error = distance(result.values, ref.values, ref.amplitude)
-        entries.append(Entry(None, (label, ""), error, cost, None, estimate=result.error))
-    return entries
-
-
-def recommend(entries: Sequence[Entry], target: float, ref: Reference) -> Entry | None:
-    """The cheapest entry whose error, together with that of the reference, is within the target."""
-    good = [e for e in entries if e.error + ref.error <= target]
-    return min(good, key=lambda e: e.seconds, default=None)

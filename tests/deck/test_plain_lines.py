@@ -1,11 +1,15 @@
 """A plain line (a keyword with ordinary numbers) means what its words mean when they are taken one by one."""
 
 import re
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from spacar.deck import lexer, parse_deck
+from spacar.deck import deck_reader, lexer, parse_deck
+from spacar.deck.arguments import read_statement
 from spacar.errors import InputError
 
 DATA = Path(__file__).parents[2] / "data"
@@ -47,3 +51,67 @@ def test_ordinary_numbers_are_in_range(word):
     assert lexer._PLAIN.match(f"X {word}")
     assert float(word) == lexer.number_of(word)
     assert lexer.is_in_range(float(word), word)
+
+
+REALS = ["1.e5", "+.5", "1d3", "1D-2", "00012", "1e400", "-1e-400", "0.e5", "1e80", "1e-90", ".", "1..2", "-", "nan"]
+ORDINARY = ["0", "1", "2", "3", "4", "5", "6", "+1", "-1", "0.", "1.", "-2.5", "3.", "1e0"]
+NUMBER = st.sampled_from(ORDINARY * 3 + REALS)
+GAP = st.sampled_from([" "] * 5 + ["\t", " \t ", "\v", "\f", "\x1c", "\u00a0"])
+BEHIND = st.sampled_from([""] * 5 + [" ", "\t", "%", "% note", "#1 2", " ; X 1 2", ";", "\x1c", "\u00a0"])
+KEYWORD = st.sampled_from([
+    "PLBEAM", "PLTRUSS", "HINGE", "PLTUBE", "X", "FIX", "INPUTX", "DYNX", "DYNE", "KINX", "RLSE", "LDEFORM", "XM", "EM",
+    "ESTIFF", "XF", "GRAVITY", "TIMESTEP", "ERROR", "STARTDE", "INPUTE", "OUTLEVEL", "END", "HALT", "END HALT", "x",
+    "END END", "end", "plbeam", "USERSIG", "SECTION", "NONE", "VISUALIZATION",
+])  # fmt: skip
+
+
+@st.composite
+def odd_line(draw):
+    words = [draw(KEYWORD), *draw(st.lists(NUMBER, max_size=7))]
+    gaps = [draw(GAP) for _ in words[1:]]
+    line = draw(st.sampled_from(["", "", " ", "\t", "\x1c"])) + words[0]
+    return line + "".join(gap + word for gap, word in zip(gaps, words[1:], strict=True)) + draw(BEHIND)
+
+
+START = ["PLBEAM 1 1 2 3 4", "PLBEAM 2 3 4 5 6", "X 3 1. 0.", "X 5 2. 0."]
+TEXT = st.builds(
+    lambda before, one, two, three, newline: newline.join(
+        [*before, *one, "END HALT", *two, *(["END HALT", *three] if three else []), "END END", ""]
+    ),
+    st.sampled_from([START, [], ["HINGE 7 8 9", *START]]),
+    *[st.lists(odd_line(), max_size=n) for n in (6, 5, 2)],
+    st.sampled_from(["\n", "\n", "\r\n", "\r"]),
+)
+
+
+@settings(max_examples=150, deadline=None, database=None, derandomize=True)
+@given(TEXT)
+def test_odd_lines_are_their_words(text):
+    """Every single statement, also of a file that is refused."""
+
+    def both():
+        statements = []
+
+        def recorded(*arguments):
+            s = read_statement(*arguments)
+            statements.append(s and (*s[:5], [type(v) for v in s.values], s.columns))
+            return s
+
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(deck_reader, "read_statement", recorded)
+            return read(text), statements
+
+    plain = both()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(lexer, "_PLAIN", re.compile(r"(?!)"))
+        assert both() == plain
+
+
+@settings(max_examples=100, deadline=None, database=None, derandomize=True)
+@given(st.from_regex(lexer._ORDINARY, fullmatch=True))
+def test_every_ordinary_number_is_read_alike(word):
+    """`float` and `int` read a word of the pattern as the number grammar does, or `int` refuses it."""
+    assert lexer.is_in_range(float(word), word)
+    assert float(word) == lexer.number_of(word)
+    with suppress(ValueError):
+        assert int(word) == lexer.integer_of(word)

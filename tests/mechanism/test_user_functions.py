@@ -178,6 +178,7 @@ SIGNATURE = {"USERSIG": "t, ne, le, e, ep, nx, lnp, x, xp", "USERINP": "t, step"
         ),
         ("USERSIG", "(t, None, [[2, 1, float('inf')]])", "not-finite", ("row 1 of f", "t = 0")),
         ("USERSIG", "(t, [[3, 1, 10**400]], None)", "shape", ("sig", "t = 0", "too large")),
+        ("USERSIG", "(t, [[3, 1, 10**400, 0.0, 0.0]], None)", "shape", ("sig", "t = 0", "too large")),
         ("USERSIG", "(t, [[9, 1, 2.0]], None)", "index", ("row 1 of sig", "9 1", "does not exist")),
         ("USERSIG", "(t, [[3, 2, 2.0]], None)", "index", ("row 1 of sig", "3 2", "does not exist")),
         ("USERSIG", "(t, [[0, 0, 2.0]], None)", "index", ("0 0",)),

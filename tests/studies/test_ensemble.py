@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.deck import parse_deck
+from spacar.deck import parse_deck, read_deck
 from spacar.errors import UsageError
 from spacar.studies.assignments import axis, change, setting
 from spacar.studies.batched_cases import reason
@@ -78,14 +78,22 @@ def test_what_is_alike(deck):
     [
         ("robotsim", {}, "no TIMESTEP"),
         ("robotsim", {**ROBOT, "integrator": 430}, "implicit"),
+        ("robotsim", {**ROBOT, "integrator": 553}, "implicit"),
+        ("robotsim", {**ROBOT, "integrator": 220}, "method 220 runs alone"),
+        ("robotsim", {**ROBOT, "integrator": 225}, "method 225 runs alone"),
         ("crank", {}, "nothing is integrated"),
-        ("trike2", ROBOT, "wheels|user functions"),
+        ("trike2", ROBOT, "wheels"),
     ],
 )
 def test_what_has_no_batch(deck, name, options, why):
     import re
 
     assert re.search(why, why_not(deck(name, 1), **options))
+
+
+def test_user_functions_have_no_batch():
+    scenarios = Path(__file__).parents[2] / "benchmarks" / "peers" / "scenarios"
+    assert "user functions" in why_not(read_deck(scenarios / "S4.dat", 1))
 
 
 def sweep_words(*more):

@@ -13,9 +13,10 @@ from spacar.deck import parse_deck
 from spacar.deck.finer import refine
 from spacar.errors import UsageError
 from spacar.studies.coarser import merged
+from spacar.studies.judged import Reference
 from spacar.studies.models import rigid
 from spacar.studies.quantities import quantity
-from spacar.studies.trade import Reference, Setup, Trade
+from spacar.studies.trade import Setup, Trade
 from spacar.studies.unneeded import prices
 
 # A stiff rod (1e6 times) carries a soft one; the soft one vibrates.

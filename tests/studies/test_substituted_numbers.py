@@ -59,3 +59,18 @@ def test_nothing_is_read(monkeypatch):
     change(deck, [setting("XM.8")], [20.0])
     monkeypatch.setattr(assignments, "parse", None)
     assert change(deck, [setting("XM.8")], [21.0]).first("XM").keyword == "XM"
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+@pytest.mark.parametrize(("before", "value"), [("1.", 0.12345678901234567), ("0.12345678901234567", 1.0)])
+@pytest.mark.parametrize("mark", ["", "\ufeff"])
+def test_lines_that_get_too_long_or_fit_again(end, before, value, mark, monkeypatch):
+    comment = "% " + (157 - len("X 3 1. 0.% ")) * "-"
+    rows = ["PLBEAM 1 1 2 3 4", f"X 3 {before} 0.{comment}", "FIX 1", "FIX 2", "DYNE 1 2", "END HALT", "END END", ""]
+    deck = parse_deck(mark + end.join(rows), mode=7)
+    ours = change(deck, [setting("X.3[2]")], [value])
+    monkeypatch.setattr(assignments, "with_numbers", lambda deck, edits: None)
+    read = change(deck, [setting("X.3[2]")], [value])
+    for part in ("text", "data", "statements", "messages"):
+        assert getattr(ours, part) == getattr(read, part)
+    assert any("longer than 160" in m.text for m in ours.messages) == (value != 1.0)

@@ -12,18 +12,10 @@ import pytest
 from spacar.compiled.library import unavailable
 from spacar.deck import Deck
 from spacar.errors import UsageError
+from spacar.studies.judged import assess, recommend, reference, reference_setups
 from spacar.studies.quantities import quantity
 from spacar.studies.richardson import extrapolate
-from spacar.studies.trade import (
-    Job,
-    Trade,
-    assess,
-    recommend,
-    reference,
-    reference_setups,
-    run_setup,
-    setups,
-)
+from spacar.studies.trade import Job, Trade, run_setup, setups
 
 OSCILLATOR = """
 PLTRUSS 1 1 2

@@ -134,17 +134,10 @@ def command(
     The reference and its error come from two methods at a tight tolerance and, where meshes are compared, from
     extrapolation over three meshes. With --jobs the runs share the processor, which disturbs the times.
     """
+    from spacar.studies.judged import assess, recommend, reference, reference_setups
     from spacar.studies.quantities import quantity
     from spacar.studies.study_calls import compared_deck, require_beams
-    from spacar.studies.trade import (
-        Trade,
-        assess,
-        default_variables,
-        recommend,
-        reference,
-        reference_setups,
-        setups,
-    )
+    from spacar.studies.trade import Trade, default_variables, setups
 
     for path, kinds in ((output, (".csv", ".json")), (plot, (".png", ".svg", ".pdf"))):
         if path is not None and path.suffix.lower() not in kinds:
@@ -204,7 +197,7 @@ def _within_budget(
 ) -> ExitStatus:  # fmt: skip
     """The settings that suit the model, cheapest first, until the time is used; the recommendation as a command."""
     from spacar.studies.budgeted import command_line, search, unneeded
-    from spacar.studies.trade import recommend
+    from spacar.studies.judged import recommend
 
     def tick(what: str, left: float) -> None:
         if environment.error_is_terminal and not quiet:
