@@ -1,7 +1,8 @@
 """Colours of `spacar view --stress`: a stress or stress resultant along beams and trusses, over all pictures.
 
-Every frame of the mesh along an elastic line, and of a truss that is drawn as a spring, gets a number for every picture,
-0 ... LAST for the range of the colours, NONE where there is no finite value; the page mixes the palette between them.
+Every frame of the mesh along an elastic line, and of a truss that is drawn as a spring, gets a number for every
+picture, 0 ... LAST for the range of the colours, NONE where there is no finite value; the page mixes the palette
+between them.
 """
 
 from __future__ import annotations
