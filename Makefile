@@ -27,7 +27,7 @@ endef
 
 # The C text of the engine and what it is generated from: an installation with another one builds it again.
 ENGINE := hatch_build.py $(wildcard spacar/compiled/*.c) \
-          $(addprefix spacar/compiled/,definitions.py planar_definitions.py spatial_definitions.py element_parameters.py generate.py)
+          $(wildcard spacar/compiled/*definitions.py) $(addprefix spacar/compiled/,element_parameters.py generate.py)
 
 $(VENV)/.installed: pyproject.toml $(ENGINE)
 	$(environment)

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from spacar.errors import UsageError
 from spacar_cli.environment import Environment
+
+if TYPE_CHECKING:
+    from spacar.deck import Deck
 
 STANDARD_INPUT, PIPED = "-", Path("stdin.dat")  # the name of the file, and where it would stand
 
@@ -17,6 +21,16 @@ def piped_text(environment: Environment) -> str:
     except UnicodeDecodeError as error:
         text = f"standard input is no text: {error.reason} at byte {error.start}"
         raise UsageError(text, "files.not-readable") from None
+
+
+def parse_piped(text: str, mode: int | None) -> Deck:
+    """The text as the input file PIPED: its results are stdin.* in the current folder, or in that of --output-dir.
+
+    Raises InputError as `parse` does.
+    """
+    from spacar.deck.deck import parse
+
+    return parse(text, PIPED.stem, mode, path=PIPED)
 
 
 def input_file(name: Path) -> Path:

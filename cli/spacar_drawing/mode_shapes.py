@@ -100,18 +100,18 @@ def vibration_modes(source: PictureSource, matrices: Any, step: int) -> list[Mod
     def get(name: str) -> Array:
         return np.atleast_2d(np.asarray(matrices.get(name, step), float))
 
+    motions = None
     if matrices.has("eigvre"):
         values = get("eigval") @ np.array([1.0, 1.0j])
         vectors = get("eigvre") + 1j * get("eigvim")
-    elif matrices.has("m0"):
-        found = modes_of_stored_matrices(matrices, step, Report())
-        values, vectors = found.values, found.vectors
     else:
-        found = modes_of_sparse_system(matrices, step, Report(), nx=int(np.ravel(source.header["NX"])[0]))
-        values, vectors = found.values, found.vectors
-    if not matrices.has("eigvre") and not matrices.has("m0"):
-        assert found.motions is not None
-        shapes, n = found.motions, found.n_positions
+        if matrices.has("m0"):
+            found = modes_of_stored_matrices(matrices, step, Report())
+        else:
+            found = modes_of_sparse_system(matrices, step, Report(), nx=int(np.ravel(source.header["NX"])[0]))
+        values, vectors, motions = found.values, found.vectors, found.motions
+    if motions is not None:
+        shapes, n = motions, found.n_positions
     elif matrices.has("eigxre"):  # of a large model without dx
         shapes = get("eigxre") + 1j * get("eigxim")
         n = len(vectors) // 2

@@ -22,6 +22,7 @@ from spacar_drawing.stage import INK, new_figure
 from spacar_drawing.stresses import QUANTITIES, STRESSES, along, of_quantity, resultants, stress_field
 
 if TYPE_CHECKING:
+    from matplotlib.colors import Colormap
     from matplotlib.figure import Figure
 
 HEIGHT = 0.16  # of the largest ordinate of a diagram, of the extent of the mechanism
@@ -63,16 +64,14 @@ def stress_still(
     note: str = "",
 ) -> Figure:  # fmt: skip
     """The mechanism with the quantity as colours along its beams, and a scale with the unit."""
-    from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
     look = look_of(scene, x[None], settings)
     n = max(look.points, 17)
     found = courses(scene, sig, e, settings, quantity, n)
-    low, high = _range([c.values for c in found], quantity in ("mises", "shear"))
+    low, high, colours = colour_range(np.concatenate([c.values for c in found]), quantity)
     norm = Normalize(low, high)
-    colours = colormaps["viridis" if quantity in ("mises", "shear") else "coolwarm"]
     camera = camera_of(scene, extras.view)
     hidden = settings.hidden | {c.element.number for c in found}
     rest = look_of(scene, x[None], _hiding(settings, hidden))
@@ -98,7 +97,6 @@ def section_still(
 ) -> Figure:  # fmt: skip
     """As `stress_still`, with the stress at every point of the surface instead of the largest in the section: over the
     height of planar beams, around the outline of spatial ones. Raises UsageError when no element has a section."""
-    from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
@@ -126,8 +124,8 @@ def section_still(
             f"{QUANTITIES[quantity][0]}: no element has a cross-section: give BEAMVIS, CROSSTYPE or --section",
             "draw.stress",
         )
-    low, high = _range([values for _, values in found], quantity in ("mises", "shear"))
-    norm, colours = Normalize(low, high), colormaps["viridis" if quantity in ("mises", "shear") else "coolwarm"]
+    low, high, colours = colour_range(np.concatenate([values for _, values in found]), quantity)
+    norm = Normalize(low, high)
     camera = camera_of(scene, extras.view)
     rest = look_of(scene, x[None], _hiding(settings, settings.hidden | drawn))
     shapes: list[Shape] = list(mechanism_shapes(scene, x, rest, extras))
@@ -214,10 +212,14 @@ def _without_doubles(marks: list[tuple[float, Label]], size: float) -> list[Shap
     return list(kept)
 
 
-def _range(values: list[Array], from_zero: bool) -> tuple[float, float]:
-    """Limits of the colours: from zero for magnitudes, symmetric for signed quantities."""
-    top = max(float(np.max(np.abs(v))) for v in values) or 1.0
-    return (0.0, top) if from_zero else (-top, top)
+def colour_range(values: Array, quantity: str) -> tuple[float, float, Colormap]:
+    """Limits and colours: from zero for magnitudes, symmetric for signed quantities. What is not finite is left out."""
+    from matplotlib import colormaps
+
+    top = float(np.max(np.abs(values), where=np.isfinite(values), initial=0.0)) or 1.0
+    if quantity in ("mises", "shear"):
+        return 0.0, top, colormaps["viridis"]
+    return -top, top, colormaps["coolwarm"]
 
 
 def _scale(figure: Figure, axes: Any, mappable: Any, label: str) -> None:

@@ -17,6 +17,7 @@
   const colour = new Uint8Array(bytes(a.colour)), element = new Uint32Array(bytes(a.element));
   const triangles = new Uint32Array(bytes(a.triangles)), paths = new Float32Array(bytes(a.paths));
   const field = model.field ? new Uint16Array(bytes(a.field)) : null; // 65535: the frame has no stress
+  const shades = model.field ? model.field.palette.length : 2;
   const values = a.values ? new Float32Array(bytes(a.values)) : null;
   const frames = model.frames, pictures = model.times.length, nodes = model.nodes.length;
   const elementOfFrame = new Uint32Array(frames);
@@ -58,14 +59,14 @@
     layout(location = 0) in uint a_frame; layout(location = 1) in vec3 a_place;
     layout(location = 2) in vec3 a_normal; layout(location = 3) in vec3 a_colour; layout(location = 4) in uint a_element;
     uniform sampler2D u_frames; uniform int u_width; uniform uint u_chosen;
-    uniform vec3 u_palette[9]; uniform bool u_field;
+    uniform vec3 u_palette[${shades}]; uniform bool u_field;
     out vec3 v_at; out vec3 v_normal; out vec3 v_colour;
     ${CAMERA}
     vec4 four(int i) { return texelFetch(u_frames, ivec2(i % u_width, i / u_width), 0); }
     vec3 texel(int i) { return four(i).xyz; }
     vec3 shade(float part) {
-      float s = clamp(part, 0.0, 1.0) * 8.0;
-      int k = min(int(s), 7);
+      float s = clamp(part, 0.0, 1.0) * ${shades - 1}.0;
+      int k = min(int(s), ${shades - 2});
       return mix(u_palette[k], u_palette[k + 1], s - float(k));
     }
     void main() {
@@ -144,7 +145,7 @@
   gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, width, height, 0, gl.RGBA, gl.FLOAT, null);
 
   const state = { k: 0, loaded: -1, playing: false, azimuth: model.azimuth, elevation: model.elevation, zoom: 1,
-    shift: [0, 0], node: -1, element: 0, numbers: false, marks: true, field: true };
+    shift: [0, 0], node: -1, element: 0, numbers: false, marks: true, field: Boolean(field) };
   const middle = lo.map((v, i) => 0.5 * (v + hi[i]));
   const reach = 0.5 * Math.hypot(...lo.map((v, i) => hi[i] - v)) || 1;
 
@@ -232,7 +233,7 @@
     gl.uniform1i(solids.names.u_frames, 0);
     gl.uniform1i(solids.names.u_width, width);
     gl.uniform1ui(solids.names.u_chosen, state.element);
-    gl.uniform1i(solids.names.u_field, field && state.field ? 1 : 0);
+    gl.uniform1i(solids.names.u_field, state.field ? 1 : 0);
     if (field) gl.uniform3fv(solids.names["u_palette[0]"], model.field.palette.flat().map((c) => c / 255));
     gl.drawElements(gl.TRIANGLES, triangles.length, gl.UNSIGNED_INT, 0);
     overlay(view, ratio);
@@ -275,7 +276,7 @@
     pen.textAlign = "center";
     pen.fillText(`${+(length / model.metre).toPrecision(3)} ${model.unit}`, 0.5 * (x0 + x1), y0 - 6 * ratio);
     pen.textAlign = "left";
-    if (field && state.field) legend(ratio);
+    if (state.field) legend(ratio);
     if (state.numbers) {
       pen.fillStyle = "#33414d";
       const step = Math.max(1, Math.ceil(nodes / 300));

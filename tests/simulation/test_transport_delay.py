@@ -51,23 +51,19 @@ def test_a_fast_signal_comes_out_later(lag):
 def test_jumps_come_out_at_their_time():
     """The integral of delayed pulses is exact only if a step ends at every edge that comes out."""
     lag = 0.37
-    d = Diagram().add(Pulses("p", 0.7, 0.25), TransportDelay("late", lag), Integrator("area"), Integrator("now"))
-    d.connect("p", "late").connect("late", "area").connect("p", "now")
+    d = Diagram().add(Pulses("p", 0.7, 0.25), TransportDelay("late", lag), Integrator("area"))
+    d.connect("p", "late").connect("late", "area")
     found = simulate(d, TIMES, rtol=1e-3, atol=1e-3)
-    delayed = np.interp(TIMES - lag, TIMES, found["now"][:, 0], left=0.0)
-    # found["now"] has its kinks between output times, where np.interp misses them: compare at the shifted times
     full, rest = np.divmod(np.maximum(TIMES - lag, 0.0), 0.7)
     exact = 0.175 * full + np.minimum(rest, 0.175)
     assert np.allclose(found["area"][:, 0], exact, rtol=0.0, atol=1e-12)
-    assert np.allclose(delayed, exact, rtol=0.0, atol=0.01)
 
 
 def test_a_delay_of_whole_samples_is_a_chain_of_unit_delays():
     d = Diagram().add(Sine("s", 1.0, 0.6), sampled_transfer_function("filter", 0.1, [0.3], [1.0, -0.7]))
     d.add(TransportDelay("late", 0.3), *(unit_delay(f"d{k}", 0.1) for k in range(3)))
     d.connect("s", "filter").connect("filter", "late").connect("filter", "d0").connect("d0", "d1").connect("d1", "d2")
-    times = np.linspace(0.05, 3.95, 40) - 0.05
-    found = simulate(d, times + 0.05)
+    found = simulate(d, np.linspace(0.05, 3.95, 40))
     assert np.allclose(found["late"], found["d2"], rtol=0.0, atol=1e-12)
 
 

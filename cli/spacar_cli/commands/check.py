@@ -12,7 +12,7 @@ import click
 from spacar.errors import InputError
 from spacar.modes import find_mode
 from spacar_cli.environment import Environment
-from spacar_cli.input_files import PIPED, STANDARD_INPUT, input_file, piped_text
+from spacar_cli.input_files import PIPED, STANDARD_INPUT, input_file, parse_piped, piped_text
 from spacar_cli.number_types import Whole
 from spacar_cli.status import ExitStatus, tell_error, tell_messages
 
@@ -41,7 +41,6 @@ def command(
     from spacar_drawing.settings_check import check_settings
 
     from spacar.deck import read_deck
-    from spacar.deck.deck import parse
     from spacar.kinematics.lost_stiffness import lost_stiffness
     from spacar.mechanism import build
     from spacar.mechanism.user_functions import listed_functions, without_functions
@@ -54,7 +53,7 @@ def command(
     status = ExitStatus.DONE
     deck = None
     try:
-        deck = read_deck(source, number) if text is None else parse(text, PIPED.stem, number, path=PIPED)
+        deck = read_deck(source, number) if text is None else parse_piped(text, number)
         messages = list(deck.messages)
         messages += listed_functions(deck)
         # the start geometry of every element

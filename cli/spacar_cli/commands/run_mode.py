@@ -11,14 +11,13 @@ from spacar_formats.log import LogSink
 from spacar_formats.sinks import ResultSink, begin, give_up, result_sinks
 
 from spacar.calls import frames
-from spacar.deck import Deck
 from spacar.errors import SpacarError, UsageError
 from spacar.modes import Mode, find_mode
 from spacar.options import BEAMS, integrator
 from spacar.stream import Outcome, Run, Sink
 from spacar_cli import accuracy_options
 from spacar_cli.environment import Environment
-from spacar_cli.input_files import PIPED, STANDARD_INPUT, input_file, piped_text, result_stem
+from spacar_cli.input_files import PIPED, STANDARD_INPUT, input_file, parse_piped, piped_text, result_stem
 from spacar_cli.number_types import POSITIVE, TOLERANCE, Whole
 from spacar_cli.progress import Progress
 from spacar_cli.status import ExitStatus, tell, tell_error, tell_messages
@@ -118,7 +117,7 @@ def run_mode(
     if piped and release is not None:
         raise UsageError("--release needs an input file, not standard input", "usage")
     source = PIPED if piped else input_file(file)
-    model = _standard_input(environment, mode) if piped else source
+    model = parse_piped(piped_text(environment), mode.number) if piped else source
     if release:
         from spacar_cli import releasing
 
@@ -186,13 +185,6 @@ def run_mode(
     if window is not None:
         window.wait()
     return status
-
-
-def _standard_input(environment: Environment, mode: Mode) -> Deck:
-    """The input text that was piped in. Its results are stdin.* in the current folder, or in that of --output-dir."""
-    from spacar.deck.deck import parse
-
-    return parse(piped_text(environment), PIPED.stem, mode.number, path=PIPED)
 
 
 def _ill_defined(run: Run) -> bool:

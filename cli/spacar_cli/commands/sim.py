@@ -49,9 +49,9 @@ def command(
         for warning in model.warnings:
             tell(environment, "warning", warning)
     plants = {name: block for name, block in model.diagram.blocks.items() if isinstance(block, Spasim)}
-    for plant in plants.values():
-        if not compiled:
-            plant.choose(compiled)
+    if not compiled:
+        for plant in plants.values():
+            plant.choose(False)
     begun = time.perf_counter()
     response = simulate(model.diagram, model.times, **model.options)
     seconds = time.perf_counter() - begun

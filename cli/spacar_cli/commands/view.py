@@ -27,7 +27,7 @@ from spacar_cli.number_types import Real, Whole
 @click.option(
     "--stress",
     type=click.Choice(QUANTITIES, case_sensitive=False),
-    help="Colour beams by a stress resultant or a stress, as of spacar visual.",
+    help="Colour beams and trusses by a stress resultant or a stress, as of spacar visual.",
 )
 @click.option("--show", is_flag=True, help="Open the page in the browser.")
 @click.option("--stale-ok", is_flag=True, help="Show a result although its input file has changed since.")
