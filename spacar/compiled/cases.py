@@ -57,9 +57,10 @@ class InLanes:
                 raise _failed(t)
         return self._out.copy()
 
-    def start(self) -> bool:
+    def start(self, largest: float) -> bool:
         """Place the start state. Are the mass matrices regular? Where C leaves a doubt they are to be looked at alone.
 
+        largest: `largest_mass` of one of the cases, kg m^2, for the size of all; it refuses and accepts nothing.
         Raises AnalysisError where a case does not begin near its reference configuration.
         """
         x0 = self.state.x.copy()
@@ -71,7 +72,7 @@ class InLanes:
             return False
         mechanism = self.model.mechanism
         condition = self.solver.condition(mechanism)
-        return not any(is_doubtful(mechanism, M[:, :, lane], condition) for lane in range(self.by_case[2]))
+        return not any(is_doubtful(mechanism, M[:, :, lane], condition, largest) for lane in range(self.by_case[2]))
 
     def component_name(self, i: int) -> str:
         """Name of a component of the state, for messages."""

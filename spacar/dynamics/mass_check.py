@@ -45,17 +45,17 @@ DOUBTFUL = EPS**0.5  # half of the digits: eigenvalue scaled to a unit diagonal,
 LARGEST_CHECKED = 400  # dense work of order nx nq^2; larger models are caught by the factorization itself
 
 
-def is_doubtful(mechanism: Mechanism, M: Array, condition: float, largest: float = 0.0) -> bool:
+def is_doubtful(mechanism: Mechanism, M: Array, condition: float, largest: float) -> bool:
     """Whether the first look leaves a doubt.
 
     M: reduced mass matrix of the dynamic degrees of freedom, (nddof, nddof); condition: of D, in any norm; largest:
-    that of `largest_mass`, else the degrees of freedom are compared with each other.
+    `largest_mass`, kg m^2.
     """
     n = mechanism.numbering
     size = np.concatenate((mechanism.scale[n.q_x], mechanism.deformation_scale[n.q_e]))[n.dynamic]
     diagonal = M.diagonal()
     mass = diagonal * size**2
-    rounding = (8.0 * n.nx * EPS * condition**2) ** 2 * (largest or float(mass.max()))
+    rounding = (8.0 * n.nx * EPS * condition**2) ** 2 * largest
     if not mass.min() > max(DOUBTFUL * largest, rounding, 0.0):
         return True
     scale = np.sqrt(diagonal)

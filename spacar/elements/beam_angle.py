@@ -1,8 +1,8 @@
 """BEAM and TUBE in the angle measure (ADEFORM): theory-beam-order4.md section 2.
 
-Stiffness, inertia and fluid are those of `beam` and `tube`; the deformations are in `beam_angle_strain`. The twist
-gradient is an unknown of the element that is eliminated: it needs torsion and bending with finite stiffness. Where one
-of the modes 2 to 6 is fixed or prescribed, or GIt = 0, it is zero.
+Stiffness, inertia and fluid are those of `beam` and `tube`; the deformations are in `angle_measure`, their
+derivatives in `beam_angle_strain`. The twist gradient is an unknown of the element that is eliminated: it needs torsion
+and bending with finite stiffness. Where one of the modes 2 to 6 is fixed or prescribed, or GIt = 0, it is zero.
 
 A tube that is curved at the start is counted from its start values, with the length of its arc (section 2.5)
 l0 = chord/(1 - (psi_y^2 + psi_z^2)/24 - (A_y^2 + A_z^2)/40) in the place of the chord.
@@ -16,6 +16,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.elements import beam_angle_strain as strain_of
+from spacar.elements.angle_measure import AngleConstants, deformations, outer
 from spacar.elements.beam import COLLAPSED, SpatialBeam
 from spacar.elements.beam_inertia import LineConstants, LineState, line_state
 from spacar.elements.family import ElementGroup, Internal, Trouble
@@ -48,7 +49,7 @@ class SpatialAngleBeam(SpatialBeam):
         self._twisting = np.where(twisted, 3.0 * GIt / self.length, np.inf)
         torsion = np.where(gradient, GIt, 1.0)
         Phi = 12.0 * np.array(shear) / self.length**2
-        self.angles = strain_of.AngleConstants(
+        self.angles = AngleConstants(
             C=strain_of.orientations(frame_p, frame_q),
             l0=self.length,
             second=group.nonlinear.astype(float),
@@ -59,9 +60,9 @@ class SpatialAngleBeam(SpatialBeam):
         )
 
     def strain(self, x: Array, near: Array, e: Array, V: Array) -> Any:
-        p = strain_of.AngleConstants(*expand(self.angles, x.ndim))
+        p = AngleConstants(*expand(self.angles, x.ndim))
         c = strain_of.state(p, x)
-        e[...] = strain_of.deformations(p, c.inner.y, c.G[0])
+        e[...] = deformations(p, c.inner.y, c.G[0])
         strain_of.first(c, V)
         line = line_state(LineConstants(*expand(self.line, x.ndim)), x) if self.has_mass else None
         return AngleConfiguration(c, line)
@@ -116,5 +117,5 @@ class SpatialAngleTube(SpatialTube, SpatialAngleBeam):
         self.length = self.length / strain_of.chord_of_arc(C, group.x0)
         super()._build(group, frame_p, frame_q, f1)
         c = strain_of.state(self.angles, group.x0)
-        o = strain_of.outer(self.angles, c.inner.y, c.G[0])
+        o = outer(self.angles, c.inner.y, c.G[0])
         self.angles = self.angles._replace(start=np.stack((o.By, o.Bz)))

@@ -103,6 +103,7 @@ class Integrand:
         self.report = report
         self._rhs, self._together = evaluator.rhs, evaluator.stages
         self.starting = trail
+        self.continuity = None if trail is None else trail.continuity
         self.stages = self._stages if self._together is not None else None
         if marching is None and trail is not None and trail.evaluator.marching is not None:
             marching = partial(trail.evaluator.marching, trail)
@@ -125,7 +126,10 @@ class Integrand:
 
     def switched(self, t: float, code: int, omega: float | None) -> None:
         """The automatic method goes on with another code; for good, when `omega` is given."""
-        self.within = ITERATED if METHODS[code].needs_jacobian else self.usual
+        implicit = METHODS[code].needs_jacobian
+        self.within = ITERATED if implicit else self.usual
+        if self.continuity is not None:
+            self.continuity.resolved = not implicit
         if omega is not None:
             self.report.add(
                 f"from t = {t:.9g}: INTEGRAT {code} ({METHODS[code].name}), as the highest vibration or decay of the"

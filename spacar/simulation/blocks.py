@@ -31,6 +31,7 @@ class Block:
     lag               time that the block looks back; it is told its inputs in every step (transport_delay.py) [s]
     n_events          number of functions of `events`; zero for a block that is smooth
     event_word        what the log calls its events: "limit of NAME"
+    doubt             after `start`: what the log says of the start state, None: nothing
 
     A block that is smooth only piecewise (a saturation, a relay) has a mode: the piece it is in. The mode stays as it
     is while a step is tried, so that every step sees a smooth right-hand side, also beyond the end of the piece; the
@@ -41,6 +42,7 @@ class Block:
     offset: float = 0.0
     delay: bool = False
     lag: float = 0.0
+    doubt: str | None = None
     n_events: int = 0
     event_word: str = "limit"
 

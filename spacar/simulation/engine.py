@@ -87,6 +87,7 @@ class _Simulation:
             if place is None or len(values) != place.stop - place.start:
                 raise UsageError(f"x0: {name} is no block with {len(values)} states", "simulation.start")
             self.x[place] = values
+        self.doubts = tuple(f"{b.name}: {b.doubt}" for b in self.s.blocks if b.doubt)
         self.dynamic = [b for b in self.s.blocks if b.n_states]
         self.watched = [b for b in self.s.blocks if b.n_events]
         self.delayed = [b for b in self.s.blocks if isinstance(b, TransportDelay)]
@@ -284,7 +285,7 @@ class _Simulation:
                 break
         return Response(
             self.times[:done], ys[:done], xs[:done], self.diagram, self.s.outputs, self.s.states, self.s.inputs,
-            us[:done], tuple(log), self.s.notes, self.statistics,
+            us[:done], tuple(log), self.s.notes + self.doubts, self.statistics,
         )  # fmt: skip
 
     def remember(self, t: float, t_new: float, interpolate: Callable[[float], Array]) -> None:

@@ -44,6 +44,11 @@ class ArrayPlant:
         """Start state, at the start position."""
         return self.dynamics.start()
 
+    @property
+    def doubt(self) -> str | None:
+        """As of an `Evaluator`, after `start`."""
+        return self.dynamics.doubt
+
     def push(self, sigma: Array, force: Array) -> None:
         """Set the inputs."""
         self.sigma, self.force = sigma, force
@@ -88,6 +93,10 @@ class CompiledPlant(ArrayPlant):
     def start(self) -> Array:
         self._explained = self._known = False
         return self.evaluator.start()
+
+    @property
+    def doubt(self) -> str | None:
+        return self.evaluator.doubt
 
     def push(self, sigma: Array, force: Array) -> None:
         if self._known and np.array_equal(sigma, self.sigma) and np.array_equal(force, self.force):

@@ -96,7 +96,9 @@ class Spasim(Block):
     def start(self) -> Array:
         self._at = self._solved = None
         self._push(np.zeros(self.n_in))
-        return self.motion.start()
+        x0 = self.motion.start()
+        self.doubt = self.motion.doubt
+        return x0
 
     # -- the mechanism --------------------------------------------------------------------------------------------
     def _push(self, u: Array) -> None:

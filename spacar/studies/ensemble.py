@@ -24,6 +24,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
 from spacar.dynamics.array_evaluator import Dynamics
+from spacar.dynamics.mass_check import largest_mass
 from spacar.errors import AnalysisError, UsageError
 from spacar.forward.displaced import displaced
 from spacar.forward.driver import Tolerances, integrated, work
@@ -118,18 +119,24 @@ def ensemble(
     numbers, start = of_copies(single, together, x_of, e_of), _start(together, x_of, e_of)
     alone = Dynamics(single)
     alone.start()
+    alone.sweep.mass()
+    largest = largest_mass(single, alone.sweep)
     g = displaced(alone)
     results: list[Result | None] = [None] * len(decks)
 
     def follow(cases: Sequence[int]) -> None:
         block = InLanes(alone.model, alone.kinematics.scale, numbers.take(np.array(cases)), start[list(cases)])
+        said: dict[int, tuple[str, ...]] = {}
         with suppress(AnalysisError):
-            if not block.start():
+            if not block.start(largest):
                 for k in set(cases):
-                    Dynamics(build(decks[k], 1, **options)).start()  # raises where a mass matrix is singular
+                    looked_at = Dynamics(build(decks[k], 1, **options))
+                    looked_at.start()  # raises where a mass matrix is singular
+                    if looked_at.doubt:
+                        said[k] = (f"warning: {looked_at.doubt}",)
             found = _motion(block, times, single, g)
             for lane, k in enumerate(cases):
-                results[k] = Result(single, 1, found(lane), (), {})
+                results[k] = Result(single, 1, found(lane), said.get(k, ()), {})
 
     if threads == 1:
         for cases in blocks(len(decks)):

@@ -78,6 +78,8 @@ def perturbation(deck: Deck, substeps: int = 1, **options: Any) -> Result:
     shown = Dynamics(mechanism)
     shown.start()
     report = Report()
+    if shown.doubt:
+        report.add(f"warning: {shown.doubt}")
     limits = Limits(shown, report)
     frames = tuple(checked(shown, float(t[k]), z[k], limits) for k in range(0, len(t), substeps))
     return Result(mechanism, 1, frames, tuple(report.lines), {})

@@ -10,7 +10,12 @@ import pytest
 
 import spacar
 from spacar import Deck
+from spacar.compiled import cases, compiled_evaluator
+from spacar.compiled.library import unavailable
+from spacar.dynamics import array_evaluator
 from spacar.errors import AnalysisError
+from spacar.simulation import Diagram, Spasim, simulate
+from spacar.studies.ensemble import ensemble
 
 STEP = ("TIMESTEP", 1e-3, 1)
 ENGINES = pytest.mark.parametrize("compiled", [False, True])
@@ -104,3 +109,36 @@ def test_a_light_crank_is_enough_at_the_dead_point(mass: float, compiled: bool) 
     dynamics = [("XM", 2, mass), ("XM", 3, 1.0), ("XF", 2, 0.0, mass), STEP]
     r = spacar.run(1, Deck.build(rows, dynamics), compiled=compiled)
     assert r.node(2, 2, "xdd")[0] == pytest.approx(1.0, rel=1e-6)
+
+
+LANES = pytest.mark.skipif(unavailable() is not None, reason="no engine")
+
+
+@LANES
+def test_a_case_of_a_batch_at_its_dead_point_is_not_passed_over() -> None:
+    """The only degree of freedom has nothing to be compared with but the masses; the first case is a regular one."""
+    decks = [Deck.build(in_line(0.3, 1e-4, beyond), [("XM", 3, 1.0), STEP]) for beyond in (0.1, 0.0)]
+    _, found = ensemble(decks)
+    assert found is None or "inertia" in "".join(found.report)
+
+
+@pytest.fixture
+def rounding(monkeypatch: pytest.MonkeyPatch) -> str:
+    """Every inertia is taken for rounding: whether one is depends on the processor."""
+    for module in (array_evaluator, compiled_evaluator, cases):
+        monkeypatch.setattr(module, "is_doubtful", lambda *found: True)
+    monkeypatch.setattr(array_evaluator, "require_regular_mass", lambda *found: "little inertia")
+    return "little inertia"
+
+
+@ENGINES
+def test_simulations_say_what_is_rounding(rounding: str, compiled: bool) -> None:
+    plant = Spasim(Deck.build(crossed(1.0), [("XM", 2, 1.0)], mode="simulation"))
+    plant.choose(compiled)
+    assert simulate(Diagram().add(plant), [0.0, 1e-3]).notes == (f"plant: {rounding}",)
+
+
+@LANES
+def test_batches_say_what_is_rounding(rounding: str) -> None:
+    deck = Deck.build(crossed(1.0), [("XM", 2, 1.0), STEP])
+    assert [found.report for found in ensemble([deck, deck]) if found] == [(f"warning: {rounding}",)] * 2

@@ -10,6 +10,7 @@ import pytest
 import spacar
 from spacar import Deck, parse_deck
 from spacar.compiled.library import unavailable
+from spacar.forward.driver import Integrand
 
 DATA = Path(__file__).parents[2] / "data"
 ENGINE = pytest.mark.skipif(unavailable() is not None, reason="no engine")
@@ -43,6 +44,24 @@ def test_a_refined_beam_changes_to_radau() -> None:
     assert "INTEGRAT 595" in line
     assert "limits the steps" in line
     assert steps(chosen) < steps(adams) / 20
+    np.testing.assert_allclose(chosen["x"], adams["x"], rtol=0, atol=2e-5)
+
+
+def test_without_the_engine_it_changes_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Thousands of steps of Adams are ahead; and from the change on the watch of dead points knows that vibrations are passed over."""
+    resolved, switched = [], Integrand.switched
+
+    def spy(integrand: Integrand, t: float, code: int, omega: float | None) -> None:
+        switched(integrand, t, code, omega)
+        assert integrand.continuity is not None
+        resolved.append((code, integrand.continuity.resolved))
+
+    monkeypatch.setattr(Integrand, "switched", spy)
+    options = {"atol": 1e-5, "rtol": 1e-3, "duration": 0.2, "n_steps": 2}
+    chosen = spacar.run(1, cantilever(16), integrator=-1, compiled=False, **options)
+    assert resolved == [(595, False)] * 2
+    assert 100 <= steps(chosen) < 400
+    adams = spacar.run(1, cantilever(16), integrator=0, **options)  # in C where it is there
     np.testing.assert_allclose(chosen["x"], adams["x"], rtol=0, atol=2e-5)
 
 

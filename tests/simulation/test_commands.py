@@ -10,6 +10,9 @@ from spacar_cli.environment import Environment
 from spacar_cli.main import main
 from spacar_formats.ltvfile import read_ltv
 
+from spacar.compiled import compiled_evaluator
+from spacar.dynamics import array_evaluator
+
 DATA = Path(__file__).parents[2] / "data"
 
 
@@ -45,6 +48,18 @@ def test_closed_loop_from_the_model_file(folder, monkeypatch):
     reference = found["y0"][:, 9:12]
     assert np.linalg.norm(found["robot"][:, 9:12] - reference, axis=1).max() < 1e-3
     assert "block robot (Spasim): 3 inputs, 15 outputs, 6 states" in (folder / "short_sim.log").read_text()
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_inertia_that_may_be_rounding_is_said_and_logged(folder, monkeypatch, compiled):
+    monkeypatch.setattr(array_evaluator, "is_doubtful", lambda *found: True)
+    monkeypatch.setattr(compiled_evaluator, "is_doubtful", lambda *found: True)
+    monkeypatch.setattr(array_evaluator, "require_regular_mass", lambda *found: "little inertia")
+    text = (folder / "robotsim.sim").read_text()
+    (folder / "doubt.sim").write_text(text.replace("time = 1.5", "time = 0.01"))
+    status, _, err = run(folder, monkeypatch, "sim", "doubt", *[] if compiled else ["--general"])
+    assert (status, err) == (0, "warning: robot: little inertia\n")
+    assert "note: robot: little inertia" in (folder / "doubt_sim.log").read_text()
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import spacar
+from spacar.dynamics import array_evaluator
 from spacar.errors import UsageError
 from spacar.studies.assignments import change, setting
 from spacar.studies.perturbation import perturbation
@@ -50,6 +51,12 @@ def test_free_vibration_is_exact_on_any_grid(deck):
     x = [perturbation(base, k, **GRID)["e"] for k in (1, 8)]
     assert np.abs(x[0]).max() > 5e-5
     assert np.abs(x[0] - x[1]).max() < 1e-12
+
+
+def test_inertia_that_may_be_rounding_is_said(deck, monkeypatch):
+    monkeypatch.setattr(array_evaluator, "is_doubtful", lambda *found: True)
+    monkeypatch.setattr(array_evaluator, "require_regular_mass", lambda *found: "little inertia")
+    assert "warning: little inertia" in perturbation(deck("crankfl", 1), duration=0.001, n_steps=1).report
 
 
 @pytest.mark.parametrize(

@@ -55,6 +55,9 @@ def command(
     begun = time.perf_counter()
     response = simulate(model.diagram, model.times, **model.options)
     seconds = time.perf_counter() - begun
+    for name, plant in plants.items():
+        if plant.doubt and not quiet:
+            tell(environment, "warning", f"{name}: {plant.doubt}")
     arrays = {"t": response.t}
     for name, block in model.diagram.blocks.items():
         if block.n_out:
