@@ -48,7 +48,7 @@ def test_a_refined_beam_changes_to_radau() -> None:
 
 
 def test_without_the_engine_it_changes_too(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Thousands of steps of Adams are ahead; and from the change on the watch of dead points knows that vibrations are passed over."""
+    """Thousands of steps of Adams are ahead; the watch of dead points knows it too."""
     resolved, switched = [], Integrand.switched
 
     def spy(integrand: Integrand, t: float, code: int, omega: float | None) -> None:
