@@ -3,8 +3,8 @@
 python benchmarks/accuracy.py [motions | meshes] [MODEL ...]
 
 Motions: the error norm of `spacar.studies.error_norm` over the free coordinates against a reference of method 853 with
-ERROR REFERENCE (595 with ten times of it for stiff models), on the mesh of the model; the screw against the ordinary
-differential equation of its one coordinate (`screw_motion`), which uses nothing of spacar. Cost: time of all runs of the
+ERROR REFERENCE (595 with ten times of it for stiff models), on the mesh of the model; the screw against the
+equation of its one coordinate (`screw_motion`), which uses nothing of spacar. Cost: time of all runs of the
 search over that of the cheapest single run (155, 853, 0, 595, ERROR in decades) that reaches the target.
 
 Meshes: tip of the elastica and frequencies of a cantilever, Euler and lateral buckling against closed forms; the guide
