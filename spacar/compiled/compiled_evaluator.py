@@ -66,7 +66,8 @@ class CompiledDynamics:
         self.general = general = Dynamics(mechanism, loads=loads, drive=drive)
         self.numbering, self.n_positions = general.numbering, general.n_positions
         scales = general.kinematics.scale, mechanism.deformation_scale
-        self.solver = CompiledModel(self.numbering, of_one(general), scales, general.drive, mechanism.user_signal)
+        users = () if mechanism.user_signal is None else (mechanism.user_signal,)
+        self.solver = CompiledModel(self.numbering, of_one(general), scales, (general.drive,), users)
         self.state = self.solver.state()
         self._y, self._out = np.zeros((2, self.n_positions + self.numbering.nddof))
         self._addresses = self._y.ctypes.data, self._out.ctypes.data
@@ -235,5 +236,5 @@ class CompiledDynamics:
         applied, gravity, total = m.forces[:, :, 0].copy()
         return Frame(
             t=t, x=x, xd=xd, xdd=xdd, e=e, ed=ed, edd=edd, sig=sigma, fx=applied,
-            fxgrav=gravity, fxtot=total, lost=m.slots.lost,
+            fxgrav=gravity, fxtot=total, lost=m.slots.lost[0],
         )  # fmt: skip
