@@ -233,21 +233,29 @@ class CompiledModel:
         mantissa, exponent = self._determinant  # of the inverse
         return np.sign(mantissa), -(np.log(np.abs(mantissa)) + np.log(2.0) * exponent)
 
-    def rcond(self, rows: Array, columns: Array) -> float:
-        """Smallest reciprocal condition of the cases' rows * V[E, U] * columns at the last evaluated state, 1-norm."""
-        return float(self.engine.rcond(self.handle, rows.ctypes.data, columns.ctypes.data))
+    def rcond(self, rows: int, columns: int) -> float:
+        """Smallest reciprocal condition of the cases' rows * V[E, U] * columns at the last evaluated state, 1-norm.
+
+        rows, columns   addresses of the factors
+        """
+        return float(self.engine.rcond(self.handle, rows, columns))
 
     def condition(self, mechanism: Mechanism) -> float:
         """Largest condition of the cases' V[E, U] in the sizes of the mechanism at the last evaluated state, 1-norm."""
         n = self.numbering
-        unknown = [np.arange(c.start, c.stop) for c in (n.x_class["calculable"], n.x_class["kinematic"])]
-        rows = 1.0 / mechanism.deformation_scale[: n.e_class["dynamic"].stop]
-        rcond = self.rcond(rows, mechanism.scale[np.concatenate(unknown)]) if len(rows) else 1.0
+        rows, columns = 1.0 / mechanism.deformation_scale[n.velocity_equations], mechanism.scale[n.velocity_unknowns]
+        rcond = self.rcond(rows.ctypes.data, columns.ctypes.data) if len(rows) else 1.0
         return 1.0 / rcond if rcond > 0.0 else float("inf")
 
     def in_range(self, state: State) -> bool:
         """Whether all elements are surely in the range of their theory at a state."""
         return not self.slots.has_limits and bool(self.engine.guard(self.handle, state.x.ctypes.data) > GUARD)
+
+    def mass_diagonal(self) -> Array:
+        """Diagonal of M at the last evaluated state, (nx, cases)."""
+        out = np.zeros((self.numbering.nx, self.cases))
+        self.engine.mass_diagonal(self.handle, out.ctypes.data)
+        return out
 
     def reduced_mass(self) -> Array | None:
         """Of the degrees of freedom at the last evaluated state, (nddof, nddof, cases), where it was needed."""

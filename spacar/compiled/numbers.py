@@ -12,8 +12,8 @@ import numpy as np
 from spacar.arrays import Array, Index
 from spacar.compiled.element_parameters import SUPPORTED
 from spacar.compiled.library import engine
-from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.forces import StressLaw, gravity_field, moment_entries
+from spacar.dynamics.loaded_mechanism import LoadedMechanism
 from spacar.elements.family import Family
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.mechanism import Drive, Loads, Mechanism, Polynomial
@@ -71,9 +71,9 @@ class Numbers:
         )  # fmt: skip
 
 
-def of_one(dynamics: Dynamics) -> Numbers:
-    """The numbers of an evaluator with its loads and its drive."""
-    m, law, drive = dynamics.mechanism, dynamics.law, dynamics.drive
+def of_one(model: LoadedMechanism) -> Numbers:
+    """The numbers of a mechanism with its loads and its drive."""
+    m, loads, law, drive = model.mechanism, model.loads, model.law, model.drive
 
     def one(array: Array) -> Array:
         return np.array(array, np.float64)[..., None]
@@ -81,8 +81,8 @@ def of_one(dynamics: Dynamics) -> Numbers:
     return Numbers(
         tuple(_elements(b, kind, one(p.T)) for b, (kind, p) in ((b, _form(b.family)) for b in evaluated(m))),
         _only(constant_mass(m)), _only(law.stiffness), _only(law.damping),
-        _only(moments(dynamics.loads)), _only(m.deformation_inertia),
-        one(dynamics.loads.force), one(dynamics.forces.field), one(m.x0), one(law.preload),
+        _only(moments(loads)), _only(m.deformation_inertia),
+        one(loads.force), one(gravity_field(m, loads)), one(m.x0), one(law.preload),
         one(motion(drive, "x")), one(motion(drive, "e")),
     )  # fmt: skip
 

@@ -159,6 +159,15 @@ class Start:
     x_kinematic: Array
     e_kinematic: Array
 
+    @property
+    def is_complete(self) -> bool:
+        """Whether every kinematic deformation has its value."""
+        return not np.isnan(self.e_kinematic).any()
+
+    def state(self, e_kinematic: Array) -> Array:
+        """The start state with these kinematic deformations, in the order of `spacar.dynamics.motion_equations`."""
+        return np.concatenate((self.x_value, self.e_value, self.x_kinematic, e_kinematic, self.x_rate, self.e_rate))
+
 
 @dataclass(frozen=True)
 class Mechanism:

@@ -197,6 +197,35 @@ class Numbering:
         r, m, s = int(self.nxp[2]), int(self.nxp[3]), int(self.nep[2])
         return _ranges((0, r), (r + m, r + m + s))
 
+    # Equations and unknowns of both levels (theory-system.md 1.1): what is given of e determines what depends on it.
+    @cached_property
+    def velocity_equations(self) -> Index:
+        """Rows E of V that determine velocities: fixed, input and dynamic deformations, slips included."""
+        return np.arange(self.e_class["dynamic"].stop)
+
+    @cached_property
+    def velocity_unknowns(self) -> Index:
+        """Columns U of V: calculable and kinematic coordinates."""
+        a, b = self.x_class["calculable"], self.x_class["kinematic"]
+        return _ranges((a.start, a.stop), (b.start, b.stop))
+
+    @cached_property
+    def position_equations(self) -> Index:
+        """Rows h: the holonomic ones of fixed, input, dynamic and kinematic deformations."""
+        return np.flatnonzero(~self.slips[: self.e_class["kinematic"].stop])
+
+    @cached_property
+    def position_unknowns(self) -> Index:
+        """Columns c: calculable coordinates."""
+        a = self.x_class["calculable"]
+        return np.arange(a.start, a.stop)
+
+    @property
+    def is_square(self) -> bool:
+        """Whether there are as many equations as unknowns, at both levels."""
+        position = len(self.position_equations) == len(self.position_unknowns)
+        return position and len(self.velocity_equations) == len(self.velocity_unknowns)
+
     def x_index(self, node: int, coordinate: int) -> int:
         """0-based index of a coordinate; KeyError if it does not exist."""
         if 1 <= node <= len(self.lnp) and 1 <= coordinate <= 4 and self.lnp[node - 1, coordinate - 1]:
