@@ -7,7 +7,6 @@ shared between both: a `Placement` goes from the state in C to the general evalu
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Callable
 from functools import cached_property
 from math import log
@@ -151,7 +150,7 @@ class CompiledDynamics:
             general = self._general.known
             same = general is not None and np.array_equal(general.kinematics.x, s.x[:, 0])
             return self.general.moving() if same else None
-        x, xd, xdd = s.of_x[:, :, 0].copy()
+        x, xd, xdd = s.of_x[:3, :, 0].copy()
         return Moving(float(s.c.t), x, xd, xdd, s.e[:, 0].copy())
 
     def resume(self, at: Moving) -> None:
@@ -170,7 +169,8 @@ class CompiledDynamics:
 
     def companion(self) -> CompiledDynamics:
         """Another state of the same model; the general evaluator goes wherever one of them needs it."""
-        other = copy.copy(self)
+        other = object.__new__(CompiledDynamics)
+        vars(other).update(vars(self))
         other.state = self.solver.state()
         other.stand(self.placement())
         return other
@@ -206,7 +206,7 @@ class CompiledDynamics:
     def reach(self, t: float, y: Array, within: float = CONVERGED) -> bool:
         """Whether C could evaluate the state; then everything of it is in `state`."""
         self._y[:] = y
-        return self.solver.evaluate(self.state, t, self._y, within) >= 0
+        return self.solver.evaluate(self.state, t, self._addresses[0], within) >= 0
 
     # -- checks ---------------------------------------------------------------------------------------------------
     def condition(self) -> float:
@@ -260,12 +260,10 @@ class CompiledDynamics:
     def frame(self, t: float, y: Array) -> Frame:
         m, s = self.solver, self.state
         self._y[:] = y
-        if m.evaluate(s, t, self._y, EXACT) < 0:
+        if m.evaluate(s, t, self._addresses[0], EXACT) < 0:
             return self._in_general(lambda: self.general.frame(t, y))
-        x, xd, xdd = s.of_x[:, :, 0].copy()
-        e, ed, edd, sigma = s.of_e[:4, :, 0].copy()
-        applied, gravity, total = m.forces[:, :, 0].copy()
+        (x, xd, xdd, applied, gravity, total), (e, ed, edd, sigma) = s.of_one()
         return Frame(
-            t=t, x=x, xd=xd, xdd=xdd, e=e, ed=ed, edd=edd, sig=sigma, fx=applied,
-            fxgrav=gravity, fxtot=total, lost=m.slots.lost,
+            t=t, x=x, xd=xd, xdd=xdd, e=e, ed=ed, edd=edd, sig=sigma, fx=applied, fxgrav=gravity, fxtot=total,
+            lost=m.slots.lost,
         )  # fmt: skip

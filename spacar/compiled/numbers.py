@@ -169,13 +169,12 @@ def constant_mass(mechanism: Mechanism) -> tuple[Index, Index, Array]:
     rows, columns, values = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)], [np.zeros(0)]
     for b in mechanism.batches:
         if b.family.has_mass and b.family.constant_mass:
-            shape = (len(b.x), *b.x.shape)
-            M = np.zeros(shape)
+            M = np.zeros((len(b.x), *b.x.shape))
             b.family.mass(None, M)
-            used = np.nonzero(M)
-            rows.append(np.broadcast_to(b.x[:, None, :], shape)[used])
-            columns.append(np.broadcast_to(b.x[None, :, :], shape)[used])
-            values.append(M[used])
+            i, j, k = np.nonzero(M)
+            rows.append(b.x[i, k])
+            columns.append(b.x[j, k])
+            values.append(M[i, j, k])
     return np.concatenate(rows), np.concatenate(columns), np.concatenate(values)
 
 

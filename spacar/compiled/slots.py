@@ -65,21 +65,20 @@ class Slots:
         self.user_rows: Callable[..., Any] | None = getattr(user, "rows", None)  # USERSIG: numbers, no arrays
         self.x_motion, self.e_motion = motions
         self.foreign = {b: ForeignBatch(e.family) for b, e in enumerate(elements) if e.family is not None}
-        self.x, self.xd, self.force = np.zeros((3, nx))
-        self.e, self.ed, self.sigma = np.zeros((3, ne))
-        arrays = self.x, self.xd, self.e, self.ed, self.force, self.sigma
-        guarded = zip((self.e, self.ed, self.x, self.xd), ("e", "ep", "x", "xp"), strict=True)
-        self.told = tuple(placed(values, name) for values, name in guarded)  # as user functions get them
-        self.user_c = CUser(*(a.ctypes.data for a in arrays))
+        # whether a family here may find its elements outside the range of their theory
+        self.has_limits = any(type(f.family).troubles is not Family.troubles for f in self.foreign.values())
         self.error: BaseException | None = None
         self.lost: dict[int, str] = {}  # sentences about stresses that cannot act, by row of e
-        self.needed = bool(self.foreign) or user is not None or not isinstance(drive, Polynomial)
-        self.ask = ASK(self._answer)
-
-    @property
-    def has_limits(self) -> bool:
-        """Whether a family here may find its elements outside the range of their theory."""
-        return any(type(f.family).troubles is not Family.troubles for f in self.foreign.values())
+        self.user_c: CUser | None = None
+        if user is not None:
+            self.x, self.xd, self.force = np.zeros((3, nx))
+            self.e, self.ed, self.sigma = np.zeros((3, ne))
+            arrays = self.x, self.xd, self.e, self.ed, self.force, self.sigma
+            guarded = zip((self.e, self.ed, self.x, self.xd), ("e", "ep", "x", "xp"), strict=True)
+            self.told = tuple(placed(values, name) for values, name in guarded)  # as user functions get them
+            self.user_c = CUser(*(a.ctypes.data for a in arrays))
+        needed = bool(self.foreign) or user is not None or not isinstance(drive, Polynomial)
+        self.ask = ASK(self._answer) if needed else None
 
     def _answer(self, what: int, batch: int, t: float) -> int:
         try:

@@ -117,6 +117,12 @@ def subject_of(keyword: Keyword) -> int | None:
     return None
 
 
+@cache
+def lengths_of(kind: ElementType) -> list[int]:
+    """Modes (from 0) of an element type that are lengths."""
+    return [k for k, (_, unit) in enumerate(kind.modes) if unit == "m"]
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class ElementType:
     """One element type: everything about it that other rooms ask for.

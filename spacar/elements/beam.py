@@ -66,7 +66,8 @@ class SpatialBeam(Family):
         """Constants of the deformations for frames (3, 3, n) at both ends and couplings f1 (n,) [m^2]."""
         self.keyword, self.numbers = group.keyword, group.numbers
         self._frames = frame_p, frame_q
-        self.frame_p, self.frame_q = rows(frame_p), rows(frame_q)
+        self.frame_p = rows(frame_p)
+        self.frame_q = self.frame_p if frame_q is frame_p else rows(frame_q)
         self.data = f1[:, None]
         self.constants = strain_of.beam_constants(frame_p, frame_q, self.length, f1, group.nonlinear)
         self._second = bool(group.nonlinear.any())

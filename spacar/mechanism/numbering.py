@@ -167,7 +167,7 @@ class Numbering:
 
     @cached_property
     def ndof(self) -> int:
-        return len(self.q_x) + len(self.q_e)
+        return int(self.nxp[2] + self.nxp[3] + self.nep[2] + self.nep[3])
 
     @cached_property
     def nddof(self) -> int:
@@ -223,8 +223,11 @@ class Numbering:
     @property
     def is_square(self) -> bool:
         """Whether there are as many equations as unknowns, at both levels."""
-        position = len(self.position_equations) == len(self.position_unknowns)
-        return position and len(self.velocity_equations) == len(self.velocity_unknowns)
+        x, e = self.x_class, self.e_class
+        calculable = x["calculable"].stop - x["calculable"].start
+        kinematic = x["kinematic"].stop - x["kinematic"].start
+        position = e["kinematic"].stop - int(np.count_nonzero(self.slips[: e["kinematic"].stop]))
+        return position == calculable and e["dynamic"].stop == calculable + kinematic
 
     def x_index(self, node: int, coordinate: int) -> int:
         """0-based index of a coordinate; KeyError if it does not exist."""
