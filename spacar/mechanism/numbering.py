@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import accumulate
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,8 +25,7 @@ E_ORDER = ("fixed", "input", "dynamic", "kinematic", "calculable")
 ABSENT = -1  # class of a coordinate or deformation that does not exist
 
 
-@dataclass(frozen=True)
-class Node:
+class Node(NamedTuple):
     """One node: kind 'position', 'orientation' or 'warping', and how many coordinates it has."""
 
     number: int
@@ -126,7 +126,7 @@ class Numbering:
         found = [k for k, i in enumerate(self.q_x) if self.kind[self.x_owner(int(i))[0]] == "warping"]
         return np.array(found, np.int64)
 
-    @property
+    @cached_property
     def warped(self) -> bool:
         """True when some element has warping nodes."""
         return any(node.kind == "warping" for node in self.nodes)
@@ -231,14 +231,18 @@ class Numbering:
 
     def x_index(self, node: int, coordinate: int) -> int:
         """0-based index of a coordinate; KeyError if it does not exist."""
-        if 1 <= node <= len(self.lnp) and 1 <= coordinate <= 4 and self.lnp[node - 1, coordinate - 1]:
-            return int(self.lnp[node - 1, coordinate - 1]) - 1
+        if 1 <= node <= len(self.lnp) and 1 <= coordinate <= 4:
+            found = self.lnp.item(node - 1, coordinate - 1)
+            if found:
+                return found - 1
         raise KeyError((node, coordinate))
 
     def e_index(self, element: int, mode: int) -> int:
         """0-based index of a deformation; KeyError if it does not exist."""
-        if 1 <= element <= len(self.le) and 1 <= mode <= self.le.shape[1] and self.le[element - 1, mode - 1]:
-            return int(self.le[element - 1, mode - 1]) - 1
+        if 1 <= element <= len(self.le) and 1 <= mode <= self.le.shape[1]:
+            found = self.le.item(element - 1, mode - 1)
+            if found:
+                return found - 1
         raise KeyError((element, mode))
 
 
