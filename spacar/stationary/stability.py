@@ -54,20 +54,23 @@ class Stability:
         return f"{self.negative} negative eigenvalue{'s' * (self.negative != 1)}"
 
 
-def stability(q: StationaryEquations, tangent: Tangent, p: Iterate, noise: float) -> Stability | None:
-    """At the point where the sweep is, which is known up to `noise`.
+def stability(
+    q: StationaryEquations, tangent: Tangent, p: Iterate, noise: float, regular: bool = False
+) -> Stability | None:
+    """At the point where the sweep is, which is known up to `noise`; `regular`: the matrix is known to be so there.
 
     None when it cannot be told (slips, a cyclic coordinate in steady motion).
     """
     if not q.holonomic or not q.d.numbering.nddof:
         return None
     if isinstance(tangent, RestingTangent):
-        tangent.t.sigma = p.sigma
-        if tangent.natural and _regular(q, tangent, p):
+        if tangent.natural(p) and (regular or _regular(q, tangent, p)):
             return Stability(0, 0, True)
         if tangent.symmetric:
-            negative, zero = tangent.inertia()
             critical = noise > CRITICAL
+            if not critical and tangent.is_definite(p) and (regular or _regular(q, tangent, p)):
+                return Stability(0, 0, True)
+            negative, zero = tangent.inertia(p)
             return Stability(max(negative - q.ne, 0), q.nf if critical else zero, True, critical)
     if not _regular(q, tangent, p):
         return None

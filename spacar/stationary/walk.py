@@ -71,7 +71,7 @@ class Walk:
         self.path = [Known(0.0, point.x, point.sigma)]
         self.stable: Stability | None = None
         self.iterations = 0
-        self.noise = 0.0
+        self.noise, self._regular = 0.0, False
         settings = evaluator.mechanism.settings
         self.limit, self.tolerance = settings.max_iterations, settings.tolerance
         self.follow = bool(settings.follow_path)
@@ -202,7 +202,7 @@ class Walk:
         return [*predicted, lambda given: last, balanced]
 
     def _accept(self, path: float, found: Converged) -> None:
-        self.point, self.noise = found.point, found.noise
+        self.point, self.noise, self._regular = found.point, found.noise, found.regular
         p = found.point
         self.path = [*self.path, Known(path, p.x, p.sigma)][-REMEMBERED:]
         self.evaluator.dynamics.sweep.near[:] = self.evaluator.dynamics.sweep.e
@@ -233,7 +233,7 @@ class Walk:
             return False  # a sign of a determinant, at the cost of another iteration
         if self._large and not stored and not self._odd():
             return False
-        self.stable = stability(e.equations, e.tangent, self.point, self.noise)
+        self.stable = stability(e.equations, e.tangent, self.point, self.noise, self._regular)
         return before is not None and self.stable is not None and self.stable.differs(before)
 
     @property
