@@ -11,8 +11,9 @@ P. Finsler, Comment. Math. Helv. 9 (1937) 188-192.) Whether P is positive defini
 of the order of the coordinates. Where it fails nothing is proved, and the eigenvalues are counted.
 
 Rounding must not prove anything: P is scaled to a diagonal of the sum of the sizes of its terms, n eps SAFE times the
-largest term are taken off this diagonal, and a factorization that succeeds then is that of a positive definite matrix (N. J. Higham, Accuracy
-and Stability of Numerical Algorithms, SIAM 2002, theorem 10.7: n eps of the diagonal is what rounding can change).
+largest term are taken off this diagonal, and a factorization that succeeds then is that of a positive definite matrix
+(N. J. Higham, Accuracy and Stability of Numerical Algorithms, SIAM 2002, theorem 10.7: n eps of the diagonal is what
+rounding can change).
 """
 
 from __future__ import annotations
@@ -90,10 +91,10 @@ class DefiniteStiffness:
             spring += (WEIGHT * size * held)[:, :, None] * V
             values.append(np.matmul(V.transpose(0, 2, 1), spring).ravel().take(keep))
         P = np.concatenate(values)
-        d = np.bincount(self._on_diagonal, np.abs(P[self._diagonal]), self.n)
-        if not (d > 0.0).all():
+        size_of = np.bincount(self._on_diagonal, np.abs(P[self._diagonal]), self.n)
+        if not (size_of > 0.0).all():
             return False
-        d = 1.0 / np.sqrt(d)
+        d = 1.0 / np.sqrt(size_of)
         P *= d[self._rows] * d[self._columns]
         return self._positive(P, self.n * EPS * SAFE * max(1.0, float(np.max(np.abs(P)))))
 
@@ -101,7 +102,7 @@ class DefiniteStiffness:
         """Has the matrix of these entries, with `less` taken off its diagonal, a Cholesky factorization?"""
         n = self.n
         if not self._banded:
-            A = np.bincount(self._flat, values, n * n)
+            A: Array = np.bincount(self._flat, values, n * n)
             A[:: n + 1] -= less
             try:
                 np.linalg.cholesky(A.reshape(n, n))
@@ -111,6 +112,6 @@ class DefiniteStiffness:
         from scipy.linalg.lapack import dpbtrf
 
         height = self._width + 1
-        A = np.bincount(self._flat, values[self._lower], height * n)
-        A[::height] -= less
-        return bool(dpbtrf(A.reshape(n, height).T, lower=1, overwrite_ab=1)[1] == 0)
+        band: Array = np.bincount(self._flat, values[self._lower], height * n)
+        band[::height] -= less
+        return bool(dpbtrf(band.reshape(n, height).T, lower=1, overwrite_ab=1)[1] == 0)

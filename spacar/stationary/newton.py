@@ -55,6 +55,18 @@ class Demand:
         """The demand of a level that is stored, or of one that is passed through only."""
         return cls(limit, tolerance, FORCES, LENGTHS, CORRECTION) if stored else cls(limit)
 
+    @classmethod
+    def of_return(cls, limit: int, near: float) -> Demand:
+        """Of an iteration that is to tell where it leads only, up to about `near` [model lengths or rad]."""
+        return cls(limit, np.inf, np.inf, np.inf, near)
+
+    def met_by_guess(self, p: Iterate) -> bool:
+        """Is no correction needed? At a state that is no result it is not, where forces and lengths are as small as at
+        one that is: the error of such a prediction is of the size that a result may have in these."""
+        if p.quiet or self.forces <= FORCES:
+            return p.quiet
+        return p.work <= FORCES * p.work_size and p.gap <= LENGTHS
+
     def met(self, p: Iterate) -> bool:
         """Are forces and lengths small enough at this point?"""
         small = p.work <= self.forces * p.work_size and p.force <= self.tolerance and p.gap <= self.lengths
@@ -96,7 +108,7 @@ class Corrections:
             raise self._growing()
         self.work = p.work
         if not self.sizes:
-            return p.quiet
+            return self.demand.met_by_guess(p)
         last = self.sizes[-1]
         met = last <= self.noise or (self.demand.met(p) and self._left(last) <= self.demand.correction)
         if not met and len(self.sizes) >= self.demand.limit:

@@ -118,7 +118,7 @@ class StationaryEquations:
         self._length_rounding = FLOOR * size * (flexibility.coupled != 0.0)
         self.free_scale = self.scale[self.F]
         self._weights = np.concatenate((self.free_scale, 1.0 / (size * self.e_scale)))
-        # two more right-hand sides of every correction: signs of rounding errors, and a load of the size of the stiffness
+        # two more right-hand sides of every correction: signs of rounding errors, a load of the size of the stiffness
         self.signs = np.where(np.arange(self.nf + self.ne) % 2, -1.0, 1.0)
         self.probe = np.zeros(self.nf + self.ne)
         self.probe[: self.nf] = size * (1.0 + np.arange(self.nf) / max(self.nf, 1))
@@ -211,7 +211,7 @@ class StationaryEquations:
         )  # fmt: skip
 
     def balanced(self, p: Iterate) -> Array:
-        """sigma (ne,) of the point, at which the sweep is, with those of the rows fixed, prescribed and dynamic from the
+        """sigma (ne,) of the point where the sweep is, with those of the rows fixed, prescribed and dynamic from the
         equilibrium of the other coordinates. Raises SingularMatrixError where the degrees of freedom do not determine
         the configuration.
         """
