@@ -73,6 +73,7 @@ APART = 0.5  # part of the way to a dead point that a step without one may go
 MORE = 4.0  # times the last acceleration that is known: what it may become while the dead point is passed
 REMEMBERED = 200  # steps: towards a dead point they become shorter, by orders of magnitude
 DEEPEST = 40  # halvings; the path is followed to the dead point, ERROR ends that before
+STANDING = 2  # steps in a row that rounding cannot tell from a dead point
 SAME = float(np.sqrt(np.finfo(float).eps))  # scaled difference of positions: half of the digits, more than rounding
 
 
@@ -150,6 +151,8 @@ class Continuity:
         if closer.near(now):
             if strayed(a.at, now.at, self.scale).any():
                 raise _stopped(t, "the motion was stopped or turned instead of passing it")
+            if closer.stands([*self.steps][-STANDING:]):
+                raise _stopped(t, "the motion comes to stand, where positions are not determined to rounding")
             return
         self.entered, self.peak = None, now.size
         on = closer.goes_on(a, now)
@@ -201,12 +204,13 @@ def strayed(a: Moving, b: Moving, scale: Array) -> NDArray[np.bool_]:
 
 class Fold(NamedTuple):
     """Smallest singular value s of the position at a step, its vector w (len(U),), its rate ds/dt along the motion, and
-    whether the dead point is nearer than the degrees of freedom are known."""
+    whether the dead point is nearer than the degrees of freedom are known, and whether rounding tells it from there."""
 
     s: float
     w: Array
     rate: float
     near: bool
+    single: bool
 
 
 class Closer:
@@ -234,6 +238,10 @@ class Closer:
     def near(self, p: Accepted) -> bool:
         """Is the dead point nearer than the degrees of freedom are known?"""
         return self._fold(p).near
+
+    def stands(self, steps: list[Accepted]) -> bool:
+        """Are these steps all nearer to the dead point than rounding resolves?"""
+        return len(steps) == STANDING and not any(self._fold(p).single for p in steps)
 
     def turned(self, a: Accepted, b: Accepted) -> None:
         """On one branch: has the motion turned, or was it reflected?
@@ -336,7 +344,9 @@ class Closer:
             along[k.U] = w * columns
             both = k.sweep.convective(v + along) - k.sweep.convective(v - along)
             rate = 0.25 * speed * float(sigma @ both)
-        return Fold(s, w, rate, bool(s * s <= 2.0 * abs(bend) * known))
+        rounding = k.rounding(k.x, k.sweep.e[k.h])
+        distance, unit = s * s, 2.0 * abs(bend)
+        return Fold(s, w, rate, bool(distance <= unit * known), bool(distance > unit * rounding))
 
 
 def _stopped(t: float, what: str) -> AnalysisError:
