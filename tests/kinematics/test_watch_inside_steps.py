@@ -10,12 +10,12 @@ import pytest
 
 import spacar
 from spacar import Deck
-from spacar.compiled.library import unavailable
+from spacar.compiled.library import why_off
 from spacar.errors import AnalysisError
 from spacar.result import Result
 
 R, L = 0.15, 0.35
-ENGINES = [False, pytest.param(True, marks=pytest.mark.skipif(unavailable() is not None, reason="no engine"))]
+ENGINES = [False, pytest.param(True, marks=pytest.mark.skipif(why_off() is not None, reason="no engine"))]
 SLOW = pytest.mark.slow
 CODES = (0, 155, 853, 553, 595, 225)
 
