@@ -91,6 +91,7 @@ class Continuity:
         self.steps: deque[Accepted] = deque(maxlen=REMEMBERED)
         self.peak = -np.inf  # of the determinant, since its last minimum
         self.entered: tuple[Accepted, float] | None = None  # last step before a dead point that is being left, its time
+        self.crossings = 0  # sign changes of the determinant since then
         if matrix.has_determinant:
             evaluator.sample()
 
@@ -117,6 +118,7 @@ class Continuity:
             if unexplained(before.at, at, self.scale).any():
                 self._closer().turned(before, now)
         elif self.entered is not None:
+            self.crossings += sign != before.sign
             self._leave(now)
         elif (
             sign != before.sign
@@ -140,7 +142,7 @@ class Continuity:
         steps.pop()
         while len(steps) > 1 and closer.near(steps[-1]):
             steps.pop()
-        self.entered = steps[-1], before.at.t
+        self.entered, self.crossings = (steps[-1], before.at.t), int(before.sign != now.sign)
         self._leave(now, closer)
 
     def _leave(self, now: Accepted, closer: Closer | None = None) -> None:
@@ -161,8 +163,7 @@ class Continuity:
         if not on:
             if unexplained(a.at, now.at, self.scale).any():
                 raise _stopped(t, "the integration turned back instead of passing it")
-            if not closer.turned_in_steps([p for p in self.steps if p.at.t >= a.at.t]):
-                self._turned(a, now, t)
+            self._came_back(closer, a, now, t)
             return
         self._passed(a, now, t)
 
@@ -173,14 +174,23 @@ class Continuity:
         (a, t), now = self.entered, self.steps[-1]
         if a.sign != now.sign:
             self._passed(a, now, t)
-        elif not self._closer().turned_in_steps([p for p in self.steps if p.at.t >= a.at.t]):
-            self._turned(a, now, t)
+        else:
+            self._came_back(self._closer(), a, now, t)
+
+    def _came_back(self, closer: Closer, a: Accepted, b: Accepted, t: float) -> None:
+        """On the branch of before: it has turned, or passed twice while all was near, as with an ERROR that is wide."""
+        if self.crossings:
+            self._passed(a, b, t)
+        elif not closer.turned_in_steps([p for p in self.steps if p.at.t >= a.at.t]):
+            self._turned(a, b, t)
 
     def _passed(self, a: Accepted, b: Accepted, t: float) -> None:
+        what = "a singular position (dead point)"
+        if self.crossings > 1:
+            what = "singular positions (dead points), the first"
         self.report.add(
-            f"warning: between t = {a.at.t:.9g} and {b.at.t:.9g} the degrees of freedom passed a singular position"
-            f" (dead point) at about t = {t:.6g}; the accuracy of the integration is lost there: choose other degrees"
-            " of freedom"
+            f"warning: between t = {a.at.t:.9g} and {b.at.t:.9g} the degrees of freedom passed {what} at about"
+            f" t = {t:.6g}; the accuracy of the integration is lost there: choose other degrees of freedom"
         )
 
     def _turned(self, a: Accepted, b: Accepted, t: float) -> None:

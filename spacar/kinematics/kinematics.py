@@ -26,10 +26,10 @@ position is wrong by sqrt(eps): `spacar.kinematics.fold`.
 
 D(x) = e has several solutions (a rigid beam may point to either side), so a target is reached continuously: when an
 iteration fails, or ends farther than 0.8 model lengths or rad from where it began, the way to the target is halved, at
-most 10 times. Where the prediction already goes farther, the way is divided at once. A way that is shorter than delta is
-not divided: its ends are one position to rounding. At a dead point delta is what rounding knows of the given values, and
-sqrt(delta) of the model what it knows of the position; two iterates that meet the constraints to delta there, without
-being single roots, end the iteration, as those that follow only wander in that range.
+most 10 times. Where the prediction already goes farther, the way is divided at once. A way that is shorter than delta
+is not divided: its ends are one position to rounding. At a dead point delta is what rounding knows of the given values,
+and sqrt(delta) of the model what it knows of the position; two iterates that meet the constraints to delta there,
+without being single roots, end the iteration, as those that follow only wander in that range.
 """
 
 from __future__ import annotations
