@@ -12,7 +12,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.compiled.element_parameters import GUARD
-from spacar.compiled.library import GENERAL, CBatch, CSpec, CState, engine, switched_off, unavailable
+from spacar.compiled.library import CBatch, CSpec, CState, engine, why_off
 from spacar.compiled.numbers import FOREIGN, Numbers, without_form
 from spacar.compiled.slots import Slots
 from spacar.dynamics.saddle_point import free_coordinates
@@ -25,9 +25,7 @@ def why_general(mechanism: Mechanism) -> str | None:
     """Why a run of this mechanism takes the general path, or None: then it is compiled."""
     if not mechanism.settings.compiled:
         return "--general or compiled=False asks for it"
-    if switched_off():
-        return f"the environment variable {GENERAL} asks for it"
-    return unavailable()
+    return why_off()
 
 
 def why_not_in_lanes(mechanism: Mechanism) -> str | None:

@@ -181,6 +181,11 @@ def switched_off() -> bool:
     return os.environ.get(GENERAL, "") not in ("", "0")
 
 
+def why_off() -> str | None:
+    """Why every run takes the general path here, or None."""
+    return f"the environment variable {GENERAL} asks for it" if switched_off() else unavailable()
+
+
 def level() -> str:
     """Level of the processor, by which the build was chosen: 'x86-64-v3', ... Only where the engine is available."""
     name: bytes = _ready().spacar_level()
