@@ -63,10 +63,11 @@ def test_a_run_writes_log_and_result_and_says_nothing(folder):
         assert file.steps == 101
 
 
-@pytest.mark.parametrize("word", ["1", "-1", "+1", "01"])
-def test_minus_is_a_mode_not_an_option(word, folder):
-    assert spacar(word, "crank.dat", "--quiet", folder=folder).status == 0
-    assert (folder / "crank.sbd").exists()
+def test_minus_is_a_mode_not_an_option(folder):
+    words = ["1", "-1", "+1", "01"]
+    ended = many([[word, "crank.dat", "--quiet", "--output-dir", f"of{word}"] for word in words], folder)
+    assert [done.status for done in ended] == [0] * 4
+    assert all((folder / f"of{word}" / "crank.sbd").exists() for word in words)
 
 
 def test_output_dir_is_made_and_used(folder):
@@ -176,12 +177,12 @@ def test_a_full_disk_is_a_failure_with_the_reason(folder):
     assert not (folder / "crank.sbd").exists()
 
 
-@pytest.mark.parametrize("place", ["crank.dat", "/proc/nowhere", "crank.dat/x"])
-def test_a_folder_that_cannot_be_used(place, folder):
-    done = spacar("1", "crank", "--output-dir", place, folder=folder)
-    assert done.status == 2
-    assert done.err.startswith("error: cannot use the folder")
-    assert len(done.err.splitlines()) == 1
+def test_a_folder_that_cannot_be_used(folder):
+    places = ["crank.dat", "/proc/nowhere", "crank.dat/x"]
+    for done in many([["1", "crank", "--output-dir", place] for place in places], folder):
+        assert done.status == 2
+        assert done.err.startswith("error: cannot use the folder")
+        assert len(done.err.splitlines()) == 1
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")

@@ -247,6 +247,7 @@ def long_result(folder, steps=10_000):
             writer.append(values | {"T": np.array([[float(k)]])})
 
 
+@pytest.mark.slow
 def test_one_frame_of_ten_thousand_in_a_second_and_a_half(results):
     """A whole process. Processor time is compared, which a busy machine does not lengthen."""
     import resource

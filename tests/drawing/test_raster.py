@@ -50,7 +50,10 @@ def difference(a, b):
     return float(np.sqrt(np.mean((a - b) ** 2)))
 
 
-@pytest.mark.parametrize("name", ["crank", "lever", "trike3v", "leafguide", "slider", "plbeam5free", "lateral4"])
+@pytest.mark.parametrize("name", [
+    "crank", "leafguide", "plbeam5free",
+    *(pytest.param(n, marks=pytest.mark.slow) for n in ("lever", "trike3v", "slider", "lateral4")),
+])  # fmt: skip
 def test_every_frame_is_the_still_of_its_step(name):
     """The frame before it leaves nothing behind."""
     source = result_source(name, 1, 0.02, 2)

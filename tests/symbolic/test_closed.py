@@ -200,7 +200,8 @@ BEAMS = [
 
 def is_slow(kind, spatial, shortening, strategy):
     few = ("close",) if shortening else ("close", "knife")
-    return (spatial and strategy == "held") or ((spatial or shortening) and kind not in few)
+    both = shortening and (spatial or strategy == "held")
+    return both or (spatial and strategy == "held") or ((spatial or shortening) and kind not in few)
 
 
 @pytest.mark.parametrize(("spatial", "shortening", "strategy", "kind"), [
@@ -230,8 +231,10 @@ def test_constraint_on_a_flexible_section(kind, spatial, shortening, strategy):
         assert abs(mp.mpf(str(got["force"])) - expected[n]) < 1e-25 * abs(expected[n])
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("strategy", ["held", "recursive"])
+@pytest.mark.parametrize(("strategy", "kind"), [
+    pytest.param(strategy, kind, marks=[pytest.mark.slow] * (kind in ("velocity", "knife") or strategy == "held"))
+    for strategy in ("held", "recursive") for kind in KINDS
+])  # fmt: skip
 def test_check_sees_energy_and_constraints(kind, strategy):
     """30 digits leave 1e-28; without the field columns of J this check gave 0.92."""
     check = model(kind, False, True, strategy)[2].check()
@@ -253,8 +256,9 @@ def test_wrong_columns_do_not_pass_the_check():
         broken.check().demand()
 
 
-@pytest.mark.parametrize("strategy", [pytest.param("held", marks=pytest.mark.slow), "recursive"])
-@pytest.mark.parametrize("shortening", [False, pytest.param(True, marks=pytest.mark.slow)])
+@pytest.mark.slow  # the four-bar keeps its energy in the fast tests
+@pytest.mark.parametrize("strategy", ["held", "recursive"])
+@pytest.mark.parametrize("shortening", [False, True])
 def test_energy_of_the_closed_slider_crank(strategy, shortening):
     """Without dissipation; 1e-9 of the energy at rtol 1e-10."""
     S, rod, eq = model("close", False, shortening, strategy)
