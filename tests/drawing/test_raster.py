@@ -121,7 +121,7 @@ def test_an_outline_without_area_is_cut_into_nothing_worse():
     assert len(convex_pieces(np.array([[0, 0], [1, 0], [0.5, 1e-3], [0.5, 0.0], [0.2, 0.3]]))) >= 1
 
 
-@pytest.mark.parametrize("planar", [True, False])
+@pytest.mark.parametrize("planar", [pytest.param(True, marks=pytest.mark.slow), False])
 def test_thousand_beams_move(planar):
     """A frame takes 12 and 23 ms of processor time here (benchmarks/pictures.py); asked for are 50, allowed 250."""
     from benchmarks.pictures import bent

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import io
 import os
 import signal
 import time
 
 import pytest
+from spacar_cli.environment import Environment
+from spacar_cli.main import main
 from spacar_formats import claim as claims
 from spacar_formats import locks
 from spacar_formats.claim import Claim
@@ -57,13 +60,14 @@ def test_a_killed_run_blocks_nobody(tmp_path):
     assert getfrsbf(tmp_path / "crank.sbd", "tdef") == [[101]]
 
 
-def test_a_folder_of_the_name_is_not_moved_away(tmp_path):
-    model(tmp_path)
+def test_a_folder_of_the_name_is_not_moved_away(tmp_path, monkeypatch):
+    monkeypatch.chdir(model(tmp_path))
     for name in ("crank.sbd", "crank.log", "crank.sbd.bak", "crank.sbd.part"):
         (tmp_path / name).mkdir()
-        status, _, err = done(tmp_path, 1, "crank")
-        assert (status, len(err.splitlines())) == (2, 1)
-        assert "folder" in err
+        err = io.StringIO()
+        status = main(["1", "crank"], Environment(stderr=err, variables={}))
+        assert (status, len(err.getvalue().splitlines())) == (2, 1)
+        assert "folder" in err.getvalue()
         assert (tmp_path / name).is_dir()
         (tmp_path / name).rmdir()
         assert sorted(p.name for p in tmp_path.iterdir()) == ["crank.dat"]
