@@ -32,7 +32,7 @@ from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError
 from spacar.forward.driver import has_forces
 from spacar.frame import Frame
-from spacar.integrators.methods import METHODS
+from spacar.integrators.methods import AUTOMATIC, METHODS
 from spacar.linearization.state_jacobian import state_jacobian
 from spacar.mechanism import Mechanism
 from spacar.modes import find_mode
@@ -238,7 +238,8 @@ def measured(search: Search, methods: tuple[int, int]) -> tuple[Computed, Comput
     settings = search.run.mechanism.settings
     row = METHODS[settings.integrator]
     shown = search.compute(row.code, None)
-    check = methods[1] if row.code != methods[1] else methods[0]
+    same = (methods[1], AUTOMATIC) if methods == STIFF else (methods[1],)  # it may have changed to that one
+    check = methods[0] if row.code in same else methods[1]
     tolerance = settings.rtol / GAIN if row.variable_step and settings.rtol > 0.0 else UNRESOLVED
     other = search.compute(check, max(tolerance, TIGHTEST))
     difference = search.compare(shown, other)

@@ -111,9 +111,12 @@ def test_every_kind_has_a_definition_and_a_model():
 
 
 LONG = ("BEAM", "BEAM angle", "TUBE", "TUBE angle", "BEAMW", "BEAMW angle")
+A_SECOND = ("PLBEAM angle", "PLTUBE angle", "PLBELT", "SCREW")
 
 
-@pytest.mark.parametrize("form", [pytest.param(f, marks=[pytest.mark.slow] * (f in LONG)) for f in SUPPORTED])
+@pytest.mark.parametrize("form", [
+    pytest.param(f, marks=[pytest.mark.slow] * (f in LONG + A_SECOND)) for f in SUPPORTED
+])  # fmt: skip
 def test_family_agrees_with_its_definition(form):
     """Two cases of the same element."""
     kind, of_family = SUPPORTED[form]

@@ -1,8 +1,8 @@
 """The recommended runs of `spacar trade` against solutions that know nothing of beam elements.
 
 crankfl: the rod is an inextensible elastica, theta(s, t) a sum of Legendre polynomials, with r(s) = p(t) +
-int_0^s (cos theta, sin theta) ds, kinetic energy of line and slider, EI/2 int theta'^2, and the guide as a constraint. robotflexsim: both arms stand and hang straight, so it is an eigenvalue problem of
-two lateral displacements, polynomials of degree 8, with bending, weight and damping; inplane and out of plane.
+int_0^s (cos theta, sin theta) ds, kinetic energy of line and slider, EI/2 int theta'^2, and the guide as a constraint.
+robotflexsim: both arms stand and hang straight, so it is an eigenvalue problem of two lateral displacements, polynomials of degree 8, with bending, weight and damping; inplane and out of plane.
 """
 
 from __future__ import annotations
