@@ -2,7 +2,8 @@
 
 crankfl: the rod is an inextensible elastica, theta(s, t) a sum of Legendre polynomials, with r(s) = p(t) +
 int_0^s (cos theta, sin theta) ds, kinetic energy of line and slider, EI/2 int theta'^2, and the guide as a constraint.
-robotflexsim: both arms stand and hang straight, so it is an eigenvalue problem of two lateral displacements, polynomials of degree 8, with bending, weight and damping; inplane and out of plane.
+robotflexsim: both arms stand and hang straight, so it is an eigenvalue problem of two lateral displacements,
+polynomials of degree 8, with bending, weight and damping; in the plane and out of it.
 """
 
 from __future__ import annotations
