@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from derivatives import group
+from scipy.linalg import eigvalsh
 from scipy.optimize import brentq
 
 import spacar
 from spacar.deck import Deck
+from spacar.elements.plbeam import PlanarBeam
 from spacar.elements.plbeam_angle import PlanarAngleBeam
 
 J = 1e-2  # rotary inertia per length; EI = L = m = 1
@@ -70,3 +72,21 @@ def test_a_rigid_turn_has_all_of_the_inertia():
     beam.mass(beam.strain(x0, e, e, V), M)
     v = np.array([0.0, 0.0, 1.0, -0.8, 1.5, 1.0])
     assert v @ M[:, :, 0] @ v == pytest.approx(0.7 * 1.7, rel=1e-14)
+
+
+@pytest.mark.parametrize(("kind", "size"), [(PlanarBeam, "lumped"), (PlanarAngleBeam, "consistent")])
+def test_dispersion_of_waves(kind, size):
+    """An endless row of beams, wave number k: the closed forms of section 1.3 for the error of omega^2."""
+    h, k, r = 0.25, 1.0, 0.7  # next terms: a hundredth of the first ones
+    x0 = np.array([[0.0, 0.0, 0.0, h, 0.0, 0.0]]).T
+    beam = kind(group("PLBEAM", x0, em=[(1.0, r * r)], estiff=[(1.0, 1.0)]))
+    e, V, M = np.zeros((3, 1)), np.zeros((3, 6, 1)), np.zeros((6, 6, 1))
+    beam.mass(beam.strain(x0, e, e, V), M)
+    K = np.einsum("ai,ab,bj->ij", V[:, :, 0], beam.stiffness()[0][:, :, 0], V[:, :, 0])
+    z = np.exp(1j * k * h)
+    P = np.zeros((6, 2), complex)  # transverse displacement and angle of p, and of q a phase later
+    P[[1, 2], [0, 1]], P[[4, 5], [0, 1]] = 1.0, z
+    found = eigvalsh(P.conj().T @ K @ P, P.conj().T @ M[:, :, 0] @ P)[0] * (1.0 + (r * k) ** 2) / k**4 - 1.0
+    square = (r * k) ** 2
+    exact = {"lumped": -(square**2) * (k * h) ** 2 / (12.0 * (1.0 + square) ** 2), "consistent": (k * h) ** 4 / 720.0}
+    assert found == pytest.approx(exact[size], rel=0.05)
