@@ -6933,7 +6933,7 @@ static void body_inertia(const real *x, const real *v, const real *p, real *M, r
 }
 
 enum { PLBEAM, PLBEAM_ANGLE, PLTUBE, PLTUBE_ANGLE, PLTRUSS, PLTOR, PLPINBOD, PLWHEEL, PLBELT, BEAM, BEAM_ANGLE, TUBE, TUBE_ANGLE, BEAMW, TRUSS, HINGE, PINBODY, SCREW, WHEEL, NORMALIZATION, BODY, N_KINDS };
-enum { MAX_X = 16, MAX_E = 8, MAX_GUARDS = 4 };
+enum { MAX_X = 16, MAX_E = 8, MAX_GUARDS = 4, MAX_P = 44 };
 static void (*const STRAIN[N_KINDS])(const real *x, const real *p, real *e, real *V) = {
     [PLBEAM] = plbeam_strain,
     [PLBEAM_ANGLE] = plbeam_angle_strain,

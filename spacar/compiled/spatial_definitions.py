@@ -84,8 +84,15 @@ def beam_strain(z: list, p: dict) -> list:
     return from_start(e, p)
 
 
+class turn3(sp.Function):
+    """Third derivative of `turn0`."""
+
+
 class turn2(sp.Function):
     """Second derivative of `turn0`."""
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        return turn3(self.args[0])
 
 
 class turn1(sp.Function):
