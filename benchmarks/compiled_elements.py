@@ -24,8 +24,8 @@ from spacar.deck.deck import parse_deck
 from spacar.elements.family import Family
 
 FUNCTIONS = (
-    "strain", "convective_strain", "gradient_rate", "gradient_transport", "rate_gradient", "geometric_stiffness", "mass",
-    "inertia_force", "inertia_gradient", "internal", "troubles",
+    "strain", "convective_strain", "gradient_rate", "gradient_transport", "rate_gradient", "geometric_stiffness",
+    "mass", "inertia_force", "inertia_gradient", "internal", "troubles",
 )  # fmt: skip
 STEP = "TIMESTEP 1e-9 1"
 

@@ -195,4 +195,5 @@ class CompiledElements(Family):
 
 def _at(array: Array) -> Any:
     """Where the doubles of an array begin, in the order of its axes. An output is contiguous already."""
-    return DOUBLE.from_buffer(array if array.flags.c_contiguous else np.ascontiguousarray(array))
+    whole: Any = array if array.flags.c_contiguous else np.ascontiguousarray(array)
+    return DOUBLE.from_buffer(whole)

@@ -21,7 +21,7 @@ HERE = Path(__file__).parent
 NAME = {"win32": "engine.dll", "darwin": "engine.dylib"}.get(sys.platform, "engine.so")
 GENERAL = "SPACAR_GENERAL"  # environment variable: anything but empty or 0 switches the engine off
 
-# what enters kernels.c and derivatives.c: a row of elements that is not in the library yet must not be taken for one that is
+# What enters kernels.c, derivatives.c: a row of elements that is not in the library must not be taken for one that is
 GENERATED_FROM = (
     "definitions.py", "planar_definitions.py", "spatial_definitions.py", "element_parameters.py", "generate.py",
     "derivative_kernels.py",
