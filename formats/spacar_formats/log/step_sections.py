@@ -8,7 +8,7 @@ from spacar.deck.keyword_table import KEYWORDS
 from spacar.deck.statement import Value
 from spacar.deck.table_types import BlockKind
 from spacar.frame import Frame
-from spacar.integrators import METHODS
+from spacar.integrators import AUTOMATIC, METHODS
 from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
 from spacar.stream import Run
@@ -106,8 +106,9 @@ def integration(mechanism: Mechanism, evaluated_by: tuple[str, str] | None = Non
     """Name of the integrator and its accuracy settings; the engine."""
     s = mechanism.settings
     method = METHODS.get(s.integrator)
-    given = f"INTEGRAT {s.integrator}"
-    lines = [f"Integrator: {given}, {method.name if method else 'unknown'}"]
+    lines = [f"Integrator: INTEGRAT {s.integrator}, {method.name if method else 'unknown'}"]
+    if s.integrator == AUTOMATIC:
+        lines.append("It starts with INTEGRAT 0; the end of this log says when it changed, if it did")
     lines.append(f"Error tolerances: absolute {real(s.atol)}, relative {real(s.rtol)}")
     if s.step is not None:
         lines.append(f"Step size (fixed, or the first one): {real(s.step)} s")
