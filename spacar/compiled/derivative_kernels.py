@@ -75,6 +75,8 @@ def tables(ordered: Sequence[Definition]) -> Iterator[str]:
             if what in made_of(definition):
                 yield f"    [{definition.name.upper()}] = {owner(definition, what).name}_{table},"
         yield "};"
+    yield "/* The kinds that have functions here: NumPy evaluates what was added to kernels.c alone. */"
+    yield f'static const char DERIVED[] = "{" ".join(definition.name for definition in ordered)}";'
 
 
 def arguments(vectors: str) -> str:

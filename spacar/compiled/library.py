@@ -127,11 +127,17 @@ ELEMENT_FUNCTIONS: dict[str, tuple[Any, ...]] = {
 
 
 class ElementFunctions:
-    """The functions of batches of elements (batches.c), of the widest build for this processor that has them."""
+    """The functions of batches of elements (batches.c), of the widest build for this processor that has them.
+
+    `kinds`: names of the types that have all of them.
+    """
+
+    kinds: frozenset[str]
 
     def __init__(self, loaded: ctypes.CDLL) -> None:
         addresses = loaded.spacar_element_functions()
-        for k, (name, (result, *arguments)) in enumerate(ELEMENT_FUNCTIONS.items()):
+        self.kinds = frozenset(ctypes.string_at(addresses[0]).decode("ascii").split())
+        for k, (name, (result, *arguments)) in enumerate(ELEMENT_FUNCTIONS.items(), 1):
             setattr(self, name, ctypes.CFUNCTYPE(result, *arguments)(addresses[k]))
 
     strain: Any
