@@ -14061,3 +14061,5 @@ static void (*const FLOW_GRADIENT[N_KINDS])(const real *x, const real *v, const 
     [TUBE] = tube_flow_gradient,
     [TUBE_ANGLE] = tube_angle_flow_gradient,
 };
+/* The kinds that have functions here: NumPy evaluates what was added to kernels.c alone. */
+static const char DERIVED[] = "plbeam plbeam_angle pltube pltube_angle pltruss pltor plpinbod plwheel plbelt beam beam_angle tube tube_angle beamw beamw_angle truss hinge pinbody screw wheel normalization body";
