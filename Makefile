@@ -60,7 +60,7 @@ test: $(VENV)/.installed-dev
 test-all: lint
 	$(BIN)/python -m pytest $(PARALLEL) $(PYTEST)
 
-# oldest and newest versions, four BLAS kernels: see .ci/matrix
+# oldest and newest versions, no engine, four BLAS kernels: see .ci/matrix
 test-matrix: $(VENV)/.installed-dev
 	.ci/matrix
 

@@ -14,6 +14,6 @@
 const void *const BUILD[] = {
     KINDS,
     spacar_begin, spacar_end, spacar_evaluate, spacar_rhs, spacar_stages, spacar_complete, spacar_gradient,
-    spacar_determinant, spacar_reduced_mass, spacar_guard, spacar_rcond,
+    spacar_determinant, spacar_reduced_mass, spacar_mass_diagonal, spacar_guard, spacar_rcond,
     spacar_adams_begin, spacar_adams, spacar_adams_value, spacar_runge_kutta,
 };

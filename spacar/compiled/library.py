@@ -97,6 +97,7 @@ FUNCTIONS: dict[str, tuple[Any, ...]] = {  # in the order of the table in engine
     "gradient": (INTEGER, POINTER, POINTER, POINTER, POINTER),
     "determinant": (None, POINTER, POINTER, POINTER),
     "reduced_mass": (INTEGER, POINTER, POINTER),
+    "mass_diagonal": (None, POINTER, POINTER),
     "guard": (NUMBER, POINTER, POINTER),
     "rcond": (NUMBER, POINTER, POINTER, POINTER),
     "adams_begin": (INTEGER, POINTER, POINTER),
@@ -130,6 +131,7 @@ class Engine:
     gradient: Any
     determinant: Any
     reduced_mass: Any
+    mass_diagonal: Any
     guard: Any
     rcond: Any
     adams_begin: Any
@@ -177,6 +179,11 @@ def unavailable() -> str | None:
 def switched_off() -> bool:
     """Whether the environment asks for the general path."""
     return os.environ.get(GENERAL, "") not in ("", "0")
+
+
+def why_off() -> str | None:
+    """Why every run takes the general path here, or None."""
+    return f"the environment variable {GENERAL} asks for it" if switched_off() else unavailable()
 
 
 def level() -> str:
