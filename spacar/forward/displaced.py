@@ -17,7 +17,7 @@ g, are estimated from PROBES sums of rows with random signs s, E (s.z)^2 = |z|^2
 t/g, and as many spread over all, are computed; where one has an entry of more than 1/SHARE times what is known, the row
 of this entry is taken too, until a sample has none. Where arms are many and short each has its own tip, but t is close
 to g: a random sample of the columns with t <= SHORT g tells whether they take t, as all do that are left after ROUNDS.
-So g is found at the price of some dozen solutions, up to a factor of two or three, in which a unit may be chosen freely.
+So g is found at the price of some dozen solutions, up to a factor of two or three, within which a unit may be chosen.
 """
 
 from __future__ import annotations
