@@ -168,11 +168,15 @@ class CompiledDynamics:
         self.general.kinematics.refresh()
         return self.general
 
-    def companion(self) -> CompiledDynamics:
-        """Another state of the same model; the general evaluator goes wherever one of them needs it."""
-        other = object.__new__(CompiledDynamics)
-        vars(other).update(vars(self))
-        other.state = self.solver.state()
+    def companion(self, apart: bool = False) -> CompiledDynamics:
+        """Another state of the same model; the general evaluator goes wherever one of them needs it. Or all `apart`."""
+        if apart:
+            model = self.model
+            other = CompiledDynamics(model.mechanism, loads=model.loads, drive=model.drive)
+        else:
+            other = object.__new__(CompiledDynamics)
+            vars(other).update(vars(self))
+            other.state = self.solver.state()
         other.stand(self.placement())
         return other
 
