@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.deck import ELEMENT_TYPES, Deck, Statement
+from spacar.deck import ELEMENT_TYPES, Deck
 from spacar.deck.statement import number
 from spacar.deck.table_solvers import INTEGRATOR_ALIASES
 from spacar.mechanism.mechanism import Batch, Drive, DriveState, Loads, Polynomial, SolverSettings, Start, UserSignal
