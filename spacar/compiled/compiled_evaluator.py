@@ -94,7 +94,8 @@ class CompiledDynamics:
         if not n.is_square:
             self.general.settled()  # raises
         scales = mechanism.scale, mechanism.deformation_scale
-        self.solver = CompiledModel(n, of_one(model), scales, model.drive, mechanism.user_signal)
+        users = () if mechanism.user_signal is None else (mechanism.user_signal,)
+        self.solver = CompiledModel(n, of_one(model), scales, (model.drive,), users)
         self.state = self.solver.state()
         self._y, self._out = np.zeros((2, self.n_positions + self.numbering.nddof))
         self._addresses = self._y.ctypes.data, self._out.ctypes.data
@@ -167,11 +168,15 @@ class CompiledDynamics:
         self.general.kinematics.refresh()
         return self.general
 
-    def companion(self) -> CompiledDynamics:
-        """Another state of the same model; the general evaluator goes wherever one of them needs it."""
-        other = object.__new__(CompiledDynamics)
-        vars(other).update(vars(self))
-        other.state = self.solver.state()
+    def companion(self, apart: bool = False) -> CompiledDynamics:
+        """Another state of the same model; the general evaluator goes wherever one of them needs it. Or all `apart`."""
+        if apart:
+            model = self.model
+            other = CompiledDynamics(model.mechanism, loads=model.loads, drive=model.drive)
+        else:
+            other = object.__new__(CompiledDynamics)
+            vars(other).update(vars(self))
+            other.state = self.solver.state()
         other.stand(self.placement())
         return other
 
@@ -265,5 +270,5 @@ class CompiledDynamics:
         (x, xd, xdd, applied, gravity, total), (e, ed, edd, sigma) = s.of_one()
         return Frame(
             t=t, x=x, xd=xd, xdd=xdd, e=e, ed=ed, edd=edd, sig=sigma, fx=applied, fxgrav=gravity, fxtot=total,
-            lost=m.slots.lost,
+            lost=m.slots.lost[0],
         )  # fmt: skip

@@ -12,7 +12,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.compiled.element_parameters import GUARD
-from spacar.compiled.library import GENERAL, CBatch, CSpec, CState, engine, switched_off, unavailable
+from spacar.compiled.library import CBatch, CSpec, CState, engine, why_off
 from spacar.compiled.numbers import FOREIGN, Numbers, without_form
 from spacar.compiled.slots import Slots
 from spacar.dynamics.saddle_point import free_coordinates
@@ -25,18 +25,14 @@ def why_general(mechanism: Mechanism) -> str | None:
     """Why a run of this mechanism takes the general path, or None: then it is compiled."""
     if not mechanism.settings.compiled:
         return "--general or compiled=False asks for it"
-    if switched_off():
-        return f"the environment variable {GENERAL} asks for it"
-    return unavailable()
+    return why_off()
 
 
 def why_not_in_lanes(mechanism: Mechanism) -> str | None:
-    """Why several cases of this mechanism cannot be evaluated at a time, or None: Python answers for one case only."""
+    """Why several cases of this mechanism cannot be evaluated at a time, or None."""
     missing = without_form(mechanism)
     if missing:
         return f"{', '.join(missing)}: without functions in C"
-    if mechanism.user_signal is not None or not isinstance(mechanism.drive, Polynomial):
-        return "user functions are called for one mechanism"
     return None if mechanism.numbering.holonomic and not mechanism.numbering.nk else "wheels"
 
 
@@ -83,15 +79,17 @@ class State:
 
 
 class CompiledModel:
-    """One `Model` of model.c. `scales` (nx,), (ne,): sizes of what is in x and e. What Python answers: `slots`."""
+    """One `Model` of model.c. `scales` (nx,), (ne,): sizes of what is in x and e. `slots`: what Python answers,
+    with the `drives` and `users` of all cases.
+    """
 
     def __init__(
-        self, numbering: Numbering, numbers: Numbers, scales: tuple[Array, Array], drive: Drive,
-        user: UserSignal | None = None,
+        self, numbering: Numbering, numbers: Numbers, scales: tuple[Array, Array], drives: Sequence[Drive],
+        users: Sequence[UserSignal] = (),
     ) -> None:  # fmt: skip
         self.numbering = numbering
         self.numbers = numbers
-        self.polynomial = isinstance(drive, Polynomial)
+        self.polynomial = all(isinstance(drive, Polynomial) for drive in drives)
         self.cases = numbers.x0.shape[-1]
         self.engine = engine(self.cases)
         self._alive: list[Any] = []  # arrays that C points into
@@ -99,7 +97,7 @@ class CompiledModel:
         self.x_motion, self.e_motion = np.ascontiguousarray(numbers.x_motion), np.ascontiguousarray(numbers.e_motion)
         motions = self.x_motion, self.e_motion
         self.force, self.preload = np.array(numbers.force, order="C"), np.array(numbers.preload, order="C")
-        self.slots = Slots(numbers.elements, drive, motions, user, (numbering.nx, numbering.ne))
+        self.slots = Slots(numbers.elements, drives, motions, users, (numbering.nx, numbering.ne, self.cases))
         spec = self._spec(numbers, scales)
         self.handle = ctypes.c_void_p(self.engine.begin(ctypes.addressof(spec)))
         if not self.handle:

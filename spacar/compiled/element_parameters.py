@@ -85,6 +85,10 @@ def _beam_angle(f: Family) -> Array:
     return np.vstack((_beam(f), a.shear[:2], a.ratio, a.start))
 
 
+def _beamw_angle(f: Family) -> Array:
+    return np.vstack((_ends(f), f.angles.shear[:2]))  # type: ignore[attr-defined]
+
+
 def _tube(f: Family) -> Array:
     return np.vstack((_beam(f), _flow(f)))
 
@@ -131,6 +135,7 @@ SUPPORTED: dict[str, tuple[str, Callable[[Family], Array]]] = {
     "TUBE": ("tube", _tube),
     "TUBE angle": ("tube_angle", _tube_angle),
     "BEAMW": ("beamw", _ends),
+    "BEAMW angle": ("beamw_angle", _beamw_angle),
     "TRUSS": ("truss", _length),
     "HINGE": ("hinge", _frame),
     "PINBODY": ("pinbody", _pinbody),

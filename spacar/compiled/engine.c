@@ -9,6 +9,10 @@
 #include "march.c"
 #include "adams.c"
 #include "runge_kutta.c"
+#ifdef ELEMENTS /* the name of the table of what is needed of elements alone: two builds have it */
+#include "derivatives.c"
+#include "batches.c"
+#endif
 
 /* The kinds of elements, then the functions in the order of `FUNCTIONS` in library.py. */
 const void *const BUILD[] = {

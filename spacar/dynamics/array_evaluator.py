@@ -117,8 +117,8 @@ class Dynamics(EquationsOfMotion):
     def settled(self) -> Dynamics:
         return self
 
-    def companion(self) -> Dynamics:
-        """An evaluator of the same mechanism, which follows its own path from the present configuration."""
+    def companion(self, apart: bool = True) -> Dynamics:
+        """An evaluator of the same mechanism, always apart, which follows its own path from this configuration."""
         other = Dynamics(self.mechanism, kind=self.kind)
         other.use(self.model)
         other.kinematics.start_from(self.kinematics)

@@ -124,7 +124,7 @@ class SolverSettings:
 
     duration: float | None = None
     n_steps: int = 0
-    integrator: int = 0
+    integrator: int = -1  # the method chooses itself
     step: float | None = None
     atol: float = 1e-5
     rtol: float = 1e-4
