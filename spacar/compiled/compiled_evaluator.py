@@ -155,7 +155,7 @@ class CompiledDynamics:
         return Moving(float(s.c.t), x, xd, xdd, s.e[:, 0].copy())
 
     def resume(self, at: Moving) -> None:
-        self.state.resume(at.t, np.stack((at.x, at.xd, at.xdd))[:, :, None], at.e[:, None])
+        self.state.resume(at.t, *(values[:, None] for values in (at.x, at.xd, at.xdd, at.e)))
 
     def stand(self, at: Placement) -> None:
         """Go on from there, without the memory of earlier states."""
