@@ -132,7 +132,7 @@ class InLanes:
         """Back to the last accepted step."""
         if self._seen is not None:
             at = self._seen[0]
-            self.state.resume(at.t, np.stack((at.x, at.xd, at.xdd)), at.e)
+            self.state.resume(at.t, at.x, at.xd, at.xdd, at.e)
 
     # -- outputs --------------------------------------------------------------------------------------------------
     def variables(self, t: float, y: Array) -> tuple[Array, Array]:

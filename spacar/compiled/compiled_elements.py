@@ -37,11 +37,16 @@ class Place:
     general: Configuration = None
 
 
-def mechanism_of(run: Run) -> Mechanism:
-    """The mechanism of a run with its elements in C where that is possible; the header says which, and why."""
+def is_compiled(run: Run) -> bool:
+    """Whether a run takes the engine; the header says which, and why."""
     reason = why_general(run.mechanism)
     run.header["engine"] = ("compiled", level()) if reason is None else ("general", reason)
-    return with_compiled_elements(run.mechanism) if reason is None else run.mechanism
+    return reason is None
+
+
+def mechanism_of(run: Run) -> Mechanism:
+    """The mechanism of a run with its elements in C where that is possible; the header says which, and why."""
+    return with_compiled_elements(run.mechanism) if is_compiled(run) else run.mechanism
 
 
 def with_compiled_elements(mechanism: Mechanism) -> Mechanism:

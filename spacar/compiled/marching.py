@@ -196,11 +196,13 @@ class Marching:
             if self.status == TOO_SMALL:
                 np.multiply(a.d, a.weight, out=a.scaled)
 
+        found = np.empty_like(a.y)
+        found_at = found.ctypes.data
+
         def value(t: float) -> Array:
             """y(t) in the last step."""
-            out = np.empty_like(a.y)
-            self.engine.adams_value(self.address, at, t, out.ctypes.data)
-            return out
+            self.engine.adams_value(self.address, at, t, found_at)
+            return found.copy()
 
         self.value = value
         return partial(self.engine.adams, self.address, at), kept

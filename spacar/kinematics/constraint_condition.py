@@ -13,7 +13,6 @@ from collections.abc import Callable
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.kinematics.difference_matrix import scaled_difference_matrix
 from spacar.kinematics.kinematics import Kinematics
 from spacar.mechanism.mechanism import Mechanism
 
@@ -34,7 +33,7 @@ def of_gradient(mechanism: Mechanism, V: Array) -> float:
     E, U = mechanism.numbering.velocity_equations, mechanism.numbering.velocity_unknowns
     if not len(E):
         return 1.0
-    D = scaled_difference_matrix(mechanism, V)[E[:, None], U]
+    D = V[E[:, None], U] * mechanism.scale[U] / mechanism.deformation_scale[E, None]
     s = np.linalg.svd(D, compute_uv=False)
     return float(s[0] / s[-1]) if s[-1] > 0.0 else float("inf")
 
