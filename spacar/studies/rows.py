@@ -98,9 +98,19 @@ class Rows:
 
 def key(*parts: Any) -> str:
     """A short digest that tells cases apart: the same parts give the same key in every process."""
+    return digest(key_text(parts))
+
+
+def key_text(part: Any) -> str:
+    """What of a part enters a key."""
+    return json.dumps(_plain(part), sort_keys=True)
+
+
+def digest(text: str) -> str:
+    """The key of the text of all parts."""
     from hashlib import sha256
 
-    return sha256(json.dumps(_plain(parts), sort_keys=True).encode()).hexdigest()[:16]
+    return sha256(text.encode()).hexdigest()[:16]
 
 
 def _plain(value: Any) -> Any:
