@@ -26,11 +26,13 @@ SYNC = 0.1  # seconds
 class Rows:
     """The file of rows; use as a context. `done` holds the rows that were there, by `case`, the last of each.
 
+    durable   False: a file that nobody reads later, for which the disk is not waited for
+
     Raises UsageError when the file belongs to something else or another process is writing to it.
     """
 
-    def __init__(self, path: Path, columns: Sequence[str]) -> None:
-        self.path, self.columns = path, tuple(columns)
+    def __init__(self, path: Path, columns: Sequence[str], durable: bool = True) -> None:
+        self.path, self.columns, self.durable = path, tuple(columns), durable
         self.csv = path.suffix.lower() == ".csv"
         self.done: dict[str, Row] = {}
         self._synced = 0.0
@@ -73,6 +75,8 @@ class Rows:
             self._to_disk()
 
     def _to_disk(self) -> None:
+        if not self.durable:
+            return
         os.fsync(self._file.fileno())
         self._synced = time.monotonic()
 

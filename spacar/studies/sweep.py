@@ -74,14 +74,15 @@ def sweep(
     engine: Engine = run,
     retry: bool = False,
     batch: Batch | None = None,
+    durable: bool = True,
 ) -> Iterator[Row]:
     """Rows of the cases that are not in `output` yet, each after it has been written there.
 
     `cases` holds values in the order of study.settings; `engine` runs them (spacar.studies.workers); `retry` runs
-    failed cases again; `batch`, if given, runs them instead, many at once. Raises UsageError for a file of another
-    study.
+    failed cases again; `batch`, if given, runs them instead, many at once; `durable` as for `Rows`. Raises UsageError
+    for a file of another study.
     """
-    with Rows(output, study.columns) as rows:
+    with Rows(output, study.columns, durable) as rows:
         todo = _unfinished(study, cases, rows, retry)
         outcomes = batch(study, todo) if batch is not None else singly(study, todo, engine)
         for outcome in outcomes:
