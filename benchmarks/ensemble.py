@@ -4,10 +4,11 @@
 
 Two motions: `falls` (no moments in the hinges: the arm tumbles) and `swings` (held by stiff joints, which start with 1
 and 0.5 rad/s: a smooth motion like those of a controlled arm), and S4c of benchmarks/peers (constant torques), 29 to
-31 kg. The heading of a motion gives the time of a variant to change the number and check the deck again, that of a whole
-`spacar.sweep` with its rows on one core, and on all cores (the default; elapsed time too). Then follow, for each method and tolerance: the processor time of a variant alone
-(median over a sample), in a batch, and of the latter how much is setting up; how many variants have to be run alone;
-the error of the tip position relative to the size of the arm, against single runs of method 853 at 1e-11.
+31 kg. The heading of a motion gives the time of a variant to change the number and check the deck again, that of a
+whole `spacar.sweep` with its rows on one core, and on all cores (the default; elapsed time too). Then follow, for each
+method and tolerance: the processor time of a variant alone (median over a sample), in a batch of decks, and of the
+latter how much is setting up; how many variants have to be run alone; the error of the tip position relative to the
+size of the arm, against single runs of method 853 at 1e-11.
 """
 
 from __future__ import annotations
