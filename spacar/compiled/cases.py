@@ -121,7 +121,7 @@ class InLanes:
         if (np.abs(state.x[self.lambda0]) < HALF_TURN).any():
             raise _failed(t)
         sign = self.solver.determinant()[0].copy()
-        place, xd, xdd = state.of_x.copy()
+        place, xd, xdd = state.of_x[:3].copy()
         now = Moving(float(state.c.t), place, xd, xdd, state.e.copy())
         seen, self._seen = self._seen, (now, sign)
         if seen is not None and ((seen[1] != sign).any() or unexplained(seen[0], now, self._scale).any()):
@@ -142,9 +142,9 @@ class InLanes:
         the single run says what it is.
         """
         shown = self.shown
-        if self.solver.evaluate(shown, t, y, EXACT) < 0 or not self.solver.in_range(shown):
+        if self.solver.evaluate(shown, t, y.ctypes.data, EXACT) < 0 or not self.solver.in_range(shown):
             raise _failed(t)
-        return np.concatenate((shown.of_x, self.solver.forces)), shown.of_e[:4].copy()
+        return shown.of_x.copy(), shown.of_e[:4].copy()
 
 
 def blocks(cases: int) -> Iterator[Sequence[int]]:

@@ -355,3 +355,11 @@ static int spacar_reduced_mass(const Model *m, real *out)
         }
     return 1;
 }
+
+/* The diagonal of M (nx) at the last evaluated state. */
+static void spacar_mass_diagonal(const Model *m, real *out)
+{
+    memset(out, 0, sizeof(real) * m->s.nx);
+    for (int k = 0; k < m->mass.n; k++)
+        if (m->mass.row[k] == m->mass.column[k]) out[m->mass.row[k]] += m->values[m->mass.source[k]];
+}

@@ -95,28 +95,28 @@ class Slots:
         self.drives = drives
         self.x_motion, self.e_motion = motions
         self.foreign = {b: ForeignBatch(e.family) for b, e in enumerate(elements) if e.family is not None}
-        self.x, self.xd, self.force = np.zeros((3, nx, lanes))
-        self.e, self.ed, self.sigma = np.zeros((3, ne, lanes))
-        arrays = self.x, self.xd, self.e, self.ed, self.force, self.sigma
-        guarded = tuple(zip((self.e, self.ed, self.x, self.xd), ("e", "ep", "x", "xp"), strict=True))
-        self.laws = tuple(
-            Law(
-                user, getattr(user, "rows", None), tuple(placed(values[:, lane], name) for values, name in guarded),
-                (self.sigma[:, lane], self.force[:, lane]),
-            )
-            for lane, user in enumerate(users)
-        )  # fmt: skip
-        self.user_c = CUser(*(a.ctypes.data for a in arrays))
+        # whether a family here may find its elements outside the range of their theory
+        self.has_limits = any(type(f.family).troubles is not Family.troubles for f in self.foreign.values())
         self.error: BaseException | None = None
         self.failed: int | None = None  # the case whose function did not answer the last question
         self.lost: list[dict[int, str]] = [{}] * max(len(users), 1)  # sentences by row of e, of every case
-        self.needed = bool(self.foreign or users or not all(isinstance(d, Polynomial) for d in drives))
-        self.ask = ASK(self._answer)
-
-    @property
-    def has_limits(self) -> bool:
-        """Whether a family here may find its elements outside the range of their theory."""
-        return any(type(f.family).troubles is not Family.troubles for f in self.foreign.values())
+        self.laws: tuple[Law, ...] = ()
+        self.user_c: CUser | None = None
+        if users:
+            self.x, self.xd, self.force = np.zeros((3, nx, lanes))
+            self.e, self.ed, self.sigma = np.zeros((3, ne, lanes))
+            arrays = self.x, self.xd, self.e, self.ed, self.force, self.sigma
+            guarded = tuple(zip((self.e, self.ed, self.x, self.xd), ("e", "ep", "x", "xp"), strict=True))
+            self.laws = tuple(
+                Law(
+                    user, getattr(user, "rows", None), tuple(placed(values[:, lane], name) for values, name in guarded),
+                    (self.sigma[:, lane], self.force[:, lane]),
+                )
+                for lane, user in enumerate(users)
+            )  # fmt: skip
+            self.user_c = CUser(*(a.ctypes.data for a in arrays))
+        needed = bool(self.foreign or users or not all(isinstance(d, Polynomial) for d in drives))
+        self.ask = ASK(self._answer) if needed else None
 
     def _answer(self, what: int, batch: int, t: float) -> int:
         if self.error is not None and not isinstance(self.error, Exception):
