@@ -13,8 +13,9 @@ from spacar.deck import parse_deck, read_deck
 from spacar.errors import UsageError
 from spacar.studies.assignments import axis, change, setting
 from spacar.studies.batched_cases import reason
-from spacar.studies.ensemble import E_FIELDS, X_FIELDS, alike, ensemble, why_not
+from spacar.studies.ensemble import E_FIELDS, X_FIELDS, ensemble, why_not
 from spacar.studies.quantities import quantity
+from spacar.studies.side_by_side import alike
 from spacar.studies.sweep import Study
 
 ROBOT = {"duration": 0.3, "n_steps": 3}
