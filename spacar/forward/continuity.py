@@ -34,7 +34,7 @@ to the dead point than the degrees of freedom are known. A motion that turns bef
 
 So near to a dead point that the velocities are lost the integration may also stop: where the position is not where
 v_a leads within half of the way and 4 h^2 |a_a|, it is an error too. Where it turns there within a step or two, so that
-turning is as good as passing, a warning says so.
+turning is as good as passing, a warning says so; and also where no step is known to be farther than ERROR from it.
 
 To be cheap, only suspected steps are looked at: the determinant of all states evaluated in a step tells. At a fold it
 is zero and about linear in time on both sides. Suspected is a step in which its sign changes, or
@@ -185,7 +185,7 @@ class Continuity:
         """On the branch of before: it has turned, or passed twice while all was near, as with an ERROR that is wide."""
         if self.crossings:
             self._passed(a, b, t)
-        elif not closer.turned_in_steps([p for p in self.steps if p.at.t >= a.at.t]):
+        elif closer.near(a) or not closer.turned_in_steps([p for p in self.steps if p.at.t >= a.at.t]):
             self._turned(a, b, t)
 
     def _passed(self, a: Accepted, b: Accepted, t: float) -> None:

@@ -9,6 +9,8 @@ import time
 
 import pytest
 
+from spacar.compiled.library import why_off
+
 from .processes import DATA, ENVIRONMENT, SPACAR
 
 LOADED = """
