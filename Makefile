@@ -27,7 +27,7 @@ endef
 
 # The C text of the engine and what it is generated from: an installation with another one builds it again.
 ENGINE := hatch_build.py $(wildcard spacar/compiled/*.c) \
-          $(wildcard spacar/compiled/*definitions.py) $(addprefix spacar/compiled/,element_parameters.py generate.py)
+          $(wildcard spacar/compiled/*definitions.py) $(addprefix spacar/compiled/,element_parameters.py generate.py derivative_kernels.py)
 
 $(VENV)/.installed: pyproject.toml $(ENGINE)
 	$(environment)

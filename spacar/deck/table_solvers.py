@@ -21,11 +21,13 @@ KEYWORDS = (
         (form((integer("type of integrator"), real("step size or initial step size", "s", 0.0))),),
         unique=0,
         notes=(
-            "Types: 0 Shampine-Gordon (default); 130, 140 explicit Runge-Kutta of order 3, 4 with fixed step, 135, "
-            "155 of order 3, 5 with variable step; 220, 225 for second order systems, fixed and variable; 310, 320, "
-            "330 Rosenbrock; 410 implicit Euler; 420, 430 diagonally implicit Runge-Kutta. Ours: 553, 595 Radau IIA "
-            "of order 5, 9 with variable step, for stiff models; 853 explicit Runge-Kutta of order 8 with variable "
-            "step; -1 chooses itself: 0, and 595 from where a vibration limits the steps.",
+            "Without INTEGRAT the method chooses itself, type -1: 0, and 595 from where a vibration faster than "
+            "the motion limits the steps; the log says when.",
+            "Types: 0 Shampine-Gordon (what the original program takes without INTEGRAT); 130, 140 explicit "
+            "Runge-Kutta of order 3, 4 with fixed step, 135, 155 of order 3, 5 with variable step; 220, 225 for second "
+            "order systems, fixed and variable; 310, 320, 330 Rosenbrock; 410 implicit Euler; 420, 430 diagonally "
+            "implicit Runge-Kutta. Ours: 553, 595 Radau IIA of order 5, 9 with variable step, for stiff models; 853 "
+            "explicit Runge-Kutta of order 8 with variable step; -1 the default.",
         ),
     ),
     Keyword(

@@ -93,8 +93,11 @@ class Evaluator(Integrable, Protocol):
     def settled(self) -> Dynamics:
         """The NumPy evaluator at the last evaluated state; holds until the next call of this evaluator."""
 
-    def companion(self) -> Evaluator:
-        """Another evaluator of the same model, which follows its own path from the present configuration."""
+    def companion(self, apart: bool = ...) -> Evaluator:
+        """Another evaluator of the same model, which follows its own path from the present configuration. `apart`: it
+        shares nothing (factors, expansions) that this one could feel; else only this one's results stay the same to
+        `within`.
+        """
 
     def sample(self) -> None:
         """From now on derivatives keep what `sampled` gives."""

@@ -101,8 +101,9 @@ class Integrand:
         self.jacobian, self.accepted = jacobian, accepted
         self.within = self.usual = within
         self.report = report
+        self.said = False  # that a method for stiff models has been kept
         self._rhs, self._together = evaluator.rhs, evaluator.stages
-        self.starting = trail
+        self.trail = self.starting = trail
         self.continuity = None if trail is None else trail.continuity
         self.stages = self._stages if self._together is not None else None
         if marching is None and trail is not None and trail.evaluator.marching is not None:
@@ -112,20 +113,21 @@ class Integrand:
     def rhs(self, t: float, y: Array) -> Array:
         f = self._rhs(t, y, self.within)
         if self.starting is not None:  # every code asks the start state first
-            trail, self.starting = self.starting, None
-            trail.started(t, y)
+            self.starting.started(t, y)
+            self.starting = None
         return f
 
-    def exact(self, t: float, y: Array) -> Array:
-        """F with a position that is exact enough for differences."""
-        return self._rhs(t, y, ITERATED)
+    def beside(self) -> Callable[[float, Array], Array]:
+        """F with a position that is exact enough for differences, by an evaluator that leaves this one where it is."""
+        assert self.trail is not None  # without it there is no Jacobian, and nobody asks
+        return partial(self.trail.evaluator.companion(apart=True).rhs, within=ITERATED)
 
     def _stages(self, *step: Any) -> int:
         assert self._together is not None
         return self._together(*step, self.within)
 
     def switched(self, t: float, code: int, omega: float | None) -> None:
-        """The automatic method goes on with another code; for good, when `omega` is given."""
+        """The automatic method goes on with another code: kept when `omega` is given, tried or left when not."""
         implicit = METHODS[code].needs_jacobian
         self.within = ITERATED if implicit else self.usual
         if self.continuity is not None:
@@ -134,6 +136,13 @@ class Integrand:
             self.report.add(
                 f"from t = {t:.9g}: INTEGRAT {code} ({METHODS[code].name}), as the highest vibration or decay of the"
                 f" model ({omega:.3g} rad/s) limits the steps of an explicit method"
+            )
+            self.said = True
+        elif self.said and not implicit:
+            self.said = False
+            self.report.add(
+                f"from t = {t:.9g}: INTEGRAT {code} ({METHODS[code].name}) again, as the motion itself has become as"
+                " fast as what was passed over"
             )
 
 

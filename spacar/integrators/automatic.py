@@ -8,16 +8,22 @@ F,
 
     dF_u/dq w -> w,  omega^2 = |dF_u/dq w| / |w|,      and likewise the decay c = |dF_u/du w| / |w|,
 
-q positions, u their rates, after 100, 200, 400, ... accepted steps. Above FAST the other code is tried, if there are
-enough steps of Adams ahead. It stays when its steps are GAIN times as long; when the vibration is the motion
-itself they are not, and Adams goes on. So what is not stiff is computed as by code 0, step by step, and a model that
-is asked in vain loses less than the part LOST: a trial of TRIAL steps costs less than TRIAL GAIN of Adams, and that
-many over LOST have to be ahead (16,000 with Adams in C, else 4,000).
+q positions, u their rates, after 100, 200, 400, ... accepted steps; the same quotients of the present rates, w = u, say
+how fast the motion is. Where h omega is above FAST, omega SLOWER times that of the motion, and enough steps of Adams
+are ahead, the other code is tried. It stays when its steps are GAIN times as long; when the vibration is the motion
+itself they are not, and Adams goes on. It also goes on when the steps of Radau become shorter than LEFT of that later.
+
+So what is not stiff is computed as by code 0, step by step, and a model that is asked in vain loses less than the part
+LOST: a trial of TRIAL steps costs less than TRIAL GAIN of Adams, and that many over LOST have to be ahead for each
+trial that has been made (of a state with 64 components 9,000 with Adams in C, 4,000 without, the first time). Looks
+cost less than the part SEEN.
 """
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterator
+from itertools import islice
 from math import sqrt
 from typing import Any
 
@@ -31,21 +37,31 @@ from .radau import Radau
 
 FIRST_LOOK = 100  # accepted steps
 FAST = 0.1  # h omega above which the vibration may limit the steps
+# Radau takes omega h up to about 3 of what it follows, Adams up to about 0.8 or, with tight tolerances, 0.3: its steps
+# cannot be longer by more than ten times the frequency of the vibration over that of the motion.
+SLOWER = 4.0
 TRIAL, LAST = 40, 10  # steps of Radau that are tried, of these the last count
-# How many times longer the steps of Radau have to be, Adams in C or not. One of them costs 29 to 23, 6.6 to 4.8 times
-# as much as one of Adams (processor time, cantilevers of 4 to 32 beams); chosen above that, as it has to pay.
-GAIN = {True: 40.0, False: 10.0}
-LOST = 0.1  # part of the steps ahead that a trial in vain may cost
-ITERATIONS = 10  # of the power method: what counts is the size of omega
+# How many times longer the steps of Radau have to be, as one of them costs that many of Adams: in C these leave out the
+# calls of Python, which count the more the fewer components n a state has. Measured: 52, 32, 26 with n = 16, 32, 64;
+# without C 6.6 to 4.8. Chosen above that, as it has to pay: GAIN + SMALL / n.
+GAIN, SMALL = 10.0, 800.0
+LOST = 0.1  # part of the steps ahead that trials in vain may cost
+WATCHED, LEFT = 100, 0.5  # steps of Radau over which their mean is watched, and the part of GAIN below which it is left
+# A look costs at most LOOK / n steps of Adams in C, or OF_PYTHON without; SEEN: the part of those ahead that looks may
+# cost.
+LOOK, OF_PYTHON, SEEN = 3000.0, 10.0, 0.02
+ITERATIONS, SETTLED = 10, 0.1  # of the power method, or its last relative change: what counts is the size of omega
 DIFFERENCE = 1e-7  # of positions and rates: far above what is left of a position, small against its curvature
+Rate = Callable[[float, np.ndarray], np.ndarray]
 Loop = Callable[[Any, bool], Callable[[float, np.ndarray, float, float], Iterator[Step]]]
 
 
 class Automatic:
     """Steps of code 0 and, where that pays, of 595.
 
-    Two more members of a problem are used if present: `exact(t, y)`, F to rounding for the differences, and
-    `switched(t, code, omega)`, called at every change; omega is given when the change is a final one.
+    Two more members of a problem are used if present: `beside()` gives F(t, y) to rounding for the differences, which
+    leaves no trace in the problem, and `switched(t, code, omega)` is called at every change; omega is given when 595 is
+    kept.
     """
 
     def __init__(self, evaluation: Evaluation, n: int, tolerance: Tolerance) -> None:
@@ -53,8 +69,10 @@ class Automatic:
         self.explicit = Adams(evaluation, n, tolerance)
         self.implicit: Radau | None = None
         self.stays = False
-        self.gain = GAIN[evaluation.march is not None]
-        self.worth = TRIAL * self.gain / LOST  # steps ahead
+        marched = evaluation.march is not None
+        self.gain = GAIN + SMALL / n if marched else GAIN
+        self.price = LOOK / n if marched else OF_PYTHON  # of a look
+        self.looks = self.trials = 0
         self.done = 0  # accepted steps of Adams
         self.look = FIRST_LOOK if evaluation.has_jacobian else 0
         self.omega = self.tried_at = self.size = 0.0
@@ -90,25 +108,36 @@ class Automatic:
                 self.done, last, before = self.done + made, step.t, counted.n_steps
                 self.look = 2 * self.done
                 if step.t < t_end and self._limited(step.t, step.y, size, t_end):
-                    self.size, self.tried_at = size, step.t
+                    self.size, self.tried_at, self.trials = size, step.t, self.trials + 1
                     self.implicit = Radau(5, self.evaluation, self.n, self.tolerance)
                     self._tell(step.t, 595)
                     return
 
     def _implicit(self, one_step: Loop, t: float, y: np.ndarray, t_end: float, h: float) -> Iterator[Step]:
-        """Steps of 595 up to the end, or back to Adams after a trial."""
-        sizes: list[float] = []
+        """Steps of 595 up to the end, or back to Adams: after a trial, or when they have become short."""
+        sizes: deque[float] = deque(maxlen=WATCHED)
         for step in one_step(self.implicit, True)(t, y, t_end, h):
             sizes.append(step.t - t)
             t = step.t
             yield step
-            if not self.stays and len(sizes) == TRIAL and t < t_end:
-                self.stays = sum(sizes[-LAST:]) > self.gain * LAST * self.size
+            if t >= t_end:
+                if not self.stays:  # the trial was enough
+                    self.stays = True
+                    self._tell(self.tried_at, 595, self.omega)
+                return
+            if not self.stays and len(sizes) == TRIAL:
+                self.stays = sum(islice(sizes, TRIAL - LAST, None)) > self.gain * LAST * self.size
                 if not self.stays:
-                    self.implicit = None
-                    self._tell(t, 0)
-                    return
+                    break
                 self._tell(self.tried_at, 595, self.omega)
+            elif len(sizes) == WATCHED:
+                self.stays = sum(sizes) > LEFT * self.gain * WATCHED * self.size
+                if not self.stays:
+                    break
+        else:
+            return
+        self.implicit = None
+        self._tell(t, 0)
 
     def _tell(self, t: float, code: int, omega: float | None = None) -> None:
         switched: Callable[..., None] | None = getattr(self.evaluation.problem, "switched", None)
@@ -117,37 +146,50 @@ class Automatic:
 
     def _limited(self, t: float, y: np.ndarray, h: float, t_end: float) -> bool:
         """May a vibration limit the steps, and is there enough ahead?"""
-        if (t_end - t) / h < self.worth:
+        ahead = (t_end - t) / h
+        if LOST * ahead < (self.trials + 1) * TRIAL * self.gain or SEEN * ahead < (self.looks + 1) * self.price:
             return False
+        self.looks += 1
         try:
-            self.omega = self._highest(t, y)
+            self.omega, motion = self._frequencies(t, y)
         except AnalysisError:
             return False  # next to a place that cannot be evaluated: no time to change
-        return h * self.omega > FAST
+        return h * self.omega > FAST and self.omega > SLOWER * motion
 
-    def _highest(self, t: float, y: np.ndarray) -> float:
-        """Highest frequency, or largest rate of decay [1/s], at the end of the last step."""
-        exact = getattr(self.evaluation.problem, "exact", self.evaluation.problem.rhs)
+    def _frequencies(self, t: float, y: np.ndarray) -> tuple[float, float]:
+        """Highest frequency, or largest rate of decay, and that of the motion [1/s], at the end of the last step."""
+        problem, counted = self.evaluation.problem, self.evaluation.statistics
+        beside: Callable[[], Rate] | None = getattr(problem, "beside", None)
+        exact: Rate = beside() if beside is not None else problem.rhs
         f = exact(t, y).copy()
-        n = self.evaluation.problem.n_positions
+        n = problem.n_positions
         rates = len(y) - n
-        largest = 0.0
+        highest = motion = 0.0
+
+        def changed(part: slice, w: np.ndarray) -> tuple[np.ndarray, float]:
+            """dF_u w in the size of w, and |dF_u w| / |w|."""
+            length = sqrt(float(w @ w))
+            if not length > 0.0:
+                return w, 0.0
+            moved = y.copy()
+            size = DIFFERENCE * (1.0 + sqrt(float(y[part] @ y[part])))
+            moved[part] += (size / length) * w
+            change = (exact(t, moved) - f)[n:]
+            counted.n_rhs += 1
+            return change, sqrt(float(change @ change)) / size
+
         for first, power in ((0, 0.5), (n, 1.0)):
             part = slice(first, first + rates)
-            w: np.ndarray = np.random.default_rng(1).standard_normal(rates)
+            w = np.cos(np.arange(1.0, rates + 1.0))  # a vector that is nothing in particular
             size = 0.0
             for _ in range(ITERATIONS):
-                w *= DIFFERENCE * (1.0 + sqrt(float(y[part] @ y[part]))) / sqrt(float(w @ w))
-                moved = y.copy()
-                moved[part] += w
-                change = (exact(t, moved) - f)[n:]
-                self.evaluation.statistics.n_rhs += 1
-                size = sqrt(float(change @ change) / float(w @ w))
-                if not size > 0.0:
+                before = size
+                w, size = changed(part, w)
+                if abs(size - before) <= SETTLED * size:
                     break
-                w = change
-            largest = max(largest, size**power)
-        return largest
+            highest = max(highest, size**power)
+            motion = max(motion, changed(part, y[n:])[1] ** power)
+        return highest, motion
 
 
 def _nowhere(t: float) -> np.ndarray:

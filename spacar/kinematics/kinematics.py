@@ -85,12 +85,9 @@ class Kinematics:
         self.mechanism = mechanism
         n = self.numbering = mechanism.numbering
         self.sweep = ElementSweep(mechanism)
-        xs, es = n.x_class, n.e_class
-        self.E = np.arange(es["dynamic"].stop)
-        self.U = np.concatenate([np.arange(xs[k].start, xs[k].stop) for k in ("calculable", "kinematic")])
-        self.h = np.flatnonzero(~n.slips[: es["kinematic"].stop])
-        self.c = np.arange(xs["calculable"].start, xs["calculable"].stop)
-        if len(self.h) != len(self.c) or len(self.E) != len(self.U):
+        self.E, self.U = n.velocity_equations, n.velocity_unknowns
+        self.h, self.c = n.position_equations, n.position_unknowns
+        if not n.is_square:
             from spacar.kinematics.failure import count_failure
 
             raise count_failure(self)

@@ -15,7 +15,8 @@ from spacar.errors import AnalysisError
 from spacar.result import Result
 
 R, L = 0.15, 0.35
-ENGINES = [False, pytest.param(True, marks=pytest.mark.skipif(why_off() is not None, reason="no engine"))]
+COMPILED = pytest.mark.skipif(why_off() is not None, reason="no engine")
+ENGINES = [False, pytest.param(True, marks=COMPILED)]
 SLOW = pytest.mark.slow
 CODES = (0, 155, 853, 553, 595, 225)
 
@@ -44,8 +45,11 @@ def said(deck: Deck, compiled: bool) -> tuple[str, Result | None]:
     return " ".join(line for line in result.report if "dead point" in line), result
 
 
-@pytest.mark.parametrize("compiled", ENGINES)
-@pytest.mark.parametrize("code", CODES)
+# the watch is one for both engines: in the fast tests the general one looks on with the codes that cost it least
+@pytest.mark.parametrize(("code", "compiled"), [
+    *(pytest.param(code, False, marks=[SLOW] * (code in (155, 595, 853))) for code in CODES),
+    *(pytest.param(code, True, marks=COMPILED) for code in CODES),
+])  # fmt: skip
 def test_a_first_step_over_a_dead_point_is_looked_at(code: int, compiled: bool) -> None:
     """The start state is remembered, and a run that ends just behind the dead point says that it has passed."""
     for angle, ahead in ((0.1, 2.0), (0.1, 3.0)):
@@ -53,8 +57,9 @@ def test_a_first_step_over_a_dead_point_is_looked_at(code: int, compiled: bool) 
         assert "dead point" in said(deck, compiled)[0], ahead
 
 
-@pytest.mark.parametrize("compiled", ENGINES)
-@pytest.mark.parametrize("code", [155, 853])
+@pytest.mark.parametrize(("code", "compiled"), [
+    pytest.param(code, engine, marks=COMPILED if engine else SLOW) for code in (155, 853) for engine in (True, False)
+])  # fmt: skip
 def test_a_dead_point_in_the_middle_of_a_step_is_looked_at(code: int, compiled: bool) -> None:
     """Loose tolerances and light sliders: steps of up to half a radian."""
     for angle in (0.3, 0.5):

@@ -258,6 +258,7 @@ def test_the_methods_of_the_reference_can_be_chosen(deck):
             reference_setups(trade, (1,), 1e-4, wrong)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 def test_compiled_runs_give_the_same_errors(call):
     words = ("trade", "robotsim", "--time", "0.1", "--steps", "2", "-t", "1e-3,1e-5", "-i", "155", "--json")

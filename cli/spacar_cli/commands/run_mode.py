@@ -266,6 +266,9 @@ def _as_json(
         report["messages"] = [str(m) for m in run.mechanism.deck.messages]
         if "engine" in run.header:
             report["engine"], report["engine_note"] = run.header["engine"]
+        if "integrator" in run.header:
+            report["integrator"] = run.mechanism.settings.integrator
+            report["integrator_note"] = run.header["integrator"]
         if "accuracy" in run.header:
             report["accuracy"] = run.header["accuracy"].record()
         diagnosis = run.header.get("diagnosis")

@@ -8,7 +8,7 @@ from spacar.deck.keyword_table import KEYWORDS
 from spacar.deck.statement import Value
 from spacar.deck.table_types import BlockKind
 from spacar.frame import Frame
-from spacar.integrators import METHODS
+from spacar.integrators import AUTOMATIC, METHODS
 from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
 from spacar.stream import Run
@@ -97,12 +97,18 @@ def transfer_functions(run: Run, frame: Frame) -> list[str]:
     return lines
 
 
-def integration(mechanism: Mechanism, engine: tuple[str, str] | None = None) -> list[str]:
-    """Name of the integrator and its accuracy settings; which engine evaluates, on what level or why."""
+def engine(found: tuple[str, str]) -> list[str]:
+    """Which engine evaluates, on what level or why."""
+    return [f"Engine: {found[0]} ({found[1]})"]
+
+
+def integration(mechanism: Mechanism, evaluated_by: tuple[str, str] | None = None) -> list[str]:
+    """Name of the integrator and its accuracy settings; the engine."""
     s = mechanism.settings
     method = METHODS.get(s.integrator)
-    given = f"INTEGRAT {s.integrator}"
-    lines = [f"Integrator: {given}, {method.name if method else 'unknown'}"]
+    lines = [f"Integrator: INTEGRAT {s.integrator}, {method.name if method else 'unknown'}"]
+    if s.integrator == AUTOMATIC:
+        lines.append("It starts with INTEGRAT 0; the end of this log says when it changed, if it did")
     lines.append(f"Error tolerances: absolute {real(s.atol)}, relative {real(s.rtol)}")
     if s.step is not None:
         lines.append(f"Step size (fixed, or the first one): {real(s.step)} s")
@@ -110,8 +116,8 @@ def integration(mechanism: Mechanism, engine: tuple[str, str] | None = None) -> 
         lines.append("No TIMESTEP: only the initial state is analysed")
     else:
         lines.append(f"Duration {real(s.duration)} s in {s.n_steps} output steps")
-    if engine is not None:
-        lines.append(f"Engine: {engine[0]} ({engine[1]})")
+    if evaluated_by is not None:
+        lines += engine(evaluated_by)
     return [*lines, ""]
 
 

@@ -1,0 +1,156 @@
+"""Without INTEGRAT the method chooses itself: what is not stiff is that of code 0, stiff models keep ERROR."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import spacar
+from spacar import Deck, parse_deck
+from spacar.compiled.library import unavailable
+from spacar.integrators import integrate
+from spacar.integrators.automatic import Automatic
+
+DATA = Path(__file__).parents[2] / "data"
+ENGINE = pytest.mark.skipif(unavailable() is not None, reason="no engine")
+STORED = ("x", "xd", "xdd", "e", "sig", "fxtot")
+
+
+def beams(n: int, node: list[int], turn: list[int], ends: tuple[tuple[float, float], tuple[float, float]]) -> list[str]:
+    """n equal flexible beams 2 ... n + 1 between two points."""
+    rows = [f"PLBEAM {i + 2} {node[i]} {turn[i]} {node[i + 1]} {turn[i + 1]}" for i in range(n)]
+    (x, y), (to_x, to_y) = ends
+    for i in range(n + 1):
+        s = i / n
+        rows.append(f"X {node[i]} {x + s * (to_x - x)!r} {y + s * (to_y - y)!r}")
+    return [*rows, *(f"DYNE {i + 2} 2 3" for i in range(n))]
+
+
+def deck(rows: list[str], dynamics: list[str]) -> Deck:
+    return parse_deck("\n".join([*rows, "END", "HALT", *dynamics, "END", "END", ""]), mode=1)
+
+
+def every(n: int, keyword: str, values: str) -> list[str]:
+    return [f"{keyword} {i + 2} {values}" for i in range(n)]
+
+
+def crank(n: int, duration: float) -> Deck:
+    """crankfl with n beams in the rod."""
+    node, turn = [3, *range(6, 2 * n + 5, 2)], list(range(5, 2 * n + 6, 2))
+    rows = ["PLBEAM 1 1 2 3 4", *beams(n, node, turn, ((0.15, 0.0), (0.45, 0.0)))]
+    rows += ["FIX 1", f"FIX {node[n]} 2", "INPUTX 2 1"]
+    loads = [f"XM {node[n]} 0.033375", "INPUTX 2 1 0. 150. 0.", f"TIMESTEP {duration} 5"]
+    return deck(rows, [*every(n, "EM", "0.2225"), *every(n, "ESTIFF", "0. 13.359623"), *loads])
+
+
+def cantilever(n: int, duration: float, damping: str = "") -> Deck:
+    """Unit cantilever that is released under gravity 1."""
+    rows = [*beams(n, [*range(1, 2 * n + 2, 2)], [*range(2, 2 * n + 3, 2)], ((0.0, 0.0), (1.0, 0.0))), "FIX 1", "FIX 2"]
+    loads = ["GRAVITY 0. -1.", f"TIMESTEP {duration} 5", *(every(n, "EDAMP", f"0. {damping}") if damping else [])]
+    return deck(rows, [*every(n, "EM", "1."), *every(n, "ESTIFF", "0. 1."), *loads])
+
+
+def fourbar(n: int, duration: float) -> Deck:
+    """A crank that turns with 10 rad/s, a flexible coupler of n beams, a rigid rocker."""
+    node, turn = [3, *range(12, 2 * n + 11, 2)], [5, *range(13, 2 * n + 12, 2)]
+    rows = ["PLBEAM 1 1 2 3 4", *beams(n, node, turn, ((0.0, 0.2), (1.0, 0.5))), f"PLBEAM {n + 2} {node[n]} 6 7 8"]
+    rows += ["X 7 1. 0.", "FIX 1", "FIX 7", "INPUTX 2 1"]
+    loads = [f"EM {n + 2} 1.", "INPUTX 2 1 0. 10. 0.", f"TIMESTEP {duration} 5"]
+    return deck(rows, [*every(n, "EM", "1."), *every(n, "ESTIFF", "0. 50."), *loads])
+
+
+def total(result: spacar.Result, what: str = "steps") -> int:
+    return sum(frame.statistics.get(what, 0) for frame in result.frames)
+
+
+@pytest.mark.parametrize("name", ["crankfl", "finger", "fingersim", "screw", "trike2", "trike3v"])
+def test_examples_are_computed_as_by_code_0(name: str) -> None:
+    """Flexible, belts, wheels, Euler parameters: to the last digit, with the same evaluations."""
+    short = {"n_steps": 2, "duration": 0.01 if name == "crankfl" else 0.05}
+    file = DATA / f"{name}.dat"
+    adams, default = spacar.run(1, file, integrator=0, **short), spacar.run(1, file, **short)
+    assert default.mechanism.settings.integrator == -1
+    assert total(default, "rhs") == total(adams, "rhs")
+    for what in STORED:
+        np.testing.assert_array_equal(default[what], adams[what])
+
+
+@ENGINE
+def test_looking_leaves_no_trace(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A double pendulum on a spring moves as fast as its highest frequency: looked at, not tried, the same digits."""
+    looks = []
+    look = Automatic._frequencies
+
+    def spy(method: Automatic, t: float, y: np.ndarray) -> tuple[float, float]:
+        looks.append(look(method, t, y))
+        return looks[-1]
+
+    monkeypatch.setattr(Automatic, "_frequencies", spy)
+    rows = [("PLRBEAM", 1, 1, 4, 2), ("PLRBEAM", 2, 2, 5, 3), ("PLTRUSS", 3, 1, 3)]
+    rows += [("X", 2, 0.5, -0.9), ("X", 3, 1.0, -1.8), ("FIX", 1), ("DYNX", 4, 1), ("DYNX", 5, 1), ("RLSE", 3, 1)]
+    more = [("EM", 1, 1.0), ("EM", 2, 1.0), ("ESTIFF", 3, 20.0), ("GRAVITY", 0.0, -9.81), ("TIMESTEP", 2000.0, 4)]
+    model = Deck.build(rows, more)
+    adams, default = spacar.run(1, model, integrator=0), spacar.run(1, model)
+    assert looks
+    assert all(omega < 4 * motion for omega, motion in looks)
+    assert total(default, "jacobians") == 0
+    for what in STORED:
+        np.testing.assert_array_equal(default[what], adams[what])
+
+
+@ENGINE
+@pytest.mark.parametrize(
+    ("model", "error"),
+    [
+        pytest.param(crank(16, 0.012), 1e-3, id="crank", marks=pytest.mark.slow),
+        pytest.param(crank(8, 0.05), 1e-5, id="longer crank", marks=pytest.mark.slow),
+        pytest.param(cantilever(16, 0.9), 1e-5, id="cantilever", marks=pytest.mark.slow),
+        pytest.param(cantilever(24, 0.3), 1e-7, id="fine cantilever", marks=pytest.mark.slow),
+        pytest.param(cantilever(16, 0.3, "1e-3"), 1e-5, id="damped cantilever"),
+        pytest.param(fourbar(8, 0.5), 1e-3, id="fourbar", marks=pytest.mark.slow),
+        pytest.param(fourbar(16, 0.05), 1e-5, id="finer fourbar", marks=pytest.mark.slow),
+    ],
+)
+def test_stiff_models_keep_error_for_positions(model: Deck, error: float) -> None:
+    """Against code 0 with a small ERROR, which follows every vibration. Rotations too, to twice ERROR."""
+    exact = spacar.run(1, model, integrator=0, atol=1e-9, rtol=1e-9)
+    default = spacar.run(1, model, atol=error, rtol=error)
+    assert "INTEGRAT 595" in default.report[0]
+    assert total(default) < total(exact) / 10
+    off = np.abs(default["x"] - exact["x"]) / (error * (1.0 + np.abs(exact["x"])))
+    assert off[:, exact.mechanism.numbering.positions.ravel()].max() < 1.0
+    assert off.max() < 2.0
+
+
+class Shaken:
+    """A slow oscillator, and one of 300 rad/s that is shaken with 250 rad/s from t = 5 s on."""
+
+    n_positions = 2
+
+    def __init__(self) -> None:
+        self.changes: list[tuple[float, int]] = []
+
+    def rhs(self, t: float, y: np.ndarray) -> np.ndarray:
+        shaking = 3e4 * np.sin(250.0 * t) * 0.5 * (1.0 + np.tanh(20.0 * (t - 5.0)))
+        return np.array([y[2], y[3], -y[0], -9e4 * y[1] + shaking])
+
+    def jacobian(self, t: float, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        J = np.zeros((4, 4))
+        J[0, 2] = J[1, 3] = 1.0
+        J[2, 0], J[3, 1] = -1.0, -9e4
+        return J, np.zeros(4)
+
+    def switched(self, t: float, code: int, omega: float | None) -> None:
+        self.changes.append((t, code))
+
+
+def test_a_motion_that_becomes_fast_is_given_back_to_adams() -> None:
+    problem = Shaken()
+    start, times = np.array([1.0, 1e-10, 0.0, 0.0]), np.linspace(0.0, 8.0, 9)
+    outputs = list(integrate(problem, start, times, -1, 1e-9, 1e-9))
+    assert [code for _, code in problem.changes] == [595, 595, 0]
+    assert 4.0 < problem.changes[-1][0] < 6.0
+    exact = list(integrate(Shaken(), start, times, 853, 1e-12, 1e-12))
+    np.testing.assert_allclose([out.y[:2] for out in outputs], [out.y[:2] for out in exact], rtol=0, atol=1e-5)
