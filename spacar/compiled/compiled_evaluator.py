@@ -129,8 +129,8 @@ class CompiledDynamics:
         if self._derivative(0.0, y, CONVERGED) < 0 or self._far(x0):
             y = self.general.start()
             self.stand(self.general.placement())
-        elif is_checked(self.numbering) and self._mass_is_doubtful():
-            self.settled().check_mass()
+        elif self.numbering.nddof and (not is_checked(self.numbering) or self._mass_is_doubtful()):
+            self.settled().check_mass()  # a large model is asked by the factors of its equations
         return y
 
     def _mass_is_doubtful(self) -> bool:
