@@ -119,11 +119,11 @@ class Automatic:
         for step in one_step(self.implicit, True)(t, y, t_end, h):
             sizes.append(step.t - t)
             t = step.t
+            if t >= t_end and not self.stays:  # the trial was enough; nobody asks for more after the last step
+                self.stays = True
+                self._tell(self.tried_at, 595, self.omega)
             yield step
             if t >= t_end:
-                if not self.stays:  # the trial was enough
-                    self.stays = True
-                    self._tell(self.tried_at, 595, self.omega)
                 return
             if not self.stays and len(sizes) == TRIAL:
                 self.stays = sum(islice(sizes, TRIAL - LAST, None)) > self.gain * LAST * self.size
