@@ -27,7 +27,7 @@ endef
 
 # The C text of the engine and what it is generated from: an installation with another one builds it again.
 ENGINE := hatch_build.py $(wildcard spacar/compiled/*.c) \
-          $(wildcard spacar/compiled/*definitions.py) $(addprefix spacar/compiled/,element_parameters.py generate.py)
+          $(wildcard spacar/compiled/*definitions.py) $(addprefix spacar/compiled/,element_parameters.py generate.py derivative_kernels.py)
 
 $(VENV)/.installed: pyproject.toml $(ENGINE)
 	$(environment)
@@ -60,7 +60,7 @@ test: $(VENV)/.installed-dev
 test-all: lint
 	$(BIN)/python -m pytest $(PARALLEL) $(PYTEST)
 
-# oldest and newest versions, four BLAS kernels: see .ci/matrix
+# oldest and newest versions, no engine, four BLAS kernels: see .ci/matrix
 test-matrix: $(VENV)/.installed-dev
 	.ci/matrix
 

@@ -24,10 +24,15 @@ from pathlib import Path
 
 HOME = Path(__file__).resolve().parent / "spacar" / "compiled"
 FLAGS = ("-O3", "-fno-math-errno", "-fno-trapping-math", "-std=gnu11", "-fvisibility=hidden", "-Wno-psabi")
-BUILDS = {"any_1": (), "any_2": ()}  # name_LANES -> flags
-OF_X86_64 = {"v3_1": ("-march=x86-64-v3",), "v3_4": ("-march=x86-64-v3",), "v4_8": ("-march=x86-64-v4",)}
-GENERATED_FROM = (  # kernels.c
+# name_LANES -> flags; the longest first
+BUILDS = {"any_2": ("-DELEMENTS=any_elements",), "any_1": ()}
+OF_X86_64 = {
+    "v3_4": ("-march=x86-64-v3", "-DELEMENTS=v3_elements"), "v3_1": ("-march=x86-64-v3",),
+    "v4_8": ("-march=x86-64-v4",),
+}  # fmt: skip
+GENERATED_FROM = (  # kernels.c, derivatives.c
     "definitions.py", "planar_definitions.py", "spatial_definitions.py", "element_parameters.py", "generate.py",
+    "derivative_kernels.py",
 )  # fmt: skip
 LIBRARY = {"win32": "engine.dll", "darwin": "engine.dylib"}.get(sys.platform, "engine.so")
 

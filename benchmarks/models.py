@@ -48,17 +48,23 @@ def pendulum(links: int, duration: float, steps: int) -> str:
     return deck(kinematics, [*(f"EM {i + 1} 1." for i in range(n)), "GRAVITY 0. -9.81", f"TIMESTEP {duration} {steps}"])
 
 
-def spatial_pendulum(links: int, duration: float, steps: int) -> str:
-    """Chain of spatial rigid rods, 1 m together, with hinges of alternating axes; rotary inertia of the rods."""
+def spatial_pendulum(links: int, duration: float, steps: int, branches: int = 1) -> str:
+    """Spatial rigid rods, rotary inertia, hinges of alternating axes: a chain, 1 m together, or a tree with `branches`
+    rods at the end of every rod."""
     n = links
-    kinematics = [f"RBEAM {i + 1} {i + 1} {n + 2 + i} {i + 2}" for i in range(n)]
+    parent = [0, *((k - 2) // branches + 1 for k in range(2, n + 1))]  # of rod k = 1 ... n; 0: the ground
+    place = [(0.0, 0.0)]
+    for k in range(1, n + 1):
+        x, y = place[parent[k - 1]]
+        place.append((x + 1.0 / n, y + 0.3 * ((k - 2) % branches - 0.5 * (branches - 1)) / n))
     ground = 2 * n + 2
-    previous = [ground, *(n + 2 + i for i in range(n - 1))]
-    axes = ("0 1 0", "0 0 1")
-    kinematics += [f"HINGE {n + 1 + i} {previous[i]} {n + 2 + i} {axes[i % 2]}" for i in range(n)]
-    kinematics += [f"X {i + 1} {i / n!r} 0. 0." for i in range(n + 1)]
-    kinematics += ["FIX 1", f"FIX {ground}", *(f"DYNE {n + 1 + i} 1" for i in range(n))]
-    dynamics = [f"EM {i + 1} 1. 0.01 0.005 0.005" for i in range(n)]
+    kinematics = [f"RBEAM {k} {parent[k - 1] + 1} {n + 1 + k} {k + 1}" for k in range(1, n + 1)]
+    axes = ("0 0 1", "0 1 0")
+    before = [ground, *(n + 1 + p for p in parent[1:])]
+    kinematics += [f"HINGE {n + k} {before[k - 1]} {n + 1 + k} {axes[k % 2]}" for k in range(1, n + 1)]
+    kinematics += [f"X {k + 1} {x!r} {y!r} 0." for k, (x, y) in enumerate(place)]
+    kinematics += ["FIX 1", f"FIX {ground}", *(f"DYNE {n + k} 1" for k in range(1, n + 1))]
+    dynamics = [f"EM {k} 1. 0.01 0.005 0.005" for k in range(1, n + 1)]
     return deck(kinematics, [*dynamics, "GRAVITY 1. 2. -9.81", f"TIMESTEP {duration} {steps}"])
 
 

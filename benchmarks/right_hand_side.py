@@ -1,4 +1,5 @@
-"""Cost of one right-hand side and where it goes: `python benchmarks/right_hand_side.py [MODEL ...]`.
+"""Cost of one right-hand side and where it goes: `python benchmarks/right_hand_side.py [MODEL ...]`; with
+`--links [N ...]` of rigid chains and binary trees, compiled, microseconds a link (default: 3 5 10 20 50 100).
 
 For each model (default: some examples of data/): microseconds per evaluation of the general and of the compiled path,
 then the parts of the general path: position and velocity, accelerations, element sweeps, linear solutions. Best of
@@ -14,13 +15,17 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
+from models import pendulum, spatial_pendulum
 
 import spacar
 from spacar.compiled import CompiledDynamics, why_general
+from spacar.deck import parse_deck
 from spacar.dynamics import Dynamics
+from spacar.kinematics.kinematics import CONVERGED
 
 DATA = Path(__file__).parents[1] / "data"
 MODELS = ["crankfl", "fingersim", "trike2", "robotsim", "trike3v", "screw"]
@@ -75,7 +80,36 @@ def parts(path: Path) -> dict[str, float | str]:
     return row
 
 
+def per_link(text: str, links: int) -> float:
+    """Microseconds of an evaluation in C over the number of links, at states that differ a little in turn."""
+    c = CompiledDynamics(spacar.frames(1, parse_deck(text, mode=1)).mechanism)
+    y, out = c.start(), np.zeros(2 * c.n_positions)
+    states = [y + 1e-5 * k for k in (0, 1)]
+    where = [state.ctypes.data for state in states]
+
+    def evaluate() -> None:
+        where.reverse()
+        c.solver.rhs(c.state, 0.0, where[0], out.ctypes.data, CONVERGED)
+
+    return microseconds(evaluate, 20, 50) / links
+
+
+def trees(sizes: list[int]) -> None:
+    """The table of `--links`."""
+    made = {
+        "planar chain": pendulum,
+        "spatial chain": spatial_pendulum,
+        "spatial tree": partial(spatial_pendulum, branches=2),
+    }
+    print("microseconds a link" + "".join(f"{n:>8}" for n in sizes))
+    for name, make in made.items():
+        print(f"{name:19}" + "".join(f"{per_link(make(n, 1.0, 10), n):8.2f}" for n in sizes), flush=True)
+
+
 def main() -> None:
+    if sys.argv[1:2] == ["--links"]:
+        trees([int(word) for word in sys.argv[2:]] or [3, 5, 10, 20, 50, 100])
+        return
     paths = [Path(word) for word in sys.argv[1:]] or [DATA / f"{name}.dat" for name in MODELS]
     rows = [parts(path) for path in paths]
     heads = list(max(rows, key=len))

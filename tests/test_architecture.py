@@ -53,17 +53,24 @@ RANKS = {
 }  # fmt: skip
 
 
+@cache
 def sources() -> list[tuple[str, Path]]:
     return [(room, path) for room, folder in ROOMS.items() for path in sorted(folder.rglob("*.py"))]
 
 
 @cache
+def statements(path: Path) -> tuple[list[ast.stmt], list[ast.stmt]]:
+    """The import statements at the top of a file, and all of them; a file is parsed once."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    kinds = (ast.Import, ast.ImportFrom)
+    return [n for n in tree.body if isinstance(n, kinds)], [n for n in ast.walk(tree) if isinstance(n, kinds)]
+
+
+@cache
 def imports(path: Path, top_only: bool = False) -> set[str]:
     """Absolute dotted names of all modules that a file imports; `top_only`: when it is imported itself."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    nodes = tree.body if top_only else list(ast.walk(tree))
     found = set()
-    for node in nodes:
+    for node in statements(path)[0 if top_only else 1]:
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -120,7 +127,7 @@ def arrows() -> dict[str, set[str]]:
         module = module_of(path)
         package = module if path.name == "__init__.py" else module.rpartition(".")[0]
         aims = found.setdefault(module, set())
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in statements(path)[1]:
             if isinstance(node, ast.Import):
                 aims |= {alias.name for alias in node.names}
             elif isinstance(node, ast.ImportFrom):

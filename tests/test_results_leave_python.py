@@ -20,7 +20,7 @@ def without_times(log: str) -> str:
     return re.sub(r"Input file: .*", "Input file", log)
 
 
-@pytest.mark.parametrize("mode", CASES)
+@pytest.mark.parametrize("mode", [*(m for m in CASES if m != 2), pytest.param(2, marks=pytest.mark.slow)])
 def test_files_are_those_of_the_command(mode, tmp_path):
     """Byte for byte, of a result in memory and of a stream; the logs but for date, path and wall time."""
     name = CASES[mode]

@@ -22,23 +22,30 @@ from spacar.errors import AnalysisError
 from spacar.integrators.problem import March
 from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS
 from spacar.kinematics.regularity import HALF_TURN, HalfTurns
+from spacar.mechanism.mechanism import Drive, UserSignal
 
 
 class InLanes:
     """One block of cases; an `Integrable`, and the `Lookout` of its own steps: C looks at them.
 
     numbers, start (cases, components)   of every lane
+    drives, users                        of every case: prescribed motions, user functions of stresses
     """
 
     stages = None
     look, back, half, inside, capacity = NEVER, True, 0.0, 0.0, 2
 
-    def __init__(self, model: LoadedMechanism, scale: Array, numbers: Numbers, start: Array) -> None:
+    def __init__(
+        self, model: LoadedMechanism, scale: Array, numbers: Numbers, start: Array, drives: Sequence[Drive],
+        users: Sequence[UserSignal],
+    ) -> None:  # fmt: skip
         mechanism = model.mechanism
         self.model, self.numbering = model, mechanism.numbering
         lanes, size = start.shape
         self.n_positions, self.by_case = size // 2, (1, size, lanes)
-        self.solver = CompiledModel(self.numbering, numbers, (scale, mechanism.deformation_scale), mechanism.drive)
+        scales = scale, mechanism.deformation_scale
+        self.solver = CompiledModel(self.numbering, numbers, scales, drives, users)
+        self.breaks = tuple(t for law in (*drives, *users) for t in getattr(law, "breaks", ()))
         self.state, self.shown = self.solver.state(), self.solver.state()
         self.y0 = np.ascontiguousarray(start.T).ravel()
         self.lambda0 = HalfTurns(self.numbering).lambda0
@@ -46,6 +53,16 @@ class InLanes:
         self._seen: tuple[Moving, Array] | None = None  # last accepted state, signs of the determinants
         self._accepted = self.state.x.copy(), self.state.e.copy()
         self._out = np.zeros_like(self.y0)
+
+    @property
+    def failed(self) -> int | None:
+        """The case whose user function did not answer when it was asked last."""
+        return self.solver.slots.failed
+
+    def lost(self, case: int) -> dict[int, str]:
+        """Sentences about stresses of the user function that cannot act at the last evaluated state, by row of e."""
+        found = self.solver.slots.lost
+        return found[case] if case < len(found) else {}
 
     def rhs(self, t: float, y: Array, within: float = CONVERGED) -> Array:
         """Time derivative of the state. Raises AnalysisError when a case cannot be evaluated."""
@@ -104,7 +121,7 @@ class InLanes:
         if (np.abs(state.x[self.lambda0]) < HALF_TURN).any():
             raise _failed(t)
         sign = self.solver.determinant()[0].copy()
-        place, xd, xdd = state.of_x.copy()
+        place, xd, xdd = state.of_x[:3].copy()
         now = Moving(float(state.c.t), place, xd, xdd, state.e.copy())
         seen, self._seen = self._seen, (now, sign)
         if seen is not None and ((seen[1] != sign).any() or unexplained(seen[0], now, self._scale).any()):
@@ -125,9 +142,9 @@ class InLanes:
         the single run says what it is.
         """
         shown = self.shown
-        if self.solver.evaluate(shown, t, y, EXACT) < 0 or not self.solver.in_range(shown):
+        if self.solver.evaluate(shown, t, y.ctypes.data, EXACT) < 0 or not self.solver.in_range(shown):
             raise _failed(t)
-        return np.concatenate((shown.of_x, self.solver.forces)), shown.of_e[:4].copy()
+        return shown.of_x.copy(), shown.of_e[:4].copy()
 
 
 def blocks(cases: int) -> Iterator[Sequence[int]]:

@@ -1,14 +1,14 @@
 """The evaluator in C: right-hand sides, stages and frames are evaluated by the compiled solver.
 
 It has a NumPy evaluator, `general`, for what C cannot do: a start that is far away, states that fail (and are
-explained), and everything that needs element sweeps. Nothing is shared between both: a `Placement` goes from the state
-in C to the general evaluator (`settled`), or back (`stand`).
+explained), and everything that needs element sweeps. It is made when it is asked for: most runs end without. Nothing is
+shared between both: a `Placement` goes from the state in C to the general evaluator (`settled`), or back (`stand`).
 """
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Callable
+from functools import cached_property
 from math import log
 from typing import TypeVar
 
@@ -20,12 +20,13 @@ from spacar.compiled.marching import Lookout, Marching
 from spacar.compiled.numbers import of_one
 from spacar.dynamics.array_evaluator import Dynamics, component_name
 from spacar.dynamics.loaded_mechanism import LoadedMechanism, Moving, Placement
-from spacar.dynamics.mass_check import is_doubtful, largest_mass
+from spacar.dynamics.mass_check import is_checked, is_doubtful
 from spacar.frame import Frame
 from spacar.integrators.problem import March
 from spacar.kinematics.constraint_condition import of_gradient
 from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS
 from spacar.kinematics.regularity import PositionMatrix
+from spacar.linear_systems import is_dense
 from spacar.mechanism.mechanism import Drive, Loads, Mechanism
 
 Result = TypeVar("Result")
@@ -38,8 +39,11 @@ class CompiledPositionMatrix(PositionMatrix):
     """V[E, U] as it is factored in C; that of the general path after a state that C could not do."""
 
     def __init__(self, evaluator: CompiledDynamics) -> None:
-        super().__init__(evaluator.general.kinematics)
+        mechanism = evaluator.model.mechanism
+        n = len(mechanism.numbering.velocity_equations)
+        super().__init__(mechanism, lambda: evaluator.general.kinematics, is_dense(n))
         self.evaluator = evaluator
+        self._at = self.rows.ctypes.data, self.columns.ctypes.data
 
     def determinant(self) -> tuple[float, float]:
         if not self.evaluator.state.c.known:
@@ -50,11 +54,31 @@ class CompiledPositionMatrix(PositionMatrix):
     def rcond(self) -> float:
         if self.evaluator.state.c.known:
             if len(self.rows) <= SMALL:
-                rcond = self.evaluator.solver.rcond(self.rows, self.columns)
+                rcond = self.evaluator.solver.rcond(*self._at)
                 if rcond > self.zero:
                     return rcond
             self.evaluator.settled()
         return super().rcond()
+
+
+class General:
+    """The NumPy evaluator of a model, made when it is asked for; `sampling`: whether it keeps samples then."""
+
+    def __init__(self, model: LoadedMechanism) -> None:
+        self.model, self.sampling = model, False
+
+    @cached_property
+    def evaluator(self) -> Dynamics:
+        made = Dynamics(self.model.mechanism, loads=self.model.loads, drive=self.model.drive)
+        if self.sampling:
+            made.sample()
+        return made
+
+    @property
+    def known(self) -> Dynamics | None:
+        """The evaluator, if somebody has asked for it."""
+        made: Dynamics | None = vars(self).get("evaluator")
+        return made
 
 
 class CompiledDynamics:
@@ -63,22 +87,28 @@ class CompiledDynamics:
     by_case = None
 
     def __init__(self, mechanism: Mechanism, *, loads: Loads | None = None, drive: Drive | None = None) -> None:
-        self.general = general = Dynamics(mechanism, loads=loads, drive=drive)
-        self.numbering, self.n_positions = general.numbering, general.n_positions
-        scales = general.kinematics.scale, mechanism.deformation_scale
-        self.solver = CompiledModel(self.numbering, of_one(general), scales, general.drive, mechanism.user_signal)
+        self.model = model = LoadedMechanism.of(mechanism, loads, drive)
+        self.numbering = n = mechanism.numbering
+        self.n_positions = n.nddof + n.nk
+        self._general = General(model)
+        if not n.is_square:
+            self.general.settled()  # raises
+        scales = mechanism.scale, mechanism.deformation_scale
+        users = () if mechanism.user_signal is None else (mechanism.user_signal,)
+        self.solver = CompiledModel(n, of_one(model), scales, (model.drive,), users)
         self.state = self.solver.state()
         self._y, self._out = np.zeros((2, self.n_positions + self.numbering.nddof))
         self._addresses = self._y.ctypes.data, self._out.ctypes.data
         self._step_of: tuple[Array, Array, Array, tuple[int, ...]] | None = None
 
     @property
-    def model(self) -> LoadedMechanism:
-        return self.general.model
+    def general(self) -> Dynamics:
+        """The NumPy evaluator; that of companions is the same."""
+        return self._general.evaluator
 
     @property
     def doubt(self) -> str | None:
-        return self.general.doubt
+        return None if self._general.known is None else self._general.known.doubt
 
     # -- where it stands ------------------------------------------------------------------------------------------
     def start(self) -> Array:
@@ -86,7 +116,8 @@ class CompiledDynamics:
 
         Near is what a guess of Newton's method may be away.
         """
-        y, x0 = self.general.start_values(), self.model.mechanism.x0
+        given, x0 = self.model.mechanism.start, self.model.mechanism.x0
+        y = given.state(given.e_kinematic) if given.is_complete else self.general.start_values()
         e0 = np.zeros((self.numbering.ne, 1))
         if self.solver.slots.foreign:
             self.general.sweep.strain(x0)
@@ -95,22 +126,19 @@ class CompiledDynamics:
         if self._derivative(0.0, y, CONVERGED) < 0 or self._far(x0):
             y = self.general.start()
             self.stand(self.general.placement())
-        else:
-            self.general.stand(self.placement())
-            if self._mass_is_doubtful():
-                self.settled().check_mass()
+        elif is_checked(self.numbering) and self._mass_is_doubtful():
+            self.settled().check_mass()
         return y
 
     def _mass_is_doubtful(self) -> bool:
-        M, mechanism, sweep = self.solver.reduced_mass(), self.model.mechanism, self.general.sweep
+        M, mechanism = self.solver.reduced_mass(), self.model.mechanism
         if M is None:
             return True
-        sweep.strain(self.general.kinematics.x)
-        sweep.mass()
-        return is_doubtful(mechanism, M[:, :, 0], self.solver.condition(mechanism), largest_mass(mechanism, sweep))
+        largest = float((self.solver.mass_diagonal()[:, 0] * mechanism.scale**2).max(initial=0.0))
+        return is_doubtful(mechanism, M[:, :, 0], self.solver.condition(mechanism), largest)
 
     def _far(self, x: Array) -> bool:
-        moved = np.abs(self.state.x[:, 0] - x) / self.general.kinematics.scale
+        moved = np.abs(self.state.x[:, 0] - x) / self.model.mechanism.scale
         return bool(moved.max() > FARTHEST_GUESS)
 
     def placement(self) -> Placement:
@@ -120,9 +148,10 @@ class CompiledDynamics:
     def moving(self) -> Moving | None:
         s = self.state
         if not s.c.known:  # what C could not do the general evaluator has done
-            same = np.array_equal(self.general.kinematics.x, s.x[:, 0])
+            general = self._general.known
+            same = general is not None and np.array_equal(general.kinematics.x, s.x[:, 0])
             return self.general.moving() if same else None
-        x, xd, xdd = s.of_x[:, :, 0].copy()
+        x, xd, xdd = s.of_x[:3, :, 0].copy()
         return Moving(float(s.c.t), x, xd, xdd, s.e[:, 0].copy())
 
     def resume(self, at: Moving) -> None:
@@ -145,18 +174,22 @@ class CompiledDynamics:
             model = self.model
             other = CompiledDynamics(model.mechanism, loads=model.loads, drive=model.drive)
         else:
-            other = copy.copy(self)
+            other = object.__new__(CompiledDynamics)
+            vars(other).update(vars(self))
             other.state = self.solver.state()
         other.stand(self.placement())
         return other
 
     def sample(self) -> None:
         self.state.c.watched = 1
-        self.general.sample()
+        self._general.sampling = True
+        if self._general.known is not None:
+            self.general.sample()
         self.sampled()
 
     def sampled(self) -> tuple[float, bool]:
-        c, (low, changed) = self.state.c, self.general.sampled()
+        c, general = self.state.c, self._general.known
+        low, changed = (float("inf"), False) if general is None else general.sampled()
         if c.signs:
             low = min(low, -(log(c.mantissa) + log(2.0) * c.exponent))
         changed = changed or c.signs == 3
@@ -178,19 +211,19 @@ class CompiledDynamics:
     def reach(self, t: float, y: Array, within: float = CONVERGED) -> bool:
         """Whether C could evaluate the state; then everything of it is in `state`."""
         self._y[:] = y
-        return self.solver.evaluate(self.state, t, self._y, within) >= 0
+        return self.solver.evaluate(self.state, t, self._addresses[0], within) >= 0
 
     # -- checks ---------------------------------------------------------------------------------------------------
     def condition(self) -> float:
-        n, k = self.numbering, self.general.kinematics
-        if len(k.E) > SMALL or not self.state.c.known:
+        n = self.numbering
+        if len(n.velocity_equations) > SMALL or not self.state.c.known:
             return self.settled().condition()
         rows, columns = self.solver.places()
         values = np.zeros((len(rows), 1))
         self.solver.gradient(values)
         V = np.zeros((n.ne, n.nx))
         V[rows, columns] = values[:, 0]
-        return of_gradient(k, V)
+        return of_gradient(self.model.mechanism, V)
 
     def position_matrix(self) -> PositionMatrix:
         return CompiledPositionMatrix(self)
@@ -232,12 +265,10 @@ class CompiledDynamics:
     def frame(self, t: float, y: Array) -> Frame:
         m, s = self.solver, self.state
         self._y[:] = y
-        if m.evaluate(s, t, self._y, EXACT) < 0:
+        if m.evaluate(s, t, self._addresses[0], EXACT) < 0:
             return self._in_general(lambda: self.general.frame(t, y))
-        x, xd, xdd = s.of_x[:, :, 0].copy()
-        e, ed, edd, sigma = s.of_e[:4, :, 0].copy()
-        applied, gravity, total = m.forces[:, :, 0].copy()
+        (x, xd, xdd, applied, gravity, total), (e, ed, edd, sigma) = s.of_one()
         return Frame(
-            t=t, x=x, xd=xd, xdd=xdd, e=e, ed=ed, edd=edd, sig=sigma, fx=applied,
-            fxgrav=gravity, fxtot=total, lost=m.slots.lost,
+            t=t, x=x, xd=xd, xdd=xdd, e=e, ed=ed, edd=edd, sig=sigma, fx=applied, fxgrav=gravity, fxtot=total,
+            lost=m.slots.lost[0],
         )  # fmt: skip

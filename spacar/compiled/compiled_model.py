@@ -12,7 +12,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.compiled.element_parameters import GUARD
-from spacar.compiled.library import GENERAL, CBatch, CSpec, CState, engine, switched_off, unavailable
+from spacar.compiled.library import CBatch, CSpec, CState, engine, why_off
 from spacar.compiled.numbers import FOREIGN, Numbers, without_form
 from spacar.compiled.slots import Slots
 from spacar.dynamics.saddle_point import free_coordinates
@@ -25,43 +25,47 @@ def why_general(mechanism: Mechanism) -> str | None:
     """Why a run of this mechanism takes the general path, or None: then it is compiled."""
     if not mechanism.settings.compiled:
         return "--general or compiled=False asks for it"
-    if switched_off():
-        return f"the environment variable {GENERAL} asks for it"
-    return unavailable()
+    return why_off()
 
 
 def why_not_in_lanes(mechanism: Mechanism) -> str | None:
-    """Why several cases of this mechanism cannot be evaluated at a time, or None: Python answers for one case only."""
+    """Why several cases of this mechanism cannot be evaluated at a time, or None."""
     missing = without_form(mechanism)
     if missing:
         return f"{', '.join(missing)}: without functions in C"
-    if mechanism.user_signal is not None or not isinstance(mechanism.drive, Polynomial):
-        return "user functions are called for one mechanism"
     return None if mechanism.numbering.holonomic and not mechanism.numbering.nk else "wheels"
-
-
-def _addresses(arrays: Array) -> list[int]:
-    """Where every row of a contiguous array begins."""
-    first, size = arrays.ctypes.data, arrays.nbytes // len(arrays)
-    return [first + k * size for k in range(len(arrays))]
 
 
 # Largest scaled correction that ends the iteration of a stored position: one more follows the first that is below
 # CONVERGED, so that velocities and accelerations are those of the position to rounding.
 EXACT = 1e-15
+WIDTH = ctypes.sizeof(ctypes.c_double)
 PLACED = 2  # `known` of a state that was placed with its accelerations: transfer functions are not its own
 NOT_ANSWERED = -6  # of sparse.c: Python could not answer, and keeps the error
 
 
 class State:
-    """The last evaluated state: x, xd, xdd (nx, cases), e, ed, edd, sigma, given_e (ne, cases), shared with C."""
+    """The last evaluated state, shared with C: x, xd, xdd (nx, cases), e, ed, edd, sigma, given_e (ne, cases).
+
+    Behind xdd there is room for applied, gravity and total forces (nx, cases), as `evaluate` gives them.
+    """
 
     def __init__(self, nx: int, ne: int, cases: int) -> None:
-        self.of_x, self.of_e = np.zeros((3, nx, cases)), np.zeros((5, ne, cases))
-        self.x, self.xd, self.xdd = self.of_x
+        split, together = 6 * nx, np.zeros((6 * nx + 5 * ne, cases))
+        self._together = together
+        self.of_x, self.of_e = together[:split].reshape(6, nx, cases), together[split:].reshape(5, ne, cases)
+        self.x, self.xd, self.xdd, *_ = self.of_x
         self.e, self.ed, self.edd, self.sigma, self.given_e = self.of_e
-        self.c = CState(0, 0.0, *_addresses(self.of_x), *_addresses(self.of_e))
+        self.x_address, width = together.ctypes.data, WIDTH * cases
+        x, xd, xdd, *self.forces_at = (self.x_address + width * nx * k for k in range(6))
+        of_e = (self.x_address + width * (split + ne * k) for k in range(5))
+        self.c = CState(0, 0.0, x, xd, xdd, *of_e)
         self.address = ctypes.c_void_p(ctypes.addressof(self.c))
+
+    def of_one(self) -> tuple[Array, Array]:
+        """Copies of x, xd, xdd and the forces (6, nx), of e, ed, edd and sigma (4, ne) of the only case."""
+        kept, (nx, ne) = self._together[:, 0].copy(), (len(self.x), len(self.e))
+        return kept[: 6 * nx].reshape(6, nx), kept[6 * nx : 6 * nx + 4 * ne].reshape(4, ne)
 
     def begin(self, x: Array, e: Array) -> None:
         """Positions and deformations that the next guess starts from."""
@@ -70,20 +74,22 @@ class State:
 
     def resume(self, t: float, of_x: Array, e: Array) -> None:
         """The state at t with x, xd, xdd (3, nx, cases) and e (ne, cases) is the last evaluated one again."""
-        self.of_x[:], self.e[:] = of_x, e
+        self.of_x[:3], self.e[:] = of_x, e
         self.c.t, self.c.known = t, PLACED
 
 
 class CompiledModel:
-    """One `Model` of model.c. `scales` (nx,), (ne,): sizes of what is in x and e. What Python answers: `slots`."""
+    """One `Model` of model.c. `scales` (nx,), (ne,): sizes of what is in x and e. `slots`: what Python answers,
+    with the `drives` and `users` of all cases.
+    """
 
     def __init__(
-        self, numbering: Numbering, numbers: Numbers, scales: tuple[Array, Array], drive: Drive,
-        user: UserSignal | None = None,
+        self, numbering: Numbering, numbers: Numbers, scales: tuple[Array, Array], drives: Sequence[Drive],
+        users: Sequence[UserSignal] = (),
     ) -> None:  # fmt: skip
         self.numbering = numbering
         self.numbers = numbers
-        self.polynomial = isinstance(drive, Polynomial)
+        self.polynomial = all(isinstance(drive, Polynomial) for drive in drives)
         self.cases = numbers.x0.shape[-1]
         self.engine = engine(self.cases)
         self._alive: list[Any] = []  # arrays that C points into
@@ -91,17 +97,15 @@ class CompiledModel:
         self.x_motion, self.e_motion = np.ascontiguousarray(numbers.x_motion), np.ascontiguousarray(numbers.e_motion)
         motions = self.x_motion, self.e_motion
         self.force, self.preload = np.array(numbers.force, order="C"), np.array(numbers.preload, order="C")
-        self.slots = Slots(numbers.elements, drive, motions, user, (numbering.nx, numbering.ne))
+        self.slots = Slots(numbers.elements, drives, motions, users, (numbering.nx, numbering.ne, self.cases))
         spec = self._spec(numbers, scales)
         self.handle = ctypes.c_void_p(self.engine.begin(ctypes.addressof(spec)))
         if not self.handle:
             raise MemoryError("no memory for the compiled model")
         weakref.finalize(self, self.engine.end, self.handle)
-        self.forces = np.zeros((3, numbering.nx, self.cases))
-        self.applied, self.gravity, self.total = self.forces
-        self._forces_at = tuple(f.ctypes.data for f in self.forces)
         self._determinant = np.zeros((2, self.cases))
-        self._determinant_at = self._determinant[0].ctypes.data, self._determinant[1].ctypes.data
+        first = self._determinant.ctypes.data
+        self._determinant_at = first, first + WIDTH * self.cases
 
     def state(self) -> State:
         """A new state, at the reference configuration."""
@@ -155,8 +159,8 @@ class CompiledModel:
             for name in ("input", "dynamic", "kinematic"):
                 counts += [classes[name].start, classes[name].stop - classes[name].start]
         counts += [int(self.polynomial), len(position), len(linear[0]), len(coupling[0])]
-        user = ctypes.addressof(slots.user_c) if slots.user is not None else None
-        ask = ctypes.cast(slots.ask, ctypes.c_void_p) if slots.needed else None
+        user = None if slots.user_c is None else ctypes.addressof(slots.user_c)
+        ask = None if slots.ask is None else ctypes.cast(slots.ask, ctypes.c_void_p)
         return CSpec(
             *counts, ctypes.addressof(table), constant_row, constant_column, constant_mass,
             scale_at, e_scale_at, self.force.ctypes.data, field, self.preload.ctypes.data,
@@ -165,9 +169,9 @@ class CompiledModel:
             self.x_motion.ctypes.data, self.e_motion.ctypes.data, user, ask,
         )  # fmt: skip
 
-    def _packed(self, arrays: Sequence[Any], kind: type) -> list[int]:
+    def _packed(self, arrays: Sequence[np.ndarray], kind: type) -> list[int]:
         """Addresses of the arrays in one array of this kind, which is kept for C."""
-        together: Array = np.concatenate([np.ravel(a) for a in arrays], dtype=kind, casting="same_kind")
+        together: Array = np.concatenate([a.ravel() for a in arrays], dtype=kind, casting="same_kind")
         self._alive.append(together)
         sizes = accumulate((a.size for a in arrays[:-1]), initial=0)
         first, width = together.ctypes.data, together.itemsize
@@ -190,13 +194,14 @@ class CompiledModel:
             self.slots.raise_error()
         return status
 
-    def evaluate(self, state: State, t: float, y: Array, converged: float) -> int:
-        """Everything that a frame has (gravity and total forces are in the model); negative when not possible."""
-        status: int = self.engine.evaluate(
-            self.handle, state.address, t, y.ctypes.data, converged, LARGEST_JUMP, 1
-        )
+    def evaluate(self, state: State, t: float, y: int, converged: float) -> int:
+        """Everything that a frame has of the state at the address y, forces too.
+
+        Negative when that is not possible.
+        """
+        status: int = self.engine.evaluate(self.handle, state.address, t, y, converged, LARGEST_JUMP, 1)
         if status >= 0:
-            self.engine.complete(self.handle, state.address, *self._forces_at)
+            self.engine.complete(self.handle, state.address, *state.forces_at)
         elif status == NOT_ANSWERED:
             self.slots.raise_error()
         return status
@@ -218,10 +223,10 @@ class CompiledModel:
 
     def places(self) -> tuple[Array, Array]:
         """Rows and columns of the entries of V."""
-        count = self.engine.gradient(self.handle, None, None, None)
-        rows, columns = np.zeros((2, count), np.int32)
-        self.engine.gradient(self.handle, rows.ctypes.data, columns.ctypes.data, None)
-        return rows, columns
+        places = np.zeros((2, self.engine.gradient(self.handle, None, None, None)), np.int32)
+        first = places.ctypes.data
+        self.engine.gradient(self.handle, first, first + places.nbytes // 2, None)
+        return places[0], places[1]
 
     def gradient(self, out: Array) -> None:
         """Values of the entries of V at the last evaluated state, (n, cases)."""
@@ -233,21 +238,29 @@ class CompiledModel:
         mantissa, exponent = self._determinant  # of the inverse
         return np.sign(mantissa), -(np.log(np.abs(mantissa)) + np.log(2.0) * exponent)
 
-    def rcond(self, rows: Array, columns: Array) -> float:
-        """Smallest reciprocal condition of the cases' rows * V[E, U] * columns at the last evaluated state, 1-norm."""
-        return float(self.engine.rcond(self.handle, rows.ctypes.data, columns.ctypes.data))
+    def rcond(self, rows: int, columns: int) -> float:
+        """Smallest reciprocal condition of the cases' rows * V[E, U] * columns at the last evaluated state, 1-norm.
+
+        rows, columns   addresses of the factors
+        """
+        return float(self.engine.rcond(self.handle, rows, columns))
 
     def condition(self, mechanism: Mechanism) -> float:
         """Largest condition of the cases' V[E, U] in the sizes of the mechanism at the last evaluated state, 1-norm."""
         n = self.numbering
-        unknown = [np.arange(c.start, c.stop) for c in (n.x_class["calculable"], n.x_class["kinematic"])]
-        rows = 1.0 / mechanism.deformation_scale[: n.e_class["dynamic"].stop]
-        rcond = self.rcond(rows, mechanism.scale[np.concatenate(unknown)]) if len(rows) else 1.0
+        rows, columns = 1.0 / mechanism.deformation_scale[n.velocity_equations], mechanism.scale[n.velocity_unknowns]
+        rcond = self.rcond(rows.ctypes.data, columns.ctypes.data) if len(rows) else 1.0
         return 1.0 / rcond if rcond > 0.0 else float("inf")
 
     def in_range(self, state: State) -> bool:
         """Whether all elements are surely in the range of their theory at a state."""
-        return not self.slots.has_limits and bool(self.engine.guard(self.handle, state.x.ctypes.data) > GUARD)
+        return not self.slots.has_limits and bool(self.engine.guard(self.handle, state.x_address) > GUARD)
+
+    def mass_diagonal(self) -> Array:
+        """Diagonal of M at the last evaluated state, (nx, cases)."""
+        out = np.zeros((self.numbering.nx, self.cases))
+        self.engine.mass_diagonal(self.handle, out.ctypes.data)
+        return out
 
     def reduced_mass(self) -> Array | None:
         """Of the degrees of freedom at the last evaluated state, (nddof, nddof, cases), where it was needed."""

@@ -95,6 +95,10 @@ DEFINITIONS = (
         "beamw", 16, BEAM, spatial.beamw_strain, spatial.beamw_line,
         guard=spatial.beamw_guard, local=spatial.beamw_local,
     ),
+    Definition(
+        "beamw_angle", 16, (*BEAM, "sz", "sy"), spatial.beamw_angle_strain, spatial.beamw_line,
+        guard=spatial.beamw_angle_guard, local=spatial.beamw_local,
+    ),
     Definition("truss", 6, ("l0",), planar.truss_strain, guard=planar.truss_guard),
     Definition("hinge", 8, FRAME, spatial.hinge_strain, turn=spatial.hinge_turn),
     Definition("pinbody", 10, (*FRAME, "r0", "r1", "r2"), spatial.pinbody_strain),

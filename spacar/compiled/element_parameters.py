@@ -62,28 +62,31 @@ def _ends(f: Family) -> Array:
     assert f.frame_p is not None
     assert f.frame_q is not None
     assert f.data is not None
-    second = f.constants.g * f.length  # type: ignore[attr-defined]
-    unit = f.line.C[0, 0] / 156.0  # type: ignore[attr-defined]
     turn = np.zeros((4, f.n))
     turn[0] = 1.0
-    if not np.array_equal(f.frame_p, f.frame_q):
+    if f.frame_q is not f.frame_p and not np.array_equal(f.frame_p, f.frame_q):
         from spacar.elements.rotation import parameters_of_frame  # curved tubes only
 
         own = np.flatnonzero((f.frame_p != f.frame_q).any(1))
         frames = (rows[own].reshape(-1, 3, 3) for rows in (f.frame_q, f.frame_p))
         turned = parameters_of_frame(np.einsum("nai,naj->ijn", *frames))
         turn[:, own] = np.where(turned[0] < 0.0, -turned, turned)
-    return np.vstack((f.length, f.frame_p.T, f.frame_q.T, turn, f.data[:, 0], second, unit))
+    second, unit = f.second[None], f.unit[None]  # type: ignore[attr-defined]
+    return np.concatenate((f.length[None], f.frame_p.T, f.frame_q.T, turn, f.data.T[:1], second, unit))
 
 
 def _beam(f: Family) -> Array:
     start = getattr(f, "start", None)  # of tubes
-    return np.vstack((_ends(f), np.zeros((6, f.n)) if start is None else start))
+    return np.concatenate((_ends(f), np.zeros((6, f.n)) if start is None else start))
 
 
 def _beam_angle(f: Family) -> Array:
     a = f.angles  # type: ignore[attr-defined]
     return np.vstack((_beam(f), a.shear[:2], a.ratio, a.start))
+
+
+def _beamw_angle(f: Family) -> Array:
+    return np.vstack((_ends(f), f.angles.shear[:2]))  # type: ignore[attr-defined]
 
 
 def _tube(f: Family) -> Array:
@@ -132,6 +135,7 @@ SUPPORTED: dict[str, tuple[str, Callable[[Family], Array]]] = {
     "TUBE": ("tube", _tube),
     "TUBE angle": ("tube_angle", _tube_angle),
     "BEAMW": ("beamw", _ends),
+    "BEAMW angle": ("beamw_angle", _beamw_angle),
     "TRUSS": ("truss", _length),
     "HINGE": ("hinge", _frame),
     "PINBODY": ("pinbody", _pinbody),

@@ -22,7 +22,7 @@ Numbers are of type `real`: one double, or LANES doubles of as many cases (lanes
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cache
 from typing import Any
 
@@ -52,7 +52,7 @@ class LanePrinter(C99CodePrinter):
         return f"lanes_{type(expr).__name__}({', '.join(map(self._print, expr.args))})"
 
     _print_sin = _print_cos = _print_atan2 = _print_Function
-    _print_turn0 = _print_turn1 = _print_turn2 = _print_Function
+    _print_turn0 = _print_turn1 = _print_turn2 = _print_turn3 = _print_Function
 
 
 printed = LanePrinter().doprint
@@ -136,7 +136,8 @@ def tables(definitions: list[Definition]) -> Iterator[str]:
     largest = max(definition.n_coordinates for definition in definitions)
     most = max(sum(rows_of(definition)) for definition in definitions)
     yield f"enum {{ {', '.join(definition.name.upper() for definition in definitions)}, N_KINDS }};"
-    yield f"enum {{ MAX_X = {largest}, MAX_E = {most}, MAX_GUARDS = {max(guards)} }};"
+    parameters = max(len(definition.parameters) for definition in definitions)
+    yield f"enum {{ MAX_X = {largest}, MAX_E = {most}, MAX_GUARDS = {max(guards)}, MAX_P = {parameters} }};"
     for what, arguments in TABLES.items():
         yield f"static void (*const {what.upper()}[N_KINDS])({arguments}) = {{"
         for definition in definitions:
@@ -211,20 +212,29 @@ def reverse(program: Program, results: list, x: list) -> tuple[list[list[sp.Expr
     """Rows of the gradient and the program of adjoints they need."""
     rows, statements = [], []
     for k, result in enumerate(results):
-        adjoint: dict[sp.Symbol, sp.Expr] = {result: sp.Integer(1)}
-        for symbol, expression in reversed(program):
-            bar = adjoint.pop(symbol, sp.Integer(0))
-            if bar == 0:
-                continue
-            if not bar.is_Atom:
-                name = sp.Symbol(f"b{k}_{symbol.name}", real=True)
-                statements.append((name, bar))
-                bar = name
-            for argument in sorted(expression.free_symbols, key=str):
-                if not argument.name.startswith("p"):
-                    adjoint[argument] = adjoint.get(argument, sp.Integer(0)) + bar * slope(expression, argument)
-        rows.append([adjoint.get(a, sp.Integer(0)) for a in x])
+        row, needed_here = pull(program, {result: sp.Integer(1)}, x, f"b{k}")
+        rows.append(row)
+        statements += needed_here
     return rows, statements
+
+
+def pull(
+    program: Program, seeds: dict[sp.Symbol, sp.Expr], x: list, prefix: str
+) -> tuple[list[sp.Expr], Program]:
+    """Gradient of the sum of seeds times what they are of, and the program of adjoints it needs."""
+    adjoint, statements = dict(seeds), []
+    for symbol, expression in reversed(program):
+        bar = adjoint.pop(symbol, sp.Integer(0))
+        if bar == 0:
+            continue
+        if not bar.is_Atom:
+            name = sp.Symbol(f"{prefix}_{symbol.name}", real=True)
+            statements.append((name, bar))
+            bar = name
+        for argument in sorted(expression.free_symbols, key=str):
+            if not argument.name.startswith("p"):
+                adjoint[argument] = adjoint.get(argument, sp.Integer(0)) + bar * slope(expression, argument)
+    return [adjoint.get(a, sp.Integer(0)) for a in x], statements
 
 
 @cache
@@ -233,10 +243,12 @@ def slope(expression: sp.Expr, by: sp.Symbol) -> sp.Expr:
     return sp.diff(expression, by) if by in expression.free_symbols else sp.Integer(0)
 
 
-def forward(program: Program, results: list, x: list, v: list) -> tuple[Program, list[sp.Expr], list[sp.Expr]]:
-    """Program of first and second derivatives along v, and those of the results."""
+def forward(
+    program: Program, results: list, x: list, v: list, a: Sequence[sp.Symbol] = ()
+) -> tuple[Program, list[sp.Expr], list[sp.Expr]]:
+    """Program of first and second derivatives along x + s v + s^2 a/2 at s = 0, and those of the results."""
     first: dict[sp.Symbol, sp.Expr] = dict(zip(x, v, strict=True))
-    second: dict[sp.Symbol, sp.Expr] = {}
+    second: dict[sp.Symbol, sp.Expr] = dict(zip(x, a, strict=False))
     statements = []
 
     def keep(prefix: str, symbol: sp.Symbol, value: sp.Expr, table: dict) -> None:

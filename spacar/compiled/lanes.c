@@ -32,32 +32,35 @@ LANE_BY_LANE(lanes_sin, sin)
 LANE_BY_LANE(lanes_cos, cos)
 LANE_BY_LANE(lanes_sqrt, sqrt)
 
-/* G(c) = 2 acos(c)/sqrt(1 - c^2) and two derivatives (theory-beam-order4.md 2.3): a series in 1 - c near 1. */
+/* G(c) = 2 acos(c)/sqrt(1 - c^2) and three derivatives (theory-beam-order4.md 2.3): a series in 1 - c near 1. */
 static double turn(double c, int order)
 {
     const double x = 1.0 - c, q = 1.0 - c * c;
     if (fabs(x) <= 0.2) {
-        double g = 2.0, power[3] = {1.0, 0.0, 0.0}, sum = 0.0;
+        double g = 2.0, power[4] = {1.0, 0.0, 0.0, 0.0}, sum = 0.0;
         for (int k = 0; k < 22; k++) { /* power: x^k and its derivatives by x */
             sum += g * power[order];
             g *= (k + 1.0) / (2.0 * k + 3.0);
+            power[3] = x * power[3] + 3.0 * power[2];
             power[2] = x * power[2] + 2.0 * power[1];
             power[1] = x * power[1] + power[0];
             power[0] *= x;
         }
-        return order == 1 ? -sum : sum;
+        return order % 2 ? -sum : sum;
     }
     const double G = c < 1.0 ? 2.0 * acos(c) / sqrt(q) : 2.0 * acosh(c) / sqrt(-q);
-    const double G1 = (c * G - 2.0) / q;
-    return order == 0 ? G : order == 1 ? G1 : (3.0 * c * G1 + G) / q;
+    const double G1 = (c * G - 2.0) / q, G2 = (3.0 * c * G1 + G) / q;
+    return order == 0 ? G : order == 1 ? G1 : order == 2 ? G2 : (5.0 * c * G2 + 4.0 * G1) / q;
 }
 #define TURN(k) static inline double turn_##k(double c) { return turn(c, k); }
 TURN(0)
 TURN(1)
 TURN(2)
+TURN(3)
 LANE_BY_LANE(lanes_turn0, turn_0)
 LANE_BY_LANE(lanes_turn1, turn_1)
 LANE_BY_LANE(lanes_turn2, turn_2)
+LANE_BY_LANE(lanes_turn3, turn_3)
 
 static inline real lanes_atan2(real a, real b) { real r; EACH_LANE LANE(r, w) = atan2(LANE(a, w), LANE(b, w)); return r; }
 

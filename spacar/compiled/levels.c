@@ -9,12 +9,12 @@
 #define SHOWN __attribute__((visibility("default")))
 #endif
 
-extern const void *const any_1[], *const any_2[];
+extern const void *const any_1[], *const any_2[], *const any_elements[];
 #ifdef LEVELS
-extern const void *const v3_1[], *const v3_4[], *const v4_8[];
+extern const void *const v3_1[], *const v3_4[], *const v4_8[], *const v3_elements[];
 #endif
 
-typedef struct { const char *name; int lanes; const void *const *one, *const *several; } Level;
+typedef struct { const char *name; int lanes; const void *const *one, *const *several, *const *elements; } Level;
 
 static Level found(void)
 {
@@ -24,12 +24,12 @@ static Level found(void)
         && __builtin_cpu_supports("bmi2")) {
         if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd")
             && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
-            return (Level){ "x86-64-v4", 8, v3_1, v4_8 };
-        return (Level){ "x86-64-v3", 4, v3_1, v3_4 };
+            return (Level){ "x86-64-v4", 8, v3_1, v4_8, v3_elements };
+        return (Level){ "x86-64-v3", 4, v3_1, v3_4, v3_elements };
     }
-    return (Level){ "x86-64", 2, any_1, any_2 };
+    return (Level){ "x86-64", 2, any_1, any_2, any_elements };
 #else
-    return (Level){ "basic", 2, any_1, any_2 };
+    return (Level){ "basic", 2, any_1, any_2, any_elements };
 #endif
 }
 
@@ -44,3 +44,6 @@ SHOWN int spacar_lanes(void) { return found().lanes; }
 
 /* The functions for one case, or for as many as `spacar_lanes`. */
 SHOWN const void *const *spacar_functions(int lanes) { return lanes == 1 ? found().one : found().several; }
+
+/* The functions of batches of elements alone. */
+SHOWN const void *const *spacar_element_functions(void) { return found().elements; }

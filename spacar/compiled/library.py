@@ -21,9 +21,10 @@ HERE = Path(__file__).parent
 NAME = {"win32": "engine.dll", "darwin": "engine.dylib"}.get(sys.platform, "engine.so")
 GENERAL = "SPACAR_GENERAL"  # environment variable: anything but empty or 0 switches the engine off
 
-# what enters kernels.c: a row of elements that is not in the library yet must not be taken for one that is
+# what enters kernels.c and derivatives.c: a row of elements that is not in the library yet must not be taken for one that is
 GENERATED_FROM = (
     "definitions.py", "planar_definitions.py", "spatial_definitions.py", "element_parameters.py", "generate.py",
+    "derivative_kernels.py",
 )  # fmt: skip
 DOUBLES = INTEGERS = ctypes.c_void_p  # addresses: typed pointers cost more to make than small models to evaluate
 
@@ -35,6 +36,12 @@ class CBatch(ctypes.Structure):
         *((name, ctypes.c_int) for name in ("kind", "n", "nxe", "nee", "np", "inertia")),
         ("x", INTEGERS), ("e", INTEGERS), ("p", DOUBLES), ("foreign", ctypes.c_void_p),
     ]  # fmt: skip
+
+
+class CElements(ctypes.Structure):
+    """`Elements` of batches.c."""
+
+    _fields_ = [*((name, ctypes.c_int) for name in ("kind", "n", "nxe", "nee", "np")), ("p", DOUBLES)]
 
 
 class CForeign(ctypes.Structure):
@@ -97,6 +104,7 @@ FUNCTIONS: dict[str, tuple[Any, ...]] = {  # in the order of the table in engine
     "gradient": (INTEGER, POINTER, POINTER, POINTER, POINTER),
     "determinant": (None, POINTER, POINTER, POINTER),
     "reduced_mass": (INTEGER, POINTER, POINTER),
+    "mass_diagonal": (None, POINTER, POINTER),
     "guard": (NUMBER, POINTER, POINTER),
     "rcond": (NUMBER, POINTER, POINTER, POINTER),
     "adams_begin": (INTEGER, POINTER, POINTER),
@@ -104,6 +112,36 @@ FUNCTIONS: dict[str, tuple[Any, ...]] = {  # in the order of the table in engine
     "adams_value": (INTEGER, POINTER, POINTER, NUMBER, POINTER),
     "runge_kutta": (INTEGER, POINTER, POINTER),
 }  # fmt: skip
+
+# in the order of the table in batches.c
+ELEMENT_FUNCTIONS: dict[str, tuple[Any, ...]] = {
+    "strain": (None, *[POINTER] * 5),
+    "convective": (None, *[POINTER] * 4),
+    "inertia": (None, *[POINTER] * 6),
+    "geometric": (None, *[POINTER] * 4),
+    "rates": (None, POINTER, POINTER, POINTER, INTEGER, POINTER),
+    "transport": (None, *[POINTER] * 4),
+    "inertia_gradient": (None, *[POINTER] * 6),
+    "guard": (NUMBER, POINTER, POINTER),
+}
+
+
+class ElementFunctions:
+    """The functions of batches of elements (batches.c), of the widest build for this processor that has them."""
+
+    def __init__(self, loaded: ctypes.CDLL) -> None:
+        addresses = loaded.spacar_element_functions()
+        for k, (name, (result, *arguments)) in enumerate(ELEMENT_FUNCTIONS.items()):
+            setattr(self, name, ctypes.CFUNCTYPE(result, *arguments)(addresses[k]))
+
+    strain: Any
+    convective: Any
+    inertia: Any
+    geometric: Any
+    rates: Any
+    transport: Any
+    inertia_gradient: Any
+    guard: Any
 
 
 class Engine:
@@ -130,6 +168,7 @@ class Engine:
     gradient: Any
     determinant: Any
     reduced_mass: Any
+    mass_diagonal: Any
     guard: Any
     rcond: Any
     adams_begin: Any
@@ -147,7 +186,8 @@ def _loaded() -> ctypes.CDLL | str:
     try:
         loaded = ctypes.CDLL(str(path))
         loaded.spacar_source.restype = loaded.spacar_level.restype = ctypes.c_char_p
-        loaded.spacar_functions.restype = ctypes.POINTER(ctypes.c_void_p)
+        for table in (loaded.spacar_functions, loaded.spacar_element_functions):
+            table.restype = ctypes.POINTER(ctypes.c_void_p)
         source = loaded.spacar_source().decode("ascii")
     except (OSError, AttributeError) as error:
         return f"the compiled engine cannot be loaded: {error}"
@@ -179,6 +219,11 @@ def switched_off() -> bool:
     return os.environ.get(GENERAL, "") not in ("", "0")
 
 
+def why_off() -> str | None:
+    """Why every run takes the general path here, or None."""
+    return f"the environment variable {GENERAL} asks for it" if switched_off() else unavailable()
+
+
 def level() -> str:
     """Level of the processor, by which the build was chosen: 'x86-64-v3', ... Only where the engine is available."""
     name: bytes = _ready().spacar_level()
@@ -195,6 +240,12 @@ def lanes_of_processor() -> int:
 def engine(lanes: int = 1) -> Engine:
     """The engine for one case or `lanes_of_processor`. Raises UsageError where it is not available."""
     return Engine(_ready(), lanes)
+
+
+@lru_cache
+def element_functions() -> ElementFunctions:
+    """Functions of batches of elements. Raises UsageError where the engine is not available."""
+    return ElementFunctions(_ready())
 
 
 def _ready() -> ctypes.CDLL:

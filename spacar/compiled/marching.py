@@ -231,6 +231,7 @@ class Marching:
             worst = int(np.argmax(np.abs(self.method.scaled)))
             raise step_too_small(evaluation, c.t, c.h, c.error, worst)
         if error is None:  # of several cases
+            self.evaluator.solver.slots.interrupted()
             error = AnalysisError(f"a case of the batch could not be followed at t = {c.t:.9g}", "study.batch")
         if status == NOT_EVALUATED and started:
             assert isinstance(error, AnalysisError)

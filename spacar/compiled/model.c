@@ -167,6 +167,20 @@ static void put(Sparse *system, int row, int column, int source)
     system->source[at] = source;
 }
 
+/* Whether the reduced form takes less time than the saddle-point form: its operations on vectors of ROW numbers against the
+   entries of the factors of the saddle-point matrix, which are counted where its own entries leave it open (measured
+   break-even, docs/performance.md). */
+static int takes_reduced_form(Model *m, int q)
+{
+    Sparse *motion = &m->motion;
+    const double worth = LANES == 1 ? 5.0 : 9.0, sure = worth * motion->n_entries;
+    const double transfer = (double)((q + ROW) / ROW) * (m->position.n_entries + m->mass.n + m->coupling.n);
+    const double operations = transfer + (double)m->s.nx * q * (1.0 + 0.5 * q / ROW);
+    if (operations < 0.4 * sure || operations > 2.0 * sure) return operations < sure;
+    return !plan(motion, m->values, 0)
+        && operations < worth * (motion->lower_start[motion->n] + motion->upper_start[motion->n]);
+}
+
 /* V[E, U] of the positions, and the saddle-point matrix of the accelerations and multipliers. */
 static int assemble(Model *m)
 {
@@ -223,9 +237,7 @@ static int assemble(Model *m)
             }
     }
     free(place);
-    /* Products for the transfer functions against those for the saddle-point form, about four per entry. */
-    const long products = (long)(q + 1) * (m->position.n_entries + m->mass.n + m->coupling.n) + (long)q * q * s->nx / 2;
-    m->reduced = m->holonomic && products < 4L * m->motion.n_entries;
+    if (!status && m->holonomic && !s->prescribed) m->reduced = takes_reduced_form(m, q);
     if (!status && m->reduced) status = sparse_widen(&m->position, m->width);
     return status;
 }
@@ -276,11 +288,12 @@ static Model *spacar_begin(const Spec *spec)
     m->stage = m->b + nx + ne;
     m->piece = m->stage + 2 * (nx + ne);
     if (m->reduced) {
-        m->transfer = cleared((2 * nx + spec->n_x_dynamic + spec->n_e_dynamic + 1 + 3) * m->width, sizeof(real));
+        const int q = spec->n_x_dynamic + spec->n_e_dynamic;
+        m->transfer = cleared((2 * nx + q + 3) * m->width, sizeof(real));
         if (!m->transfer) { spacar_end(m); return NULL; }
         m->weighted = m->transfer + nx * m->width;
         m->small = m->weighted + nx * m->width;
-        m->degrees = m->small + (spec->n_x_dynamic + spec->n_e_dynamic + 1) * m->width;
+        m->degrees = m->small + q * m->width;
     }
     return m;
 }
@@ -332,9 +345,21 @@ static int spacar_reduced_mass(const Model *m, real *out)
     const int q = m->s.n_x_dynamic + m->s.n_e_dynamic, width = m->width;
     if (!m->reduced || !m->transfer_of) return 0;
     for (int i = 0; i < q; i++)
-        for (int j = 0; j < q; j++) {
-            out[i * q + j] = EVERY(0.0);
-            for (int k = 0; k <= i && k <= j; k++) out[i * q + j] += m->small[i * width + k] * m->small[j * width + k];
+        for (int j = 0; j <= i; j++) {
+            real sum = m->small[i * width + 1 + j];
+            for (int k = i + 1; k < q; k++) {
+                const real *row = m->small + k * width + 1;
+                sum += row[i] * row[j] / row[k];
+            }
+            out[i * q + j] = out[j * q + i] = sum;
         }
     return 1;
+}
+
+/* The diagonal of M (nx) at the last evaluated state. */
+static void spacar_mass_diagonal(const Model *m, real *out)
+{
+    memset(out, 0, sizeof(real) * m->s.nx);
+    for (int k = 0; k < m->mass.n; k++)
+        if (m->mass.row[k] == m->mass.column[k]) out[m->mass.row[k]] += m->values[m->mass.source[k]];
 }

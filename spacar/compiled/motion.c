@@ -125,48 +125,51 @@ static void out_of_balance(const Model *m, const real *xdd, const real *sigma, i
     for (int r = first_row; r < s->ne; r++) subtract_transposed(m, r, sigma[r], out);
 }
 
-/* Factor a positive definite matrix (n, n), rows `width` apart, and solve, in place; SINGULAR when a pivot is lost in
-   rounding: 45 eps of the diagonal from which it is the difference. That accepts and refuses nothing; it hands the state to
-   the saddle-point form of the general path, which does not form these differences. */
-static int solve_positive(real *A, int width, int n, real *b)
+/* Solve A b = -r with a positive definite A, as L^T D L from the last row up, which a tree whose degrees of freedom are counted
+   from the ground outwards does not fill (Featherstone, "Efficient factorization of the joint-space inertia matrix for branched
+   kinematic trees", 2005). Rows `width` apart hold r, then the lower triangle of A. SINGULAR when a pivot is lost in rounding:
+   45 eps of the diagonal from which it is the difference. That accepts and refuses nothing; it hands the state to the saddle-
+   point form of the general path, which does not form these differences. */
+static int solve_positive(real *A, int width, int n, real *diagonal, real *b)
 {
-    for (int k = 0; k < n; k++) {
-        const real diagonal = A[k * width + k];
-        for (int j = 0; j < k; j++) A[k * width + k] -= A[k * width + j] * A[k * width + j];
-        EACH_LANE if (!(LANE(A[k * width + k], w) > 1e-14 * LANE(diagonal, w))) return SINGULAR;
-        A[k * width + k] = lanes_sqrt(A[k * width + k]);
-        for (int i = k + 1; i < n; i++) {
-            for (int j = 0; j < k; j++) A[i * width + k] -= A[i * width + j] * A[k * width + j];
-            A[i * width + k] /= A[k * width + k];
-        }
-        for (int j = 0; j < k; j++) b[k] -= A[k * width + j] * b[j];
-        b[k] /= A[k * width + k];
-    }
+    for (int k = 0; k < n; k++) diagonal[k] = A[k * width + 1 + k];
     for (int k = n - 1; k >= 0; k--) {
-        for (int j = k + 1; j < n; j++) b[k] -= A[j * width + k] * b[j];
-        b[k] /= A[k * width + k];
+        real *row = A + k * width;
+        EACH_LANE if (!(LANE(row[1 + k], w) > 1e-14 * LANE(diagonal[k], w))) return SINGULAR;
+        const real inverse = 1.0 / row[1 + k];
+        for (int i = 0; i < k; i++) {
+            if (LANES == 1 && LANE(row[1 + i], 0) == 0.0) continue;
+            add_row(A + i * width, -inverse * row[1 + i], row, (1 + i + ROW) / ROW * ROW);
+        }
+    }
+    for (int k = 0; k < n; k++) {
+        const real *row = A + k * width;
+        real sum = -row[0];
+        for (int j = 0; j < k; j++) sum -= row[1 + j] * b[j];
+        b[k] = sum / row[1 + k];
     }
     return OK;
 }
 
-/* Reduced form: columns of `transfer` (nx, width) are the transfer functions of the q degrees of freedom and the acceleration
-   without them, less gravity; zeros fill up the rows. xdd and, when wanted, sigma are completed from the given ones. */
+/* Reduced form: columns of `transfer` (nx, width) are the acceleration without the degrees of freedom, less gravity, and the
+   transfer functions of these q; zeros fill up the rows. `weighted` is M times them, with the forces subtracted from its first
+   column. xdd and, when wanted, sigma are completed from the given ones. */
 static int reduced_form(Model *m, const real *edd_given, real *xdd, real *sigma, int want_stress)
 {
     const Spec *s = &m->s;
     const int nx = s->nx, n = s->n_equations, first = s->n_fixed_x, a = s->n_x_dynamic, q = a + s->n_e_dynamic, width = m->width;
-    real *X = m->transfer, *MX = m->weighted, *A = m->small, *b = A + q * width;
+    real *X = m->transfer, *MX = m->weighted, *A = m->small;
     real *right = X + first * width;
     memset(X, 0, sizeof(real) * nx * width);
     for (int k = 0; k < m->dynamic.n; k++)
-        right[m->dynamic.row[k] * width + m->dynamic.column[k]] -= m->values[m->dynamic.source[k]];
-    for (int i = a; i < q; i++) right[(s->e_dynamic + i - a) * width + i] = EVERY(1.0);
-    for (int i = 0; i < n; i++) right[i * width + q] = edd_given[i] - m->h[i];
-    if (s->n_x_input) for (int i = 0; i < n; i++) right[i * width + q] -= rate(m, i, xdd);
+        right[m->dynamic.row[k] * width + 1 + m->dynamic.column[k]] -= m->values[m->dynamic.source[k]];
+    for (int c = a; c < q; c++) right[(s->e_dynamic + c - a) * width + 1 + c] = EVERY(1.0);
+    for (int i = 0; i < n; i++) right[i * width] = edd_given[i] - m->h[i];
+    if (s->n_x_input) for (int i = 0; i < n; i++) right[i * width] -= rate(m, i, xdd);
     solve_rows(&m->position, right, width);
-    for (int i = 0; i < a; i++) X[(s->x_dynamic + i) * width + i] = EVERY(1.0);
-    for (int i = 0; i < n; i++) xdd[first + i] = X[(first + i) * width + q];
-    for (int i = 0; i < nx; i++) X[i * width + q] = xdd[i] - s->field[i];
+    for (int c = 0; c < a; c++) X[(s->x_dynamic + c) * width + 1 + c] = EVERY(1.0);
+    for (int i = 0; i < n; i++) xdd[first + i] = X[(first + i) * width];
+    for (int i = 0; i < nx; i++) X[i * width] = xdd[i] - s->field[i];
     memset(MX, 0, sizeof(real) * nx * width);
     for (int k = 0; k < m->mass.n; k++)
         add_row(MX + m->mass.row[k] * width, m->values[m->mass.source[k]], X + m->mass.column[k] * width, width);
@@ -174,26 +177,31 @@ static int reduced_form(Model *m, const real *edd_given, real *xdd, real *sigma,
         const real value = m->values[m->coupling.source[k]];
         const int i = m->coupling.row[k], j = m->coupling.column[k];
         add_row(MX + i * width, value, X + j * width, width);
-        MX[i * width + q] += value * s->field[j];
+        MX[i * width] += value * s->field[j];
     }
     real *force = m->force;
-    for (int i = 0; i < nx; i++) force[i] = m->applied[i] - m->convected[i] - MX[i * width + q];
+    for (int i = 0; i < nx; i++) force[i] = m->applied[i] - m->convected[i];
     for (int r = s->n_rows; r < s->ne; r++) subtract_transposed(m, r, sigma[r], force);
-    memset(A, 0, sizeof(real) * (q + 1) * width);
-    for (int i = first; i < nx; i++) {
-        for (int c = 0; c < q; c++) add_row(A + c * width, X[i * width + c], MX + i * width, width);
-        add_row(b, force[i], X + i * width, width);
-    }
-    if (solve_positive(A, width, q, b)) return SINGULAR;
+    for (int i = 0; i < nx; i++) MX[i * width] -= force[i];
+    memset(A, 0, sizeof(real) * q * width);
     for (int i = first; i < nx; i++)
-        for (int c = 0; c < q; c++) xdd[i] += X[i * width + c] * b[c];
-    memcpy(m->degrees + 2 * q, b, sizeof(real) * q);
+        for (int c = 0; c < q; c++) {
+            const real x = X[i * width + 1 + c];
+            if (LANES == 1 && LANE(x, 0) == 0.0) continue;
+            add_row(A + c * width, x, MX + i * width, (1 + c + ROW) / ROW * ROW);
+        }
+    real *b = m->degrees + 2 * q;
+    if (solve_positive(A, width, q, m->b, b)) return SINGULAR;
+    for (int i = first; i < nx; i++)
+        for (int c = 0; c < q; c++) xdd[i] += X[i * width + 1 + c] * b[c];
     real sum = EVERY(0.0);
     for (int i = first; i < nx; i++) sum += xdd[i];
     if (!isfinite(largest_lane(sum))) return NOT_FINITE;
     if (!want_stress) return OK;
-    for (int i = first; i < first + n; i++)
-        for (int c = 0; c < q; c++) force[i] -= MX[i * width + c] * b[c];
+    for (int i = first; i < first + n; i++) {
+        force[i] = -MX[i * width];
+        for (int c = 0; c < q; c++) force[i] -= MX[i * width + 1 + c] * b[c];
+    }
     solve_transposed(&m->position, force + first, m->b);
     memcpy(sigma, m->b, sizeof(real) * s->n_rows);
     return OK;

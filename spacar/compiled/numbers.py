@@ -12,8 +12,8 @@ import numpy as np
 from spacar.arrays import Array, Index
 from spacar.compiled.element_parameters import SUPPORTED
 from spacar.compiled.library import engine
-from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.forces import StressLaw, gravity_field, moment_entries
+from spacar.dynamics.loaded_mechanism import LoadedMechanism
 from spacar.elements.family import Family
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.mechanism import Drive, Loads, Mechanism, Polynomial
@@ -71,9 +71,9 @@ class Numbers:
         )  # fmt: skip
 
 
-def of_one(dynamics: Dynamics) -> Numbers:
-    """The numbers of an evaluator with its loads and its drive."""
-    m, law, drive = dynamics.mechanism, dynamics.law, dynamics.drive
+def of_one(model: LoadedMechanism) -> Numbers:
+    """The numbers of a mechanism with its loads and its drive."""
+    m, loads, law, drive = model.mechanism, model.loads, model.law, model.drive
 
     def one(array: Array) -> Array:
         return np.array(array, np.float64)[..., None]
@@ -81,8 +81,8 @@ def of_one(dynamics: Dynamics) -> Numbers:
     return Numbers(
         tuple(_elements(b, kind, one(p.T)) for b, (kind, p) in ((b, _form(b.family)) for b in evaluated(m))),
         _only(constant_mass(m)), _only(law.stiffness), _only(law.damping),
-        _only(moments(dynamics.loads)), _only(m.deformation_inertia),
-        one(dynamics.loads.force), one(dynamics.forces.field), one(m.x0), one(law.preload),
+        _only(moments(loads)), _only(m.deformation_inertia),
+        one(loads.force), one(gravity_field(m, loads)), one(m.x0), one(law.preload),
         one(motion(drive, "x")), one(motion(drive, "e")),
     )  # fmt: skip
 
@@ -169,13 +169,12 @@ def constant_mass(mechanism: Mechanism) -> tuple[Index, Index, Array]:
     rows, columns, values = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)], [np.zeros(0)]
     for b in mechanism.batches:
         if b.family.has_mass and b.family.constant_mass:
-            shape = (len(b.x), *b.x.shape)
-            M = np.zeros(shape)
+            M = np.zeros((len(b.x), *b.x.shape))
             b.family.mass(None, M)
-            used = np.nonzero(M)
-            rows.append(np.broadcast_to(b.x[:, None, :], shape)[used])
-            columns.append(np.broadcast_to(b.x[None, :, :], shape)[used])
-            values.append(M[used])
+            i, j, k = np.nonzero(M)
+            rows.append(b.x[i, k])
+            columns.append(b.x[j, k])
+            values.append(M[i, j, k])
     return np.concatenate(rows), np.concatenate(columns), np.concatenate(values)
 
 

@@ -3,12 +3,16 @@ batches of a new element that has no functions in C yet (its NumPy family, all e
 
 Everything else stays in C, so one such element or one user function costs its own share only. Arrays are shared: C
 writes the state into them, Python the answer. An exception is kept, ends the evaluation in C and is raised after it.
+
+Several cases have a function each, loaded for it as for a run of its own: functions are called once a lane, with what
+they get alone. Lanes that only fill a vector up have the answer of the last case.
 """
 
 from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,7 +22,7 @@ from spacar.compiled.library import CForeign, CUser
 from spacar.compiled.numbers import Elements
 from spacar.elements.family import Configuration, Family
 from spacar.mechanism.mechanism import Drive, Polynomial, UserSignal
-from spacar.mechanism.placed_vectors import placed
+from spacar.mechanism.placed_vectors import PlacedVector, placed
 
 ASK = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int, ctypes.c_int, ctypes.c_double)
 MOTION, STRESS, STRAIN, CONVECTIVE, INERTIA = range(5)  # as ASK_MOTION ... in elements.c
@@ -53,35 +57,70 @@ class ForeignBatch:
         self.h[:] = self.family.inertia_force(self.configuration, self.v, None)
 
 
+@dataclass(frozen=True)
+class Law:
+    """The user function of one case: what it is told (t, e, ed, x, xd) and where its answer goes, views of one lane."""
+
+    user: UserSignal
+    rows: Callable[..., Any] | None  # USERSIG: numbers, no arrays
+    told: tuple[PlacedVector, ...]
+    answers: tuple[Array, Array]  # sigma, force
+
+    def answer(self, t: float) -> dict[int, str]:
+        """Call it; the sentences about stresses that cannot act."""
+        if self.rows is None:
+            given = self.user(t, *self.told)
+            self.answers[0][:], self.answers[1][:] = given.sigma, given.force
+            return given.lost
+        *found, lost = self.rows(t, *self.told)
+        for values, rows in zip(self.answers, found, strict=True):
+            values.fill(0.0)
+            for i, row in rows:
+                values[i] += row[2]
+        return lost
+
+
 class Slots:
-    """The answers for one model. `motions` are the arrays (n, 3, 1) of prescribed coordinates and deformations."""
+    """The answers for one model. `motions` are the arrays (n, 3, lanes) of prescribed coordinates and deformations.
+
+    drives, users   of every case; with fewer cases than lanes, the last one has the others too
+    sizes           nx, ne, lanes
+    """
 
     def __init__(
-        self, elements: Sequence[Elements], drive: Drive, motions: tuple[Array, Array], user: UserSignal | None,
-        sizes: tuple[int, int],
+        self, elements: Sequence[Elements], drives: Sequence[Drive], motions: tuple[Array, Array],
+        users: Sequence[UserSignal], sizes: tuple[int, int, int],
     ) -> None:  # fmt: skip
-        nx, ne = sizes
-        self.drive, self.user = drive, user
-        self.user_rows: Callable[..., Any] | None = getattr(user, "rows", None)  # USERSIG: numbers, no arrays
+        nx, ne, lanes = sizes
+        self.drives = drives
         self.x_motion, self.e_motion = motions
         self.foreign = {b: ForeignBatch(e.family) for b, e in enumerate(elements) if e.family is not None}
-        self.x, self.xd, self.force = np.zeros((3, nx))
-        self.e, self.ed, self.sigma = np.zeros((3, ne))
-        arrays = self.x, self.xd, self.e, self.ed, self.force, self.sigma
-        guarded = zip((self.e, self.ed, self.x, self.xd), ("e", "ep", "x", "xp"), strict=True)
-        self.told = tuple(placed(values, name) for values, name in guarded)  # as user functions get them
-        self.user_c = CUser(*(a.ctypes.data for a in arrays))
+        # whether a family here may find its elements outside the range of their theory
+        self.has_limits = any(type(f.family).troubles is not Family.troubles for f in self.foreign.values())
         self.error: BaseException | None = None
-        self.lost: dict[int, str] = {}  # sentences about stresses that cannot act, by row of e
-        self.needed = bool(self.foreign) or user is not None or not isinstance(drive, Polynomial)
-        self.ask = ASK(self._answer)
-
-    @property
-    def has_limits(self) -> bool:
-        """Whether a family here may find its elements outside the range of their theory."""
-        return any(type(f.family).troubles is not Family.troubles for f in self.foreign.values())
+        self.failed: int | None = None  # the case whose function did not answer the last question
+        self.lost: list[dict[int, str]] = [{}] * max(len(users), 1)  # sentences by row of e, of every case
+        self.laws: tuple[Law, ...] = ()
+        self.user_c: CUser | None = None
+        if users:
+            self.x, self.xd, self.force = np.zeros((3, nx, lanes))
+            self.e, self.ed, self.sigma = np.zeros((3, ne, lanes))
+            arrays = self.x, self.xd, self.e, self.ed, self.force, self.sigma
+            guarded = tuple(zip((self.e, self.ed, self.x, self.xd), ("e", "ep", "x", "xp"), strict=True))
+            self.laws = tuple(
+                Law(
+                    user, getattr(user, "rows", None), tuple(placed(values[:, lane], name) for values, name in guarded),
+                    (self.sigma[:, lane], self.force[:, lane]),
+                )
+                for lane, user in enumerate(users)
+            )  # fmt: skip
+            self.user_c = CUser(*(a.ctypes.data for a in arrays))
+        needed = bool(self.foreign or users or not all(isinstance(d, Polynomial) for d in drives))
+        self.ask = ASK(self._answer) if needed else None
 
     def _answer(self, what: int, batch: int, t: float) -> int:
+        if self.error is not None and not isinstance(self.error, Exception):
+            return NOT_ANSWERED  # Ctrl-C: nobody is asked any more
         try:
             if what == STRAIN:
                 self.foreign[batch].strain()
@@ -96,24 +135,29 @@ class Slots:
         except BaseException as error:  # nothing may pass through C
             self.error = error
             return NOT_ANSWERED
+        self.failed = None
         return ANSWERED
 
     def _move(self, t: float) -> None:
-        at = self.drive.at(t)
-        self.x_motion[:, :, 0] = np.column_stack((at.x, at.xd, at.xdd))
-        self.e_motion[:, :, 0] = np.column_stack((at.e, at.ed, at.edd))
+        for lane, drive in enumerate(self.drives):
+            self.failed = lane
+            at = drive.at(t)
+            self.x_motion[:, :, lane] = np.column_stack((at.x, at.xd, at.xdd))
+            self.e_motion[:, :, lane] = np.column_stack((at.e, at.ed, at.edd))
+        self._fill(len(self.drives), self.x_motion, self.e_motion)
 
     def _stress(self, t: float) -> None:
-        assert self.user is not None
-        if self.user_rows is None:
-            given = self.user(t, *self.told)
-            self.force[:], self.sigma[:], self.lost = given.force, given.sigma, given.lost
-            return
-        stresses, forces, self.lost = self.user_rows(t, *self.told)
-        for values, rows in ((self.sigma, stresses), (self.force, forces)):
-            values.fill(0.0)
-            for i, row in rows:
-                values[i] += row[2]
+        for lane, law in enumerate(self.laws):
+            self.failed = lane
+            self.lost[lane] = law.answer(t)
+        self._fill(len(self.laws), self.sigma, self.force)
+
+    @staticmethod
+    def _fill(cases: int, *arrays: Array) -> None:
+        """Lanes without a case have the answer of the last one."""
+        for array in arrays:
+            if cases < array.shape[-1]:
+                array[..., cases:] = array[..., cases - 1 : cases]
 
     def raise_error(self) -> None:
         """Raise what happened in the last call, if anything did."""

@@ -84,8 +84,15 @@ def beam_strain(z: list, p: dict) -> list:
     return from_start(e, p)
 
 
+class turn3(sp.Function):
+    """Third derivative of `turn0`."""
+
+
 class turn2(sp.Function):
     """Second derivative of `turn0`."""
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        return turn3(self.args[0])
 
 
 class turn1(sp.Function):
@@ -102,16 +109,23 @@ class turn0(sp.Function):
         return turn1(self.args[0])
 
 
-def beam_angle_strain(z: list, p: dict) -> list:
-    """theory-beam-order4.md section 2."""
+def beam_angles(z: list, p: dict) -> tuple[list, sp.Expr, sp.Expr]:
+    """psi, A_y, A_z of theory-beam-order4.md section 2."""
     d, lp, lq = z[:3], z[3:7], z[11:15]
     G = turn0(dot(lp, lq))
     psi = [G * relative(lp, lq, axis) for axis in frame(p)]
     middle = [a + b for a, b in zip(lp, lq, strict=True)]
     w = [dot(d, rotated(middle, axis)) for axis in frame(p)]
-    l0, k = p["l0"], p["second"]
+    k = p["second"]
     Ay = 2 * sp.atan2(w[2], w[0]) - k * psi[0] * psi[2] / 12
     Az = -2 * sp.atan2(w[1], w[0]) + k * psi[0] * psi[1] / 12
+    return psi, Ay, Az
+
+
+def beam_angle_strain(z: list, p: dict) -> list:
+    """theory-beam-order4.md section 2."""
+    psi, Ay, Az = beam_angles(z, p)
+    l0, k = p["l0"], p["second"]
     ay, az = Ay * p["sz"], Az * p["sy"]
     Mx = psi[0] + k * (ay * psi[2] - az * psi[1]) / 2
     By, Bz = psi[1] + k * az * psi[0] / 2, psi[2] - k * ay * psi[0] / 2
@@ -120,7 +134,7 @@ def beam_angle_strain(z: list, p: dict) -> list:
     twist = P / (D + sp.sqrt(3 * D))
     My, Mz = By - twist * psi[2] / 2, Bz + twist * psi[1] / 2
     bent = (psi[1] ** 2 + psi[2] ** 2) / 24 + (ay**2 + az**2) / 40
-    e1 = length(d) - l0 + k * (l0 * bent + p["f"] * Mx**2 / (2 * l0))
+    e1 = length(z[:3]) - l0 + k * (l0 * bent + p["f"] * Mx**2 / (2 * l0))
     e = [e1, l0 * Mx, l0 * (My - Ay) / 2, l0 * (My + Ay) / 2, l0 * (Mz - Az) / 2, l0 * (Mz + Az) / 2]
     return from_start(e, p)
 
@@ -179,12 +193,33 @@ def beamw_strain(z: list, p: dict) -> list:
     ]
 
 
+def beamw_angle_strain(z: list, p: dict) -> list:
+    """theory-beam-order4.md section 2.8."""
+    psi, Ay, Az = beam_angles(z[:15], p)
+    l0, k, wp, wq = p["l0"], p["second"], z[15], z[16]
+    ay, az = Ay * p["sz"], Az * p["sy"]
+    Mx = psi[0] + k * (ay * psi[2] - az * psi[1]) / 2
+    A, c = l0 * (wq - wp) / 6, l0 * (wp + wq) / 2 - Mx
+    My = psi[1] + k * (az * psi[0] / 2 - A * psi[2] / 2 - c * az / 10)
+    Mz = psi[2] - k * (ay * psi[0] / 2 - A * psi[1] / 2 - c * ay / 10)
+    Ay, Az = Ay - k * (3 * A * az / 10 + c * psi[2] / 30), Az + k * (3 * A * ay / 10 + c * psi[1] / 30)
+    bent = (psi[1] ** 2 + psi[2] ** 2) / 24 + (ay**2 + az**2) / 40
+    twisted = Mx**2 + 3 * A**2 + c**2 / 5
+    e1 = length(z[:3]) - l0 + k * (l0 * bent + p["f"] * twisted / (2 * l0))
+    bending = [l0 * (My - Ay) / 2, l0 * (My + Ay) / 2, l0 * (Mz - Az) / 2, l0 * (Mz + Az) / 2]
+    return [e1, l0 * Mx, *bending, l0 * Mx - l0**2 * wp, l0**2 * wq - l0 * Mx]
+
+
 def beamw_line(x: list, p: dict) -> tuple[list, sp.Matrix]:
     return beam_line(without_warping(x), p)
 
 
 def beamw_guard(z: list, p: dict) -> list:
     return beam_guard(z[:15], p)
+
+
+def beamw_angle_guard(z: list, p: dict) -> list:
+    return beam_angle_guard(z[:15], p)
 
 
 def hinge_strain(x: list, p: dict) -> list:

@@ -31,11 +31,13 @@ static int evaluate(Model *m, State *at, double t, const real *y, double converg
         x[i] = at->x[i] + move;
     }
     if (!(largest_lane(ahead) <= 0.5 * jump)) return JUMP; /* as FARTHEST_GUESS of the general path */
-    if (at->known == 1 && m->transfer_of == at)
-        for (int c = 0; c < q; c++) {
-            const real *d = m->degrees + c, off = y[c] - (d[0] + dt * (d[q] + 0.5 * dt * d[2 * q]));
-            for (int i = first; i < first + n; i++) x[i] += m->transfer[i * m->width + c] * off;
-        }
+    if (at->known == 1 && m->transfer_of == at) {
+        const real *d = m->degrees;
+        real *off = m->b;
+        for (int c = 0; c < q; c++) off[c] = y[c] - (d[c] + dt * (d[q + c] + 0.5 * dt * d[2 * q + c]));
+        for (int i = first; i < first + n; i++)
+            for (int c = 0; c < q; c++) x[i] += m->transfer[i * m->width + 1 + c] * off[c];
+    }
     m->transfer_of = NULL;
     if (!s->polynomial && s->ask(ASK_MOTION, 0, t)) return NOT_ANSWERED;
     for (int i = 0; i < s->n_x_input; i++) {

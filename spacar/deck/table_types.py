@@ -117,6 +117,18 @@ def subject_of(keyword: Keyword) -> int | None:
     return None
 
 
+@cache
+def lengths_of(kind: ElementType) -> list[int]:
+    """Modes (from 0) of an element type that are lengths."""
+    return [k for k, (_, unit) in enumerate(kind.modes) if unit == "m"]
+
+
+@cache
+def coordinates_used(kind: ElementType) -> list[int]:
+    """Coordinates of an element type in the rows of its nodes, four places each, one after the other."""
+    return [4 * k + i for k, role in enumerate(kind.nodes) for i in range(coordinates_of(role, kind.planar))]
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class ElementType:
     """One element type: everything about it that other rooms ask for.

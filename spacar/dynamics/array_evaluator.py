@@ -16,6 +16,7 @@ from spacar.dynamics.saddle_point import SaddlePoint
 from spacar.frame import Frame
 from spacar.kinematics.constraint_condition import condition_number
 from spacar.kinematics.regularity import PositionMatrix
+from spacar.linear_systems.dense import DenseSystem
 from spacar.mechanism.mechanism import Drive, Loads, Mechanism
 from spacar.mechanism.numbering import Numbering
 
@@ -38,12 +39,10 @@ class Dynamics(EquationsOfMotion):
     def start_values(self) -> Array:
         """The state of STARTDX, STARTDE and, for kinematic coordinates, of the reference configuration."""
         s = self.mechanism.start
-        e_kinematic = s.e_kinematic.copy()
-        unset = np.isnan(e_kinematic)
-        if unset.any():
-            self.sweep.strain(self.mechanism.x0)
-            e_kinematic[unset] = self.sweep.e[self.es["kinematic"]][unset]
-        return np.concatenate((s.x_value, s.e_value, s.x_kinematic, e_kinematic, s.x_rate, s.e_rate))
+        if s.is_complete:
+            return s.state(s.e_kinematic)
+        self.sweep.strain(self.mechanism.x0)
+        return s.state(np.where(np.isnan(s.e_kinematic), self.sweep.e[self.es["kinematic"]], s.e_kinematic))
 
     def start(self) -> Array:
         """Start state; brings the mechanism there from the reference configuration, in steps if it is far."""
@@ -145,7 +144,8 @@ class Dynamics(EquationsOfMotion):
         return condition_number(self.kinematics)
 
     def position_matrix(self) -> PositionMatrix:
-        return PositionMatrix(self.kinematics)
+        k = self.kinematics
+        return PositionMatrix(k.mechanism, lambda: k, isinstance(k.velocity_system, DenseSystem))
 
     def in_range(self) -> bool:
         return False  # not known: the elements have to be asked

@@ -55,6 +55,8 @@ class StressLaw:
 
 def _active(entries: tuple[Index, Index, Array], first: int) -> tuple[Index, Index, Array]:
     rows, columns, values = entries
+    if not len(rows):
+        return entries
     keep = (rows >= first) & (columns >= first)
     return rows[keep], columns[keep], values[keep]
 

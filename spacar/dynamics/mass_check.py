@@ -52,7 +52,8 @@ def is_doubtful(mechanism: Mechanism, M: Array, condition: float, largest: float
     `largest_mass`, kg m^2.
     """
     n = mechanism.numbering
-    size = np.concatenate((mechanism.scale[n.q_x], mechanism.deformation_scale[n.q_e]))[n.dynamic]
+    x, e = n.x_class["dynamic"], n.e_class["dynamic"]
+    size = np.concatenate((mechanism.scale[x], mechanism.deformation_scale[e]))
     diagonal = M.diagonal()
     mass = diagonal * size**2
     rounding = (8.0 * n.nx * EPS * condition**2) ** 2 * largest

@@ -8,6 +8,7 @@ stiffness and the limits of the theory.
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +16,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.elements import beam_strain as strain_of
 from spacar.elements.beam_inertia import (
+    HERMITE_MASS,
     LineConstants,
     LineState,
     line_constants,
@@ -51,10 +53,7 @@ class SpatialBeam(Family):
         direction, f1 = statement_values(group)
         frame = chord_frames(n, direction)
         self._build(group, frame, frame, f1)
-        mass = group.em[:, 0]
-        self.line = line_constants(frame[:, 0], frame[:, 0], self.length, mass)
-        self.has_mass = bool(np.any(mass != 0.0))
-        self._section = group.em[:, 1:5]
+        self._set_mass(group.em[:, 0], group.em[:, 1:5])
 
     def _chords(self, group: ElementGroup) -> Array:
         """Set the lengths; directions (3, n) from p to q."""
@@ -66,11 +65,40 @@ class SpatialBeam(Family):
         """Constants of the deformations for frames (3, 3, n) at both ends and couplings f1 (n,) [m^2]."""
         self.keyword, self.numbers = group.keyword, group.numbers
         self._frames = frame_p, frame_q
-        self.frame_p, self.frame_q = rows(frame_p), rows(frame_q)
+        self.frame_p = rows(frame_p)
+        self.frame_q = self.frame_p if frame_q is frame_p else rows(frame_q)
         self.data = f1[:, None]
-        self.constants = strain_of.beam_constants(frame_p, frame_q, self.length, f1, group.nonlinear)
+        self._nonlinear = group.nonlinear
         self._second = bool(group.nonlinear.any())
         self._estiff, self._edamp = group.estiff, group.edamp
+
+    def _set_mass(self, mass: Array, section: Array) -> None:
+        """Mass (n,) and inertia of the section (n, 4) per length [kg/m, kg m]."""
+        self._mass, self._section = mass, section
+        self.has_mass = bool((mass != 0.0).any())
+
+    # Tensors of the functions below; the engine has its own, and a compiled run does not make them.
+    @cached_property
+    def constants(self) -> strain_of.BeamConstants:
+        """Those of the deformations."""
+        assert self.data is not None
+        return strain_of.beam_constants(*self._frames, self.length, self.data[:, 0], self._nonlinear)
+
+    @cached_property
+    def line(self) -> LineConstants:
+        """Those of the translational inertia."""
+        axis_p, axis_q = (frame[:, 0] for frame in self._frames)
+        return line_constants(axis_p, axis_q, self.length, self._mass)
+
+    @property
+    def second(self) -> Array:
+        """(n,) factor of the second order terms with lengths in units of l0: 1, or 0 for LDEFORM."""
+        return np.asarray(self._nonlinear / self.length * self.length)
+
+    @property
+    def unit(self) -> Array:
+        """(n,) mass/420 [kg], of which the coefficients of the inertia are multiples."""
+        return np.asarray(HERMITE_MASS[0, 0] * (self._mass * self.length) / 156.0)
 
     # -- deformations --------------------------------------------------------------------------------------
     def strain(self, x: Array, near: Array, e: Array, V: Array) -> SpatialBeamConfiguration:

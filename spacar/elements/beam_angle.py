@@ -42,7 +42,7 @@ class SpatialAngleBeam(SpatialBeam):
 
     def _build(self, group: ElementGroup, frame_p: Array, frame_q: Array, f1: Array) -> None:
         super()._build(group, frame_p, frame_q, f1)
-        _, GIt, EIy, EIz, *shear = group.estiff.T
+        _, GIt, EIy, EIz, *shear = group.estiff[:, :6].T
         elastic = np.ones(self.n, bool) if group.elastic is None else group.elastic[1:].all(0)
         gradient = elastic & group.nonlinear & (GIt > 0.0)
         twisted = group.nonlinear & (GIt > 0.0) & (group.elastic is None or group.elastic[1])

@@ -7,6 +7,7 @@ derivatives come from power series along a line, or in the directions of the inn
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -36,10 +37,13 @@ class AngleState(NamedTuple):
     d: Array  # (3, n)
     inner: Inner
     G: Array  # (4, n): G and its derivatives by mu0
-    E: Array  # (8, 6, n): derivatives of e by y
+    E: Array  # (8, 6, n): derivatives of e by y, with warping (10, 8, n): by y and w
 
 
-def state(p: AngleConstants, x: Array) -> AngleState:
+Gradient = Callable[[AngleConstants, Any, Any, Any], Any]  # of y, G and its derivative
+
+
+def state(p: AngleConstants, x: Array, gradient: Gradient = gradient) -> AngleState:
     """The state at x (14, n)."""
     x7 = x.reshape(2, 7, *x.shape[1:])
     L = np.einsum("sij...,sj...->si...", p.C, x7[:, 3:])
@@ -49,7 +53,7 @@ def state(p: AngleConstants, x: Array) -> AngleState:
     return AngleState(p, L, d, c, G, gradient(p, c.y, G[0], G[1]))
 
 
-def _line(c: AngleState, v: Array, terms: int) -> tuple[Inner, Any, Any]:
+def along_line(c: AngleState, v: Array, terms: int) -> tuple[Inner, Any, Any]:
     """Inner quantities, G and its derivative as series of `terms` coefficients along v (14, n)."""
     v7 = v.reshape(2, 7, *v.shape[1:])
     L1 = np.einsum("sij...,sj...->si...", c.p.C, v7[:, 3:])
@@ -75,13 +79,13 @@ def first(c: AngleState, out: Array) -> None:
 
 def second_rate(c: AngleState, v: Array) -> Array:
     """H(v, v) (6, n)."""
-    along, G, _ = _line(c, v, 3)
+    along, G, _ = along_line(c, v, 3)
     return np.asarray(2.0 * deformations(c.p, along.y, G).c[2])
 
 
 def derivative_of_rows(c: AngleState, v: Array, order: int, out: Array) -> None:
     """d^order V/ds^order along v, order 1 (H1) or 2 (T), (6, 14, n)."""
-    along, G, G1 = _line(c, v, order + 1)
+    along, G, G1 = along_line(c, v, order + 1)
     local = contracted("ye...,yj...->ej...", gradient(c.p, along.y, G, G1), inner_rows(along))
     rows(c, order * local.c[order], out)
 
@@ -104,9 +108,15 @@ def hessian(c: AngleState, sigma: Array, out: Array) -> None:
     mu0 = line[0]
     G = c.G[:, None]
     curvature = gradient_of_sum(c.p, sigma, line, composed(mu0, *G[:2]), composed(mu0, *G[1:3])).c[1]
+    write_hessian(c, curvature, np.einsum("ye...,e...->y...", c.E, sigma), out)
+
+
+def write_hessian(c: AngleState, curvature: Array, force: Array, out: Array) -> None:
+    """The second derivative (14, 14, n) by x of a sum with the derivatives force (8, n), curvature (8, 8, n) by y."""
+    y = c.inner.y
+    tail = y.shape[1:]
     Dy = inner_rows(c.inner)
     H = np.einsum("yi...,yj...->ij...", Dy, np.einsum("yb...,bj...->yj...", curvature, Dy))
-    force = np.einsum("ye...,e...->y...", c.E, sigma)
     # the stresses times the second derivatives of the inner quantities
     relative = np.einsum("a...,aij->ij...", force[0:4], RELATIVE)
     H[0:4, 4:8] += relative
@@ -121,10 +131,10 @@ def hessian(c: AngleState, sigma: Array, out: Array) -> None:
         H[8:, a] += mixed.swapaxes(0, 1)
     n = c.inner.n
     H[8:, 8:] += force[7] / y[7] * (np.eye(3).reshape(3, 3, *(1,) * len(tail)) - n[:, None] * n)
-    _write_hessian(c, H, out)
+    _of_local(c, H, out)
 
 
-def _write_hessian(c: AngleState, H: Array, out: Array) -> None:
+def _of_local(c: AngleState, H: Array, out: Array) -> None:
     """H (11, 11, n) by the local coordinates as one by x."""
     kept = ((slice(0, 4), slice(3, 7), 0), (slice(4, 8), slice(10, 14), 1))
     for here, there, s in kept:

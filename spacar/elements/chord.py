@@ -28,7 +28,10 @@ SHORT = 1e-6  # a chosen bound, of the start length: below this the direction of
 
 def normal(u: Array) -> Array:
     """u (2, n) turned by +90 degrees."""
-    return np.stack((-u[1], u[0]))
+    turned = np.empty_like(u)
+    np.negative(u[1], out=turned[0])
+    turned[1] = u[0]
+    return turned
 
 
 def row(g: Array, size: int) -> Array:

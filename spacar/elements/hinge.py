@@ -12,6 +12,7 @@ mu. The screw uses the same functions.
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -162,8 +163,13 @@ class SpatialHinge(Family):
                 raise GeometryError(k, f"the axis of rotation needs 3 components, {len(values)} are given")
         frame = axis_frame(np.array(group.geometry).T, 0, "axis of rotation")
         self.frame_p = self.frame_q = rows(frame)
-        self.parameters = relative_parameters(frame, frame)
+        self._frame = frame
         self._coefficients = group.estiff[:, :3], group.edamp[:, :3]
+
+    @cached_property
+    def parameters(self) -> Array:
+        """Tensors of `relative_parameters`; a compiled run does not make them."""
+        return relative_parameters(self._frame, self._frame)
 
     def strain(self, x: Array, near: Array, e: Array, V: Array) -> HingeState:
         c = hinge_state(expand((self.parameters,), x.ndim)[0], x.reshape(2, 4, *x.shape[1:]))

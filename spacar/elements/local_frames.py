@@ -61,7 +61,9 @@ def supplemented(ex: Array, g: Array, index: int, what: str) -> Array:
 
 def completed(ex: Array, ey: Array) -> Array:
     """Frames (3, 3, n) of x' and y' (3, n)."""
-    return np.stack((ex, ey, cross(ex, ey)), axis=1)
+    frames = np.empty((3, *ex.shape), np.result_type(ex, ey))
+    frames[:, 0], frames[:, 1], frames[:, 2] = ex, ey, cross(ex, ey)
+    return frames
 
 
 def cross(a: Array, b: Array) -> Array:

@@ -166,7 +166,9 @@ class PlanarBeam(Family):
     def _alpha(self, c: PlanarBeamConfiguration) -> Array:
         """Rows alpha, (end, 6, n)."""
         g = chord.row(chord.normal(c.u) / c.l, 6)
-        alpha = np.stack((-g, -g))
+        alpha = np.empty((2, *g.shape), g.dtype)
+        np.negative(g, out=alpha[0])
+        alpha[1] = alpha[0]
         alpha[0, 2] += 1.0
         alpha[1, 5] += 1.0
         return alpha

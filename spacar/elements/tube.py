@@ -13,11 +13,13 @@ condition: 0 spherical flow at both ends, 1 jet at p, 2 jet at q, 3 jets at both
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from spacar.arrays import Array
 from spacar.elements.beam import SpatialBeam, SpatialBeamConfiguration, statement_values
-from spacar.elements.beam_inertia import line_constants
+from spacar.elements.beam_inertia import LineConstants
 from spacar.elements.family import ElementGroup, GeometryError
 from spacar.elements.local_frames import chord_frame, stack, supplemented, unit
 from spacar.elements.rotation import expand
@@ -42,13 +44,9 @@ class SpatialTube(SpatialBeam):
         tube, fluid, flow, shape, end = group.em[:, :5].T
         self.fluid, self.flow, self.shape_factor = fluid, flow, shape
         self.jet_p, self.jet_q = np.isin(end, JET_AT_P), np.isin(end, JET_AT_Q)
-        self.line = line_constants(frame_p[:, 0], frame_q[:, 0], self.length, tube + fluid)
         if flow.any():
             _check_fluid(fluid, flow, end)
-            D, A = self._fluid_matrices()
-            self.line = self.line._replace(D=D, A=A)
-        self.has_mass = bool(np.any(tube + fluid != 0.0))
-        self._section = group.em[:, 5:9]
+        self._set_mass(tube + fluid, group.em[:, 5:9])
         self.start: Array | None = None
         if any(given is not None for given in group.directions):
             kind = group.x0.dtype
@@ -61,6 +59,14 @@ class SpatialTube(SpatialBeam):
         if self.start is not None:
             e -= expand((self.start,), x.ndim)[0]
         return c
+
+    @cached_property
+    def line(self) -> LineConstants:
+        line = super().line
+        if not self.flow.any():
+            return line
+        D, A = self._fluid_matrices()
+        return line._replace(D=D, A=A)
 
     def _fluid_matrices(self) -> tuple[Array, Array]:
         """D [kg/s] and A [kg/s^2], (4, 4, n) each."""

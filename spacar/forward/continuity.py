@@ -73,6 +73,7 @@ APART = 0.5  # part of the way to a dead point that a step without one may go
 MORE = 4.0  # times the last acceleration that is known: what it may become while the dead point is passed
 REMEMBERED = 200  # steps: towards a dead point they become shorter, by orders of magnitude
 DEEPEST = 40  # halvings; the path is followed to the dead point, ERROR ends that before
+STANDING = 2  # steps in a row that rounding cannot tell from a dead point
 SAME = float(np.sqrt(np.finfo(float).eps))  # scaled difference of positions: half of the digits, more than rounding
 
 
@@ -90,6 +91,7 @@ class Continuity:
         self.steps: deque[Accepted] = deque(maxlen=REMEMBERED)
         self.peak = -np.inf  # of the determinant, since its last minimum
         self.entered: tuple[Accepted, float] | None = None  # last step before a dead point that is being left, its time
+        self.crossings = 0  # sign changes of the determinant since then
         if matrix.has_determinant:
             evaluator.sample()
 
@@ -116,6 +118,7 @@ class Continuity:
             if unexplained(before.at, at, self.scale).any():
                 self._closer().turned(before, now)
         elif self.entered is not None:
+            self.crossings += sign != before.sign
             self._leave(now)
         elif (
             sign != before.sign
@@ -139,7 +142,7 @@ class Continuity:
         steps.pop()
         while len(steps) > 1 and closer.near(steps[-1]):
             steps.pop()
-        self.entered = steps[-1], before.at.t
+        self.entered, self.crossings = (steps[-1], before.at.t), int(before.sign != now.sign)
         self._leave(now, closer)
 
     def _leave(self, now: Accepted, closer: Closer | None = None) -> None:
@@ -150,6 +153,8 @@ class Continuity:
         if closer.near(now):
             if strayed(a.at, now.at, self.scale).any():
                 raise _stopped(t, "the motion was stopped or turned instead of passing it")
+            if closer.stands([*self.steps][-STANDING:]):
+                raise _stopped(t, "the motion comes to stand, where positions are not determined to rounding")
             return
         self.entered, self.peak = None, now.size
         on = closer.goes_on(a, now)
@@ -158,8 +163,7 @@ class Continuity:
         if not on:
             if unexplained(a.at, now.at, self.scale).any():
                 raise _stopped(t, "the integration turned back instead of passing it")
-            if not closer.turned_in_steps([p for p in self.steps if p.at.t >= a.at.t]):
-                self._turned(a, now, t)
+            self._came_back(closer, a, now, t)
             return
         self._passed(a, now, t)
 
@@ -170,14 +174,23 @@ class Continuity:
         (a, t), now = self.entered, self.steps[-1]
         if a.sign != now.sign:
             self._passed(a, now, t)
-        elif not self._closer().turned_in_steps([p for p in self.steps if p.at.t >= a.at.t]):
-            self._turned(a, now, t)
+        else:
+            self._came_back(self._closer(), a, now, t)
+
+    def _came_back(self, closer: Closer, a: Accepted, b: Accepted, t: float) -> None:
+        """On the branch of before: it has turned, or passed twice while all was near, as with an ERROR that is wide."""
+        if self.crossings:
+            self._passed(a, b, t)
+        elif not closer.turned_in_steps([p for p in self.steps if p.at.t >= a.at.t]):
+            self._turned(a, b, t)
 
     def _passed(self, a: Accepted, b: Accepted, t: float) -> None:
+        what = "a singular position (dead point)"
+        if self.crossings > 1:
+            what = "singular positions (dead points), the first"
         self.report.add(
-            f"warning: between t = {a.at.t:.9g} and {b.at.t:.9g} the degrees of freedom passed a singular position"
-            f" (dead point) at about t = {t:.6g}; the accuracy of the integration is lost there: choose other degrees"
-            " of freedom"
+            f"warning: between t = {a.at.t:.9g} and {b.at.t:.9g} the degrees of freedom passed {what} at about"
+            f" t = {t:.6g}; the accuracy of the integration is lost there: choose other degrees of freedom"
         )
 
     def _turned(self, a: Accepted, b: Accepted, t: float) -> None:
@@ -201,12 +214,13 @@ def strayed(a: Moving, b: Moving, scale: Array) -> NDArray[np.bool_]:
 
 class Fold(NamedTuple):
     """Smallest singular value s of the position at a step, its vector w (len(U),), its rate ds/dt along the motion, and
-    whether the dead point is nearer than the degrees of freedom are known."""
+    whether the dead point is nearer than the degrees of freedom are known, and whether rounding tells it from there."""
 
     s: float
     w: Array
     rate: float
     near: bool
+    single: bool
 
 
 class Closer:
@@ -234,6 +248,10 @@ class Closer:
     def near(self, p: Accepted) -> bool:
         """Is the dead point nearer than the degrees of freedom are known?"""
         return self._fold(p).near
+
+    def stands(self, steps: list[Accepted]) -> bool:
+        """Are these steps all nearer to the dead point than rounding resolves?"""
+        return len(steps) == STANDING and not any(self._fold(p).single for p in steps)
 
     def turned(self, a: Accepted, b: Accepted) -> None:
         """On one branch: has the motion turned, or was it reflected?
@@ -336,7 +354,9 @@ class Closer:
             along[k.U] = w * columns
             both = k.sweep.convective(v + along) - k.sweep.convective(v - along)
             rate = 0.25 * speed * float(sigma @ both)
-        return Fold(s, w, rate, bool(s * s <= 2.0 * abs(bend) * known))
+        rounding = k.rounding(k.x, k.sweep.e[k.h])
+        distance, unit = s * s, 2.0 * abs(bend)
+        return Fold(s, w, rate, bool(distance <= unit * known), bool(distance > unit * rounding))
 
 
 def _stopped(t: float, what: str) -> AnalysisError:

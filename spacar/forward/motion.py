@@ -141,11 +141,10 @@ def _state(n: Numbering, frame: Frame) -> Array:
 
 def chosen(run: Run) -> Evaluator:
     """The compiled evaluator where that is possible, else that of NumPy; the header says which, and why."""
-    from spacar.compiled import CompiledDynamics, level, why_general
+    from spacar.compiled import CompiledDynamics, mechanism_of
 
-    reason = why_general(run.mechanism)
-    run.header["engine"] = ("compiled", level()) if reason is None else ("general", reason)
-    return CompiledDynamics(run.mechanism) if reason is None else Dynamics(run.mechanism)
+    mechanism = mechanism_of(run)
+    return CompiledDynamics(mechanism) if run.header["engine"][0] == "compiled" else Dynamics(mechanism)
 
 
 def output_times(run: Run) -> Sequence[float]:

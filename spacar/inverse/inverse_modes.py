@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from spacar.arrays import Array
+from spacar.compiled import mechanism_of
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.limits import Limits
 from spacar.errors import UsageError
@@ -32,7 +33,7 @@ def inverse(run: Run) -> Iterator[Frame]:
     """Mode 2. Raises InputError (path, velocity profile) and UsageError (degrees of freedom that are not prescribed)
     before the first frame, AnalysisError while iterating.
     """
-    mechanism = run.mechanism
+    mechanism = mechanism_of(run)
     _require_prescribed(mechanism)
     work = program(mechanism, run.report)
     ports = Ports.of(mechanism)
@@ -59,7 +60,7 @@ def along(run: Run) -> Iterator[Frame]:
     """Mode 3. Raises UsageError when the nominal motion is missing or of another mechanism, AnalysisError while
     iterating.
     """
-    mechanism = run.mechanism
+    mechanism = mechanism_of(run)
     if run.nominal is None:
         raise UsageError(
             "mode 3 needs the result of mode 2, or of mode 7 to 10 (nominal=...)", "files.setpoints-not-found"

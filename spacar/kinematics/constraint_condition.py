@@ -12,6 +12,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.kinematics.difference_matrix import scaled_difference_matrix
 from spacar.kinematics.kinematics import Kinematics
+from spacar.mechanism.mechanism import Mechanism
 
 ESTIMATED_FROM = 400  # unknowns
 
@@ -20,14 +21,15 @@ def condition_number(k: Kinematics) -> float:
     """At the placed configuration; infinite when singular, 1 without unknowns."""
     if len(k.E) > ESTIMATED_FROM:
         return _estimate(k)
-    return of_gradient(k, k.sweep.gradient())
+    return of_gradient(k.mechanism, k.sweep.gradient())
 
 
-def of_gradient(k: Kinematics, V: Array) -> float:
+def of_gradient(mechanism: Mechanism, V: Array) -> float:
     """The same from V, (ne, nx), for some hundred unknowns at most."""
-    if not len(k.E):
+    E, U = mechanism.numbering.velocity_equations, mechanism.numbering.velocity_unknowns
+    if not len(E):
         return 1.0
-    D = scaled_difference_matrix(k.mechanism, V)[k.E[:, None], k.U]
+    D = scaled_difference_matrix(mechanism, V)[E[:, None], U]
     s = np.linalg.svd(D, compute_uv=False)
     return float(s[0] / s[-1]) if s[-1] > 0.0 else float("inf")
 

@@ -26,7 +26,10 @@ position is wrong by sqrt(eps): `spacar.kinematics.fold`.
 
 D(x) = e has several solutions (a rigid beam may point to either side), so a target is reached continuously: when an
 iteration fails, or ends farther than 0.8 model lengths or rad from where it began, the way to the target is halved, at
-most 10 times. Where the prediction already goes farther, the way is divided at once.
+most 10 times. Where the prediction already goes farther, the way is divided at once. A way that is shorter than delta
+is not divided: its ends are one position to rounding. At a dead point delta is what rounding knows of the given values,
+and sqrt(delta) of the model what it knows of the position; two iterates that meet the constraints to delta there,
+without being single roots, end the iteration, as those that follow only wander in that range.
 """
 
 from __future__ import annotations
@@ -51,6 +54,7 @@ ROUNDING = 64.0 * float(np.finfo(float).eps)  # of the scaled residual, per unit
 MANY_RATES = 20_000  # rates at once from which one product with a sparse matrix is faster than a sum a column
 MAX_ITERATIONS = 20
 MAX_HALVINGS = 5
+MOST_FOLDED = 2  # iterates at a double root; a third one was not seen to leave it
 # Chosen: when a residual doubles but stays below this, its correction is not halved. It accepts nothing. With rounding
 # as the only excuse, the ways to stages beyond a dead point are cut hundreds of times, for the same result.
 GROWN = 1e-6
@@ -81,12 +85,9 @@ class Kinematics:
         self.mechanism = mechanism
         n = self.numbering = mechanism.numbering
         self.sweep = ElementSweep(mechanism)
-        xs, es = n.x_class, n.e_class
-        self.E = np.arange(es["dynamic"].stop)
-        self.U = np.concatenate([np.arange(xs[k].start, xs[k].stop) for k in ("calculable", "kinematic")])
-        self.h = np.flatnonzero(~n.slips[: es["kinematic"].stop])
-        self.c = np.arange(xs["calculable"].start, xs["calculable"].stop)
-        if len(self.h) != len(self.c) or len(self.E) != len(self.U):
+        self.E, self.U = n.velocity_equations, n.velocity_unknowns
+        self.h, self.c = n.position_equations, n.position_unknowns
+        if not n.is_square:
             from spacar.kinematics.failure import count_failure
 
             raise count_failure(self)
@@ -185,6 +186,7 @@ class Kinematics:
                 self._approach(x_given, e_given, within, int(np.ceil(ahead / LARGEST_JUMP)), 1)
                 return self._solve(x_given, e_given, v_given, e_rate, None, within, 1)
         self._factored = False
+        way: float | None = None
         try:
             velocity = self._newton(x, e_given, v_given, e_rate, within)
             jump = largest((x - x_old) / self.scale)
@@ -193,11 +195,14 @@ class Kinematics:
                 near[:] = self.sweep.e
                 return velocity
         except Unplaced as failure:
-            if depth == MAX_DEPTH:
+            way = self._distance(x_given - x_old, e_given - e_old)
+            if depth == MAX_DEPTH or (guess is None and way <= self.rounding(x_old, e_given[self.h])):
                 raise failure.explain() from None
         self.x, self._factored = x_old, False
         near[:] = near_old
-        jumps = 0.0 if depth else self._distance(x_given - x_old, e_given - e_old) / LARGEST_JUMP
+        if way is None:
+            way = self._distance(x_given - x_old, e_given - e_old)
+        jumps = 0.0 if depth else way / LARGEST_JUMP
         pieces = int(np.ceil(jumps)) if 2.0 < jumps <= MOST_PIECES else 2
         self._approach(x_given, e_given, within, pieces, depth + 1)
         return self._solve(x_given, e_given, v_given, e_rate, None, within, depth + 1)
@@ -227,6 +232,7 @@ class Kinematics:
         halvings = 0
         size = np.inf
         rounding = 0.0  # evaluated only when the usual test is not passed
+        folded = 0  # iterates that meet the constraints to rounding without being single roots
         together = v_given is not None and self.velocity_map_is_position_map
         for iteration in range(1, MAX_ITERATIONS + 1):
             sweep.strain(x)
@@ -257,12 +263,13 @@ class Kinematics:
             size, before = largest(correction / scale), size
             if size > within and before > CONVERGED:
                 rounding = self.rounding(x, target)
-            if (
-                size <= within
-                or before <= CONVERGED
-                or before <= rounding
-                or (max(history[-2:]) <= rounding and len(history) > 1 and self._determined(rounding))
-            ):
+            done = size <= within or before <= CONVERGED or before <= rounding
+            if not done and len(history) > 1 and max(history[-2:]) <= rounding:
+                done = self._determined(rounding)
+                folded += 1
+                if not done and folded == MOST_FOLDED:
+                    raise Unplaced(partial(_position_failure, self, x, residual, history, iteration))
+            if done:
                 self.x = x
                 self.iterations = iteration
                 if not self.velocity_map_is_position_map:

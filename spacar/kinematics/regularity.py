@@ -10,7 +10,8 @@ What happens between stored steps is looked at in `spacar.forward.continuity`.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
+from math import sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,6 +22,7 @@ from spacar.kinematics.difference_matrix import ZERO, scaled_difference_matrix
 from spacar.kinematics.fold import is_single_root
 from spacar.linear_systems.dense import DenseSystem
 from spacar.linear_systems.reciprocal_condition import reciprocal_condition
+from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
 
 if TYPE_CHECKING:
@@ -30,16 +32,24 @@ HALF_TURN = 0.02  # smallest |lambda0| of a node whose lambda1..3 are dynamic: 1
 
 
 class PositionMatrix:
-    """The matrix V[E, U] of an evaluator at its present configuration, as the checks look at it."""
+    """The matrix V[E, U] of an evaluator at its present configuration, as the checks look at it.
 
-    def __init__(self, kinematics: Kinematics) -> None:
-        self.kinematics = k = kinematics
-        self.rows = 1.0 / k.mechanism.deformation_scale[k.E]
-        self.columns = k.scale[k.U]
-        far = float(np.abs(k.mechanism.x0 / k.scale).max(initial=1.0))
-        self.zero = ZERO * float(np.sqrt(far))  # a reciprocal condition below which the position is looked at
+    `kinematics` gives that of NumPy, for what is asked of it only; `dense`: how it stores the matrix.
+    """
+
+    def __init__(self, mechanism: Mechanism, kinematics: Callable[[], Kinematics], dense: bool) -> None:
+        n = mechanism.numbering
+        self._kinematics = kinematics
+        self.rows = 1.0 / mechanism.deformation_scale[n.velocity_equations]
+        self.columns = mechanism.scale[n.velocity_unknowns]
+        far = float(np.abs(mechanism.x0 / mechanism.scale).max(initial=1.0))
+        self.zero = ZERO * sqrt(far)  # a reciprocal condition below which the position is looked at
         # Only with dense storage, where the determinant costs next to nothing.
-        self.has_determinant = bool(len(k.U)) and isinstance(k.velocity_system, DenseSystem)
+        self.has_determinant = dense and bool(len(self.columns))
+
+    @property
+    def kinematics(self) -> Kinematics:
+        return self._kinematics()
 
     def determinant(self) -> tuple[float, float]:
         """Its sign, the logarithm of its size."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from spacar.compiled import mechanism_of
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.limits import Limits
 from spacar.dynamics.motion_equations import Accelerations
@@ -123,7 +124,7 @@ def stationary(
     """The stored stationary solutions. `reducible`: no dense matrices for large systems unless OUTLEVEL asks for them.
     A `store` in sparse form makes the linearizations itself.
     """
-    mechanism, settings = run.mechanism, run.mechanism.settings
+    mechanism, settings = mechanism_of(run), run.mechanism.settings
     n = mechanism.numbering
     program = load_program(settings)
     run.n_frames = stored_levels(settings)

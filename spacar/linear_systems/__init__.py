@@ -13,15 +13,20 @@ from numpy.typing import NDArray
 from spacar.linear_systems.dense import DenseSystem
 from spacar.linear_systems.linear_system import LinearSystem, SingularMatrixError
 
-__all__ = ["DENSE_LIMIT", "LinearSystem", "SingularMatrixError", "assemble"]
+__all__ = ["DENSE_LIMIT", "LinearSystem", "SingularMatrixError", "assemble", "is_dense"]
 
 DENSE_LIMIT = 60  # unknowns; below, NumPy's dense solver is faster than any ordering
 BAND_LIMIT = 100  # 3 * half bandwidth + 1
 
 
+def is_dense(n: int) -> bool:
+    """Whether a system of n unknowns is stored dense, unless another storage is forced."""
+    return n <= DENSE_LIMIT
+
+
 def assemble(n: int, rows: NDArray[np.int64], columns: NDArray[np.int64], kind: str | None = None) -> LinearSystem:
     """System of n unknowns with this pattern. `kind` 'dense', 'banded' or 'sparse' forces the storage."""
-    if kind is None and n <= DENSE_LIMIT:
+    if kind is None and is_dense(n):
         kind = "dense"
     if kind == "dense":
         return DenseSystem(n, rows, columns)

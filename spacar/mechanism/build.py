@@ -20,6 +20,7 @@ from spacar.mechanism.numbering import Numbering, number
 from spacar.modes import find_mode
 
 X_STATEMENTS = {"FIX": "fixed", "INPUTX": "input", "DYNX": "dynamic", "KINX": "kinematic"}
+NO_ENTRIES = np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0)  # rows, columns, values
 E_STATEMENTS = {"RLSE": "calculable", "INPUTE": "input", "DYNE": "dynamic", "KINE": "kinematic"}
 
 
@@ -41,7 +42,7 @@ def build(deck: Deck, mode: int = 1, **options: Any) -> Mechanism:
     batches += node_batches(numbering, lumped_inertia.lumped(deck, numbering, batches))
     loads = inputs.loads(deck, numbering, batches)
     levels = analysis.stationary or analysis.takes_setpoints  # load steps: they are computed, or linearized about
-    stiffness, damping = _constitutive(batches)
+    stiffness, damping = _constitutive(batches) if deck.of("ESTIFF", "EDAMP", block=2) else (NO_ENTRIES, NO_ENTRIES)
     return Mechanism(
         deck=deck,
         numbering=numbering,
@@ -56,7 +57,7 @@ def build(deck: Deck, mode: int = 1, **options: Any) -> Mechanism:
         deformation_inertia=lumped_inertia.deformation_inertia(deck, numbering),
         stiffness=stiffness,
         damping=damping,
-        settings=inputs.settings(deck).with_options(**options),
+        settings=inputs.settings(deck, **options),
         length=_size(numbering, x0),
     )
 
@@ -130,12 +131,13 @@ def classes(
 def reference_configuration(deck: Deck, numbering: Numbering, kind: type = float) -> Array:
     """Positions of X, zero angles, Euler parameters (1, 0, 0, 0)."""
     x0: Array = np.zeros(numbering.nx, kind)
-    x0[numbering.lnp[numbering.normalization[:, 0] - 1, 0] - 1] = 1.0
+    if len(numbering.normalization):
+        x0[numbering.lnp[numbering.normalization[:, 0] - 1, 0] - 1] = 1.0
     for s in deck.of("X", block=1):
         node, *values = s.values
         if node in numbering.kind:
-            places = numbering.lnp[int(node) - 1]
-            for place, value in zip(places[places > 0], values, strict=False):
+            places = numbering.lnp[int(node) - 1].tolist()
+            for place, value in zip(filter(None, places), values, strict=False):
                 x0[place - 1] = real_number(value)
     return x0
 
@@ -158,5 +160,4 @@ def _constitutive(batches: list[Batch]) -> list[tuple[Index, Index, Array]]:
                 i, j, k = np.nonzero(S)
                 if len(i):
                     parts.append((batch.e[i, k], batch.e[j, k], S[i, j, k]))
-    none = np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0)
-    return [tuple(map(np.concatenate, zip(*parts, strict=True))) if parts else none for parts in found]  # type: ignore
+    return [tuple(map(np.concatenate, zip(*parts, strict=True))) if parts else NO_ENTRIES for parts in found]  # type: ignore

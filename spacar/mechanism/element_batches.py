@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.deck import ELEMENT_TYPES, Deck, coordinates_of
+from spacar.deck import ELEMENT_TYPES, Deck
 from spacar.deck.statement import number
+from spacar.deck.table_types import coordinates_used
 from spacar.elements import ElementGroup, Family, GeometryError, family_of
 from spacar.errors import InputError, Message
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.numbering import Numbering
 
 PARAMETERS = {"EM": 9, "ESTIFF": 7, "EDAMP": 7}
+ELEMENT_NUMBER = attrgetter("values")  # its first value, which no other element statement has
 SHAPE_FACTOR = 3  # column of EM with the flow shape factor of tubes, 1 unless given
 
 
@@ -33,21 +36,18 @@ def element_batches(deck: Deck, numbering: Numbering, x0: Array, beams: str = ""
     projections = {int(s.values[0]): _reals(s.values[1:]) for s in deck.of("DRPINBOD", block=1)}
     present = set(numbering.keyword.values())
     batches, messages = [], []
-    for keyword, angle in itertools.product((k for k in ELEMENT_TYPES if k in present), (False, True)):
-        if angle and not angles:
-            continue
+    measures = (False, True) if angles else (False,)
+    for keyword, angle in itertools.product((k for k in ELEMENT_TYPES if k in present), measures):
         kind = ELEMENT_TYPES[keyword]
-        statements = sorted(
-            (s for s in deck.of(keyword, block=1) if (s.values[0] in angles) == angle), key=lambda s: s.values[0]
-        )
+        statements = [s for s in deck.of(keyword, block=1) if (s.values[0] in angles) == angle]
+        statements.sort(key=ELEMENT_NUMBER)
         if not statements:
             continue
         names = [int(s.values[0]) for s in statements]
         numbers = np.array(names, np.int64)
         first = 1 + len(kind.nodes)
         nodes = np.array([s.values[1:first] for s in statements], np.int64)
-        used = [4 * k + i for k, role in enumerate(kind.nodes) for i in range(coordinates_of(role, kind.planar))]
-        x = np.ascontiguousarray(numbering.lnp[nodes - 1].reshape(len(nodes), -1)[:, used].T) - 1
+        x = np.ascontiguousarray(numbering.lnp[nodes - 1].reshape(len(nodes), -1).T[coordinates_used(kind)]) - 1
         e = np.ascontiguousarray(numbering.le[numbers - 1, : len(kind.modes)].T) - 1
         em = _rows(tables["EM"], names, PARAMETERS["EM"], x0.dtype)
         if kind.carries_flow:
@@ -59,7 +59,7 @@ def element_batches(deck: Deck, numbering: Numbering, x0: Array, beams: str = ""
             numbers=numbers,
             x0=x0[x],
             geometry=tuple(_reals(s.values[first:]) for s in statements),
-            nonlinear=np.array([n not in linear for n in names]),
+            nonlinear=np.array([n not in linear for n in names]) if linear else np.ones(len(names), bool),
             directions=tuple(directions.get(n) for n in names),
             projections=tuple(projections.get(n) for n in names),
             em=em,

@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.deck import ELEMENT_TYPES, Deck, Statement
+from spacar.deck import ELEMENT_TYPES, Deck
 from spacar.deck.statement import number
 from spacar.deck.table_solvers import INTEGRATOR_ALIASES
 from spacar.mechanism.mechanism import Batch, Drive, DriveState, Loads, Polynomial, SolverSettings, Start, UserSignal
 from spacar.mechanism.numbering import Numbering
 
+STARTS = "STARTDX", "STARTDE"
 
 def loads(deck: Deck, numbering: Numbering, batches: list[Batch], prefix: str = "", kind: type = float) -> Loads:
     """Initial loads (prefix empty) or their increments (prefix DEL): XF, GRAVITY, ESIG, mass flow.
@@ -62,8 +63,7 @@ def loads(deck: Deck, numbering: Numbering, batches: list[Batch], prefix: str = 
 
 def drive(deck: Deck, numbering: Numbering, x0: Array) -> Drive:
     """Prescribed motion: the polynomials of INPUTX and INPUTE, overridden by USERINP for the inputs that it gives."""
-    x, e = _tables(deck, numbering, x0, ("INPUTX", "INPUTE"), 3)
-    polynomial = Polynomial(x[numbering.x_class["input"]], e[numbering.e_class["input"]])
+    polynomial = Polynomial(*_given(deck, numbering, x0, "input", ("INPUTX", "INPUTE"), 3))
     user = deck.last("USERINP", block=2)
     if user is None:
         return polynomial
@@ -84,35 +84,29 @@ def user_signal(deck: Deck, numbering: Numbering) -> UserSignal | None:
 
 def start(deck: Deck, numbering: Numbering, x0: Array) -> Start:
     """Start values and rates of dynamic degrees of freedom, start values of kinematic ones (STARTDX, STARTDE)."""
-    x, e = _tables(deck, numbering, x0, ("STARTDX", "STARTDE"), 2)
-    xm, em = x[numbering.x_class["dynamic"]], e[numbering.e_class["dynamic"]]
-    kinematic = [s for s in deck.of("STARTDE", block=2) if _is_kinematic(numbering, s)]
-    rows = numbering.e_class["kinematic"]
-    ek = np.full(rows.stop - rows.start, np.nan)  # not given: the value in the reference configuration
-    for s in kinematic:
-        i = numbering.e_index(s.integer(0), s.integer(1))
-        ek[i - rows.start] = e[i, 0]
-    return Start(xm[:, 0], xm[:, 1], em[:, 0], em[:, 1], x[numbering.x_class["kinematic"], 0], ek)
+    xm, em = _given(deck, numbering, x0, "dynamic", STARTS, 2)
+    xk, ek = _given(deck, numbering, x0, "kinematic", STARTS, 1, np.nan)
+    return Start(xm[:, 0], xm[:, 1], em[:, 0], em[:, 1], xk[:, 0], ek[:, 0])
 
 
-def _is_kinematic(numbering: Numbering, s: Statement) -> bool:
-    rows = numbering.e_class["kinematic"]
-    return rows.start <= numbering.e_index(s.integer(0), s.integer(1)) < rows.stop
-
-
-def _tables(
-    deck: Deck, numbering: Numbering, x0: Array, keywords: tuple[str, str], width: int
+def _given(
+    deck: Deck, numbering: Numbering, x0: Array, name: str, keywords: tuple[str, str], width: int, e_value: float = 0.0
 ) -> tuple[Array, Array]:
-    """What statements `node coordinate values` and `element mode values` give, (nx, width) and (ne, width).
+    """What statements `node coordinate values` and `element mode values` give to a class, (n, width) each.
 
-    Without a statement: the reference configuration, deformation zero, zero rates.
+    Without a statement: the reference configuration, deformations `e_value`, zero rates.
     """
-    x, e = np.zeros((numbering.nx, width), x0.dtype), np.zeros((numbering.ne, width), x0.dtype)
-    x[:, 0] = x0
-    for keyword, table, find in zip(keywords, (x, e), (numbering.x_index, numbering.e_index), strict=True):
+    places, finds = (numbering.x_class[name], numbering.e_class[name]), (numbering.x_index, numbering.e_index)
+    x, e = (np.zeros((rows.stop - rows.start, width), x0.dtype) for rows in places)
+    x[:, 0], e[:, 0] = x0[places[0]], e_value
+    for keyword, table, rows, find in zip(keywords, (x, e), places, finds, strict=True):
+        if not len(table):
+            continue
         for s in deck.of(keyword, block=2):
-            values = [number(v) for v in s.values[2:]]
-            table[find(s.integer(0), s.integer(1)), : len(values)] = values
+            i = find(s.integer(0), s.integer(1))
+            if rows.start <= i < rows.stop:
+                values = [number(v) for v in s.values[2 : 2 + width]]
+                table[i - rows.start, : len(values)] = values
     return x, e
 
 
@@ -132,8 +126,11 @@ def additional_drive(deck: Deck, numbering: Numbering, kind: type = float) -> Dr
     return DriveState(x, 0 * x, 0 * x, e, 0 * e, 0 * e)
 
 
-def settings(deck: Deck) -> SolverSettings:
-    """TIMESTEP, INTEGRAT, ERROR, ITERSTEP, OUTLEVEL, MODES with defaults (input-language.md sections 4.2, 5.4, 5.5)."""
+def settings(deck: Deck, **options: Any) -> SolverSettings:
+    """TIMESTEP, INTEGRAT, ERROR, ITERSTEP, OUTLEVEL, MODES with defaults (input-language.md sections 4.2, 5.4, 5.5).
+
+    options   fields that replace them; None: none
+    """
     names = {
         "TIMESTEP": ("duration", "n_steps"),
         "INTEGRAT": ("integrator", "step"),
@@ -152,4 +149,5 @@ def settings(deck: Deck) -> SolverSettings:
             found.update(zip(fields, statement.values, strict=False))
     if "integrator" in found:
         found["integrator"] = INTEGRATOR_ALIASES.get(found["integrator"], found["integrator"])
+    found.update((name, value) for name, value in options.items() if value is not None)
     return SolverSettings(**found)

@@ -12,6 +12,7 @@ import numpy as np
 from spacar.arrays import Array as Array
 from spacar.arrays import Index as Index
 from spacar.deck import ELEMENT_TYPES, Deck
+from spacar.deck.table_types import lengths_of
 from spacar.mechanism.layout import Batch, Layout
 from spacar.mechanism.numbering import Numbering
 
@@ -159,6 +160,15 @@ class Start:
     x_kinematic: Array
     e_kinematic: Array
 
+    @property
+    def is_complete(self) -> bool:
+        """Whether every kinematic deformation has its value."""
+        return not np.isnan(self.e_kinematic).any()
+
+    def state(self, e_kinematic: Array) -> Array:
+        """The start state with these kinematic deformations, in the order of `spacar.dynamics.motion_equations`."""
+        return np.concatenate((self.x_value, self.e_value, self.x_kinematic, e_kinematic, self.x_rate, self.e_rate))
+
 
 @dataclass(frozen=True)
 class Mechanism:
@@ -206,6 +216,5 @@ class Mechanism:
         for batch in self.batches:
             kind = ELEMENT_TYPES.get(batch.family.keyword)  # None of node inertia and normalizations
             if kind is not None:
-                lengths = [k for k, (_, unit) in enumerate(kind.modes) if unit == "m"]
-                scale[batch.e[lengths]] = self.length
+                scale[batch.e[lengths_of(kind)]] = self.length
         return scale

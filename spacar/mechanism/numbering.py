@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import accumulate
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,8 +25,7 @@ E_ORDER = ("fixed", "input", "dynamic", "kinematic", "calculable")
 ABSENT = -1  # class of a coordinate or deformation that does not exist
 
 
-@dataclass(frozen=True)
-class Node:
+class Node(NamedTuple):
     """One node: kind 'position', 'orientation' or 'warping', and how many coordinates it has."""
 
     number: int
@@ -126,7 +126,7 @@ class Numbering:
         found = [k for k, i in enumerate(self.q_x) if self.kind[self.x_owner(int(i))[0]] == "warping"]
         return np.array(found, np.int64)
 
-    @property
+    @cached_property
     def warped(self) -> bool:
         """True when some element has warping nodes."""
         return any(node.kind == "warping" for node in self.nodes)
@@ -167,7 +167,7 @@ class Numbering:
 
     @cached_property
     def ndof(self) -> int:
-        return len(self.q_x) + len(self.q_e)
+        return int(self.nxp[2] + self.nxp[3] + self.nep[2] + self.nep[3])
 
     @cached_property
     def nddof(self) -> int:
@@ -197,16 +197,52 @@ class Numbering:
         r, m, s = int(self.nxp[2]), int(self.nxp[3]), int(self.nep[2])
         return _ranges((0, r), (r + m, r + m + s))
 
+    # Equations and unknowns of both levels (theory-system.md 1.1): what is given of e determines what depends on it.
+    @cached_property
+    def velocity_equations(self) -> Index:
+        """Rows E of V that determine velocities: fixed, input and dynamic deformations, slips included."""
+        return np.arange(self.e_class["dynamic"].stop)
+
+    @cached_property
+    def velocity_unknowns(self) -> Index:
+        """Columns U of V: calculable and kinematic coordinates."""
+        a, b = self.x_class["calculable"], self.x_class["kinematic"]
+        return _ranges((a.start, a.stop), (b.start, b.stop))
+
+    @cached_property
+    def position_equations(self) -> Index:
+        """Rows h: the holonomic ones of fixed, input, dynamic and kinematic deformations."""
+        return np.flatnonzero(~self.slips[: self.e_class["kinematic"].stop])
+
+    @cached_property
+    def position_unknowns(self) -> Index:
+        """Columns c: calculable coordinates."""
+        a = self.x_class["calculable"]
+        return np.arange(a.start, a.stop)
+
+    @property
+    def is_square(self) -> bool:
+        """Whether there are as many equations as unknowns, at both levels."""
+        x, e = self.x_class, self.e_class
+        calculable = x["calculable"].stop - x["calculable"].start
+        kinematic = x["kinematic"].stop - x["kinematic"].start
+        position = e["kinematic"].stop - int(np.count_nonzero(self.slips[: e["kinematic"].stop]))
+        return position == calculable and e["dynamic"].stop == calculable + kinematic
+
     def x_index(self, node: int, coordinate: int) -> int:
         """0-based index of a coordinate; KeyError if it does not exist."""
-        if 1 <= node <= len(self.lnp) and 1 <= coordinate <= 4 and self.lnp[node - 1, coordinate - 1]:
-            return int(self.lnp[node - 1, coordinate - 1]) - 1
+        if 1 <= node <= len(self.lnp) and 1 <= coordinate <= 4:
+            found = self.lnp.item(node - 1, coordinate - 1)
+            if found:
+                return found - 1
         raise KeyError((node, coordinate))
 
     def e_index(self, element: int, mode: int) -> int:
         """0-based index of a deformation; KeyError if it does not exist."""
-        if 1 <= element <= len(self.le) and 1 <= mode <= self.le.shape[1] and self.le[element - 1, mode - 1]:
-            return int(self.le[element - 1, mode - 1]) - 1
+        if 1 <= element <= len(self.le) and 1 <= mode <= self.le.shape[1]:
+            found = self.le.item(element - 1, mode - 1)
+            if found:
+                return found - 1
         raise KeyError((element, mode))
 
 

@@ -14,6 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from spacar.arrays import Array, Index
+from spacar.deck import ELEMENT_TYPES
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError
 from spacar.mechanism.mechanism import Batch
@@ -36,6 +37,7 @@ class Flexibility:
         self.rigid = np.setdiff1d(np.arange(n.ne), self.rows)
         # their diagonal: zero for a multiplier, else sigma / size alone
         self.rigid_diagonal = np.where(self.constrained[self.rigid], 0.0, 1.0)
+        self._has_passive = bool(self.rigid_diagonal.any())
         self.values, self.coupled, self.size = self.inverse()
 
     def inverse(self, stiffness: float = 1.0, damping: float = 0.0) -> tuple[Array, Array, float]:
@@ -76,9 +78,9 @@ class Flexibility:
 
     def times(self, sigma: Array) -> Array:
         """C sigma of rows with stiffness, sigma / size of rows without, zero for multipliers, (ne,)."""
-        s = sigma / self.size
-        out = np.zeros(self.ne) + np.bincount(self.rows, self.values * s[self.columns], self.ne)
-        out[self.rigid] += self.rigid_diagonal * s[self.rigid]
+        out = np.bincount(self.rows, self.values * sigma.take(self.columns), self.ne) / self.size
+        if self._has_passive:
+            out[self.rigid] += self.rigid_diagonal * sigma[self.rigid] / self.size
         return out
 
     def dense(self) -> Array:
@@ -87,6 +89,12 @@ class Flexibility:
         C[self.rows, self.columns] = self.values
         C[self.rigid, self.rigid] = self.rigid_diagonal
         return C
+
+
+def is_tube(b: Batch) -> bool:
+    """May a fluid flow through the elements, whose momentum loads them?"""
+    kind = ELEMENT_TYPES.get(b.family.keyword)
+    return kind is not None and kind.carries_flow
 
 
 def _inverted(S: Array, batch: Batch) -> Array:

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
+
 from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.loaded_mechanism import LoadedMechanism
@@ -61,7 +65,9 @@ class LevelEvaluator:
         loads, drive = loads_at(self.mechanism, level), SteadyDrive.at_level(self.mechanism, level)
         mechanism = with_flow(self.mechanism, loads)
         if mechanism is self.mechanism:
-            self.dynamics.use(LoadedMechanism.of(mechanism, loads, drive))
+            law = self.dynamics.law  # the same, with another preload
+            preload = np.where(np.arange(law.ne) < law.first, 0.0, loads.preload)
+            self.dynamics.use(LoadedMechanism(mechanism, loads, drive, replace(law, preload=preload)))
         else:
             following = Dynamics(mechanism, loads=loads, drive=drive)
             following.kinematics.start_from(self.dynamics.kinematics)

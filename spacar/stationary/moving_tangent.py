@@ -22,15 +22,11 @@ from spacar.linear_systems.lost_digits import EPS
 from spacar.linear_systems.matrix import dense
 from spacar.linearization.coefficients import load_gradient
 from spacar.linearization.contractions import (
-    geometric_stiffness,
-    gradient_matrix,
-    gradient_rate,
-    gradient_transport,
+    geometric_blocks,
     inertia_blocks,
     mass_matrix,
-    rate_gradient,
-    scatter,
 )
+from spacar.stationary.rate_matrices import RateMatrices, SquareSum
 from spacar.stationary.stationary_equations import Iterate, StationaryEquations
 
 
@@ -42,6 +38,8 @@ class MovingTangent:
     def __init__(self, equations: StationaryEquations, without_n0: bool) -> None:
         self.q, self.exact = equations, not without_n0
         self.full = np.zeros((0, 0))  # all columns x, then sigma / size
+        self.rates = RateMatrices(equations.d.sweep)
+        self.squares = SquareSum(equations.d.numbering.nx)
 
     def factor(self, point: Iterate) -> None:
         """Form the matrix. Raises SingularMatrixError when the velocities are not determined."""
@@ -49,7 +47,7 @@ class MovingTangent:
         d, sweep, C = q.d, q.d.sweep, q.flexibility
         nx, motion, user = d.numbering.nx, point.motion, point.user
         V, flexible = sweep.gradient(), C.dense()
-        K = dense(geometric_stiffness(sweep, point.sigma) + load_gradient(d))
+        K = self.squares(geometric_blocks(sweep, point.sigma)) + dense(load_gradient(d))
         offset = np.zeros((q.ne, nx))
         if user is not None:
             K += np.diag(user.force_k)
@@ -57,10 +55,10 @@ class MovingTangent:
         if self.exact:
             v, a = (q.rest, q.rest) if motion is None else (motion.v, motion.a)
             by_x, by_v = inertia_blocks(sweep, v, a)
-            K += dense(scatter(nx, by_x))
+            K += self.squares(by_x)
             if motion is not None:
-                Z, ed, Y, edd = _rates(q, point)
-                K += scatter(nx, by_v) @ Z + mass_matrix(sweep) @ Y
+                Z, ed, Y, edd = self._rates(V, point)
+                K += self.squares(by_v) @ Z + mass_matrix(sweep) @ Y
                 i, j, value = d.law.damping
                 np.add.at(offset, i, value[:, None] * ed[j])
                 i, j, value = d.mechanism.deformation_inertia
@@ -74,7 +72,10 @@ class MovingTangent:
         nk = len(q.x_kinematic)
         rows[q.slips[:nk], q.x_kinematic] = 1.0
         rows[q.slips[nk:]] = V[q.e_kinematic]
-        self.full = np.block([[K[q.F], C.size * V.T[q.F]], [C.size * rows, -C.size * flexible]])
+        n = q.nf + q.ne
+        self.full = np.empty((n, nx + q.ne))
+        self.full[: q.nf, :nx], self.full[: q.nf, nx:] = K[q.F], C.size * V.T[q.F]
+        self.full[q.nf :, :nx], self.full[q.nf :, nx:] = C.size * rows, -C.size * flexible
         self._columns = np.concatenate((q.F, nx + np.arange(q.ne)))
         self._square = self.full[:, self._columns]
 
@@ -114,15 +115,13 @@ class MovingTangent:
         # The mixed matrix has one negative eigenvalue more for every stress.
         return float(np.linalg.slogdet(self._square)[0]) * (-1.0) ** self.q.ne
 
-
-def _rates(q: StationaryEquations, point: Iterate) -> tuple[Array, Array, Array, Array]:
-    """Z (nx, nx), d(ed)/dx (ne, nx), Y, d(edd)/dx."""
-    sweep, k, motion = q.d.sweep, q.d.kinematics, point.motion
-    assert motion is not None
-    nothing = np.zeros((q.d.numbering.nx,) * 2)
-    by_v, by_a = gradient_rate(sweep, motion.v), gradient_rate(sweep, motion.a) + rate_gradient(sweep, motion.v)
-    V = gradient_matrix(sweep)
-    Z = k.dependent(nothing, -dense(by_v))
-    swept = by_a + (by_v + gradient_transport(sweep, motion.v)) @ Z
-    Y = k.dependent(nothing, -swept)
-    return Z, V @ Z + by_v, Y, V @ Y + swept
+    def _rates(self, V: Array, point: Iterate) -> tuple[Array, Array, Array, Array]:
+        """Z (nx, nx), d(ed)/dx (ne, nx), Y, d(edd)/dx."""
+        k, motion = self.q.d.kinematics, point.motion
+        assert motion is not None
+        nothing = np.zeros((self.q.d.numbering.nx,) * 2)
+        by_v, second, swept = self.rates(motion.v, motion.a)
+        Z = k.dependent(nothing, -by_v)
+        swept += second @ Z
+        Y = k.dependent(nothing, -swept)
+        return Z, V @ Z + by_v, Y, V @ Y + swept

@@ -55,6 +55,18 @@ class Demand:
         """The demand of a level that is stored, or of one that is passed through only."""
         return cls(limit, tolerance, FORCES, LENGTHS, CORRECTION) if stored else cls(limit)
 
+    @classmethod
+    def of_return(cls, limit: int, near: float) -> Demand:
+        """Of an iteration that is to tell where it leads only, up to about `near` [model lengths or rad]."""
+        return cls(limit, np.inf, np.inf, np.inf, near)
+
+    def met_by_guess(self, p: Iterate) -> bool:
+        """Is no correction needed? At a state that is no result it is not, where forces and lengths are as small as at
+        one that is: the error of such a prediction is of the size that a result may have in these."""
+        if p.quiet or self.forces <= FORCES:
+            return p.quiet
+        return p.work <= FORCES * p.work_size and p.gap <= LENGTHS
+
     def met(self, p: Iterate) -> bool:
         """Are forces and lengths small enough at this point?"""
         small = p.work <= self.forces * p.work_size and p.force <= self.tolerance and p.gap <= self.lengths
@@ -96,7 +108,7 @@ class Corrections:
             raise self._growing()
         self.work = p.work
         if not self.sizes:
-            return p.quiet
+            return self.demand.met_by_guess(p)
         last = self.sizes[-1]
         met = last <= self.noise or (self.demand.met(p) and self._left(last) <= self.demand.correction)
         if not met and len(self.sizes) >= self.demand.limit:
@@ -120,19 +132,17 @@ def correction(
 
     Raises SingularMatrixError.
     """
-    n = len(p.right)
-    b = np.zeros((n, 3 if more is None else 4))
+    b = np.empty((len(p.right), 3 if more is None else 4))
     b[:, 0] = p.right - tangent.along(dx) if dx.any() else p.right
-    sign = np.where(np.arange(n) % 2, -1.0, 1.0)
-    b[:, 1] = sign * p.rounding
-    b[: q.nf, 2] = q.flexibility.size * (1.0 + np.arange(q.nf) / max(q.nf, 1))
+    np.multiply(q.signs, p.rounding, out=b[:, 1])
+    b[:, 2] = q.probe
     if more is not None:
         b[:, 3] = more
     solution = tangent.solve(b)
     growth = largest(solution[: q.nf, 2])
     if not growth < SINGULAR and not digits_left(tangent, solution[:, 2], q.nf):
         raise SingularMatrixError(f"the stiffness is singular to working precision (growth {growth:.2g})")
-    noise = largest(solution[: q.nf, 1] / q.scale[q.F])
+    noise = largest(solution[: q.nf, 1] / q.free_scale)
     if not noise < NO_DIGITS:
         raise SingularMatrixError(f"rounding errors move the solution by {noise:.2g} model lengths or rad")
     return (solution[:, 0] if more is None else solution[:, [0, 3]]), noise
@@ -146,11 +156,12 @@ def digits_left(tangent: Tangent, z: Array, nf: int) -> bool:
 
 @dataclass(frozen=True)
 class Converged:
-    """The state, how many corrections led there, and the noise in the last one."""
+    """The state, how many corrections led there, the noise in the last one, and whether its matrix was regular."""
 
     point: Iterate
     iterations: int
     noise: float
+    regular: bool
 
 
 def newton(q: StationaryEquations, tangent: Tangent, x: Array, sigma: Array, given: Given, demand: Demand) -> Converged:
@@ -163,10 +174,10 @@ def newton(q: StationaryEquations, tangent: Tangent, x: Array, sigma: Array, giv
     dx[q.P] = (given.x - x)[q.P]
     p = q.point(x, sigma, given)
     if not dx.any() and path.ended(p):
-        return Converged(p, 0, 0.0)
+        return Converged(p, 0, 0.0, regular=False)
     while True:
         tangent.factor(p)
-        z, noise = _correct(q, tangent, p, dx, not path.sizes)
+        z, noise, regular = _correct(q, tangent, p, dx, not path.sizes)
         noise = max(noise, FLOOR * max(1.0, largest(p.x / q.scale)))  # smaller changes of x are rounding themselves
         dx[q.F] = z[: q.nf]
         path.add(largest(dx / q.scale) if np.isfinite(z).all() else np.inf, noise)
@@ -176,20 +187,23 @@ def newton(q: StationaryEquations, tangent: Tangent, x: Array, sigma: Array, giv
         else:
             p = _projected(q, p, dx, given)
         if path.ended(p):
-            return Converged(p, len(path.sizes), path.noise)
+            return Converged(p, len(path.sizes), path.noise, regular)
         dx = np.zeros_like(x)
 
 
-def _correct(q: StationaryEquations, tangent: Tangent, p: Iterate, dx: Array, first: bool) -> tuple[Array, float]:
-    """The correction, of minimum norm where the matrix is singular; at an iterate, which satisfies the constraints to
-    first order only, what is not in the range of the matrix is left to the next correction."""
+def _correct(
+    q: StationaryEquations, tangent: Tangent, p: Iterate, dx: Array, first: bool
+) -> tuple[Array, float, bool]:
+    """The correction, its noise, and whether the matrix is regular. Of minimum norm where it is not; at an iterate,
+    which satisfies the constraints to first order only, what is not in the range of the matrix is left to the next
+    correction."""
     try:
         z, noise = correction(q, tangent, p, dx)
         if np.isfinite(z).all():
-            return z, noise
+            return z, noise, True
     except SingularMatrixError:
         pass
-    return minimum_norm(q, tangent, p, dx, first)
+    return *minimum_norm(q, tangent, p, dx, first), False
 
 
 def _projected(q: StationaryEquations, p: Iterate, dx: Array, given: Given) -> Iterate:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.linear_systems import LinearSystem
 from spacar.linear_systems.lost_digits import entry_rounding
 from spacar.linear_systems.matrix_inertia import Inertia
 from spacar.linearization.contractions import geometric_blocks
+from spacar.stationary.definite import DefiniteStiffness
 from spacar.stationary.stationary_equations import Iterate
 from spacar.stationary.tangent import STATIC, SparseTangent
 
@@ -22,19 +22,26 @@ class RestingTangent:
 
     def __init__(self, sparse: SparseTangent) -> None:
         self.t = sparse
-        self._system: LinearSystem | None = None
+        self._system = sparse.static_system()
+        self._entries, self._entries_of = np.zeros(0), object()
         self._inertia: Inertia | None = None
+        self._definite: DefiniteStiffness | None = None
         loading = sparse.parts["load"], sparse.parts["moment"]
         self._unsymmetric = [p for p in loading if len(p.keep)]
 
+    def entries(self, point: Iterate) -> Array:
+        """Of the matrix at the point where the sweep is; evaluated once."""
+        self.t.sigma = point.sigma
+        if self._entries_of is not point:
+            self._entries, self._entries_of = self.t.entries(STATIC)[0], point
+        return self._entries
+
     def factor(self, point: Iterate) -> None:
         """Raises SingularMatrixError."""
-        self.t.sigma = point.sigma
-        self._system = self.t.factor_static()
+        self._system.factor(self.entries(point))
 
     def solve(self, right: Array) -> Array:
         """Solution for right-hand sides (n,) or (n, k). Raises SingularMatrixError (dense storage factors here)."""
-        assert self._system is not None
         return self._system.solve(right)
 
     def along(self, dx: Array) -> Array:
@@ -50,11 +57,11 @@ class RestingTangent:
         """The matrix, (n, n)."""
         n = self.t.nf + self.t.ne
         rows, columns = self.t.pattern(tuple(STATIC))
-        return np.bincount(rows * n + columns, self.t.entries(STATIC)[0], n * n).reshape(n, n)
+        return np.bincount(rows * n + columns, self._entries, n * n).reshape(n, n)
 
     def rounding(self, z: Array) -> Array:
         """eps |matrix| |z|, (n,)."""
-        return entry_rounding(len(z), *self.t.pattern(tuple(STATIC)), self.t.entries(STATIC)[0], z)
+        return entry_rounding(len(z), *self.t.pattern(tuple(STATIC)), self._entries, z)
 
     @property
     def symmetric(self) -> bool:
@@ -67,24 +74,25 @@ class RestingTangent:
                 return False
         return True
 
-    @property
-    def natural(self) -> bool:
+    def natural(self, point: Iterate) -> bool:
         """Is there nothing but the stiffness of the elements, and this not negative? Then no eigenvalue of K is."""
-        t = self.t
-        loaded = t.sigma.any() or any(part.values().any() for part in self._unsymmetric)
-        return not loaded and t.flexibility.definite
+        loaded = point.sigma.any() or any(part.values().any() for part in self._unsymmetric)
+        return not loaded and self.t.flexibility.definite
+
+    def is_definite(self, point: Iterate) -> bool:
+        """Is it proved that no eigenvalue of the tangent stiffness is negative at the point where the sweep is?"""
+        if self._definite is None:
+            self._definite = DefiniteStiffness(self.t)
+        return self._definite.proved(self.entries(point))
 
     def sign(self) -> float:
         """Sign of the determinant of the tangent stiffness."""
         # The mixed matrix has one negative eigenvalue more for every stress.
-        assert self._system is not None
         return self._system.determinant_sign() * (-1.0) ** self.t.ne
 
-    def inertia(self) -> tuple[int, int]:
-        """Negative and zero eigenvalues of the matrix at the sweep's configuration and `sigma`."""
-        from spacar.linear_systems.banded import BandedSystem
-
+    def inertia(self, point: Iterate) -> tuple[int, int]:
+        """Negative and zero eigenvalues of the matrix at the point where the sweep is."""
         if self._inertia is None:
-            rank = self._system.row_rank if isinstance(self._system, BandedSystem) else None
+            rank = getattr(self._system, "row_rank", None)  # of band storage
             self._inertia = Inertia(self.t.nf + self.t.ne, *self.t.pattern(tuple(STATIC)), rank)
-        return self._inertia(self.t.entries(STATIC)[0])
+        return self._inertia(self.entries(point))

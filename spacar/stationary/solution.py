@@ -130,8 +130,9 @@ class StationarySolver:
             sigma = d.law(d.sweep.e, np.zeros(d.numbering.ne))
             d.sweep.near[:] = d.sweep.e
             p = e.equations.point(d.kinematics.x, sigma, given)
-        with suppress(SingularMatrixError):  # degrees of freedom that do not determine the start leave it as it is
-            p = e.equations.point(p.x, e.equations.balanced(p), given)
+        if not p.quiet:
+            with suppress(SingularMatrixError):  # degrees of freedom that do not determine the start leave it as it is
+                p = e.equations.point(p.x, e.equations.balanced(p), given)
         known = p.quiet
         if not known:
             force = np.zeros(d.numbering.nx)

@@ -7,7 +7,8 @@ loads, user functions, slips) have no inertia: there only the sign of the determ
 number of negative eigenvalues is odd.
 
 The critical motion is the eigenvector of the tangent stiffness with the eigenvalue nearest to zero (a negative one,
-if asked for), in scaled coordinates, by inverse iteration with a block of vectors.
+if asked for), in scaled coordinates, by inverse iteration with a block of vectors; of small symmetric matrices the
+inverse itself is decomposed.
 """
 
 from __future__ import annotations
@@ -26,6 +27,8 @@ from spacar.stationary.stationary_equations import Iterate, StationaryEquations
 CRITICAL = float(np.sqrt(np.finfo(float).eps))  # of the model: rounding takes half of the digits of the position
 BLOCK = 6  # vectors
 ITERATIONS = 8
+ALIKE = 1.0 - 1e-6  # of the largest motion
+DIRECT = 30  # coordinates up to which all unit vectors at once, a whole inverse, are faster than the iteration
 
 
 @dataclass(frozen=True)
@@ -54,20 +57,30 @@ class Stability:
         return f"{self.negative} negative eigenvalue{'s' * (self.negative != 1)}"
 
 
-def stability(q: StationaryEquations, tangent: Tangent, p: Iterate, noise: float) -> Stability | None:
-    """At the point where the sweep is, which is known up to `noise`.
+def stability(
+    q: StationaryEquations,
+    tangent: Tangent,
+    p: Iterate,
+    noise: float,
+    regular: bool = False,
+    before: Stability | None = None,
+) -> Stability | None:
+    """At the point where the sweep is, which is known up to `noise`; `regular`: the matrix is known to be so there;
+    `before`: the stability of the state before.
 
     None when it cannot be told (slips, a cyclic coordinate in steady motion).
     """
     if not q.holonomic or not q.d.numbering.nddof:
         return None
     if isinstance(tangent, RestingTangent):
-        tangent.t.sigma = p.sigma
-        if tangent.natural and _regular(q, tangent, p):
+        if tangent.natural(p) and (regular or _regular(q, tangent, p)):
             return Stability(0, 0, True)
         if tangent.symmetric:
-            negative, zero = tangent.inertia()
             critical = noise > CRITICAL
+            hopeful = not critical and (before is None or before.negative == 0)
+            if hopeful and tangent.is_definite(p) and (regular or _regular(q, tangent, p)):
+                return Stability(0, 0, True)
+            negative, zero = tangent.inertia(p)
             return Stability(max(negative - q.ne, 0), q.nf if critical else zero, True, critical)
     if not _regular(q, tangent, p):
         return None
@@ -92,17 +105,21 @@ def critical_motion(q: StationaryEquations, tangent: Tangent, p: Iterate, negati
         return ""
     if x is None:
         return ""
-    return q.d.numbering.x_name(int(q.F[np.argmax(np.abs(x))]))
+    size = np.abs(x)
+    first = int(np.argmax(size >= ALIKE * size.max()))  # of several that move alike, whatever rounding does
+    return q.d.numbering.x_name(int(q.F[first]))
 
 
 def _nearest_zero(q: StationaryEquations, tangent: Tangent, negative: bool) -> Array | None:
     """Scaled eigenvector (nf,) of the critical motion; None when it cannot be told."""
-    n, nf, scale = q.nf + q.ne, q.nf, q.scale[q.F]
-    k = min(BLOCK, nf)
-    X = np.random.default_rng(1).standard_normal((nf, k))
-    for _ in range(ITERATIONS):
-        X = np.linalg.qr(X)[0]
-        b = np.zeros((n, k))
+    n, nf, scale = q.nf + q.ne, q.nf, q.free_scale
+    if nf <= DIRECT and tangent.symmetric:
+        X, iterations = np.eye(nf), 1
+    else:
+        X, iterations = np.random.default_rng(1).standard_normal((nf, min(BLOCK, nf))), ITERATIONS
+    for _ in range(iterations):
+        X = X if iterations == 1 else np.linalg.qr(X)[0]
+        b = np.zeros((n, X.shape[1]))
         b[:nf] = X / scale[:, None]
         Y = tangent.solve(b)[:nf] / scale[:, None]  # inverse of the scaled tangent stiffness
         if not np.isfinite(Y).all():

@@ -23,6 +23,7 @@ from the law).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isfinite
 
 import numpy as np
 
@@ -31,7 +32,7 @@ from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.saddle_point import free_coordinates
 from spacar.kinematics.kinematics import largest
 from spacar.mechanism.mechanism import UserForces
-from spacar.stationary.flexibility import Flexibility
+from spacar.stationary.flexibility import Flexibility, is_tube
 
 EPS = float(np.finfo(float).eps)
 FLOOR = 8.0 * EPS  # of the sum of the sizes of all terms: a residual below it is rounding
@@ -81,13 +82,13 @@ class Iterate:
 
     @property
     def finite(self) -> bool:
-        return bool(np.isfinite(self.right).all())
+        return isfinite(self.force + self.gap)
 
 
 class StationaryEquations:
     """Residual of one evaluator under its present loads. `rates` (nddof,): those that non-holonomic systems keep.
 
-    `held` (nx,): forces that hold a start state that is no equilibrium, zero else.
+    `held` (nx,): forces that hold a start state that is no equilibrium, if there are any.
     """
 
     def __init__(self, dynamics: Dynamics, flexibility: Flexibility, moving: bool, rates: Array) -> None:
@@ -105,11 +106,22 @@ class StationaryEquations:
         self.least = np.ones(n.nx)
         self.least[n.positions] = 0.0
         self.rest = np.zeros(n.nx)
-        self.held = np.zeros(n.nx)
+        self.held: Array | None = None
         first = dynamics.law.first
         self.active = np.arange(n.ne) >= first
         self.passive = self.active & (self.flexibility.coupled == 0.0)
         self.constrained = np.arange(n.ne) < n.e_class["input"].stop
+        self._has_passive = bool(self.passive.any())
+        self._loose = np.where(self.constrained, 0.0, 1.0)
+        self._fluid = any(is_tube(b) for b in dynamics.sweep.moving)
+        size = flexibility.size
+        self._length_rounding = FLOOR * size * (flexibility.coupled != 0.0)
+        self.free_scale = self.scale[self.F]
+        self._weights = np.concatenate((self.free_scale, 1.0 / (size * self.e_scale)))
+        # two more right-hand sides of every correction: signs of rounding errors, a load of the size of the stiffness
+        self.signs = np.where(np.arange(self.nf + self.ne) % 2, -1.0, 1.0)
+        self.probe = np.zeros(self.nf + self.ne)
+        self.probe[: self.nf] = size * (1.0 + np.arange(self.nf) / max(self.nf, 1))
         given = np.arange(n.e_class["dynamic"].stop)
         self.slips = given[n.slips[given]]
         xk, ek = n.x_class["kinematic"], n.e_class["kinematic"]
@@ -141,6 +153,8 @@ class StationaryEquations:
     def law_offset(self, motion: Motion | None, user: UserForces | None) -> Array:
         """sigma_1 on the active rows, M_e edd on all of them, (ne,)."""
         d = self.d
+        if motion is None and user is None:
+            return d.law.preload
         offset = d.law.preload.copy()
         if motion is not None:
             offset += d.law(np.zeros(self.ne), motion.ed) - d.law.preload
@@ -151,48 +165,57 @@ class StationaryEquations:
 
     def point(self, x: Array, sigma: Array, given: Given) -> Iterate:
         """Evaluate at x (nx,), sigma (ne,); leaves the sweep there. Raises SingularMatrixError as `motion`."""
-        d, sweep, C = self.d, self.d.sweep, self.flexibility
+        d, sweep, C, nf = self.d, self.d.sweep, self.flexibility, self.nf
         sweep.strain(x)
         motion = self.motion(x)
-        v, a = (self.rest, None) if motion is None else (motion.v, motion.a)
         user = None
         if d.forces.user is not None:
-            ed = np.zeros(self.ne) if motion is None else motion.ed
+            ed, v = (np.zeros(self.ne), self.rest) if motion is None else (motion.ed, motion.v)
             user = d.forces.user(0.0, sweep.e, ed, x, v)
         offset = self.law_offset(motion, user)
-        if user is None:
+        if user is None and self._has_passive:
             sigma = np.where(self.passive, offset, sigma)
-        applied, inertia = d.forces(x, user), d.forces.inertia(sweep, v)
-        if a is not None:
-            sweep.mass()
-            inertia += sweep.mass_times(a)
-        force = applied - inertia - sweep.rate_transposed(sigma) - self.held
-        gap = C.coupled * (sweep.e - given.e) - C.times(np.where(self.constrained, 0.0, sigma - offset))
+        applied = d.forces(x, user)
+        rows, columns, entries = sweep.v_rows, sweep.v_columns, sweep.v_entries
+        parts = entries * sigma.take(rows)
+        force = applied - np.bincount(columns, parts, d.numbering.nx)
+        sizes = np.bincount(columns, np.abs(parts), d.numbering.nx) + np.abs(applied)
+        if motion is not None or self._fluid or d.forces.heavy:  # nothing else has inertia forces at rest
+            inertia = d.forces.inertia(sweep, self.rest if motion is None else motion.v)
+            if motion is not None:
+                sweep.mass()
+                inertia += sweep.mass_times(motion.a)
+            force -= inertia
+            sizes += np.abs(inertia)
+        if self.held is not None:
+            force -= self.held
+        gap = C.coupled * (sweep.e - given.e) - C.times((sigma - offset) * self._loose)
         slip = 0.0
         work_size = max(largest(sigma * self.e_scale), largest(applied * self.scale))
         if len(self.slips):
-            lacking = (offset - sigma)[self.slips] * ~self.constrained[self.slips]
+            lacking = (offset - sigma)[self.slips] * self._loose[self.slips]
             slip = largest(lacking * self.e_scale[self.slips])
             k = self.x_kinematic
             gap[self.slips] = np.concatenate((x[k] - given.x[k], sweep.e[self.e_kinematic] - given.e[self.e_kinematic]))
-        entries = np.abs(sweep.v_entries)
-        forces = np.bincount(sweep.v_columns, entries * np.abs(sigma)[sweep.v_rows], d.numbering.nx)
-        forces = forces + np.abs(applied) + np.abs(inertia)
-        size = np.maximum(np.abs(x), self.least)
-        lengths = np.bincount(sweep.v_rows, entries * size[sweep.v_columns], self.ne) * (C.coupled != 0.0)
-        right = np.concatenate((force[self.F], -C.size * gap))
-        rounding = FLOOR * np.concatenate((forces[self.F], C.size * lengths))
+        lengths = np.bincount(rows, np.abs(entries * np.maximum(np.abs(x), self.least).take(columns)), self.ne)
+        right, rounding = np.empty((2, nf + self.ne))
+        right[:nf], rounding[:nf] = force.take(self.F), sizes.take(self.F)
+        np.multiply(gap, -C.size, out=right[nf:])
+        np.multiply(lengths, self._length_rounding, out=rounding[nf:])
+        rounding[:nf] *= FLOOR
+        size = np.abs(right)
+        scaled = size * self._weights
         return Iterate(
-            x, sigma, right, rounding, largest(force[self.F]), largest((force * self.scale)[self.F]), work_size,
-            largest(gap / self.e_scale), bool((np.abs(right) <= rounding).all()), slip, motion, user,
+            x, sigma, right, rounding, largest(size[:nf]), largest(scaled[:nf]), work_size, largest(scaled[nf:]),
+            bool((size <= rounding).all()), slip, motion, user,
         )  # fmt: skip
 
     def balanced(self, p: Iterate) -> Array:
-        """sigma (ne,) of the point with those of the rows fixed, prescribed and dynamic from the equilibrium of the
-        other coordinates. Raises SingularMatrixError where the degrees of freedom do not determine the configuration.
+        """sigma (ne,) of the point where the sweep is, with those of the rows fixed, prescribed and dynamic from the
+        equilibrium of the other coordinates. Raises SingularMatrixError where the degrees of freedom do not determine
+        the configuration.
         """
         d = self.d
-        d.sweep.strain(p.x)
         d.kinematics.x = p.x
         d.kinematics.refactor()
         force = -d.sweep.rate_transposed(p.sigma)

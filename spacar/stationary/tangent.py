@@ -21,7 +21,6 @@ from typing import Any
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.deck import ELEMENT_TYPES
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.forces import moment_gradient
 from spacar.linear_systems import LinearSystem, SingularMatrixError, assemble
@@ -29,7 +28,7 @@ from spacar.linear_systems.lost_digits import entry_rounding, lost
 from spacar.linearization.contractions import configuration_of, geometric_blocks
 from spacar.mechanism.mechanism import Batch
 from spacar.stationary.contract import NO_DIGITS, SINGULAR
-from spacar.stationary.flexibility import Flexibility
+from spacar.stationary.flexibility import Flexibility, is_tube
 
 
 class TangentTerm:
@@ -40,10 +39,13 @@ class TangentTerm:
         self.keep = np.flatnonzero((a >= 0) & (b >= 0))
         self.rows, self.columns = a[self.keep], b[self.keep]
         self._values = values
+        self._all = len(self.keep) == len(rows)
 
     def values(self) -> Array:
         """Values at the present configuration, in the order of rows and columns."""
-        return self._values()[self.keep] if len(self.keep) else np.zeros(0)
+        if not len(self.keep):
+            return np.zeros(0)
+        return self._values() if self._all else self._values().take(self.keep)
 
 
 class SparseTangent:
@@ -66,7 +68,7 @@ class SparseTangent:
         m = dynamics.mechanism
         # Gravity may come with the additional loading only.
         heavy = any(loads is not None and loads.gravity.any() for loads in (m.loads, m.additional, dynamics.loads))
-        loaded = [b for b in sweep.moving if heavy or _is_tube(b)]
+        loaded = [b for b in sweep.moving if heavy or is_tube(b)]
         moment_rows = _moment_rows(dynamics)
         self.parts = {
             "geometric": TangentTerm(self.place, *_square(sweep.curved), self._geometric),
@@ -79,7 +81,9 @@ class SparseTangent:
         self._v = np.flatnonzero(self.place[sweep.v_columns] >= 0)
         self._patterns: dict[tuple[str, ...], tuple[Index, Index]] = {}
         self._systems: dict[tuple[str, ...], LinearSystem] = {}
-        self._inverses = {(1.0, 0.0): (self.flexibility.values, self.flexibility.coupled, self.flexibility.size)}
+        self._constant: dict[tuple[float, float], tuple[Array, Array, float]] = {}
+        f = self.flexibility
+        self._keep_constant((1.0, 0.0), f.values, f.coupled, f.size)
 
     @property
     def damped(self) -> bool:
@@ -124,21 +128,24 @@ class SparseTangent:
 
     def entries(self, weights: dict[str, float], stiffness: float = 1.0, damping: float = 0.0) -> tuple[Array, float]:
         """Entries at the present configuration, and the typical stiffness by which the rows of e are multiplied."""
-        if (stiffness, damping) not in self._inverses:
-            self._inverses[stiffness, damping] = self.flexibility.inverse(stiffness, damping)
-        flexibility, coupled, size = self._inverses[stiffness, damping]
-        sweep = self.dynamics.sweep
-        v = size * sweep.v_entries[self._v]
-        row_v = v * coupled[sweep.v_rows[self._v]]
-        values = [w * self.parts[k].values() for k, w in weights.items()]
-        diagonal = -size * self.flexibility.rigid_diagonal
-        return np.concatenate([*values, row_v, row_v, -size * flexibility, diagonal]), size
+        if (stiffness, damping) not in self._constant:
+            self._keep_constant((stiffness, damping), *self.flexibility.inverse(stiffness, damping))
+        factor, diagonal, size = self._constant[stiffness, damping]
+        v = factor * self.dynamics.sweep.v_entries.take(self._v)
+        values = [part.values() if w == 1.0 else w * part.values() for part, w in self._present(weights)]
+        return np.concatenate([*values, v, v, diagonal]), size
 
-    def factor_static(self) -> LinearSystem:
-        """The matrix of the static problem at the present configuration and `sigma`. Raises SingularMatrixError."""
-        system = self._system(tuple(STATIC))
-        system.factor(self.entries(STATIC)[0])
-        return system
+    def _present(self, weights: dict[str, float]) -> list[tuple[TangentTerm, float]]:
+        return [(part, w) for k, w in weights.items() if len((part := self.parts[k]).keep)]
+
+    def _keep_constant(self, which: tuple[float, float], flexibility: Array, coupled: Array, size: float) -> None:
+        """What does not depend on the configuration: factors of the entries of V, and the entries of -C."""
+        factor = size * coupled[self.dynamics.sweep.v_rows[self._v]]
+        self._constant[which] = factor, -size * np.concatenate((flexibility, self.flexibility.rigid_diagonal)), size
+
+    def static_system(self) -> LinearSystem:
+        """Of the static problem, for `entries(STATIC)`."""
+        return self._system(tuple(STATIC))
 
     def displacement(self, system: LinearSystem, force: Array) -> Array:
         """Coordinates (nx,) or (nx, k) that the force (nx,) or (nx, k) on F produces, the constraint rows kept."""
@@ -195,12 +202,6 @@ class SparseTangent:
 
 
 STATIC = {"geometric": 1.0, "load": 1.0, "moment": 1.0}
-
-
-def _is_tube(b: Batch) -> bool:
-    """May a fluid flow through the elements, whose momentum loads them?"""
-    kind = ELEMENT_TYPES.get(b.family.keyword)
-    return kind is not None and kind.carries_flow
 
 
 def _moment_rows(d: Dynamics) -> Index:

@@ -22,6 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import prod
 
 import numpy as np
 
@@ -47,6 +48,7 @@ FARTHEST = 16.0  # weight of a state in the prediction: 6 for equal parts, more 
 FASTER = 2.0  # change of x over that of the loading, against the part before, from which a part is walked back
 WIDE = 0.01  # model lengths or rad: shorter parts are not walked back
 ELSEWHERE = 0.1  # of the motion of a part: states that differ by more are not the same
+RETURNED = 0.02  # of the motion of a part: last correction on the way back; it leaves an error of three times that
 REMEMBERED = 4  # states that the prediction uses: a cubic polynomial
 
 
@@ -71,7 +73,7 @@ class Walk:
         self.path = [Known(0.0, point.x, point.sigma)]
         self.stable: Stability | None = None
         self.iterations = 0
-        self.noise = 0.0
+        self.noise, self._regular, self._factored = 0.0, False, False
         settings = evaluator.mechanism.settings
         self.limit, self.tolerance = settings.max_iterations, settings.tolerance
         self.follow = bool(settings.follow_path)
@@ -161,7 +163,7 @@ class Walk:
         given = e.load(reached)  # with other equations, where the flow in tubes changes
         e.dynamics.sweep.near[:] = near
         try:
-            demand = Demand.of(self.limit, self.tolerance, stored=False)
+            demand = Demand.of_return(self.limit, RETURNED * moved)
             back = newton(e.equations, e.tangent, point.x, point.sigma, given, demand)
             if largest((back.point.x - last.x) / q.scale) > ELSEWHERE * moved:
                 return True
@@ -199,10 +201,14 @@ class Walk:
         if not q.d.numbering.nddof:
             return [placed]
         predicted = [lambda given: self._predicted(path)] if len(self.path) > 1 else []
-        return [*predicted, lambda given: last, balanced]
+        others = [lambda given: last, balanced]
+        if not self._arbitrary and self.stable is not None and self.stable.zero:
+            others.reverse()  # a motion without stiffness: the old stresses give it none against the new loads
+        return [*predicted, *others]
 
     def _accept(self, path: float, found: Converged) -> None:
-        self.point, self.noise = found.point, found.noise
+        self.point, self.noise, self._regular = found.point, found.noise, found.regular
+        self._factored = found.iterations > 0
         p = found.point
         self.path = [*self.path, Known(path, p.x, p.sigma)][-REMEMBERED:]
         self.evaluator.dynamics.sweep.near[:] = self.evaluator.dynamics.sweep.e
@@ -233,7 +239,7 @@ class Walk:
             return False  # a sign of a determinant, at the cost of another iteration
         if self._large and not stored and not self._odd():
             return False
-        self.stable = stability(e.equations, e.tangent, self.point, self.noise)
+        self.stable = stability(e.equations, e.tangent, self.point, self.noise, self._regular, before)
         return before is not None and self.stable is not None and self.stable.differs(before)
 
     @property
@@ -245,6 +251,11 @@ class Walk:
         an odd number?"""
         if self.stable is None or self.stable.zero:
             return False
+        if not self._factored:  # the prediction was the solution
+            try:
+                self.evaluator.tangent.factor(self.point)
+            except SingularMatrixError:
+                return True
         return self.evaluator.tangent.sign() * (-1.0) ** self.stable.negative < 0.0
 
     def _say_passed(self, level: LoadLevel, before: Stability | None) -> None:
@@ -338,5 +349,5 @@ class Walk:
 
 def _lagrange(known: list[Known], path: float) -> list[float]:
     """Weights of the polynomial through the known states, at a place."""
-    at = np.array([k.path for k in known])
-    return [float(np.prod((path - np.delete(at, i)) / (at[i] - np.delete(at, i)))) for i in range(len(at))]
+    at = [k.path for k in known]
+    return [prod((path - b) / (a - b) for j, b in enumerate(at) if j != i) for i, a in enumerate(at)]

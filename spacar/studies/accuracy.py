@@ -49,7 +49,7 @@ STABLE = 5.0  # h rho at which method 853 leaves its region of stability on the 
 EXPENSIVE = 10_000  # steps of stability beyond which implicit methods are taken
 LARGEST_JACOBIAN = 600  # states; above, its eigenvalues take longer than a short run, and implicit methods are taken
 LOOSEST, TIGHTEST = 1e-3, 2e-13  # tolerances that are tried; with looser ones two errors may be alike by chance
-FIRST = 10.0  # tolerance of the first run over the target: the result of most motions is better than ERROR
+FIRST = 1.0  # tolerance of the first run over the target: with looser ones a third run is needed more often
 GAIN = 10.0  # of the second tolerance over the first
 MARGIN = 0.5  # of the target that the next run aims at
 FURTHEST = 1e-4  # tolerance of the next run over the last one, at least
@@ -79,7 +79,7 @@ class Accuracy:
     estimate  of the error of the frames, nan when there is none
     until     time up to which the target is met [s], None when it is met throughout or not asked for
     pieces    beams in the place of each beam of the model in the result; empty: the mesh is that of the model
-    cost      time of all runs over that of the last one;  way  how the estimate came about, in words
+    cost      processor time of all runs over that of the last one;  way  how the estimate came about, in words
     """
 
     target: float | None
@@ -155,7 +155,7 @@ class Search:
             atol = tolerance * ratio
             settings = replace(settings, integrator=integrator, rtol=tolerance, atol=atol, step=None)
         run = Run(find_mode(1), replace(mechanism, settings=settings))
-        begun = time.perf_counter()
+        begun = time.process_time()
         rhs, frames, x = 0, [], []
         held = self.hold or bool(self.variables) or _size(run) <= KEPT
         try:
@@ -166,10 +166,10 @@ class Search:
                 if held:
                     frames.append(frame)
         except AnalysisError as error:
-            seconds = time.perf_counter() - begun
+            seconds = time.process_time() - begun
             self.attempts.append(Attempt(integrator, tolerance, rhs, seconds, reason=str(error)))
             raise
-        attempt = Attempt(integrator, tolerance, rhs, time.perf_counter() - begun)
+        attempt = Attempt(integrator, tolerance, rhs, time.process_time() - begun)
         self.attempts.append(attempt)
         coordinates, shown = np.array(x), self.shown or run.mechanism
         if self.variables:

@@ -6,9 +6,12 @@ least as accurate as alone. The numbers of all cases come from one mechanism of 
 and elements of the first one, their numbers raised by k times the largest number. Since coordinates are numbered by
 class, then node, case k holds the same places of every class as the single mechanism.
 
-Not for: modes other than 1, user functions, wheels and other slips, elements without functions in C, implicit methods,
-cases whose statements, settings or GRAVITY differ, and installations without the compiled engine: these run one by
-one. Of a block in which a case cannot be followed all cases have to be run alone.
+Every case has user functions of its own, loaded for it as for a run alone; Python calls them for the stresses and
+prescribed motions of each lane, the rest stays in C. A case whose function fails leaves its block, which begins again.
+
+Not for: modes other than 1, wheels and other slips, elements without functions in C, implicit methods, cases whose
+statements, settings or GRAVITY differ, and installations without the compiled engine: these run one by one. Of a block
+in which a case cannot be followed all cases have to be run alone.
 """
 
 from __future__ import annotations
@@ -31,11 +34,16 @@ from spacar.forward.driver import Tolerances, integrated, work
 from spacar.frame import StoredFrames
 from spacar.integrators import METHODS
 from spacar.mechanism import Mechanism, build
+from spacar.mechanism.inputs import settings as settings_of
+from spacar.mechanism.inputs import user_signal
+from spacar.mechanism.mechanism import Drive, Polynomial
+from spacar.mechanism.user_functions import STATEMENTS
 from spacar.result import Result
 from spacar.studies.assignments import parameters_of
 
 if TYPE_CHECKING:
     from spacar.compiled.cases import InLanes
+    from spacar.compiled.numbers import Numbers
 
 X_FIELDS = ("x", "xd", "xdd", "fx", "fxgrav", "fxtot")
 E_FIELDS = ("e", "ed", "edd", "sig")
@@ -44,8 +52,6 @@ WITHOUT_LANES = (220, 225)  # methods that want a state of positions first, then
 
 def why_not(deck: Deck, **options: Any) -> str:
     """Why the cases of a deck cannot be run together; empty when they can."""
-    if deck.of("USERSIG", "USERINP", block=2):
-        return "user functions are called for one mechanism"
     if any(ELEMENT_TYPES[s.keyword].slips for s in deck.of(*ELEMENT_TYPES, block=1)):
         return "wheels are not in batches"
     mechanism = build(deck, 1, **options)
@@ -125,18 +131,34 @@ def ensemble(
     results: list[Result | None] = [None] * len(decks)
 
     def follow(cases: Sequence[int]) -> None:
-        block = InLanes(alone.model, alone.kinematics.scale, numbers.take(np.array(cases)), start[list(cases)])
+        """Results of a block; a case whose user function fails has none, and the others begin again without it."""
+        own = list(dict.fromkeys(cases))
+        while own:
+            lanes = [*own, *own[-1:] * (len(cases) - len(own))]
+            drives = [_drive(decks[k], single, numbers, k) for k in own]
+            users = [u for k in own if (u := user_signal(decks[k], single.numbering)) is not None]
+            block = InLanes(
+                alone.model, alone.kinematics.scale, numbers.take(np.array(lanes)), start[lanes], drives, users
+            )
+            with suppress(AnalysisError):
+                together_followed(block, own)
+                return
+            if block.failed is None:
+                return
+            del own[block.failed]
+
+    def together_followed(block: InLanes, cases: Sequence[int]) -> None:
         said: dict[int, tuple[str, ...]] = {}
-        with suppress(AnalysisError):
-            if not block.start(largest):
-                for k in set(cases):
-                    looked_at = Dynamics(build(decks[k], 1, **options))
-                    looked_at.start()  # raises where a mass matrix is singular
-                    if looked_at.doubt:
-                        said[k] = (f"warning: {looked_at.doubt}",)
-            found = _motion(block, times, single, g)
-            for lane, k in enumerate(cases):
-                results[k] = Result(single, 1, found(lane), said.get(k, ()), {})
+        if not block.start(largest):
+            for k in cases:
+                looked_at = Dynamics(build(decks[k], 1, **options))
+                looked_at.start()  # raises where a mass matrix is singular
+                if looked_at.doubt:
+                    said[k] = (f"warning: {looked_at.doubt}",)
+        found = _motion(block, times, single, g)
+        for lane, k in enumerate(cases):
+            frames, lost = found(lane)
+            results[k] = Result(single, 1, frames, (*said.get(k, ()), *lost), {})
 
     if threads == 1:
         for cases in blocks(len(decks)):
@@ -147,26 +169,43 @@ def ensemble(
     return results
 
 
-def _motion(block: InLanes, times: Array, single: Mechanism, g: Array | None) -> Callable[[int], StoredFrames]:
-    """The frames of a lane of the block. Raises AnalysisError."""
+def _drive(deck: Deck, single: Mechanism, numbers: Numbers, case: int) -> Drive:
+    """Prescribed motion of a case, with a function of its own if there is one."""
+    polynomial = Polynomial(numbers.x_motion[:, :, case], numbers.e_motion[:, :, case])
+    statement = deck.last("USERINP", block=2)
+    if statement is None:
+        return polynomial
+    from spacar.mechanism.user_functions import UserDrive
+
+    return UserDrive.load(deck, statement, single.numbering, polynomial, settings_of(deck))
+
+
+Lane = tuple[StoredFrames, tuple[str, ...]]
+
+
+def _motion(block: InLanes, times: Array, single: Mechanism, g: Array | None) -> Callable[[int], Lane]:
+    """The frames of a lane of the block, and what is said of its stresses. Raises AnalysisError."""
     settings = single.settings
     each = None if g is None else np.broadcast_to(g[:, None], block.by_case[1:]).ravel()
     xs, es = [], []
     statistics: list[dict[str, int]] = []
     outputs = integrated(
         block, block.y0, times, settings, Tolerances.of(settings, each),
-        watch=block.watch, back=block.rejected, marching=block.marching,
+        breaks=block.breaks, watch=block.watch, back=block.rejected, marching=block.marching,
     )  # fmt: skip
+    lost: list[dict[int, str]] = [{} for _ in range(block.by_case[2])]
     for out in outputs:
         x, e = block.variables(float(out.t), out.y)
+        for lane, told in enumerate(lost):
+            told |= block.lost(lane) | told
         xs.append(x)
         es.append(e)
         statistics.append(work(out))
     all_x, all_e = np.array(xs).transpose(3, 1, 0, 2), np.array(es).transpose(3, 1, 0, 2)  # lane, variable, step, place
 
-    def of_lane(lane: int) -> StoredFrames:
+    def of_lane(lane: int) -> Lane:
         own = dict(zip((*X_FIELDS, *E_FIELDS), (*all_x[lane], *all_e[lane]), strict=True))
-        return StoredFrames(times, own, statistics)
+        return StoredFrames(times, own, statistics), tuple(lost[lane].values())
 
     return of_lane
 
@@ -191,7 +230,7 @@ def copies(decks: Sequence[Deck]) -> Deck:
     for k, deck in enumerate(decks):
         for s, places in zip(_statements(deck), references, strict=True):
             if not places:
-                statements += [s] * (k == 0)
+                statements += [s] * (k == 0 and s.keyword not in STATEMENTS)
                 continue
             values = list(s.values)
             for i in places:

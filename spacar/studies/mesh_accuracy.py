@@ -95,7 +95,7 @@ class MeshSearch:
 
     def compute(self, pieces: dict[int, int], measure: str) -> Mesh:
         """One mesh; the first one must be that of the user. Raises AnalysisError."""
-        begun = time.perf_counter()
+        begun = time.process_time()
         mechanism, parts = self._mechanism(pieces, measure)
         given = mechanism if self.own is None else self.own.run.mechanism
         view = None if self.own is None else partial(_view, UserNodes(given, mechanism, parts), self.own.frames)
@@ -108,7 +108,7 @@ class MeshSearch:
             run, frames = computed.run, computed.frames or []
             self.attempts += search.attempts
         found = assessed(given, self.run.mode.number, frames, self.variables, self.stationary)
-        mesh = Mesh(pieces, run, frames, found, time.perf_counter() - begun, error)
+        mesh = Mesh(pieces, run, frames, found, time.process_time() - begun, error)
         self.own = self.own or mesh
         return mesh
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
+
+from spacar_cli.environment import Environment
+from spacar_cli.main import main
 
 DATA = Path(__file__).resolve().parents[2] / "data"
 SPACAR = Path(sys.executable).with_name("spacar")
@@ -42,6 +46,12 @@ def spacar(*words: object, folder: Path, **variables: str) -> Done:
         timeout=120, env=ENVIRONMENT | variables,
     )  # fmt: skip
     return Done(done.returncode, done.stdout, done.stderr)
+
+
+def prepare(folder: Path, name: str = "crank", mode: int = 1) -> None:
+    """A run in this process, for a test that is about what comes after it."""
+    streams = Environment(io.StringIO(), io.StringIO(), io.StringIO(), {})
+    assert main([str(mode), str(folder / name)], streams) == 0, streams.stderr.getvalue()
 
 
 def many(lines: list[list[str]], folder: Path) -> list[Done]:

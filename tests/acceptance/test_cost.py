@@ -40,6 +40,7 @@ def modules(*words: str, folder) -> set[str]:
     return set(done.stderr.split())
 
 
+@pytest.mark.slow
 def test_version_costs_at_most_one_and_a_half_imports_of_numpy():
     """A ratio of the best of five pairs measured in turn, so that a busy machine slows both alike."""
     pairs = [(seconds(str(SPACAR), "--version"), seconds(sys.executable, "-c", "import numpy")) for _ in range(5)]
@@ -54,6 +55,7 @@ def test_help_imports_no_numpy(word, tmp_path):
     assert not loaded & {"numpy", "scipy", "rich", "matplotlib", "spacar.frame", "spacar.deck"}
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows does not tell the processor time of children")
 def test_a_run_of_the_crank_costs_at_most_two_and_a_half_imports_of_numpy(tmp_path):
     """Reading, checking, computing and writing 101 steps; the best of four runs measured in turn, with bytecode."""

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from spacar_formats.sbf import SbfFile
 
-from .processes import DATA, ENVIRONMENT, SPACAR, many, spacar
+from .processes import DATA, ENVIRONMENT, SPACAR, many, prepare, spacar
 
 LONG = ["--time", "1000", "--steps", "1000000"]  # far longer than any test waits
 
@@ -63,10 +63,11 @@ def test_a_run_writes_log_and_result_and_says_nothing(folder):
         assert file.steps == 101
 
 
-@pytest.mark.parametrize("word", ["1", "-1", "+1", "01"])
-def test_minus_is_a_mode_not_an_option(word, folder):
-    assert spacar(word, "crank.dat", "--quiet", folder=folder).status == 0
-    assert (folder / "crank.sbd").exists()
+def test_minus_is_a_mode_not_an_option(folder):
+    words = ["1", "-1", "+1", "01"]
+    ended = many([[word, "crank.dat", "--quiet", "--output-dir", f"of{word}"] for word in words], folder)
+    assert [done.status for done in ended] == [0] * 4
+    assert all((folder / f"of{word}" / "crank.sbd").exists() for word in words)
 
 
 def test_output_dir_is_made_and_used(folder):
@@ -76,7 +77,7 @@ def test_output_dir_is_made_and_used(folder):
 
 
 def test_the_second_run_keeps_the_first_result(folder):
-    spacar("1", "crank", folder=folder)
+    prepare(folder)
     first = (folder / "crank.sbd").read_bytes()
     spacar("1", "crank", folder=folder)
     assert (folder / "crank.sbd.bak").read_bytes() == first
@@ -85,7 +86,7 @@ def test_the_second_run_keeps_the_first_result(folder):
 
 def test_a_failed_run_is_never_mistaken_for_a_success(folder):
     """The input error comes after a good run: the old result steps aside, the log explains."""
-    spacar("1", "crank", folder=folder)
+    prepare(folder)
     text = (folder / "crank.dat").read_text()
     (folder / "crank.dat").write_text(text.replace("XM 6", "XM 99"))
     done = spacar("1", "crank", folder=folder)
@@ -120,7 +121,7 @@ def test_a_failing_analysis_keeps_what_was_computed(folder):
 
 
 def test_an_interrupted_run_keeps_what_was_computed(folder):
-    spacar("1", "crank", folder=folder)
+    prepare(folder)
     process = start(folder, "1", "crank", *LONG)
     part = folder / "crank.sbd.part"
     wait_for_steps(part, process)
@@ -176,12 +177,12 @@ def test_a_full_disk_is_a_failure_with_the_reason(folder):
     assert not (folder / "crank.sbd").exists()
 
 
-@pytest.mark.parametrize("place", ["crank.dat", "/proc/nowhere", "crank.dat/x"])
-def test_a_folder_that_cannot_be_used(place, folder):
-    done = spacar("1", "crank", "--output-dir", place, folder=folder)
-    assert done.status == 2
-    assert done.err.startswith("error: cannot use the folder")
-    assert len(done.err.splitlines()) == 1
+def test_a_folder_that_cannot_be_used(folder):
+    places = ["crank.dat", "/proc/nowhere", "crank.dat/x"]
+    for done in many([["1", "crank", "--output-dir", place] for place in places], folder):
+        assert done.status == 2
+        assert done.err.startswith("error: cannot use the folder")
+        assert len(done.err.splitlines()) == 1
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
@@ -268,23 +269,23 @@ def test_json_also_reports_a_failure(folder):
 
 
 def test_parallel_runs_share_nothing(folder):
-    """Six processes at once, on six files in one folder, give the bytes that a run alone gives."""
-    for k in range(3):
+    """Four processes at once, on four files in one folder, give the bytes that a run alone gives."""
+    for k in range(2):
         for name in ("crank", "slider"):
             shutil.copy(DATA / f"{name}.dat", folder / f"{name}_{k}.dat")
     together = [start(folder, "1", path.stem) for path in sorted(folder.glob("*_?.dat"))]
-    assert [p.wait(timeout=120) for p in together] == [0] * 6
+    assert [p.wait(timeout=120) for p in together] == [0] * 4
     for name in ("crank", "slider"):
         values = []
-        for k in range(3):
+        for k in range(2):
             with SbfFile(folder / f"{name}_{k}.sbd") as file:
                 assert file.complete
                 values.append((file.get("x").tobytes(), file.get("fxt").tobytes()))
-        assert values[0] == values[1] == values[2]
+        assert values[0] == values[1]
 
 
 def test_a_changed_input_is_noticed(folder):
-    spacar("1", "crank", folder=folder)
+    prepare(folder)
     with open(folder / "crank.dat", "a") as file:
         file.write("% changed\n")
     done = spacar("getfrsbf", "crank", "t", folder=folder)

@@ -75,7 +75,9 @@ def test_row(row, outcomes):
     verify(row, outcomes[row.name])
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("family", [
+    pytest.param(f, marks=[pytest.mark.slow] * (f not in ("STRUCTURE", "WORDS"))) for f in FAMILIES
+])  # fmt: skip
 def test_family_in_its_own_process(family, folder):
     row = getattr(rows, family)[0]
     verify(row, spacar(*command_line(row), folder=folder))
@@ -125,15 +127,15 @@ def test_user_function_that_does_not_exist(folder):
     assert "Traceback" not in done.err
 
 
-@pytest.mark.parametrize("name", FUNCTIONS)
-def test_user_function_that_misbehaves(name, folder):
-    body, status, fragments = FUNCTIONS[name]
-    (folder / f"{name}.py").write_text(f"def {name}(t, ne, le, e, ep, nx, lnp, x, xp):\n    {body}\n")
-    (folder / f"with{name}.dat").write_text(SPRING.format(line=f"USERSIG {name}\n"))
-    done = many([["1", f"with{name}"]], folder)[0]
-    assert done.status == status, done.err
-    assert all(f in done.err for f in fragments), done.err
-    assert not (folder / f"with{name}.sbd").exists()
+def test_user_functions_that_misbehave(folder):
+    for name, (body, _, _) in FUNCTIONS.items():
+        (folder / f"{name}.py").write_text(f"def {name}(t, ne, le, e, ep, nx, lnp, x, xp):\n    {body}\n")
+        (folder / f"with{name}.dat").write_text(SPRING.format(line=f"USERSIG {name}\n"))
+    ended = many([["1", f"with{name}"] for name in FUNCTIONS], folder)
+    for (name, (_, status, fragments)), done in zip(FUNCTIONS.items(), ended, strict=True):
+        assert done.status == status, done.err
+        assert all(f in done.err for f in fragments), done.err
+        assert not (folder / f"with{name}.sbd").exists()
 
 
 def test_counts_that_do_not_match_are_a_failure_of_the_analysis(folder):

@@ -53,7 +53,7 @@ def test_the_start_is_that_of_the_general_path(angle):
     mechanism = build(parse_deck(f"{text[0]}HALT{text[1].replace('END', rows)}", mode=1), 1)
     general, compiled = Dynamics(mechanism), CompiledDynamics(mechanism)
     np.testing.assert_array_equal(compiled.start(), general.start())
-    for x in (compiled.state.x[:, 0], compiled.general.kinematics.x):
+    for x in (compiled.state.x[:, 0], compiled.settled().kinematics.x):
         np.testing.assert_allclose(x, general.kinematics.x, atol=1e-14)
     np.testing.assert_allclose(compiled.state.e[:, 0], general.sweep.e, atol=1e-14)
     np.testing.assert_allclose(compiled.placement().xd, general.xd, atol=1e-13)

@@ -53,6 +53,7 @@ MODELS: dict[str, tuple[list[tuple], list[tuple]]] = {  # form: kinematics, dyna
     "TUBE": ([TUBE, CURVED, *IN_SPACE], [PIPE, LAW]),
     "TUBE angle": ([TUBE, CURVED, *IN_SPACE, *ELASTIC], [PIPE, LAW]),
     "BEAMW": ([WARPED, *IN_SPACE], [("EM", 1, 0.3), LAW]),
+    "BEAMW angle": ([WARPED, *IN_SPACE, ("ADEFORM",)], [("EM", 1, 0.3), LAW]),
     "TRUSS": ([("TRUSS", 1, 1, 3), *IN_SPACE], []),
     "HINGE": ([("HINGE", 1, 1, 2, 0.3, 1.0, 0.2)], []),
     "PINBODY": ([RB, *IN_SPACE], []),
@@ -109,10 +110,13 @@ def test_every_kind_has_a_definition_and_a_model():
     assert set(MODELS) == set(SUPPORTED)
 
 
-LONG = ("BEAM", "BEAM angle", "TUBE", "TUBE angle", "BEAMW")
+LONG = ("BEAM", "BEAM angle", "TUBE", "TUBE angle", "BEAMW", "BEAMW angle")
+A_SECOND = ("PLBEAM angle", "PLTUBE angle", "PLBELT", "SCREW")
 
 
-@pytest.mark.parametrize("form", [pytest.param(f, marks=[pytest.mark.slow] * (f in LONG)) for f in SUPPORTED])
+@pytest.mark.parametrize("form", [
+    pytest.param(f, marks=[pytest.mark.slow] * (f in LONG + A_SECOND)) for f in SUPPORTED
+])  # fmt: skip
 def test_family_agrees_with_its_definition(form):
     """Two cases of the same element."""
     kind, of_family = SUPPORTED[form]

@@ -35,6 +35,7 @@ def recipe():
 def elsewhere(tmp_path, monkeypatch):
     """The package's folder is another one, without a library."""
     monkeypatch.setattr(library, "HERE", tmp_path)
+    monkeypatch.delenv(library.GENERAL, raising=False)
     caches = library._loaded, library.engine
     for cached in caches:
         cached.cache_clear()

@@ -27,8 +27,9 @@ DYNAMICS = [
 ]  # fmt: skip
 
 
-def test_frames_equal_those_of_the_general_path():
-    mechanism = build(Deck.build(KINEMATICS, DYNAMICS, mode=1), 1)
+@pytest.mark.parametrize("measure", ["sine", "angle"])
+def test_frames_equal_those_of_the_general_path(measure):
+    mechanism = build(Deck.build(KINEMATICS, DYNAMICS, mode=1), 1, beams=measure)
     assert without_form(mechanism) == []
     general, compiled = Dynamics(mechanism), CompiledDynamics(mechanism)
     y, rng = general.start(), np.random.default_rng(4)

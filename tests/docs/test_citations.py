@@ -8,7 +8,18 @@ from pathlib import Path
 
 import pytest
 
-from tests.docs.citations import DOCS, HOUSE, REFERENCE, bare_formulas, citations, dangling, find, numbered, prose
+from tests.docs.citations import (
+    DOCS,
+    HOUSE,
+    REFERENCE,
+    Citation,
+    bare_formulas,
+    citations,
+    dangling,
+    find,
+    numbered,
+    prose,
+)  # fmt: skip
 from tests.docs.documents import broken_links
 
 PAPER_EQUATIONS, PAPER_TABLES = 22, 19
@@ -17,6 +28,7 @@ PAGES = sorted(DOCS.rglob("*.md"))
 ROOMS = ("spacar", "formats", "cli", "tests", "benchmarks", "data", "docs")
 
 
+@cache
 def sources() -> list[Path]:
     """Code that people read: Python and C, without what a generator writes and without hidden folders."""
     found = [p for room in ROOMS for suffix in ("py", "c", "dat", "sim") for p in (HOUSE / room).rglob(f"*.{suffix}")]
@@ -26,6 +38,11 @@ def sources() -> list[Path]:
 @cache
 def lines(path: Path) -> str:
     return prose(path)
+
+
+@cache
+def cited(path: Path) -> list[Citation]:
+    return list(citations(lines(path)))
 
 
 def relative(path: Path) -> str:
@@ -58,7 +75,7 @@ def test_code_cites_the_reference():
         sum(
             find(c.page) is not None and find(c.page).parent == REFERENCE
             for p in sources()
-            for c in citations(lines(p))
+            for c in cited(p)
         )
         > 300
     )
@@ -68,7 +85,7 @@ def test_formulas_without_a_page_belong_to_a_page_that_the_file_cites():
     wrong = {}
     for p in sources():
         bare = bare_formulas(lines(p))
-        pages = {page for c in citations(lines(p)) if (page := find(c.page))}
+        pages = {page for c in cited(p) if (page := find(c.page))}
         known = set().union(*map(numbered, pages)) if pages else set()
         if NAMED.search(lines(p)):
             known |= {f"({n})" for n in range(1, PAPER_EQUATIONS + 1)}

@@ -10,6 +10,7 @@ import pytest
 from .conftest import call
 
 PNG, PDF = b"\x89PNG", b"%PDF"
+COARSE = ("--dpi", 30)  # where it is not the picture that is looked at
 
 
 def picture_size(path):
@@ -28,7 +29,7 @@ def test_draw_writes_beside_the_result_and_says_so(results):
 
 @pytest.mark.parametrize("name", ["crank", "crank.sbd", "crank.dat"])
 def test_names_with_and_without_extension(results, name):
-    assert call("draw", results / name, "-o", results / "p.png").status == 0
+    assert call("draw", results / name, "-o", results / "p.png", *COARSE).status == 0
 
 
 def test_draw_in_all_still_formats_is_reproducible(results):
@@ -60,7 +61,7 @@ def test_draw_in_all_still_formats_is_reproducible(results):
     ids=" ".join,
 )
 def test_options_of_draw(results, options):
-    done = call("draw", results / "crank", "-o", results / "p.png", *options)
+    done = call("draw", results / "crank", "-o", results / "p.png", *COARSE, *options)
     assert (done.status, done.err) == (0, "")
 
 
@@ -68,7 +69,7 @@ def test_options_of_draw(results, options):
     "options", [["--view", "xz"], ["--view", "-120,35", "--no-light"], ["--section", "CIRCHOL 0.1 0.08"]], ids=" ".join
 )
 def test_options_of_spatial_pictures(results, options):
-    done = call("draw", results / "trike3v", "-o", results / "p.png", *options)
+    done = call("draw", results / "trike3v", "-o", results / "p.png", *COARSE, *options)
     assert (done.status, done.err) == (0, "")
 
 
@@ -192,7 +193,7 @@ def test_animation_bar_on_terminals_only(results):
 )
 def test_default_names(results, monkeypatch, arguments, file):
     monkeypatch.chdir(results)
-    done = call(*arguments)
+    done = call(*arguments, *COARSE)
     assert (done.status, done.err, done.out.strip()) == (0, "", file)
     assert (results / file).read_bytes().startswith(PNG)
 
@@ -247,6 +248,7 @@ def long_result(folder, steps=10_000):
             writer.append(values | {"T": np.array([[float(k)]])})
 
 
+@pytest.mark.slow
 def test_one_frame_of_ten_thousand_in_a_second_and_a_half(results):
     """A whole process. Processor time is compared, which a busy machine does not lengthen."""
     import resource

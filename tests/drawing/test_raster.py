@@ -50,7 +50,10 @@ def difference(a, b):
     return float(np.sqrt(np.mean((a - b) ** 2)))
 
 
-@pytest.mark.parametrize("name", ["crank", "lever", "trike3v", "leafguide", "slider", "plbeam5free", "lateral4"])
+@pytest.mark.parametrize("name", [
+    "crank", "leafguide", "plbeam5free",
+    *(pytest.param(n, marks=pytest.mark.slow) for n in ("lever", "trike3v", "slider", "lateral4")),
+])  # fmt: skip
 def test_every_frame_is_the_still_of_its_step(name):
     """The frame before it leaves nothing behind."""
     source = result_source(name, 1, 0.02, 2)
@@ -118,7 +121,7 @@ def test_an_outline_without_area_is_cut_into_nothing_worse():
     assert len(convex_pieces(np.array([[0, 0], [1, 0], [0.5, 1e-3], [0.5, 0.0], [0.2, 0.3]]))) >= 1
 
 
-@pytest.mark.parametrize("planar", [True, False])
+@pytest.mark.parametrize("planar", [pytest.param(True, marks=pytest.mark.slow), False])
 def test_thousand_beams_move(planar):
     """A frame takes 12 and 23 ms of processor time here (benchmarks/pictures.py); asked for are 50, allowed 250."""
     from benchmarks.pictures import bent

@@ -40,7 +40,9 @@ class Page(HTMLParser):
             self.headings.append(data)
 
 
-@pytest.mark.parametrize("name", RUNS)
+@pytest.mark.parametrize("name", [
+    pytest.param(n, marks=[pytest.mark.slow] * (n in ("robotinv", "plbeam5free"))) for n in RUNS
+])  # fmt: skip
 def test_page_is_well_formed_and_self_contained(results, name):
     done = call("report", results / name)
     assert (done.status, done.err) == (0, "")

@@ -35,7 +35,9 @@ def corners(mesh, k):
     return p[i] + np.einsum("na,nax->nx", place, axes[i])
 
 
-@pytest.mark.parametrize("name", ["trike3v", "cardan", "lever", "slider", "screw", "trike2"])
+@pytest.mark.parametrize("name", [
+    "trike3v", "cardan", "lever", "slider", pytest.param("screw", marks=pytest.mark.slow), "trike2",
+])  # fmt: skip
 def test_parts_of_the_mesh_are_the_faces_of_the_pictures(name):
     """At all pictures: every corner that an element's own drawing has is a corner of the mesh of that element."""
     source = result_source(name, 1, 0.02, 2)

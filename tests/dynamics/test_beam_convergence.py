@@ -93,7 +93,7 @@ def roll_up(n: int, turn: float, planar: bool = False) -> float:
     return float(np.hypot(r.node(tip, 1)[-1] - exact[0], r.node(tip, 2)[-1] - exact[1]))
 
 
-@pytest.mark.parametrize("planar", [False, True])
+@pytest.mark.parametrize("planar", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_roll_up_to_a_full_circle(planar: bool) -> None:
     errors = [roll_up(n, 2 * np.pi, planar) for n in (8, 16, 32, 64)]
     assert errors == pytest.approx([1.3e-1, 2.7e-2, 6.5e-3, 1.6e-3], rel=0.05)

@@ -157,7 +157,7 @@ def test_the_error_of_the_result_falls_with_error(name: str, code: int) -> None:
     assert errors[-1] <= max(4e-3 * errors[0], FLOOR)  # 1e-3 and the scatter of both
 
 
-@pytest.mark.parametrize("compiled", [False, True])
+@pytest.mark.parametrize("compiled", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_small_tolerances_do_not_make_the_steps_collapse(compiled: bool) -> None:
     """Order 8: a hundredth of the error costs 100^(1/8) = 1.8 times the evaluations; positions that were converged to
     1e-11 only made it 20 times."""
@@ -166,7 +166,7 @@ def test_small_tolerances_do_not_make_the_steps_collapse(compiled: bool) -> None
     assert rhs[1] < 2.5 * rhs[0]
 
 
-@pytest.mark.parametrize("compiled", [False, True])
+@pytest.mark.parametrize("compiled", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_a_position_tolerance_below_rounding_is_met(compiled: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """The correction after one below 1e-11 is rounding and must pass, however little is asked for."""
     monkeypatch.setattr(driver, "POSITION", 0.0)

@@ -4,7 +4,6 @@ A position is known to 1e-11 of the model size (CONVERGED); stiffness turns that
 the largest value of each kind, as in `tests/compiled`.
 """
 
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +11,7 @@ import pytest
 
 import spacar
 from spacar.compiled import CompiledDynamics
+from spacar.compiled.library import unavailable
 from spacar.dynamics import Dynamics
 from spacar.dynamics.evaluator import Evaluator
 from spacar.dynamics.motion_equations import EquationsOfMotion
@@ -22,7 +22,7 @@ from spacar.linearization.state_jacobian import state_jacobian
 DATA = Path(__file__).parents[2] / "data"
 MODELS = ["robotsim", "crankfl", "plbeam5"]
 
-pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
 
 
 def pair(name: str) -> tuple[list[Evaluator], np.ndarray]:

@@ -11,7 +11,7 @@ import pytest
 import spacar
 from spacar import Deck
 from spacar.compiled import cases, compiled_evaluator
-from spacar.compiled.library import unavailable
+from spacar.compiled.library import why_off
 from spacar.dynamics import array_evaluator
 from spacar.errors import AnalysisError
 from spacar.simulation import Diagram, Spasim, simulate
@@ -111,7 +111,7 @@ def test_a_light_crank_is_enough_at_the_dead_point(mass: float, compiled: bool) 
     assert r.node(2, 2, "xdd")[0] == pytest.approx(1.0, rel=1e-6)
 
 
-LANES = pytest.mark.skipif(unavailable() is not None, reason="no engine")
+LANES = pytest.mark.skipif(why_off() is not None, reason="no engine")
 
 
 @LANES

@@ -218,7 +218,7 @@ def test_frequencies_about_a_bent_state():
         np.testing.assert_allclose(omega[[0, 1, 3]], truth, rtol=5e-7)
 
 
-@pytest.mark.parametrize("n", [3, 4, 8])
+@pytest.mark.parametrize("n", [3, *(pytest.param(n, marks=pytest.mark.slow) for n in (4, 8))])
 def test_full_circle_and_twist_are_exact(n):
     """M_z = 2 pi EI/L rolls up to a circle; torsion by pi GIt/L turns the end by 180 degrees."""
     result = spacar.run(8, cantilever(n, 1, 1, 1, M=(0, 0, 2 * np.pi), steps=24), beams="angle")

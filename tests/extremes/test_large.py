@@ -68,7 +68,7 @@ def test_accelerations_of_a_thousand_beams(spatial):
     assert inertia == pytest.approx(gravity + support, abs=1e-8)
 
 
-@pytest.mark.parametrize("spatial", [False, True], ids=["planar", "spatial"])
+@pytest.mark.parametrize("spatial", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["planar", "spatial"])
 def test_short_motion_of_a_thousand_beams(spatial):
     """An explicit method below its stability limit (w_max = 70 n^2 sqrt(EI) = 7e4 rad/s): the tip falls by g t^2/2."""
     rows = ("GRAVITY 0. 0. -1." if spatial else "GRAVITY 0. -1.", "TIMESTEP 4e-5 2")

@@ -73,7 +73,7 @@ def test_the_log_says_which_units(folder):
     assert "Coordinates; total force" in (folder / "plain.log").read_text()
 
 
-def test_curves_and_key_results(folder):
+def test_curves(folder):
     """Figures of both files have the same numbers; csv stays in SI."""
     figures = [
         spacar_drawing.plot(folder / n, "x[7,1]", "fxtot[1,2]", "sig[1,4]", "x[8,4]", against="x[7,2]")
@@ -84,16 +84,20 @@ def test_curves_and_key_results(folder):
         for a, b in zip(ours.lines, theirs.lines, strict=True):
             assert a.get_xdata() == pytest.approx(b.get_xdata(), rel=1e-6)
             assert a.get_ydata() == pytest.approx(b.get_ydata(), rel=1e-5, abs=1e-6 * np.abs(b.get_ydata()).max())
-    pages = [spacar_drawing.report(folder / n, ["x[7,1]"], log_lines=0) for n in ("mm", "plain")]
-    rows = [re.search(r"<tr><th>x\[7,1\] \(m?m\)</th>(.*?)</tr>", page) for page in pages]
-    assert rows[0] is not None
-    assert rows[1] is not None
-    assert rows[0][1] == rows[1][1]
     env = Environment(io.StringIO(), io.StringIO(), io.StringIO(), {})
     assert main(["plot", str(folder / "mm"), "x[7,1]", "--csv", "-"], env) == 0
     head, *lines = env.stdout.getvalue().splitlines()
     assert head == 't,"x[7,1] (m)"'
     assert float(lines[-1].split(",")[1]) == pytest.approx(figures[0].axes[0].lines[0].get_ydata()[-1] / 1e3)
+
+
+@pytest.mark.slow  # two pages with all their pictures
+def test_key_results(folder):
+    pages = [spacar_drawing.report(folder / n, ["x[7,1]"], log_lines=0) for n in ("mm", "plain")]
+    rows = [re.search(r"<tr><th>x\[7,1\] \(m?m\)</th>(.*?)</tr>", page) for page in pages]
+    assert rows[0] is not None
+    assert rows[1] is not None
+    assert rows[0][1] == rows[1][1]
 
 
 def test_compliances(folder):

@@ -9,11 +9,11 @@ import pytest
 
 import spacar
 from spacar import Deck, parse_deck
-from spacar.compiled.library import unavailable
+from spacar.compiled.library import why_off
 from spacar.forward.driver import Integrand
 
 DATA = Path(__file__).parents[2] / "data"
-ENGINE = pytest.mark.skipif(unavailable() is not None, reason="no engine")
+ENGINE = pytest.mark.skipif(why_off() is not None, reason="no engine")
 
 
 def cantilever(n: int) -> Deck:

@@ -47,6 +47,7 @@ def steps(tolerance, code=225):
     return out.n_steps, float(np.linalg.norm(out.y - pendulum_reference(4.0)))
 
 
+@pytest.mark.slow
 def test_the_error_of_the_result_is_the_tolerance():
     """It is proportional to the tolerance, with a factor near one; steps of order two grow with the square root."""
     tolerances = (1e-3, 1e-5, 1e-7)

@@ -56,7 +56,7 @@ def test_roots_nearer_than_rounding_are_one(size: float) -> None:
         assert not single(k, 20.0 * residual)  # along u the residual is smaller than its largest component
 
 
-@pytest.mark.parametrize("n", [10, 1000, 10000])
+@pytest.mark.parametrize("n", [10, 1000, pytest.param(10000, marks=pytest.mark.slow)])
 def test_every_position_of_a_long_chain_is_single(n: int) -> None:
     """Smallest singular value about n^-2, down to 2.5e-9 of the norm."""
     rows: list[tuple] = [("PLBEAM", k + 1, 2 * k + 1, 2 * k + 2, 2 * k + 3, 2 * k + 4) for k in range(n)]

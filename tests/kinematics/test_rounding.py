@@ -51,7 +51,7 @@ def test_a_slider_crank_far_from_the_origin(offset: float, direction: tuple[floa
     assert np.abs(r.node(6, 1, "xd") - rate).max() <= 2 * np.pi * L * (16 * EPS * far / R + 1e-10)
 
 
-@pytest.mark.parametrize("compiled", [False, True])
+@pytest.mark.parametrize("compiled", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_a_free_slider_crank_far_from_the_origin(compiled: bool) -> None:
     """Integrated: the crank angle at 1e6 m is that at the origin within the accuracy asked for."""
     dynamics = [

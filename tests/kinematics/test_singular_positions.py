@@ -122,7 +122,7 @@ SPIN = [("XM", 2, 1.0, 0.0, 0.0, 1.0, 0.0, 1.0), ("STARTDX", 2, 4, 0.0, 1.0)]
 
 @pytest.mark.parametrize("mode", [1, 4])
 @pytest.mark.parametrize("compiled", [True, False])
-@pytest.mark.parametrize("steps", [32, 33, 129])
+@pytest.mark.parametrize("steps", [32, 33, pytest.param(129, marks=pytest.mark.slow)])
 def test_one_euler_parameter_as_coordinate_ends_at_half_a_turn(mode: int, compiled: bool, steps: int) -> None:
     """Fixed steps that end near t = pi/2, on either side of it or there: the motion stops, and the message says why."""
     deck = Deck.build(ONE_PARAMETER, [*SPIN, ("TIMESTEP", np.pi, steps), ("INTEGRAT", 140)], mode=mode)
@@ -159,17 +159,19 @@ def test_start_values_that_cannot_be_reached() -> None:
     assert "start values that can be reached" in str(error)
 
 
-@pytest.mark.parametrize(
-    ("rows", "mass"),
-    [
-        ([("PLTRUSS", 1, 1, 2), ("X", 2, 1.0), ("FIX", 1), ("FIX", 2, 2)], 2),
-        ([("TRUSS", 1, 1, 2), ("X", 2, 1.0), ("FIX", 1), ("FIX", 2, 2, 3)], 2),
-        ([("PLBEAM", 1, 1, 2, 3, 4), ("X", 3, 1.0), ("FIX", 1), ("FIX", 2)], 3),
-        ([("BEAM", 1, 1, 2, 3, 4), ("X", 3, 1.0), ("FIX", 1), ("FIX", 2)], 3),
-    ],
-    ids=["PLTRUSS", "TRUSS", "PLBEAM", "BEAM"],
-)
-@pytest.mark.parametrize("driven", [True, False])
+SHORTENED = {
+    "PLTRUSS": ([("PLTRUSS", 1, 1, 2), ("X", 2, 1.0), ("FIX", 1), ("FIX", 2, 2)], 2),
+    "TRUSS": ([("TRUSS", 1, 1, 2), ("X", 2, 1.0), ("FIX", 1), ("FIX", 2, 2, 3)], 2),
+    "PLBEAM": ([("PLBEAM", 1, 1, 2, 3, 4), ("X", 3, 1.0), ("FIX", 1), ("FIX", 2)], 3),
+    "BEAM": ([("BEAM", 1, 1, 2, 3, 4), ("X", 3, 1.0), ("FIX", 1), ("FIX", 2)], 3),
+}
+
+
+@pytest.mark.parametrize(("driven", "rows", "mass"), [
+    pytest.param(driven, *SHORTENED[name], id=f"{driven}-{name}",
+                 marks=[pytest.mark.slow] * (not driven and name in ("PLBEAM", "BEAM", "PLTRUSS")))
+    for driven in (True, False) for name in SHORTENED
+])  # fmt: skip
 def test_an_element_that_is_shortened_to_nothing(rows: list[tuple], mass: int, driven: bool) -> None:
     """1 m with -0.5 m/s: gone at t = 2, prescribed or free."""
     if driven:

@@ -76,19 +76,28 @@ def spatial() -> str:
 MODELS = {"planar": planar, "spatial": spatial, "swinging": lambda: SWINGING + BLOCK.format(tip=7, second="INXP 2 1 1")}
 
 
-@pytest.fixture(params=[(name, mode) for name in MODELS for mode in (4, 9) if (name, mode) != ("swinging", 9)],
+@pytest.fixture(scope="module", params=[(n, m) for n in MODELS for m in (4, 9) if (n, m) != ("swinging", 9)],
                 ids=lambda p: f"{p[0]}-{p[1]}")  # fmt: skip
-def pair(request, monkeypatch, tmp_path):
-    """(sparse, dense) results, both saved."""
+def both(request, tmp_path_factory):
+    """(sparse, dense) results, run and saved once."""
     name, mode = request.param
+    folder = tmp_path_factory.mktemp(f"{name}-{mode}")
     deck = parse_deck(MODELS[name](), mode=mode)
     dense = spacar.run(mode, deck, modes=0)
-    monkeypatch.setattr(linear_modes, "LARGE", 3)
-    sparse = spacar.run(mode, deck)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(linear_modes, "LARGE", 3)
+        sparse = spacar.run(mode, deck)
     for result, where in ((sparse, "sparse"), (dense, "dense")):
-        result.save(tmp_path / where)
+        result.save(folder / where)
     assert "asp" in sparse.frames[0].state_space
-    return sparse, dense, tmp_path
+    return sparse, dense, folder
+
+
+@pytest.fixture
+def pair(both, monkeypatch):
+    """The results, while models are large from three unknowns on."""
+    monkeypatch.setattr(linear_modes, "LARGE", 3)
+    return both
 
 
 def close(found, expected, tolerance=1e-8):

@@ -41,8 +41,10 @@ def used(mode: int, source: Path, **options: float) -> tuple[Mechanism, tuple[np
     return mechanism, results(mode, mechanism)
 
 
-@pytest.mark.parametrize("how", COPIES)
-@pytest.mark.parametrize(("mode", "name", "options"), CASES)
+@pytest.mark.parametrize(("mode", "name", "options", "how"), [
+    pytest.param(*case, how, marks=[pytest.mark.slow] * (case[1] == "robotinv" and how != "pickled"))
+    for case in CASES for how in COPIES
+])  # fmt: skip
 def test_a_copy_of_a_used_mechanism_runs(mode: int, name: str, options: dict[str, float], how: str) -> None:
     mechanism, expected = used(mode, DATA / f"{name}.dat", **options)
     for got, right in zip(results(mode, COPIES[how](mechanism)), expected, strict=True):

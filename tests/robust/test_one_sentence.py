@@ -191,7 +191,8 @@ READERS = [
 
 
 IDENTS = ["LNP", "LE", "LN", "NX", "NE", "NXP", "NEP", "MODE", "NDOF", "IT", "KDEF"]
-LONG = {("report", ident) for ident in ("LE", "LN", "NDOF", "IT", "KDEF")} | {("visual", "IT"), ("visual", "KDEF")}
+LONG = {("report", ident) for ident in ("LNP", "LE", "LN", "NDOF", "IT", "KDEF")}
+LONG |= {("visual", ident) for ident in ("IT", "KDEF", "NDOF")} | {("draw", "IT"), ("draw", "KDEF")}
 
 
 @pytest.mark.parametrize(("ident", "words"), [

@@ -85,7 +85,7 @@ def results(tmp_path_factory):
 
 
 @pytest.mark.parametrize("words", [
-    pytest.param(words, id=kind, marks=[pytest.mark.slow] * (kind in ("html", "gif", "plot")))
+    pytest.param(words, id=kind, marks=[pytest.mark.slow] * (kind in ("html", "gif", "plot", "png")))
     for kind, words in OUTPUTS.items()
 ])  # fmt: skip
 def test_a_full_disk_leaves_the_old_file_and_no_other(results, words):

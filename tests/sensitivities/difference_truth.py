@@ -9,16 +9,20 @@ import numpy as np
 
 import spacar
 from spacar import Deck
+from spacar.sensitivities.parameters import deck_numbers
+from spacar.studies.assignments import change
 
 
 def extrapolated(deck: Deck, names: Sequence[str], quantities: Sequence[str], direction: np.ndarray, step: float,
                  orders: int = 2) -> np.ndarray:  # fmt: skip
     """d quantities / d s (quantities,) where the parameters are p + s direction: central differences with the steps
     step/2^k, extrapolated to an error of step^(2 orders)."""
-    start = spacar.sensitivity(deck, names, []).parameter_values
+    deck, numbers = deck_numbers(deck, names)
+    start = np.array([n.value for n in numbers])
 
     def at(s: float) -> np.ndarray:
-        return spacar.sensitivity(deck, names, quantities, at=start + s * direction).values
+        moved = change(deck, [n.setting for n in numbers], (start + s * direction).tolist())
+        return spacar.sensitivity(moved, [], quantities).values  # of the values alone: without any derivative
 
     rows = [(at(h) - at(-h)) / (2.0 * h) for h in (step / 2.0**k for k in range(orders))]
     for k in range(1, orders):

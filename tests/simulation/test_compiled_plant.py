@@ -14,11 +14,11 @@ import pytest
 from spacar_cli.environment import Environment
 from spacar_cli.main import main
 
-from spacar.compiled.library import unavailable
+from spacar.compiled.library import why_off
 from spacar.simulation.plant import Spasim
 
 DATA = Path(__file__).parents[2] / "data"
-pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
+pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 MODEL = "TRUSS 1 1 2\nX 2 0. 0. 1.\nFIX 1\nDYNX 2 1 2\nDYNE 1 1\nEND\nHALT\nXM 2 2.\nESTIFF 1 50.\nEDAMP 1 0.3\n"
 INPUTS = "END\nHALT\nINPUTS 1 1 1\nINPUTF 2 2 1\n"
 OUTPUTS = "OUTE 1 1 1\nOUTEP 2 1 1\nOUTEDP 3 1 1\nOUTX 4 2 1\nOUTXP 5 2 2\nOUTXDP 6 2 1\nEND\nEND\n"

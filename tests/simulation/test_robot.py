@@ -38,6 +38,7 @@ def test_static_moments_give_no_acceleration():
     assert y[6:9] == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_closed_loop_stays_within_a_millimetre(robot):
     nominal, linear = robot
     law = computed_torque(nominal, linear, 28.0, 0.85, positions=[1, 2, 3], rates=[4, 5, 6], hold=True)

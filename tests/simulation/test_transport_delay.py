@@ -30,7 +30,7 @@ def by_steps(t):
     return sum((-1) ** k * max(t - k + 1.0, 0.0) ** k / factorial(k) for k in range(1, 7)) + 1.0
 
 
-@pytest.mark.parametrize("code", [155, 853, 553])
+@pytest.mark.parametrize("code", [155, 853, pytest.param(553, marks=pytest.mark.slow)])
 def test_a_loop_with_a_delay_follows_the_method_of_steps(code):
     d = Diagram().add(Integrator("x", 1.0), Gain("minus", -1.0), TransportDelay("late", 1.0, 1.0))
     d.connect("x", "late").connect("late", "minus").connect("minus", "x")
@@ -39,7 +39,7 @@ def test_a_loop_with_a_delay_follows_the_method_of_steps(code):
     assert np.allclose(found, [by_steps(t) for t in TIMES], rtol=0.0, atol=1e-8)
 
 
-@pytest.mark.parametrize("lag", [0.003, 0.25, 1.0 / 3.0, 7.0])
+@pytest.mark.parametrize("lag", [0.003, 1.0 / 3.0, *(pytest.param(s, marks=pytest.mark.slow) for s in (0.25, 7.0))])
 def test_a_fast_signal_comes_out_later(lag):
     d = Diagram().add(Sine("s", 2.0, 5.0), TransportDelay("late", lag, -1.0)).connect("s", "late")
     found = simulate(d, TIMES, **TIGHT)["late"][:, 0]

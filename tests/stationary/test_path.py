@@ -44,7 +44,7 @@ def falls_quadratically(values: list[float], exact: float) -> None:
     assert fine < 2e-3 * abs(exact)
 
 
-@pytest.mark.parametrize("d", [-0.01, 0.01])
+@pytest.mark.parametrize("d", [-0.01, pytest.param(0.01, marks=pytest.mark.slow)])
 def test_cross_hinge_against_exact_rods(d):
     EA, EI = models.section(2e-4)
     exact = rods.two_leaves(models.CROSS, CROSS_BODY, EA, EI, 0.1 + d * np.linspace(0.1, 1.0, 10), False)
@@ -59,7 +59,7 @@ def test_turned_cross_hinge_against_exact_rods():
     falls_quadratically(moments, exact)
 
 
-@pytest.mark.parametrize("t", [2e-4, 1e-3])
+@pytest.mark.parametrize("t", [2e-4, pytest.param(1e-3, marks=pytest.mark.slow)])
 def test_parallel_guide_against_exact_rods(t):
     EA, EI = models.section(t)
     exact = rods.two_leaves(models.GUIDE, GUIDE_BODY, EA, EI, np.linspace(0.002, 0.02, 10), False)
@@ -108,7 +108,7 @@ def test_prescribed_load_stops_at_the_limit_point():
     assert errors[1] < 0.01
 
 
-@pytest.mark.parametrize("steps", [1, 5, 25])
+@pytest.mark.parametrize("steps", [5, *(pytest.param(n, marks=pytest.mark.slow) for n in (1, 25))])
 def test_path_beyond_the_limit_point_when_asked(steps):
     """P = 2.5 after the snap-through: v = 93.21722 by exact rods; 10 elements a bar are 0.073 away, 40 a sixteenth."""
     text, p = models.lee(2.5, steps, 10, follow=1)

@@ -36,7 +36,9 @@ CASES = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", [
+    pytest.param(n, marks=[pytest.mark.slow] * (n in ("move", "spatial", "spatial moment"))) for n in CASES
+])  # fmt: skip
 def test_the_same_numbers_without_dense_matrices(name, monkeypatch):
     """Every column. What the dense matrices lose is up to cond^2 eps, of the place of a far pole more."""
     source, asked = CASES[name]

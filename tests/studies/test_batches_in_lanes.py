@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.compiled.library import lanes_of_processor, unavailable
+from spacar.compiled.library import lanes_of_processor, why_off
 from spacar.deck import read_deck
 from spacar.studies import batched_cases, workers
 from spacar.studies.assignments import change, setting
 from spacar.studies.ensemble import ensemble, why_not
 
 DATA = Path(__file__).parents[2] / "data"
-pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
+pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 OPTIONS = {"duration": 0.3, "n_steps": 3, "rtol": 1e-7, "atol": 1e-7}
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.compiled.library import unavailable
+from spacar.compiled.library import why_off
 from spacar.deck import read_deck
 from spacar.forward.driver import ITERATED, POSITION, Tolerances
 from spacar.kinematics.kinematics import CONVERGED
@@ -17,7 +17,7 @@ from spacar.studies.ensemble import ensemble
 ROBOT = Path(__file__).parents[2] / "data" / "robotsim.dat"
 
 
-@pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
+@pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 def test_a_batch_of_one_is_a_single_run():
     """The steps are the same ones, so the results agree to the rounding of a step (1e-12 of the size, 1e3 eps)."""
     options = {"duration": 0.05, "n_steps": 3, "integrator": 155}

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from spacar.compiled.library import unavailable
+from spacar.compiled.library import why_off
 from spacar.deck import Deck
 from spacar.errors import UsageError
 from spacar.studies.judged import assess, recommend, reference, reference_setups
@@ -258,7 +258,8 @@ def test_the_methods_of_the_reference_can_be_chosen(deck):
             reference_setups(trade, (1,), 1e-4, wrong)
 
 
-@pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
+@pytest.mark.slow
+@pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 def test_compiled_runs_give_the_same_errors(call):
     words = ("trade", "robotsim", "--time", "0.1", "--steps", "2", "-t", "1e-3,1e-5", "-i", "155", "--json")
     errors = []

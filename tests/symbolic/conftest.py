@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
@@ -22,9 +22,16 @@ class Arm:
     link1: Any
     link2: Any
     values: dict[str, float]
+    derived: dict[str, Any] = field(default_factory=dict)
+
+    def equations(self, strategy: str) -> Any:
+        """Derived once."""
+        if strategy not in self.derived:
+            self.derived[strategy] = self.system.derive(strategy)
+        return self.derived[strategy]
 
     def program(self, strategy: str) -> Any:
-        return self.system.derive(strategy).program({"tip1": self.link1.tip.u, "tip2": self.link2.tip.u})
+        return self.equations(strategy).program({"tip1": self.link1.tip.u, "tip2": self.link2.tip.u})
 
 
 @cache

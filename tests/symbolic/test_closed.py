@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from spacar.errors import AnalysisError, UsageError
+from spacar.errors import AnalysisError
 from spacar.symbolic import MultibodySystem, beam_shapes
 from spacar.symbolic.compiled_program import CompiledFunction, compiler
 
@@ -200,7 +200,8 @@ BEAMS = [
 
 def is_slow(kind, spatial, shortening, strategy):
     few = ("close",) if shortening else ("close", "knife")
-    return (spatial and strategy == "held") or ((spatial or shortening) and kind not in few)
+    both = shortening and (spatial or strategy == "held")
+    return both or (spatial and strategy == "held") or ((spatial or shortening) and kind not in few)
 
 
 @pytest.mark.parametrize(("spatial", "shortening", "strategy", "kind"), [
@@ -230,8 +231,10 @@ def test_constraint_on_a_flexible_section(kind, spatial, shortening, strategy):
         assert abs(mp.mpf(str(got["force"])) - expected[n]) < 1e-25 * abs(expected[n])
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("strategy", ["held", "recursive"])
+@pytest.mark.parametrize(("strategy", "kind"), [
+    pytest.param(strategy, kind, marks=[pytest.mark.slow] * (kind in ("velocity", "knife") or strategy == "held"))
+    for strategy in ("held", "recursive") for kind in KINDS
+])  # fmt: skip
 def test_check_sees_energy_and_constraints(kind, strategy):
     """30 digits leave 1e-28; without the field columns of J this check gave 0.92."""
     check = model(kind, False, True, strategy)[2].check()
@@ -253,8 +256,9 @@ def test_wrong_columns_do_not_pass_the_check():
         broken.check().demand()
 
 
-@pytest.mark.parametrize("strategy", [pytest.param("held", marks=pytest.mark.slow), "recursive"])
-@pytest.mark.parametrize("shortening", [False, pytest.param(True, marks=pytest.mark.slow)])
+@pytest.mark.slow  # test_check_sees_energy_and_constraints is the fast one
+@pytest.mark.parametrize("strategy", ["held", "recursive"])
+@pytest.mark.parametrize("shortening", [False, True])
 def test_energy_of_the_closed_slider_crank(strategy, shortening):
     """Without dissipation; 1e-9 of the energy at rtol 1e-10."""
     S, rod, eq = model("close", False, shortening, strategy)
@@ -267,150 +271,6 @@ def test_energy_of_the_closed_slider_crank(strategy, shortening):
     assert np.max(np.abs(run["gap"])) < 1e-15
     assert "assembled" in run.notes[0]
     assert "phi" not in run.notes[0].split("w")[0]  # the rod stays straight, its angle closes the loop
-
-
-# -- closed loops -------------------------------------------------------------------------------------------------
-
-
-def four_bar():
-    S = MultibodySystem(gravity=(0, "-g", 0))
-    B, tips = S.O, []
-    at = S.O
-    for k, length in enumerate(("a", "b", "c"), 1):
-        q, _ = S.coordinate(f"q{k}", speed=f"w{k}")
-        frame = S.frame(f"B{k}", S.N, 3, q)
-        L = S.expression(length)
-        S.rigid_body(
-            f"bar{k}",
-            frame,
-            S.point(f"G{k}", at, L / 2 * frame[1]),
-            f"m{k}",
-            (0, 0, S.expression(f"m{k}*{length}**2/12")),
-        )
-        at = S.point(f"P{k}", at, L * frame[1])
-        tips.append(at)
-    ground = S.point("D", S.O, S.expression("d") * S.N[1])
-    forces = S.close(at, ground)
-    return S, tips, forces, B
-
-
-BAR = {"g": 9.81, "a": 0.1, "b": 0.3, "c": 0.25, "d": 0.28, "m1": 1.0, "m2": 2.0, "m3": 1.5}
-
-
-def test_four_bar_turns_through_every_choice_of_dependent_speeds():
-    """Full turns of the crank: each of the three speeds passes through zero, so no fixed choice would do."""
-    S, _, forces, _ = four_bar()
-    assert len(forces) == 2  # the direction out of the plane is left out
-    eq = S.derive("recursive")
-    program = eq.program({"E": sum(eq.energy())})
-    run = program.simulate(
-        BAR,
-        {"q1": 1.0, "w1": 12.0},
-        guess={"q2": 0.5, "q3": -1.0},
-        t_end=2.0,
-        steps=100,
-        integrator="dop853",
-        rtol=1e-10,
-    )
-    assert run["q1"][-1] > 4 * np.pi
-    assert np.min(np.abs(run["w3"])) < 0.3
-    assert np.min(run["w3"]) < 0 < np.max(run["w3"])
-    assert np.ptp(run["E"]) < 1e-8 * np.max(np.abs(run["E"]))
-    # the loop closes: vector sum of the bars
-    x = sum(BAR[k] * np.cos(run[f"q{i}"]) for i, k in enumerate("abc", 1))
-    y = sum(BAR[k] * np.sin(run[f"q{i}"]) for i, k in enumerate("abc", 1))
-    assert np.max(np.abs(x - BAR["d"])) < 1e-14
-    assert np.max(np.abs(y)) < 1e-14
-
-
-def test_reactions_and_accelerations_are_outputs():
-    """Newton's law of the whole four-bar: force of the ground at D is what the bars' centres need less the crank's pin.
-
-    Moments about O of all bars (own formula): Σ (r × m (a − g) + I α) = D × F.
-    """
-    S, _, forces, _ = four_bar()
-    N = S.N
-    eq = S.derive("held")
-    outputs = {"fx": forces[0], "fy": forces[1]}
-    for k, body in enumerate(S.bodies, 1):
-        acceleration = S.ddt(N, body.point.velocity)
-        outputs |= {f"ax{k}": acceleration & N[1], f"ay{k}": acceleration & N[2], f"al{k}": f"w{k}_dot"}
-        outputs |= {f"x{k}": body.point.position & N[1], f"y{k}": body.point.position & N[2]}
-    run = eq.program(outputs).simulate(
-        BAR, {"q1": 1.0, "w1": 12.0}, guess={"q2": 0.5, "q3": -1.0}, t_end=0.1, steps=4, rtol=1e-9
-    )
-    moment = 0.0
-    for k, length in enumerate("abc", 1):
-        m = BAR[f"m{k}"]
-        moment += m * (run[f"x{k}"] * (run[f"ay{k}"] + BAR["g"]) - run[f"y{k}"] * run[f"ax{k}"])
-        moment += m * BAR[length] ** 2 / 12 * run[f"al{k}"]
-    # the force acts on P3, which is at D = (d, 0)
-    assert moment == pytest.approx(BAR["d"] * run["fy"], rel=1e-10)
-    # rates of change of the angular speeds, by differences of the run itself
-    fine = eq.program({"al": "w2_dot"}).simulate(
-        BAR, {"q1": 1.0, "w1": 12.0}, guess={"q2": 0.5, "q3": -1.0}, t_end=2e-4, steps=2, rtol=1e-10
-    )
-    assert fine["al"][1] == pytest.approx((fine["w2"][2] - fine["w2"][0]) / 2e-4, rel=1e-5)
-
-
-def test_linearized_closed_loop_against_the_time_series():
-    """A four-bar hung up as a pendulum: frequency of small swings from K0/M0 and from zero crossings of a run."""
-    S, _, _, _ = four_bar()
-    eq = S.derive("recursive")
-    values = BAR | {"a": 0.2, "c": 0.2, "b": 0.28, "m2": 5.0}
-    at = {"q1": -np.pi / 2, "q2": 0.0, "q3": np.pi / 2}
-    lin = eq.linearize(values, at)
-    # all centres move on circles of radius 0.2 (bar 2) and 0.1: closed form of the parallelogram
-    m1, m2, m3 = values["m1"], values["m2"], values["m3"]
-    inertia = (m1 + m3) * 0.2**2 / 3 + m2 * 0.2**2
-    stiffness = 9.81 * ((m1 + m3) * 0.1 + m2 * 0.2)
-    assert len(lin.names) == 1
-    assert abs(lin.eigenvalues()[0]) == pytest.approx(np.sqrt(stiffness / inertia), rel=1e-12)
-    with pytest.raises(UsageError, match="does not satisfy"):
-        eq.linearize(values, at | {"q2": 0.3})
-
-
-def test_position_constraint_in_words():
-    """sin(a) − 1/2 = 0 holds the angle at 30 degrees: no motion, the force balances gravity."""
-    S = MultibodySystem(gravity=(0, "-g", 0))
-    a, _ = S.coordinate("a", speed="w")
-    x, _ = S.coordinate("x", speed="v")
-    A = S.frame("A", S.N, 3, a)
-    S.particle("P", S.point("P", S.O, (1 + x) * A[1]), "m")
-    S.constraint("sin(a) - 1/2", name="stop")
-    program = S.derive().program({"F": "stop_force"})
-    run = program.simulate({"g": 9.81, "m": 2.0}, {}, guess={"a": 0.4}, t_end=0.1, steps=2)
-    assert run["a"] == pytest.approx(np.pi / 6, abs=1e-14)
-    # generalized force about O: λ cos a = m g (1 + x) cos a + 2 m (1 + x) v · 0
-    assert run["F"] == pytest.approx(2.0 * 9.81 * (1 + run["x"]), rel=1e-10)
-    assert run["x"][-1] == pytest.approx(-9.81 * 0.5 * 0.1**2 / 2, rel=1e-6)
-
-
-def test_open_loops_and_empty_constraints_are_refused():
-    S, _, _, _ = four_bar()
-    program = S.derive("recursive").program()
-    with pytest.raises(UsageError, match=r"close1_1 is open by .* leave one of them out"):
-        program.simulate(BAR, {"q1": 1.0, "q2": 0.5, "q3": -1.0}, t_end=1.0)
-    with pytest.raises(UsageError, match="cannot be closed"):
-        program.simulate(BAR | {"d": 1.0}, {"q1": 1.0}, t_end=1.0)
-    with pytest.raises(UsageError, match="violated at a rate"):
-        program.simulate(BAR, {"q1": 1.0, "w1": 1.0, "w2": 1.0, "w3": 0.0}, guess={"q2": 0.5, "q3": -1.0}, t_end=1.0)
-    with pytest.raises(UsageError, match="constrains nothing"):
-        S.constraint("a - b")
-    with pytest.raises(UsageError, match="coincide in every configuration"):
-        S.close(S.O, S.O)
-    with pytest.raises(UsageError, match="take the component"):
-        S.constraint(S.N[1])
-
-
-def test_rounded_start_values_are_moved_with_a_warning():
-    S, _, _, _ = four_bar()
-    program = S.derive("recursive").program()
-    exact = program.simulate(BAR, {"q1": 1.0}, guess={"q2": 0.5, "q3": -1.0}, t_end=0.01, steps=1)
-    start = {name: round(float(exact[name][0]), 6) for name in ("q1", "q2", "q3")}
-    run = program.simulate(BAR, start, t_end=0.01, steps=1)
-    assert any(note.startswith("warning") for note in run.notes)
-    assert run["q2"][0] == pytest.approx(exact["q2"][0], abs=2e-6)
 
 
 @pytest.mark.skipif(compiler() is None, reason="no C compiler")

@@ -138,7 +138,7 @@ def test_rigid_examples_move_as_in_mode_1(folder, name, options):
     assert "the parts are rigid" in out
 
 
-@pytest.mark.parametrize("text", [LOOP, SLIDER], ids=["loop", "slider"])
+@pytest.mark.parametrize("text", [pytest.param(LOOP, marks=pytest.mark.slow), SLIDER], ids=["loop", "slider"])
 def test_loops_and_sliders_move_as_in_mode_1(folder, text):
     (folder / "m.dat").write_text(text)
     status, out, err = spacar("symbolic", "export", "m.dat")

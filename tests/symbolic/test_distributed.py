@@ -53,7 +53,7 @@ def arm(load=None, gravity=True, **options):
     return S, beam
 
 
-@pytest.mark.parametrize("strategy", STRATEGIES)
+@pytest.mark.parametrize("strategy", [pytest.param("held", marks=pytest.mark.slow), "recursive"])
 def test_weight_written_as_a_load_is_gravity(strategy):
     first, _ = arm()
     second, _ = arm(lambda S, B: S.vector((0, "-rho*g", 0), S.N), gravity=False)
@@ -94,7 +94,7 @@ def _slope(k, x, L):
     return 2 * x / L**2 if k == 0 else 18 * x**2 / L**3 - 10 * x / L**2
 
 
-@pytest.mark.parametrize("strategy", STRATEGIES)
+@pytest.mark.parametrize("strategy", [pytest.param("held", marks=pytest.mark.slow), "recursive"])
 def test_power_of_a_load_that_follows_and_depends_on_speed(strategy):
     S, _ = arm(lambda S, B: S.vector(("p*x", "-c*s*x**2 + sin(t)", 0), B), bends=2)
     assert S.derive(strategy).check().error < 1e-25

@@ -141,7 +141,7 @@ def test_accelerations_of_the_mass_points_are_equation_8(arm):
 
 def test_first_equation_is_held_in_six_dots(arm):
     """n2·b1i, n2·b2i and b1i·b2j; the transformed equation has none and three joint angles."""
-    eq = arm().system.derive("held")
+    eq = arm().equations("held")
     dots = {str(d) for d in eq.held[0].atoms(HeldScalar)}
     assert dots == {"n2.b11", "n2.b12", "n2.b21", "n2.b22", *(f"b1{i}.b2{j}" for i in (1, 2) for j in (1, 2))}
     after = eq.transform()[0]
@@ -175,7 +175,7 @@ def test_deriving_twice_gives_the_same_text(arm):
 def test_energy_balance_and_positive_mass(arm):
     """dE/dt by the chain rule equals the power of torques and damping to the 30 digits computed."""
     for strategy in ("held", "recursive"):
-        check = arm().system.derive(strategy).check()
+        check = arm().equations(strategy).check()
         assert check.positive
         assert check.energy_error < 1e-27
 
@@ -183,7 +183,7 @@ def test_energy_balance_and_positive_mass(arm):
 @pytest.mark.slow
 def test_printed_model_violates_no_balance_but_the_boundary(arm):
     """Damping without its boundary term is still a power in the balance: the check holds, the sign is the slip."""
-    assert arm(reaction="root", boundary=False).system.derive("recursive").check().energy_error < 1e-27
+    assert arm(reaction="root", boundary=False).equations("recursive").check().energy_error < 1e-27
 
 
 def test_operation_counts(programs, arm):

@@ -53,9 +53,10 @@ def ritz(family: str, number: int) -> np.ndarray:
     return np.sqrt(eigh(K, M, eigvals_only=True))
 
 
-@pytest.mark.parametrize("strategy", ["held", "recursive"])
-@pytest.mark.parametrize("family", ["pinned", "guided", "free"])
-@pytest.mark.parametrize("number", [3, 5])
+@pytest.mark.parametrize(("number", "family", "strategy"), [
+    pytest.param(number, family, strategy, marks=[pytest.mark.slow] * (number == 5 and strategy == "held"))
+    for number in (3, 5) for family in ("pinned", "guided", "free") for strategy in ("held", "recursive")
+])  # fmt: skip
 def test_frequencies_of_a_family(family, strategy, number):
     S = MultibodySystem()
     L, rho, EI = S.parameters("L rho EI")

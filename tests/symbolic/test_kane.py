@@ -133,7 +133,7 @@ def test_rolling_disk_without_multipliers(strategy):
     assert_same(rolling_disk().derive(strategy), kane_disk())
 
 
-@pytest.mark.parametrize("strategy", STRATEGIES)
+@pytest.mark.parametrize("strategy", [pytest.param("held", marks=pytest.mark.slow), "recursive"])
 def test_rolling_disk_by_elimination_is_the_same(strategy):
     """Five speeds, rolling as two constraints: ẋ and ẏ of the centre become dependent; E_i + Aᵀ E_d = 0."""
     S = MultibodySystem(gravity=("0", "0", "-g"))
@@ -270,7 +270,7 @@ def kane_chain(n):
     return from_kanes_method(kane)
 
 
-@pytest.mark.parametrize("strategy", STRATEGIES)
+@pytest.mark.parametrize("strategy", [pytest.param("held", marks=pytest.mark.slow), "recursive"])
 def test_spatial_chain_of_two_links(strategy):
     assert_same(chain(2).derive(strategy), kane_chain(2))
 

@@ -95,7 +95,7 @@ def test_a_start_is_scaled_and_a_zero_one_refused():
         simulated((1, 2, 3), (0.1, 0, 0), (0, 0, 0, 0), 0.1)
 
 
-@pytest.mark.parametrize("strategy", ["held", "recursive"])
+@pytest.mark.parametrize("strategy", [pytest.param("held", marks=pytest.mark.slow), "recursive"])
 def test_a_heavy_top_moves_as_with_three_angles(strategy):
     """One top by a quaternion and by angles 313; its mass centre stays together, its energy too."""
     values = {"g": 9.81, "L": 0.3, "m": 1.2, "J1": 0.05, "J2": 0.06, "J3": 0.02}

@@ -76,8 +76,8 @@ def simulate(program, values, rows, rtol, **options):
     return program.simulate(values, {"q1": -0.5, "q4": 0.5}, t_end=times[-1], at=times, rtol=rtol, atol=atol, **options)
 
 
-@pytest.mark.parametrize("t_end", [10.0, pytest.param(40.0, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("case", ["R0", "R1", "E1", "H0"])
+@pytest.mark.parametrize("t_end", [3.0, pytest.param(40.0, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("case", ["R0", "R1", *(pytest.param(c, marks=pytest.mark.slow) for c in ("E1", "H0"))])
 def test_reference_motion(programs, arm, case, t_end):
     """8 digits of the largest values at all times; at rtol 1e-11 the error grows to 3e-9 over 40 s (H0 swings on)."""
     text, change = CASES[case]
@@ -122,13 +122,13 @@ def test_printed_equations_shake(programs, arm):
 def test_spectra_at_rest(arm):
     """R0: slowest pair −1.6465 ± 2.5i and massless hubs −6.41e4; printed equations: +31.9 ± 4684i (unstable)."""
     values = arm().values | {"g": 0.0}
-    good = arm().system.derive("recursive").linearize(values, {"q1": 0.5})
+    good = arm().equations("recursive").linearize(values, {"q1": 0.5})
     w = good.eigenvalues()
     assert w[0] == pytest.approx(-1.6465 - 2.5098j, abs=1e-3) or w[0] == pytest.approx(-1.6465 + 2.5098j, abs=1e-3)
     assert w[-1].real == pytest.approx(-6.41e4, rel=1e-3)
     assert np.max(w.real) < -1.6
     assert np.allclose(good.M0, good.M0.T, rtol=0, atol=0)
-    bad = arm(reaction="root", boundary=False).system.derive("recursive").linearize(values, {"q1": 0.5})
+    bad = arm(reaction="root", boundary=False).equations("recursive").linearize(values, {"q1": 0.5})
     worst = bad.eigenvalues()[np.argmax(bad.eigenvalues().real)]
     assert worst.real == pytest.approx(31.9, abs=0.1)
     assert abs(worst.imag) == pytest.approx(4684, abs=1)

@@ -79,7 +79,7 @@ def test_against_beam_elements_of_the_core(driven):
     assert block[4] < 2e-5
 
 
-@pytest.mark.slow  # test_closed.py::test_energy_of_the_closed_slider_crank is the fast one
+@pytest.mark.slow  # test_closed.py::test_check_sees_energy_and_constraints is the fast one
 def test_free_crank_keeps_its_energy(tmp_path):
     """Without the drive, with an inertia on the crank: the loop closes and energy is kept to 1e-9."""
     text = (DATA / "symbolic" / "slider_crank.toml").read_text()

@@ -25,7 +25,7 @@ def pendulum():
 
 def test_strong_form_is_the_beam_equation_with_its_boundary_conditions(arm):
     """EI u'''' + ρ a·b2 − f·b2 − 2γ u_xxt = 0; the free end has no load, the end of beam 1 has E."""
-    eq = arm().system.derive("held")
+    eq = arm().equations("held")
     last = eq.strong_form(arm().link2)
     u = arm().link2.fields[0].function
     EI, gam, rho, g = sp.symbols("EI gam rho g", real=True)
@@ -40,7 +40,7 @@ def test_strong_form_is_the_beam_equation_with_its_boundary_conditions(arm):
     with pytest.raises(UsageError, match="no bending field 'w'"):
         eq.strong_form(arm().link1, "w")
     with pytest.raises(UsageError, match="vector notation"):
-        arm().system.derive("recursive").strong_form(arm().link1)
+        arm().equations("recursive").strong_form(arm().link1)
 
 
 def test_inputs_without_law_are_fed_by_functions():

@@ -168,6 +168,8 @@ def _settings(run: Run) -> list[str]:
     lines += [*third, "", *step_sections.definitions(mechanism)] if third else []
     if mode.integrated:
         lines += step_sections.integration(mechanism, run.header.get("engine"))
+    elif "engine" in run.header:
+        lines += [*step_sections.engine(run.header["engine"]), ""]
     if mode.stationary:
         lines += step_sections.iteration(mechanism)
     if run.nominal is not None:

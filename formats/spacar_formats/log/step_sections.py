@@ -97,8 +97,13 @@ def transfer_functions(run: Run, frame: Frame) -> list[str]:
     return lines
 
 
-def integration(mechanism: Mechanism, engine: tuple[str, str] | None = None) -> list[str]:
-    """Name of the integrator and its accuracy settings; which engine evaluates, on what level or why."""
+def engine(found: tuple[str, str]) -> list[str]:
+    """Which engine evaluates, on what level or why."""
+    return [f"Engine: {found[0]} ({found[1]})"]
+
+
+def integration(mechanism: Mechanism, evaluated_by: tuple[str, str] | None = None) -> list[str]:
+    """Name of the integrator and its accuracy settings; the engine."""
     s = mechanism.settings
     method = METHODS.get(s.integrator)
     lines = [f"Integrator: INTEGRAT {s.integrator}, {method.name if method else 'unknown'}"]
@@ -111,8 +116,8 @@ def integration(mechanism: Mechanism, engine: tuple[str, str] | None = None) -> 
         lines.append("No TIMESTEP: only the initial state is analysed")
     else:
         lines.append(f"Duration {real(s.duration)} s in {s.n_steps} output steps")
-    if engine is not None:
-        lines.append(f"Engine: {engine[0]} ({engine[1]})")
+    if evaluated_by is not None:
+        lines += engine(evaluated_by)
     return [*lines, ""]
 
 

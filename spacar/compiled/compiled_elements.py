@@ -1,0 +1,198 @@
+"""Element families whose functions are those of the engine: the contract of `spacar.elements.family` in C.
+
+One call evaluates all elements of a batch. What depends on numbers of the elements only (stiffness, lumped inertia,
+limits) is that of the NumPy family, which also answers where there is no function in C: complex numbers, and several
+cases on a further axis. Both give the same results to rounding (tests/compiled/test_compiled_elements.py).
+"""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from spacar.arrays import Array
+from spacar.compiled.compiled_model import why_general
+from spacar.compiled.element_parameters import GUARD, SUPPORTED
+from spacar.compiled.library import CElements, element_functions, engine, level
+from spacar.elements.family import Configuration, Family, Internal, Trouble
+from spacar.mechanism.mechanism import Mechanism
+from spacar.stream import Run
+
+FACTS = (
+    "n_coordinates", "n_deformations", "slips", "position_rows", "constant_gradient", "constant_mass", "has_mass",
+    "measure", "keyword", "numbers", "length", "frame_p", "frame_q", "data",
+)  # fmt: skip
+DOUBLE = ctypes.c_double * 1
+
+
+@dataclass(eq=False)
+class Place:
+    """Where a batch is: x (n_coordinates, n), `near`; the configuration of the NumPy family when it was needed."""
+
+    x: Array
+    near: Array
+    general: Configuration = None
+
+
+def mechanism_of(run: Run) -> Mechanism:
+    """The mechanism of a run with its elements in C where that is possible; the header says which, and why."""
+    reason = why_general(run.mechanism)
+    run.header["engine"] = ("compiled", level()) if reason is None else ("general", reason)
+    return with_compiled_elements(run.mechanism) if reason is None else run.mechanism
+
+
+def with_compiled_elements(mechanism: Mechanism) -> Mechanism:
+    """The mechanism with the functions of the engine in the place of those of the families that have them there."""
+    batches = []
+    for b in mechanism.batches:
+        family = compiled_family(b.family) if b.family.n_deformations or b.family.has_mass else b.family
+        batches.append(b if family is b.family else replace(b, family=family))
+    return replace(mechanism, batches=tuple(batches))
+
+
+def compiled_family(family: Family) -> Family:
+    """The family with functions of the engine; itself where the engine has none for it."""
+    if isinstance(family, CompiledElements) or family.form not in SUPPORTED:
+        return family
+    name, parameters_of = SUPPORTED[family.form]
+    kind, count = engine().kinds.get(name, (-1, 0))
+    parameters = parameters_of(family)
+    if count != len(parameters) or parameters.dtype != float:
+        return family
+    return CompiledElements(family, kind, parameters)
+
+
+class CompiledElements(Family):
+    """All elements of one family, in C. `general` is the NumPy family, `kind` the number of the type in C."""
+
+    def __init__(self, general: Family, kind: int, parameters: Array) -> None:
+        for name in FACTS:
+            if hasattr(general, name):
+                setattr(self, name, getattr(general, name))
+        self.general = general
+        self._parameters = np.ascontiguousarray(parameters)
+        sizes = general.n, general.n_coordinates, general.n_deformations, len(parameters)
+        self._c = CElements(kind, *sizes, self._parameters.ctypes.data)
+        self._at = ctypes.c_void_p(ctypes.addressof(self._c))
+        self._shape = (general.n_coordinates, general.n)
+        self._call = element_functions()
+        self._limited = type(general).troubles is not Family.troubles
+
+    def __getattr__(self, name: str) -> Any:
+        """What else the NumPy family has: the parameters of its type."""
+        if name == "general":  # not yet there: copying and pickling ask
+            raise AttributeError(name)
+        return getattr(self.general, name)
+
+    def __reduce__(self) -> Any:
+        return compiled_family, (self.general,)
+
+    def with_flow(self, flow: Array) -> Family:
+        """The same with other mass flows (n,); types that carry a fluid only."""
+        return compiled_family(self.general.with_flow(flow))  # type: ignore[attr-defined]
+
+    # -- deformations -------------------------------------------------------------------------------------------
+    def strain(self, x: Array, near: Array, e: Array, V: Array) -> Configuration:
+        if x.shape != self._shape or x.dtype != float or e.dtype != float:
+            return self.general.strain(x, near, e, V)
+        place = Place(x.copy(), near.copy())
+        if self.n_deformations:
+            self._call.strain(self._at, _at(place.x), _at(place.near), _at(e), _at(V))
+        return place
+
+    def convective_strain(self, c: Configuration, v: Array, out: Array) -> None:
+        if self._here(c, v):
+            self._call.convective(self._at, _at(c.x), _at(v), _at(out))
+        else:
+            self.general.convective_strain(self._general(c), v, out)
+
+    def gradient_rate(self, c: Configuration, v: Array, out: Array) -> None:
+        if self._here(c, v):
+            self._call.rates(self._at, _at(c.x), _at(v), 0, _at(out))
+        else:
+            self.general.gradient_rate(self._general(c), v, out)
+
+    def gradient_transport(self, c: Configuration, v: Array, out: Array) -> None:
+        if not self.slips:
+            self.gradient_rate(c, v, out)
+        elif self._here(c, v):
+            self._call.transport(self._at, _at(c.x), _at(v), _at(out))
+        else:
+            self.general.gradient_transport(self._general(c), v, out)
+
+    def rate_gradient(self, c: Configuration, v: Array, out: Array) -> None:
+        if self._here(c, v):
+            self._call.rates(self._at, _at(c.x), _at(v), 1, _at(out))
+        else:
+            self.general.rate_gradient(self._general(c), v, out)
+
+    def geometric_stiffness(self, c: Configuration, sigma: Array, out: Array) -> None:
+        if self._here(c, sigma):
+            self._call.geometric(self._at, _at(c.x), _at(sigma), _at(out))
+        else:
+            self.general.geometric_stiffness(self._general(c), sigma, out)
+
+    def internal(self, c: Configuration, sigma: Array) -> Internal | None:
+        if type(self.general).internal is Family.internal:
+            return None
+        return self.general.internal(self._general(c), sigma)
+
+    def stiffness(self) -> tuple[Array, Array]:
+        return self.general.stiffness()
+
+    # -- inertia ------------------------------------------------------------------------------------------------
+    def mass(self, c: Configuration, out: Array) -> None:
+        if self.constant_mass or not self._here(c):
+            self.general.mass(self._general(c), out)
+        else:
+            self._call.inertia(self._at, _at(c.x), None, None, _at(out), None)
+
+    def inertia_force(self, c: Configuration, v: Array, a: Array | None) -> Array:
+        if self.constant_mass or not self._here(c, v, *(() if a is None else (a,))):
+            return self.general.inertia_force(self._general(c), v, a)
+        force = np.empty(self._shape)
+        self._call.inertia(self._at, _at(c.x), _at(v), None if a is None else _at(a), None, _at(force))
+        return force
+
+    def inertia_gradient(self, c: Configuration, v: Array, a: Array) -> tuple[Array, Array]:
+        if self.constant_mass or not self._here(c, v, a):
+            return self.general.inertia_gradient(self._general(c), v, a)
+        by_x, by_v = np.empty((2, self.n_coordinates, *self._shape))
+        self._call.inertia_gradient(self._at, _at(c.x), _at(v), _at(a), _at(by_x), _at(by_v))
+        return by_x, by_v
+
+    def orientation_inertia(self) -> tuple[tuple[int, Array], ...]:
+        return self.general.orientation_inertia()
+
+    def lumped_inertia(self) -> tuple[tuple[int, Array], ...]:
+        return self.general.lumped_inertia()
+
+    # -- limits -------------------------------------------------------------------------------------------------
+    def troubles(self, c: Configuration, e: Array, sigma: Array) -> list[Trouble]:
+        if not self._limited or (isinstance(c, Place) and self._call.guard(self._at, _at(c.x)) > GUARD):
+            return []
+        return self.general.troubles(self._general(c), e, sigma)
+
+    # -- where the NumPy family answers -------------------------------------------------------------------------
+    def _here(self, c: Configuration, *vectors: Array) -> bool:
+        """Does C answer?"""
+        if not isinstance(c, Place):
+            return False
+        return all(v.dtype == float and v.shape[1:] == self._shape[1:] for v in vectors)
+
+    def _general(self, c: Configuration) -> Configuration:
+        """The configuration of the NumPy family."""
+        if not isinstance(c, Place):
+            return c
+        if c.general is None:
+            e = np.zeros((self.n_deformations, self.n))
+            c.general = self.general.strain(c.x, c.near, e, np.zeros((self.n_deformations, *self._shape)))
+        return c.general
+
+
+def _at(array: Array) -> Any:
+    """Where the doubles of an array begin, in the order of its axes. An output is contiguous already."""
+    return DOUBLE.from_buffer(array if array.flags.c_contiguous else np.ascontiguousarray(array))

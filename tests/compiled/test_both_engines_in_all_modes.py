@@ -1,0 +1,109 @@
+"""Modes 2, 3, 4 and 7 to 10 with elements in C and in NumPy give the same for every example."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import spacar
+from spacar.compiled.compiled_elements import CompiledElements, with_compiled_elements
+from spacar.compiled.library import GENERAL, unavailable
+from spacar.dynamics import Dynamics
+from spacar.errors import SpacarError
+from spacar.linear_systems.matrix import dense
+from spacar.linearization.coefficients import coefficients
+
+DATA = Path(__file__).parents[2] / "data"
+pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
+LIKE = {"c0": "cd", "d0": "cd", "k0": "kng", "n0": "kng", "g0": "kng", "m0": "m"}
+
+
+def examples(*modes: int) -> list[tuple[int, str]]:
+    found = []
+    for path in sorted(DATA.glob("*.dat")):
+        for mode in modes:
+            try:
+                spacar.frames(mode, path)
+            except SpacarError:
+                continue
+            found.append((mode, path.stem))
+    return found
+
+
+def first(mode: int, name: str, compiled: bool) -> tuple[spacar.Frame | str, dict]:
+    """The first frame, or the kind of the error, and the header."""
+    run = spacar.frames(mode, DATA / f"{name}.dat", compiled=compiled)
+    try:
+        return next(iter(run)), run.header
+    except SpacarError as error:
+        return error.code, run.header
+
+
+@pytest.mark.parametrize(("mode", "name"), examples(2, 4, 7, 8, 9, 10))
+def test_first_frames(mode: int, name: str) -> None:
+    """To the tolerance of the iterations: 1e-6 of the largest entry of each kind, of 1 at least for the state."""
+    (a, of_numpy), (b, of_c) = (first(mode, name, compiled) for compiled in (False, True))
+    assert of_numpy["engine"][0] == "general"
+    assert of_c["engine"][0] == "compiled"
+    if isinstance(a, str) or isinstance(b, str):
+        assert a == b
+        return
+    for word in ("x", "e", "sig"):
+        want = getattr(a, word)
+        size = np.abs(want).max(initial=1.0)
+        np.testing.assert_allclose(getattr(b, word), want, atol=1e-6 * size, rtol=0, err_msg=word)
+    assert a.matrices.keys() == b.matrices.keys()
+    for word in LIKE.keys() & a.matrices.keys():
+        like = [a.matrices[n].ravel() for n, kind in LIKE.items() if kind == LIKE[word] and n in a.matrices]
+        size = np.abs(np.concatenate(like)).max(initial=0.0) + (LIKE[word] == "cd")
+        np.testing.assert_allclose(b.matrices[word], a.matrices[word], atol=1e-6 * size, rtol=0, err_msg=word)
+
+
+@pytest.mark.parametrize("name", sorted({name for _, name in examples(1, 7)}))
+def test_all_coefficients_of_linearized_equations_at_one_state(name: str) -> None:
+    """Near the start, moving, with stresses: to 1e-11 of the largest entry, as single elements in
+    test_compiled_elements.py, times the cancellation of the equilibrium that gives reactions."""
+    mode = dict((b, a) for a, b in examples(1, 7) if b == name)[name]
+    general = spacar.frames(mode, DATA / f"{name}.dat").mechanism
+    mechanism = with_compiled_elements(general)
+    assert any(isinstance(b.family, CompiledElements) for b in mechanism.batches)
+    rng, found = np.random.default_rng(5), []
+    xd, xdd = rng.standard_normal((2, general.numbering.nx))
+    sigma = rng.standard_normal(general.numbering.ne)
+    moved = 1e-3 * general.length * rng.standard_normal(general.numbering.nx)
+    for one in (general, mechanism):
+        dynamics = Dynamics(one)
+        k = dynamics.kinematics
+        k.x = one.x0 + moved
+        k.sweep.strain(k.x)
+        k.refactor()
+        dynamics.xd = xd
+        found.append(coefficients(dynamics, xdd, sigma))
+    for field in fields(found[0]):
+        if field.name == "moving":
+            continue
+        want, got = (c if isinstance(c, np.ndarray) else dense(c) for c in (getattr(f, field.name) for f in found))
+        size = np.abs(want).max(initial=1.0)
+        np.testing.assert_allclose(got, want, atol=1e-9 * size, rtol=0, err_msg=field.name)
+
+
+def test_mode_3_along_the_result_of_mode_2(tmp_path: Path) -> None:
+    nominal = spacar.run(2, DATA / "robotinv.dat")
+    frames = []
+    for compiled in (False, True):
+        run = spacar.frames(3, DATA / "robotinvlin.dat", nominal=nominal, compiled=compiled)
+        frames.append(next(iter(run)))
+        assert run.header["engine"][0] == ("compiled" if compiled else "general")
+    a, b = frames
+    for word in a.state_space:
+        want = np.asarray(a.state_space[word])
+        np.testing.assert_allclose(b.state_space[word], want, atol=1e-9 * np.abs(want).max(initial=1.0), rtol=0)
+
+
+def test_the_environment_switches_elements_in_c_off(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(GENERAL, "1")
+    _, header = first(7, "plbeam5", True)
+    assert header["engine"] == ("general", f"the environment variable {GENERAL} asks for it")

@@ -1,0 +1,174 @@
+"""Families whose functions are in C against the NumPy families: derivatives by complex steps, formulas by formulas.
+
+`check_strain` and `check_inertia` take complex steps; complex numbers are answered by the NumPy family, so what is in C
+is compared with derivatives of NumPy. Tolerances are those of tests/elements, relative to the largest entry.
+"""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from spacar.compiled.compiled_elements import CompiledElements, compiled_family
+from spacar.compiled.element_parameters import SUPPORTED
+from spacar.compiled.library import unavailable
+from spacar.elements.family import Family
+from tests.compiled.test_definitions import family_of
+from tests.elements.derivatives import check_inertia, check_strain, close, written
+
+pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
+TOLERANCE = 1e-11  # as test_definitions.py
+
+
+def in_c(form: str) -> tuple[CompiledElements, np.ndarray]:
+    general, x0 = family_of(form)
+    family = compiled_family(general)
+    assert isinstance(family, CompiledElements)
+    return family, x0
+
+
+def several(family: CompiledElements, n: int) -> CompiledElements:
+    """The first element n times, without a NumPy family."""
+
+    class Copies:
+        form = family.form
+        troubles = Family.troubles
+
+    copies = Copies()
+    for name, value in vars(family).items():
+        if name not in ("general", "_parameters", "_c", "_at", "_shape", "_call"):
+            setattr(copies, name, value)
+    copies.n = n
+    return CompiledElements(copies, family._c.kind, np.repeat(family._parameters[:, :1], n, axis=1))
+
+
+def state(x0: np.ndarray, n: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Random x near x0, v and a, of n elements like the first; Euler parameters as they are, of any norm."""
+    rng = np.random.default_rng(11)
+    shape = (len(x0), n or x0.shape[1])
+    return (x0[:, :1] if n else x0) + 0.1 * rng.standard_normal(shape), rng.standard_normal(shape), rng.standard_normal(shape)
+
+
+@pytest.mark.parametrize("form", SUPPORTED)
+def test_derivatives_in_c_are_those_of_numpy_by_complex_steps(form: str) -> None:
+    family, x0 = in_c(form)
+    x, v, a = state(x0)
+    rng = np.random.default_rng(3)
+    if family.n_deformations:
+        check_strain(family, x, v, rng.standard_normal((family.n_deformations, family.n)), tolerance=TOLERANCE)
+    if family.has_mass and not family.constant_mass:
+        check_inertia(family, x, v, a, lagrange=False, tolerance=TOLERANCE)
+
+
+@pytest.mark.parametrize("form", SUPPORTED)
+def test_both_families_give_the_same(form: str) -> None:
+    """Every function of the contract, also at large stresses."""
+    family, x0 = in_c(form)
+    general = family.general
+    x, v, a = state(x0)
+    m, nx, n = family.n_deformations, family.n_coordinates, family.n
+    sigma = 1e6 * np.random.default_rng(3).standard_normal((m, n))
+    both = []
+    for one in (general, family):
+        e, V = np.zeros((m, n)), np.zeros((m, nx, n))
+        c = one.strain(x, np.zeros((m, n)), e, V)
+        found = {"e": e, "V": V}
+        if m and not family.constant_gradient:
+            found["convective"] = written(one.convective_strain, (m, n), float, c, v)
+            for name in ("gradient_rate", "gradient_transport", "rate_gradient"):
+                found[name] = written(getattr(one, name), (m, nx, n), float, c, v)
+            found["Hs"] = written(one.geometric_stiffness, (nx, nx, n), float, c, sigma)
+        if family.has_mass and not family.constant_mass:
+            found["mass"] = written(one.mass, (nx, nx, n), float, c)
+            found["force"], found["h"] = one.inertia_force(c, v, a), one.inertia_force(c, v, None)
+            found["dx"], found["dv"] = one.inertia_gradient(c, v, a)
+        both.append(found)
+    for name, want in both[0].items():
+        close(both[1][name], want, name, TOLERANCE)
+
+
+@pytest.mark.parametrize("form", SUPPORTED)
+@pytest.mark.parametrize("n", [2, 3, 5, 9])
+def test_elements_side_by_side_do_not_mix(form: str, n: int) -> None:
+    """Lanes of a vector, the last one partly filled: each element as if it were alone."""
+    one, x0 = in_c(form)
+    together = several(one, n)
+    x, v, a = state(x0, n)
+    m, nx = one.n_deformations, one.n_coordinates
+    sigma = np.random.default_rng(3).standard_normal((m, n))
+
+    def found(family: CompiledElements, x, v, a, sigma) -> list[np.ndarray]:
+        k = x.shape[1]
+        e, V = np.zeros((m, k)), np.zeros((m, nx, k))
+        c = family.strain(x, np.zeros((m, k)), e, V)
+        out = [e, V]
+        if m:
+            out.append(written(family.convective_strain, (m, k), float, c, v))
+            for method in (family.gradient_rate, family.gradient_transport, family.rate_gradient):
+                out.append(written(method, (m, nx, k), float, c, v))
+            out.append(written(family.geometric_stiffness, (nx, nx, k), float, c, sigma))
+        if one.has_mass and not one.constant_mass:
+            out += [written(family.mass, (nx, nx, k), float, c), family.inertia_force(c, v, a)]
+            out += family.inertia_gradient(c, v, a)
+        return out
+
+    parts = [[u[:, [k]] for u in (x, v, a, sigma)] for k in range(n)]
+    alone = [found(several(one, 1), *part) for part in parts]
+    for k, got in enumerate(found(together, x, v, a, sigma)):
+        np.testing.assert_allclose(got, np.concatenate([a[k] for a in alone], axis=-1), rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("form", SUPPORTED)
+def test_limits_are_those_of_numpy(form: str) -> None:
+    """At the start, and with the end q turned by 1.3 rad, both in the plane."""
+    family, x0 = in_c(form)
+    m, n = family.n_deformations, family.n
+    turned = x0.copy()
+    if form.startswith("PL"):
+        turned[-1] += 1.3
+    elif family.n_coordinates >= 14:
+        turned[10:14] = np.array([[np.cos(0.65)], [0.0], [0.0], [np.sin(0.65)]])
+    for x in (x0, turned):
+        texts = []
+        for one in (family.general, family):
+            e, V = np.zeros((m, n)), np.zeros((m, *x.shape))
+            texts.append([t.text for t in one.troubles(one.strain(x, e.copy(), e, V), e, e)])
+        assert texts[0] == texts[1]
+
+
+def test_whole_turns_are_counted() -> None:
+    family, x0 = in_c("HINGE")
+    e, V = np.zeros((3, 1)), np.zeros((3, 8, 1))
+    family.strain(x0, np.array([[13.0], [0.0], [0.0]]), e, V)
+    np.testing.assert_allclose(e[:, 0], [4 * np.pi, 0, 0], atol=1e-12)
+
+
+def test_numpy_answers_complex_numbers_and_further_axes() -> None:
+    family, x0 = in_c("BEAM angle")
+    x = x0[:, :, None] + np.zeros(4)
+    e, V = np.zeros((6, 1, 4)), np.zeros((6, 14, 1, 4))
+    c = family.strain(x, np.zeros((6, 1, 4)), e, V)
+    out = np.zeros((14, 14, 1, 4))
+    family.geometric_stiffness(c, np.ones((6, 1, 4)), out)
+    want = np.zeros((14, 14, 1))
+    family.geometric_stiffness(family.strain(x0, e[..., 0], e[..., 0].copy(), V[..., 0].copy()), np.ones((6, 1)), want)
+    np.testing.assert_allclose(out, np.repeat(want[..., None], 4, axis=-1), atol=1e-11)
+
+
+def test_a_compiled_family_can_be_pickled() -> None:
+    family, x0 = in_c("BEAM")
+    again = pickle.loads(pickle.dumps(family))
+    assert isinstance(again, CompiledElements)
+    assert np.array_equal(again._parameters, family._parameters)
+
+
+@pytest.mark.slow
+def test_the_committed_derivatives_are_the_generated_ones() -> None:
+    pytest.importorskip("sympy")
+    from spacar.compiled import derivative_kernels
+
+    committed = (Path(derivative_kernels.__file__).parent / "derivatives.c").read_text()
+    assert derivative_kernels.derivatives().strip() == committed.strip()

@@ -1,0 +1,51 @@
+"""Chains and trees of rigid links, whose accelerations C takes from the reduced form or from the saddle-point form."""
+
+import numpy as np
+import pytest
+
+import spacar
+from spacar.compiled import CompiledDynamics
+from spacar.compiled.library import unavailable
+from spacar.deck import parse_deck
+from spacar.dynamics import Dynamics
+
+pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
+
+
+def spatial_links(n: int, branches: int) -> str:
+    """n rods of 0.2 m with hinges of alternating axes, `branches` at the end of every one, numbered from the ground."""
+    parent = [0, *((k - 2) // branches + 1 for k in range(2, n + 1))]
+    place = [np.zeros(2)]
+    for k in range(1, n + 1):
+        angle = 0.4 * ((k - 2) % branches)
+        place.append(place[parent[k - 1]] + 0.2 * np.array([np.cos(angle), np.sin(angle)]))
+    before = [2 * n + 2, *(n + 1 + p for p in parent[1:])]
+    rows = [f"RBEAM {k} {parent[k - 1] + 1} {n + 1 + k} {k + 1}" for k in range(1, n + 1)]
+    rows += [f"HINGE {n + k} {before[k - 1]} {n + 1 + k} {('0 0 1', '0 1 0')[k % 2]}" for k in range(1, n + 1)]
+    rows += [f"X {k + 1} {x!r} {y!r} 0." for k, (x, y) in enumerate(np.array(place).tolist())]
+    rows += ["FIX 1", f"FIX {2 * n + 2}", *(f"DYNE {n + k} 1" for k in range(1, n + 1)), "END", "HALT"]
+    rows += [f"EM {k} 1. 0.01 0.005 0.005" for k in range(1, n + 1)]
+    return "\n".join([*rows, "GRAVITY 1. 2. -9.81", "TIMESTEP 1. 10", "END", "END", ""])
+
+
+@pytest.mark.parametrize(("n", "branches"), [(3, 1), (12, 1), (12, 2), (45, 1)])
+def test_links_in_both_forms(n, branches):
+    """Accelerations, stresses and the reduced mass matrix are those of the general path."""
+    mechanism = spacar.frames(1, parse_deck(spatial_links(n, branches), mode=1)).mechanism
+    general, compiled = Dynamics(mechanism), CompiledDynamics(mechanism)
+    y = general.start()
+    compiled.start()
+    compiled._in_general = None
+    y += 0.05 * np.random.default_rng(n).standard_normal(len(y))
+    for k in range(1, 3):
+        a, b = general.frame(0.01 * k, k * y), compiled.frame(0.01 * k, k * y)
+        for name in ("x", "xd", "xdd", "sig"):
+            want, got = getattr(a, name), getattr(b, name)
+            np.testing.assert_allclose(got, want, atol=1e-10 * max(1.0, np.abs(want).max()), rtol=0, err_msg=name)
+    M = compiled.solver.reduced_mass()
+    assert (M is None) == (n == 45)
+    if M is not None:  # kinetic energy, twice
+        settled, rates = compiled.settled(), 2 * y[n:]
+        settled.sweep.mass()
+        energy = b.xd @ settled.sweep.mass_times(b.xd)
+        assert rates @ M[:, :, 0] @ rates == pytest.approx(energy, rel=1e-12)

@@ -1,0 +1,77 @@
+"""Motions that come to a dead point of their degree of freedom and do not get past it: they end, in few evaluations."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import spacar
+from spacar.dynamics.motion_equations import EquationsOfMotion
+from spacar.errors import AnalysisError
+from spacar.kinematics.kinematics import Kinematics
+from tests.kinematics.test_watch_inside_steps import free_slider
+
+FALLING = """
+PLBEAM 1 1 2 3 4
+PLBEAM 2 3 5 6 7
+X 3 0.15 0.1
+X 6 0.45 0.
+FIX 1
+FIX 6 2
+DYNX 6 1
+END
+HALT
+XM 6 0.03
+EM 1 0.2
+EM 2 0.2
+GRAVITY 0. -9.81
+STARTDX 6 1 0.45 1.
+TIMESTEP 1. 10
+END
+END
+"""
+
+
+class Work:
+    """Counts right-hand sides and Newton iterations of the general path."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.rhs = self.newton = 0
+        rhs, newton = EquationsOfMotion.rhs, Kinematics._newton
+
+        def counted_rhs(*given):
+            self.rhs += 1
+            return rhs(*given)
+
+        def counted_newton(*given):
+            self.newton += 1
+            return newton(*given)
+
+        monkeypatch.setattr(EquationsOfMotion, "rhs", counted_rhs)
+        monkeypatch.setattr(Kinematics, "_newton", counted_newton)
+
+
+def test_a_falling_slider_crank_ends_at_its_dead_point(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It passes two dead points with warnings and comes to stand at the third, which the slider reaches at R + L; steps
+    of 1e-6 s and less made it creep there for more than a minute."""
+    work = Work(monkeypatch)
+    run = spacar.frames(1, spacar.parse_deck(FALLING, mode=1), compiled=False)
+    with pytest.raises(AnalysisError) as found:
+        list(run)
+    assert found.value.code == "position.singular"
+    assert "dead point" in str(found.value)
+    assert work.rhs < 3000
+    assert work.newton < 2 * work.rhs
+
+
+@pytest.mark.parametrize("tolerance", [1e-5, 1e-9])
+def test_a_slider_at_its_dead_centre_ends_with_few_positions(tolerance: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every stage beyond the dead point asked for eleven positions of twenty iterations; a way shorter than rounding is
+    not halved now."""
+    work = Work(monkeypatch)
+    with pytest.raises(AnalysisError, match="dead point") as found:
+        spacar.run(1, free_slider(0.4, 1e-2, tolerance, 155, 0.1, 1.0), compiled=False)
+    assert found.value.code == "position.singular"
+    assert work.newton < 1.5 * work.rhs + 100
+    t = float(str(found.value).split("t = ")[1].split(":")[0])
+    assert np.isclose(t, 0.4, atol=2e-4)  # the crank turns with -1 rad/s from 0.4
