@@ -88,11 +88,10 @@ def test_looking_leaves_no_trace(monkeypatch: pytest.MonkeyPatch) -> None:
         return looks[-1]
 
     monkeypatch.setattr(Automatic, "_frequencies", spy)
-    for price in ("SMALL", "LOOK"):  # else it is asked with 84,000 steps ahead
-        monkeypatch.setattr(automatic, price, 0.0)
+    monkeypatch.setattr(automatic, "LOOK", 0.0)  # else it is asked with 37,500 steps ahead
     rows = [("PLRBEAM", 1, 1, 4, 2), ("PLRBEAM", 2, 2, 5, 3), ("PLTRUSS", 3, 1, 3)]
     rows += [("X", 2, 0.5, -0.9), ("X", 3, 1.0, -1.8), ("FIX", 1), ("DYNX", 4, 1), ("DYNX", 5, 1), ("RLSE", 3, 1)]
-    more = [("EM", 1, 1.0), ("EM", 2, 1.0), ("ESTIFF", 3, 20.0), ("GRAVITY", 0.0, -9.81), ("TIMESTEP", 300.0, 100)]
+    more = [("EM", 1, 1.0), ("EM", 2, 1.0), ("ESTIFF", 3, 20.0), ("GRAVITY", 0.0, -9.81), ("TIMESTEP", 400.0, 100)]
     model = Deck.build(rows, more)
     adams, default = spacar.run(1, model, integrator=0), spacar.run(1, model)
     assert looks
