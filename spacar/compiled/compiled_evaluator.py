@@ -15,7 +15,9 @@ from typing import TypeVar
 import numpy as np
 
 from spacar.arrays import Array
+from spacar.compiled.compiled_elements import with_compiled_elements
 from spacar.compiled.compiled_model import EXACT, CompiledModel
+from spacar.compiled.iterating import Iterating
 from spacar.compiled.marching import Lookout, Marching
 from spacar.compiled.numbers import of_one
 from spacar.dynamics.array_evaluator import Dynamics, component_name
@@ -23,6 +25,7 @@ from spacar.dynamics.loaded_mechanism import LoadedMechanism, Moving, Placement
 from spacar.dynamics.mass_check import is_checked, is_doubtful
 from spacar.frame import Frame
 from spacar.integrators.problem import March
+from spacar.integrators.radau import Radau
 from spacar.kinematics.constraint_condition import of_gradient
 from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS
 from spacar.kinematics.regularity import PositionMatrix
@@ -62,14 +65,16 @@ class CompiledPositionMatrix(PositionMatrix):
 
 
 class General:
-    """The NumPy evaluator of a model, made when it is asked for; `sampling`: whether it keeps samples then."""
+    """The NumPy evaluator of a model, with elements in C, made when it is asked for; `sampling`: whether it keeps
+    samples then."""
 
     def __init__(self, model: LoadedMechanism) -> None:
         self.model, self.sampling = model, False
 
     @cached_property
     def evaluator(self) -> Dynamics:
-        made = Dynamics(self.model.mechanism, loads=self.model.loads, drive=self.model.drive)
+        mechanism = with_compiled_elements(self.model.mechanism)
+        made = Dynamics(mechanism, loads=self.model.loads, drive=self.model.drive)
         if self.sampling:
             made.sample()
         return made
@@ -99,6 +104,7 @@ class CompiledDynamics:
         self.state = self.solver.state()
         self._y, self._out = np.zeros((2, self.n_positions + self.numbering.nddof))
         self._addresses = self._y.ctypes.data, self._out.ctypes.data
+        self._iterating: Iterating | None = None
         self._step_of: tuple[Array, Array, Array, tuple[int, ...]] | None = None
 
     @property
@@ -126,8 +132,8 @@ class CompiledDynamics:
         if self._derivative(0.0, y, CONVERGED) < 0 or self._far(x0):
             y = self.general.start()
             self.stand(self.general.placement())
-        elif is_checked(self.numbering) and self._mass_is_doubtful():
-            self.settled().check_mass()
+        elif self.numbering.nddof and (not is_checked(self.numbering) or self._mass_is_doubtful()):
+            self.settled().check_mass()  # a large model is asked by the factors of its equations
         return y
 
     def _mass_is_doubtful(self) -> bool:
@@ -155,7 +161,7 @@ class CompiledDynamics:
         return Moving(float(s.c.t), x, xd, xdd, s.e[:, 0].copy())
 
     def resume(self, at: Moving) -> None:
-        self.state.resume(at.t, np.stack((at.x, at.xd, at.xdd))[:, :, None], at.e[:, None])
+        self.state.resume(at.t, *(values[:, None] for values in (at.x, at.xd, at.xdd, at.e)))
 
     def stand(self, at: Placement) -> None:
         """Go on from there, without the memory of earlier states."""
@@ -177,6 +183,7 @@ class CompiledDynamics:
             other = object.__new__(CompiledDynamics)
             vars(other).update(vars(self))
             other.state = self.solver.state()
+            other._iterating = None
         other.stand(self.placement())
         return other
 
@@ -261,6 +268,12 @@ class CompiledDynamics:
         return self.solver.stages(
             self.state, done, len(c), at_c, at_a, t, h, window, at_y, at_K, len(y), within
         )
+
+    def newton(self, method: Radau, h: float, within: float) -> tuple[bool, float, float] | None:
+        """Newton iteration of a step of codes 553 and 595, see `spacar.integrators.problem.Problem`."""
+        if self._iterating is None or self._iterating.method is not method:
+            self._iterating = Iterating(self.solver, self.state, method)
+        return self._iterating(h, within)
 
     def frame(self, t: float, y: Array) -> Frame:
         m, s = self.solver, self.state
