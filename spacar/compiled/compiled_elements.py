@@ -38,10 +38,14 @@ class Place:
 
 
 def mechanism_of(run: Run) -> Mechanism:
-    """The mechanism of a run with its elements in C where that is possible; the header says which, and why."""
+    """The mechanism of a run with its elements in C where that is possible; the header says which, and why.
+
+    A motion alone is evaluated by a solver in C that has elements of its own; small models would pay for these.
+    """
     reason = why_general(run.mechanism)
     run.header["engine"] = ("compiled", level()) if reason is None else ("general", reason)
-    return with_compiled_elements(run.mechanism) if reason is None else run.mechanism
+    motion_alone = run.mode.integrated and not run.mode.linearized
+    return run.mechanism if reason is not None or motion_alone else with_compiled_elements(run.mechanism)
 
 
 def with_compiled_elements(mechanism: Mechanism) -> Mechanism:
