@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields
+from functools import cache
 from numbers import Integral, Real
 from typing import Any
 
@@ -21,7 +22,7 @@ def checked_options(options: dict[str, Any]) -> tuple[dict[str, Any], list[str]]
     Raises UsageError for an unknown option, a value of the wrong type, one that is not positive or not finite where it
     must be, and an integration method that does not exist.
     """
-    types = {f.name: str(f.type).removesuffix(" | None") for f in fields(SolverSettings)}
+    types = _types()
     found, notes = {}, []
     for name, value in options.items():
         if name not in types:
@@ -41,6 +42,12 @@ def checked_options(options: dict[str, Any]) -> tuple[dict[str, Any], list[str]]
             found[name], note = integrator(found[name])
             notes += [note] if note else []
     return found, notes
+
+
+@cache
+def _types() -> dict[str, str]:
+    """Type of every option, in words."""
+    return {f.name: str(f.type).removesuffix(" | None") for f in fields(SolverSettings)}
 
 
 def _converted(name: str, value: Any, kind: str) -> Any:

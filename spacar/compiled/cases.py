@@ -33,7 +33,7 @@ class InLanes:
     """
 
     stages = None
-    look, back, half, inside, capacity = NEVER, True, 0.0, 0.0, 2
+    look, back, half, inside, wide, far, capacity = NEVER, True, 0.0, 0.0, 0.0, 0.0, 2
 
     def __init__(
         self, model: LoadedMechanism, scale: Array, numbers: Numbers, start: Array, drives: Sequence[Drive],
@@ -132,7 +132,7 @@ class InLanes:
         """Back to the last accepted step."""
         if self._seen is not None:
             at = self._seen[0]
-            self.state.resume(at.t, np.stack((at.x, at.xd, at.xdd)), at.e)
+            self.state.resume(at.t, at.x, at.xd, at.xdd, at.e)
 
     # -- outputs --------------------------------------------------------------------------------------------------
     def variables(self, t: float, y: Array) -> tuple[Array, Array]:

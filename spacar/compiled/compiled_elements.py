@@ -37,15 +37,16 @@ class Place:
     general: Configuration = None
 
 
-def mechanism_of(run: Run) -> Mechanism:
-    """The mechanism of a run with its elements in C where that is possible; the header says which, and why.
-
-    A motion alone is evaluated by a solver in C that has elements of its own; small models would pay for these.
-    """
+def is_compiled(run: Run) -> bool:
+    """Whether a run takes the engine; the header says which, and why."""
     reason = why_general(run.mechanism)
     run.header["engine"] = ("compiled", level()) if reason is None else ("general", reason)
-    motion_alone = run.mode.integrated and not run.mode.linearized
-    return run.mechanism if reason is not None or motion_alone else with_compiled_elements(run.mechanism)
+    return reason is None
+
+
+def mechanism_of(run: Run) -> Mechanism:
+    """The mechanism of a run with its elements in C where that is possible; the header says which, and why."""
+    return with_compiled_elements(run.mechanism) if is_compiled(run) else run.mechanism
 
 
 def with_compiled_elements(mechanism: Mechanism) -> Mechanism:

@@ -15,6 +15,7 @@ from typing import TypeVar
 import numpy as np
 
 from spacar.arrays import Array
+from spacar.compiled.compiled_elements import with_compiled_elements
 from spacar.compiled.compiled_model import EXACT, CompiledModel
 from spacar.compiled.marching import Lookout, Marching
 from spacar.compiled.numbers import of_one
@@ -62,14 +63,16 @@ class CompiledPositionMatrix(PositionMatrix):
 
 
 class General:
-    """The NumPy evaluator of a model, made when it is asked for; `sampling`: whether it keeps samples then."""
+    """The NumPy evaluator of a model, with elements in C, made when it is asked for; `sampling`: whether it keeps
+    samples then."""
 
     def __init__(self, model: LoadedMechanism) -> None:
         self.model, self.sampling = model, False
 
     @cached_property
     def evaluator(self) -> Dynamics:
-        made = Dynamics(self.model.mechanism, loads=self.model.loads, drive=self.model.drive)
+        mechanism = with_compiled_elements(self.model.mechanism)
+        made = Dynamics(mechanism, loads=self.model.loads, drive=self.model.drive)
         if self.sampling:
             made.sample()
         return made
@@ -126,8 +129,8 @@ class CompiledDynamics:
         if self._derivative(0.0, y, CONVERGED) < 0 or self._far(x0):
             y = self.general.start()
             self.stand(self.general.placement())
-        elif is_checked(self.numbering) and self._mass_is_doubtful():
-            self.settled().check_mass()
+        elif self.numbering.nddof and (not is_checked(self.numbering) or self._mass_is_doubtful()):
+            self.settled().check_mass()  # a large model is asked by the factors of its equations
         return y
 
     def _mass_is_doubtful(self) -> bool:
@@ -155,7 +158,7 @@ class CompiledDynamics:
         return Moving(float(s.c.t), x, xd, xdd, s.e[:, 0].copy())
 
     def resume(self, at: Moving) -> None:
-        self.state.resume(at.t, np.stack((at.x, at.xd, at.xdd))[:, :, None], at.e[:, None])
+        self.state.resume(at.t, *(values[:, None] for values in (at.x, at.xd, at.xdd, at.e)))
 
     def stand(self, at: Placement) -> None:
         """Go on from there, without the memory of earlier states."""

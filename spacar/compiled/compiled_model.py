@@ -72,9 +72,9 @@ class State:
         self.x[:], self.e[:] = x, e
         self.c.known = 0
 
-    def resume(self, t: float, of_x: Array, e: Array) -> None:
-        """The state at t with x, xd, xdd (3, nx, cases) and e (ne, cases) is the last evaluated one again."""
-        self.of_x[:3], self.e[:] = of_x, e
+    def resume(self, t: float, x: Array, xd: Array, xdd: Array, e: Array) -> None:
+        """The state at t with x, xd, xdd (nx, cases) and e (ne, cases) is the last evaluated one again."""
+        self.x[:], self.xd[:], self.xdd[:], self.e[:] = x, xd, xdd, e
         self.c.t, self.c.known = t, PLACED
 
 

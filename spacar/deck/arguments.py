@@ -23,7 +23,7 @@ from spacar.deck.plain_forms import NUMBERED_PARTS, plain_statement
 from spacar.deck.splitter import Raw
 from spacar.deck.statement import Statement, Value
 from spacar.deck.table_elements import ELEMENT_TYPES
-from spacar.deck.table_types import Keyword, Parameter, Variant
+from spacar.deck.table_types import Keyword, Parameter, Variant, subject_of
 
 _NAMES = ("name of a section", "name of a material", "shape", "unit")
 _UNUSED_NODES_ALLOWED = ("X", "FIX")
@@ -33,24 +33,20 @@ _COEFFICIENTS = ("ESTIFF", "EDAMP", "EM", "ESIG", "DELESIG")  # generators write
 
 def read_statement(raw: Raw, keyword: Keyword, outline: Outline, findings: Findings) -> Statement | None:
     """Type and check the words of one statement; None when an error makes it useless."""
-    subject = keyword.subject
+    if isinstance(raw.given, Plain) and outline.metre == 1.0:
+        statement = plain_statement(raw, raw.given, keyword, outline)
+        if statement is not None:
+            return statement
+    subject, of_element = subject_of(keyword)
     space, role, kind = outline.space, "", ""
     if raw.keyword in ELEMENT_TYPES:
         space, subject = "", None
     if subject is not None and subject < len(raw.texts):
         number = integer_of(raw.texts[subject])
-        wanted = keyword.variants[0].parameters[subject].of
-        if number is None:
-            pass
-        elif wanted == "element":
-            if number in outline.types:
-                kind = outline.types[number].keyword
-        else:
+        if number is not None and of_element:
+            kind = outline.types[number].keyword if number in outline.types else ""
+        elif number is not None:
             role = outline.roles.get(number, "")
-    if isinstance(raw.given, Plain) and outline.metre == 1.0:
-        statement = plain_statement(raw, keyword, (space, role, kind), outline)
-        if statement is not None:
-            return statement
     variants = [v for v in keyword.variants if v.fits(space, role, kind)]
     if not variants:
         _refuse(raw, keyword, space, role, kind, findings)

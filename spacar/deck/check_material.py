@@ -10,6 +10,7 @@ from spacar.deck.keyword_table import Keyword, keyword_of
 from spacar.deck.mode_blocks import Purpose, facts
 from spacar.deck.outline import Outline
 from spacar.deck.statement import Statement
+from spacar.deck.statement_index import StatementIndex
 from spacar.deck.table_types import BlockKind
 
 CLASS_KEYWORDS = {"node": ("FIX", "INPUTX", "DYNX", "KINX"), "element": ("RLSE", "INPUTE", "DYNE", "KINE")}
@@ -21,19 +22,14 @@ Classes = dict[tuple[int, int], tuple[str, Statement]]
 class CheckMaterial:
     """The material of the checks; `findings` receives the messages of the block that is being checked."""
 
-    statements: tuple[Statement, ...]
+    index: StatementIndex
     outline: Outline
     mode: Purpose
     third: BlockKind | None
     findings: Findings
     coordinates: Classes = field(default_factory=dict)
     deformations: Classes = field(default_factory=dict)
-    _places: dict[str, list[int]] = field(default_factory=dict)
     _rows: dict[int, list[tuple[Keyword, list[Statement]]]] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        for place, s in enumerate(self.statements):
-            self._places.setdefault(s.keyword, []).append(place)
 
     @property
     def analysis(self) -> modes.Mode | None:
@@ -42,18 +38,13 @@ class CheckMaterial:
 
     def of(self, *keywords: str, block: int | None = None) -> list[Statement]:
         """Statements with one of these keywords, in file order."""
-        given = [places for keyword in keywords if (places := self._places.get(keyword))]
-        if not given:
-            return []
-        places = given[0] if len(given) == 1 else sorted(place for one in given for place in one)
-        found = [self.statements[place] for place in places]
-        return found if block is None else [s for s in found if s.block == block]
+        return self.index.of(*keywords, block=block)
 
     def keywords(self, block: int) -> list[tuple[Keyword, list[Statement]]]:
         """The rows of the table that statements of a block belong to, with these statements in file order."""
         if block not in self._rows:
-            given = {name: statements for name in self._places if (statements := self.of(name, block=block))}
-            self._rows[block] = [(keyword_of(name, block, self.third), found) for name, found in given.items()]
+            names, of = self.index.keywords(block), self.index.of
+            self._rows[block] = [(keyword_of(name, block, self.third), of(name, block=block)) for name in names]
         return self._rows[block]
 
     def doubtful(self, what: str, number: int) -> bool:

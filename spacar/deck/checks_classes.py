@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 from spacar.deck.check_material import CheckMaterial, Classes
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
@@ -80,8 +82,9 @@ def _check_euler_parameters(scene: CheckMaterial) -> None:
     """At most three of the four Euler parameters of a node can be given: the normalization gives the fourth."""
     if scene.outline.space == "planar":
         return
+    given = Counter([node for node, _ in scene.coordinates])
     for node, role in scene.outline.roles.items():
-        if role != "orientation" or scene.outline.coordinates(node) != 4:
+        if role != "orientation" or given[node] != 4:
             continue
         by = [scene.coordinates[node, i][1] for i in (1, 2, 3, 4) if (node, i) in scene.coordinates]
         if len(by) == 4:
@@ -97,8 +100,8 @@ def _check_euler_parameters(scene: CheckMaterial) -> None:
 def _check_kinematic(scene: CheckMaterial) -> None:
     if not scene.outline.complete or any(t.slips for t in scene.outline.types.values()):
         return
-    wheels = ", ".join(t.keyword for t in ELEMENT_TYPES.values() if t.slips)
     for s in scene.of("KINX", "KINE"):
+        wheels = ", ".join(t.keyword for t in ELEMENT_TYPES.values() if t.slips)
         text = (
             f"there is no non-holonomic element ({wheels}), so no kinematic coordinate can exist"
         )

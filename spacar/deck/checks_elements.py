@@ -11,7 +11,7 @@ from spacar.modes import MODES
 def check_elements(scene: CheckMaterial) -> None:
     """Everything that concerns the element statements as such."""
     outline, findings = scene.outline, scene.findings
-    elements = [s for s in scene.statements if s.keyword in ELEMENT_TYPES]
+    elements = [s for s in scene.index.statements if s.keyword in ELEMENT_TYPES]
     if not elements and outline.complete and not findings.errors:
         findings.add("error", None, "", "the kinematics block defines no element", "no-element")
     first_of_kind: dict[bool, Statement] = {}

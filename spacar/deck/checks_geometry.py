@@ -150,16 +150,16 @@ def _check_directions(scene: CheckMaterial, s: Statement) -> None:
 
 
 def _norm(v: Vector) -> float:
-    largest = max(abs(c) for c in v)
-    return largest * hypot(*(c / largest for c in v)) if largest > 0.0 else 0.0
+    largest = max(map(abs, v))
+    return largest * hypot(*[c / largest for c in v]) if largest > 0.0 else 0.0
 
 
 def _unit(v: Vector) -> Vector:
     """Unit vector; scaled first so that neither tiny nor huge components lose their direction."""
-    largest = max(abs(c) for c in v)
-    scaled = tuple(c / largest for c in v)
+    largest = max(map(abs, v))
+    scaled = [c / largest for c in v]
     length = hypot(*scaled)
-    return tuple(c / length for c in scaled)
+    return tuple([c / length for c in scaled])
 
 
 def _sine(a: Vector, b: Vector) -> float:

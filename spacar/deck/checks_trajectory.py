@@ -51,7 +51,7 @@ def check_trajectories(scene: CheckMaterial) -> None:
 def _collect(scene: CheckMaterial) -> list[_Trajectory]:
     trajectories: list[_Trajectory] = []
     lost = False
-    for s in scene.statements:
+    for s in scene.index.statements:
         if s.block != 3 or s.keyword not in _NAMES:
             continue
         if s.keyword == "TRAJECT":

@@ -6,7 +6,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from importlib import import_module
-from operator import itemgetter
 from pathlib import Path
 
 from spacar.deck.deck_reader import NOT_UTF8, Span, read_text
@@ -15,6 +14,7 @@ from spacar.deck.expansion import BeamSection
 from spacar.deck.lexer import visualization_of
 from spacar.deck.mode_blocks import Purpose
 from spacar.deck.statement import Statement, Value
+from spacar.deck.statement_index import StatementIndex
 from spacar.deck.table_sections import UNITS
 from spacar.deck.table_types import BlockKind
 from spacar.errors import Message, UsageError
@@ -61,14 +61,8 @@ class Deck:
         return sha256(self.data).hexdigest()
 
     @cached_property
-    def _index(self) -> dict[tuple[str, int | None], list[tuple[int, Statement]]]:
-        """Statements with their places, by keyword and block, and by keyword alone."""
-        index: dict[tuple[str, int | None], list[tuple[int, Statement]]] = {}
-        for pair in enumerate((*self.statements, *self.shorthand)):
-            s = pair[1]
-            index.setdefault((s.keyword, s.block), []).append(pair)
-            index.setdefault((s.keyword, None), []).append(pair)
-        return index
+    def _index(self) -> StatementIndex:
+        return StatementIndex((*self.statements, *self.shorthand))
 
     @property
     def metre(self) -> float:
@@ -83,11 +77,7 @@ class Deck:
 
     def of(self, *keywords: str, block: int | None = None) -> list[Statement]:
         """All statements with one of the keywords (and in the block), in file order."""
-        given = [pairs for keyword in keywords if (pairs := self._index.get((keyword, block)))]
-        if not given:
-            return []
-        pairs = given[0] if len(given) == 1 else sorted((pair for one in given for pair in one), key=itemgetter(0))
-        return [s for _, s in pairs]
+        return self._index.of(*keywords, block=block)
 
     def first(self, keyword: str, block: int | None = None) -> Statement | None:
         """First statement with the keyword (and in the block), None when there is none."""
@@ -183,7 +173,7 @@ def read_deck(path: str | Path, mode: Purpose = None) -> Deck:
     Raises UsageError with the reason of the operating system, InputError with all errors of the file.
     """
     file = Path(path)
-    if not file.is_file() and file.suffix.lower() != ".dat":
+    if file.suffix.lower() != ".dat" and not file.is_file():
         file = file.with_name(file.name + ".dat")
     data = _bytes(file)
     text = data.decode("utf-8", "surrogateescape")
@@ -216,11 +206,11 @@ def parse(
     added = drawn if drawn and not _drawn_already(drawn, visualization or ()) else ()
     if added:
         visualization = (*drawn, *(visualization or ()))
-    return Deck(
+    deck = Deck(
         contents.statements,
         source,
         path,
-        NOT_UTF8.sub("\ufffd", text),
+        text if text.isascii() else NOT_UTF8.sub("\ufffd", text),
         text.encode("utf-8", "surrogateescape") if data is None else data,
         tuple([NOT_UTF8.sub("\ufffd", line) for line in visualization or ()]),
         contents.messages,
@@ -231,6 +221,9 @@ def parse(
         contents.expansion.sections,
         len(added),
     )
+    if not contents.shorthand:
+        vars(deck)["_index"] = contents.index  # the checks have made it
+    return deck
 
 
 def _drawn_already(lines: tuple[str, ...], visualization: tuple[str, ...]) -> bool:

@@ -13,12 +13,12 @@ from spacar.deck.checks_trajectory import check_trajectories
 from spacar.deck.findings import Findings
 from spacar.deck.mode_blocks import Purpose
 from spacar.deck.outline import Outline
-from spacar.deck.statement import Statement
+from spacar.deck.statement_index import StatementIndex
 from spacar.deck.table_types import BlockKind
 
 
 def check(
-    statements: tuple[Statement, ...],
+    statements: StatementIndex,
     outline: Outline,
     mode: Purpose,
     third: BlockKind | None,

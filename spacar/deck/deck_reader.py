@@ -15,6 +15,7 @@ from spacar.deck.mode_blocks import Purpose, third_block, uses
 from spacar.deck.outline import Outline
 from spacar.deck.splitter import Raw, split, third_kind
 from spacar.deck.statement import Statement
+from spacar.deck.statement_index import StatementIndex
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.deck.table_sections import UNITS
 from spacar.errors import InputError, Message
@@ -28,7 +29,7 @@ _NAMES = {2: "dynamics block", 3: "third block"}
 class Contents:
     """What a text says. `visualization`: lines of that section, None without one; `third`: kind of the third block;
     `spans`: where each block begins and ends (line, column); `shorthand`: UNITS, SECTION, MATERIAL and BEAMSEC, which
-    `expansion` replaces; `given`: the statements before that, in SI, and their `outline`."""
+    `expansion` replaces; `given`: the statements before that, in SI, and their `outline`; `index`: of `statements`."""
 
     statements: tuple[Statement, ...]
     visualization: tuple[str, ...] | None
@@ -39,6 +40,7 @@ class Contents:
     expansion: Expansion
     given: tuple[Statement, ...]
     outline: Outline
+    index: StatementIndex
 
 
 def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
@@ -79,8 +81,8 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
                 outline.broken_blocks.add(raw.block)
     given, before = tuple([s for raw in parts.statements if (s := read.get(id(raw))) is not None]), outline
     expansion = _expansion(given, by_geometry, outline, findings)
-    statements, outline = expansion.statements, expansion.outline
-    check(statements, outline, mode, third, {block: skipped.get(block, findings) for block in (1, 2, 3)})
+    statements, outline, index = expansion.statements, expansion.outline, StatementIndex(expansion.statements)
+    check(index, outline, mode, third, {block: skipped.get(block, findings) for block in (1, 2, 3)})
     for block, found in skipped.items():
         _report_skipped(block, parts.statements, mode, found, findings)
     findings.messages.sort(key=lambda m: m.line or 0)
@@ -89,7 +91,7 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
     shorthand = tuple([s for s in read.values() if s.keyword in WORDS]) if by_geometry else ()
     return Contents(
         statements, scanned.visualization, tuple(findings.messages), third, parts.spans, shorthand, expansion,
-        given, before,
+        given, before, index,
     )  # fmt: skip
 
 

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from spacar.deck.cross_section import Material, SectionConstants
 from spacar.deck.outline import Outline
 from spacar.deck.statement import Statement
 from spacar.deck.table_sections import KEYWORDS
+
+if TYPE_CHECKING:
+    from spacar.deck.cross_section import Material, SectionConstants  # most models have no sections
 
 WORDS = frozenset(k.name for k in KEYWORDS)
 

@@ -55,4 +55,5 @@ class Statement(NamedTuple):
 
     def reals(self, start: int, count: int, default: float = 0.0) -> tuple[float, ...]:
         """`count` values from `start`, missing ones replaced by `default`."""
-        return tuple(self.real(i, default) for i in range(start, start + count))
+        given = tuple(map(number, self.values[start : start + count]))
+        return given + (default,) * (count - len(given))

@@ -20,6 +20,7 @@ from spacar.deck.lexer import LONGEST_LINE, is_in_range, split_lines, word_end
 from spacar.deck.mode_blocks import uses
 from spacar.deck.outline import Outline
 from spacar.deck.statement import Statement, Value
+from spacar.deck.statement_index import StatementIndex
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.errors import Message
 
@@ -49,7 +50,7 @@ class _Template:
                 outline.add(s)
         findings, others = Findings(self.deck.source), Findings(self.deck.source)
         by_block = {block: findings if block in self.used else others for block in (1, 2, 3)}
-        check(statements, outline, self.deck.mode, self.deck.third, by_block)
+        check(StatementIndex(statements), outline, self.deck.mode, self.deck.third, by_block)
         if self.skipped is None:
             self.skipped = others.messages
         return None if findings.errors or others.messages != self.skipped else findings.messages

@@ -105,16 +105,16 @@ class Keyword:
     @property
     def subject(self) -> int | None:
         """Index of the argument that names the node or element that the statement is about."""
-        return subject_of(self)
+        return subject_of(self)[0]
 
 
 @cache
-def subject_of(keyword: Keyword) -> int | None:
-    """`Keyword.subject`, looked up once."""
+def subject_of(keyword: Keyword) -> tuple[int | None, bool]:
+    """`Keyword.subject`, looked up once, and whether it is an element."""
     for i, parameter in enumerate(keyword.variants[0].parameters):
         if parameter.of == "element" or parameter.of.endswith("node"):
-            return i
-    return None
+            return i, parameter.of == "element"
+    return None, False
 
 
 @cache
@@ -184,7 +184,7 @@ class ElementType:
     @property
     def classed(self) -> tuple[int, ...]:
         """Modes (from 1) that a statement without mode numbers gives a class to."""
-        return tuple(m for m in range(1, len(self.modes) + 1) if m not in self.released)
+        return _classed(self)
 
     @property
     def carries_flow(self) -> bool:
@@ -212,7 +212,17 @@ class ElementType:
     @property
     def warping(self) -> tuple[int, ...]:
         """Places (from 0) in `nodes` of the warping nodes at p and q; none for most types."""
-        return tuple(place for place, role in enumerate(self.nodes) if role == "warping")
+        return _warping(self)
+
+
+@cache
+def _classed(kind: ElementType) -> tuple[int, ...]:
+    return tuple(m for m in range(1, len(kind.modes) + 1) if m not in kind.released)
+
+
+@cache
+def _warping(kind: ElementType) -> tuple[int, ...]:
+    return tuple(place for place, role in enumerate(kind.nodes) if role == "warping")
 
 
 def integer(meaning: str, of: str = "", default: float | None = None) -> Parameter:

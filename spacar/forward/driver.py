@@ -31,7 +31,7 @@ from spacar.dynamics.loaded_mechanism import (
 )
 from spacar.errors import AnalysisError, Report
 from spacar.forward.charts import ChartWatch
-from spacar.forward.continuity import HALF, INSIDE, Continuity
+from spacar.forward.continuity import FAR_APART, HALF, INSIDE, WIDE, Continuity
 from spacar.forward.displaced import displaced
 from spacar.frame import Frame
 from spacar.integrators import AUTOMATIC, METHODS, EvenTimes, integrate
@@ -226,7 +226,7 @@ class Trail:
         self.n = 0  # steps since the last output
 
     # -- of many steps at a time: `spacar.compiled.marching.Lookout` ----------------------------------------------
-    half, inside = HALF, INSIDE
+    half, inside, wide, far = HALF, INSIDE, WIDE, FAR_APART
 
     @property
     def capacity(self) -> int:

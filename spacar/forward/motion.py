@@ -141,10 +141,9 @@ def _state(n: Numbering, frame: Frame) -> Array:
 
 def chosen(run: Run) -> Evaluator:
     """The compiled evaluator where that is possible, else that of NumPy; the header says which, and why."""
-    from spacar.compiled import CompiledDynamics, mechanism_of
+    from spacar.compiled import CompiledDynamics, is_compiled
 
-    mechanism = mechanism_of(run)
-    return CompiledDynamics(mechanism) if run.header["engine"][0] == "compiled" else Dynamics(mechanism)
+    return CompiledDynamics(run.mechanism) if is_compiled(run) else Dynamics(run.mechanism)
 
 
 def output_times(run: Run) -> Sequence[float]:
