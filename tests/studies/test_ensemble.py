@@ -98,6 +98,7 @@ def test_what_has_no_batch(deck, name, options, why):
     assert re.search(why, why_not(deck(name, 1), **options))
 
 
+@LANES
 def test_user_functions_have_batches():
     scenarios = Path(__file__).parents[2] / "benchmarks" / "peers" / "scenarios"
     assert not why_not(read_deck(scenarios / "S4.dat", 1))
