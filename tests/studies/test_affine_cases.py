@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.compiled.library import unavailable
+from spacar.compiled.library import why_off
 from spacar.deck import parse_deck, read_deck
 from spacar.studies.affine_cases import FEWEST, affine_cases
 from spacar.studies.assignments import change, setting
 from spacar.studies.ensemble import ensemble, followed
 
 DATA = Path(__file__).parents[2] / "data"
-pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
+pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 
 BEAMS = """BEAM 1 1 2 3 4 0. 1. 0.
 BEAM 2 3 4 5 6 0. 1. 0.

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.compiled.library import lanes_of_processor, unavailable
+from spacar.compiled.library import lanes_of_processor, why_off
 from spacar.deck import Deck, read_deck
 from spacar.studies import batched_cases
 from spacar.studies.assignments import change, setting
 from spacar.studies.ensemble import ensemble, why_not
 
-pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
+pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 
 MODEL = """PLBEAM 1 1 2 3 4
 X 3 1. 0.
