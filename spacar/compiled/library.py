@@ -111,6 +111,7 @@ FUNCTIONS: dict[str, tuple[Any, ...]] = {  # in the order of the table in engine
     "adams": (INTEGER, POINTER, POINTER),
     "adams_value": (INTEGER, POINTER, POINTER, NUMBER, POINTER),
     "runge_kutta": (INTEGER, POINTER, POINTER),
+    "newton": (INTEGER, POINTER, POINTER, POINTER),
 }  # fmt: skip
 
 # in the order of the table in batches.c
@@ -173,6 +174,7 @@ class Engine:
     complete: Any
     gradient: Any
     determinant: Any
+    newton: Any
     reduced_mass: Any
     mass_diagonal: Any
     guard: Any

@@ -20,7 +20,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.deck import Deck
-from spacar.dynamics.array_evaluator import Dynamics
+from spacar.dynamics.loaded_mechanism import LoadedMechanism
 from spacar.errors import SpacarError
 from spacar.mechanism import Mechanism, build
 from spacar.studies.assignments import Setting, change, changed_statements
@@ -90,5 +90,6 @@ def _subsets(varied: Array) -> list[list[int]]:
 def _numbers(deck: Deck, **options: Any) -> tuple[Mechanism, Numbers, Array]:
     from spacar.compiled.numbers import of_one
 
-    dynamics = Dynamics(build(deck, 1, **options))
-    return dynamics.mechanism, of_one(dynamics), dynamics.start_values()
+    mechanism = build(deck, 1, **options)
+    start = mechanism.start
+    return mechanism, of_one(LoadedMechanism.of(mechanism)), start.state(start.e_kinematic)
