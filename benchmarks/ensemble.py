@@ -4,10 +4,11 @@
 
 Two motions: `falls` (no moments in the hinges: the arm tumbles) and `swings` (held by stiff joints, which start with 1
 and 0.5 rad/s: a smooth motion like those of a controlled arm), and S4c of benchmarks/peers (constant torques), 29 to
-31 kg. The heading of a motion gives the time of a variant to change the number and check the deck again, and that of a
-whole `spacar.sweep` with its rows. Then follow, for each method and tolerance: the processor time of a variant alone
-(median over a sample), in a batch, and of the latter how much is setting up; how many variants have to be run alone;
-the error of the tip position relative to the size of the arm, against single runs of method 853 at 1e-11.
+31 kg. The heading of a motion gives the time of a variant to change the number and check the deck again, that of a
+whole `spacar.sweep` with its rows on one core, and on all cores (the default; elapsed time too). Then follow, for each
+method and tolerance: the processor time of a variant alone (median over a sample), in a batch of decks, and of the
+latter how much is setting up; how many variants have to be run alone; the error of the tip position relative to the
+size of the arm, against single runs of method 853 at 1e-11.
 """
 
 from __future__ import annotations
@@ -37,13 +38,13 @@ def tip(result: Result) -> np.ndarray:
     return np.stack([result.node(8, k) for k in (1, 2, 3)], axis=1)
 
 
-def best(work, *arguments, **options):
+def best(work, *arguments, clock=time.process_time, **options):
     """Least processor time of some calls and the last answer."""
     seconds, answer = [], None
     for _ in range(REPEATS):
-        begun = time.process_time()
+        begun = clock()
         answer = work(*arguments, **options)
-        seconds.append(time.process_time() - begun)
+        seconds.append(clock() - begun)
     return min(seconds), answer
 
 
@@ -60,8 +61,14 @@ def main(n: int = 200, tolerances: tuple[float, ...] = (1e-4, 1e-6, 1e-8)) -> No
         seconds, decks = best(lambda base=base, masses=masses: [change(base, [setting("XM.8")], [m]) for m in masses])
         change_ms = 1e3 * seconds / n
         options = {"duration": 1.4, "n_steps": 14, "rtol": 1e-6, "atol": 1e-6}
-        whole, _ = best(spacar.sweep, base, {"XM.8": masses}, "z: x[8,3]@end", **options)
-        print(f"{name}: {n} variants, a changed deck {change_ms:.2f} ms, a whole sweep {1e3 * whole / n:.2f} ms each")
+        asked = base, {"XM.8": masses}, "z: x[8,3]@end"
+        whole, _ = best(spacar.sweep, *asked, jobs=1, **options)
+        cores, _ = best(spacar.sweep, *asked, **options)
+        elapsed, _ = best(spacar.sweep, *asked, clock=time.perf_counter, **options)
+        print(
+            f"{name}: {n} variants, a changed deck {change_ms:.2f} ms, a whole sweep {1e3 * whole / n:.2f} ms each,"
+            f" on all cores {1e3 * cores / n:.2f} ms, elapsed {1e3 * elapsed / n:.2f} ms"
+        )
         print("method  tolerance  single [ms]  batch  of it set-up  alone  error  rhs")
         measure(decks, tolerances)
 

@@ -33,7 +33,7 @@ class InLanes:
     """
 
     stages = None
-    look, back, half, inside, capacity = NEVER, True, 0.0, 0.0, 2
+    look, back, half, inside, wide, far, capacity = NEVER, True, 0.0, 0.0, 0.0, 0.0, 2
 
     def __init__(
         self, model: LoadedMechanism, scale: Array, numbers: Numbers, start: Array, drives: Sequence[Drive],

@@ -65,7 +65,7 @@ def compiled_family(family: Family) -> Family:
     name, parameters_of = SUPPORTED[family.form]
     kind, count = engine().kinds.get(name, (-1, 0))
     parameters = parameters_of(family)
-    if count != len(parameters) or parameters.dtype != float:
+    if name not in element_functions().kinds or count != len(parameters) or parameters.dtype != float:
         return family
     return CompiledElements(family, kind, parameters)
 
@@ -87,17 +87,14 @@ class CompiledElements(Family):
         self._limited = type(general).troubles is not Family.troubles
 
     def __getattr__(self, name: str) -> Any:
-        """What else the NumPy family has: the parameters of its type."""
+        """What else the NumPy family has: the parameters of its type, and, of some, the same with other mass flows."""
         if name == "general":  # not yet there: copying and pickling ask
             raise AttributeError(name)
-        return getattr(self.general, name)
+        value = getattr(self.general, name)
+        return (lambda flow: compiled_family(value(flow))) if name == "with_flow" else value
 
     def __reduce__(self) -> Any:
         return compiled_family, (self.general,)
-
-    def with_flow(self, flow: Array) -> Family:
-        """The same with other mass flows (n,); types that carry a fluid only."""
-        return compiled_family(self.general.with_flow(flow))  # type: ignore[attr-defined]
 
     # -- deformations -------------------------------------------------------------------------------------------
     def strain(self, x: Array, near: Array, e: Array, V: Array) -> Configuration:
@@ -200,4 +197,5 @@ class CompiledElements(Family):
 
 def _at(array: Array) -> Any:
     """Where the doubles of an array begin, in the order of its axes. An output is contiguous already."""
-    return DOUBLE.from_buffer(array if array.flags.c_contiguous else np.ascontiguousarray(array))
+    whole: Any = array if array.flags.c_contiguous else np.ascontiguousarray(array)
+    return DOUBLE.from_buffer(whole)

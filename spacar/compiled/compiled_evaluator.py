@@ -17,6 +17,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.compiled.compiled_elements import with_compiled_elements
 from spacar.compiled.compiled_model import EXACT, CompiledModel
+from spacar.compiled.iterating import Iterating
 from spacar.compiled.marching import Lookout, Marching
 from spacar.compiled.numbers import of_one
 from spacar.dynamics.array_evaluator import Dynamics, component_name
@@ -24,6 +25,7 @@ from spacar.dynamics.loaded_mechanism import LoadedMechanism, Moving, Placement
 from spacar.dynamics.mass_check import is_checked, is_doubtful
 from spacar.frame import Frame
 from spacar.integrators.problem import March
+from spacar.integrators.radau import Radau
 from spacar.kinematics.constraint_condition import of_gradient
 from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS
 from spacar.kinematics.regularity import PositionMatrix
@@ -102,6 +104,7 @@ class CompiledDynamics:
         self.state = self.solver.state()
         self._y, self._out = np.zeros((2, self.n_positions + self.numbering.nddof))
         self._addresses = self._y.ctypes.data, self._out.ctypes.data
+        self._iterating: Iterating | None = None
         self._step_of: tuple[Array, Array, Array, tuple[int, ...]] | None = None
 
     @property
@@ -129,8 +132,8 @@ class CompiledDynamics:
         if self._derivative(0.0, y, CONVERGED) < 0 or self._far(x0):
             y = self.general.start()
             self.stand(self.general.placement())
-        elif is_checked(self.numbering) and self._mass_is_doubtful():
-            self.settled().check_mass()
+        elif self.numbering.nddof and (not is_checked(self.numbering) or self._mass_is_doubtful()):
+            self.settled().check_mass()  # a large model is asked by the factors of its equations
         return y
 
     def _mass_is_doubtful(self) -> bool:
@@ -180,6 +183,7 @@ class CompiledDynamics:
             other = object.__new__(CompiledDynamics)
             vars(other).update(vars(self))
             other.state = self.solver.state()
+            other._iterating = None
         other.stand(self.placement())
         return other
 
@@ -264,6 +268,12 @@ class CompiledDynamics:
         return self.solver.stages(
             self.state, done, len(c), at_c, at_a, t, h, window, at_y, at_K, len(y), within
         )
+
+    def newton(self, method: Radau, h: float, within: float) -> tuple[bool, float, float] | None:
+        """Newton iteration of a step of codes 553 and 595, see `spacar.integrators.problem.Problem`."""
+        if self._iterating is None or self._iterating.method is not method:
+            self._iterating = Iterating(self.solver, self.state, method)
+        return self._iterating(h, within)
 
     def frame(self, t: float, y: Array) -> Frame:
         m, s = self.solver, self.state

@@ -47,6 +47,7 @@ class Definition:
 
 
 PLBEAM = ("l0", "beta_p", "beta_q", "A", "B", "s0", "s1", "s2", "unit", "lumped")
+PLANGLE = (*PLBEAM[:-1], "rotary")
 BEAM = ("l0", *ENDS, "f", "second", "unit")
 ANGLE = ("sz", "sy", "alpha", "beta", "by", "bz")
 
@@ -56,7 +57,7 @@ DEFINITIONS = (
         guard=planar.plbeam_guard, local=planar.plbeam_local,
     ),
     Definition(
-        "plbeam_angle", 6, PLBEAM, planar.plbeam_angle_strain, planar.plbeam_line,
+        "plbeam_angle", 6, PLANGLE, planar.plbeam_angle_strain, planar.plbeam_angle_line,
         guard=planar.plbeam_guard, local=planar.plbeam_local,
     ),
     Definition(
@@ -64,7 +65,7 @@ DEFINITIONS = (
         guard=planar.plbeam_guard, local=planar.plbeam_local, flow=planar.flow_matrices,
     ),
     Definition(
-        "pltube_angle", 6, (*PLBEAM, *FLOW), planar.plbeam_angle_strain, planar.plbeam_line,
+        "pltube_angle", 6, (*PLANGLE, *FLOW), planar.plbeam_angle_strain, planar.plbeam_angle_line,
         guard=planar.plbeam_guard, local=planar.plbeam_local, flow=planar.flow_matrices,
     ),
     Definition("pltruss", 4, ("l0",), planar.truss_strain, guard=planar.truss_guard),

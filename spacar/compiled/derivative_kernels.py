@@ -1,6 +1,6 @@
-"""Write derivatives.c: `python -m spacar.compiled.derivative_kernels > spacar/compiled/derivatives.c` (needs SymPy).
+"""Write derivatives.c, with SymPy: `python -m spacar.compiled.derivative_kernels > spacar/compiled/derivatives.c`.
 
-What statics and linearized equations need beside kernels.c, made from the same definitions (theory-system.md section 0):
+What statics and linearized equations need beside kernels.c, from the same definitions (theory-system.md section 0):
 
     NAME_geometric(x, p, s, D)             Hs[i][j] = d/dx_j sum_e s_e V[e][i]
     NAME_rates(x, v, p, D)                 H1[e][j] = d/dx_j sum_i V[e][i] v_i
@@ -75,6 +75,8 @@ def tables(ordered: Sequence[Definition]) -> Iterator[str]:
             if what in made_of(definition):
                 yield f"    [{definition.name.upper()}] = {owner(definition, what).name}_{table},"
         yield "};"
+    yield "/* The kinds that have functions here: NumPy evaluates what was added to kernels.c alone. */"
+    yield f'static const char DERIVED[] = "{" ".join(definition.name for definition in ordered)}";'
 
 
 def arguments(vectors: str) -> str:

@@ -15,7 +15,8 @@ GUARD, LEFT = 0.71, 0.7
 
 def _plbeam(f: Family) -> Array:
     start = getattr(f, "start", np.zeros((3, f.n)))  # of tubes
-    own = [0.5 * f.A2, f.B, *start, f.unit, f.lumped]  # type: ignore[attr-defined]
+    rotation = getattr(f, "rotary", f.lumped)  # type: ignore[attr-defined]  # of the angle measure the whole
+    own = [0.5 * f.A2, f.B, *start, f.unit, rotation]  # type: ignore[attr-defined]
     return np.stack([f.length, *f.angle, *own])  # type: ignore[attr-defined]
 
 

@@ -9,6 +9,7 @@
 #include "march.c"
 #include "adams.c"
 #include "runge_kutta.c"
+#include "radau.c"
 #ifdef ELEMENTS /* the name of the table of what is needed of elements alone: two builds have it */
 #include "derivatives.c"
 #include "batches.c"
@@ -19,5 +20,5 @@ const void *const BUILD[] = {
     KINDS,
     spacar_begin, spacar_end, spacar_evaluate, spacar_rhs, spacar_stages, spacar_complete, spacar_gradient,
     spacar_determinant, spacar_reduced_mass, spacar_mass_diagonal, spacar_guard, spacar_rcond,
-    spacar_adams_begin, spacar_adams, spacar_adams_value, spacar_runge_kutta,
+    spacar_adams_begin, spacar_adams, spacar_adams_value, spacar_runge_kutta, spacar_newton,
 };

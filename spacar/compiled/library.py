@@ -21,7 +21,7 @@ HERE = Path(__file__).parent
 NAME = {"win32": "engine.dll", "darwin": "engine.dylib"}.get(sys.platform, "engine.so")
 GENERAL = "SPACAR_GENERAL"  # environment variable: anything but empty or 0 switches the engine off
 
-# what enters kernels.c and derivatives.c: a row of elements that is not in the library yet must not be taken for one that is
+# What enters kernels.c, derivatives.c: a row of elements that is not in the library must not be taken for one that is
 GENERATED_FROM = (
     "definitions.py", "planar_definitions.py", "spatial_definitions.py", "element_parameters.py", "generate.py",
     "derivative_kernels.py",
@@ -111,6 +111,7 @@ FUNCTIONS: dict[str, tuple[Any, ...]] = {  # in the order of the table in engine
     "adams": (INTEGER, POINTER, POINTER),
     "adams_value": (INTEGER, POINTER, POINTER, NUMBER, POINTER),
     "runge_kutta": (INTEGER, POINTER, POINTER),
+    "newton": (INTEGER, POINTER, POINTER, POINTER),
 }  # fmt: skip
 
 # in the order of the table in batches.c
@@ -127,11 +128,17 @@ ELEMENT_FUNCTIONS: dict[str, tuple[Any, ...]] = {
 
 
 class ElementFunctions:
-    """The functions of batches of elements (batches.c), of the widest build for this processor that has them."""
+    """The functions of batches of elements (batches.c), of the widest build for this processor that has them.
+
+    `kinds`: names of the types that have all of them.
+    """
+
+    kinds: frozenset[str]
 
     def __init__(self, loaded: ctypes.CDLL) -> None:
         addresses = loaded.spacar_element_functions()
-        for k, (name, (result, *arguments)) in enumerate(ELEMENT_FUNCTIONS.items()):
+        self.kinds = frozenset(ctypes.string_at(addresses[0]).decode("ascii").split())
+        for k, (name, (result, *arguments)) in enumerate(ELEMENT_FUNCTIONS.items(), 1):
             setattr(self, name, ctypes.CFUNCTYPE(result, *arguments)(addresses[k]))
 
     strain: Any
@@ -167,6 +174,7 @@ class Engine:
     complete: Any
     gradient: Any
     determinant: Any
+    newton: Any
     reduced_mass: Any
     mass_diagonal: Any
     guard: Any

@@ -22,7 +22,7 @@ typedef struct {
     const double *scale;     /* (nx) of the coordinates whose velocities are compared */
     const double *atol;      /* (n) absolute error of every component of the state */
     int n, capacity, width, look, back, most, max_reductions;
-    double reduction, rtol, longest, converged, jump, earliest, latest, half, inside, share, noise;
+    double reduction, rtol, longest, converged, jump, earliest, latest, half, inside, wide, far, share, noise;
     double t, t_end, until, h, error, peak; /* peak: largest determinant since its last minimum */
     double begin, sizes[2];  /* of the last step; sizes of it and of the one before */
     int recorded, entered;   /* accepted steps in the records; entered: look always, as a dead point is being left */
@@ -62,6 +62,16 @@ static int unexplained(const March *r, const double *a, const double *b)
         }
     }
     return 0;
+}
+
+/* Does a coordinate go farther in the step than the watch sees with the states inside alone? */
+static int goes_far(const March *r, const double *a, const double *b)
+{
+    const int nx = r->model->s.nx;
+    const double *va = a + 4 + r->n + nx, *vb = b + 4 + r->n + nx;
+    double fastest = 0.0;
+    for (int i = 0; i < nx; i++) fastest = fmax(fastest, fmax(fabs(va[i]), fabs(vb[i])) / r->scale[i]);
+    return (b[0] - a[0]) * fastest > r->far;
 }
 
 #if LANES > 1
@@ -106,11 +116,13 @@ static int seen(March *r, double t, const double *y)
 #else
     if (!s->known) return r->tell(t, y);
     if (r->look == LOOK_AT_DETERMINANTS) {
+        const double low = logarithm(s->mantissa, s->exponent);
         position_determinant(m, &now[1], &now[2]);
         if (r->entered) return r->tell(t, y);
         if (!before) r->peak = now[2];
-        else if (now[1] != before[1] || s->signs == 3 || logarithm(s->mantissa, s->exponent) <= fmin(before[2], now[2]) + r->inside
-                 || (now[2] > before[2] && before[2] <= r->peak + r->half)) return r->tell(t, y);
+        else if (now[1] != before[1] || s->signs == 3 || low <= fmin(before[2], now[2]) + r->inside
+                 || (now[2] > before[2] && before[2] <= r->peak + r->half)
+                 || (low <= fmax(before[2], now[2]) + r->wide && goes_far(r, before, now))) return r->tell(t, y);
         else if (now[2] > r->peak) r->peak = now[2];
     }
     else if (r->look == LOOK_AT_VELOCITIES) {

@@ -42,8 +42,8 @@ class CMarch(ctypes.Structure):
         ("scale", DOUBLES), ("atol", DOUBLES),
         *((name, INTEGER) for name in ("n", "capacity", "width", "look", "back", "most", "max_reductions")),
         *((name, NUMBER) for name in (
-            "reduction", "rtol", "longest", "converged", "jump", "earliest", "latest", "half", "inside", "share",
-            "noise", "t", "t_end", "until", "h", "error", "peak", "begin",
+            "reduction", "rtol", "longest", "converged", "jump", "earliest", "latest", "half", "inside", "wide",
+            "far", "share", "noise", "t", "t_end", "until", "h", "error", "peak", "begin",
         )),
         ("sizes", NUMBER * 2),
         *((name, INTEGER) for name in ("recorded", "entered", "n_steps", "n_rhs", "n_rejected", "reductions")),
@@ -78,6 +78,8 @@ class Lookout(Protocol):
     back      whether the state goes back to the last accepted step after a rejected one
     half      logarithm: a minimum of the determinant below its last maximum that is looked at
     inside    logarithm: the same of a state inside a step below both of its ends
+    wide      logarithm: the same of a state below the larger end of a step in which a coordinate goes beyond `far`
+    far       rad, or lengths of the model
     capacity  how many steps are remembered
     """
 
@@ -85,6 +87,8 @@ class Lookout(Protocol):
     back: bool
     half: float
     inside: float
+    wide: float
+    far: float
     capacity: int
 
     def closer(
@@ -141,7 +145,7 @@ class Marching:
             MAX_REDUCTIONS, REDUCTION,
         )  # fmt: skip
         self.c.jump, self.c.share, self.c.noise = LARGEST_JUMP, SHARE, NOISE
-        self.c.half, self.c.inside = lookout.half, lookout.inside
+        self.c.half, self.c.inside, self.c.wide, self.c.far = lookout.half, lookout.inside, lookout.wide, lookout.far
         if not alone:
             self.near = np.ascontiguousarray(HalfTurns(evaluator.numbering).lambda0, np.int32)
             self.c.lambda0, self.c.n_lambda0, self.c.half_turn = self.near.ctypes.data, len(self.near), HALF_TURN

@@ -10,6 +10,7 @@ import sympy as sp
 from spacar.compiled.element_parameters import LEFT
 
 CUBIC = sp.Matrix([[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]])
+ROTARY = sp.Matrix([[4, -1, -3], [-1, 4, -3], [-3, -3, 36]]) / 30
 STRETCH = sp.Matrix([[36, 3, -36, 3], [3, 4, -3, -1], [-36, -3, 36, -3], [3, -1, -3, 4]]) / 30
 TRANSPORT = sp.Matrix([[-30, 6, 30, -6], [-6, 0, 6, -1], [-30, -6, 30, 6], [6, 1, -6, 0]]) / 60
 FLOW = ("flow", "flow_p", "flow_q", "thrust", "thrust_p", "thrust_q")
@@ -62,14 +63,23 @@ def plbeam_angle_strain(z: list, p: dict) -> list:
     return plbeam_bent(length([dx, dy]), p["l0"] * turned[0], -p["l0"] * turned[1], p)
 
 
-def plbeam_line(x: list, p: dict) -> tuple[list, sp.Matrix]:
+def plbeam_ends(x: list, p: dict) -> list:
+    """Positions and tangents of the ends."""
     angles = x[2] + p["beta_p"], x[5] + p["beta_q"]
     ends = [[p["l0"] * sp.cos(a), p["l0"] * sp.sin(a)] for a in angles]
-    y = [x[0], x[1], *ends[0], x[3], x[4], *ends[1], x[2], x[5]]
-    C = sp.zeros(10, 10)
-    C[:8, :8] = p["unit"] * sp.kronecker_product(CUBIC, sp.eye(2))
-    C[8, 8] = C[9, 9] = p["lumped"]
-    return y, C
+    return [x[0], x[1], *ends[0], x[3], x[4], *ends[1]]
+
+
+def plbeam_line(x: list, p: dict) -> tuple[list, sp.Matrix]:
+    line = p["unit"] * sp.kronecker_product(CUBIC, sp.eye(2))
+    return [*plbeam_ends(x, p), x[2], x[5]], sp.diag(line, p["lumped"], p["lumped"])
+
+
+def plbeam_angle_line(x: list, p: dict) -> tuple[list, sp.Matrix]:
+    """Rotary inertia by the rates of the ends and of the chord (theory-beam-order4.md section 1.3)."""
+    line = p["unit"] * sp.kronecker_product(CUBIC, sp.eye(2))
+    chord = sp.atan2(x[4] - x[1], x[3] - x[0])
+    return [*plbeam_ends(x, p), x[2], x[5], chord], sp.diag(line, p["rotary"] * ROTARY)
 
 
 def plbeam_guard(z: list, p: dict) -> list:

@@ -159,6 +159,8 @@ def made(origin: Statement, *values: Value, keyword: str = "", block: int = 0) -
 
 def _kinematic(s: Statement, split: dict[int, dict[int, str]], parts: dict[int, list[int]]) -> list[Statement]:
     """What a statement of the kinematics block that is no divided beam becomes."""
+    if s.keyword == "ADEFORM" and not s.values:  # all elements
+        return [s]
     if s.keyword in ("LDEFORM", "ADEFORM") and s.values[0] in parts:
         return [made(s, part) for part in parts[s.integer(0)]]
     if s.keyword not in CLASSES or s.values[0] not in parts:

@@ -10,7 +10,14 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.dynamics.loaded_mechanism import LoadedMechanism, Moving, Placement
-from spacar.dynamics.mass_check import dynamic_mass, is_checked, is_doubtful, largest_mass, require_regular_mass
+from spacar.dynamics.mass_check import (
+    dynamic_mass,
+    is_checked,
+    is_doubtful,
+    largest_mass,
+    require_inertia_of_many,
+    require_regular_mass,
+)
 from spacar.dynamics.motion_equations import Accelerations, EquationsOfMotion
 from spacar.dynamics.saddle_point import SaddlePoint
 from spacar.frame import Frame
@@ -58,8 +65,13 @@ class Dynamics(EquationsOfMotion):
         Sets `doubt` where the inertia may be rounding.
         """
         self.doubt = None
-        if is_checked(self.numbering):
-            self.sweep.mass()
+        if not self.numbering.nddof:
+            return
+        self.sweep.mass()
+        if not is_checked(self.numbering):
+            saddle = SaddlePoint(self.mechanism, self.sweep, self.kind)
+            self.doubt = require_inertia_of_many(self.mechanism, saddle, self.condition)
+        else:
             largest = largest_mass(self.mechanism, self.sweep)
             condition = self.condition()
             if is_doubtful(self.mechanism, dynamic_mass(self.kinematics, self.coupling), condition, largest):

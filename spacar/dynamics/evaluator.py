@@ -7,7 +7,8 @@ or what is watched: the driver (`spacar.forward.driver`) does, and hands them ov
 
     1  place    `start` goes to the start state; `placement`, `moving` say where the evaluator stands
     2  rhs      F(t, y), the position solved to `within`; raises AnalysisError that explains
-    3  stages   those of a Runge-Kutta step in one call, or None: then they are asked from `rhs` one by one
+    3  stages   those of a Runge-Kutta step in one call, or None: then they are asked from `rhs` one by one; likewise
+                `newton`, the iteration of a Radau step, where an evaluator has it
     4  frame    everything that is stored of a state, the position solved to rounding
     5  checks   `condition`, `position_matrix`, `in_range` at the last evaluated state
     6  settled  the NumPy evaluator standing there, with sweeps and factors: for linearization, transfer functions,

@@ -25,11 +25,19 @@ transfer to the only mass has E of order d^2, and is accepted from d of some n e
 was placed, which the degrees of freedom give to n eps cond D only: a motion whose energy is below the same with cond D
 as one more factor is accepted with a warning, as there may be a dead point within rounding. M is semi-definite when it
 comes from masses; a negative one (XM, MEE) that makes E negative is refused too.
+
+A large model is asked by the factors of its saddle-point form, in the same scales. The upper left block of the inverse
+is Z (Z^T M Z)^-1 Z^T, of norm 1/E, so that a few solutions (power method) give the motion with the least energy. With
+|V_R|/s >= 1 and |M| >= 1 that is refused where E <= 8 n eps |z|^T |M| |z| + (8 n eps)^2, and with the condition of D
+for |V_R|/s, which it is at most, there is a warning.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
+from numpy.typing import NDArray
 
 from spacar.arrays import Array
 from spacar.dynamics.saddle_point import DeformationInertia, SaddlePoint
@@ -37,12 +45,15 @@ from spacar.errors import AnalysisError
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.kinematics.kinematics import Kinematics
 from spacar.kinematics.transfer import velocity_transfer
+from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
 
 EPS = float(np.finfo(float).eps)
 DOUBTFUL = EPS**0.5  # half of the digits: eigenvalue scaled to a unit diagonal, mass over the largest
-LARGEST_CHECKED = 400  # dense work of order nx nq^2; larger models are caught by the factorization itself
+LARGEST_CHECKED = 400  # dense work of order nx nq^2; larger models are asked by the factors of their equations
+ITERATIONS = 3  # of the power method: a motion without inertia exceeds all others by 1/eps in the first
+LOOKED_AT = 1e-6  # energy, in units of an ordinary coordinate, from which the condition is not asked: cost only
 
 
 def is_doubtful(mechanism: Mechanism, M: Array, condition: float, largest: float) -> bool:
@@ -76,6 +87,84 @@ def require_regular_mass(mechanism: Mechanism, saddle: SaddlePoint, condition: f
 
     Raises AnalysisError 'dynamics.singular-mass' naming the degrees of freedom without mass.
     """
+    massless, doubtful = _motions_of_rounding(mechanism, saddle, condition)
+    if massless:
+        raise _without_inertia(massless)
+    if not doubtful:
+        return None
+    return _of_rounding(doubtful, condition)
+
+
+def require_inertia_of_many(mechanism: Mechanism, saddle: SaddlePoint, condition: Callable[[], float]) -> str | None:
+    """The look at a large model, at the configuration of the sweep; see the head of the module.
+
+    Raises AnalysisError 'dynamics.singular-mass' naming the degrees of freedom without mass.
+    """
+    sweep, F = saddle.sweep, saddle.F
+    try:
+        saddle.factor()
+    except SingularMatrixError:
+        return None  # the equations of motion say it, with the unknown
+    scale, nothing = saddle.scale[: len(F)], np.zeros(sweep.ne)
+    force, z = np.zeros(sweep.nx), np.ones(len(F))
+    for _ in range(ITERATIONS):
+        force[F] = z / (scale * np.linalg.norm(z))
+        z = saddle.solve(force, nothing)[0] / scale
+        if not (np.isfinite(z).all() and z.any()):
+            return None
+    v = np.zeros(sweep.nx)
+    v[F] = scale * z / np.linalg.norm(z)
+    rates = sweep.rate(v)
+    terms = sweep.m_entries * v[sweep.m_rows] * v[sweep.m_columns]
+    if saddle.coupling.present:
+        i, j, value = saddle.coupling.table
+        terms = np.concatenate((terms, value * rates[i] * rates[j]))
+    energy, known = float(terms.sum()), 8.0 * len(F) * EPS
+    if not energy > known * float(np.abs(terms).sum()) + known**2:
+        raise _without_inertia(_named(mechanism, v[:, None], rates[:, None]))
+    if energy > LOOKED_AT or energy > (known * condition()) ** 2:
+        return None
+    return _of_rounding(_named(mechanism, v[:, None], rates[:, None]), condition())
+
+
+def linearized_doubt(mechanism: Mechanism, sweep: ElementSweep, M: Array, condition: float) -> str | None:
+    """What linearized equations at the configuration of the sweep are warned of, None: nothing.
+
+    M, condition: as for `is_doubtful`. A degree of freedom without any entry is not looked at: who needs its inertia
+    refuses it. Neither is a large model: its lowest modes come from the sparse pencil, which keeps all coordinates.
+    """
+    n = mechanism.numbering
+    if not is_checked(n) or not M.diagonal().all():
+        return None
+    if not is_doubtful(mechanism, M, condition, largest_mass(mechanism, sweep)):
+        return None
+    massless, doubtful = _motions_of_rounding(mechanism, SaddlePoint(mechanism, sweep), condition)
+    if not (massless or doubtful):
+        return None
+    return (
+        f"the inertia on the motion of {massless or doubtful} is that of rounding in the position (condition"
+        f" {condition:.2g}): frequencies of this motion have no right digit; add mass (XM, EM), or choose other degrees"
+        " of freedom"
+    )
+
+
+def _without_inertia(names: str) -> AnalysisError:
+    text = (
+        f"singular mass matrix: no inertia on the motion of {names}; add mass (XM, EM) or prescribe (INPUTX, INPUTE) or"
+        " release (RLSE) it"
+    )
+    return AnalysisError(text, "dynamics.singular-mass")
+
+
+def _of_rounding(names: str, condition: float) -> str:
+    return (
+        f"the inertia on the motion of {names} is that of rounding in the position (condition {condition:.2g}): the"
+        " accelerations may have no right digit; begin elsewhere, or choose other degrees of freedom"
+    )
+
+
+def _motions_of_rounding(mechanism: Mechanism, saddle: SaddlePoint, condition: float) -> tuple[str, str]:
+    """Names of the degrees of freedom that move without inertia, and of those whose inertia may be rounding."""
     n, sweep, F = mechanism.numbering, saddle.sweep, saddle.F
     nf, m = len(F), saddle.n_rows
     x, row = saddle.scale[:nf], saddle.scale[nf:]
@@ -95,28 +184,20 @@ def require_regular_mass(mechanism: Mechanism, saddle: SaddlePoint, condition: f
     sums = 8.0 * nf * EPS * np.einsum("ik,ik->k", np.abs(z), np.abs(mass) @ np.abs(z))
     physical = np.zeros((n.nx, len(energy)))
     physical[F] = x[:, None] * z
+
+    def named(motions: NDArray[np.bool_]) -> str:
+        moved = physical[:, motions]
+        return _named(mechanism, moved, V @ moved) if motions.any() else ""
+
     massless = ~(energy > sums + size * known**2)
-    if massless.any():
-        text = (
-            f"singular mass matrix: no inertia on the motion of {_moved(mechanism, V, physical[:, massless])}"
-            "; add mass (XM, EM) or prescribe (INPUTX, INPUTE) or release (RLSE) it"
-        )
-        raise AnalysisError(text, "dynamics.singular-mass")
-    doubtful = ~(energy > sums + size * (known * condition) ** 2)
-    if not doubtful.any():
-        return None
-    return (
-        f"the inertia on the motion of {_moved(mechanism, V, physical[:, doubtful])} is that of rounding in the"
-        f" position (condition {condition:.2g}): the accelerations may have no right digit; begin elsewhere, or choose"
-        " other degrees of freedom"
-    )
+    return named(massless), named(~(energy > sums + size * (known * condition) ** 2))
 
 
-def _moved(mechanism: Mechanism, V: Array, motions: Array) -> str:
-    """Names of the degrees of freedom that take part in the motions (nx, k), six at most."""
+def _named(mechanism: Mechanism, motions: Array, rates: Array) -> str:
+    """Names of the degrees of freedom that take part in the motions (nx, k) with these rates (ne, k), six at most."""
     n = mechanism.numbering
     of_x = motions[n.q_x] / mechanism.scale[n.q_x, None]
-    of_e = (V @ motions)[n.q_e] / mechanism.deformation_scale[n.q_e, None]
+    of_e = rates[n.q_e] / mechanism.deformation_scale[n.q_e, None]
     moved = np.abs(np.concatenate((of_x, of_e))[n.dynamic])
     weight = (moved / moved.max(axis=0)).max(axis=1)
     return ", ".join([n.q_names[n.dynamic[k]] for k in np.flatnonzero(weight > 0.1)][:6])

@@ -79,7 +79,7 @@ class SpatialAngleBeam(SpatialBeam):
     def geometric_stiffness(self, c: Any, sigma: Array, out: Array) -> None:
         strain_of.hessian(c.strain, sigma, out)
 
-    def internal(self, c: Any, sigma: Array) -> Internal:
+    def internal(self, c: Any, sigma: Array) -> Internal | None:
         """The twist gradient A_x (section 2.6): stiffness 3 GIt/l0, coupling
 
         l0 [(s5 + s6) dpsi_y - (s3 + s4) dpsi_z]/4.

@@ -34,20 +34,22 @@ to the dead point than the degrees of freedom are known. A motion that turns bef
 
 So near to a dead point that the velocities are lost the integration may also stop: where the position is not where
 v_a leads within half of the way and 4 h^2 |a_a|, it is an error too. Where it turns there within a step or two, so that
-turning is as good as passing, a warning says so.
+turning is as good as passing, a warning says so; and also where no step is known to be farther than ERROR from it.
 
 To be cheap, only suspected steps are looked at: the determinant of all states evaluated in a step tells. At a fold it
 is zero and about linear in time on both sides. Suspected is a step in which its sign changes, or
 
     in which a state lies below 2/3 of both ends            (INSIDE)
     whose begin is a minimum, below half of the last maximum  (HALF)
+    in which a coordinate goes farther than one radian or length of the model, with a state below 4/5 of an end  (WIDE)
 
 Were steps without states inside, a zero in the middle of a long one would lie between two equal ends. With the states
 of the codes, fractions c of the step, the two rules find a zero wherever it lies in the step: halfway between two of
 the c it leaves at most 0.29 of the lower end with 853, 0.56 with 155, 0.61 with 553, or the end itself is a minimum.
 Adams steps have no states inside; a zero in the middle is seen in steps up to one radian of |sin|, which they do not
-reach: no position is placed farther than 0.8 rad from the one before. The start state belongs to the first step. Where
-there is no cheap determinant the velocities alone are asked, always.
+reach: no position is placed farther than 0.8 rad from the one before. Beyond one radian (wide ERROR) a motion may turn
+on its way to the dead point between two states, which a determinant that varies is enough to suspect. The start state
+belongs to the first step. Where there is no cheap determinant the velocities alone are asked, always.
 """
 
 from __future__ import annotations
@@ -67,7 +69,8 @@ from spacar.errors import AnalysisError, Report
 from spacar.kinematics.fold import fold
 from spacar.kinematics.regularity import PositionMatrix
 
-HALF, INSIDE = float(np.log(0.5)), float(np.log(2.0 / 3.0))
+HALF, INSIDE, WIDE = float(np.log(0.5)), float(np.log(2.0 / 3.0)), float(np.log(0.8))
+FAR_APART = 1.0  # rad or model lengths in a step: beyond, the determinant need not be linear about its zeros
 TURNING = 0.5  # part of the largest velocity of a motion that turns by which a step may change it: a reflection, by 2
 APART = 0.5  # part of the way to a dead point that a step without one may go
 MORE = 4.0  # times the last acceleration that is known: what it may become while the dead point is passed
@@ -125,6 +128,7 @@ class Continuity:
             or changed
             or low <= min(before.size, size) + INSIDE
             or (size > before.size and before.size <= self.peak + HALF)
+            or (low <= max(before.size, size) + WIDE and goes_far(before.at, at, self.scale))
         ):
             self._enter(before, now)
         else:
@@ -181,7 +185,7 @@ class Continuity:
         """On the branch of before: it has turned, or passed twice while all was near, as with an ERROR that is wide."""
         if self.crossings:
             self._passed(a, b, t)
-        elif not closer.turned_in_steps([p for p in self.steps if p.at.t >= a.at.t]):
+        elif closer.near(a) or not closer.turned_in_steps([p for p in self.steps if p.at.t >= a.at.t]):
             self._turned(a, b, t)
 
     def _passed(self, a: Accepted, b: Accepted, t: float) -> None:
@@ -202,6 +206,12 @@ class Continuity:
 
     def _closer(self) -> Closer:
         return Closer(self.evaluator.settled().companion(), *self.errors, self.resolved)
+
+
+def goes_far(a: Moving, b: Moving, scale: Array) -> bool:
+    """Does a coordinate go farther in a step than the watch sees with the states inside alone?"""
+    fastest = (np.maximum(np.abs(a.xd), np.abs(b.xd)) / scale).max(initial=0.0)
+    return bool((b.t - a.t) * fastest > FAR_APART)
 
 
 def strayed(a: Moving, b: Moving, scale: Array) -> NDArray[np.bool_]:

@@ -14,10 +14,10 @@ columns are the n^2 entries of an inverse, few rows tell almost all: what moves 
 elements of the arm. A row, what all deformations do to one coordinate, is one solution with the transposed matrix; the
 largest entry in the known rows is a lower bound of g. The Euclidean norms t of all columns, g <= t <= sqrt(positions)
 g, are estimated from PROBES sums of rows with random signs s, E (s.z)^2 = |z|^2. The SAMPLE columns with the largest
-t/g, and as many spread over all, are computed; where one has an entry of more than 1/SHARE times what is known, the row of this entry is taken too,
-until a sample has none. Where arms are many and short each has its own tip, but t is close to g: a random sample of the
-columns with t <= SHORT g tells whether they take t, as all do that are left after ROUNDS. So g is found at the price of
-some dozen solutions, up to a factor of two or three, in which a unit may be chosen freely.
+t/g, and as many spread over all, are computed; where one has an entry of more than 1/SHARE times what is known, the row
+of this entry is taken too, until a sample has none. Where arms are many and short each has its own tip, but t is close
+to g: a random sample of the columns with t <= SHORT g tells whether they take t, as all do that are left after ROUNDS.
+So g is found at the price of some dozen solutions, up to a factor of two or three, within which a unit may be chosen.
 """
 
 from __future__ import annotations

@@ -31,7 +31,7 @@ from spacar.dynamics.loaded_mechanism import (
 )
 from spacar.errors import AnalysisError, Report
 from spacar.forward.charts import ChartWatch
-from spacar.forward.continuity import HALF, INSIDE, Continuity
+from spacar.forward.continuity import FAR_APART, HALF, INSIDE, WIDE, Continuity
 from spacar.forward.displaced import displaced
 from spacar.frame import Frame
 from spacar.integrators import AUTOMATIC, METHODS, EvenTimes, integrate
@@ -102,10 +102,12 @@ class Integrand:
         self.within = self.usual = within
         self.report = report
         self.said = False  # that a method for stiff models has been kept
+        self.evaluator: Any = evaluator
         self._rhs, self._together = evaluator.rhs, evaluator.stages
         self.trail = self.starting = trail
         self.continuity = None if trail is None else trail.continuity
         self.stages = self._stages if self._together is not None else None
+        self.newton = self._newton if getattr(evaluator, "newton", None) is not None else None
         if marching is None and trail is not None and trail.evaluator.marching is not None:
             marching = partial(trail.evaluator.marching, trail)
         self.march: March | None = None if marching is None else marching(lambda: self.within)
@@ -121,6 +123,10 @@ class Integrand:
         """F with a position that is exact enough for differences, by an evaluator that leaves this one where it is."""
         assert self.trail is not None  # without it there is no Jacobian, and nobody asks
         return partial(self.trail.evaluator.companion(apart=True).rhs, within=ITERATED)
+
+    def _newton(self, method: Any, h: float) -> tuple[bool, float, float] | None:
+        found: tuple[bool, float, float] | None = self.evaluator.newton(method, h, self.within)
+        return found
 
     def _stages(self, *step: Any) -> int:
         assert self._together is not None
@@ -226,7 +232,7 @@ class Trail:
         self.n = 0  # steps since the last output
 
     # -- of many steps at a time: `spacar.compiled.marching.Lookout` ----------------------------------------------
-    half, inside = HALF, INSIDE
+    half, inside, wide, far = HALF, INSIDE, WIDE, FAR_APART
 
     @property
     def capacity(self) -> int:

@@ -15,8 +15,7 @@ itself they are not, and Adams goes on. It also goes on when the steps of Radau 
 
 So what is not stiff is computed as by code 0, step by step, and a model that is asked in vain loses less than the part
 LOST: a trial of TRIAL steps costs less than TRIAL GAIN of Adams, and that many over LOST have to be ahead for each
-trial that has been made (of a state with 64 components 9,000 with Adams in C, 4,000 without, the first time). Looks
-cost less than the part SEEN.
+trial that has been made (12,000 with Adams in C, 4,000 without, the first time). Looks cost less than the part SEEN.
 """
 
 from __future__ import annotations
@@ -41,10 +40,9 @@ FAST = 0.1  # h omega above which the vibration may limit the steps
 # cannot be longer by more than ten times the frequency of the vibration over that of the motion.
 SLOWER = 4.0
 TRIAL, LAST = 40, 10  # steps of Radau that are tried, of these the last count
-# How many times longer the steps of Radau have to be, as one of them costs that many of Adams: in C these leave out the
-# calls of Python, which count the more the fewer components n a state has. Measured: 52, 32, 26 with n = 16, 32, 64;
-# without C 6.6 to 4.8. Chosen above that, as it has to pay: GAIN + SMALL / n.
-GAIN, SMALL = 10.0, 800.0
+# How many times longer the steps of Radau have to be, Adams in C or not. One of them costs 29 to 16, 6.6 to 4.8 times
+# as much as one of Adams (processor time, states of 8 to 128 components); chosen above that, as it has to pay.
+GAIN = {True: 30.0, False: 10.0}
 LOST = 0.1  # part of the steps ahead that trials in vain may cost
 WATCHED, LEFT = 100, 0.5  # steps of Radau over which their mean is watched, and the part of GAIN below which it is left
 # A look costs at most LOOK / n steps of Adams in C, or OF_PYTHON without; SEEN: the part of those ahead that looks may
@@ -70,7 +68,7 @@ class Automatic:
         self.implicit: Radau | None = None
         self.stays = False
         marched = evaluation.march is not None
-        self.gain = GAIN + SMALL / n if marched else GAIN
+        self.gain = GAIN[marched]
         self.price = LOOK / n if marched else OF_PYTHON  # of a look
         self.looks = self.trials = 0
         self.done = 0  # accepted steps of Adams
@@ -119,11 +117,11 @@ class Automatic:
         for step in one_step(self.implicit, True)(t, y, t_end, h):
             sizes.append(step.t - t)
             t = step.t
+            if t >= t_end and not self.stays:  # the trial was enough; nobody asks for more after the last step
+                self.stays = True
+                self._tell(self.tried_at, 595, self.omega)
             yield step
             if t >= t_end:
-                if not self.stays:  # the trial was enough
-                    self.stays = True
-                    self._tell(self.tried_at, 595, self.omega)
                 return
             if not self.stays and len(sizes) == TRIAL:
                 self.stays = sum(islice(sizes, TRIAL - LAST, None)) > self.gain * LAST * self.size

@@ -23,7 +23,7 @@ class Problem(Protocol):
     need `len(y) == 2 * n_positions`. `rhs` may return the same array at every call: integrators copy what
     they keep. It must neither change nor keep the `y` it is given.
 
-    Seven optional members are used when they are present (`Automatic` knows two more):
+    Eight optional members are used when they are present (`Automatic` knows two more):
 
     jacobian(t, y)     (dF/dy, dF/dt) with shapes (n, n) and (n,); the linearly implicit and implicit codes need it
     accepted(t, y)     called after each accepted step, so that a problem can update its branch memory
@@ -33,6 +33,8 @@ class Problem(Protocol):
                        evaluates F(t + c_i h, y + h a_i K) into the rows i of K from `done` on, at times clipped to the
                        window, and returns the first row that it could not do; that one is then asked from `rhs`, which
                        says why
+    newton(method, h)  makes the Newton iteration of a step of codes 553 and 595 from the guess in `method.Z`; whether
+                       it converged, size and contraction of the last change, or None when it cannot
     by_case            the shape (blocks, components, lanes) of a state of many cases, each of which keeps the tolerance
                        (Runge-Kutta codes)
     march(method, t, t_end, h, longest)
@@ -103,8 +105,20 @@ class Evaluation:
     """
 
     __slots__ = (
-        "_jacobian", "_next", "_rhs", "accepted", "by_case", "first", "last", "march", "problem", "rejected", "stages",
-        "statistics", "times",
+        "_jacobian",
+        "_next",
+        "_rhs",
+        "accepted",
+        "by_case",
+        "first",
+        "last",
+        "march",
+        "newton",
+        "problem",
+        "rejected",
+        "stages",
+        "statistics",
+        "times",
     )  # fmt: skip
 
     def __init__(self, problem: Problem, first: float, last: float) -> None:
@@ -117,6 +131,7 @@ class Evaluation:
         self.accepted: Callable[[float, np.ndarray], None] | None = getattr(problem, "accepted", None)
         self.rejected: Callable[[], None] | None = getattr(problem, "rejected", None)
         self.stages: Callable[..., int] | None = getattr(problem, "stages", None)
+        self.newton: Callable[..., tuple[bool, float, float] | None] | None = getattr(problem, "newton", None)
         self.by_case: tuple[int, int, int] | None = getattr(problem, "by_case", None)
         self.march: March | None = getattr(problem, "march", None)
         self.times: Sequence[float] | np.ndarray = (first, last)

@@ -57,6 +57,8 @@ class Radau:
         # Z over F: what `stages` of a problem takes for an explicit step whose first rows are there
         self.rows = np.zeros((2 * stages, n))
         self.Z, self.F = self.rows[:stages], self.rows[stages:]
+        self.change, self.right = np.zeros((stages, n)), np.zeros((stages, n - self.nq))  # of an iteration
+        self.weight = np.zeros(n)
         self.nodes = np.zeros(2 * stages)
         self.sums = np.zeros((2 * stages, 2 * stages))
         self.sums[stages:, :stages] = np.eye(stages)
@@ -145,31 +147,48 @@ class Radau:
         self.contraction = 1.0
 
     def _guess(self, h: float) -> None:
-        """Stages on the line through the last two stages of the step before.
+        """Stages on the line through the last two stages of the step before, positions integrated.
 
         The polynomial of all stages is the better guess of a smooth motion (a third less iterations), but it
         magnifies what is left in unresolved vibrations some thousand times.
         """
-        np.multiply.outer(h * self.method.c, self.slope, out=self.Z)
+        m, nq, Z = self.method, self.nq, self.Z
+        np.multiply.outer(h * m.c, self.slope, out=Z)
+        if nq:
+            Z[:, :nq] = (h * m.c)[:, None] * self.y[self.n - nq :] + (h * m.a) @ Z[:, self.n - nq :]
 
     def _newton(self, h: float) -> AnalysisError | None:
         """Stages of the step h into Z; what to say when the iteration does not converge."""
+        # What is known of the contraction is older by a step (IV.8.11); nothing is known of new factors.
+        self.contraction = min(max(self.contraction, EPS) ** 0.8, 0.99)
+        self._guess(h)
+        self.weight[:] = self._weights(h, self.y + self.Z[-1])
+        newton = self.evaluation.newton
+        found = None if newton is None else newton(self, h)
+        if found is None:
+            if newton is not None:
+                self._guess(h)
+            found = self._iterate(h)
+        converged, change, theta = found
+        if converged:
+            return None
+        worst = int(np.argmax(np.abs(self.change / self.weight))) % self.n
+        failure = slow_newton(self.evaluation, self.t, h, change, theta, worst, KAPPA)
+        self.contraction = 1.0
+        return failure
+
+    def _iterate(self, h: float) -> tuple[bool, float, float]:
+        """Whether Z converged from its guess, size and contraction of the last change."""
         from scipy.linalg.lapack import dgetrs, zgetrs
 
         m, n, nq, Z, F = self.method, self.n, self.nq, self.Z, self.F
         statistics = self.evaluation.statistics
-        self._guess(h)
         drift = (h * m.c)[:, None] * self.y[n - nq :]
         ha, inverse = h * m.a, m.inverse / h
         (lu, pivots), *complexes = self.factors
-        Z[:, :nq] = drift + ha @ Z[:, n - nq :]
-        weight = self._weights(h, self.y + Z[-1])
+        weight, dZ, increment = self.weight, self.change, self.right
         factor = 1.0 / sqrt(Z.size)
-        change, theta = 0.0, 0.0
-        # What is known of the contraction is older by a step (IV.8.11); nothing is known of new factors.
-        self.contraction = estimate = min(max(self.contraction, EPS) ** 0.8, 0.99)
-        dZ = np.empty_like(Z)
-        increment = np.empty((len(Z), n - nq))
+        change, theta, estimate = 0.0, 0.0, self.contraction
         for k in range(MAX_NEWTON):
             statistics.newton_iterations += 1
             self._evaluate(h)
@@ -189,16 +208,13 @@ class Radau:
             if k:
                 theta = change / previous
                 self.contraction = theta
-                if theta >= 0.99 or change * theta ** (MAX_NEWTON - 1 - k) > KAPPA * (1.0 - theta):
+                if not theta < 0.99 or change * theta ** (MAX_NEWTON - 1 - k) > KAPPA * (1.0 - theta):
                     break
                 if change * theta <= KAPPA * (1.0 - theta):
-                    return None
+                    return True, change, theta
             elif change * estimate <= KAPPA * (1.0 - estimate):
-                return None
-        worst = int(np.argmax(np.abs(scaled))) % n
-        failure = slow_newton(self.evaluation, self.t, h, change, theta, worst, KAPPA)
-        self.contraction = 1.0
-        return failure
+                return True, change, theta
+        return False, change, theta
 
     def _evaluate(self, h: float) -> None:
         """F of all stages, in one call of a problem that can."""

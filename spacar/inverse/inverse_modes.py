@@ -11,7 +11,6 @@ from dataclasses import replace
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.compiled import mechanism_of
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.limits import Limits
 from spacar.errors import UsageError
@@ -33,6 +32,8 @@ def inverse(run: Run) -> Iterator[Frame]:
     """Mode 2. Raises InputError (path, velocity profile) and UsageError (degrees of freedom that are not prescribed)
     before the first frame, AnalysisError while iterating.
     """
+    from spacar.compiled import mechanism_of
+
     mechanism = mechanism_of(run)
     _require_prescribed(mechanism)
     work = program(mechanism, run.report)
@@ -60,6 +61,8 @@ def along(run: Run) -> Iterator[Frame]:
     """Mode 3. Raises UsageError when the nominal motion is missing or of another mechanism, AnalysisError while
     iterating.
     """
+    from spacar.compiled import mechanism_of
+
     mechanism = mechanism_of(run)
     if run.nominal is None:
         raise UsageError(

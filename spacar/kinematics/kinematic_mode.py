@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from spacar.frame import Frame
-from spacar.kinematics.constraint_condition import ESTIMATED_FROM, condition_number
+from spacar.kinematics.constraint_condition import condition_number
 from spacar.kinematics.diagnosis import Diagnosis, diagnose
 from spacar.kinematics.difference_matrix import ZERO
 from spacar.kinematics.element_sweep import ElementSweep
@@ -16,6 +16,7 @@ from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
 from spacar.stream import Run
 
+DECOMPOSED = 400  # unknowns up to which all singular values are computed
 LARGEST_DENSE = 1_000_000  # numbers of bigd (8 MB); more are stored sparse
 
 
@@ -51,7 +52,7 @@ def _large_and_regular(mechanism: Mechanism) -> Diagnosis | None:
     """The diagnosis without singular value decomposition (cubic cost), if the estimated condition says regular."""
     n = mechanism.numbering
     rows = int(n.nep[[0, 2, 3]].sum())
-    if rows != int(n.nxp[[1, 4]].sum()) or rows <= ESTIMATED_FROM or not n.holonomic:
+    if rows != int(n.nxp[[1, 4]].sum()) or rows <= DECOMPOSED or not n.holonomic:
         return None
     kinematics = Kinematics(mechanism)
     kinematics.x = mechanism.x0.copy()

@@ -124,9 +124,12 @@ class HalfTurns:
 
     def __init__(self, n: Numbering, without: Collection[int] = ()) -> None:
         nodes: set[int] = set()
+        self.some: set[int] = set()
         if not n.planar:
             owners = (n.x_owner(i) for i in range(n.x_class["dynamic"].start, n.x_class["dynamic"].stop))
-            nodes = {node for node, _ in owners if n.kind[node] == "orientation"}
+            dynamic = [node for node, _ in owners if n.kind[node] == "orientation"]
+            nodes = set(dynamic)
+            self.some = {node for node in nodes if dynamic.count(node) < 3}  # of three only one or two
         self.nodes = sorted(nodes.difference(without))
         self.lambda0 = np.array([n.x_index(node, 1) for node in self.nodes], np.int64)
 
@@ -134,8 +137,10 @@ class HalfTurns:
         """Raises AnalysisError 'position.singular' when |lambda0| of a node is below `within` at x (nx,), t [s]."""
         near = np.flatnonzero(np.abs(x[self.lambda0]) < within)
         if len(near):
+            node = self.nodes[near[0]]
+            cure = f"make all three dynamic (DYNX {node}) if it turns freely, else " if node in self.some else ""
             raise AnalysisError(
-                f"singular position at t = {t:.9g}: the rotation of node {self.nodes[near[0]]} reaches 180 degrees,"
-                " where lambda1, lambda2, lambda3 (DYNX) are no coordinates; describe it by HINGE elements (DYNE)",
+                f"singular position at t = {t:.9g}: the rotation of node {node} reaches 180 degrees, where lambda1,"
+                f" lambda2, lambda3 (DYNX) are no coordinates; {cure}describe it by HINGE elements (DYNE)",
                 "position.singular",
             )

@@ -21,7 +21,7 @@ from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
 from spacar.linear_systems import DENSE_LIMIT
 from spacar.linearization.matrices import Linearization
-from spacar.linearization.state_matrix import assembled_state_matrix
+from spacar.linearization.state_matrix import assembled_state_matrix, require_mass
 
 Complex = NDArray[np.complex128]
 SYMMETRIC = 1e-9  # relative asymmetry below which a matrix counts as symmetric (rounding of assembled sums)
@@ -74,6 +74,7 @@ def vibration_modes(
         still = np.isin(q, static) & ~M.any(axis=1) & ~C.any(axis=1) & ~C.any(axis=0)
         if still.any():
             return _condensed(M, C, K, still, report)
+    require_mass(L, q)
     return modes_of_matrices(M, C, K, L.ak0[np.ix_(s, q)], L.bk0[np.ix_(s, s)], report, wanted)
 
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spacar.compiled import mechanism_of
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.limits import Limits
+from spacar.dynamics.mass_check import linearized_doubt
 from spacar.dynamics.motion_equations import Accelerations
 from spacar.errors import AnalysisError
 from spacar.forward.motion import motion
@@ -58,6 +58,7 @@ def forward(run: Run) -> Iterator[Frame]:
 def eigenvalues(run: Run) -> Iterator[Frame]:
     """Mode 7: stationary solution, eigenvalues and eigenvectors."""
     for solution in stationary(run):
+        _say_doubtful_inertia(run, solution)
         _store_vibration(run, solution)
         yield solution.frame
 
@@ -72,6 +73,7 @@ def buckling(run: Run) -> Iterator[Frame]:
 def vibration_and_buckling(run: Run) -> Iterator[Frame]:
     """Mode 10: modes 7 and 8 at every stored load step."""
     for solution in stationary(run):
+        _say_doubtful_inertia(run, solution)
         _store_vibration(run, solution)
         _store_buckling(run, solution, required=False)
         yield solution.frame
@@ -83,6 +85,7 @@ def state_space_matrices(run: Run) -> Iterator[Frame]:
     store = _stored_system(run, may_move=bool(n.nk or len(n.rheonomic)))
     for solution in stationary(run, store=store):
         if solution.L is not None:
+            _say_doubtful_inertia(run, solution)
             store.add(solution.frame, solution.L, solution.dynamics)
         yield solution.frame
     run.report.lines.extend(store.idle.lines())
@@ -124,6 +127,8 @@ def stationary(
     """The stored stationary solutions. `reducible`: no dense matrices for large systems unless OUTLEVEL asks for them.
     A `store` in sparse form makes the linearizations itself.
     """
+    from spacar.compiled import mechanism_of
+
     mechanism, settings = mechanism_of(run), run.mechanism.settings
     n = mechanism.numbering
     program = load_program(settings)
@@ -194,6 +199,17 @@ def say_lost_digits(run: Run, reduced: bool) -> None:
             f" to {min(lost, 1.0):.1g} of the linearized equations may be rounding; choose other degrees of freedom"
             " (`spacar 0`)"
         )
+
+
+def _say_doubtful_inertia(run: Run, solution: LinearizedSolution) -> None:
+    """Warn of motions whose inertia is rounding, at the first step."""
+    L, dynamic = solution.L, run.mechanism.numbering.dynamic
+    if L is None or not len(dynamic) or solution.frame.t:
+        return
+    M = L.m0[np.ix_(dynamic, dynamic)]
+    doubt = linearized_doubt(run.mechanism, solution.dynamics.sweep, M, run.header["condition"])
+    if doubt:
+        run.report.add(f"warning: {doubt}")
 
 
 def _is_dead_point(run: Run, solver: StationarySolver, level: LoadLevel, t: float, reducible: bool) -> bool:

@@ -20,7 +20,7 @@ import numpy as np
 from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.linearization.matrices import Linearization
-from spacar.linearization.state_matrix import chosen_rows, solve_mass, state_matrix
+from spacar.linearization.state_matrix import chosen_rows, require_mass, solve_mass, state_matrix
 
 DRIVING_SIGN = 1.0  # s_u of theory-system.md 5.1
 
@@ -71,6 +71,7 @@ def state_space(
     """Matrices for the given signals. `everything` takes all rows of q as states (mode 3)."""
     n = dynamics.numbering
     q, s = chosen_rows(L, dynamics, everything)
+    require_mass(L, q)
     A = state_matrix(L, q, s)
     P = _prescribed(dynamics, inputs)
     Ef, Es = _unit(n.nx, inputs, "INPUTF"), _unit(n.ne, inputs, "INPUTS")

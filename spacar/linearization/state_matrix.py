@@ -22,6 +22,21 @@ def chosen_rows(L: Linearization, dynamics: Dynamics, everything: bool = False) 
     return q, np.r_[q, np.arange(n.ndof, n.nkdof)]
 
 
+MASSLESS = "singular mass matrix: a degree of freedom carries no mass; add XM or EM"
+
+
+def require_mass(L: Linearization, q: Index) -> None:
+    """Raises AnalysisError when the mass of a degree of freedom of the rows q is rounding of what it is the sum of.
+
+    The sign of that rounding decides nothing: W^T M W is known to eps times nx times the sum of the sizes of its terms.
+    """
+    W = np.abs(L.W[:, q])
+    terms = (W * np.asarray(abs(L.M) @ W)).sum(0)
+    rounding = np.finfo(float).eps * len(W) * terms
+    if np.any((np.diag(L.m0)[q] <= rounding) & (terms > 0.0)):
+        raise AnalysisError(MASSLESS, "dynamics.singular-mass")
+
+
 def state_matrix(L: Linearization, q: Index, s: Index) -> Array:
     """A of (15). Raises AnalysisError when the mass matrix of the rows q is singular."""
     return assembled_state_matrix(
@@ -39,9 +54,7 @@ def solve_mass(M: Array, b: Array) -> Array:
     """M^-1 b for a symmetric positive definite M, scaled to a unit diagonal. Raises AnalysisError for a singular M."""
     diagonal = np.diag(M)
     if np.any(diagonal <= 0.0):
-        raise AnalysisError(
-            "singular mass matrix: a degree of freedom carries no mass; add XM or EM", "dynamics.singular-mass"
-        )
+        raise AnalysisError(MASSLESS, "dynamics.singular-mass")
     scale = 1.0 / np.sqrt(diagonal)
     try:
         solution = np.linalg.solve(M * np.outer(scale, scale), b * scale[:, None])

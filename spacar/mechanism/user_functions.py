@@ -42,7 +42,10 @@ def function_file(deck: Deck, statement: Statement) -> Path:
     folder = deck.path.parent if deck.path else Path.cwd()
     candidates = [p for p in (folder / f"{name}.py", folder / f"{name.lower()}.py") if p.exists()]
     if not candidates:
-        raise _refusal(deck, statement, f"the function file {name}.py was not found in {folder}")
+        text = f"the function file {name}.py was not found in {folder.resolve()}"
+        if (folder / f"{name}.m").exists():
+            text += f"; {name}.m is there: write it in Python (`spacar keywords {statement.keyword}`)"
+        raise _refusal(deck, statement, text)
     return candidates[0]
 
 

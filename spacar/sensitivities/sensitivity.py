@@ -217,11 +217,13 @@ class _Analysis:
             Regularity(matrix).check(float(step))
 
     def _walk(self) -> None:
+        from spacar.compiled import mechanism_of
+
         mechanism, report = self.prepared.mechanism, self.prepared.report
         last = max((k for steps in self.needed.values() for k in steps), default=-1)
         names = {name for name, _ in self.needed}
         stresses = stress_derivatives(mechanism, self.directions, MODE) if names & STRESSES.keys() else None
-        solver = StationarySolver(mechanism, report)
+        solver = StationarySolver(mechanism_of(self.prepared), report)
         stored, limits = 0, None
         for level in load_program(mechanism.settings):
             if stored > last:

@@ -20,6 +20,7 @@ end the iteration.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from math import isfinite
 
 import numpy as np
 
@@ -139,10 +140,11 @@ def correction(
     if more is not None:
         b[:, 3] = more
     solution = tangent.solve(b)
-    growth = largest(solution[: q.nf, 2])
+    size = np.abs(solution[: q.nf])
+    growth = largest(size[:, 2])
     if not growth < SINGULAR and not digits_left(tangent, solution[:, 2], q.nf):
         raise SingularMatrixError(f"the stiffness is singular to working precision (growth {growth:.2g})")
-    noise = largest(solution[: q.nf, 1] / q.free_scale)
+    noise = largest(size[:, 1] / q.free_scale)
     if not noise < NO_DIGITS:
         raise SingularMatrixError(f"rounding errors move the solution by {noise:.2g} model lengths or rad")
     return (solution[:, 0] if more is None else solution[:, [0, 3]]), noise
@@ -175,12 +177,12 @@ def newton(q: StationaryEquations, tangent: Tangent, x: Array, sigma: Array, giv
     p = q.point(x, sigma, given)
     if not dx.any() and path.ended(p):
         return Converged(p, 0, 0.0, regular=False)
+    least = FLOOR * max(1.0, largest(x / q.scale))  # smaller changes of x are rounding themselves
     while True:
         tangent.factor(p)
         z, noise, regular = _correct(q, tangent, p, dx, not path.sizes)
-        noise = max(noise, FLOOR * max(1.0, largest(p.x / q.scale)))  # smaller changes of x are rounding themselves
         dx[q.F] = z[: q.nf]
-        path.add(largest(dx / q.scale) if np.isfinite(z).all() else np.inf, noise)
+        path.add(largest(dx / q.scale) if isfinite(np.add.reduce(z)) else np.inf, max(noise, least))
         q.d.sweep.near[:] = q.d.sweep.e
         if q.holonomic:
             p = q.point(p.x + dx, p.sigma + q.flexibility.size * z[q.nf :], given)
@@ -199,7 +201,7 @@ def _correct(
     correction."""
     try:
         z, noise = correction(q, tangent, p, dx)
-        if np.isfinite(z).all():
+        if isfinite(np.add.reduce(z)):
             return z, noise, True
     except SingularMatrixError:
         pass

@@ -119,6 +119,16 @@ def change(deck: Deck, settings: Sequence[Setting], numbers: Sequence[float]) ->
     return deck
 
 
+def changed_statements(deck: Deck, settings: tuple[Setting, ...]) -> set[str]:
+    """Keywords of the statements that settings change; of those that get an integer or a further argument, empty ones.
+    Raises UsageError."""
+    return {
+        s.keyword if kind == "real" and position <= len(s.values) else ""
+        for found in _places(deck, settings)
+        for _, s, position, kind in found
+    }
+
+
 @lru_cache(maxsize=16)
 def _places(deck: Deck, settings: tuple[Setting, ...]) -> list[list[tuple[Target, Statement, int, str]]]:
     """Of every setting the targets, the statements and argument numbers that they mean, and what these are."""

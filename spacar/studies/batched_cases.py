@@ -15,13 +15,17 @@ from itertools import chain, islice
 from spacar.deck import Deck
 from spacar.errors import SpacarError
 from spacar.modes import find_mode
+from spacar.result import Result
+from spacar.studies.affine_cases import affine_cases
 from spacar.studies.assignments import change
-from spacar.studies.ensemble import alike, ensemble, why_not
+from spacar.studies.ensemble import ensemble, followed, why_not
 from spacar.studies.rows import Row
+from spacar.studies.side_by_side import alike
 from spacar.studies.sweep import LOST, Case, Study, Values, row, run_case
 from spacar.studies.workers import Engine, Lost, cores
 
-SIZE = 64  # cases of a batch: more gain little, and a killed process loses them
+SIZE = 64  # cases of a batch of a process: a killed one loses them
+QUICK, LARGEST = 0.5, 1024  # seconds of a batch in this process below which the next one is larger, up to so many cases
 
 
 @dataclass(frozen=True)
@@ -40,7 +44,7 @@ def in_batches(study: Study, cases: Iterable[Values], engine: Engine, jobs: int 
     first = list(islice(coming, SIZE * processes))
     size = max(1, min(SIZE, -(-len(first) // processes)))
     threads = cores() if jobs is None else 1
-    chunks = _chunks(study, chain(first, coming), size, threads)
+    chunks = _chunks(study, chain(first, coming), size, threads, growing=processes == 1)
     for chunk, outcome in engine(run_chunk, chunks) if processes > 1 else ((c, run_chunk(c)) for c in chunks):
         if isinstance(outcome, Lost):
             for values in chunk.cases:
@@ -49,9 +53,12 @@ def in_batches(study: Study, cases: Iterable[Values], engine: Engine, jobs: int 
             yield from outcome
 
 
-def _chunks(study: Study, cases: Iterator[Values], size: int, threads: int) -> Iterator[Chunk]:
+def _chunks(study: Study, cases: Iterator[Values], size: int, threads: int, growing: bool) -> Iterator[Chunk]:
     while batch := tuple(islice(cases, size)):
+        begun = time.perf_counter()
         yield Chunk(study, batch, threads)
+        if growing and time.perf_counter() - begun < QUICK:
+            size = min(4 * size, LARGEST)
 
 
 def is_motion(study: Study) -> bool:
@@ -74,6 +81,25 @@ def run_chunk(chunk: Chunk) -> list[Row]:
     """Rows of the cases of a chunk, run together where they are alike and singly where not, or where one fails."""
     study = chunk.study
     begun = time.perf_counter()
+    try:
+        together, others, results = _run_together(study, chunk)
+        found = [
+            None if result is None else {q.name: q.number(result) for q in study.quantities} for result in results
+        ]
+    except (SpacarError, ArithmeticError):
+        return [run_case(Case(study, values)) for values in chunk.cases]
+    seconds = (time.perf_counter() - begun) / max(len(together), 1)
+    others += [values for values, own in zip(together, found, strict=True) if own is None]
+    both = zip(together, found, strict=True)
+    rows = [row(study, values, own, seconds, "") for values, own in both if own is not None]
+    return rows + [run_case(Case(study, values)) for values in others]
+
+
+def _run_together(study: Study, chunk: Chunk) -> tuple[list[Values], list[Values], list[Result | None]]:
+    """The cases that were run together, those that have to run singly, and the results of the former."""
+    cases = affine_cases(study.deck, study.settings, chunk.cases, **study.options)
+    if cases is not None:
+        return list(chunk.cases), [], followed(cases, threads=chunk.threads, **study.options)
     together: list[tuple[Values, Deck]] = []
     others: list[Values] = []
     for values in chunk.cases:
@@ -86,19 +112,6 @@ def run_chunk(chunk: Chunk) -> list[Row]:
             together.append((values, deck))
         else:
             others.append(values)
-    rows = []
-    try:
-        decks = [deck for _, deck in together]
-        results = ensemble(decks, threads=chunk.threads, **study.options) if together else []
-        found = [
-            None if result is None else {q.name: q.number(result) for q in study.quantities} for result in results
-        ]
-        seconds = (time.perf_counter() - begun) / max(len(together), 1)
-        for (values, _), own in zip(together, found, strict=True):
-            if own is None:
-                others.append(values)
-            else:
-                rows.append(row(study, values, own, seconds, ""))
-    except (SpacarError, ArithmeticError):
-        rows, others = [], list(chunk.cases)
-    return rows + [run_case(Case(study, values)) for values in others]
+    decks = [deck for _, deck in together]
+    results = ensemble(decks, threads=chunk.threads, **study.options) if together else []
+    return [values for values, _ in together], others, results

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from spacar.errors import UsageError
 from spacar.expressions import evaluate, parse
-from spacar.expressions.grammar import NOTHING_MORE, More
+from spacar.expressions.grammar import NOTHING_MORE, Expression, More
 from spacar.result import Result
 
 
@@ -21,7 +22,7 @@ class Quantity:
 
     def series(self, result: Result) -> np.ndarray:
         """Value over the stored steps, (steps,), or a single number as (1,). Raises UsageError."""
-        return np.atleast_1d(evaluate(parse(self.text), result)[0])
+        return np.atleast_1d(evaluate(_parsed(self.text), result)[0])
 
     def number(self, result: Result) -> float | complex:
         """The single number that the expression is. Raises UsageError when it is a series or not finite."""
@@ -32,6 +33,12 @@ class Quantity:
         if not np.isfinite(value[0]):
             raise UsageError(f"{self.text} is {value[0]}", "study.quantity")
         return complex(value[0]) if np.iscomplexobj(value) else float(value[0])
+
+
+@lru_cache(maxsize=256)
+def _parsed(text: str) -> Expression:
+    """The expression of a quantity, read once for all cases."""
+    return parse(text)
 
 
 def quantity(text: str, more: More = NOTHING_MORE) -> Quantity:

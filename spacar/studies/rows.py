@@ -26,11 +26,13 @@ SYNC = 0.1  # seconds
 class Rows:
     """The file of rows; use as a context. `done` holds the rows that were there, by `case`, the last of each.
 
+    durable   False: a file that nobody reads later, for which the disk is not waited for
+
     Raises UsageError when the file belongs to something else or another process is writing to it.
     """
 
-    def __init__(self, path: Path, columns: Sequence[str]) -> None:
-        self.path, self.columns = path, tuple(columns)
+    def __init__(self, path: Path, columns: Sequence[str], durable: bool = True) -> None:
+        self.path, self.columns, self.durable = path, tuple(columns), durable
         self.csv = path.suffix.lower() == ".csv"
         self.done: dict[str, Row] = {}
         self._synced = 0.0
@@ -73,6 +75,8 @@ class Rows:
             self._to_disk()
 
     def _to_disk(self) -> None:
+        if not self.durable:
+            return
         os.fsync(self._file.fileno())
         self._synced = time.monotonic()
 
@@ -98,9 +102,19 @@ class Rows:
 
 def key(*parts: Any) -> str:
     """A short digest that tells cases apart: the same parts give the same key in every process."""
+    return digest(key_text(parts))
+
+
+def key_text(part: Any) -> str:
+    """What of a part enters a key."""
+    return json.dumps(_plain(part), sort_keys=True)
+
+
+def digest(text: str) -> str:
+    """The key of the text of all parts."""
     from hashlib import sha256
 
-    return sha256(json.dumps(_plain(parts), sort_keys=True).encode()).hexdigest()[:16]
+    return sha256(text.encode()).hexdigest()[:16]
 
 
 def _plain(value: Any) -> Any:

@@ -78,10 +78,11 @@ def sweep(
         path = Path(folder) / "rows.jsonl" if output is None else Path(output)
         if path.suffix.lower() not in (".csv", ".jsonl"):
             raise UsageError(f"output {path}: the rows are written as .csv or .jsonl", "usage.sweep")
-        with Rows(path, study.columns) as rows:
+        with Rows(path, study.columns, durable=output is not None) as rows:
             earlier = {key: _typed(row) for key, row in rows.done.items()}
         batches, _ = batches_of(study, cases, engine, jobs, batch, "batch")
-        new = {str(row["case"]): row for row in swept(study, cases, path, engine, retry, batches)}
+        found_now = swept(study, cases, path, engine, retry, batches, durable=output is not None)
+        new = {str(row["case"]): row for row in found_now}
     found = earlier | new
     return [found[study.key(case)] for case in cases]
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ from spacar.errors import SpacarError
 from spacar.result import Result
 from spacar.studies.assignments import Setting, change
 from spacar.studies.quantities import Quantity
-from spacar.studies.rows import Row, Rows, key
+from spacar.studies.rows import Row, Rows, digest, key_text
 from spacar.studies.workers import Engine, Lost, run
 
 DONE, FAILED, LOST = "done", "failed", "lost"
@@ -44,9 +45,15 @@ class Study:
 
     def key(self, values: Sequence[float]) -> str:
         """What tells this case from every other one: model, mode, options, parameters, quantities."""
-        asked = [(q.name, q.text) for q in self.quantities]
+        before, after = self._around_values
+        return digest(f"{before}{key_text(list(values))}{after}")
+
+    @cached_property
+    def _around_values(self) -> tuple[str, str]:
+        """The text of a key before and behind the values: `rows.key` of all parts in one list."""
         names = [s.name for s in self.settings]
-        return key(self.deck.sha256, self.mode, sorted(self.options.items()), names, list(values), asked)
+        before = key_text([self.deck.sha256, self.mode, sorted(self.options.items()), names])
+        return f"{before[:-1]}, ", f", {key_text([(q.name, q.text) for q in self.quantities])}]"
 
 
 Batch = Callable[[Study, Iterable[Values]], Iterator[Row]]
@@ -67,14 +74,15 @@ def sweep(
     engine: Engine = run,
     retry: bool = False,
     batch: Batch | None = None,
+    durable: bool = True,
 ) -> Iterator[Row]:
     """Rows of the cases that are not in `output` yet, each after it has been written there.
 
     `cases` holds values in the order of study.settings; `engine` runs them (spacar.studies.workers); `retry` runs
-    failed cases again; `batch`, if given, runs them instead, many at once. Raises UsageError for a file of another
-    study.
+    failed cases again; `batch`, if given, runs them instead, many at once; `durable` as for `Rows`. Raises UsageError
+    for a file of another study.
     """
-    with Rows(output, study.columns) as rows:
+    with Rows(output, study.columns, durable) as rows:
         todo = _unfinished(study, cases, rows, retry)
         outcomes = batch(study, todo) if batch is not None else singly(study, todo, engine)
         for outcome in outcomes:

@@ -9,6 +9,8 @@ import time
 
 import pytest
 
+from spacar.compiled.library import why_off
+
 from .processes import DATA, ENVIRONMENT, SPACAR
 
 LOADED = """
@@ -57,6 +59,7 @@ def test_help_imports_no_numpy(word, tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows does not tell the processor time of children")
+@pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 def test_a_run_of_the_crank_costs_at_most_two_and_a_half_imports_of_numpy(tmp_path):
     """Reading, checking, computing and writing 101 steps; the best of four runs measured in turn, with bytecode."""
     (tmp_path / "crank.dat").write_text((DATA / "crank.dat").read_text())

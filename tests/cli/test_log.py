@@ -63,7 +63,7 @@ def test_sections_in_the_documented_order(log_of):
         "ESTIFF: stiffness of an element",
         "Total mass:",
         "FORWARD DYNAMICS",
-        "Integrator: INTEGRAT 0, Adams predictor-corrector",
+        "Integrator: INTEGRAT -1, Adams predictor-corrector",
         "INITIAL STATE",
         "STEPS",
         "END",

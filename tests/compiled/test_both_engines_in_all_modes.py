@@ -103,6 +103,13 @@ def test_mode_3_along_the_result_of_mode_2(tmp_path: Path) -> None:
         np.testing.assert_allclose(b.state_space[word], want, atol=1e-9 * np.abs(want).max(initial=1.0), rtol=0)
 
 
+@pytest.mark.parametrize("compiled", [False, True])
+def test_a_mass_of_rounding_is_no_mass(compiled: bool) -> None:
+    """robotsim: one degree of freedom turns a rod without rotary inertia about itself; W^T M W is +-1e-19 there."""
+    found, _ = first(7, "robotsim", compiled)
+    assert found == "dynamics.singular-mass"
+
+
 def test_the_environment_switches_elements_in_c_off(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(GENERAL, "1")
     _, header = first(7, "plbeam5", True)

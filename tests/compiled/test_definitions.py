@@ -174,7 +174,9 @@ SHORT = sorted({kind for form, (kind, _) in SUPPORTED.items() if form not in LON
 COMMITTED = (Path(generate.__file__).parent / "kernels.c").read_text()
 
 
-@pytest.mark.parametrize("name", SHORT)
+@pytest.mark.parametrize("name", [
+    pytest.param(n, marks=[pytest.mark.slow] * (n in ("plbelt", "screw", "plbeam_angle"))) for n in SHORT
+])  # fmt: skip
 def test_the_committed_functions_are_the_generated_ones(name):
     assert "\n".join([*generate.functions(BY_NAME[name]), ""]) in COMMITTED
 

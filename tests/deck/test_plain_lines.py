@@ -84,9 +84,7 @@ TEXT = st.builds(
 )
 
 
-@settings(max_examples=150, deadline=None, database=None, derandomize=True)
-@given(TEXT)
-def test_odd_lines_are_their_words(text):
+def odd_lines_are_their_words(text):
     """Every single statement, also of a file that is refused."""
 
     def both():
@@ -107,11 +105,18 @@ def test_odd_lines_are_their_words(text):
         assert both() == plain
 
 
-@settings(max_examples=100, deadline=None, database=None, derandomize=True)
-@given(st.from_regex(lexer._ORDINARY, fullmatch=True))
-def test_every_ordinary_number_is_read_alike(word):
+def every_ordinary_number_is_read_alike(word):
     """`float` and `int` read a word of the pattern as the number grammar does, or `int` refuses it."""
     assert lexer.is_in_range(float(word), word)
     assert float(word) == lexer.number_of(word)
     with suppress(ValueError):
         assert int(word) == lexer.integer_of(word)
+
+
+# many examples in the slow tests, the first of them in the fast ones
+TRIED = settings(deadline=None, database=None, derandomize=True)
+few_odd, odd = (settings(TRIED, max_examples=n)(given(TEXT)(odd_lines_are_their_words)) for n in (50, 1500))
+NUMBERS = st.from_regex(lexer._ORDINARY, fullmatch=True)
+few, many = (settings(TRIED, max_examples=n)(given(NUMBERS)(every_ordinary_number_is_read_alike)) for n in (30, 1000))
+test_odd_lines_are_their_words, test_many_odd_lines_are_their_words = few_odd, pytest.mark.slow(odd)
+test_every_ordinary_number_is_read_alike, test_many_ordinary_numbers = few, pytest.mark.slow(many)

@@ -112,7 +112,9 @@ def test_wrong_use_is_explained(results, monkeypatch, arguments, part):
 
 
 @pytest.mark.parametrize(
-    "command", [["draw"], ["visual", "--diagram", "Mz"], ["plot", "t"], ["report"]], ids=lambda c: c[0]
+    "command",
+    [["draw"], ["visual", "--diagram", "Mz"], ["plot", "t"], pytest.param(["report"], marks=pytest.mark.slow)],
+    ids=lambda c: c[0],
 )
 def test_stale_results_are_refused(results, command):
     """The digest of the input decides, not the date."""

@@ -142,3 +142,31 @@ def test_simulations_say_what_is_rounding(rounding: str, compiled: bool) -> None
 def test_batches_say_what_is_rounding(rounding: str) -> None:
     deck = Deck.build(crossed(1.0), [("XM", 2, 1.0), STEP])
     assert [found.report for found in ensemble([deck, deck]) if found] == [(f"warning: {rounding}",)] * 2
+
+
+def beside_many(rows: list[tuple], n: int = 410) -> tuple[list[tuple], list[tuple]]:
+    """The rows with numbers above those of a chain of n trusses with a mass at every joint."""
+    heading = 0.3 + 0.02 * np.sin(np.arange(n))
+    x, y = 0.1 * np.cumsum([np.cos(heading), np.sin(heading)], axis=1)
+    chain: list[tuple] = [("FIX", 1)]
+    for i in range(n):
+        chain += [("PLTRUSS", i + 1, i + 1, i + 2), ("X", i + 2, x[i], y[i]), ("DYNX", i + 2, 1)]
+    further = n + 10
+    for row in rows:
+        k = 4 if row[0] == "PLTRUSS" else 2
+        chain.append((row[0], *(further + number for number in row[1:k]), *row[k:]))
+    return chain, [("XM", i + 2, 1.0) for i in range(n)]
+
+
+@ENGINES
+@pytest.mark.parametrize("tilt", [0.3, 0.7])
+def test_a_dead_point_in_a_large_model_is_not_passed_over(tilt: float, compiled: bool) -> None:
+    """411 degrees of freedom: accelerations of 1e16 m/s^2 were given without a word."""
+    rows, masses = beside_many(in_line(tilt, 1.5))
+    slider = ("XM", 423, 1.0)
+    assert "element 423 (PLTRUSS) e1 elongation" in refused(rows, [*masses, slider], compiled)
+    held = [*masses, slider, ("XM", 422, 1e-12), ("XF", 422, 0.0, 1e-12)]
+    r = spacar.run(1, Deck.build(rows, [*held, STEP]), compiled=compiled)
+    assert not [line for line in r.report if "inertia" in line]
+    across = np.array([-np.sin(tilt), np.cos(tilt)])  # the crank moves across itself only: a = F/m along that
+    assert across @ [r.node(422, i, "xdd")[0] for i in (1, 2)] == pytest.approx(across[1], rel=1e-4)

@@ -52,7 +52,8 @@ def test_small_deformations_are_those_of_the_sine_measure():
         x = start + size * step
         for row in (3, 11):
             x[row : row + 4] /= np.linalg.norm(x[row : row + 4], axis=0)
-        sine, angle = (evaluate(k(group("BEAMW", start, **values)), x)[1] for k in (BeamWithWarping, AngleBeamWithWarping))
+        kinds = BeamWithWarping, AngleBeamWithWarping
+        sine, angle = (evaluate(kind(group("BEAMW", start, **values)), x)[1] for kind in kinds)
         differences.append(np.abs(angle - sine).max(axis=1))
     np.testing.assert_allclose(np.log2(differences[0] / differences[1]), 3.0, atol=0.15)
 

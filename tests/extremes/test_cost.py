@@ -98,7 +98,9 @@ def test_constant_matrices_are_evaluated_once(monkeypatch):
     assert not dynamics.sweep.moving_plan
 
 
-@pytest.mark.parametrize(("name", "forbidden"), [("crank", "spatial"), ("crankfl", "spatial"), ("slider", "spatial")])
+@pytest.mark.parametrize(("name", "forbidden"), [
+    ("crankfl", "spatial"), *(pytest.param(n, "spatial", marks=pytest.mark.slow) for n in ("crank", "slider")),
+])
 def test_planar_models_never_import_spatial_elements(name, forbidden, tmp_path):
     spatial = (
         "beam",

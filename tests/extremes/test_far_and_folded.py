@@ -130,3 +130,25 @@ def test_millimetres_and_tonnes_in_every_mode(name, mode):
                 size = max(np.abs(getattr(a, variable)[rows]).max(), np.abs(a.x).max() if variable == "e" else 0.0)
                 off = np.abs(values[variable][rows] - getattr(a, variable)[rows]).max()
                 assert off <= 1e-9 * max(size, np.abs(a.sig).max() if variable == "sig" else size), variable
+
+
+@pytest.mark.parametrize("name", ["robotinv", "robotflexinv"])
+def test_millimetres_and_tonnes_along_a_path(name):
+    """Mode 3 after mode 2, 1e-9 of the largest of their kind: the motion, and A of the state equations (eigenvalues
+    have the unit 1/s)."""
+    before = spacar.read_deck(DATA / f"{name}.dat", 2)
+    model = spacar.read_deck(DATA / f"{name}lin.dat", 3)
+    old = list(spacar.frames(3, model, nominal=spacar.run(2, before)))
+    run = spacar.frames(3, convert(model, MM_T_S), nominal=spacar.run(2, convert(before, MM_T_S)))
+    new = list(run)
+    assert len(old) == len(new) > 100
+    kinds = dict(zip(("x", "e"), Dimensions(model).results(run.mechanism), strict=True))
+    for a, b in zip(old[::10], new[::10], strict=True):
+        values = back(b, run.mechanism, MM_T_S)
+        for variable, group in (("x", "x"), ("xd", "x"), ("xdd", "x"), ("e", "e"), ("sig", "e"), ("fxtot", "x")):
+            for kind in set(kinds[group]):
+                rows = [i for i, g in enumerate(kinds[group]) if g == kind]
+                size = max(np.abs(getattr(a, variable)).max(), np.abs(a.x).max() if variable == "e" else 0.0)
+                assert np.abs(values[variable][rows] - getattr(a, variable)[rows]).max() <= 1e-9 * size, variable
+        rates, others = (np.linalg.eigvals(f.state_space["A"]) for f in (a, b))
+        assert np.abs(np.abs(rates).max() - np.abs(others).max()) <= 1e-9 * np.abs(rates).max()

@@ -158,3 +158,22 @@ def test_transfer_functions_beyond_half_a_turn():
             dx = np.asarray(result["dx"][k])[row, columns]
             np.testing.assert_allclose(dx, -lam[1:, k] / lam[0, k], rtol=1e-9, atol=1e-9)
             assert frame.t == result.t[k]
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_one_dynamic_parameter_ends_at_half_a_turn(compiled):
+    """A hinge about z gives the other two; small steps stop there, and the message says what passes."""
+    text = """
+HINGE 1 1 2 0. 0. 1.
+FIX 1
+RLSE 1 1
+DYNX 2 4
+END HALT
+XM 2 1. 0. 0. 1. 0. 1.
+STARTDX 2 4 0. 0.5
+TIMESTEP 4. 400
+INTEGRAT 140 0.01
+END END
+"""
+    with pytest.raises(AnalysisError, match=r"make all three dynamic \(DYNX 2\) if it turns freely, else .* HINGE"):
+        spacar.run(1, parse_deck(text, mode=1), compiled=compiled)

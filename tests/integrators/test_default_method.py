@@ -10,7 +10,7 @@ import pytest
 import spacar
 from spacar import Deck, parse_deck
 from spacar.compiled.library import unavailable
-from spacar.integrators import integrate
+from spacar.integrators import automatic, integrate
 from spacar.integrators.automatic import Automatic
 
 DATA = Path(__file__).parents[2] / "data"
@@ -88,9 +88,10 @@ def test_looking_leaves_no_trace(monkeypatch: pytest.MonkeyPatch) -> None:
         return looks[-1]
 
     monkeypatch.setattr(Automatic, "_frequencies", spy)
+    monkeypatch.setattr(automatic, "LOOK", 0.0)  # else it is asked with 37,500 steps ahead
     rows = [("PLRBEAM", 1, 1, 4, 2), ("PLRBEAM", 2, 2, 5, 3), ("PLTRUSS", 3, 1, 3)]
     rows += [("X", 2, 0.5, -0.9), ("X", 3, 1.0, -1.8), ("FIX", 1), ("DYNX", 4, 1), ("DYNX", 5, 1), ("RLSE", 3, 1)]
-    more = [("EM", 1, 1.0), ("EM", 2, 1.0), ("ESTIFF", 3, 20.0), ("GRAVITY", 0.0, -9.81), ("TIMESTEP", 2000.0, 4)]
+    more = [("EM", 1, 1.0), ("EM", 2, 1.0), ("ESTIFF", 3, 20.0), ("GRAVITY", 0.0, -9.81), ("TIMESTEP", 400.0, 100)]
     model = Deck.build(rows, more)
     adams, default = spacar.run(1, model, integrator=0), spacar.run(1, model)
     assert looks
@@ -107,7 +108,7 @@ def test_looking_leaves_no_trace(monkeypatch: pytest.MonkeyPatch) -> None:
         pytest.param(crank(16, 0.012), 1e-3, id="crank", marks=pytest.mark.slow),
         pytest.param(crank(8, 0.05), 1e-5, id="longer crank", marks=pytest.mark.slow),
         pytest.param(cantilever(16, 0.9), 1e-5, id="cantilever", marks=pytest.mark.slow),
-        pytest.param(cantilever(24, 0.3), 1e-7, id="fine cantilever", marks=pytest.mark.slow),
+        pytest.param(cantilever(24, 0.3), 1e-6, id="fine cantilever", marks=pytest.mark.slow),
         pytest.param(cantilever(16, 0.3, "1e-3"), 1e-5, id="damped cantilever"),
         pytest.param(fourbar(8, 0.5), 1e-3, id="fourbar", marks=pytest.mark.slow),
         pytest.param(fourbar(16, 0.05), 1e-5, id="finer fourbar", marks=pytest.mark.slow),
@@ -125,7 +126,7 @@ def test_stiff_models_keep_error_for_positions(model: Deck, error: float) -> Non
 
 
 class Shaken:
-    """A slow oscillator, and one of 300 rad/s that is shaken with 250 rad/s from t = 5 s on."""
+    """A slow oscillator, and one of 300 rad/s that is shaken with 250 rad/s from t = 12 s on."""
 
     n_positions = 2
 
@@ -133,7 +134,7 @@ class Shaken:
         self.changes: list[tuple[float, int]] = []
 
     def rhs(self, t: float, y: np.ndarray) -> np.ndarray:
-        shaking = 3e4 * np.sin(250.0 * t) * 0.5 * (1.0 + np.tanh(20.0 * (t - 5.0)))
+        shaking = 3e4 * np.sin(250.0 * t) * 0.5 * (1.0 + np.tanh(20.0 * (t - 12.0)))
         return np.array([y[2], y[3], -y[0], -9e4 * y[1] + shaking])
 
     def jacobian(self, t: float, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -148,9 +149,9 @@ class Shaken:
 
 def test_a_motion_that_becomes_fast_is_given_back_to_adams() -> None:
     problem = Shaken()
-    start, times = np.array([1.0, 1e-10, 0.0, 0.0]), np.linspace(0.0, 8.0, 9)
+    start, times = np.array([1.0, 1e-10, 0.0, 0.0]), np.linspace(0.0, 14.0, 141)
     outputs = list(integrate(problem, start, times, -1, 1e-9, 1e-9))
     assert [code for _, code in problem.changes] == [595, 595, 0]
-    assert 4.0 < problem.changes[-1][0] < 6.0
+    assert 11.0 < problem.changes[-1][0] < 13.0
     exact = list(integrate(Shaken(), start, times, 853, 1e-12, 1e-12))
     np.testing.assert_allclose([out.y[:2] for out in outputs], [out.y[:2] for out in exact], rtol=0, atol=1e-5)

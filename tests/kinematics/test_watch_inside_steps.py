@@ -107,3 +107,12 @@ def test_two_dead_points_with_a_wide_error_are_not_silent(compiled: bool) -> Non
     left when the second was passed, and the determinant had the sign of the begin again."""
     text, _ = said(free_slider(2.2, 0.01, 0.1, 853, 3.0, 5.7), compiled)
     assert "dead point" in text
+
+
+@pytest.mark.parametrize("compiled", ENGINES)
+@pytest.mark.parametrize(("code", "mass", "angle"), [(155, 0.01, 0.9), (135, 1e-4, 1.6)])
+def test_an_error_as_wide_as_the_motion_is_not_silent(code: int, mass: float, angle: float, compiled: bool) -> None:
+    """Steps of one radian went around the dead point on their way back, and small ones turned before it: ERROR is
+    0.3, as the stroke of the slider."""
+    text, _ = said(free_slider(angle, mass, 0.3, code, 0.1, angle + 0.6), compiled)
+    assert "dead point" in text or "no convergence" in text

@@ -139,6 +139,14 @@ def test_missing_file(tmp_path: Path) -> None:
     assert "nowhere.py" in text
 
 
+def test_a_function_for_matlab_is_named(tmp_path: Path) -> None:
+    """Published models come with NAME.m: the message says that it was seen, and what to write."""
+    (tmp_path / "nowhere.m").write_text("function [t, sig, f] = nowhere(t, ne, le, e, ep, nx, lnp, x, xd)\n")
+    text = failure(model(tmp_path, "USERSIG nowhere", ""), InputError)
+    assert "nowhere.m is there" in text
+    assert "spacar keywords USERSIG" in text
+
+
 @pytest.mark.parametrize("keyword", ["USERSIG", "USERINP"])
 @pytest.mark.parametrize(
     ("content", "expected"),

@@ -44,7 +44,7 @@ def test_times_that_do_not_differ_are_refused(wrong):
         EvenTimes(*wrong)
 
 
-@pytest.mark.parametrize("name", ["crank", "slider"])
+@pytest.mark.parametrize("name", ["crank", pytest.param("slider", marks=pytest.mark.slow)])
 def test_a_billion_steps_begin_at_once_and_can_be_interrupted(tmp_path, name):
     """A billion times are 8 GB: under a limit of 1.5 GB only times that are computed one by one can be run."""
     model(tmp_path, name)

@@ -15,6 +15,7 @@ from spacar_formats import locks
 from spacar_formats.claim import Claim
 from spacar_formats.getfrsbf import getfrsbf
 
+import spacar
 from spacar.errors import AnalysisError, UsageError
 
 from .processes import LONG, done, grows, model, shell, start, until
@@ -149,8 +150,7 @@ def test_wrong_input_without_a_stream_to_tell_it(tmp_path):
 
 
 def test_a_full_standard_output_is_a_failure(tmp_path):
-    model(tmp_path)
-    assert done(tmp_path, 1, "crank")[0] == 0
+    spacar.run(1, model(tmp_path) / "crank.dat").save(tmp_path / "crank")
     status, _, err = shell(tmp_path, "spacar getfrsbf crank x > /dev/full")
     assert status == 1
     assert err == "error: cannot write to standard output: No space left on device\n"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -13,16 +13,26 @@ from spacar.sensitivities.parameters import deck_numbers
 from spacar.studies.assignments import change
 
 
+def values_of(deck: Deck, names: Sequence[str], quantities: Sequence[str]) -> Callable[[np.ndarray], np.ndarray]:
+    """The quantities (quantities,) as a function of the parameters, without any derivative."""
+    deck, numbers = deck_numbers(deck, names)
+
+    def at(parameters: np.ndarray) -> np.ndarray:
+        moved = change(deck, [n.setting for n in numbers], parameters.tolist())
+        return spacar.sensitivity(moved, [], quantities).values
+
+    return at
+
+
 def extrapolated(deck: Deck, names: Sequence[str], quantities: Sequence[str], direction: np.ndarray, step: float,
                  orders: int = 2) -> np.ndarray:  # fmt: skip
     """d quantities / d s (quantities,) where the parameters are p + s direction: central differences with the steps
     step/2^k, extrapolated to an error of step^(2 orders)."""
-    deck, numbers = deck_numbers(deck, names)
-    start = np.array([n.value for n in numbers])
+    start = np.array([n.value for n in deck_numbers(deck, names)[1]])
+    values = values_of(deck, names, quantities)
 
     def at(s: float) -> np.ndarray:
-        moved = change(deck, [n.setting for n in numbers], (start + s * direction).tolist())
-        return spacar.sensitivity(moved, [], quantities).values  # of the values alone: without any derivative
+        return values(start + s * direction)
 
     rows = [(at(h) - at(-h)) / (2.0 * h) for h in (step / 2.0**k for k in range(orders))]
     for k in range(1, orders):

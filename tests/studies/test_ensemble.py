@@ -9,18 +9,22 @@ import numpy as np
 import pytest
 
 import spacar
+from spacar.compiled.library import why_off
 from spacar.deck import parse_deck, read_deck
 from spacar.errors import UsageError
 from spacar.studies.assignments import axis, change, setting
 from spacar.studies.batched_cases import reason
-from spacar.studies.ensemble import E_FIELDS, X_FIELDS, alike, ensemble, why_not
+from spacar.studies.ensemble import E_FIELDS, X_FIELDS, ensemble, why_not
 from spacar.studies.quantities import quantity
+from spacar.studies.side_by_side import alike
 from spacar.studies.sweep import Study
 
 ROBOT = {"duration": 0.3, "n_steps": 3}
 TOLERANCE = 1e-8
+LANES = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 
 
+@LANES
 @pytest.mark.parametrize("code", [0, 155, 853])
 def test_a_batch_is_its_single_runs(deck, code):
     """All variables of all cases within ten tolerances of a single run; forces scale with the weights (1e3 N)."""
@@ -39,6 +43,7 @@ def test_a_batch_is_its_single_runs(deck, code):
         assert np.array_equal(result.node(8, 3), result["x"][:, result.mechanism.numbering.x_index(8, 3)])
 
 
+@LANES
 def test_flexible_and_prescribed_members(deck):
     """crankfl: prescribed rotation, fixed, calculable and dynamic deformations; other stiffness and speed."""
     base = deck("crankfl", 1)
@@ -51,6 +56,7 @@ def test_flexible_and_prescribed_members(deck):
             assert np.abs(alone[name] - result[name]).max() < 1e-6
 
 
+@LANES
 def test_normalizations_of_every_case_are_found(deck):
     """The last fixed deformations of a spatial model belong to nodes; they are zero to rounding in every case."""
     base = deck("robotsim", 1)
@@ -62,6 +68,7 @@ def test_normalizations_of_every_case_are_found(deck):
         assert np.abs(r["x"] - result[0]["x"]).max() < 1e-12  # pivots of the band need not be the same
 
 
+@LANES
 def test_what_is_alike(deck):
     base = deck("robotsim", 1)
     assert alike(base, change(base, [setting("XM.8")], [1.0]))
@@ -106,6 +113,7 @@ def column(path, name):
         return {r["XM.8"]: r[name] for r in csv.DictReader(file)}
 
 
+@LANES
 def test_sweep_with_and_without_batches(call):
     words = sweep_words("--set", "XM.8=20:40:6")
     assert call(*words, "--batch", "-o", "a.csv").status == 0
@@ -126,6 +134,7 @@ def test_every_case_runs_once(call):
     assert len(column("c.csv", "z")) == 20
 
 
+@LANES
 def test_a_failing_case_fails_alone(call):
     """A beam of length zero is a failed row, the others are right."""
     words = sweep_words("--set", "X.8[coordinate x1]=0.5,0.268,0.55", "--set", "X.8[coordinate x3]=0,0.6467")

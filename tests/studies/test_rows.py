@@ -75,3 +75,13 @@ def test_one_writer(tmp_path):
 def test_keys():
     assert key("a", 1.0) == key("a", 1.0)
     assert len({key("a", 1.0), key("a", math.nextafter(1.0, 2.0)), key("b", 1.0), key("a", [1.0])}) == 4
+
+
+def test_rows_that_nobody_reads_later_do_not_wait_for_the_disk(tmp_path, monkeypatch):
+    waited = []
+    monkeypatch.setattr("os.fsync", waited.append)
+    for durable in (False, True):
+        with Rows(tmp_path / f"{durable}.jsonl", COLUMNS, durable) as rows:
+            rows.add(dict.fromkeys(COLUMNS, 1.0))
+        assert bool(waited) == durable
+        assert (tmp_path / f"{durable}.jsonl").read_text().count("\n") == 1

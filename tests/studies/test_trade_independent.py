@@ -1,9 +1,9 @@
 """The recommended runs of `spacar trade` against solutions that know nothing of beam elements.
 
-crankfl: the rod is an inextensible elastica, theta(s, t) a sum of Legendre polynomials, with
-r(s) = p(t) + int_0^s (cos theta, sin theta) ds, kinetic energy of the line and of the slider, EI/2 int theta'^2, and the
-guide of the slider as a constraint. robotflexsim: both arms stand and hang straight, so it is an eigenvalue problem of
-two lateral displacements, polynomials of degree 8, with bending, weight and damping; inplane and out of plane.
+crankfl: the rod is an inextensible elastica, theta(s, t) a sum of Legendre polynomials, with r(s) = p(t) +
+int_0^s (cos theta, sin theta) ds, kinetic energy of line and slider, EI/2 int theta'^2, and the guide as a constraint.
+robotflexsim: both arms stand and hang straight, so it is an eigenvalue problem of two lateral displacements,
+polynomials of degree 8, with bending, weight and damping; in the plane and out of it.
 """
 
 from __future__ import annotations
@@ -89,8 +89,8 @@ def test_crankfl():
     span = np.ptp(truth, axis=1)[:, None]
     error, own = np.max(np.abs(found - truth) / span), np.max(np.abs(truth[:, :21] - check) / span)
     print(f"crankfl: error {error:.3g}, of the elastica {own:.2g}, trade {seconds:.3g} s")
-    assert own < 1e-2 * TARGET
-    assert error <= TARGET
+    assert own < 3e-2 * TARGET
+    assert error + own <= TARGET
     assert seconds < SECONDS
 
 
@@ -156,8 +156,9 @@ def test_robotflexsim():
     forces = sum(sign * np.array([result.node(4, k, name)[-1] for k in (1, 2, 3)])
                  for sign, name in ((1.0, "fxtot"), (-1.0, "fx"), (-1.0, "fxgrav")))  # fmt: skip
     places = np.array([[result.node(n, k)[-1] for k in (1, 2, 3)] for n in (5, 8)])
-    still = max(np.abs(forces - (0.0, 0.0, weight)).max() / weight, np.abs(places - ((0, 0, ARM), (0, 0, 0))).max() / ARM)
-    print(f"robotflexsim: error {error:.3g} of eigenvalues, {still:.2g} of the rest, of Ritz {own:.2g}, {seconds:.3g} s")
+    moved = np.abs(places - ((0, 0, ARM), (0, 0, 0))).max() / ARM
+    still = max(np.abs(forces - (0.0, 0.0, weight)).max() / weight, moved)
+    print(f"robotflexsim: eigenvalues {error:.3g}, the rest {still:.2g}, Ritz {own:.2g}, trade {seconds:.3g} s")
     assert own < 1e-2 * TARGET
     assert error <= TARGET
     assert still <= TARGET

@@ -44,10 +44,25 @@ def model(tmp_path):
     return write
 
 
-@pytest.mark.parametrize("n", [1, pytest.param(2, marks=pytest.mark.slow)])
-def test_toml_and_script_describe_one_machine(n):
-    toml, script = (read_model(DATA / f"manipulator.{e}") for e in ("toml", "py"))
+@pytest.fixture(scope="module")
+def both():
+    """The model file and the script."""
+    return [read_model(DATA / f"manipulator.{e}") for e in ("toml", "py")]
+
+
+def test_toml_and_script_have_one_kinematics_and_one_set_of_values(both):
+    """As vectors of the axes, without deriving anything: velocities of both tips, loads, numbers."""
+    toml, script = both
     assert toml.values == script.values
+    assert toml.start == script.start
+    assert toml.system.speeds == script.system.speeds
+    assert [str(b.tip.velocity) for b in toml.system.beams] == [str(b.tip.velocity) for b in script.system.beams]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("n", [1, 2])
+def test_toml_and_script_describe_one_machine(both, n):
+    toml, script = both
     times = np.array([0.0, 0.1, 1.0])[: n + 1]
     runs = []
     for m in (toml, script):

@@ -27,13 +27,14 @@ if TYPE_CHECKING:
 
     from spacar_cli import releasing
 
+ENGINE = ("--compiled/--general", "compiled", bool, "Equations in C (default where that is possible) or in NumPy.")
 # Options of integrated modes that replace a number of the input file: flag, field of Settings, type, help.
 OVERRIDES: tuple[tuple[str, str, Any, str], ...] = (
     ("--atol", "atol", POSITIVE, "Absolute error tolerance, instead of ERROR."),
     ("--rtol", "rtol", TOLERANCE, "Relative error tolerance, instead of ERROR."),
     ("--integrator", "integrator", Whole(), "Integration method, instead of INTEGRAT."),
     ("--steps", "n_steps", Whole(min=1), "Number of output steps, instead of TIMESTEP."),
-    ("--compiled/--general", "compiled", bool, "Equations in C (default where that is possible) or in NumPy."),
+    ENGINE,
     ("--time", "duration", POSITIVE, "Length of the time interval, instead of TIMESTEP [s]."),
 )
 
@@ -58,10 +59,9 @@ def command_of_mode(word: str) -> click.Command:
     params.append(click.Option(["--beams"], type=click.Choice(BEAMS), help=text))
     text = "Equal beams in the place of each flexible beam that can be divided; results are those of the divided model."
     params.append(click.Option(["--elements"], type=Whole(min=1), help=text))
-    if mode.integrated:
-        for flag, field, kind, text in OVERRIDES:
-            switch = {"is_flag": True, "default": None} if kind is bool else {"type": kind}
-            params.append(click.Option([flag, field], help=text, **switch))
+    for flag, field, kind, text in OVERRIDES if mode.integrated else (ENGINE,) if mode.forces else ():
+        switch = {"is_flag": True, "default": None} if kind is bool else {"type": kind}
+        params.append(click.Option([flag, field], help=text, **switch))
     if accuracy_options.of(mode):
         params += accuracy_options.options(mode)
     if mode.stationary or mode.third == "linearization":

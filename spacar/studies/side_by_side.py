@@ -1,0 +1,132 @@
+"""Cases of one mechanism side by side: their numbers come from one mechanism of disjoint copies.
+
+Case k has the nodes and elements of the first one, their numbers raised by k times the largest number. Since
+coordinates are numbered by class, then node, case k holds the same places of every class as the single mechanism.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from spacar.arrays import Array
+from spacar.deck import ELEMENT_TYPES, Deck, Statement
+from spacar.mechanism import Mechanism, build
+from spacar.mechanism.user_functions import STATEMENTS
+from spacar.studies.assignments import parameters_of
+
+if TYPE_CHECKING:
+    from spacar.compiled.numbers import Numbers
+
+
+@dataclass(frozen=True)
+class Cases:
+    """Cases of one mechanism, which is that of the first of them.
+
+    numbers  of all cases;  start  their states (cases, components): degrees of freedom, their rates
+    deck     of a case, made when it is asked for
+    """
+
+    single: Mechanism
+    numbers: Numbers
+    start: Array
+    deck: Callable[[int], Deck]
+
+
+def side_by_side(decks: Sequence[Deck], **options: Any) -> Cases:
+    """The cases of decks that are alike."""
+    from spacar.compiled.numbers import of_copies
+
+    single, together = build(decks[0], 1, **options), build(copies(decks), 1, **options)
+    x_of, e_of = _places(single, together, len(decks), _stride(decks[0]))
+    return Cases(single, of_copies(single, together, x_of, e_of), _start(together, x_of, e_of), decks.__getitem__)
+
+
+def alike(a: Deck, *others: Deck) -> bool:
+    """Whether decks are cases of one mechanism: the same statements, references and settings."""
+    statements = _with_references(a)
+    return all(_like(statements, _statements(other)) for other in others)
+
+
+@lru_cache(maxsize=8)
+def _with_references(deck: Deck) -> list[tuple[Statement, list[int]]]:
+    """Statements that matter, and the places of the values in them that are node or element numbers."""
+    return [(s, _references(deck, s)) for s in _statements(deck)]
+
+
+def _like(statements: list[tuple[Statement, list[int]]], others: list[Statement]) -> bool:
+    if len(statements) != len(others):
+        return False
+    for (s, references), o in zip(statements, others, strict=True):
+        if s is o:
+            continue
+        if s.keyword != o.keyword or len(s.values) != len(o.values) or (not references and s.values != o.values):
+            return False
+        if any(s.values[i] != o.values[i] for i in references):
+            return False
+    return True
+
+
+def _start(together: Mechanism, x_of: Array, e_of: Array) -> Array:
+    """State of every case at the start, (cases, components): dynamic coordinates and deformations, their rates."""
+    n, s = together.numbering, together.start
+    x, e = np.full((2, n.nx), np.nan), np.full((2, n.ne), np.nan)
+    x[:, n.x_class["dynamic"]] = s.x_value, s.x_rate
+    e[:, n.e_class["dynamic"]] = s.e_value, s.e_rate
+    both = np.concatenate((x[:, x_of], e[:, e_of]), axis=-1)
+    dynamic = ~np.isnan(both[0, 0])
+    return np.concatenate(both[:, :, dynamic], axis=-1)
+
+
+def copies(decks: Sequence[Deck]) -> Deck:
+    """One deck with the mechanisms of all decks side by side. The decks are alike and have been checked."""
+    first = decks[0]
+    stride = _stride(first)
+    statements = []
+    references = [places for _, places in _with_references(first)]
+    for k, deck in enumerate(decks):
+        for s, places in zip(_statements(deck), references, strict=True):
+            if not places:
+                statements += [s] * (k == 0 and s.keyword not in STATEMENTS)
+                continue
+            values = list(s.values)
+            for i in places:
+                values[i] = s.integer(i) + k * stride
+            statements.append(Statement(s.keyword, tuple(values), s.block, s.line, s.lines, s.place))
+    return Deck(tuple(statements), first.source, first.path, first.text, first.data, mode=1)
+
+
+def _statements(deck: Deck) -> list[Statement]:
+    return [s for s in deck.statements if s.block < 3 and s.keyword != "OUTLEVEL"]
+
+
+def _references(deck: Deck, s: Statement) -> list[int]:
+    """Places of the values that are node or element numbers."""
+    if s.keyword in ELEMENT_TYPES:
+        return list(range(1 + len(ELEMENT_TYPES[s.keyword].nodes)))
+    parameters = parameters_of(deck, s)
+    return [i for i in range(len(s.values)) if parameters[i].of == "element" or parameters[i].of.endswith("node")]
+
+
+def _stride(deck: Deck) -> int:
+    return max(s.integer(i) for s, places in _with_references(deck) for i in places)
+
+
+def _places(single: Mechanism, together: Mechanism, n: int, stride: int) -> tuple[np.ndarray, np.ndarray]:
+    """Where the coordinates and deformations of every case are, (n, nx) and (n, ne)."""
+    one, all_ = single.numbering, together.numbering
+    node, coordinate = np.array([one.x_owner(i) for i in range(one.nx)]).T
+    shift = stride * np.arange(n)[:, None]
+    x = all_.lnp[node + shift - 1, coordinate - 1] - 1
+    owners = np.array([one.e_owner(i) for i in range(one.ne)]).reshape(-1, 2)
+    number, mode = owners.T
+    e = all_.le[np.maximum(number, 1) + shift - 1, mode - 1] - 1
+    if len(one.normalization):
+        row = dict(all_.normalization.tolist())
+        for i in np.flatnonzero(number < 0):
+            e[:, i] = [row[int(m)] for m in -number[i] + shift[:, 0]]
+    return x, e

@@ -1,0 +1,77 @@
+"""The Newton iteration of codes 553 and 595 in C makes the steps of the one in Python, with the same counts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import spacar
+from spacar.compiled import CompiledDynamics
+from spacar.compiled.library import unavailable
+from spacar.integrators import radau
+
+DATA = Path(__file__).parents[2] / "data"
+COUNTS = ("steps", "rhs", "jacobians", "rejected", "iterations")
+
+pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
+
+
+def both(monkeypatch: pytest.MonkeyPatch, source: object, code: int, **options: float) -> list[spacar.Result]:
+    """Results with the iteration in C, and in Python."""
+    calls = []
+    newton = CompiledDynamics.newton
+
+    def spy(*arguments: object) -> object:
+        found = newton(*arguments)  # type: ignore[arg-type]
+        calls.append(found is not None)
+        return found
+
+    monkeypatch.setattr(CompiledDynamics, "newton", spy)
+    in_c = spacar.run(1, source, integrator=code, **options)  # type: ignore[arg-type]
+    assert all(calls)
+    assert calls
+    monkeypatch.setattr(CompiledDynamics, "newton", None)
+    return [in_c, spacar.run(1, source, integrator=code, **options)]  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("code", [553, 595])
+@pytest.mark.parametrize("name", ["crankfl", "fingersim", "trike2", "trike3v"])
+def test_the_same_steps(monkeypatch: pytest.MonkeyPatch, name: str, code: int) -> None:
+    """Flexible; belts; wheels, whose kinematic coordinates leave no positions that are integrals; Euler parameters."""
+    options = {"duration": 0.01 if name == "crankfl" else 0.1, "n_steps": 4, "atol": 1e-6, "rtol": 1e-6}
+    in_c, in_python = both(monkeypatch, DATA / f"{name}.dat", code, **options)
+    for a, b in zip(in_c.frames, in_python.frames, strict=True):
+        assert [a.statistics.get(k) for k in COUNTS] == [b.statistics.get(k) for k in COUNTS]
+    for what, within in (("x", 1e-9), ("xd", 1e-7), ("e", 1e-9)):
+        size = max(1.0, float(np.abs(in_python[what]).max()))
+        np.testing.assert_allclose(in_c[what], in_python[what], rtol=0, atol=within * size)
+
+
+def test_steps_that_do_not_converge(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A first step that is far too long: the iteration fails, with the same words in both; shorter steps are tried."""
+    failed = []
+    slow = radau.slow_newton
+
+    def spy(*arguments: object) -> object:
+        failure = slow(*arguments)  # type: ignore[arg-type]
+        failed.append(str(failure))
+        return failure
+
+    monkeypatch.setattr(radau, "slow_newton", spy)
+    options = {"duration": 0.05, "n_steps": 2, "step": 0.05, "atol": 1e-4, "rtol": 1e-4}
+    in_c, in_python = both(monkeypatch, DATA / "crankfl.dat", 595, **options)
+    half = len(failed) // 2
+    assert half > 0
+    assert [text[:60] for text in failed[:half]] == [text[:60] for text in failed[half:]]
+    np.testing.assert_allclose(in_c["x"], in_python["x"], rtol=0, atol=1e-8)
+
+
+def test_what_c_cannot_evaluate_is_asked_in_python(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The iteration gives up without a trace."""
+    options = {"duration": 0.005, "n_steps": 2}
+    expected = spacar.run(1, DATA / "crankfl.dat", integrator=595, **options)
+    monkeypatch.setattr(CompiledDynamics, "newton", lambda *_: None)
+    found = spacar.run(1, DATA / "crankfl.dat", integrator=595, **options)
+    np.testing.assert_allclose(found["x"], expected["x"], rtol=0, atol=1e-9)
