@@ -245,7 +245,7 @@ def _pulled(program: Program, results: list, force: list, x: list) -> tuple[Prog
 
 
 # -- its tangent ----------------------------------------------------------------------------------------------------
-class Tangent:
+class TangentProgram:
     """Statements of the tangent of a program, and the factors they need in front of the loop."""
 
     def __init__(self, by: Sequence[sp.Symbol]) -> None:
@@ -278,7 +278,7 @@ def function(definition: Definition, table: str) -> str:
     """One C function."""
     vectors = TABLES[table][1]
     program, results, by = program_of(definition, table)
-    tangent = Tangent(by)
+    tangent = TangentProgram(by)
     for symbol, expression in program:
         tangent.extend(symbol, expression)
     columns = {f"D[{i * len(by)} + j]": tangent.along(sp.sympify(value)) for i, value in enumerate(results)}

@@ -136,7 +136,9 @@ def linearized_doubt(mechanism: Mechanism, sweep: ElementSweep, M: Array, condit
     n = mechanism.numbering
     if not is_checked(n) or not M.diagonal().all():
         return None
-    if not is_doubtful(mechanism, M, condition, largest_mass(mechanism, sweep)):
+    with np.errstate(over="ignore"):
+        largest = largest_mass(mechanism, sweep)
+    if not (np.isfinite(largest) and is_doubtful(mechanism, M, condition, largest)):
         return None
     massless, doubtful = _motions_of_rounding(mechanism, SaddlePoint(mechanism, sweep), condition)
     if not (massless or doubtful):

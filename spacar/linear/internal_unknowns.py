@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
+from spacar.linearization.contractions import geometric_rounding
 from spacar.linearization.matrices import Linearization
 
 
@@ -69,10 +70,13 @@ def internal_unknowns(dynamics: Dynamics, sigma: Array, other: Array | None = No
 
 
 def buckling_matrices(dynamics: Dynamics, L: Linearization, dynamic: Index) -> tuple[Array, Array]:
-    """K0 and G0 of the dynamic degrees of freedom, then of the unknowns inside elements."""
-    block = np.ix_(dynamic, dynamic)
+    """K0 and G0 of the dynamic degrees of freedom, then of the unknowns inside elements. A G0 of rounding is zero."""
+    block, W = np.ix_(dynamic, dynamic), L.W[:, dynamic]
     coupling, k, eliminated = internal_unknowns(dynamics, L.sigma)
-    return bordered_pencil(L.k0[block], L.g0[block], L.W[:, dynamic].T @ coupling, k, eliminated)
+    G0, scale = L.g0[block], dynamics.mechanism.scale
+    if (np.abs(G0) <= geometric_rounding(dynamics.sweep, L.sigma, scale, W)).all():
+        G0 = np.zeros_like(G0)
+    return bordered_pencil(L.k0[block], G0, W.T @ coupling, k, eliminated)
 
 
 def bordered_pencil(K0: Array, G0: Array, c: Array, k: Array, eliminated: Array) -> tuple[Array, Array]:

@@ -74,6 +74,22 @@ def geometric_stiffness(sweep: ElementSweep, sigma: Array) -> Matrix:
     return scatter(sweep.nx, geometric_blocks(sweep, sigma))
 
 
+def geometric_rounding(sweep: ElementSweep, sigma: Array, scale: Array, W: Array) -> Array:
+    """What rounding can make of W^T Hs(sigma) W for the motions W (nx, n), (n, n).
+
+    An element knows its Hs to 8 eps of its largest entry, with coordinates in their sizes `scale` (nx,); motions along
+    which the others cancel (a bar along its axis) leave nothing but that.
+    """
+    n = W.shape[1]
+    out, moved = np.zeros((n, n)), np.abs(W) / scale[:, None]
+    for b, block in geometric_blocks(sweep, sigma):
+        size = scale[b.x]
+        largest = np.abs(block * size[:, None] * size).max(axis=(0, 1))
+        most = moved[b.x].max(axis=0)
+        out += (most * largest[:, None]).T @ most
+    return np.asarray(8.0 * np.finfo(float).eps * out)
+
+
 def mass_matrix(sweep: ElementSweep) -> Matrix:
     """M, (nx, nx), from the entries of the last mass evaluation."""
     return matrix(sweep.m_rows, sweep.m_columns, sweep.m_entries, (sweep.nx, sweep.nx))

@@ -29,11 +29,13 @@ def require_mass(L: Linearization, q: Index) -> None:
     """Raises AnalysisError when the mass of a degree of freedom of the rows q is rounding of what it is the sum of.
 
     The sign of that rounding decides nothing: W^T M W is known to eps times nx times the sum of the sizes of its terms.
+    Masses that overflow are not told here.
     """
     W = np.abs(L.W[:, q])
-    terms = (W * np.asarray(abs(L.M) @ W)).sum(0)
+    with np.errstate(over="ignore", invalid="ignore"):
+        terms = (W * np.asarray(abs(L.M) @ W)).sum(0)
     rounding = np.finfo(float).eps * len(W) * terms
-    if np.any((np.diag(L.m0)[q] <= rounding) & (terms > 0.0)):
+    if np.any((np.diag(L.m0)[q] <= rounding) & (terms > 0.0) & np.isfinite(terms)):
         raise AnalysisError(MASSLESS, "dynamics.singular-mass")
 
 

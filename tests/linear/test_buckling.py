@@ -9,9 +9,13 @@ import numpy as np
 import pytest
 
 import spacar
+from spacar.compiled.library import why_off
 from spacar.deck import parse_deck
 from spacar.errors import Report
 from spacar.linear.buckling import buckling_modes
+
+DATA = Path(__file__).resolve().parents[2] / "data"
+ENGINE = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 from cantilever_eigen import cantilever
@@ -121,6 +125,22 @@ def test_no_stress_no_multiplier():
     result = column(4, "FIX 1\nFIX 2", "")
     assert np.all(np.isinf(result["lmult"][0]))
     assert any("no stress" in line for line in result.report)
+
+
+@pytest.mark.parametrize("compiled", [pytest.param(True, marks=ENGINE), False])
+def test_springs_that_are_pulled_along_their_axis_have_no_multiplier(compiled):
+    """Of their geometric stiffness, N/l across, rounding is left along the axis: with it one multiplier was -5e16."""
+    result = spacar.run(8, DATA / "massspring.dat", compiled=compiled)
+    assert np.all(np.isinf(result["lmult"]))
+    assert any("no stress" in line for line in result.report)
+
+
+def test_multipliers_of_the_smallest_loads():
+    """What is rounding of the geometric stiffness does not depend on the size of the load."""
+    text = (DATA / "column2.dat").read_text()
+    one = spacar.run(8, parse_deck(text, mode=8))["lmult"]
+    small = spacar.run(8, parse_deck(text.replace("XF 5 -1.0", "XF 5 -1.0e-20"), mode=8))["lmult"]
+    np.testing.assert_allclose(small, 1e20 * one, rtol=1e-9)
 
 
 def test_symmetry_at_static_equilibrium():

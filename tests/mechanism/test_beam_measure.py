@@ -76,7 +76,7 @@ def test_result_file_and_log_name_the_measure(tmp_path):
 
 
 def test_wrong_input_is_told():
-    with pytest.raises(InputError, match=r"PLTRUSS.*ADEFORM is for PLBEAM, PLTUBE, BEAM, TUBE"):
+    with pytest.raises(InputError, match=r"PLTRUSS.*ADEFORM is for PLBEAM, PLTUBE, BEAM, BEAMW, TUBE"):
         Deck.build([*ROWS, ("ADEFORM", 3)], LOADS)
     with pytest.raises(InputError, match="already given"):
         Deck.build([*ROWS, ("ADEFORM", 1), ("ADEFORM", 1)], LOADS)
