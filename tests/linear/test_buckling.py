@@ -14,11 +14,11 @@ from spacar.deck import parse_deck
 from spacar.errors import Report
 from spacar.linear.buckling import buckling_modes
 
-DATA = Path(__file__).resolve().parents[2] / "data"
-ENGINE = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
-
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 from cantilever_eigen import cantilever
+
+DATA = Path(__file__).resolve().parents[2] / "data"
+ENGINE = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 
 # supports: statements about the ends (nodes 1, 2 and tip, tip rotation), the effective length factor
 EULER = {
