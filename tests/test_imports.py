@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ast
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 HOUSE = Path(__file__).resolve().parents[1]
@@ -36,15 +37,22 @@ def late(module: str) -> bool:
     return any(module == name or module.startswith(f"{name}.") for name in HEAVY | LATE)
 
 
+def imports_in_functions(node: ast.AST, inside: bool = False) -> Iterator[ast.Import | ast.ImportFrom]:
+    """Statements only: expressions hold no imports."""
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.Import | ast.ImportFrom) and inside:
+            yield child
+        elif isinstance(child, ast.stmt | ast.ExceptHandler | ast.match_case):
+            yield from imports_in_functions(child, inside or isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef))
+
+
 def test_imports_stand_at_the_top_but_for_those_that_start_up_needs_late():
     bad = []
     for path in (p for room in ROOMS for p in sorted((HOUSE / room).rglob("*.py"))):
         text = path.read_text(encoding="utf-8")
         if not re.search(r"^\s+(from|import)\s", text, flags=re.MULTILINE):
             continue
-        tree = ast.parse(text)
-        functions = [n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef)]
-        for node in {m for function in functions for m in ast.walk(function)}:
+        for node in imports_in_functions(ast.parse(text)):
             names = [a.name for a in node.names] if isinstance(node, ast.Import) else []
             if isinstance(node, ast.ImportFrom) and not node.level:
                 names = [node.module]
