@@ -109,7 +109,7 @@ def _orientation(lnp: np.ndarray, ln: np.ndarray, node: int) -> int:
 def _of_system(path: Path, step: int, nxp: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """dx/df at rest of the degrees of freedom (dqd = dqdd = 0), from the sparse equations in the `.ltv` file beside:
     (K0 + N0 + G0)^-1 between its transfer functions."""
-    from scipy.sparse.linalg import splu
+    from spacar.linear_systems.sparse import sparse_factors
 
     system, _ = descriptor_beside(path, step)
     n, nx = system.n_states, int(nxp.sum())
@@ -117,7 +117,7 @@ def _of_system(path: Path, step: int, nxp: np.ndarray, rows: np.ndarray) -> np.n
     unit = np.zeros((system.A.shape[0], len(rows)))
     unit[n + rows, np.arange(len(rows))] = np.where(given, 0.0, -1.0)
     try:
-        found = np.asarray(splu(system.A.tocsc()).solve(unit)[n + nx + rows])
+        found = np.asarray(sparse_factors(system.A).solve(unit)[n + nx + rows])
     except RuntimeError:
         found = np.full((len(rows), len(rows)), np.nan)
     if not np.isfinite(found).all():
@@ -128,19 +128,20 @@ def _of_system(path: Path, step: int, nxp: np.ndarray, rows: np.ndarray) -> np.n
 def _sparse(entries: np.ndarray, nxp: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """dx/df of these coordinates from the tangent in mixed form (`ktan`, reference/files.md section 5)."""
     from scipy.sparse import coo_array
-    from scipy.sparse.linalg import splu
+
+    from spacar.linear_systems.sparse import sparse_factors
 
     first, second = nxp[0] + np.arange(nxp[1]), nxp[:3].sum() + np.arange(nxp[3])
     place = np.full(nxp.sum(), -1)
     place[np.r_[first, second]] = np.arange(nxp[1] + nxp[3])
-    row, column = (entries[:, k].astype(np.int32) - 1 for k in (0, 1))  # SuperLU of SciPy 1.11 takes int32 only
+    row, column = (entries[:, k].astype(np.int64) - 1 for k in (0, 1))
     A = coo_array((entries[:, 2], (row, column))).tocsc()
     moving = np.flatnonzero(place[rows] >= 0)
     out = np.zeros((len(rows), len(rows)))
     unit = np.zeros((A.shape[0], len(moving)))
     unit[place[rows[moving]], np.arange(len(moving))] = 1.0
     try:
-        solution = splu(A).solve(unit)[place[rows[moving]]]
+        solution = sparse_factors(A).solve(unit)[place[rows[moving]]]
     except RuntimeError:
         raise AnalysisError(SINGULAR, "compliance.singular") from None
     if not np.isfinite(solution).all():

@@ -141,8 +141,8 @@ class Integrand:
         if omega is not None:
             self.report.add(
                 f"from t = {t:.9g}: INTEGRAT {code} ({METHODS[code].name}), as the highest vibration or decay of the"
-                f" model ({omega:.3g} rad/s) limits the steps of an explicit method; positions keep ERROR, velocities and"
-                " accelerations of vibrations that it passes over do not (INTEGRAT 0 follows them)"
+                f" model ({omega:.3g} rad/s) limits the steps of an explicit method; positions keep ERROR,"
+                " velocities and accelerations of vibrations that it passes over do not (INTEGRAT 0 follows them)"
             )
             self.said = True
         elif self.said and not implicit:

@@ -86,7 +86,8 @@ def _smallest(A: Any, size: float, columns: int) -> tuple[Array, Array]:
 def _bordered(A: Any, mu: float) -> Any:
     """Factors of [-1, A^T; A, mu]: the last rows of its solution with (0, b) are (A A^T + mu)^-1 b."""
     from scipy.sparse import bmat, identity
-    from scipy.sparse.linalg import splu
+
+    from spacar.linear_systems.sparse import sparse_factors
 
     m, n = A.shape
-    return splu(bmat([[-identity(n), A.T], [A, mu * identity(m)]], format="csc"))
+    return sparse_factors(bmat([[-identity(n), A.T], [A, mu * identity(m)]], format="csc"))

@@ -67,10 +67,10 @@ class DescriptorSystem:
     @cached_property
     def _following(self) -> Any:
         """Factors of A22. Raises AnalysisError when it is singular."""
-        from scipy.sparse.linalg import splu
+        from spacar.linear_systems.sparse import sparse_factors
 
         try:
-            return splu(self.A[self.n_states :, self.n_states :].tocsc())
+            return sparse_factors(self.A[self.n_states :, self.n_states :])
         except RuntimeError:
             raise AnalysisError(MASSLESS, "dynamics.singular-mass") from None
 
@@ -126,24 +126,24 @@ class DescriptorSystem:
 
     def response(self, omega: Array) -> NDArray[np.complex128]:
         """C (j omega - A)^-1 B + D, (omega, outputs, inputs); infinite where j omega is an eigenvalue."""
-        from scipy.sparse.linalg import splu
+        from spacar.linear_systems.sparse import sparse_factors
 
         right = self.B.toarray().astype(complex)
         out = np.empty((len(omega), self.C.shape[0], right.shape[1]), complex)
         for k, w in enumerate(omega):
             try:
-                out[k] = self.C @ splu(self.shifted(1j * w)).solve(-right)
+                out[k] = self.C @ sparse_factors(self.shifted(1j * w)).solve(-right)
             except RuntimeError:
                 out[k] = np.inf
         return out
 
     def shifted(self, s: complex) -> Any:
         """A - s E in compressed columns, E being the identity of the state and zero elsewhere."""
-        from scipy.sparse import diags_array
+        from scipy.sparse import dia_array
 
-        ones = np.zeros(self.A.shape[0])
-        ones[: self.n_states] = 1.0
-        return (self.A - s * diags_array(ones)).tocsc()
+        ones = np.zeros((1, self.A.shape[0]))
+        ones[0, : self.n_states] = 1.0
+        return (self.A - s * dia_array((ones, [0]), self.A.shape)).tocsc()
 
 
 def of_frame(state_space: dict[str, Array], header: dict[str, Any]) -> DescriptorSystem:

@@ -56,13 +56,13 @@ class _Inverse:
     """The operator op of the module, for states with their positions multiplied by `size`."""
 
     def __init__(self, system: DescriptorSystem, n_positions: int, shift: float) -> None:
-        from scipy.sparse.linalg import splu
+        from spacar.linear_systems.sparse import sparse_factors
 
         self.system, self.shift, self.size = system, shift, shift / SHIFT
         self.scale = np.ones(system.n_states)
         self.scale[:n_positions] = self.size
         try:
-            self.factors = splu(system.shifted(shift))
+            self.factors = sparse_factors(system.shifted(shift))
         except RuntimeError:
             raise AnalysisError(MASSLESS, "dynamics.singular-mass") from None
 

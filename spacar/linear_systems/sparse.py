@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
@@ -38,3 +40,13 @@ class SparseSystem:
     def determinant_sign(self) -> float:
         negative = int(np.sum(self.lu.U.diagonal() < 0.0))
         return parity(self.lu.perm_r) * parity(self.lu.perm_c) * (-1.0 if negative % 2 else 1.0)
+
+
+def sparse_factors(A: Any) -> Any:
+    """Sparse LU factors of A, real or complex, in any sparse format. Raises RuntimeError when A is singular.
+
+    Old versions of SciPy (1.11) factor matrices with indices of 32 bits only, and do not make them so by themselves.
+    """
+    A = A.tocsc()
+    indices, starts = (part.astype(np.int32, copy=False) for part in (A.indices, A.indptr))
+    return splu(csc_matrix((A.data, indices, starts), A.shape))
