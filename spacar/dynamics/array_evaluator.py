@@ -93,7 +93,7 @@ class Dynamics(EquationsOfMotion):
         applied = self.loads.force + self.forces.moments(x)
         lost: dict[int, str] = {}
         if self.forces.user is not None:
-            user = self.forces.user(t, sweep.e, ed, x, self.xd)
+            user = self.forces.user(float(t), sweep.e, ed, x, self.xd)
             applied += user.force
             lost = user.lost
         total = sweep.mass_times(xdd) + convected + (gravity - self.forces.constant_gravity)

@@ -169,7 +169,7 @@ class EquationsOfMotion:
         sigma = law(sweep.e, self.ed)
         user = None
         if self.forces.user is not None:
-            user = self.forces.user(t, sweep.e, self.ed, self.kinematics.x, self.xd)
+            user = self.forces.user(float(t), sweep.e, self.ed, self.kinematics.x, self.xd)
             sigma[law.first :] += user.sigma[law.first :]
         return sigma, user
 

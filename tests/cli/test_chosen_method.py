@@ -6,11 +6,11 @@ import json
 
 import pytest
 
-from spacar.compiled.library import unavailable
+from spacar.compiled.library import why_off
 
 from .conftest import DATA
 
-ENGINE = pytest.mark.skipif(unavailable() is not None, reason="no engine")
+ENGINE = pytest.mark.skipif(why_off() is not None, reason="no engine")
 
 
 def test_without_a_change(call, tmp_path):

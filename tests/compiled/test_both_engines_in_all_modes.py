@@ -10,14 +10,14 @@ import pytest
 
 import spacar
 from spacar.compiled.compiled_elements import CompiledElements, with_compiled_elements
-from spacar.compiled.library import GENERAL, unavailable
+from spacar.compiled.library import GENERAL, why_off
 from spacar.dynamics import Dynamics
 from spacar.errors import SpacarError
 from spacar.linear_systems.matrix import dense
 from spacar.linearization.coefficients import coefficients
 
 DATA = Path(__file__).parents[2] / "data"
-pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
+pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 LIKE = {"c0": "cd", "d0": "cd", "k0": "kng", "n0": "kng", "g0": "kng", "m0": "m"}
 
 

@@ -9,13 +9,13 @@ import pytest
 
 import spacar
 from spacar.compiled import CompiledDynamics
-from spacar.compiled.library import unavailable
+from spacar.compiled.library import why_off
 from spacar.integrators import radau
 
 DATA = Path(__file__).parents[2] / "data"
 COUNTS = ("steps", "rhs", "jacobians", "rejected", "iterations")
 
-pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
+pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 
 
 def both(monkeypatch: pytest.MonkeyPatch, source: object, code: int, **options: float) -> list[spacar.Result]:

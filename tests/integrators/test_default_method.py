@@ -9,12 +9,12 @@ import pytest
 
 import spacar
 from spacar import Deck, parse_deck
-from spacar.compiled.library import unavailable
+from spacar.compiled.library import why_off
 from spacar.integrators import automatic, integrate
 from spacar.integrators.automatic import Automatic
 
 DATA = Path(__file__).parents[2] / "data"
-ENGINE = pytest.mark.skipif(unavailable() is not None, reason="no engine")
+ENGINE = pytest.mark.skipif(why_off() is not None, reason="no engine")
 STORED = ("x", "xd", "xdd", "e", "sig", "fxtot")
 
 
