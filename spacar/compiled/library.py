@@ -127,6 +127,12 @@ ELEMENT_FUNCTIONS: dict[str, tuple[Any, ...]] = {
 }
 
 
+def _bind(owner: object, functions: dict[str, tuple[Any, ...]], addresses: Any) -> None:
+    """Functions as attributes: their addresses stand behind the first one, in the order of the table."""
+    for k, (name, (result, *arguments)) in enumerate(functions.items(), 1):
+        setattr(owner, name, ctypes.CFUNCTYPE(result, *arguments)(addresses[k]))
+
+
 class ElementFunctions:
     """The functions of batches of elements (batches.c), of the widest build for this processor that has them.
 
@@ -138,8 +144,7 @@ class ElementFunctions:
     def __init__(self, loaded: ctypes.CDLL) -> None:
         addresses = loaded.spacar_element_functions()
         self.kinds = frozenset(ctypes.string_at(addresses[0]).decode("ascii").split())
-        for k, (name, (result, *arguments)) in enumerate(ELEMENT_FUNCTIONS.items(), 1):
-            setattr(self, name, ctypes.CFUNCTYPE(result, *arguments)(addresses[k]))
+        _bind(self, ELEMENT_FUNCTIONS, addresses)
 
     strain: Any
     convective: Any
@@ -163,8 +168,7 @@ class Engine:
         for k, word in enumerate(ctypes.string_at(addresses[0]).decode("ascii").split()):
             name, _, count = word.partition("/")
             self.kinds[name] = k, int(count)
-        for k, (name, (result, *arguments)) in enumerate(FUNCTIONS.items(), 1):
-            setattr(self, name, ctypes.CFUNCTYPE(result, *arguments)(addresses[k]))
+        _bind(self, FUNCTIONS, addresses)
 
     begin: Any
     end: Any

@@ -224,21 +224,27 @@ def gradient(p: AngleConstants, y: Any, G: Any, G1: Any) -> Any:
     de1 = de1 + dMx * (o.Mx * (p.f * p.second / p.l0))
     l = 0.5 * p.l0
     E = stacked([de1, dMx * p.l0, (dMy - dAy) * l, (dMy + dAy) * l, (dMz - dAz) * l, (dMz + dAz) * l])
+    return stacked(by_local(E, y, G, G1, np.zeros((6, *value.shape))))
+
+
+def by_local(E: Any, y: Any, G: Any, G1: Any, stretch: Array) -> list[Any]:
+    """The eight derivatives by y, (deformations, n) each, of what has the derivatives E (deformations, 5 or more, n) by
+    psi, theta_y, theta_z.
+
+    `stretch`, zeros (deformations, n), becomes that by l, which only the first deformation contains.
+    """
     mu, w = y[1:4], y[4:7]
     by_y, by_z = 2.0 / (w[0] * w[0] + w[2] * w[2]), 2.0 / (w[0] * w[0] + w[1] * w[1])
     turned_y, turned_z = E[:, 3] * by_y, E[:, 4] * by_z
-    stretch = np.zeros((6, *value.shape))
     stretch[0] = 1.0
-    return stacked(
-        [
-            contracted("ei...,i...->e...", E[:, 0:3], mu * G1),
-            *(E[:, i] * G for i in range(3)),
-            turned_z * w[1] - turned_y * w[2],
-            -turned_z * w[0],
-            turned_y * w[0],
-            0.0 * turned_y + stretch,
-        ]
-    )
+    return [
+        contracted("ei...,i...->e...", E[:, 0:3], mu * G1),
+        *(E[:, i] * G for i in range(3)),
+        turned_z * w[1] - turned_y * w[2],
+        -turned_z * w[0],
+        turned_y * w[0],
+        0.0 * turned_y + stretch,
+    ]
 
 
 def gradient_of_sum(p: AngleConstants, sigma: Array, y: Any, G: Any, G1: Any) -> Any:

@@ -20,8 +20,8 @@ from typing import Any
 
 import numpy as np
 
-from spacar.elements.angle_measure import AngleConstants, Outer, outer
-from spacar.elements.taylor import Taylor, contracted, stacked
+from spacar.elements.angle_measure import AngleConstants, Outer, by_local, outer
+from spacar.elements.taylor import Taylor, stacked
 
 
 def _warped(p: AngleConstants, y: Any, G: Any, w: Any) -> tuple[Outer, Any, Any]:
@@ -66,21 +66,4 @@ def gradient(p: AngleConstants, y: Any, G: Any, G1: Any, w: Any) -> Any:
     de2 = dMx * p.l0
     bending = [(dMy - dAy) * l, (dMy + dAy) * l, (dMz - dAz) * l, (dMz + dAz) * l]
     E = stacked([de1, de2, *bending, de2 - dwp * square, -de2 + dwq * square])
-    mu, chord = y[1:4], y[4:7]
-    by_y = 2.0 / (chord[0] * chord[0] + chord[2] * chord[2])
-    by_z = 2.0 / (chord[0] * chord[0] + chord[1] * chord[1])
-    turned_y, turned_z = E[:, 3] * by_y, E[:, 4] * by_z
-    stretch = np.zeros((8, *value.shape))
-    stretch[0] = 1.0
-    return stacked(
-        [
-            contracted("ei...,i...->e...", E[:, 0:3], mu * G1),
-            *(E[:, i] * G for i in range(3)),
-            turned_z * chord[1] - turned_y * chord[2],
-            -turned_z * chord[0],
-            turned_y * chord[0],
-            0.0 * turned_y + stretch,
-            E[:, 5],
-            E[:, 6],
-        ]
-    )
+    return stacked([*by_local(E, y, G, G1, np.zeros((8, *value.shape))), E[:, 5], E[:, 6]])
