@@ -59,6 +59,10 @@ typedef struct {
     double mantissa, exponent;            /* of the inverse of its smallest size since these were cleared: mantissa 2^exponent */
 } State;
 
+/* What is remembered of a state at t: degrees of freedom, their rates and accelerations (3 q), and behind them the same of the last
+   state with another time, t_before, or not a number; x, xd, xdd (3 nx) of that. */
+typedef struct { const State *of; double t, t_before; real *degrees, *before; } Trace;
+
 typedef struct {
     Spec s;
     int factored;                         /* the matrix of the position is that of some state before */
@@ -70,11 +74,12 @@ typedef struct {
     Entries coupling;                     /* of V^T M_e V; the factors of entry k are at first[k], second[k] */
     int *coupling_first, *coupling_second; real *coupling_weight;
     int reduced, width;                   /* accelerations from the reduced form; numbers in a row of `transfer` */
-    const State *transfer_of;             /* the state that `transfer` and `degrees` (q, their rates, accelerations) belong to */
+    const State *transfer_of;             /* the state that `transfer` belongs to */
+    Trace traces[2];                      /* of a motion and of its outputs, or of two companions; the first one is the last used */
     Sparse position, velocity, motion;    /* `velocity` where it is not that of the position */
     real *values;                         /* V, then M of moving elements, then the constant M */
     real *h, *convected, *applied, *b, *force, *next_x, *next_xd, *next_xdd, *near, *next_e, *given_ed, *given_edd, *stage, *piece;
-    real *degrees, *transfer, *weighted, *small;
+    real *transfer, *weighted, *small;
     int *v_place;                         /* (n_v) order of V's rows: place in `values` */
 } Model;
 

@@ -278,7 +278,8 @@ static Model *spacar_begin(const Spec *spec)
     if (!status) status = find_coupling(m, n_values);
     entries_end(&V);
     if (!status) status = assemble(m);
-    real *work = status ? NULL : cleared(10 * (nx + ne) + nx, sizeof(real));
+    const int q = spec->n_x_dynamic + spec->n_e_dynamic;
+    real *work = status ? NULL : cleared(10 * (nx + ne) + nx + 2 * (3 * nx + 6 * q), sizeof(real));
     if (!work) { spacar_end(m); return NULL; }
     real **vectors[] = {&m->h, &m->near, &m->next_e, &m->given_ed, &m->given_edd};
     for (int k = 0; k < 5; k++, work += ne) *vectors[k] = work;
@@ -287,13 +288,13 @@ static Model *spacar_begin(const Spec *spec)
     m->b = work;
     m->stage = m->b + nx + ne;
     m->piece = m->stage + 2 * (nx + ne);
+    work = m->piece + 2 * (nx + ne);
+    for (int k = 0; k < 2; k++, work += 3 * nx + 6 * q) m->traces[k] = (Trace){ NULL, 0.0, NAN, work, work + 6 * q };
     if (m->reduced) {
-        const int q = spec->n_x_dynamic + spec->n_e_dynamic;
-        m->transfer = cleared((2 * nx + q + 3) * m->width, sizeof(real));
+        m->transfer = cleared((2 * nx + q) * m->width, sizeof(real));
         if (!m->transfer) { spacar_end(m); return NULL; }
         m->weighted = m->transfer + nx * m->width;
         m->small = m->weighted + nx * m->width;
-        m->degrees = m->small + q * m->width;
     }
     return m;
 }

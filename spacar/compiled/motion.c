@@ -190,7 +190,7 @@ static int reduced_form(Model *m, const real *edd_given, real *xdd, real *sigma,
             if (LANES == 1 && LANE(x, 0) == 0.0) continue;
             add_row(A + c * width, x, MX + i * width, (1 + c + ROW) / ROW * ROW);
         }
-    real *b = m->degrees + 2 * q;
+    real *b = m->b + q;
     if (solve_positive(A, width, q, m->b, b)) return SINGULAR;
     for (int i = first; i < nx; i++)
         for (int c = 0; c < q; c++) xdd[i] += X[i * width + 1 + c] * b[c];
