@@ -81,6 +81,7 @@ typedef struct {
     real *h, *convected, *applied, *b, *force, *next_x, *next_xd, *next_xdd, *near, *next_e, *given_ed, *given_edd, *stage, *piece;
     real *transfer, *weighted, *small;
     int *v_place;                         /* (n_v) order of V's rows: place in `values` */
+    int *m_start, *m_column, *m_place;    /* M by rows in the same way, for the reduced form */
 } Model;
 
 /* Add as many whole turns to e of one element as bring its first row closest to `near`. */
