@@ -59,9 +59,11 @@ typedef struct {
     double mantissa, exponent;            /* of the inverse of its smallest size since these were cleared: mantissa 2^exponent */
 } State;
 
-/* What is remembered of a state at t: degrees of freedom, their rates and accelerations (3 q), and behind them the same of the last
-   state with another time, t_before, or not a number; x, xd, xdd (3 nx) of that. */
-typedef struct { const State *of; double t, t_before; real *degrees, *before; } Trace;
+enum { STATES = 3 }; /* from which a guess goes on */
+
+/* What is remembered of a state: of the last n evaluations with different times, the last first, the times, the degrees of freedom,
+   their rates and accelerations (3 q); x, xd, xdd (3 nx) of those before the last. */
+typedef struct { const State *of; int n; double t[STATES]; real *degrees[STATES], *before[STATES - 1]; } Trace;
 
 typedef struct {
     Spec s;
@@ -78,6 +80,7 @@ typedef struct {
     Trace traces[2];                      /* of a motion and of its outputs, or of two companions; the first one is the last used */
     Sparse position, velocity, motion;    /* `velocity` where it is not that of the position */
     real *values;                         /* V, then M of moving elements, then the constant M */
+    real *factored_x;                     /* (nx) where the matrix of the position is the factored one */
     real *h, *convected, *applied, *b, *force, *next_x, *next_xd, *next_xdd, *near, *next_e, *given_ed, *given_edd, *stage, *piece;
     real *transfer, *weighted, *small;
     int *v_place;                         /* (n_v) order of V's rows: place in `values` */

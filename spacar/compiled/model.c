@@ -280,17 +280,20 @@ static Model *spacar_begin(const Spec *spec)
     entries_end(&V);
     if (!status) status = assemble(m);
     const int q = spec->n_x_dynamic + spec->n_e_dynamic;
-    real *work = status ? NULL : cleared(10 * (nx + ne) + nx + 2 * (3 * nx + 6 * q), sizeof(real));
+    real *work = status ? NULL : cleared(10 * (nx + ne) + 2 * nx + 2 * (3 * (STATES - 1) * nx + 3 * STATES * q), sizeof(real));
     if (!work) { spacar_end(m); return NULL; }
     real **vectors[] = {&m->h, &m->near, &m->next_e, &m->given_ed, &m->given_edd};
     for (int k = 0; k < 5; k++, work += ne) *vectors[k] = work;
-    real **coordinates[] = {&m->convected, &m->applied, &m->force, &m->next_x, &m->next_xd, &m->next_xdd};
-    for (int k = 0; k < 6; k++, work += nx) *coordinates[k] = work;
+    real **coordinates[] = {&m->convected, &m->applied, &m->force, &m->next_x, &m->next_xd, &m->next_xdd, &m->factored_x};
+    for (int k = 0; k < 7; k++, work += nx) *coordinates[k] = work;
     m->b = work;
     m->stage = m->b + nx + ne;
     m->piece = m->stage + 2 * (nx + ne);
     work = m->piece + 2 * (nx + ne);
-    for (int k = 0; k < 2; k++, work += 3 * nx + 6 * q) m->traces[k] = (Trace){ NULL, 0.0, NAN, work, work + 6 * q };
+    for (int k = 0; k < 2; k++) {
+        for (int l = 0; l < STATES; l++, work += 3 * q) m->traces[k].degrees[l] = work;
+        for (int l = 0; l < STATES - 1; l++, work += 3 * nx) m->traces[k].before[l] = work;
+    }
     if (m->reduced) {
         m->transfer = cleared((2 * nx + q) * m->width, sizeof(real));
         if (!m->transfer) { spacar_end(m); return NULL; }

@@ -29,9 +29,26 @@ static void dependent(Model *m, real *v, const real *e_rate, const real *h)
     memcpy(v + s->x_kinematic, r + nc, sizeof(real) * s->n_x_kinematic);
 }
 
+/* How many of Newton's corrections an error takes until the last one is below `converged`: each leaves the square. */
+static int corrections(double error, double converged)
+{
+    int n = 1;
+    for (; error > converged && n < MAX_ITERATIONS; n++) error *= error;
+    return n;
+}
+
+/* Whether a correction with the factors of another position saves one with new factors. It leaves of an error as much as the
+   gradient has changed, about the distance of the positions in their sizes. Only time depends on it. */
+static int takes_old_factors(const Model *m, const real *x, double error, double converged)
+{
+    const int first = m->s.n_fixed_x, end = first + m->s.n_position;
+    real moved = EVERY(0.0);
+    for (int i = first; i < end; i++) moved = lanes_larger(moved, (x[i] - m->factored_x[i]) / m->s.scale[i]);
+    return corrections(largest_lane(moved) * error, converged) < corrections(error, converged);
+}
+
 /* Position and velocity. x comes with the given values and a guess of the calculable ones, xd and ed with the given rates.
-   The first correction uses the matrix of the last state, which is still factored, unless transfer functions have made the
-   guess so good that this saves nothing. The limits are those of spacar/kinematics/kinematics.py: a correction that follows
+   The first correction uses the matrix of the last state, which is still factored, where that saves something. The limits are those of spacar/kinematics/kinematics.py: a correction that follows
    one below CONVERGED or rounding is as small as rounding allows and passes always. A residual that stays at rounding with
    larger corrections is left to the general path, which looks at the condition. */
 static int place(Model *m, real *x, real *xd, real *e, const real *near, const real *e_given, const real *e_rate,
@@ -60,10 +77,13 @@ static int place(Model *m, real *x, real *xd, real *e, const real *near, const r
         before = norm;
         halvings = 0;
         for (int i = 0; i < n; i++) r[i] = e[row[i]] - e_given[row[i]];
-        const int chord = !m->reduced && iteration == 1 && m->factored && norm > converged;
-        const int status = chord ? OK : factor(&m->position, m->values);
-        m->factored = !status;
-        if (status) return status;
+        const int chord = iteration == 1 && m->factored && takes_old_factors(m, x, norm, converged);
+        if (!chord) {
+            const int status = factor(&m->position, m->values);
+            m->factored = !status;
+            if (status) return status;
+            memcpy(m->factored_x, x, sizeof(real) * m->s.nx);
+        }
         solve(&m->position, r, r);
         real step = EVERY(0.0), sum = EVERY(0.0);
         for (int i = 0; i < n; i++) {

@@ -1,7 +1,7 @@
 /* Evaluation of a state of the integrators: right-hand side, stages of a step, what frames have besides. */
 
 static const double SMALLEST_PIECE = 1.0 / 64.0; /* of the way to a state that is a jump away */
-static const double FARTHEST = 20.0;             /* of extrapolation, the product of the times from both states over the square of that between them */
+static const double MAGNIFIED = 1e4;             /* at most, by an extrapolation: errors of the positions from which it goes on */
 
 /* Value, rate and acceleration of a prescribed motion. */
 static void prescribed(const Spec *s, const real *row, double t, real *value, real *rate, real *acceleration)
@@ -11,67 +11,87 @@ static void prescribed(const Spec *s, const real *row, double t, real *value, re
     *acceleration = row[2];
 }
 
-/* A coordinate or degree of freedom from those of the last state and of the state before; `c` as in `extrapolation`. */
-static inline real ahead_of(const double *c, real x, real v, real a, real x_before, real v_before, real a_before)
+/* The polynomial that has position, velocity and acceleration of n states at the times `at` (Hermite): at t it is the sum of
+   c[k][0] x_k + c[k][1] v_k + c[k][2] a_k, one state being a parabola. Each term is G_k(t) = prod_j ((t - t_j)/(t_k - t_j))^3, whose two
+   derivatives vanish at the other states, times the first three terms of a series of the motion over G_k. The largest c[k][0], by
+   which errors of positions are magnified. */
+static double extrapolation(double t, const double *at, int n, double (*c)[3])
 {
-    return c[0] * (x - x_before) + c[1] * v + c[2] * a + c[3] * v_before + c[4] * a_before;
+    double most = 0.0;
+    for (int k = 0; k < n; k++) {
+        const double s = t - at[k];
+        double G = 1.0, sum = 0.0, squares = 0.0;
+        for (int j = 0; j < n; j++) {
+            if (j == k) continue;
+            const double inverse = 1.0 / (at[k] - at[j]);
+            G *= (t - at[j]) * inverse;
+            sum += inverse;
+            squares += inverse * inverse;
+        }
+        G *= G * G;
+        const double first = -3.0 * s * sum, second = 1.5 * s * s * (3.0 * sum * sum + squares);
+        c[k][0] = G * (1.0 + first + second);
+        c[k][1] = G * s * (1.0 + first);
+        c[k][2] = G * 0.5 * s * s;
+        most = fmax(most, fabs(c[k][0]));
+    }
+    return most;
 }
 
-/* The polynomial of fifth degree with position, velocity and acceleration of the last two states, H apart (Hermite), at dt from
-   the last one. With u = dt/H it is the parabola through the last state less D (10 u^3 + 15 u^4 + 6 u^5) + E (4 u^3 + 7 u^4 + 3 u^5)
-   + F (u^3 + 2 u^4 + u^5)/2, where D, E, F are what the parabola misses of the state before in position, velocity times H and
-   acceleration times H^2. */
-static void extrapolation(double dt, double H, double *c)
-{
-    const double u = dt / H, v = u * u * u, D = v * (10.0 + u * (15.0 + 6.0 * u));
-    const double E = v * (4.0 + u * (7.0 + 3.0 * u)) * H, F = 0.5 * v * (1.0 + u) * (1.0 + u) * H * H;
-    c[0] = D;
-    c[1] = dt - D * H + E;
-    c[2] = 0.5 * (dt * dt + D * H * H) - E * H + F;
-    c[3] = -E;
-    c[4] = -F;
-}
-
-/* What an extrapolation leaves of the degrees of freedom y, and the largest of it in their sizes. */
-static double left_of_degrees(const Spec *s, const Trace *trace, const double *c, const real *y, real *left)
+/* What the extrapolation from n states leaves of the degrees of freedom y, and the largest of it in their sizes. */
+static double left_of_degrees(const Spec *s, const Trace *trace, const double (*c)[3], int n, const real *y, real *left)
 {
     const int a = s->n_x_dynamic, q = a + s->n_e_dynamic;
-    const real *d = trace->degrees, *b = d + 3 * q;
     real largest = EVERY(0.0);
-    for (int k = 0; k < q; k++) {
-        const double size = k < a ? s->scale[s->x_dynamic + k] : s->e_scale[s->e_dynamic + k - a];
-        left[k] = y[k] - d[k] - ahead_of(c, d[k], d[q + k], d[2 * q + k], b[k], b[q + k], b[2 * q + k]);
-        largest = lanes_larger(largest, left[k] / size);
+    for (int i = 0; i < q; i++) {
+        const double size = i < a ? s->scale[s->x_dynamic + i] : s->e_scale[s->e_dynamic + i - a];
+        const real last = trace->degrees[0][i];
+        left[i] = y[i] - last;
+        for (int k = 0; k < n; k++) {
+            const real *d = trace->degrees[k];
+            left[i] -= c[k][0] * (d[i] - last) + c[k][1] * d[q + i] + c[k][2] * d[2 * q + i];
+        }
+        largest = lanes_larger(largest, left[i] / size);
     }
     return largest_lane(largest);
 }
 
-/* A guess of the calculable coordinates of x at dt from the last state. OK, or JUMP when they would go too far.
+/* A guess of the calculable coordinates of x at t. OK, or JUMP when they would go too far.
 
-   It is the parabola through the last state, or the polynomial through the last two where that comes nearer to the degrees of
-   freedom, which are known. Where transfer functions are known the guess follows them then, as stages of a step leave
+   It goes on from as many states as come near to the degrees of freedom, which are known: from one more unless that comes
+   twice as far. Where transfer functions are known the guess follows the degrees of freedom then, as stages of a step leave
    a smooth motion. */
-static int guess(Model *m, const State *at, double dt, const real *y, double jump, real *x)
+static int guess(Model *m, const State *at, double t, const real *y, double jump, real *x)
 {
     const Spec *s = &m->s;
     const int first = s->n_fixed_x, end = first + s->n_position, nx = s->nx, q = s->n_x_dynamic + s->n_e_dynamic;
     const Trace *trace = &m->traces[m->traces[0].of != at];
-    const int traced = at->known == 1 && trace->of == at && trace->t == at->t;
-    const double H = at->t - trace->t_before;
-    const real *x0 = trace->before, *v0 = x0 + nx, *a0 = v0 + nx;
-    double parabola[] = { 0.0, dt, 0.5 * dt * dt, 0.0, 0.0 }, both[5], *c = parabola;
-    real *left = m->b, *left_by_both = left + q, ahead = EVERY(0.0);
+    const int traced = at->known == 1 && trace->of == at && trace->t[0] == at->t;
+    double coefficients[2][STATES][3], (*c)[3] = coefficients[0], (*more)[3] = coefficients[1];
+    real *left = m->b, *left_by_more = left + q, ahead = EVERY(0.0);
+    int n = 1;
+    extrapolation(at->known ? t : at->t, &at->t, 1, c);
     if (traced) {
-        const double distance = left_of_degrees(s, trace, parabola, y, left);
-        if (fabs(dt * (dt + H)) <= FARTHEST * H * H && H != 0.0) {
-            extrapolation(dt, H, both);
-            if (left_of_degrees(s, trace, both, y, left_by_both) <= distance) { c = both; left = left_by_both; }
+        double distance = left_of_degrees(s, trace, c, 1, y, left);
+        for (int k = 2; k <= trace->n && extrapolation(t, trace->t, k, more) <= MAGNIFIED; k++) {
+            const double by_more = left_of_degrees(s, trace, more, k, y, left_by_more);
+            if (!(by_more <= 2.0 * distance)) break;
+            distance = fmin(distance, by_more);
+            n = k;
+            double (*of_less)[3] = c;
+            real *left_by_less = left;
+            c = more; more = of_less;
+            left = left_by_more; left_by_more = left_by_less;
         }
     }
+    for (int i = first; i < end; i++) x[i] = c[0][1] * at->xd[i] + c[0][2] * at->xdd[i];
+    for (int k = 1; k < n; k++) {
+        const real *x0 = trace->before[k - 1], *v0 = x0 + nx, *a0 = v0 + nx;
+        for (int i = first; i < end; i++) x[i] += c[k][0] * (x0[i] - at->x[i]) + c[k][1] * v0[i] + c[k][2] * a0[i];
+    }
     for (int i = first; i < end; i++) {
-        const real move = ahead_of(c, at->x[i], at->xd[i], at->xdd[i], x0[i], v0[i], a0[i]);
-        ahead = lanes_larger(ahead, move / s->scale[i]);
-        x[i] = at->x[i] + move;
+        ahead = lanes_larger(ahead, x[i] / s->scale[i]);
+        x[i] += at->x[i];
     }
     if (!(largest_lane(ahead) <= 0.5 * jump)) return JUMP; /* as FARTHEST_GUESS of the general path */
     if (traced && m->transfer_of == at)
@@ -80,7 +100,7 @@ static int guess(Model *m, const State *at, double dt, const real *y, double jum
     return OK;
 }
 
-/* The evaluated state becomes the last one, and that the one before if it has another time. */
+/* The evaluated state becomes the last one, and what was that is remembered if it has another time. */
 static void keep(Model *m, State *at, double t, const real *y, const real *rates)
 {
     const Spec *s = &m->s;
@@ -91,22 +111,29 @@ static void keep(Model *m, State *at, double t, const real *y, const real *rates
         m->traces[0] = other;
     }
     Trace *trace = m->traces;
-    real *d = trace->degrees;
-    if (at->known != 1 || trace->of != at || trace->t != at->t) trace->t_before = NAN;
+    if (at->known != 1 || trace->of != at || trace->t[0] != at->t) trace->n = 1;
     else if (at->t != t) {
-        memcpy(trace->before, at->x, sizeof(real) * nx);
-        memcpy(trace->before + nx, at->xd, sizeof(real) * nx);
-        memcpy(trace->before + 2 * nx, at->xdd, sizeof(real) * nx);
-        memcpy(d + 3 * q, d, sizeof(real) * 3 * q);
-        trace->t_before = at->t;
+        real *before = trace->before[STATES - 2], *degrees = trace->degrees[STATES - 1];
+        for (int k = STATES - 1; k > 0; k--) {
+            trace->t[k] = trace->t[k - 1];
+            trace->degrees[k] = trace->degrees[k - 1];
+            if (k > 1) trace->before[k - 1] = trace->before[k - 2];
+        }
+        trace->degrees[0] = degrees;
+        trace->before[0] = before;
+        memcpy(before, at->x, sizeof(real) * nx);
+        memcpy(before + nx, at->xd, sizeof(real) * nx);
+        memcpy(before + 2 * nx, at->xdd, sizeof(real) * nx);
+        if (trace->n < STATES) trace->n++;
     }
     memcpy(at->e, m->next_e, sizeof(real) * s->ne);
     memcpy(at->x, m->next_x, sizeof(real) * nx);
     memcpy(at->xd, m->next_xd, sizeof(real) * nx);
     memcpy(at->xdd, m->next_xdd, sizeof(real) * nx);
     trace->of = at;
-    at->t = trace->t = t;
+    at->t = trace->t[0] = t;
     at->known = 1;
+    real *d = trace->degrees[0];
     memcpy(d, y, sizeof(real) * q);
     memcpy(d + q, rates, sizeof(real) * q);
     for (int i = 0; i < a; i++) d[2 * q + i] = at->xdd[s->x_dynamic + i];
@@ -116,6 +143,9 @@ static void keep(Model *m, State *at, double t, const real *y, const real *rates
     }
     if (m->reduced) m->transfer_of = at;
 }
+
+/* After a stage of an explicit Runge-Kutta step: it does not lie on a smooth motion, from which a guess could go on. */
+static void leave_motion(Model *m) { m->traces[0].n = 0; }
 
 /* Evaluate the state y = (x dynamic, e dynamic, their rates) at t, stresses too when wanted. Number of position iterations,
    or a negative reason; then the last evaluated state is still there. */
@@ -128,7 +158,7 @@ static int evaluate(Model *m, State *at, double t, const real *y, double converg
     memcpy(x, s->x0, sizeof(real) * nx);
     memset(xd, 0, sizeof(real) * nx);
     memset(xdd, 0, sizeof(real) * nx);
-    if (guess(m, at, at->known ? t - at->t : 0.0, y, jump, x)) return JUMP;
+    if (guess(m, at, t, y, jump, x)) return JUMP;
     m->transfer_of = NULL;
     if (!s->polynomial && s->ask(ASK_MOTION, 0, t)) return NOT_ANSWERED;
     for (int i = 0; i < s->n_x_input; i++) {
@@ -224,7 +254,7 @@ static int spacar_rhs(Model *m, State *at, double t, const real *y, real *out, d
     memcpy(out, y + positions, sizeof(real) * q);
     memcpy(out + q, at->xd + s->x_kinematic, sizeof(real) * s->n_x_kinematic);
     for (int i = k; i < positions; i++) out[i] = rate(m, s->e_kinematic + i - k, at->xd);
-    memcpy(out + positions, m->traces[0].degrees + 2 * q, sizeof(real) * q);
+    memcpy(out + positions, m->traces[0].degrees[0] + 2 * q, sizeof(real) * q);
     if (LANES == 1 && at->watched) sample(m, at);
     return status;
 }
@@ -245,6 +275,7 @@ static int spacar_stages(Model *m, State *at, int from, int n, const double *c, 
         for (int k = 0; k < size; k++) stage[k] = y[k] + h * stage[k];
         const double time = fmin(fmax(t + c[i] * h, earliest), latest);
         if (spacar_rhs(m, at, time, stage, K + i * stride, converged, jump) < 0) return i;
+        leave_motion(m);
     }
     return n;
 }
