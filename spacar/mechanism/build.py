@@ -15,11 +15,9 @@ from spacar.mechanism import inputs, lumped_inertia
 from spacar.mechanism.element_batches import element_batches, node_batches
 from spacar.mechanism.element_rows import element_rows, value_rows
 from spacar.mechanism.layout import Batch
-from spacar.mechanism.mechanism import Mechanism, Start
+from spacar.mechanism.mechanism import NO_ENTRIES, Mechanism, Start
 from spacar.mechanism.numbering import Numbering, number
 from spacar.modes import find_mode
-
-NO_ENTRIES = np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0)  # rows, columns, values
 
 
 def build(deck: Deck, mode: int = 1, **options: Any) -> Mechanism:
@@ -34,17 +32,18 @@ def build(deck: Deck, mode: int = 1, **options: Any) -> Mechanism:
     numbering = number(deck, types, prescribed=analysis.takes_setpoints)
     x0 = reference_configuration(deck, numbering)
     batches = element_batches(deck, types, numbering, x0, options.get("beams") or "")
-    batches += node_batches(numbering, lumped_inertia.lumped(deck, numbering, batches))
-    loads = inputs.loads(deck, numbering, batches)
+    node_batches(batches, numbering, lumped_inertia.lumped(deck, numbering, batches))
+    loads = inputs.loads(deck, numbering)
     levels = analysis.stationary or analysis.takes_setpoints  # load steps: they are computed, or linearized about
-    stiffness, damping = _constitutive(batches) if deck.of("ESTIFF", "EDAMP", block=2) else (NO_ENTRIES, NO_ENTRIES)
+    has_stresses = "ESTIFF" in deck.block(2) or "EDAMP" in deck.block(2)
+    stiffness, damping = _constitutive(batches) if has_stresses else (NO_ENTRIES, NO_ENTRIES)
     return Mechanism(
         deck=deck,
         numbering=numbering,
         x0=x0,
         batches=tuple(batches),
         loads=loads,
-        additional=inputs.loads(deck, numbering, batches, "DEL") if levels else None,
+        additional=inputs.loads(deck, numbering, "DEL") if levels else None,
         additional_drive=inputs.additional_drive(deck, numbering),
         drive=inputs.drive(deck, numbering, x0),
         start=inputs.start(deck, numbering, x0) if not analysis.takes_setpoints else Start(*6 * (np.zeros(0),)),
@@ -64,15 +63,15 @@ def along(mechanism: Mechanism, deck: Deck) -> Mechanism:
     n = mechanism.numbering
     x0 = reference_configuration(deck, n, complex)
     batches = element_batches(deck, element_rows(deck), n, x0, mechanism.settings.beams)
-    batches += node_batches(n, lumped_inertia.lumped(deck, n, batches))
+    node_batches(batches, n, lumped_inertia.lumped(deck, n, batches))
     additional = mechanism.additional is not None
     return replace(
         mechanism,
         deck=deck,
         x0=x0,
         batches=tuple(batches),
-        loads=inputs.loads(deck, n, batches, kind=complex),
-        additional=inputs.loads(deck, n, batches, "DEL", kind=complex) if additional else None,
+        loads=inputs.loads(deck, n, kind=complex),
+        additional=inputs.loads(deck, n, "DEL", kind=complex) if additional else None,
         additional_drive=inputs.additional_drive(deck, n, complex),
         drive=inputs.drive(deck, n, x0),
         start=inputs.start(deck, n, x0),
@@ -95,7 +94,7 @@ def _size(numbering: Numbering, x0: Array) -> float:
     if len(numbering.positions) < 2:
         return 1.0
     places = x0[numbering.positions].real
-    extent = hypot(*(places.max(0) - places.min(0)))
+    extent = hypot(*(np.maximum.reduce(places) - np.minimum.reduce(places)))
     return extent if extent > 0.0 else 1.0
 
 

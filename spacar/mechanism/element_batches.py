@@ -35,9 +35,10 @@ def element_batches(
     linear = {s.values[0] for s in block.get("LDEFORM", ())}
     angles = by_angles(deck, beams)
     first_elastic = numbering.e_class["input"].stop
-    directions = {s.values[0]: s.values[1:] for s in deck.of("ORPINBOD", "ORTUBE", block=1)}
-    projections = {s.values[0]: s.values[1:] for s in block.get("DRPINBOD", ())}
-    batches, messages = [], []
+    directions = {s.integer(0): s.real_values(1) for s in deck.of("ORPINBOD", "ORTUBE", block=1)}
+    projections = {s.integer(0): s.real_values(1) for s in block.get("DRPINBOD", ())}
+    batches: list[Batch] = []
+    messages = []
     for rows, angle in _by_measure(types, angles):
         kind, statements, numbers, nodes = rows
         n, first = len(numbers), 1 + len(kind.nodes)
@@ -55,7 +56,7 @@ def element_batches(
             keyword=kind.keyword,
             numbers=numbers,
             x0=x0[x],
-            geometry=tuple([s.values[first:] for s in statements]) if kind.geometry else ((),) * n,
+            geometry=tuple([s.real_values(first) for s in statements]) if kind.geometry else ((),) * n,
             nonlinear=~np.isin(numbers, list(linear)) if linear else np.ones(n, bool),
             directions=tuple(map(directions.get, numbers.tolist())) if directions else (None,) * n,
             projections=tuple(map(projections.get, numbers.tolist())) if projections else (None,) * n,
@@ -71,7 +72,7 @@ def element_batches(
             text = f"element {bad.values[0]}: {error}"
             messages.append(Message("error", deck.source, bad.line, kind.keyword, text, "input.geometry"))
             continue
-        batches.append(Batch(family, x, e))
+        batches.append(Batch(family, x, e, len(batches)))
     if messages:
         raise InputError(messages)
     return batches
@@ -105,12 +106,13 @@ def by_angles(deck: Deck, beams: str = "") -> set[int]:
     return {int(s.values[0]) for s in given} if not beams else set()
 
 
-def node_batches(numbering: Numbering, families: Iterable[tuple[Family, Array]]) -> list[Batch]:
-    """Batches of node inertia (given with their coordinate indices) and of the Euler parameter normalizations."""
-    batches = [Batch(family, x, np.zeros((0, family.n), np.int64)) for family, x in families]
+def node_batches(batches: list[Batch], numbering: Numbering, families: Iterable[tuple[Family, Array]]) -> None:
+    """Append the batches of node inertia (given with their coordinate indices) and of the normalizations of Euler
+    parameters."""
+    for family, x in families:
+        batches.append(Batch(family, x, np.zeros((0, family.n), np.int64), len(batches)))
     if len(numbering.normalization):
         from spacar.elements.normalization import Normalization
 
         nodes, rows = numbering.normalization.T
-        batches.append(Batch(Normalization(nodes), numbering.lnp[nodes - 1].T - 1, rows[None, :]))
-    return batches
+        batches.append(Batch(Normalization(nodes), numbering.lnp[nodes - 1].T - 1, rows[None, :], len(batches)))

@@ -111,6 +111,10 @@ class Numbering:
     def kind(self) -> dict[int, str]:
         return {number: ROLES[role] for number, role in enumerate(self.roles.tolist(), 1) if role}
 
+    def role(self, node: int) -> str:
+        """Role of a node by its number: 'position', 'orientation' or 'warping'."""
+        return ROLES[self.roles.item(node - 1)]
+
     def x_owner(self, i: int) -> tuple[int, int]:
         """(node, coordinate number) of the 0-based coordinate i."""
         return self._x_names[i]
