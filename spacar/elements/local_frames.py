@@ -98,9 +98,10 @@ def chords(d: Array, x: Array) -> tuple[Array, Array]:
 
     Raises GeometryError for an element shorter than `SHORT` times the extent of the group.
     """
-    l = np.sqrt((d * d).sum(0))
+    l = np.sqrt(np.add.reduce(d * d))
     points = x.real.reshape(2, 3, -1)
-    extent = float(np.ptp(points, axis=(0, 2)).max(initial=0.0)) if points.size else 0.0
+    sides = np.maximum.reduce(points, (0, 2), initial=-np.inf) - np.minimum.reduce(points, (0, 2), initial=np.inf)
+    extent = sides.max()
     bad = np.flatnonzero(~(l > SHORT * extent))
     if bad.size:
         k = int(bad[0])
