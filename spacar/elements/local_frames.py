@@ -25,20 +25,27 @@ def pick(ex: Array) -> Array:
     """Standard basis vectors at the largest angle with ex (3, n); of equals those with the highest index."""
     size = np.abs(ex)
     nearly = size <= size.min(0) + EQUAL
-    highest = 2 - np.argmax(nearly[::-1], axis=0)
-    return np.equal.outer(np.arange(3), highest).astype(float)
+    return _BASIS[nearly[::-1].argmax(0)].T
+
+
+_BASIS = np.eye(3)[::-1].copy()  # rows z, y, x: argmax takes the first of equals
 
 
 def unit(v: Sequence[float] | Array, index: int, what: str) -> Array:
     """v / |v| (3, n). Raises GeometryError for a zero or non-finite vector; `what` names it in the message."""
     a = np.asarray(v) * 1.0
-    size = np.abs(a).max(0)
+    size = np.maximum.reduce(np.abs(a))
     good = (size > 0.0) & (size < np.inf)
     if not good.all():
         k = index + int(np.flatnonzero(~good)[0])
         raise GeometryError(k, f"the {what} is the zero vector; give a vector with a direction")
+    return _normalized(a, size)
+
+
+def _normalized(a: Array, size: Array) -> Array:
+    """a / |a| of vectors (3, n) whose largest components have these sizes."""
     a = a / size
-    return np.asarray(a / np.sqrt((a * a).sum(0)))
+    return np.asarray(a / np.sqrt(np.add.reduce(a * a)))
 
 
 def supplemented(ex: Array, g: Array, index: int, what: str) -> Array:
@@ -47,8 +54,8 @@ def supplemented(ex: Array, g: Array, index: int, what: str) -> Array:
     Raises GeometryError where g is parallel to x' within `PARALLEL`; `what` names g.
     """
     g = unit(g, index, what)
-    ey = g - (g * ex).sum(0) * ex
-    sine = np.sqrt((ey * ey).sum(0))
+    ey = g - np.add.reduce(g * ex) * ex
+    sine = np.sqrt(np.add.reduce(ey * ey))
     parallel = np.flatnonzero(sine < PARALLEL)
     if len(parallel):
         angle = np.degrees(sine.flat[parallel[0]])
@@ -80,6 +87,8 @@ def chord_frame(ex: Array, direction: Sequence[float] | Array | None, index: int
 
 def chord_frames(ex: Array, directions: Sequence[Sequence[float] | None]) -> Array:
     """`chord_frame` for x' (3, n) of elements some of which have a direction."""
+    if not any(directions):
+        return chord_frame(ex, None, 0)
     g = np.array([d or (0.0, 0.0, 0.0) for d in directions]).T
     missing = [k for k, d in enumerate(directions) if not d]
     if missing:
@@ -90,7 +99,8 @@ def chord_frames(ex: Array, directions: Sequence[Sequence[float] | None]) -> Arr
 def axis_frame(axis: Sequence[float] | Array, index: int, what: str) -> Array:
     """Frames (3, 3, n) of HINGEs or SCREWs: x' along the axes (3, n), y' along x' x pick(x')."""
     ex = unit(axis, index, what)
-    return completed(ex, unit(cross(ex, pick(ex)), index, what))
+    ey = cross(ex, pick(ex))
+    return completed(ex, _normalized(ey, np.maximum.reduce(np.abs(ey))))
 
 
 def chords(d: Array, x: Array) -> tuple[Array, Array]:

@@ -10,11 +10,13 @@ Warping coordinates are dynamic without a statement, the deformations that belon
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spacar.deck import Deck, coordinates_of
+from spacar.deck.table_types import ElementType
 from spacar.mechanism.element_rows import ElementRows
 
 X_ORDER = ("fixed", "calculable", "input", "dynamic", "kinematic")
@@ -24,7 +26,6 @@ E_STATEMENTS = {"RLSE": "calculable", "INPUTE": "input", "DYNE": "dynamic", "KIN
 ABSENT = 255
 ROLES = ("", "position", "orientation", "warping")  # of nodes; their places are the codes of `node_roles`
 
-_ROLE = {role: k for k, role in enumerate(ROLES)}
 _X_CODE = {keyword: X_ORDER.index(name) for keyword, name in X_STATEMENTS.items()}
 _E_CODE = {keyword: E_ORDER.index(name) for keyword, name in E_STATEMENTS.items()}
 
@@ -48,8 +49,13 @@ def node_roles(types: Sequence[ElementRows]) -> NDArray[np.uint8]:
     """(highest node number,) the role of every node, as a place in ROLES."""
     roles = np.zeros(max([int(rows.nodes.max()) for rows in types]), np.uint8)
     for rows in types:
-        roles[rows.nodes - 1] = [_ROLE[role] for role in rows.kind.nodes]
+        roles[rows.nodes - 1] = _roles_of(rows.kind)
     return roles
+
+
+@cache
+def _roles_of(kind: ElementType) -> NDArray[np.uint8]:
+    return np.array([ROLES.index(role) for role in kind.nodes], np.uint8)
 
 
 def x_codes(deck: Deck, roles: NDArray[np.uint8], planar: bool) -> bytearray:
