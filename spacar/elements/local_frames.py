@@ -24,7 +24,7 @@ EQUAL = 1e-12  # components within this count as equal in `pick`
 def pick(ex: Array) -> Array:
     """Standard basis vectors at the largest angle with ex (3, n); of equals those with the highest index."""
     size = np.abs(ex)
-    nearly = size <= size.min(0) + EQUAL
+    nearly = size <= np.minimum.reduce(size) + EQUAL
     return _BASIS[nearly[::-1].argmax(0)].T
 
 
@@ -75,8 +75,10 @@ def completed(ex: Array, ey: Array) -> Array:
 
 def cross(a: Array, b: Array) -> Array:
     """a x b of vectors (3, n): np.cross takes ten times as long, and models are built often."""
-    (a0, a1, a2), (b0, b1, b2) = a, b
-    return np.array([a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0])
+    return a.take(_NEXT, 0) * b.take(_LAST, 0) - a.take(_LAST, 0) * b.take(_NEXT, 0)
+
+
+_NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
 
 
 def chord_frame(ex: Array, direction: Sequence[float] | Array | None, index: int) -> Array:

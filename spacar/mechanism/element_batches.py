@@ -81,10 +81,11 @@ def element_batches(
 def _by_measure(types: Iterable[ElementRows], angles: set[int]) -> Iterator[tuple[ElementRows, bool]]:
     """Elements of one type and measure; `angles`: numbers of those in the angle measure."""
     for rows in types:
-        inside = np.isin(rows.numbers, list(angles)) if angles else np.zeros(1, bool)
-        if inside.all() or not inside.any():
-            yield rows, bool(inside[0])
+        numbers = rows.numbers.tolist()
+        if angles.isdisjoint(numbers) or angles.issuperset(numbers):
+            yield rows, numbers[0] in angles
             continue
+        inside = np.isin(rows.numbers, list(angles))
         for angle in (False, True):
             here = np.flatnonzero(inside == angle)
             statements = [rows.statements[k] for k in here.tolist()]
