@@ -31,7 +31,7 @@ def build(deck: Deck, mode: int = 1, **options: Any) -> Mechanism:
     # along set-points all degrees of freedom follow them; the file may call them dynamic (files.md section 3)
     numbering = number(deck, types, prescribed=analysis.takes_setpoints)
     x0 = reference_configuration(deck, numbering)
-    batches = element_batches(deck, types, numbering, x0, options.get("beams") or "")
+    batches = element_batches(deck, numbering, x0, options.get("beams") or "")
     node_batches(batches, numbering, lumped_inertia.lumped(deck, numbering, batches))
     loads = inputs.loads(deck, numbering)
     levels = analysis.stationary or analysis.takes_setpoints  # load steps: they are computed, or linearized about
@@ -62,7 +62,7 @@ def along(mechanism: Mechanism, deck: Deck) -> Mechanism:
     `damping` stay the real ones."""
     n = mechanism.numbering
     x0 = reference_configuration(deck, n, complex)
-    batches = element_batches(deck, element_rows(deck), n, x0, mechanism.settings.beams)
+    batches = element_batches(deck, replace(n, types=tuple(element_rows(deck))), x0, mechanism.settings.beams)
     node_batches(batches, n, lumped_inertia.lumped(deck, n, batches))
     additional = mechanism.additional is not None
     return replace(

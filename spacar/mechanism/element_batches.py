@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.deck import ELEMENT_TYPES, Deck
+from spacar.deck import ELEMENT_TYPES, Deck, Statement
 from spacar.deck.table_types import ElementType, coordinates_used
 from spacar.elements import ElementGroup, Family, GeometryError, family_of
 from spacar.errors import InputError, Message
@@ -20,13 +21,40 @@ PARAMETERS = {"EM": 9, "ESTIFF": 7, "EDAMP": 7}
 SHAPE_FACTOR = 3  # column of EM with the flow shape factor of tubes, 1 unless given
 
 
-def element_batches(
-    deck: Deck, types: Sequence[ElementRows], numbering: Numbering, x0: Array, beams: str = ""
-) -> list[Batch]:
-    """One batch per element type and measure; `beams` is the measure of all beams and tubes, instead of ADEFORM.
+@dataclass(frozen=True)
+class Group:
+    """Elements of one keyword and measure with their places, (n_coordinates, n) and (n_deformations, n)."""
+
+    family: type[Family]
+    elements: ElementGroup
+    x: Index
+    e: Index
+    statements: Sequence[Statement]
+
+
+def element_batches(deck: Deck, numbering: Numbering, x0: Array, beams: str = "") -> list[Batch]:
+    """One batch per element keyword and measure; `beams` is the measure of all beams and tubes, instead of ADEFORM.
 
     Raises InputError with the line of the element whose geometry is impossible.
     """
+    batches: list[Batch] = []
+    messages = []
+    for group in element_groups(deck, numbering, x0, beams):
+        try:
+            family = group.family(group.elements)  # type: ignore[call-arg]
+        except GeometryError as error:
+            bad = group.statements[error.index]
+            text = f"element {bad.values[0]}: {error}"
+            messages.append(Message("error", deck.source, bad.line, bad.keyword, text, "input.geometry"))
+            continue
+        batches.append(Batch(family, group.x, group.e, len(batches)))
+    if messages:
+        raise InputError(messages)
+    return batches
+
+
+def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "") -> Iterator[Group]:
+    """What the constructors of the families get, in the order of `element_batches`."""
     block, dtype, highest = deck.block(1), x0.dtype, len(numbering.le)
     parameters = [
         parameter_table(deck, name, highest, width, dtype) if name in deck.block(2) else None
@@ -37,9 +65,7 @@ def element_batches(
     first_elastic = numbering.e_class["input"].stop
     directions = {s.integer(0): s.real_values(1) for s in deck.of("ORPINBOD", "ORTUBE", block=1)}
     projections = {s.integer(0): s.real_values(1) for s in block.get("DRPINBOD", ())}
-    batches: list[Batch] = []
-    messages = []
-    for rows, angle in _by_measure(types, angles):
+    for rows, angle in _by_measure(numbering.types, angles):
         kind, statements, numbers, nodes = rows
         n, first = len(numbers), 1 + len(kind.nodes)
         places, coordinates = node_coordinates(kind)
@@ -65,17 +91,7 @@ def element_batches(
             edamp=edamp,
             elastic=e >= first_elastic,
         )
-        try:
-            family = family_of(kind.angle_family if angle else kind.family)(group)  # type: ignore[call-arg]
-        except GeometryError as error:
-            bad = statements[error.index]
-            text = f"element {bad.values[0]}: {error}"
-            messages.append(Message("error", deck.source, bad.line, kind.keyword, text, "input.geometry"))
-            continue
-        batches.append(Batch(family, x, e, len(batches)))
-    if messages:
-        raise InputError(messages)
-    return batches
+        yield Group(family_of(kind.angle_family if angle else kind.family), group, x, e, statements)
 
 
 def _by_measure(types: Iterable[ElementRows], angles: set[int]) -> Iterator[tuple[ElementRows, bool]]:
