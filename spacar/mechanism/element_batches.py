@@ -22,7 +22,7 @@ SHAPE_FACTOR = 3  # column of EM with the flow shape factor of tubes, 1 unless g
 
 
 @dataclass(frozen=True)
-class Group:
+class PlacedGroup:
     """Elements of one keyword and measure with their places, (n_coordinates, n) and (n_deformations, n)."""
 
     family: type[Family]
@@ -53,7 +53,7 @@ def element_batches(deck: Deck, numbering: Numbering, x0: Array, beams: str = ""
     return batches
 
 
-def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "") -> Iterator[Group]:
+def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "") -> Iterator[PlacedGroup]:
     """What the constructors of the families get, in the order of `element_batches`."""
     block, dtype, highest = deck.block(1), x0.dtype, len(numbering.le)
     parameters = [
@@ -91,7 +91,7 @@ def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "")
             edamp=edamp,
             elastic=e >= first_elastic,
         )
-        yield Group(family_of(kind.angle_family if angle else kind.family), group, x, e, statements)
+        yield PlacedGroup(family_of(kind.angle_family if angle else kind.family), group, x, e, statements)
 
 
 def _by_measure(types: Iterable[ElementRows], angles: set[int]) -> Iterator[tuple[ElementRows, bool]]:
