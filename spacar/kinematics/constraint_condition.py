@@ -2,10 +2,11 @@
 
 s_1/s_n by a singular value decomposition. From 60 unknowns on s_1^2 and s_n^2 are the ends of the spectrum of D^T D
 first, by bisection of its tridiagonal form, in less than half of the time: that leaves eps (s_1/s_n)^2 in s_n^2, and
-where this is more than 1e-6 the decomposition is made after all. For more than 150 unknowns, where both cost more than a
-factorization many times over, s_1 and 1/s_n are the largest singular values of D and of D^-1 by Golub-Kahan bidiagonalization (G. Golub,
-W. Kahan, SIAM J. Numer. Anal. 2 (1965) 205-224) with the factorization that is there anyway: linear cost, and values
-that are too small by two thousandths at most where it was tried. Rows and columns are scaled to be dimensionless.
+where this is more than 1e-6 the decomposition is made after all. For more than 150 unknowns, where both cost more than
+a factorization many times over, s_1 and 1/s_n are the largest singular values of D and of D^-1 by Golub-Kahan
+bidiagonalization (G. Golub, W. Kahan, SIAM J. Numer. Anal. 2 (1965) 205-224) with the factorization that is there
+anyway: linear cost, and values that are too small by two thousandths at most where it was tried. Rows and columns are
+scaled to be dimensionless.
 """
 
 from __future__ import annotations

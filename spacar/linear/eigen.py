@@ -27,6 +27,7 @@ Complex = NDArray[np.complex128]
 SYMMETRIC = 1e-9  # relative asymmetry below which a matrix counts as symmetric (rounding of assembled sums)
 POLISHED = 1e-2  # modes with omega^2 below this fraction of the largest are improved; the others have n eps/POLISHED
 FEW = 4  # one mode in so many, or fewer: those are computed alone
+BESIDE = 4  # modes more than are wanted, which take the rest of themselves out of the vectors of the others
 FEW_FROM = 30  # degrees of freedom; SciPy is loaded by the solution before these modes
 ROUNDING = 1e-12  # omega^2 below this fraction of the largest may be rigid motions
 
@@ -207,8 +208,8 @@ def undamped_modes(K: Array, M: Array, report: Report, wanted: int | None = None
 
 
 def symmetric_pencil(K: Array, M: Array, wanted: int | None = None) -> tuple[Array, Array]:
-    """omega^2 (n,) ascending and vectors (n, n) of K phi = omega^2 M phi, M positive definite; of few `wanted` the
-    lowest only, if none of them is negative."""
+    """omega^2 (n,) ascending and vectors (n, n) of K phi = omega^2 M phi, M positive definite; of few `wanted` these
+    and some more, if none of them is negative."""
     diagonal = np.diag(M)
     if np.any(diagonal <= 0.0):
         raise AnalysisError(
@@ -226,17 +227,18 @@ def symmetric_pencil(K: Array, M: Array, wanted: int | None = None) -> tuple[Arr
 
 
 def _pencil(K: Array, M: Array, wanted: int | None = None) -> tuple[Array, Array]:
-    """omega^2 ascending and vectors, M of unit diagonal. Larger ones, for which SciPy is loaded anyway, take one routine
-    of LAPACK, in half of the time, and the few lowest (by bisection and inverse iteration of the tridiagonal form) in a
-    third of that. Raises LinAlgError when M is not positive definite."""
+    """omega^2 ascending and vectors, M of unit diagonal. Larger ones, for which SciPy is loaded anyway, take one
+    routine of LAPACK, in half of the time, and the few lowest (by bisection and inverse iteration of the tridiagonal
+    form) in a third of that. Raises LinAlgError when M is not positive definite."""
     n = len(K)
     if n > FEW_FROM and wanted is not None and wanted * FEW <= n:
         from scipy.linalg.lapack import dsygvx
 
-        squares, vectors, found, _, failed = dsygvx(K, M, range="I", il=1, iu=wanted)
-        # a negative one is no proof that those of lowest modulus are among them
-        if not failed and found == wanted and squares[0] >= 0.0:
-            return squares[:wanted], vectors
+        last = wanted + BESIDE
+        squares, vectors, found, _, failed = dsygvx(K, M, range="I", il=1, iu=last)
+        # with a negative one those of lowest modulus may not be among them
+        if not failed and found == last and squares[0] >= 0.0:
+            return squares[:last], vectors
     if n > DENSE_LIMIT:
         from scipy.linalg.lapack import dsygvd
 

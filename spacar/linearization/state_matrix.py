@@ -23,8 +23,12 @@ def chosen_rows(L: Linearization, dynamics: Dynamics, everything: bool = False) 
 
 
 def selected(A: Array, rows: Index, columns: Index) -> Array:
-    """A at these rows and columns, ascending; A itself when it has no others."""
-    return A if A.shape == (len(rows), len(columns)) else A[rows[:, None], columns]
+    """A at these rows and columns; A itself where these are all of them in order."""
+    return A if _is_all(rows, len(A)) and _is_all(columns, A.shape[1]) else A[rows[:, None], columns]
+
+
+def _is_all(places: Index, n: int) -> bool:
+    return len(places) == n and np.array_equal(places, np.arange(n))
 
 
 MASSLESS = "singular mass matrix: a degree of freedom carries no mass; add XM or EM"
@@ -37,7 +41,7 @@ def require_mass(L: Linearization, q: Index) -> None:
     Masses that overflow are not told here.
     """
     diagonal, size = L.m0.diagonal()[q], abs(L.M)
-    W = L.W if len(q) == L.W.shape[1] else L.W[:, q]
+    W = L.W if _is_all(q, L.W.shape[1]) else L.W[:, q]
     rounding = np.finfo(float).eps * len(W)
     with np.errstate(over="ignore", invalid="ignore"):
         # 2 |w_i w_j| <= w_i^2 + w_j^2: a bound that costs little and tells what is known of ordinary masses
