@@ -25,7 +25,7 @@ from spacar.errors import SpacarError
 from spacar.mechanism import Mechanism, build
 from spacar.studies.assignments import Setting, change, changed_statements
 from spacar.studies.ensemble import why_not
-from spacar.studies.side_by_side import Cases, alike
+from spacar.studies.side_by_side import Cases, alike, start_of
 
 if TYPE_CHECKING:
     from spacar.compiled.numbers import Numbers
@@ -91,5 +91,4 @@ def _numbers(deck: Deck, **options: Any) -> tuple[Mechanism, Numbers, Array]:
     from spacar.compiled.numbers import of_one
 
     mechanism = build(deck, 1, **options)
-    start = mechanism.start
-    return mechanism, of_one(LoadedMechanism.of(mechanism)), start.state(start.e_kinematic)
+    return mechanism, of_one(LoadedMechanism.of(mechanism)), start_of(mechanism)
