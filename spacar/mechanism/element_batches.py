@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any
 
 import numpy as np
 
-from spacar.arrays import Array
+from spacar.arrays import Array, Index
 from spacar.deck import ELEMENT_TYPES, Deck
-from spacar.deck.statement import number
+from spacar.deck.statement import Statement, number
 from spacar.deck.table_types import coordinates_used
 from spacar.elements import ElementGroup, Family, GeometryError, family_of
 from spacar.errors import InputError, Message
@@ -23,11 +24,39 @@ ELEMENT_NUMBER = attrgetter("values")  # its first value, which no other element
 SHAPE_FACTOR = 3  # column of EM with the flow shape factor of tubes, 1 unless given
 
 
+@dataclass(frozen=True)
+class Group:
+    """Elements of one keyword and measure with their places, (n_coordinates, n) and (n_deformations, n)."""
+
+    family: type[Family]
+    elements: ElementGroup
+    x: Index
+    e: Index
+    statements: Sequence[Statement]
+
+
 def element_batches(deck: Deck, numbering: Numbering, x0: Array, beams: str = "") -> list[Batch]:
     """One batch per element keyword and measure; `beams` is the measure of all beams and tubes, instead of ADEFORM.
 
     Raises InputError with the line of the element whose geometry is impossible.
     """
+    batches, messages = [], []
+    for group in element_groups(deck, numbering, x0, beams):
+        try:
+            family = group.family(group.elements)  # type: ignore[call-arg]
+        except GeometryError as error:
+            bad = group.statements[error.index]
+            text = f"element {bad.values[0]}: {error}"
+            messages.append(Message("error", deck.source, bad.line, bad.keyword, text, "input.geometry"))
+            continue
+        batches.append(Batch(family, group.x, group.e))
+    if messages:
+        raise InputError(messages)
+    return batches
+
+
+def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "") -> Iterator[Group]:
+    """What the constructors of the families get, in the order of `element_batches`."""
     tables = {name: _table(deck, name, width) for name, width in PARAMETERS.items()}
     linear = {int(s.values[0]) for s in deck.of("LDEFORM", block=1)}
     angles = by_angles(deck, beams)
@@ -35,7 +64,6 @@ def element_batches(deck: Deck, numbering: Numbering, x0: Array, beams: str = ""
     directions = {int(s.values[0]): _reals(s.values[1:]) for s in deck.of("ORPINBOD", "ORTUBE", block=1)}
     projections = {int(s.values[0]): _reals(s.values[1:]) for s in deck.of("DRPINBOD", block=1)}
     present = set(numbering.keyword.values())
-    batches, messages = [], []
     measures = (False, True) if angles else (False,)
     for keyword, angle in itertools.product((k for k in ELEMENT_TYPES if k in present), measures):
         kind = ELEMENT_TYPES[keyword]
@@ -67,17 +95,7 @@ def element_batches(deck: Deck, numbering: Numbering, x0: Array, beams: str = ""
             edamp=_rows(tables["EDAMP"], names, PARAMETERS["EDAMP"], x0.dtype),
             elastic=e >= first_elastic,
         )
-        try:
-            family = family_of(kind.angle_family if angle else kind.family)(group)  # type: ignore[call-arg]
-        except GeometryError as error:
-            bad = statements[error.index]
-            text = f"element {bad.values[0]}: {error}"
-            messages.append(Message("error", deck.source, bad.line, keyword, text, "input.geometry"))
-            continue
-        batches.append(Batch(family, x, e))
-    if messages:
-        raise InputError(messages)
-    return batches
+        yield Group(family_of(kind.angle_family if angle else kind.family), group, x, e, statements)
 
 
 def by_angles(deck: Deck, beams: str = "") -> set[int]:

@@ -99,7 +99,9 @@ def _run_together(study: Study, chunk: Chunk) -> tuple[list[Values], list[Values
     """The cases that were run together, those that have to run singly, and the results of the former."""
     cases = affine_cases(study.deck, study.settings, chunk.cases, **study.options)
     if cases is not None:
-        return list(chunk.cases), [], followed(cases, threads=chunk.threads, **study.options)
+        chosen = [chunk.cases[k] for k in cases.chosen]
+        left = [values for k, values in enumerate(chunk.cases) if k not in set(cases.chosen)]
+        return chosen, left, followed(cases, threads=chunk.threads, **study.options)
     together: list[tuple[Values, Deck]] = []
     others: list[Values] = []
     for values in chunk.cases:

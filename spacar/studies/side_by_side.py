@@ -30,12 +30,14 @@ class Cases:
 
     numbers  of all cases;  start  their states (cases, components): degrees of freedom, their rates
     deck     of a case, made when it is asked for
+    chosen   places of the cases among those that were asked for; empty: all of these
     """
 
     single: Mechanism
     numbers: Numbers
     start: Array
     deck: Callable[[int], Deck]
+    chosen: Sequence[int] = ()
 
 
 def side_by_side(decks: Sequence[Deck], **options: Any) -> Cases:
