@@ -102,8 +102,9 @@ class InLanes:
             raise _failed(0.0)
         if (np.abs(state.x - there) / self._scale).max() > FARTHEST_GUESS:
             raise _failed(0.0)
-        self.rhs(0.0, self.y0)
-        self.shown.resume(float(state.c.t), *state.of_x[:3], state.e)
+        if not np.array_equal(y, self.y0):
+            self.rhs(0.0, self.y0)
+        self.shown.resume(float(state.c.t), state.x, state.xd, state.xdd, state.e)
         M = self.solver.reduced_mass()
         if M is None:
             return False

@@ -37,7 +37,7 @@ def same(a: Numbers, b: Numbers) -> bool:
 
 
 def _same_entries(a: Entries, b: Entries) -> bool:
-    size = max((int(of[1].max(initial=0)) for of in (a, b))) + 1
+    size = max(int(of[1].max(initial=0)) for of in (a, b)) + 1
     keys = np.unique(np.concatenate([of[0] * size + of[1] for of in (a, b)]))
     one, other = np.zeros((2, len(keys)))
     for values, of in ((one, a), (other, b)):

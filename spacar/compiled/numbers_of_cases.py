@@ -1,9 +1,10 @@
 """Numbers of cases whose lengths differ: the elements of all cases at once, everything else as combinations.
 
 What a statement gives enters the arrays that the constructors of the element families take (reference coordinates, EM,
-ESTIFF, EDAMP), the loads, the motions and the start values, and all of these are linear in it. So they are combined, case
-by case, from those of a few decks (`combined_numbers`), and one family of the elements of all cases makes of them what is
-not linear in lengths: parameters, stiffnesses, masses. A case is as exact as alone: its elements see the same numbers.
+ESTIFF, EDAMP), the loads, the motions and the start values, and all of these are linear in it. So they are combined,
+case by case, from those of a few decks (`combined_numbers`), and one family of the elements of all cases makes of them
+what is not linear in lengths: parameters, stiffnesses, masses. A case is as exact as alone: its elements see the same
+numbers.
 """
 
 from __future__ import annotations
@@ -25,7 +26,6 @@ from spacar.mechanism.layout import Batch
 from spacar.mechanism.lumped_inertia import lumped
 from spacar.mechanism.mechanism import Mechanism
 
-TABLES = "em", "estiff", "edamp"
 NO_ENTRIES = np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 1))
 
 
@@ -108,17 +108,19 @@ def _family(corners: Sequence[Corner], k: int, x0: Array, weights: Array) -> Fam
     """The elements of group k of all cases, case after case. Raises ImpossibleCase."""
     group, cases = corners[0].groups[k], weights.shape[1]
     elements = group.elements
-    tables = {}
-    for name in TABLES:
+
+    def rows(name: str) -> Array:
         table = affine([getattr(c.groups[k].elements, name)[..., None] for c in corners], weights)
-        tables[name] = table.transpose(2, 0, 1).reshape(-1, table.shape[1])
+        return table.transpose(2, 0, 1).reshape(-1, table.shape[1])
+
     x = x0[group.x]
     together = replace(
         elements,
         numbers=np.tile(elements.numbers, cases), x0=x.transpose(0, 2, 1).reshape(len(x), -1),
         geometry=elements.geometry * cases, nonlinear=np.tile(elements.nonlinear, cases),
         directions=elements.directions * cases, projections=elements.projections * cases,
-        elastic=None if elements.elastic is None else np.tile(elements.elastic, (1, cases)), **tables,
+        elastic=None if elements.elastic is None else np.tile(elements.elastic, (1, cases)),
+        em=rows("em"), estiff=rows("estiff"), edamp=rows("edamp"),
     )  # fmt: skip
     try:
         return group.family(together)  # type: ignore[call-arg]
@@ -167,7 +169,8 @@ def _bodies(body: Batch, made: Sequence[Batch], m: Mechanism, nodes: Index, tens
         for row, of_elements in batch.family.orientation_inertia():
             owners = [m.numbering.x_owner(int(i))[0] for i in batch.x[row]]
             each = of_elements.reshape(cases, -1, 3, 3)
-            np.add.at(J, (slice(None), np.searchsorted(own, owners)), each)
+            for k, place in enumerate(np.searchsorted(own, owners)):
+                J[:, place] += each[:, k]
     return RigidBodyNode(np.tile(own, cases), J.reshape(-1, 3, 3))
 
 

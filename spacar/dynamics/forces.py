@@ -35,7 +35,8 @@ class StressLaw:
         first = n.e_class["input"].stop if first is None else first
         preload = loads.preload.copy()
         preload[:first] = 0.0
-        return cls(first, n.ne, active_entries(mechanism.stiffness, first), active_entries(mechanism.damping, first), preload)
+        stiffness, damping = (active_entries(entries, first) for entries in (mechanism.stiffness, mechanism.damping))
+        return cls(first, n.ne, stiffness, damping, preload)
 
     @cached_property
     def passive(self) -> bool:

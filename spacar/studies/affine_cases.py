@@ -5,18 +5,18 @@ The equations of motion are linear in masses, stiffnesses, dampings, loads, pres
 
     N(p) = N(a) + sum_i (p_i - a_i)/(b_i - a_i) (N(a + (b_i - a_i) e_i) - N(a))        a, b: two values of each
 
-to rounding, and no deck of its own has to be made. Where positions of nodes change (X), or where that is not linear, such
-as the shear of a beam or a fluid in a tube, this holds of what the elements are made from, and all elements of all cases
-are made together (`spacar.compiled.numbers_of_cases`). What is not even so is found by comparison with two cases.
+to rounding, and no deck of its own has to be made. Where positions of nodes change (X), or where that is not linear,
+such as the shear of a beam or a fluid in a tube, this holds of what the elements are made from, and all elements of all
+cases are made together (`spacar.compiled.numbers_of_cases`). What is not even so is found by comparison with two cases.
 
-Whether a deck may have the values is asked of all decks with the least and the largest ones: what a check allows of such a
-number is an interval. Lengths are checked in every case (`checked_lengths`); one that does not pass is left out.
+Whether a deck may have the values is asked of all decks with the least and the largest ones: what a check allows of
+such a number is an interval. Lengths are checked in every case (`checked_lengths`); one that does not pass is left out.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from functools import partial
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -87,6 +87,9 @@ class _Table:
     def _weights(self, where: Array) -> Array:
         return np.asarray(((where - self.base)[:, self.varied] / (self.far - self.base)[self.varied]).T)
 
+    def _deck(self, chosen: Array, k: int) -> Deck:
+        return self._changed(self.table[chosen[k]])
+
     def _changed(self, where: Array) -> Deck:
         return change(self.deck, self.settings, where.tolist())
 
@@ -104,8 +107,7 @@ class _Table:
             found = self._combined(way, mechanisms, starts, kept)
             if found is not None:
                 numbers, start, own = found
-                values = self.table[own]
-                return Cases(mechanisms[0], numbers, start, lambda k: self._changed(values[k]), own.tolist())
+                return Cases(mechanisms[0], numbers, start, partial(self._deck, own), own.tolist())
         return None
 
     def _kept(self, mechanisms: Sequence[Mechanism]) -> Array:

@@ -1,7 +1,7 @@
-"""The checks of a deck that depend on lengths (`spacar.deck.checks_geometry`), for all cases of a study at once.
+"""The checks of a deck that depend on lengths (`spacar.deck.checks_geometry`), of all cases of a study at once.
 
-The bounds are a little narrower, MARGIN for rounding: a case beyond them gets a deck of its own, whose checks decide and
-say what is wrong.
+The bounds are a little narrower, MARGIN for rounding: a case beyond them gets a deck of its own, whose checks decide
+and say what is wrong.
 """
 
 from __future__ import annotations
@@ -20,7 +20,8 @@ MARGIN = 1e-9
 def placed_well(mechanism: Mechanism, deck: Deck, x0: Array) -> NDArray[np.bool_]:
     """Cases whose elements have lengths and directions that a deck may have; x0: (nx, cases)."""
     n = mechanism.numbering
-    well = np.isfinite(x0).all(axis=0)
+    well: NDArray[np.bool_] = np.ones(x0.shape[1], bool)
+    well &= np.isfinite(x0).all(axis=0)
     places = x0[n.positions]  # (nodes, components, cases)
     if not len(places):
         return well

@@ -46,7 +46,8 @@ def side_by_side(decks: Sequence[Deck], **options: Any) -> Cases:
 
     single, together = build(decks[0], 1, **options), build(copies(decks), 1, **options)
     x_of, e_of = _places(single, together, len(decks), _stride(decks[0]))
-    return Cases(single, of_copies(single, together, x_of, e_of), _start(single, together, x_of, e_of), decks.__getitem__)
+    numbers, start = of_copies(single, together, x_of, e_of), _start(single, together, x_of, e_of)
+    return Cases(single, numbers, start, decks.__getitem__)
 
 
 def alike(a: Deck, *others: Deck) -> bool:

@@ -16,7 +16,7 @@ PLANAR_LAW = [("EM", 1, 0.3, 0.01), ("ESTIFF", 1, 50.0, 5.0), ("EDAMP", 1, 0.1, 
 WARPED = [("BEAMW", 1, 1, 2, 5, 3, 4, 6, 0.0, 1.0, 0.2, 0.01), ("X", 3, 1.0, 0.1, 0.2), ("DYNE", 1), *FIXED, ("FIX", 5)]
 WARPED_LAW = [
     ("ESTIFF", 1, 1e2, 20.0, 30.0, 40.0, 0.01, 0.02, 5.0), ("EM", 1, 1.0, 0.02, 0.01, 0.01, 0.0, 0.03),
-    ("XM", 6, 0.1), ("XM", 3, 0.5),
+    ("XM", 6, 0.1), ("XM", 3, 0.5), ("GRAVITY", 0.0, 1.0, -9.81),
 ]  # fmt: skip
 ROLLING = [("X", 1, 0.0, 0.0, 0.5), ("X", 3, 0.0, 0.0, 0.0), ("DYNX", 1, 2), ("DYNX", 2, 2, 3, 4), ("KINX", 1, 1)]
 WHEEL_LAW = [("XM", 1, 2.0), ("XM", 2, 0.1, 0.0, 0.0, 0.2, 0.0, 0.1), ("GRAVITY", 0.5, 0.2, -9.81)]
@@ -24,13 +24,13 @@ TUBE_LAW = [("ESTIFF", 1, 60.0, 5.0, 4.0, 3.0), ("EM", 1, *PIPE, 1, 0.02, 0.01, 
 ORTUBE = ("ORTUBE", 1, 0.9, 0.1, 0.3, 0.8, 0.2, -0.3, 0.1, 1.0, 0.2)
 CART = [
     ("PLRBEAM", 1, 1, 2, 3), ("PLWHEEL", 2, 3, 2, 4, 0.3, 0.0, 1.0), ("X", 3, 0.4, 0.1), ("DYNX", 4), ("DYNX", 2, 1),
-    ("KINX", 1, 1, 2), ("RLSE", 2, 2),
+    ("KINX", 1, 1, 2),
 ]  # fmt: skip
-CART_LAW = [("XM", 1, 2.0), ("XM", 2, 0.3), ("XM", 4, 0.1), ("EDAMP", 2, 0.0, 0.4), ("STARTDX", 4, 1, 0.0, 3.0)]
+CART_LAW = [("XM", 1, 2.0), ("XM", 2, 0.3), ("XM", 4, 0.1), ("STARTDX", 4, 1, 0.0, 3.0)]
 
 MODELS: dict[str, tuple[list[tuple], list[tuple]]] = {
     "PLBEAM": (PLBEAM, [*PLANAR_LAW, ("XM", 4, 0.1)]),
-    "PLBEAM shear": (PLBEAM, [("EM", 1, 0.3, 0.01), ("ESTIFF", 1, 50.0, 5.0, 0.3), ("XM", 4, 0.1)]),
+    "PLBEAM shear": (PLBEAM, [("EM", 1, 0.3, 0.01), ("ESTIFF", 1, 50.0, 5.0, 0.3), *PLANAR_LAW[3:], ("XM", 4, 0.1)]),
     "PLBEAM angle": ([*PLBEAM, ("ADEFORM",)], [*PLANAR_LAW, ("XM", 4, 0.1)]),
     "PLTUBE": (
         [("PLTUBE", 1, 1, 2, 3, 4, 0.2, -0.1), *PLBEAM[1:]],
@@ -41,8 +41,16 @@ MODELS: dict[str, tuple[list[tuple], list[tuple]]] = {
         [("ESTIFF", 1, 60.0, 5.0), ("EM", 1, *PIPE, 1, 0.02), ("XM", 4, 0.1)],
     ),
     "PLTRUSS": (
-        [("PLTRUSS", 1, 1, 3), ("PLTRUSS", 2, 2, 3), ("X", 2, 0.0, 1.0), ("X", 3, 0.8, 0.3), ("FIX", 1), ("FIX", 2)]
-        + [("DYNE", 1, 1), ("DYNE", 2, 1)],
+        [
+            ("PLTRUSS", 1, 1, 3),
+            ("PLTRUSS", 2, 2, 3),
+            ("X", 2, 0.0, 1.0),
+            ("X", 3, 0.8, 0.3),
+            ("FIX", 1),
+            ("FIX", 2),
+            ("DYNE", 1, 1),
+            ("DYNE", 2, 1),
+        ],
         [("EM", 1, 0.3), ("EM", 2, 0.2), ("ESTIFF", 1, 70.0), ("ESTIFF", 2, 40.0), ("EDAMP", 1, 0.3), ("XM", 3, 0.5)],
     ),
     "PLTOR PLPINBOD": (
@@ -51,8 +59,14 @@ MODELS: dict[str, tuple[list[tuple], list[tuple]]] = {
     ),
     "PLRBEAM PLWHEEL": (CART, CART_LAW),
     "PLBELT": (
-        [("PLBELT", 1, 1, 2, 3, 4, 0.3, -0.1), ("PLRBEAM", 2, 1, 5, 3), ("X", 3, 0.5, 0.1), *FIXED, ("DYNX", 5, 1)]
-        + [("DYNE", 1, 1)],
+        [
+            ("PLBELT", 1, 1, 2, 3, 4, 0.3, -0.1),
+            ("PLRBEAM", 2, 1, 5, 3),
+            ("X", 3, 0.5, 0.1),
+            *FIXED,
+            ("DYNX", 5, 1),
+            ("DYNE", 1, 1),
+        ],
         [("XM", 3, 1.0), ("XM", 4, 0.1), ("ESTIFF", 1, 30.0), ("EM", 1, 0.2, 0.5, 0.4), ("STARTDX", 5, 1, 0.0, 1.0)],
     ),
     "BEAM": ([BEAM, *SPATIAL], SPATIAL_LAW),
@@ -64,39 +78,71 @@ MODELS: dict[str, tuple[list[tuple], list[tuple]]] = {
     "BEAMW": (WARPED, WARPED_LAW),
     "BEAMW angle": ([*WARPED, ("ADEFORM",)], WARPED_LAW),
     "TRUSS": (
-        [("TRUSS", 1, 1, 3), ("TRUSS", 2, 2, 3), ("TRUSS", 4, 5, 3), ("X", 2, 0.0, 1.0, 0.0), ("X", 5, 0.0, 0.0, 1.0)]
-        + [("X", 3, 0.8, 0.3, 0.2), ("FIX", 1), ("FIX", 2), ("FIX", 5), ("DYNE", 1, 1), ("DYNE", 2, 1), ("DYNE", 4, 1)],
+        [
+            ("TRUSS", 1, 1, 3),
+            ("TRUSS", 2, 2, 3),
+            ("TRUSS", 4, 5, 3),
+            ("X", 2, 0.0, 1.0, 0.0),
+            ("X", 5, 0.0, 0.0, 1.0),
+            ("X", 3, 0.8, 0.3, 0.2),
+            ("FIX", 1),
+            ("FIX", 2),
+            ("FIX", 5),
+            ("DYNE", 1, 1),
+            ("DYNE", 2, 1),
+            ("DYNE", 4, 1),
+        ],
         [("EM", 1, 0.3), ("ESTIFF", 1, 70.0), ("ESTIFF", 2, 40.0), ("ESTIFF", 4, 50.0), ("XM", 3, 0.5)],
     ),
     "HINGE RBEAM": (
-        [("HINGE", 1, 1, 2, 0.0, 1.0, 0.2), ("RBEAM", 2, 4, 2, 3, 0.0, 1.0, 0.0), ("X", 3, 0.7, 0.2, 0.1), ("FIX", 1)]
-        + [("FIX", 4), ("DYNE", 1, 1)],
+        [
+            ("HINGE", 1, 1, 2, 0.0, 1.0, 0.2),
+            ("RBEAM", 2, 4, 2, 3, 0.0, 1.0, 0.0),
+            ("X", 3, 0.7, 0.2, 0.1),
+            ("FIX", 1),
+            ("FIX", 4),
+            ("DYNE", 1, 1),
+        ],
         [("XM", 3, 1.5), ("EM", 2, 0.4, 0.02, 0.01, 0.01), ("ESTIFF", 1, 2.0), ("GRAVITY", 0.0, 0.0, -9.81)],
     ),
     "PINBODY": (
-        [("HINGE", 1, 1, 2, 0.0, 1.0, 0.2), ("PINBODY", 2, 4, 2, 3), ("X", 3, 0.7, 0.2, 0.1), ("FIX", 1)]
-        + [("FIX", 4), ("DYNE", 1, 1)],
+        [
+            ("HINGE", 1, 1, 2, 0.0, 1.0, 0.2),
+            ("PINBODY", 2, 4, 2, 3),
+            ("X", 3, 0.7, 0.2, 0.1),
+            ("FIX", 1),
+            ("FIX", 4),
+            ("DYNE", 1, 1),
+        ],
         [("XM", 3, 1.5), ("XM", 2, 0.1, 0.0, 0.0, 0.2, 0.0, 0.1), ("ESTIFF", 1, 2.0), ("EDAMP", 1, 0.1)],
     ),
     "SCREW": (
         [("SCREW", 1, 1, 2, 3, 4, 1.0, 0.0, 0.0, 0.05), ("X", 3, 0.3, 0.0, 0.0), *FIXED, ("DYNE", 1, 1)],
         [("XM", 3, 1.0), ("XM", 4, 0.1, 0.0, 0.0, 0.1, 0.0, 0.1), ("STARTDE", 1, 1, 0.0, 2.0)],
     ),
-    "WHEEL": ([("WHEEL", 1, 1, 2, 3, 0.0, 1.0, 0.0), *ROLLING], WHEEL_LAW),
+    "WHEEL": ([("WHEEL", 1, 1, 2, 3, 0.0, 1.0, 0.0), *ROLLING, ("RLSE", 1, 6)], WHEEL_LAW),
     "TWHEEL": (
         [("TWHEEL", 1, 1, 2, 3, 0.5, 0.1, 0.0, 1.0, 0.0), *ROLLING, ("RLSE", 1, 6)],
         [*WHEEL_LAW, ("EDAMP", 1, 0, 0, 0, 0, 0, 0.3)],
     ),
+    "at rest": ([*PLBEAM], [*PLANAR_LAW[:3], ("XM", 4, 0.1)]),
     "moments": (
-        [BEAM, *SPATIAL], [*SPATIAL_LAW[:3], EULER, ("XF", 4, 0.03, -0.02, 0.05), ("XF", 3, 0.1, 0.2, 0.3)],
+        [BEAM, *SPATIAL],
+        [*SPATIAL_LAW[:3], EULER, ("XF", 4, 0.03, -0.02, 0.05), ("XF", 3, 0.1, 0.2, 0.3)],
     ),
     "MEE": ([*PLBEAM], [*PLANAR_LAW, ("XM", 4, 0.1), ("MEE", 1, 2, 0.2), ("MEE", 1, 2, 1, 3, 0.05)]),
     "prescribed motions": (
-        [("PLBEAM", 1, 1, 2, 3, 4), ("X", 3, 1.0, 0.2), ("FIX", 1), ("INPUTX", 2, 1), ("DYNE", 1, 2, 3)]
-        + [("INPUTE", 1, 1)],
+        [
+            ("PLBEAM", 1, 1, 2, 3, 4),
+            ("X", 3, 1.0, 0.2),
+            ("FIX", 1),
+            ("INPUTX", 2, 1),
+            ("DYNE", 1, 2, 3),
+            ("INPUTE", 1, 1),
+        ],
         [*PLANAR_LAW, ("XM", 4, 0.1), ("INPUTX", 2, 1, 0.0, 1.0, 2.0), ("INPUTE", 1, 1, 0.0, 0.1, 0.0)],
     ),
-}  # fmt: skip
+}
 
 
 def deck_of(name: str) -> Deck:
