@@ -28,7 +28,7 @@ from spacar.mechanism.mechanism import Drive, UserSignal
 
 
 @dataclass(frozen=True)
-class Start:
+class PlacedStart:
     """Start state y of a case, where it was placed: x (nx,), e (ne,)."""
 
     y: Array
@@ -87,7 +87,7 @@ class InLanes:
                 raise _failed(t)
         return self._out.copy()
 
-    def start(self, placed: Start, largest: float) -> bool:
+    def start(self, placed: PlacedStart, largest: float) -> bool:
         """Place the start state. Are the mass matrices regular? Where C leaves a doubt they are to be looked at alone.
 
         The way leads over the start state of one of the cases, which has been `placed`.

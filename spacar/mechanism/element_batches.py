@@ -25,7 +25,7 @@ SHAPE_FACTOR = 3  # column of EM with the flow shape factor of tubes, 1 unless g
 
 
 @dataclass(frozen=True)
-class Group:
+class AlikeElements:
     """Elements of one keyword and measure with their places, (n_coordinates, n) and (n_deformations, n)."""
 
     family: type[Family]
@@ -55,7 +55,7 @@ def element_batches(deck: Deck, numbering: Numbering, x0: Array, beams: str = ""
     return batches
 
 
-def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "") -> Iterator[Group]:
+def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "") -> Iterator[AlikeElements]:
     """What the constructors of the families get, in the order of `element_batches`."""
     tables = {name: _table(deck, name, width) for name, width in PARAMETERS.items()}
     linear = {int(s.values[0]) for s in deck.of("LDEFORM", block=1)}
@@ -95,7 +95,7 @@ def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "")
             edamp=_rows(tables["EDAMP"], names, PARAMETERS["EDAMP"], x0.dtype),
             elastic=e >= first_elastic,
         )
-        yield Group(family_of(kind.angle_family if angle else kind.family), group, x, e, statements)
+        yield AlikeElements(family_of(kind.angle_family if angle else kind.family), group, x, e, statements)
 
 
 def by_angles(deck: Deck, beams: str = "") -> set[int]:

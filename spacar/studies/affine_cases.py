@@ -28,7 +28,7 @@ from spacar.deck.lexer import is_in_range
 from spacar.dynamics.loaded_mechanism import LoadedMechanism
 from spacar.errors import SpacarError
 from spacar.mechanism import Mechanism, build
-from spacar.studies.assignments import Setting, change, changed_statements
+from spacar.studies.assignments import Setting, change, changed_arguments, changed_statements
 from spacar.studies.checked_lengths import placed_well
 from spacar.studies.ensemble import why_not
 from spacar.studies.side_by_side import Cases, alike, start_of
@@ -70,16 +70,54 @@ class _Table:
         self, deck: Deck, settings: tuple[Setting, ...], table: Array, given: Array, moved: Array, options: Any
     ) -> None:
         self.deck, self.settings, self.table, self.options = deck, settings, table, options
-        self.moved, self.varied = moved, np.concatenate((given, moved))
-        low, high = table.min(axis=0), table.max(axis=0)
-        self.base = np.where(np.isin(np.arange(len(low)), moved), table[0], low)
-        far = np.where(high - table[0] > table[0] - low, high, low)  # of positions that of a case is known to be right
-        self.far = np.where(np.isin(np.arange(len(low)), moved), far, high)
-        self.places = [self._towards(chosen) for chosen in _subsets(given)]  # decks that are checked
-        self.corners = [0, *(1 << k for k in range(len(given)))]
-        for k in moved:
-            self.corners.append(len(self.places))
-            self.places.append(self._towards([k]))
+        self.given, self.moved, self.varied = given, moved, np.concatenate((given, moved))
+
+    def cases(self) -> Cases | None:
+        kept = self._kept() if len(self.moved) else np.arange(len(self.table))
+        if not len(kept):
+            return None
+        passed = self.table[kept]
+        self.base, self.far = passed.min(axis=0), passed.max(axis=0)
+        self.base[self.moved] = passed[0, self.moved]
+        decks = [self._changed(self._towards(chosen)) for chosen in _subsets(self.given)]
+        if why_not(decks[0], **self.options) or not alike(*decks):
+            return None
+        corners = [decks[k] for k in (0, *(1 << k for k in range(len(self.given))))]
+        mechanisms = [build(d, 1, **self.options) for d in corners]
+        for k in self.moved:
+            mechanisms.append(build(self._moved(k, passed[:, k], mechanisms[0].length), 1, **self.options))
+        starts = [start_of(m) for m in mechanisms]
+        for way in (of_elements,) if len(self.moved) else (of_everything, of_elements):
+            found = self._combined(way, mechanisms, starts, kept)
+            if found is not None:
+                numbers, start, own = found
+                return Cases(mechanisms[0], numbers, start, partial(self._deck, own), own.tolist())
+        return None
+
+    def _kept(self) -> Array:
+        """Cases whose positions pass the checks."""
+        mechanism = build(self.deck, 1, **self.options)
+        n, x0 = mechanism.numbering, np.repeat(mechanism.x0[:, None], len(self.table), axis=1)
+        for k, given in enumerate(self.settings):
+            for keyword, node, argument in changed_arguments(self.deck, given):
+                if keyword == "X" and node in n.kind and n.lnp[node - 1, argument - 2] > 0:
+                    x0[n.lnp[node - 1, argument - 2] - 1] = self.table[:, k]
+        passed = placed_well(mechanism, self.deck, x0)
+        for k, row in enumerate(self.table[:, self.moved].tolist()):
+            passed[k] &= all(is_in_range(v, "0") for v in row)
+        return np.flatnonzero(passed)
+
+    def _moved(self, k: int, values: Array, length: float) -> Deck:
+        """A deck that differs from the first one in a position only: that of a case, or one that is not far."""
+        tried = values[np.argmax(np.abs(values - self.base[k]))], self.base[k] + length / 8, self.base[k] - length / 8
+        for n, value in enumerate(tried):
+            self.far[k] = value
+            try:
+                return self._changed(self._towards([k]))
+            except SpacarError:
+                if n == len(tried) - 1:
+                    raise
+        raise AssertionError
 
     def _towards(self, chosen: Sequence[int]) -> Array:
         return np.where(np.isin(np.arange(len(self.base)), chosen), self.far, self.base)
@@ -92,35 +130,6 @@ class _Table:
 
     def _changed(self, where: Array) -> Deck:
         return change(self.deck, self.settings, where.tolist())
-
-    def cases(self) -> Cases | None:
-        decks = [self._changed(place) for place in self.places]
-        if why_not(decks[0], **self.options) or not alike(*decks):
-            return None
-        mechanisms = [build(decks[k], 1, **self.options) for k in self.corners]
-        starts = [start_of(m) for m in mechanisms]
-        kept = self._kept(mechanisms)
-        if not len(kept):
-            return None
-        ways = (of_elements,) if len(self.moved) else (of_everything, of_elements)
-        for way in ways:
-            found = self._combined(way, mechanisms, starts, kept)
-            if found is not None:
-                numbers, start, own = found
-                return Cases(mechanisms[0], numbers, start, partial(self._deck, own), own.tolist())
-        return None
-
-    def _kept(self, mechanisms: Sequence[Mechanism]) -> Array:
-        """Cases whose positions pass the checks."""
-        passed = np.ones(len(self.table), bool)
-        if len(self.moved):
-            from spacar.compiled.combined_numbers import affine
-
-            x0 = affine([m.x0[:, None] for m in mechanisms], self._weights(self.table))
-            passed = placed_well(mechanisms[0], self.deck, x0)
-            for k, row in enumerate(self.table[:, self.moved].tolist()):
-                passed[k] &= all(is_in_range(v, "0") for v in row)
-        return np.flatnonzero(passed)
 
     def _combined(
         self, way: Way, mechanisms: Sequence[Mechanism], starts: Sequence[Array], kept: Array

@@ -68,13 +68,16 @@ def is_motion(study: Study) -> bool:
 
 
 def reason(study: Study, values: Values) -> str:
-    """Why the cases of a study cannot run together; empty when they can."""
+    """Why the cases of a study, the first of which has these values, cannot run together; empty when they can.
+
+    Raises SpacarError where the model itself cannot be built.
+    """
     if not is_motion(study):
         return "only mode 1 runs in batches"
     try:
         return why_not(change(study.deck, study.settings, values), **study.options)
-    except SpacarError as error:
-        return str(error)
+    except SpacarError:  # this case cannot be; the others may
+        return why_not(study.deck, **study.options)
 
 
 def run_chunk(chunk: Chunk) -> list[Row]:

@@ -89,7 +89,7 @@ def followed(
     cases: Cases, times: np.ndarray | None = None, *, threads: int = 1, **options: Any
 ) -> list[Result | None]:
     """The same of cases that can be batched."""
-    from spacar.compiled.cases import InLanes, Start, blocks
+    from spacar.compiled.cases import InLanes, PlacedStart, blocks
 
     single, numbers, start = cases.single, cases.numbers, cases.start
     settings = single.settings
@@ -97,7 +97,7 @@ def followed(
         assert settings.duration is not None
         times = np.linspace(0.0, settings.duration, settings.n_steps + 1)
     alone = Dynamics(single)
-    placed = Start(alone.start(), alone.kinematics.x.copy(), alone.sweep.e.copy())
+    placed = PlacedStart(alone.start(), alone.kinematics.x.copy(), alone.sweep.e.copy())
     alone.sweep.mass()
     largest = largest_mass(single, alone.sweep)
     g = displaced(alone)
