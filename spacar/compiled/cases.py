@@ -88,7 +88,7 @@ class InLanes:
         if M is None:
             return False
         mechanism = self.model.mechanism
-        condition = self.solver.condition(mechanism)
+        condition = self.solver.condition()
         return not any(is_doubtful(mechanism, M[:, :, lane], condition, largest) for lane in range(self.by_case[2]))
 
     def component_name(self, i: int) -> str:
