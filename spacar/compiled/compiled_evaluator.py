@@ -8,7 +8,7 @@ shared between both: a `Placement` goes from the state in C to the general evalu
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
+from functools import cached_property, partial
 from math import log
 from typing import TypeVar
 
@@ -26,7 +26,7 @@ from spacar.dynamics.mass_check import is_checked
 from spacar.frame import Frame
 from spacar.integrators.problem import March
 from spacar.integrators.radau import Radau
-from spacar.kinematics.constraint_condition import of_gradient
+from spacar.kinematics.constraint_condition import of_entries
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.kinematics.regularity import PositionMatrix
 from spacar.linear_systems import is_dense
@@ -60,8 +60,8 @@ class CompiledPositionMatrix(PositionMatrix):
         return self._more_than(self.zero) > self.zero or super().surely_regular()
 
     def _more_than(self, enough: float) -> float:
-        """The reciprocal condition from C, or a bound that is `enough`; 0 where it is not known, or below `zero`, so that
-        the general path has to look."""
+        """The reciprocal condition from C, or a bound that is `enough`; 0 where it is unknown or below `zero`, and the
+        general path has to look."""
         if self.evaluator.state.c.known:
             rcond = self.evaluator.solver.rcond(enough, SMALL)
             if rcond > self.zero:
@@ -218,15 +218,14 @@ class CompiledDynamics:
 
     # -- checks ---------------------------------------------------------------------------------------------------
     def condition(self) -> float:
+        return self.later_condition()()
+
+    def later_condition(self) -> Callable[[], float]:
         n = self.numbering
-        if len(n.velocity_equations) > SMALL or not self.state.c.known:
-            return self.settled().condition()
-        rows, columns = self.solver.places()
-        values = np.zeros((len(rows), 1))
-        self.solver.gradient(values)
-        V = np.zeros((n.ne, n.nx))
-        V[rows, columns] = values[:, 0]
-        return of_gradient(self.model.mechanism, V)
+        if n.e_class["dynamic"].stop > SMALL or not self.state.c.known:
+            return self.settled().later_condition()
+        rows, columns, values = self.solver.gradient()
+        return partial(of_entries, self.model.mechanism, rows, columns, values[:, 0])
 
     def position_matrix(self) -> PositionMatrix:
         return CompiledPositionMatrix(self)

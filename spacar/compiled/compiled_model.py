@@ -64,6 +64,22 @@ class State:
         self.address = ctypes.c_void_p(ctypes.addressof(self.c))
         model.engine.state(model.handle, self.address, first)
 
+    @property
+    def xdd(self) -> Array:
+        return self.of_x[2]
+
+    @property
+    def ed(self) -> Array:
+        return self.of_e[1]
+
+    @property
+    def edd(self) -> Array:
+        return self.of_e[2]
+
+    @property
+    def sigma(self) -> Array:
+        return self.of_e[3]
+
     def of_one(self) -> tuple[Array, Array]:
         """Copies of x, xd, xdd and the forces (6, nx), of e, ed, edd and sigma (4, ne) of the only case."""
         kept, (nx, ne) = self._together[:, 0].copy(), (len(self.x), len(self.e))
@@ -76,7 +92,7 @@ class State:
 
     def resume(self, t: float, x: Array, xd: Array, xdd: Array, e: Array) -> None:
         """The state at t with x, xd, xdd (nx, cases) and e (ne, cases) is the last evaluated one again."""
-        self.x[:], self.xd[:], self.of_x[2], self.e[:] = x, xd, xdd, e
+        self.x[:], self.xd[:], self.xdd[:], self.e[:] = x, xd, xdd, e
         self.c.t, self.c.known = t, PLACED
 
 
@@ -206,16 +222,13 @@ class CompiledModel:
             self.slots.interrupted()
         return reached
 
-    def places(self) -> tuple[Array, Array]:
-        """Rows and columns of the entries of V."""
-        places = np.zeros((2, self.engine.gradient(self.handle, None, None, None)), np.int32)
+    def gradient(self) -> tuple[NDArray[np.int32], NDArray[np.int32], Array]:
+        """Rows, columns and values (n, cases) of the entries of V at the last evaluated state."""
+        n = self.engine.gradient(self.handle, None, None, None)
+        places, values = np.empty((2, n), np.int32), np.empty((n, self.cases))
         first = places.ctypes.data
-        self.engine.gradient(self.handle, first, first + places.nbytes // 2, None)
-        return places[0], places[1]
-
-    def gradient(self, out: Array) -> None:
-        """Values of the entries of V at the last evaluated state, (n, cases)."""
-        self.engine.gradient(self.handle, None, None, out.ctypes.data)
+        self.engine.gradient(self.handle, first, first + places.nbytes // 2, values.ctypes.data)
+        return places[0], places[1], values
 
     def determinant(self) -> tuple[Array, Array]:
         """Signs and logarithms of det V[E, U] at the last evaluated state, (cases,) each."""

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacar.arrays import Array
 from spacar.kinematics.kinematics import Kinematics
@@ -36,6 +37,13 @@ def of_gradient(mechanism: Mechanism, V: Array) -> float:
     D = V[E[:, None], U] * mechanism.scale[U] / mechanism.deformation_scale[E, None]
     s = np.linalg.svd(D, compute_uv=False)
     return float(s[0] / s[-1]) if s[-1] > 0.0 else float("inf")
+
+
+def of_entries(mechanism: Mechanism, rows: NDArray[np.int32], columns: NDArray[np.int32], values: Array) -> float:
+    """The same from the entries of V that are not zero by structure."""
+    V = np.zeros((mechanism.numbering.ne, mechanism.numbering.nx))
+    V[rows, columns] = values
+    return of_gradient(mechanism, V)
 
 
 def _estimate(k: Kinematics) -> float:
