@@ -108,8 +108,9 @@ class CompiledDynamics:
         users = () if mechanism.user_signal is None else (mechanism.user_signal,)
         self.solver = CompiledModel(n, of_one(model), scales, (model.drive,), users)
         self.state = self.solver.state()
-        self._y, self._out = np.zeros((2, self.n_positions + self.numbering.nddof))
-        self._addresses = self._y.ctypes.data, self._out.ctypes.data
+        self._y, self._out = shared = np.zeros((2, self.n_positions + n.nddof))
+        first = shared.ctypes.data
+        self._addresses = first, first + shared.nbytes // 2
         self._iterating: Iterating | None = None
         self._step_of: tuple[Array, Array, Array, tuple[int, ...]] | None = None
 

@@ -119,7 +119,8 @@ class CompiledModel:
             [
                 a.ravel() for a in (
                     numbers.x_motion, numbers.e_motion, numbers.force, numbers.preload, numbers.x0, numbers.field,
-                    *scales, *(values for _, _, values in entries), *(b.parameters for b in numbers.elements),
+                    *scales, *(values for _, _, values in entries),
+                    *(b.parameters.swapaxes(0, 1) for b in numbers.elements),
                 )
             ]
         )  # fmt: skip
@@ -158,7 +159,7 @@ class CompiledModel:
         for rows, columns, _ in entries:
             lists += [rows, columns]
         for b in batches:
-            lists += [b.x.ravel(), b.e.ravel()]
+            lists += [b.x.T.ravel(), b.e.T.ravel()]
         return np.concatenate([np.array(counts), *lists]).astype(np.int32)
 
     def state(self) -> State:

@@ -77,6 +77,7 @@ typedef struct {
     real *h, *convected, *applied, *b, *force, *next_x, *next_xd, *next_xdd, *near, *next_e, *given_ed, *given_edd, *stage, *piece;
     real *degrees, *transfer, *weighted, *small;
     int *v_place;                         /* (n_v) order of V's rows: place in `values` */
+    int *places; real *parameters;        /* of the batches */
 } Model;
 
 /* Add as many whole turns to e of one element as bring its first row closest to `near`. */

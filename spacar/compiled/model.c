@@ -256,7 +256,7 @@ static void spacar_end(Model *m)
     free(m->v_start); free(m->v_column); free(m->v_place); free(m->v_offset); free(m->m_offset); free(m->values);
     free(m->h); /* the start of all vectors */
     free(m->transfer);
-    free((void *)m->s.batches); free((void *)m->s.free);
+    free((void *)m->s.batches); free((void *)m->s.free); free(m->places); free(m->parameters);
     free(m);
 }
 
@@ -269,8 +269,15 @@ static const double *next_sizes(real **at, size_t n)
     return first;
 }
 
+/* Columns of a list (rows, n) one after the other; the place behind them. */
+static int *turned(int *to, const int *list, int rows, int n)
+{
+    for (int i = 0; i < n; i++) for (int j = 0; j < rows; j++) *to++ = list[j * n + i];
+    return to;
+}
+
 /* The spec from its two arrays, which must stay: whole numbers (counts in the order of Spec, those of each batch in the order of
-   Batch, lists) and numbers of the cases (lists). `foreign`: of each batch, or NULL when there are none. OK or NO_MEMORY. */
+   Batch, lists) and numbers of the cases (lists). Those of batches have the elements last. `foreign`: of each batch, or NULL when there are none. OK or NO_MEMORY. */
 static int read_spec(Model *m, const int *whole, real *numbers, const Foreign *const *foreign)
 {
     Spec *s = &m->s;
@@ -311,11 +318,23 @@ static int read_spec(Model *m, const int *whole, real *numbers, const Foreign *c
         *entries[k].column = next_whole(&whole, entries[k].n);
         *entries[k].value = next_numbers(&numbers, entries[k].n);
     }
+    int n_places = 0, n_parameters = 0;
+    for (int b = 0; b < s->n_batches; b++) {
+        n_places += batches[b].n * (batches[b].nxe + batches[b].nee);
+        n_parameters += batches[b].n * batches[b].np;
+    }
+    int *place = m->places = cleared(n_places, sizeof(int));
+    real *parameter = m->parameters = cleared(n_parameters, sizeof(real));
+    if (!place || !parameter) return NO_MEMORY;
     for (int b = 0; b < s->n_batches; b++) {
         Batch *k = &batches[b];
-        k->x = next_whole(&whole, k->n * k->nxe);
-        k->e = next_whole(&whole, k->n * k->nee);
-        k->p = next_numbers(&numbers, k->n * k->np);
+        k->x = place;
+        place = turned(place, next_whole(&whole, k->n * k->nxe), k->nxe, k->n);
+        k->e = place;
+        place = turned(place, next_whole(&whole, k->n * k->nee), k->nee, k->n);
+        k->p = parameter;
+        const real *p = next_numbers(&numbers, k->n * k->np);
+        for (int i = 0; i < k->n; i++) for (int j = 0; j < k->np; j++) *parameter++ = p[j * k->n + i];
     }
     return OK;
 }

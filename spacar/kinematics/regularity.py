@@ -139,7 +139,7 @@ class HalfTurns:
     def __init__(self, n: Numbering, without: Collection[int] = ()) -> None:
         nodes: set[int] = set()
         self.some: set[int] = set()
-        if not n.planar:
+        if not n.planar and n.nxp[3]:
             owners = (n.x_owner(i) for i in range(n.x_class["dynamic"].start, n.x_class["dynamic"].stop))
             dynamic = [node for node, _ in owners if n.kind[node] == "orientation"]
             nodes = set(dynamic)
