@@ -316,17 +316,25 @@ static void spacar_determinant(const Model *m, double *mantissa, double *exponen
     determinant(of_rates(m), mantissa, exponent);
 }
 
-/* Reciprocal condition in the 1-norm of diag(row) A diag(column), A the matrix of the velocities at the last evaluated state:
-   n solutions. The smallest of the lanes. */
+/* 1-norm of diag(row) A diag(column), A the matrix of the velocities at the last evaluated state. */
+static real norm_of_rates(Model *m, const double *row, const double *column)
+{
+    const Sparse *s = of_rates(m);
+    real norm = EVERY(0.0);
+    memset(m->b, 0, sizeof(real) * s->n);
+    for (int k = 0; k < s->n_entries; k++)
+        m->b[s->column[k]] += lanes_larger(EVERY(0.0), m->values[s->source[k]] * (row[s->row[k]] * column[s->column[k]]));
+    for (int j = 0; j < s->n; j++) norm = lanes_larger(norm, m->b[j]);
+    return norm;
+}
+
+/* Reciprocal condition of that matrix: n solutions. The smallest of the lanes. */
 static double spacar_rcond(Model *m, const double *row, const double *column)
 {
     const Sparse *s = of_rates(m);
     const int n = s->n;
-    real norm = EVERY(0.0), inverse = EVERY(0.0);
-    memset(m->b, 0, sizeof(real) * n);
-    for (int k = 0; k < s->n_entries; k++)
-        m->b[s->column[k]] += lanes_larger(EVERY(0.0), m->values[s->source[k]] * (row[s->row[k]] * column[s->column[k]]));
-    for (int j = 0; j < n; j++) norm = lanes_larger(norm, m->b[j]);
+    const real norm = norm_of_rates(m, row, column);
+    real inverse = EVERY(0.0);
     for (int j = 0; j < n; j++) {
         memset(m->b, 0, sizeof(real) * n);
         m->b[j] = EVERY(1.0 / row[j]);

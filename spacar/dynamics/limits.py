@@ -69,6 +69,11 @@ class Limits:
                     self.warned.add(element)
                     self.report.add(f"warning: {text}")
 
+    def passed(self, frame: Frame) -> None:
+        """A frame that nobody has to look at: no element is near the end of its range, no wheel pulls."""
+        if len(self.rows):
+            self.compression = np.maximum(self.compression, -frame.sig[self.rows])
+
     def _wheels(self, t: float, normal: Array) -> None:
         self.compression = np.maximum(self.compression, -normal)
         size = max(float(np.abs(normal).max()), float(self.compression.max()))

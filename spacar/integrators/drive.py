@@ -153,8 +153,16 @@ def _outputs(
     before = statistics.counts()
     i, n = 1, len(times)
     next_time, step_start, limit = float(times[1]), float(times[0]), max_steps
-    for t, y, interpolate, _ in steps:
-        while next_time <= t:
+    for t, y, interpolate, _, passed in steps:
+        for at, result, now, shown in passed or ():
+            yield Output(at, result, *(a - b for a, b in zip(now, before, strict=True)), shown)
+            before = now
+            limit = now[0] + max_steps
+            i += 1
+            if i == n:
+                return
+            next_time = float(times[i])
+        while passed is None and next_time <= t:
             result = y.copy() if next_time == t else interpolate(next_time)
             now = statistics.counts()
             yield Output(next_time, result, *(a - b for a, b in zip(now, before, strict=True)))
