@@ -19,7 +19,7 @@ from spacar.compiled.numbers import Numbers
 from spacar.dynamics.loaded_mechanism import NEVER, Accepted, LoadedMechanism, Moving, unexplained
 from spacar.dynamics.mass_check import is_doubtful
 from spacar.errors import AnalysisError
-from spacar.integrators.problem import March as Marches
+from spacar.integrators.problem import Step
 from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS
 from spacar.kinematics.regularity import HALF_TURN, HalfTurns
 from spacar.mechanism.mechanism import Drive, UserSignal
@@ -97,7 +97,7 @@ class InLanes:
         return f"component {component} of case {lane + 1} of the block"
 
     # -- steps in C -----------------------------------------------------------------------------------------------
-    def marching(self) -> Marches:
+    def marching(self) -> Callable[..., Iterator[Step]]:
         """Steps from output to output."""
         return Marching(self, self).steps
 

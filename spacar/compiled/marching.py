@@ -194,7 +194,7 @@ class RungeKuttaInC:
     def march_through(self, passage: Passage) -> int:
         """Steps through many outputs."""
         call = VALUE(self._value)
-        passage.c.value = ctypes.cast(call, POINTER)
+        passage.c.value = address_of(call)
         status: int = self.engine.pass_runge_kutta(self.to, self.at, passage.address)
         passage.c.value = None
         return status
@@ -213,6 +213,11 @@ class RungeKuttaInC:
     def _interpolated(self, t: float, y: int) -> None:
         self.taken(ARRIVED)
         vector(y, len(self.y))[:] = self.method.interpolate(t)
+
+
+def address_of(call: Any) -> int | None:
+    """Of a function of Python that C calls (`ctypes.cast` would leave a circle of references behind)."""
+    return ctypes.c_void_p.from_buffer(call).value
 
 
 def vector(address: int, n: int) -> Array:
@@ -255,26 +260,27 @@ class Marching:
         t_end; positions `within` that tolerance."""
         c, evaluation, passage = self.c, method.evaluation, self.passage
         self.atol[:], c.rtol = method.tolerance
-        c.t, c.t_end, c.h, c.longest, c.converged = t, t_end, h, longest, within
+        c.t, c.t_end, c.h, c.longest = t, t_end, h, longest
         c.earliest, c.latest = evaluation.first, evaluation.last
         c.sizes[:] = 0.0, 0.0
         c.n_steps = c.n_rhs = c.n_rejected = 0
         # C points at these while this goes on; they hold this object, and are let go at its end
         calls = (ASK(partial(self._ask, evaluation)), TELL(self._tell)) if self.lanes == 1 else ()
-        c.ask, c.tell = (ctypes.cast(call, POINTER).value for call in calls) if calls else (None, None)
+        c.ask, c.tell = map(address_of, calls) if calls else (None, None)
         answered = partial(self._answered, evaluation.statistics)
         by = (
             AdamsInC(self.engine, self.address, method) if isinstance(method, Adams)
             else RungeKuttaInC(self.engine, c, method, answered)
         )  # fmt: skip
-        before = self.lookout.started(t, by.y)
-        if before is not None and not (c.recorded and self._seen(c.recorded - 1).at.t >= before.at.t):
-            self._record(0, before)  # the start, or the last of steps that were made elsewhere
-            c.recorded, c.peak = 1, before.size
         counted = evaluation.statistics
         output, status = evaluation.next_output(t), PAUSED
         try:
-            self._begun(by.begin(), method)
+            self._begun(by.begin(), method)  # the start of the motion is solved to rounding
+            c.converged = within
+            before = self.lookout.started(t, by.y)
+            if before is not None and not (c.recorded and self._seen(c.recorded - 1).at.t >= before.at.t):
+                self._record(0, before)  # the start, or the last of steps that were made elsewhere
+                c.recorded, c.peak = 1, before.size
             while status != ARRIVED:
                 if passage is None:
                     c.until = float(evaluation.times[evaluation.next_output(c.t)])
@@ -285,20 +291,19 @@ class Marching:
                     status = by.march_through(passage)
                     output += passage.c.done
                 by.taken(status)
-                known, steps = counted.counts(), c.n_steps
-                counted.n_steps += steps
-                counted.n_rhs += c.n_rhs
-                counted.n_rejected += c.n_rejected
-                c.n_steps = c.n_rhs = c.n_rejected = 0
-                self.lookout.n = self.lookout.n + steps if passage is None else passage.c.since
-                failed = status in (TOO_SMALL, NOT_EVALUATED, INTERRUPTED)
-                if not failed:
-                    self.lookout.passed(self._last)
-                elif passage is None or not passage.c.done:
+                known, failed = counted.counts(), status in (TOO_SMALL, NOT_EVALUATED, INTERRUPTED)
+                if failed and (passage is None or not passage.c.done):
                     self._failed(status, method)
+                made = passage.made() if failed and passage is not None else (c.n_steps, c.n_rhs, c.n_rejected)
+                c.n_steps = c.n_rhs = c.n_rejected = 0
+                counted.n_steps += made[0]
+                counted.n_rhs += made[1]
+                counted.n_rejected += made[2]
+                self.lookout.n = self.lookout.n + made[0] if passage is None else passage.c.since
+                self.lookout.passed(self._last)
                 passed = None if passage is None else passage.outputs(known)
                 yield Step(c.t, by.y, by.value, (c.sizes[1], c.sizes[0]), passed)
-                if failed:
+                if failed:  # behind the outputs that came before it
                     self._failed(status, method)
         finally:
             c.ask = c.tell = None

@@ -21,7 +21,6 @@ from spacar.arrays import Array, Index
 from spacar.compiled.compiled_model import EXACT, NOT_ANSWERED
 from spacar.compiled.element_parameters import GUARD
 from spacar.compiled.library import DOUBLES, INTEGER, INTEGERS, NUMBER, POINTER
-from spacar.errors import AnalysisError
 from spacar.frame import Frame
 from spacar.integrators.problem import Counts, Passed
 from spacar.kinematics.kinematics import LARGEST_JUMP
@@ -120,6 +119,11 @@ class Passage:
             return self.shown.frame_in_general(t, y)
 
         return frame
+
+    def made(self) -> tuple[int, int, int]:
+        """Steps, derivatives and rejected steps of the last call up to its last output."""
+        steps, rhs, rejected = self.work[self.c.done - 1].tolist()
+        return steps, rhs, rejected
 
     def prescribed(self, y: Array) -> Iterator[Passed]:
         """The outputs of a motion without degrees of freedom, whose state `y` is empty or the same at all times."""

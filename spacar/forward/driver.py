@@ -217,8 +217,8 @@ def frames(
     breaks = (*model.drive.breaks, *getattr(model.mechanism.user_signal, "breaks", ()))
     marching: Marches | None = None
     if evaluator.marching is not None:
-        together = not standing and shown.passage is not None
-        passage = shown.passage(times, limits.rows, FAR) if together else None
+        together = None if standing else shown.passage
+        passage = None if together is None else together(times, limits.rows, FAR)
         marching = partial(evaluator.marching, trail, passage)
     outputs = integrated(
         evaluator, y, times, settings, tolerances,

@@ -77,7 +77,7 @@ class Output(NamedTuple):
     n_jacobian: int
     n_rejected: int
     newton_iterations: int
-    shown: Any = None
+    shown: Any
 
 
 class Passed(NamedTuple):
