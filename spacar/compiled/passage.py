@@ -12,21 +12,21 @@ are used by their frames; rows that are left are those of the next call.
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
+from functools import partial
+from typing import Protocol
 
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.compiled.compiled_model import EXACT, NOT_ANSWERED
+from spacar.compiled.compiled_model import EXACT, NOT_ANSWERED, WIDTH, CompiledModel, State
 from spacar.compiled.element_parameters import GUARD
 from spacar.compiled.library import DOUBLES, INTEGER, INTEGERS, NUMBER, POINTER
 from spacar.frame import Frame
 from spacar.integrators.problem import Counts, Passed
 from spacar.kinematics.kinematics import LARGEST_JUMP
-
-if TYPE_CHECKING:
-    from spacar.compiled.compiled_evaluator import CompiledDynamics
+from spacar.kinematics.regularity import PositionMatrix
+from spacar.mechanism.numbering import Numbering
 
 HARMLESS, LOOKED_AT, NOT_SHOWN = range(3)  # as in passage.c
 LONGEST = 0.05  # s of one call, unless a single step takes longer
@@ -49,6 +49,20 @@ class CPassage(ctypes.Structure):
     ]  # fmt: skip
 
 
+class ShowsInC(Protocol):
+    """What is asked of the evaluator of outputs. `largest_exact`: equations up to which C tells the exact condition."""
+
+    solver: CompiledModel
+    state: State
+    numbering: Numbering
+    n_positions: int
+    largest_exact: int
+
+    def position_matrix(self) -> PositionMatrix: ...
+    def frame_in_general(self, t: float, y: Array) -> Frame:
+        """That of a state that C could not do."""
+
+
 class Passage:
     """Outputs at `times` that `shown` evaluates.
 
@@ -56,7 +70,7 @@ class Passage:
     far      steps since the last output beyond which the next one is evaluated from the begin of its step
     """
 
-    def __init__(self, shown: CompiledDynamics, times: Sequence[float] | Array, ground: Index, far: int) -> None:
+    def __init__(self, shown: ShowsInC, times: Sequence[float] | Array, ground: Index, far: int) -> None:
         model, n = shown.solver, shown.numbering
         self.shown, self.times = shown, times
         self.nx, self.ne = n.nx, n.ne
@@ -72,6 +86,7 @@ class Passage:
         self.address = ctypes.c_void_p(ctypes.addressof(c))
         self.first = self.used = self.end = 0  # output of the first row, rows that have one, rows
         self.rows, self.t, self.work = np.zeros((0, self.width)), np.zeros(0), np.zeros((0, 3), np.int32)
+        self.at = 0, 0  # addresses of t and rows
 
     def begin(self, output: int, steps: float = UNLIMITED) -> None:
         """The next call begins with this one of the outputs; it ends at the first one behind so many steps."""
@@ -81,7 +96,9 @@ class Passage:
             self.first, self.used, self.end = output, 0, n
             self.rows, self.work = np.empty((n, self.width)), np.empty((n, 3), np.int32)
             self.t = np.array(self.times[output : output + n])
-        c.t, c.rows, c.work = self.t[self.used :].ctypes.data, self.rows[self.used :].ctypes.data, self.work.ctypes.data
+            self.at = self.t.ctypes.data, self.rows.ctypes.data
+            c.work = self.work.ctypes.data
+        c.t, c.rows = self.at[0] + WIDTH * self.used, self.at[1] + WIDTH * self.width * self.used
         c.n = self.end - self.used
         c.steps = int(min(max(steps, 0), UNLIMITED))
         self.shown.solver.slots.outputs.clear()
@@ -89,36 +106,29 @@ class Passage:
     def outputs(self, before: Counts = (0, 0, 0, 0, 0)) -> Iterator[Passed]:
         """Those of the last call; `before`: what the integrator had counted before it."""
         c, shown, nx, ne = self.c, self.shown, self.nx, self.ne
-        used, n, lost = self.used, self.c.done, list(shown.solver.slots.outputs)
-        last, status = c.last, c.status
+        used, n, lost = self.used, c.done, list(shown.solver.slots.outputs)
+        harmless = n if c.last == HARMLESS else n - 1
         self.used += n
         rows, times = self.rows[used : used + n], self.t[used : used + n].tolist()
         of_x, of_e = rows[:, : 6 * nx].reshape(n, 6, nx), rows[:, 6 * nx : 6 * nx + 4 * ne].reshape(n, 4, ne)
         states, work = rows[:, 6 * nx + 4 * ne :], self.work[:n].tolist()
         steps, rhs, jacobians, rejected, iterations = before
-        for k, (t, (x, xd, xdd, applied, gravity, total), (e, ed, edd, sigma), y) in enumerate(
-            zip(times, of_x, of_e, states, strict=True)
+        for k, (t, made, (x, xd, xdd, applied, gravity, total), (e, ed, edd, sigma), y) in enumerate(
+            zip(times, work, of_x, of_e, states, strict=True)
         ):
-            made = work[k]
-            counts = steps + made[0], rhs + made[1], jacobians, rejected + made[2], iterations
-            if last == NOT_SHOWN and k == n - 1:
-                yield Passed(t, y, counts, self._explained(t, y, status))
-                return
             frame = Frame(t, x, xd, xdd, e, ed, edd, sigma, applied, gravity, total)
-            if lost:
+            if k < len(lost):
                 frame.lost = lost[k]
-            looked_at = last == LOOKED_AT and k == n - 1
-            yield Passed(t, y, counts, (lambda frame=frame: frame) if looked_at else frame)
+            counts = steps + made[0], rhs + made[1], jacobians, rejected + made[2], iterations
+            yield Passed(t, y, counts, frame if k < harmless else partial(self._last, frame, y))
 
-    def _explained(self, t: float, y: Array, status: int) -> Callable[[], Frame]:
-        """What gives the frame of an output that C could not evaluate, or says why."""
-
-        def frame() -> Frame:
-            if status == NOT_ANSWERED:
-                self.shown.solver.slots.raise_error()
-            return self.shown.frame_in_general(t, y)
-
-        return frame
+    def _last(self, frame: Frame, y: Array) -> Frame:
+        """That of the last output of a call, at which Python looks; or what says why there is none."""
+        if self.c.last == LOOKED_AT:
+            return frame
+        if self.c.status == NOT_ANSWERED:
+            self.shown.solver.slots.raise_error()
+        return self.shown.frame_in_general(frame.t, y)
 
     def made(self) -> tuple[int, int, int]:
         """Steps, derivatives and rejected steps of the last call up to its last output."""

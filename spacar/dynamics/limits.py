@@ -69,10 +69,9 @@ class Limits:
                     self.warned.add(element)
                     self.report.add(f"warning: {text}")
 
-    def passed(self, frame: Frame) -> None:
-        """A frame that nobody has to look at: no element is near the end of its range, no wheel pulls."""
-        if len(self.rows):
-            self.compression = np.maximum(self.compression, -frame.sig[self.rows])
+    def press(self, frame: Frame) -> None:
+        """Remember how the wheels were pressed on the ground at a frame, where nothing else need be looked at."""
+        self.compression = np.maximum(self.compression, -frame.sig[self.rows])
 
     def _wheels(self, t: float, normal: Array) -> None:
         self.compression = np.maximum(self.compression, -normal)

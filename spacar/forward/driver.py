@@ -361,7 +361,8 @@ def checked(evaluator: Evaluator, t: float, y: Array, limits: Limits) -> Frame:
 def looked_at(evaluator: Evaluator, t: float, shown: Frame | Callable[[], Frame], limits: Limits) -> Frame:
     """The frame of an output that was passed with others: one that nobody has to look at, or what gives it."""
     if isinstance(shown, Frame):
-        limits.passed(shown)
+        if len(limits.rows):
+            limits.press(shown)
         return shown
     try:
         frame = shown()
