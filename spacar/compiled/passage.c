@@ -15,7 +15,6 @@ typedef struct {
     const double *t;           /* (n) times of the outputs to come */
     double *rows;              /* (n, width): x, xd, xdd, applied, gravity, total forces; e, ed, edd, sigma; y */
     int *work;                 /* (n, 3) steps, derivatives, rejected steps of this call up to an output */
-    const double *row, *column; /* factors that make the matrix of the velocities dimensionless */
     const int *ground;         /* (n_ground) rows of sigma that may press but not pull */
     Value value;               /* NULL: that of Adams */
     double exact, jump, singular, guard, longest; /* limits of a position, a jump, 1/condition, guards of elements; seconds */
@@ -30,35 +29,10 @@ static double seconds(void)
     return now.tv_sec + 1e-9 * now.tv_nsec;
 }
 
-/* A bound of the norm of `norm_of_rates` of the inverse: |A^-1| <= M(U)^-1 M(L)^-1 with the comparison matrices of the factors,
-   which have the sizes of their entries, all but the pivots negative (N. J. Higham, Accuracy and Stability of Numerical
-   Algorithms, SIAM 2002, section 8.3). One solution instead of n. */
-static double bound_of_inverse(const Sparse *s, const double *row, const double *column)
-{
-    const int n = s->n;
-    double *y = s->work, most = 0.0;
-    for (int k = 0; k < n; k++) y[k] = 1.0 / column[s->column_order[k]];
-    for (int k = 0; k < n; k++) {
-        y[k] *= fabs(s->inverse[k]);
-        for (int m = s->upper_start[k]; m < s->upper_start[k + 1]; m++) y[s->upper_column[m]] += fabs(s->upper[m]) * y[k];
-    }
-    for (int k = n - 1; k >= 0; k--)
-        for (int m = s->lower_start[k]; m < s->lower_start[k + 1]; m++) y[s->lower_column[m]] += fabs(s->lower[m]) * y[k];
-    for (int k = 0; k < n; k++) {
-        const double size = y[k] * s->weight[s->row_order[k]] / row[s->row_order[k]];
-        if (!(size <= most)) most = size;
-    }
-    return most;
-}
-
 /* Whether the checks of spacar/dynamics/limits.py surely find nothing at the last evaluated state. */
 static int harmless(Model *m, const Passage *p)
 {
-    const Sparse *s = of_rates(m);
-    if (s->n) {
-        const double least = 1.0 / (norm_of_rates(m, p->row, p->column) * bound_of_inverse(s, p->row, p->column));
-        if (!(least > p->singular) && !(s->n <= p->n_exact && spacar_rcond(m, p->row, p->column) > p->singular)) return 0;
-    }
+    if (!(spacar_rcond(m, p->singular, p->n_exact) > p->singular)) return 0;
     if (p->foreign || !(spacar_guard(m, p->shown->x) > p->guard)) return 0;
     for (int k = 0; k < p->n_ground; k++) if (!(p->shown->sigma[p->ground[k]] <= 0.0)) return 0;
     return 1;

@@ -103,6 +103,11 @@ class Slots:
         self.outputs: list[dict[int, str]] = []  # those of the outputs of one call, see `spacar.compiled.passage`
         self.told: set[int] = set()  # rows of their sentences
         self.laws: tuple[Law, ...] = ()
+        self.foreign_c: ctypes.Array[ctypes.c_void_p] | None = None  # addresses of the foreign batches, by batch
+        if self.foreign:
+            self.foreign_c = (ctypes.c_void_p * len(elements))()
+            for b, batch in self.foreign.items():
+                self.foreign_c[b] = ctypes.addressof(batch.c)
         self.user_c: CUser | None = None
         if users:
             self.x, self.xd, self.force = np.zeros((3, nx, lanes))

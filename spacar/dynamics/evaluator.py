@@ -86,6 +86,9 @@ class Evaluator(Integrable, Protocol):
     def condition(self) -> float:
         """Condition number of V[E, U] at the last evaluated state; infinite when singular."""
 
+    def later_condition(self) -> Callable[[], float]:
+        """What gives the condition number of this state, also when others have been evaluated."""
+
     def position_matrix(self) -> PositionMatrix:
         """V[E, U], always that of the last evaluated state."""
 
@@ -116,5 +119,5 @@ class Evaluator(Integrable, Protocol):
 
     @property
     def passage(self) -> Callable[..., Any] | None:
-        """`passage(times, ground, far)` gives what evaluates many outputs in one call (`spacar.compiled.passage`), or
-        None: frames are asked for one by one."""
+        """`passage(times, ground, singular, far)` gives what evaluates many outputs in one call
+        (`spacar.compiled.passage`), or None: frames are asked for one by one."""

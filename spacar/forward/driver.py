@@ -197,7 +197,7 @@ def frames(
     if not model.mechanism.numbering.nkddof or len(times) == 1:
         limits = Limits(evaluator, report)
         if not standing and evaluator.passage is not None:
-            for at in evaluator.passage(times, limits.rows).prescribed(y):
+            for at in evaluator.passage(times, limits.wheels.rows, limits.regularity.matrix.zero).prescribed(y):
                 yield evaluator, looked_at(evaluator, at.t, at.shown, limits)
             return
         for t in times:
@@ -218,7 +218,7 @@ def frames(
     marching: Marches | None = None
     if evaluator.marching is not None:
         together = None if standing else shown.passage
-        passage = None if together is None else together(times, limits.rows, FAR)
+        passage = None if together is None else together(times, limits.wheels.rows, limits.regularity.matrix.zero, FAR)
         marching = partial(evaluator.marching, trail, passage)
     outputs = integrated(
         evaluator, y, times, settings, tolerances,
@@ -361,8 +361,8 @@ def checked(evaluator: Evaluator, t: float, y: Array, limits: Limits) -> Frame:
 def looked_at(evaluator: Evaluator, t: float, shown: Frame | Callable[[], Frame], limits: Limits) -> Frame:
     """The frame of an output that was passed with others: one that nobody has to look at, or what gives it."""
     if isinstance(shown, Frame):
-        if len(limits.rows):
-            limits.press(shown)
+        if len(limits.wheels.rows):
+            limits.wheels.press(shown.sig[limits.wheels.rows, None])
         return shown
     try:
         frame = shown()
@@ -438,7 +438,7 @@ def watched(evaluator: Evaluator, report: Report, charts: ChartWatch | None = No
     settings = mechanism.settings
     resolved = not METHODS[settings.integrator].needs_jacobian
     errors = settings.atol, settings.rtol
-    continuity = Continuity(evaluator, matrix, report, errors, resolved) if len(matrix.columns) else None
+    continuity = Continuity(evaluator, matrix, report, errors, resolved) if not matrix.is_empty else None
     if not half_turns.nodes and continuity is None and charts is None:
         return None
     return Watched(evaluator, half_turns, continuity, charts)
