@@ -243,9 +243,9 @@ class CompiledDynamics:
         """Steps from output to output, or through those of a passage, looked at by `lookout`."""
         return Marching(self, lookout, passage).steps
 
-    def passage(self, times: Sequence[float] | Array, ground: Index, far: int = 0) -> Passage:
+    def passage(self, times: Sequence[float] | Array, ground: Index, singular: float, far: int = 0) -> Passage:
         """Outputs at `times`, evaluated here many at a time; arguments as `Passage`."""
-        return Passage(self, times, ground, far)
+        return Passage(self, times, ground, singular, far)
 
     # -- evaluation -----------------------------------------------------------------------------------------------
     def _derivative(self, t: float, y: Array, within: float) -> int:

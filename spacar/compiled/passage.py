@@ -25,7 +25,6 @@ from spacar.compiled.library import DOUBLES, INTEGER, INTEGERS, NUMBER, POINTER
 from spacar.frame import Frame
 from spacar.integrators.problem import Counts, Passed
 from spacar.kinematics.kinematics import LARGEST_JUMP
-from spacar.kinematics.regularity import PositionMatrix
 from spacar.mechanism.numbering import Numbering
 
 HARMLESS, LOOKED_AT, NOT_SHOWN = range(3)  # as in passage.c
@@ -40,8 +39,8 @@ class CPassage(ctypes.Structure):
     """`Passage` of passage.c."""
 
     _fields_ = [
-        ("shown", POINTER), ("t", DOUBLES), ("rows", DOUBLES), ("work", INTEGERS), ("ground", INTEGERS),
-        ("value", POINTER),
+        ("shown", POINTER), ("t", DOUBLES), ("rows", DOUBLES), ("work", INTEGERS),
+        ("ground", INTEGERS), ("value", POINTER),
         *((name, NUMBER) for name in ("exact", "jump", "singular", "guard", "longest")),
         *((name, INTEGER) for name in (
             "n", "done", "width", "since", "far", "n_exact", "n_ground", "foreign", "steps", "last", "status",
@@ -58,7 +57,6 @@ class ShowsInC(Protocol):
     n_positions: int
     largest_exact: int
 
-    def position_matrix(self) -> PositionMatrix: ...
     def frame_in_general(self, t: float, y: Array) -> Frame:
         """That of a state that C could not do."""
 
@@ -66,11 +64,14 @@ class ShowsInC(Protocol):
 class Passage:
     """Outputs at `times` that `shown` evaluates.
 
-    ground   rows of e whose stresses may press but not pull, and have to be looked at when they do
-    far      steps since the last output beyond which the next one is evaluated from the begin of its step
+    ground    rows of e whose stresses may press but not pull, and have to be looked at when they do
+    singular  reciprocal condition of V[E, U] that has to be looked at
+    far       steps since the last output beyond which the next one is evaluated from the begin of its step
     """
 
-    def __init__(self, shown: ShowsInC, times: Sequence[float] | Array, ground: Index, far: int) -> None:
+    def __init__(
+        self, shown: ShowsInC, times: Sequence[float] | Array, ground: Index, singular: float, far: int
+    ) -> None:
         model, n = shown.solver, shown.numbering
         self.shown, self.times = shown, times
         self.nx, self.ne = n.nx, n.ne
@@ -79,8 +80,7 @@ class Passage:
         self.ground = np.ascontiguousarray(ground, np.int32)  # C points at it
         self.c = c = CPassage(shown.state.address.value)
         c.ground = self.ground.ctypes.data
-        c.exact, c.jump, c.singular = EXACT, LARGEST_JUMP, shown.position_matrix().zero
-        c.guard, c.longest = GUARD, LONGEST
+        c.exact, c.jump, c.singular, c.guard, c.longest = EXACT, LARGEST_JUMP, singular, GUARD, LONGEST
         c.width, c.far, c.n_exact, c.n_ground = self.width, far, shown.largest_exact, len(ground)
         c.foreign = model.slots.has_limits
         self.address = ctypes.c_void_p(ctypes.addressof(c))

@@ -119,5 +119,5 @@ class Evaluator(Integrable, Protocol):
 
     @property
     def passage(self) -> Callable[..., Any] | None:
-        """`passage(times, ground, far)` gives what evaluates many outputs in one call (`spacar.compiled.passage`), or
-        None: frames are asked for one by one."""
+        """`passage(times, ground, singular, far)` gives what evaluates many outputs in one call
+        (`spacar.compiled.passage`), or None: frames are asked for one by one."""

@@ -83,7 +83,7 @@ class Wheels:
         self.pressed = bool(model.loads.gravity.any())
 
     def press(self, normal: Array) -> None:
-        """Remember how the wheels are pressed on the ground where none is pulled; normal: (wheels, cases)."""
+        """Remember how they were pressed on the ground; normal: (wheels, cases)."""
         np.maximum(self.compression, -normal, out=self.compression)
 
     def lifted(self, t: float, normal: Array) -> Iterator[tuple[int, int, str]]:

@@ -197,7 +197,7 @@ def frames(
     if not model.mechanism.numbering.nkddof or len(times) == 1:
         limits = Limits(evaluator, report)
         if not standing and evaluator.passage is not None:
-            for at in evaluator.passage(times, limits.wheels.rows).prescribed(y):
+            for at in evaluator.passage(times, limits.wheels.rows, limits.regularity.matrix.zero).prescribed(y):
                 yield evaluator, looked_at(evaluator, at.t, at.shown, limits)
             return
         for t in times:
@@ -218,7 +218,7 @@ def frames(
     marching: Marches | None = None
     if evaluator.marching is not None:
         together = None if standing else shown.passage
-        passage = None if together is None else together(times, limits.wheels.rows, FAR)
+        passage = None if together is None else together(times, limits.wheels.rows, limits.regularity.matrix.zero, FAR)
         marching = partial(evaluator.marching, trail, passage)
     outputs = integrated(
         evaluator, y, times, settings, tolerances,

@@ -275,8 +275,8 @@ def test_the_bound_of_the_condition_never_lies_and_is_of_use(name):
     evaluator.frame(0.0, y)
     exact = evaluator.position_matrix().rcond()
     for singular, harmless in ((exact * (1.0 + 1e-9), False), (exact * 1e-5, True)):
-        many = evaluator.passage(np.zeros(1), np.zeros(0, np.int64))
-        many.c.singular, many.c.n_exact, many.c.guard = singular, 0, -1.0
+        many = evaluator.passage(np.zeros(1), np.zeros(0, np.int64), singular)
+        many.c.n_exact, many.c.guard = 0, -1.0
         (out,) = many.prescribed(y)
         assert isinstance(out.shown, Frame) == (harmless and not many.c.foreign)
 
