@@ -5,12 +5,12 @@ Checked at stored steps, not in every evaluation.
 
 from __future__ import annotations
 
+from operator import itemgetter
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.deck import ELEMENT_TYPES
 from spacar.errors import AnalysisError, Report
 from spacar.frame import Frame
 from spacar.kinematics.regularity import Regularity
@@ -30,12 +30,12 @@ class Limits:
     def __init__(self, evaluator: Evaluator, report: Report) -> None:
         n = evaluator.model.mechanism.numbering
         # the stress of the normal mode is the force of the road, compression negative
-        normal = {keyword: ELEMENT_TYPES[keyword].normal_mode for _, keyword, _ in n.elements}
-        found = [(number, keyword) for number, keyword, _ in n.elements if normal[keyword]]
-        wheels, self.keywords = [number for number, _ in found], [keyword for _, keyword in found]
+        rolling = [rows for rows in n.types if rows.kind.normal_mode]
+        found = sorted([(number, rows.kind) for rows in rolling for number in rows.numbers.tolist()], key=itemgetter(0))
+        wheels, self.keywords = [number for number, _ in found], [kind.keyword for _, kind in found]
         self.pressed = bool(evaluator.model.loads.gravity.any())
         self.wheels = np.array(wheels, np.int64)
-        self.rows = np.array([n.e_index(w, normal[keyword]) for w, keyword in found], np.int64)
+        self.rows = np.array([n.e_index(wheel, kind.normal_mode) for wheel, kind in found], np.int64)
         self.compression = np.zeros(len(wheels))
         self.report = report
         self.warned: set[int] = set()
