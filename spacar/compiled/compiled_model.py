@@ -30,9 +30,7 @@ def why_general(mechanism: Mechanism) -> str | None:
 def why_not_in_lanes(mechanism: Mechanism) -> str | None:
     """Why several cases of this mechanism cannot be evaluated at a time, or None."""
     missing = without_form(mechanism)
-    if missing:
-        return f"{', '.join(missing)}: without functions in C"
-    return None if mechanism.numbering.holonomic and not mechanism.numbering.nk else "wheels"
+    return f"{', '.join(missing)}: without functions in C" if missing else None
 
 
 # Largest scaled correction that ends the iteration of a stored position: one more follows the first that is below
@@ -256,7 +254,7 @@ class CompiledModel:
         return not self.slots.has_limits and bool(self.engine.guard(self.handle, state.x_address) > GUARD)
 
     def reduced_mass(self) -> Array | None:
-        """Of the degrees of freedom at the last evaluated state, (nddof, nddof, cases), where it was needed."""
+        """Of the degrees of freedom at the last evaluated state, (nddof, nddof, cases)."""
         n = self.numbering.nddof
         out = np.zeros((n, n, self.cases))
         return out if self.engine.reduced_mass(self.handle, out.ctypes.data) else None

@@ -459,20 +459,43 @@ static double spacar_rcond(Model *m, double enough, int most)
     return 1.0 / largest_lane(norm * inverse);
 }
 
-/* The reduced mass matrix (q, q) of the degrees of freedom at the last evaluated state, from its factors. 0 when the saddle-
-   point form was used instead, which has none. */
-static int spacar_reduced_mass(const Model *m, real *out)
+/* The reduced mass matrix (q, q) of the degrees of freedom at the last evaluated state: from the factors of the reduced form,
+   or W^T M W with the motions W of each degree of freedom alone. 0 when there is none, or no memory. */
+static int spacar_reduced_mass(Model *m, real *out)
 {
-    const int q = m->s.n_x_dynamic + m->s.n_e_dynamic, width = m->width;
-    if (!m->reduced || !m->transfer_of) return 0;
-    for (int i = 0; i < q; i++)
-        for (int j = 0; j <= i; j++) {
-            real sum = m->small[i * width + 1 + j];
-            for (int k = i + 1; k < q; k++) {
-                const real *row = m->small + k * width + 1;
-                sum += row[i] * row[j] / row[k];
+    const Spec *s = &m->s;
+    const int nx = s->nx, a = s->n_x_dynamic, q = a + s->n_e_dynamic, width = m->width;
+    if (m->reduced && m->transfer_of) {
+        for (int i = 0; i < q; i++)
+            for (int j = 0; j <= i; j++) {
+                real sum = m->small[i * width + 1 + j];
+                for (int k = i + 1; k < q; k++) {
+                    const real *row = m->small + k * width + 1;
+                    sum += row[i] * row[j] / row[k];
+                }
+                out[i * q + j] = out[j * q + i] = sum;
             }
-            out[i * q + j] = out[j * q + i] = sum;
+        return 1;
+    }
+    real *W = s->prescribed ? NULL : cleared((size_t)nx * q, sizeof(real)), *e_rate = m->near, *force = m->force;
+    if (!W) return 0;
+    for (int c = 0; c < q; c++) {
+        real *w = W + (size_t)c * nx;
+        memset(e_rate, 0, sizeof(real) * s->ne);
+        if (c < a) w[s->x_dynamic + c] = EVERY(1.0);
+        else e_rate[s->e_dynamic + c - a] = EVERY(1.0);
+        dependent(m, w, e_rate, NULL);
+        memset(force, 0, sizeof(real) * nx);
+        for (int k = 0; k < m->mass.n; k++)
+            force[m->mass.row[k]] += m->values[m->mass.source[k]] * w[m->mass.column[k]];
+        for (int k = 0; k < m->coupling.n; k++)
+            force[m->coupling.row[k]] += m->values[m->coupling.source[k]] * w[m->coupling.column[k]];
+        for (int d = 0; d <= c; d++) {
+            real sum = EVERY(0.0);
+            for (int i = 0; i < nx; i++) sum += W[(size_t)d * nx + i] * force[i];
+            out[c * q + d] = out[d * q + c] = sum;
         }
+    }
+    free(W);
     return 1;
 }

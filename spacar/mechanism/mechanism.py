@@ -17,6 +17,10 @@ from spacar.deck.table_types import lengths_of
 from spacar.mechanism.layout import Batch, Layout
 from spacar.mechanism.numbering import Numbering
 
+NO_ENTRIES = np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0)  # rows, columns, values
+for _part in NO_ENTRIES:
+    _part.setflags(write=False)
+
 
 @dataclass(frozen=True)
 class Loads:
@@ -192,8 +196,9 @@ class Mechanism:
     length: float  # largest distance between two nodes of the reference configuration [m]; 1 without positions
 
     def __post_init__(self) -> None:
-        numbered = tuple(b if b.index == k else replace(b, index=k) for k, b in enumerate(self.batches))
-        object.__setattr__(self, "batches", numbered)
+        if any(b.index != k for k, b in enumerate(self.batches)):
+            numbered = tuple(replace(b, index=k) for k, b in enumerate(self.batches))
+            object.__setattr__(self, "batches", numbered)
 
     @cached_property
     def layout(self) -> Layout:
