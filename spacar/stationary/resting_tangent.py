@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from spacar.arrays import Array
+from spacar.linear_systems import LinearSystem
 from spacar.linear_systems.lost_digits import entry_rounding
 from spacar.linear_systems.matrix_inertia import Inertia
 from spacar.linearization.contractions import geometric_blocks
@@ -22,12 +25,15 @@ class RestingTangent:
 
     def __init__(self, sparse: SparseTangent) -> None:
         self.t = sparse
-        self._system = sparse.static_system()
         self._entries, self._entries_of = np.zeros(0), object()
         self._inertia: Inertia | None = None
         self._definite: DefiniteStiffness | None = None
         loading = sparse.parts["load"], sparse.parts["moment"]
         self._unsymmetric = [p for p in loading if len(p.keep)]
+
+    @cached_property
+    def _system(self) -> LinearSystem:
+        return self.t.static_system()
 
     def entries(self, point: Iterate) -> Array:
         """Of the matrix at the point where the sweep is; evaluated once."""
