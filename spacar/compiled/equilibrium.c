@@ -44,7 +44,7 @@ typedef struct {
     double *v_factor, *constant, *band;
     quad *z;
     Piece *pieces;
-    double *applied, *given_x, *given_e, *preload, *x, *sigma, *force, *sizes, *gap, *lengths, *right, *rounding, *dx, *inertia, *still, *before;
+    double *applied, *given_x, *given_e, *preload, *x, *sigma, *force, *sizes, *gap, *lengths, *right, *rounding, *dx, *inertia, *weight, *still, *before;
     int definite_b, definite_known;
     double *definite_band, *definite_size;
     void *memory[64];
@@ -99,7 +99,7 @@ static int spacar_equilibrium_begin(Equilibrium *q)
         const Elements *t = q->groups[k].elements;
         xs += (size_t)t->nxe * t->n; es += (size_t)t->nee * t->n; squares += (size_t)t->nxe * t->nxe * t->n;
     }
-    const size_t sum = 2 * squares + 2 * q->n_v + nc, numbers = 2 * xs + 3 * es + 3 * squares + 7 * (size_t)q->nx + 6 * (size_t)q->ne + 2 * (size_t)n;
+    const size_t sum = 2 * squares + 2 * q->n_v + nc, numbers = 2 * xs + 3 * es + 3 * squares + 8 * (size_t)q->nx + 6 * (size_t)q->ne + 2 * (size_t)n;
     int *rows = room_of(w, sum, sizeof(int)), *columns = room_of(w, sum, sizeof(int));
     int *places = room_of(w, 3 * squares, sizeof(int));
     w->pieces = room_of(w, q->n_groups, sizeof(Piece));
@@ -122,8 +122,8 @@ static int spacar_equilibrium_begin(Equilibrium *q)
         p->H = d; p->by_x = d + s; d += 3 * s;
         p->at = places; p->by_x_at = places + s; p->definite_at = places + 2 * s; places += 3 * s;
     }
-    double **vectors[] = { &w->applied, &w->given_x, &w->force, &w->sizes, &w->x, &w->dx, &w->inertia };
-    for (int k = 0; k < 7; k++, d += q->nx) *vectors[k] = d;
+    double **vectors[] = { &w->applied, &w->given_x, &w->force, &w->sizes, &w->x, &w->dx, &w->inertia, &w->weight };
+    for (int k = 0; k < 8; k++, d += q->nx) *vectors[k] = d;
     double **stresses[] = { &w->given_e, &w->preload, &w->sigma, &w->gap, &w->lengths, &w->before };
     for (int k = 0; k < 6; k++, d += q->ne) *stresses[k] = d;
     w->right = d; w->rounding = d + n; w->still = d + 2 * n;
@@ -216,7 +216,8 @@ static void rest_residual(Equilibrium *q, const Own *w, const double *x, double 
         w->sizes[c] += fabs(part);
         w->lengths[r] += fabs(V[k]) * (size > q->least[c] ? size : q->least[c]);
     }
-    if (q->heavy)
+    if (q->heavy) {
+        memset(w->weight, 0, sizeof(double) * nx);
         for (int k = 0; k < q->n_groups; k++) {
             const Group *g = &q->groups[k];
             const Piece *p = &w->pieces[k];
@@ -224,8 +225,10 @@ static void rest_residual(Equilibrium *q, const Own *w, const double *x, double 
             if (!g->heavy) continue;
             for (int i = 0; i < count; i++) p->H[i] = w->inertia[g->x[i]];
             spacar_elements_inertia(g->elements, p->x, NULL, p->H, NULL, p->by_x);
-            for (int i = 0; i < count; i++) { w->force[g->x[i]] -= p->by_x[i]; w->sizes[g->x[i]] += fabs(p->by_x[i]); }
+            for (int i = 0; i < count; i++) w->weight[g->x[i]] += p->by_x[i];
         }
+        for (int i = 0; i < nx; i++) { w->force[i] -= w->weight[i]; w->sizes[i] += fabs(w->weight[i]); }
+    }
     if (q->held) for (int i = 0; i < nx; i++) w->force[i] -= q->hold * q->held[i];
     for (int k = 0; k < q->n_flexible; k++) {
         const int r = (int)q->flexible_rows[k], c = (int)q->flexible_columns[k];

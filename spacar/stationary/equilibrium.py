@@ -1,9 +1,9 @@
 """Newton's iteration of a level at rest and the proof of stability in one call of C (compiled/equilibrium.c) each.
 
 The equations, the criteria and the constants are those of `StationaryEquations`, `newton` and `DefiniteStiffness`; both
-ways give the same states to rounding (tests/stationary/test_equilibrium.py). The engine takes what most models
-are: holonomic, at rest, no user function, no moments, no tubes, all elements in C, and a system that is dense or has a
-narrow band. It answers None where something is unusual (a singular matrix, a gradient of gravity that is not symmetric).
+ways give the same states to rounding (tests/stationary/test_equilibrium.py). The engine takes what most models are:
+holonomic, at rest, no user function, no moments, no tubes, all elements in C, and a system that is dense or has a
+narrow band. It answers None where something is unusual: a singular matrix, a gradient of gravity that is not symmetric.
 """
 
 from __future__ import annotations

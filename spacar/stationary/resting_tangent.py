@@ -13,7 +13,7 @@ from spacar.linear_systems.matrix_inertia import Inertia
 from spacar.linearization.contractions import geometric_blocks
 from spacar.stationary.definite import DefiniteStiffness
 from spacar.stationary.stationary_equations import Iterate
-from spacar.stationary.tangent import STATIC, SparseTangent
+from spacar.stationary.tangent import STATIC, SparseTangent, TangentTerm
 
 SYMMETRIC = 1e-12  # relative: rounding of the element blocks
 
@@ -28,8 +28,12 @@ class RestingTangent:
         self._entries, self._entries_of = np.zeros(0), object()
         self._inertia: Inertia | None = None
         self._definite: DefiniteStiffness | None = None
-        loading = sparse.parts["load"], sparse.parts["moment"]
-        self._unsymmetric = [p for p in loading if len(p.keep)]
+
+    @cached_property
+    def _unsymmetric(self) -> list[TangentTerm]:
+        """Terms that may be so."""
+        loading = self.t.parts["load"], self.t.parts["moment"]
+        return [p for p in loading if len(p.keep)]
 
     @cached_property
     def _system(self) -> LinearSystem:
