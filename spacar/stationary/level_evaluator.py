@@ -48,7 +48,8 @@ class LevelEvaluator:
         if n.holonomic:
             self.y[self._dynamics.n_positions :] = 0.0
         rates = self.y[self._dynamics.n_positions :]
-        self.moving = SteadyDrive.at_level(mechanism, LoadLevel(1.0, 0.0)).moving or bool(rates.any())
+        self.whole = SteadyDrive.at_level(mechanism, LoadLevel(1.0, 0.0))  # prescribed values of the initial loading
+        self.moving = self.whole.moving or bool(rates.any())
         self.plain = n.holonomic and not self.moving and mechanism.user_signal is None
         self.hold: Array | None = None
         self._hold_until = 1.0

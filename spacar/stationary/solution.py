@@ -14,7 +14,7 @@ from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
 from spacar.stationary.contract import Tangent
 from spacar.stationary.level_evaluator import LevelEvaluator
-from spacar.stationary.loading import LoadLevel, SteadyDrive, loads_at
+from spacar.stationary.loading import LoadLevel
 from spacar.stationary.moving_tangent import MovingTangent
 from spacar.stationary.newton import LENGTHS
 from spacar.stationary.stability import Stability, critical_motion
@@ -56,7 +56,7 @@ class StationarySolver:
 
     def __post_init__(self) -> None:
         m, n = self.mechanism, self.mechanism.numbering
-        start, motion = m.drive.at(0.0), SteadyDrive.at_level(m, LoadLevel(1.0, 0.0))
+        start = m.drive.at(0.0)
         if start.xdd.any() or start.edd.any():
             self.report.add("warning: prescribed accelerations are ignored in a stationary solution")
         self._evaluator = e = LevelEvaluator(m)
@@ -64,7 +64,7 @@ class StationarySolver:
         if n.holonomic and d.start_values()[d.n_positions :].any():
             self.report.add("warning: start rates of dynamic degrees of freedom are ignored in a stationary solution")
         # When the loading does nothing, all levels have the solution of the first one.
-        self._idle = e.plain and not loads_at(m, LoadLevel(1.0, 0.0)).present and not motion.shift(m)
+        self._idle = e.plain and not m.loads.present and not e.whole.shift(m)
         self.iterations = 0
         self._said: Stability | None = None
         self._walk: Walk | None = None
