@@ -134,8 +134,7 @@ class Equilibrium:
         c.first_ratio, c.later_ratio, c.jump, c.symmetric = FIRST_RATIO, LATER_RATIO, LARGEST_JUMP, SYMMETRIC
         c.guess_forces, c.guess_lengths, c.weight, c.safe = FORCES, LENGTHS, WEIGHT, SAFE
         c.elastic = largest_stiffness(C, m.deformation_scale)
-        c.limit = m.settings.max_iterations
-        self._sizes = np.zeros(max(c.limit, 1))
+        self._sizes = np.zeros(max(m.settings.max_iterations, 1))
         c.sizes = self._sizes.ctypes.data
         self.address = ctypes.c_void_p(ctypes.addressof(c))
         weakref.finalize(self, _end, self._call.equilibrium_end, c)
@@ -158,8 +157,8 @@ class Equilibrium:
         c.e_step[:] = [at(start.e), nothing_e if more is None else at(more.e)]
 
     def _at(self, values: Array) -> int:
-        """The address of values that are kept."""
-        values = np.ascontiguousarray(values)
+        """The address of values that are kept, numbers of 64 bits."""
+        values = np.ascontiguousarray(values, np.int64 if values.dtype.kind == "i" else np.float64)
         self._keep.append(values)
         return int(values.ctypes.data)
 
@@ -176,6 +175,7 @@ class Equilibrium:
         out = self._from(x, sigma)
         c.forces, c.lengths = demand.forces, demand.lengths
         c.correction, c.tolerance = demand.correction, demand.tolerance
+        c.limit = min(demand.limit, len(self._sizes))
         status = self._call.equilibrium_newton(self.address)
         if status == FOUND:
             return Converged(self._iterate(out), c.iterations, c.noise, regular=c.iterations > 0)
@@ -236,6 +236,8 @@ class NotCompiled(Exception):
 def takes(d: Dynamics) -> bool:
     """Does the engine take a mechanism at rest without user functions?"""
     m = d.mechanism
+    if m.x0.dtype != float or m.x0.ndim > 1:  # complex steps, cases side by side
+        return False
     parts = [m.loads] if m.additional is None else [m.loads, m.additional]
     if any(loads.moment_rows.size or loads.flow for loads in parts) or any(map(is_tube, d.sweep.moving)):
         return False

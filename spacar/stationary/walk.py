@@ -223,9 +223,8 @@ class Walk:
         while len(known) > 1 and max(map(abs, weights)) > FARTHEST:
             known = known[1:]
             weights = _lagrange(known, path)
-        x = sum(w * k.x for w, k in zip(weights, known, strict=True))
-        sigma = sum(w * k.sigma for w, k in zip(weights, known, strict=True))
-        return Known(path, np.asarray(x), np.asarray(sigma))
+        x, sigma = np.dot(weights, [k.x for k in known]), np.dot(weights, [k.sigma for k in known])
+        return Known(path, x, sigma)
 
     def _moved(self, before: Iterate) -> float:
         return largest((self.point.x - before.x) / self.evaluator.scale)

@@ -13,7 +13,7 @@ from spacar.compiled.library import unavailable
 from spacar.deck import parse_deck, read_deck
 from spacar.errors import Report
 from spacar.mechanism import build
-from spacar.stationary import LoadLevel, StationarySolver, load_program
+from spacar.stationary import LoadLevel, StationarySolver, equilibrium, load_program
 from spacar.stationary.contract import Astray
 from spacar.stationary.level_evaluator import LevelEvaluator
 from spacar.stationary.newton import Demand, newton
@@ -93,8 +93,10 @@ def near_start(e: LevelEvaluator) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("name", TEXTS)
 def test_the_residual_and_the_size_of_its_terms_are_those_of_the_general_path(name):
     e = evaluator(TEXTS[name])
+    held = np.random.default_rng(5).normal(size=e.mechanism.numbering.nx)
     for level in (LoadLevel(0.0, 0.0), LoadLevel(0.4, 0.0), LoadLevel(1.0, 0.7)):
         e.load(level)
+        e.held_by(held, until=0.9)  # from the next level on
         x, sigma = near_start(e)
         found = e.point(x, sigma)
         p = e.equations.point(x, sigma, e.given)  # puts loads and elements in place
@@ -182,6 +184,20 @@ def test_a_singular_matrix_is_left_to_python():
     found = e.newton(e.mechanism.x0.copy(), np.zeros(n.ne), Demand.of(20, 1e-8, True))
     assert found.point.x == pytest.approx([0.0, 0.0, 1.03, 0.0], abs=1e-12)
     assert found.point.sigma == pytest.approx([3.0])
+
+
+def test_what_has_no_form_in_c_is_left_to_python(monkeypatch):
+    def engine_of(text: str) -> object:
+        return LevelEvaluator(with_compiled_elements(build(parse_deck(text, mode=7), 7)))._engine
+
+    spatial = TEXTS["spatial"]
+    assert engine_of(spatial) is not None
+    assert engine_of(spatial.replace("XF 5 3. 2. 1.", "XF 6 0.1 0.2 0.3")) is None  # a moment follows the orientation
+    assert engine_of(TEXTS["prescribed"].replace("INPUTX 5 2 0.15 0. 0.", "INPUTX 5 2 0.15 1. 0.")) is None  # motion
+    assert engine_of(TEXTS["long"]) is not None
+    monkeypatch.setattr(equilibrium, "BAND_LIMIT", 20)
+    assert engine_of(TEXTS["long"]) is None
+    assert engine_of(TEXTS["cantilever"]) is not None  # dense in Python
 
 
 @pytest.mark.parametrize("name", ["lateral4", "robotsim", "plbeam5", "massspring", "crankfl", "cardan", "finger"])
