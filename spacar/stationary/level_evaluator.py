@@ -52,7 +52,7 @@ class LevelEvaluator:
         self.moving = self.whole.moving or bool(rates.any())
         self.plain = n.holonomic and not self.moving and mechanism.user_signal is None
         self.hold: Array | None = None
-        self._hold_until = 1.0
+        self._hold_until, self._held = 1.0, 0.0  # the part of `hold` that acts at the present level
         self._level, self._loaded = level, True
         self._given: Given | None = None
         self._at: Array | None = None  # where C has left the sweep
@@ -93,15 +93,12 @@ class LevelEvaluator:
         """Put the loads of a level on the evaluator. Where the flow in tubes changes, `dynamics`, `equations` and
         `tangent` are made anew."""
         self._level, self._loaded, self._given = level, False, None
+        if self.hold is not None:
+            self._held = max(0.0, 1.0 - level.path / self._hold_until)
         if self._engine is None:
             self._settle()
         else:
             self._engine.load(level, self.hold, self._held)
-
-    @property
-    def _held(self) -> float:
-        """The part of `hold` that acts at the present level."""
-        return max(0.0, 1.0 - self._level.path / self._hold_until)
 
     def _settle(self) -> None:
         """Loads and elements as Python needs them."""
@@ -123,8 +120,10 @@ class LevelEvaluator:
             following.kinematics.start_from(self._dynamics.kinematics)
             self._dynamics = following
             self._renew()
-        if self.hold is not None:
+        if self.hold is not None and self._held:
             self._equations.held = self._held * self.hold
+        else:
+            self._equations.held = None
 
     @property
     def dynamics(self) -> Dynamics:
