@@ -126,7 +126,7 @@ def _check_warping(scene: CheckMaterial) -> None:
             held[node] = held.get(node, False) or stiff
     for node, is_held in held.items():
         if not is_held and scene.class_of("node", node, 1)[0] == "dynamic" and not scene.doubtful("node", node):
-            by = scene.outline.users[node]
+            by = scene.outline.user(node)
             text = f"nothing holds the twist rate of warping node {node}: FIX {node}, or give ESTIFF a GIt or ECw"
             scene.findings.warning(by, None, text, "free-warping")
 

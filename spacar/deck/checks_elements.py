@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import chain
+
 from spacar.deck.check_material import CheckMaterial
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
@@ -11,7 +13,8 @@ from spacar.modes import MODES
 def check_elements(scene: CheckMaterial) -> None:
     """Everything that concerns the element statements as such."""
     outline, findings = scene.outline, scene.findings
-    elements = [s for s in scene.index.statements if s.keyword in ELEMENT_TYPES]
+    groups = [group for group in scene.index.groups if group[0].keyword in ELEMENT_TYPES]
+    elements = list(chain.from_iterable(groups))
     if not elements and outline.complete and not findings.errors:
         findings.add("error", None, "", "the kinematics block defines no element", "no-element")
     first_of_kind: dict[bool, Statement] = {}
@@ -52,7 +55,7 @@ def _check_nodes(s: Statement, scene: CheckMaterial) -> None:
             continue
         seen[node, role] = i
         if outline.roles.get(node, role) != role:
-            user = outline.users[node]
+            user = outline.user(node)
             at = f"{user.subject} (line {user.line})" if user is not s else "this element itself"
             text = f"{role} node {node} is used as {outline.roles[node]} node by {at}"
             scene.findings.error(s, i, text, "node-role")

@@ -14,7 +14,7 @@ from spacar.deck.expansion import BeamSection
 from spacar.deck.lexer import visualization_of
 from spacar.deck.mode_blocks import Purpose
 from spacar.deck.statement import Statement, Value
-from spacar.deck.statement_index import StatementIndex
+from spacar.deck.statement_index import StatementIndex, grouped
 from spacar.deck.table_sections import UNITS
 from spacar.deck.table_types import BlockKind
 from spacar.errors import Message, UsageError
@@ -62,7 +62,7 @@ class Deck:
 
     @cached_property
     def _index(self) -> StatementIndex:
-        return StatementIndex((*self.statements, *self.shorthand))
+        return StatementIndex(grouped((*self.statements, *self.shorthand)))
 
     @property
     def metre(self) -> float:

@@ -20,7 +20,7 @@ from spacar.deck.lexer import LONGEST_LINE, is_in_range, split_lines, word_end
 from spacar.deck.mode_blocks import uses
 from spacar.deck.outline import Outline
 from spacar.deck.statement import Statement, Value
-from spacar.deck.statement_index import StatementIndex
+from spacar.deck.statement_index import StatementIndex, grouped
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.errors import Message
 
@@ -44,13 +44,13 @@ class _Template:
 
     def checked(self, statements: tuple[Statement, ...]) -> list[Message] | None:
         """Messages of the checks, None when there is an error, or another one in a block that the mode skips."""
-        outline = Outline(metre=1.0)
-        for s in statements:
-            if s.keyword in ELEMENT_TYPES:
-                outline.add(s)
+        groups, outline = grouped(statements), Outline(metre=1.0)
+        for group in groups:
+            if group[0].keyword in ELEMENT_TYPES:
+                outline.add(group)
         findings, others = Findings(self.deck.source), Findings(self.deck.source)
         by_block = {block: findings if block in self.used else others for block in (1, 2, 3)}
-        check(StatementIndex(statements), outline, self.deck.mode, self.deck.third, by_block)
+        check(StatementIndex(groups), outline, self.deck.mode, self.deck.third, by_block)
         if self.skipped is None:
             self.skipped = others.messages
         return None if findings.errors or others.messages != self.skipped else findings.messages
