@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable
 
 from spacar.deck.check_material import CheckMaterial, Classes
 from spacar.deck.statement import Statement
+from spacar.deck.statement_index import Group
 from spacar.deck.table_elements import ELEMENT_TYPES
 
 COORDINATE_CLASSES = {"FIX": "fixed", "INPUTX": "prescribed", "DYNX": "dynamic", "KINX": "kinematic"}
@@ -22,13 +24,10 @@ _DONE = {
 def classify(scene: CheckMaterial) -> None:
     """Fill the classes of the scene; one thing in two classes is an error, twice in one class a warning."""
     outline = scene.outline
-    for s in scene.of(*COORDINATE_CLASSES, block=1):
-        indices = s.integers(1) or outline.independent(s.integer(0))
-        _put(scene, s, "coordinate", indices, COORDINATE_CLASSES[s.keyword], scene.coordinates)
-    for s in scene.of(*DEFORMATION_CLASSES, block=1):
-        indices = s.integers(1) or outline.classed(s.integer(0))
-        indices = _without_released(scene, s, indices)
-        _put(scene, s, "mode", indices, DEFORMATION_CLASSES[s.keyword], scene.deformations)
+    for group in scene.index.groups_of(*COORDINATE_CLASSES, block=1):
+        _put(scene, group, "coordinate", outline.independent, COORDINATE_CLASSES[group[0].keyword], scene.coordinates)
+    for group in scene.index.groups_of(*DEFORMATION_CLASSES, block=1):
+        _put(scene, group, "mode", outline.classed, DEFORMATION_CLASSES[group[0].keyword], scene.deformations)
     _check_euler_parameters(scene)
     _check_kinematic(scene)
 
@@ -53,6 +52,34 @@ def _without_released(scene: CheckMaterial, s: Statement, indices: tuple[int, ..
 
 
 def _put(
+    scene: CheckMaterial,
+    group: Group,
+    noun: str,
+    every: Callable[[int], tuple[int, ...]],
+    name: str,
+    classes: Classes,
+) -> None:
+    """Give a class to what the statements name, or, without numbers, to `every` coordinate or mode."""
+    new: Classes = {}
+    count = 0
+    for s in group:
+        this = name, s
+        indices = s.integers(1) or every(s.integer(0))
+        count += len(indices)
+        for index in indices:
+            new[s.integer(0), index] = this
+    with_released = noun == "mode" and any(kind.released for kind in scene.outline.kinds)
+    if len(new) == count and classes.keys().isdisjoint(new) and not with_released:
+        classes.update(new)
+        return
+    for s in group:
+        indices = s.integers(1) or every(s.integer(0))
+        if with_released:
+            indices = _without_released(scene, s, indices)
+        _put_one(scene, s, noun, indices, name, classes)
+
+
+def _put_one(
     scene: CheckMaterial, s: Statement, noun: str, indices: tuple[int, ...], name: str, classes: Classes
 ) -> None:
     number = s.integer(0)
@@ -80,7 +107,7 @@ def _listed(numbers: list[int]) -> str:
 
 def _check_euler_parameters(scene: CheckMaterial) -> None:
     """At most three of the four Euler parameters of a node can be given: the normalization gives the fourth."""
-    if scene.outline.space == "planar":
+    if scene.outline.space == "planar" or not scene.coordinates:
         return
     given = Counter([node for node, _ in scene.coordinates])
     for node, role in scene.outline.roles.items():
@@ -98,7 +125,7 @@ def _check_euler_parameters(scene: CheckMaterial) -> None:
 
 
 def _check_kinematic(scene: CheckMaterial) -> None:
-    if not scene.outline.complete or any(t.slips for t in scene.outline.types.values()):
+    if not scene.outline.complete or any(kind.slips for kind in scene.outline.kinds):
         return
     for s in scene.of("KINX", "KINE"):
         wheels = ", ".join(t.keyword for t in ELEMENT_TYPES.values() if t.slips)

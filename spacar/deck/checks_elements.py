@@ -7,6 +7,7 @@ from itertools import chain
 from spacar.deck.check_material import CheckMaterial
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
+from spacar.deck.table_types import ElementType
 from spacar.modes import MODES
 
 
@@ -14,11 +15,13 @@ def check_elements(scene: CheckMaterial) -> None:
     """Everything that concerns the element statements as such."""
     outline, findings = scene.outline, scene.findings
     groups = [group for group in scene.index.groups if group[0].keyword in ELEMENT_TYPES]
-    elements = list(chain.from_iterable(groups))
-    if not elements and outline.complete and not findings.errors:
+    if not groups and outline.complete and not findings.errors:
         findings.add("error", None, "", "the kinematics block defines no element", "no-element")
+    kinds = outline.kinds
+    if outline.regular and len({kind.planar for kind in kinds}) < 2 and all(_harmless(kind) for kind in kinds):
+        return
     first_of_kind: dict[bool, Statement] = {}
-    for s in elements:
+    for s in chain.from_iterable(groups):
         kind = ELEMENT_TYPES[s.keyword]
         first = outline.elements[s.integer(0)]
         if first is not s:
@@ -42,6 +45,11 @@ def check_elements(scene: CheckMaterial) -> None:
                 )
                 findings.error(s, None, text, "planar-and-spatial")
         _check_nodes(s, scene)
+
+
+def _harmless(kind: ElementType) -> bool:
+    """Whether the type says nothing against its elements, whatever the mode."""
+    return kind.supported and not kind.slips
 
 
 def _check_nodes(s: Statement, scene: CheckMaterial) -> None:
