@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from spacar.deck.check_material import CheckMaterial, Classes
 from spacar.deck.statement import Statement
-from spacar.deck.statement_index import Group
 from spacar.deck.table_elements import ELEMENT_TYPES
 
 COORDINATE_CLASSES = {"FIX": "fixed", "INPUTX": "prescribed", "DYNX": "dynamic", "KINX": "kinematic"}
@@ -24,10 +22,8 @@ _DONE = {
 def classify(scene: CheckMaterial) -> None:
     """Fill the classes of the scene; one thing in two classes is an error, twice in one class a warning."""
     outline = scene.outline
-    for group in scene.index.groups_of(*COORDINATE_CLASSES, block=1):
-        _put(scene, group, "coordinate", outline.independent, COORDINATE_CLASSES[group[0].keyword], scene.coordinates)
-    for group in scene.index.groups_of(*DEFORMATION_CLASSES, block=1):
-        _put(scene, group, "mode", outline.classed, DEFORMATION_CLASSES[group[0].keyword], scene.deformations)
+    _put(scene, "coordinate", outline.independent, COORDINATE_CLASSES, scene.coordinates)
+    _put(scene, "mode", outline.classed, DEFORMATION_CLASSES, scene.deformations)
     _check_euler_parameters(scene)
     _check_kinematic(scene)
 
@@ -53,30 +49,29 @@ def _without_released(scene: CheckMaterial, s: Statement, indices: tuple[int, ..
 
 def _put(
     scene: CheckMaterial,
-    group: Group,
     noun: str,
     every: Callable[[int], tuple[int, ...]],
-    name: str,
+    names: Mapping[str, str],
     classes: Classes,
 ) -> None:
     """Give a class to what the statements name, or, without numbers, to `every` coordinate or mode."""
-    new: Classes = {}
     count = 0
-    for s in group:
-        this = name, s
-        indices = s.integers(1) or every(s.integer(0))
-        count += len(indices)
-        for index in indices:
-            new[s.integer(0), index] = this
-    with_released = noun == "mode" and any(kind.released for kind in scene.outline.kinds)
-    if len(new) == count and classes.keys().isdisjoint(new) and not with_released:
-        classes.update(new)
+    for group in scene.index.groups_of(*names, block=1):
+        name = names[group[0].keyword]
+        for s in group:
+            this = name, s
+            number, *indices = s.integers()
+            for index in indices or every(number):
+                classes[number, index] = this
+                count += 1
+    if len(classes) == count and not (noun == "mode" and any(kind.released for kind in scene.outline.kinds)):
         return
-    for s in group:
-        indices = s.integers(1) or every(s.integer(0))
-        if with_released:
-            indices = _without_released(scene, s, indices)
-        _put_one(scene, s, noun, indices, name, classes)
+    classes.clear()
+    for s in scene.of(*names, block=1):
+        given = s.integers(1) or every(s.integer(0))
+        if noun == "mode":
+            given = _without_released(scene, s, given)
+        _put_one(scene, s, noun, given, names[s.keyword], classes)
 
 
 def _put_one(
@@ -107,12 +102,10 @@ def _listed(numbers: list[int]) -> str:
 
 def _check_euler_parameters(scene: CheckMaterial) -> None:
     """At most three of the four Euler parameters of a node can be given: the normalization gives the fourth."""
-    if scene.outline.space == "planar" or not scene.coordinates:
+    if scene.outline.space == "planar":
         return
-    given = Counter([node for node, _ in scene.coordinates])
-    for node, role in scene.outline.roles.items():
-        if role != "orientation" or given[node] != 4:
-            continue
+    with_fourth = {node for node, index in scene.coordinates if index == 4}
+    for node in filter(with_fourth.__contains__, scene.outline.roles if with_fourth else ()):
         by = [scene.coordinates[node, i][1] for i in (1, 2, 3, 4) if (node, i) in scene.coordinates]
         if len(by) == 4:
             last = max(by, key=lambda s: s.line)

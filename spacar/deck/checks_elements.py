@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import chain
-
 from spacar.deck.check_material import CheckMaterial
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
@@ -14,14 +12,11 @@ from spacar.modes import MODES
 def check_elements(scene: CheckMaterial) -> None:
     """Everything that concerns the element statements as such."""
     outline, findings = scene.outline, scene.findings
-    groups = [group for group in scene.index.groups if group[0].keyword in ELEMENT_TYPES]
-    if not groups and outline.complete and not findings.errors:
+    elements = scene.of(*ELEMENT_TYPES) if not outline.regular or not all(map(_harmless, outline.kinds)) else []
+    if not outline.elements and outline.complete and not findings.errors:
         findings.add("error", None, "", "the kinematics block defines no element", "no-element")
-    kinds = outline.kinds
-    if outline.regular and len({kind.planar for kind in kinds}) < 2 and all(_harmless(kind) for kind in kinds):
-        return
     first_of_kind: dict[bool, Statement] = {}
-    for s in chain.from_iterable(groups):
+    for s in elements:
         kind = ELEMENT_TYPES[s.keyword]
         first = outline.elements[s.integer(0)]
         if first is not s:

@@ -65,11 +65,7 @@ def _add_positions(
 ) -> None:
     """Add the positions of X statements; positions of other nodes and repeated ones are reported."""
     roles, new = scene.outline.roles, {s.integer(0): s for s in group}
-    if (
-        len(new) == len(group)
-        and given.keys().isdisjoint(new)
-        and all([roles.get(node) == "position" for node in new])
-    ):
+    if _all_new(new, group, given) and all([roles.get(node) == "position" for node in new]):
         given.update(new)
         places = [(*s.values[1:], 0.0, 0.0)[:3] for s in group]
         positions.update(zip(new, cast("list[Vector]", places), strict=True))
@@ -98,21 +94,25 @@ def _add_positions(
         given[node], positions[node] = s, place
 
 
+def _all_new(new: dict[int, Statement], group: list[Statement], given: dict[int, Statement]) -> bool:
+    """Whether every statement of a group, of which `new` are those of different nodes, is the first of its node."""
+    return len(new) == len(group) and given.keys().isdisjoint(new)
+
+
 def _ordinary(group: list[Statement], kind: ElementType, positions: dict[int, Vector], size: float) -> bool:
     """Whether elements are clearly long enough and their directions clearly good, so that none needs a closer look."""
     if kind.keyword in _WITH_RADII:
         return False
-    values, given = [s.values for s in group], kind.direction
-    directions: list[Vector] = []
-    if given is not None and len(values[0]) >= given[0] - 1 + given[1]:
+    given, directions = kind.direction, cast("list[Vector]", [])
+    if given is not None and len(group[0].values) >= given[0] - 1 + given[1]:
         start, end = given[0] - 1, given[0] - 1 + given[1]
-        directions = cast("list[Vector]", [v[start:end] for v in values])
+        directions = [cast("Vector", s.values[start:end]) for s in group]
         if not all(map(any, directions)):
             return False
     ends = [i for i, role in enumerate(kind.nodes, 1) if role == "position"]
     if len(ends) < 2:
         return True
-    starts, stops = ([positions.get(v[i], ORIGIN) for v in values] for i in ends)  # type: ignore[call-overload]
+    starts, stops = ([positions.get(cast("int", s.values[i]), ORIGIN) for s in group] for i in ends)
     if not min(map(dist, starts, stops)) > 2.0 * ZERO_LENGTH * size:
         return False
     return not directions or given is None or given[2] == "axis" or all(map(_oblique, starts, stops, directions))

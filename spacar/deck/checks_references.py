@@ -14,7 +14,8 @@ def check_once(scene: CheckMaterial, block: int) -> None:
     """The same thing stated twice is an error: replace or add, the input does not say which."""
     for keyword, statements in scene.keywords(block):
         count = keyword.unique
-        if count is None or len({s.values[:count] for s in statements}) == len(statements):
+        many = len(statements)
+        if count is None or many == 1 or len({s.values[:count] for s in statements}) == many:
             continue
         given: dict[tuple[object, ...], Statement] = {}
         for s in statements:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from importlib import import_module
+from os.path import isfile, splitext
 from pathlib import Path
 
 from spacar.deck.deck_reader import NOT_UTF8, Span, read_text
@@ -61,7 +62,8 @@ class Deck:
         return sha256(self.data).hexdigest()
 
     @cached_property
-    def _index(self) -> StatementIndex:
+    def index(self) -> StatementIndex:
+        """Where the statements of each keyword are."""
         return StatementIndex(grouped((*self.statements, *self.shorthand)))
 
     @property
@@ -77,7 +79,7 @@ class Deck:
 
     def of(self, *keywords: str, block: int | None = None) -> list[Statement]:
         """All statements with one of the keywords (and in the block), in file order."""
-        return self._index.of(*keywords, block=block)
+        return self.index.of(*keywords, block=block)
 
     def first(self, keyword: str, block: int | None = None) -> Statement | None:
         """First statement with the keyword (and in the block), None when there is none."""
@@ -173,14 +175,16 @@ def read_deck(path: str | Path, mode: Purpose = None) -> Deck:
     Raises UsageError with the reason of the operating system, InputError with all errors of the file.
     """
     file = Path(path)
-    if file.suffix.lower() != ".dat" and not file.is_file():
+    stem, ending = splitext(file)
+    if ending.lower() != ".dat" and not file.is_file():
         file = file.with_name(file.name + ".dat")
+        stem, _ = splitext(file)
     data = _bytes(file)
     text = data.decode("utf-8", "surrogateescape")
-    beside = file.with_suffix(".spv")
+    beside = f"{stem}.spv"
     visualization = None
-    if beside.is_file():
-        visualization = visualization_of(_bytes(beside).decode("utf-8", "replace"))
+    if isfile(beside):
+        visualization = visualization_of(_bytes(Path(beside)).decode("utf-8", "replace"))
     return parse(text, file.name, mode, path=file, data=data, visualization=visualization)
 
 
@@ -222,7 +226,7 @@ def parse(
         len(added),
     )
     if not contents.shorthand:
-        vars(deck)["_index"] = contents.index  # the checks have made it
+        vars(deck)["index"] = contents.index  # the checks have made it
     return deck
 
 
@@ -233,7 +237,8 @@ def _drawn_already(lines: tuple[str, ...], visualization: tuple[str, ...]) -> bo
 
 def _bytes(file: Path) -> bytes:
     try:
-        return file.read_bytes()
+        with open(file, "rb", buffering=0) as stream:
+            return stream.read()
     except (OSError, ValueError) as problem:
         reason = getattr(problem, "strerror", None) or str(problem)
         raise UsageError(f"cannot read {file}: {reason}", "files.not-readable") from None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from itertools import chain
+from operator import attrgetter
 
 from spacar.deck.arguments import read_statement
 from spacar.deck.deck_checks import check
@@ -17,7 +18,7 @@ from spacar.deck.outline import Outline
 from spacar.deck.plain_forms import plain_statements
 from spacar.deck.splitter import Raw, raws_of, split, third_kind
 from spacar.deck.statement import Statement
-from spacar.deck.statement_index import Group, StatementIndex, grouped
+from spacar.deck.statement_index import Group, StatementIndex, grouped, in_file_order
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.deck.table_sections import UNITS
 from spacar.errors import InputError, Message
@@ -52,16 +53,19 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
     _lexical(text, scanned, findings)
     parts = split(scanned, findings)
     third = third_kind(parts.statements, third_block(mode))
-    by_geometry = any(raw.keyword in WORDS for raw in parts.statements)
+    by_geometry = not WORDS.isdisjoint([part.keyword for part in parts.statements])
     outline = Outline(metre=_metre(parts.statements, findings) if by_geometry else 1.0)
     read: list[list[Group]] = [[] for _ in parts.statements]
     skipped = {block: Findings(source) for block in (2, 3) if not uses(mode, block)}
+    lost: list[Raw] = []
     for part, groups in zip(parts.statements, read, strict=True):
         if part.keyword in ELEMENT_TYPES:
-            _read(part, KEYWORDS[part.keyword, BlockKind.KINEMATICS], outline, findings, groups)
+            _read(part, KEYWORDS[part.keyword, BlockKind.KINEMATICS], outline, findings, groups, lost)
+    outline = _with_elements(outline, list(chain.from_iterable(read)), lost)
     for raw in parts.strangers:
         if raw.block == 1 and _may_be_element(raw):
             _remember_broken(raw, outline)
+    lost = []
     for part, groups in zip(parts.statements, read, strict=True):
         if part.keyword not in ELEMENT_TYPES:
             kind = {1: BlockKind.KINEMATICS, 2: BlockKind.DYNAMICS}.get(part.block, third)
@@ -70,15 +74,21 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
             if keyword is None:
                 _wrong_kind(part, kind, into)
             else:
-                _read(part, keyword, outline, into, groups)
+                _read(part, keyword, outline, into, groups, lost)
+    outline.broken.update([(raw.keyword, _number(raw)) for raw in lost])
+    outline.broken_blocks.update([raw.block for raw in lost])
+    for found in skipped.values():
+        found.messages.sort(key=lambda m: m.line or 0)  # the first one is told
     all_groups, before = list(chain.from_iterable(read)), outline
-    given = tuple(chain.from_iterable(all_groups))
+    in_order = chain.from_iterable(all_groups)
+    given = tuple(in_file_order(in_order) if parts.interleaved else in_order)
     if by_geometry:
         expansion = _expansion(given, outline, findings)
-        all_groups = grouped(expansion.statements)
+        index = StatementIndex(grouped(expansion.statements))
     else:
         expansion = Expansion(given, outline, (), ())
-    statements, outline, index = expansion.statements, expansion.outline, StatementIndex(all_groups)
+        index = StatementIndex(all_groups, parts.interleaved)
+    statements, outline = expansion.statements, expansion.outline
     check(index, outline, mode, third, {block: skipped.get(block, findings) for block in (1, 2, 3)})
     for block, found in skipped.items():
         _report_skipped(block, parts.statements, mode, found, findings)
@@ -93,34 +103,47 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
 
 
 def _read(
-    part: PlainLines | Raw, keyword: Keyword, outline: Outline, findings: Findings, groups: list[Group]
+    part: PlainLines | Raw,
+    keyword: Keyword,
+    outline: Outline,
+    findings: Findings,
+    groups: list[Group],
+    lost: list[Raw],
 ) -> None:
     """Add what a part of the text says to the groups: plain lines together where nothing about them is unusual, halves
-    of them where something is, and what remains by its words."""
-    is_element = part.keyword in ELEMENT_TYPES
+    of them where something is, and what remains by its words; what cannot be read to the lost."""
     if isinstance(part, PlainLines):
         group = plain_statements(part, keyword, outline) if outline.metre == 1.0 else None
         if group is not None:
             groups.append(group)
-            if is_element:
-                outline.add(group)
             return
-        if len(part) > 1:
-            half = len(part) // 2
-            _read(part.part(0, half), keyword, outline, findings, groups)
-            _read(part.part(half, len(part)), keyword, outline, findings, groups)
+        count = len(part.lines)
+        if count > 1:
+            for half in (part.part(0, count // 2), part.part(count // 2, count)):
+                _read(half, keyword, outline, findings, groups, lost)
             return
         (part,) = raws_of(part)
     statement = read_statement(part, keyword, outline, findings)
     if statement is not None:
         groups.append([statement])
-        if is_element:
-            outline.add([statement])
-    elif is_element:
-        _remember_broken(part, outline)
     else:
-        outline.broken.add((part.keyword, _number(part)))
-        outline.broken_blocks.add(part.block)
+        lost.append(part)
+
+
+def _with_elements(empty: Outline, groups: list[Group], lost: list[Raw]) -> Outline:
+    """The outline of a model with these elements; where something is unusual the order of the file matters."""
+    for group in groups:
+        empty.add(group)
+    if empty.regular and not lost:
+        return empty
+    outline = Outline(metre=empty.metre)
+    parts: list[Statement | Raw] = [*chain.from_iterable(groups), *lost]
+    for part in sorted(parts, key=attrgetter("line")):
+        if isinstance(part, Raw):
+            _remember_broken(part, outline)
+        else:
+            outline.add([part])
+    return outline
 
 
 def _expansion(statements: tuple[Statement, ...], outline: Outline, findings: Findings) -> Expansion:

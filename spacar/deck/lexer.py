@@ -8,7 +8,7 @@ numbers are read together; every other line is taken word by word.
 from __future__ import annotations
 
 import re
-from collections.abc import Container, Iterator
+from collections.abc import Container
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf
@@ -46,7 +46,7 @@ class Word(NamedTuple):
 
 
 class PlainLines:
-    """Plain lines that follow each other: one keyword (in capitals), and as many numbers in each.
+    """Plain lines with one keyword (in capitals) and as many numbers in each, in the order of the file.
 
     `columns`: the numbers, one list for every argument; `lines`: where the lines stand; `texts`: what they say, without
     comments; `block`: set by who divides the file into blocks.
@@ -54,27 +54,35 @@ class PlainLines:
 
     __slots__ = ("block", "columns", "keyword", "lines", "texts")
 
-    def __init__(
-        self, keyword: str, columns: list[list[float]], lines: list[int], texts: list[str], block: int = 0
-    ) -> None:
-        self.keyword, self.columns, self.lines, self.texts, self.block = keyword, columns, lines, texts, block
-
-    def __len__(self) -> int:
-        return len(self.lines)
+    def __init__(self, keyword: str, columns: list[list[float]], lines: list[int], texts: list[str]) -> None:
+        self.keyword = keyword
+        self.columns = columns
+        self.lines = lines
+        self.texts = texts
+        self.block = 0
 
     @property
     def line(self) -> int:
         """That of the first."""
         return self.lines[0]
 
+    def append(self, more: PlainLines) -> None:
+        """Further lines with the same keyword and as many numbers."""
+        for column, its in zip(self.columns, more.columns, strict=True):
+            column += its
+        self.lines += more.lines
+        self.texts += more.texts
+
     def part(self, start: int, end: int) -> PlainLines:
         """Some of the lines."""
         columns = [column[start:end] for column in self.columns]
-        return PlainLines(self.keyword, columns, self.lines[start:end], self.texts[start:end], self.block)
+        found = PlainLines(self.keyword, columns, self.lines[start:end], self.texts[start:end])
+        found.block = self.block
+        return found
 
-    def words(self) -> Iterator[list[Word]]:
+    def words(self) -> list[list[Word]]:
         """The words of every line."""
-        return map(words_of, self.texts, self.lines)
+        return list(map(words_of, self.texts, self.lines))
 
 
 @dataclass
@@ -105,6 +113,8 @@ def split_lines(text: str) -> list[str]:
 
 def words_of(line: str, number: int) -> list[Word]:
     """The words of one line without its comment."""
+    if line.isascii() and line.isalpha():
+        return [Word(line, number, 1, True)]
     comment = _COMMENT.search(line)
     found = _WORD.finditer(line, 0, comment.start() if comment else len(line))
     return [Word(m.group(), number, m.start() + 1, i == 0) for i, m in enumerate(found)]
@@ -121,6 +131,9 @@ def columns_of(line: str) -> tuple[int, ...]:
     return tuple([word.column for word in words_of(line, 0)])
 
 
+_Alike = tuple[list[str], int, list[int], list[str]]  # all words, how many a line has, numbers of the lines, texts
+
+
 def scan(text: str) -> SourceText:
     """Split the text into lines and words; a leading byte order mark is ignored."""
     text = text.removeprefix("\ufeff")
@@ -131,11 +144,12 @@ def scan(text: str) -> SourceText:
     lines = given if bare is text else bare.split("\n")
     longest = max(map(len, given))
     suspect = _suspects(bare, lines, longest)
-    found: list[tuple[list[str], int, list[int]] | list[Word]] = []
+    found: list[_Alike | list[Word]] = []
     visualization, last_line = None, len(given)
     first, count = "", 0
     words: list[str] = []
     numbers: list[int] = []
+    alike: list[str] = []
     for number, line in enumerate(lines, 1):
         if number in suspect and _PLAIN.match(line) is None:
             odd = words_of(line, number)
@@ -154,16 +168,17 @@ def scan(text: str) -> SourceText:
             if texts[0] == first and len(texts) == count:
                 words += texts
                 numbers.append(number)
+                alike.append(line)
                 continue
-            first, count, words, numbers = texts[0], len(texts), texts, [number]
-        if _is_visualization(first):
+            first, count, words, numbers, alike = texts[0], len(texts), texts, [number], [line]
+        if len(first) == len(_VISUALIZATION) and _is_visualization(first):
             visualization, last_line = tuple(_without_last_blank(given[number:])), number - 1
             break
-        found.append((words, count, numbers))
+        found.append((words, count, numbers, alike))
     rows: list[PlainLines | list[Word]] = []
     for row in found:
         if isinstance(row, tuple):
-            _add_rows(*row, lines, rows)
+            _add_rows(*row, rows)
         else:
             rows.append(row)
     long_lines = []
@@ -198,27 +213,30 @@ def _suspects(text: str, lines: list[str], longest: int) -> Container[int]:
 
 
 def _add_rows(
-    words: list[str], count: int, places: list[int], lines: list[str], rows: list[PlainLines | list[Word]]
+    words: list[str], count: int, numbers: list[int], texts: list[str], rows: list[PlainLines | list[Word]]
 ) -> None:
-    """Add lines with `count` words, the first of which is the same in all: as plain lines, or else as their words."""
+    """Add lines of `count` words each, the first of them the same in all: as plain lines, or else as their words."""
     keyword = words[0]
     del words[::count]
+    if not words and keyword.isalpha():
+        rows.append(PlainLines(keyword.upper(), [], numbers, texts))
+        return
     try:
-        values = list(map(float, words)) if keyword.isalpha() else [inf]
+        values = list(map(float, words))
+        good = max(values) <= LARGEST_INTEGER and min(values) >= -LARGEST_INTEGER and -inf < sum(values) < inf
     except ValueError:
-        values = [inf]
-    if not values or (
-        max(values) <= LARGEST_INTEGER and min(values) >= -LARGEST_INTEGER and -inf < sum(values) < inf
-    ):
-        columns = [values[i :: count - 1] for i in range(count - 1)]
-        rows.append(PlainLines(keyword.upper(), columns, places, [lines[n - 1] for n in places]))
-    elif len(places) > 1 and keyword.isalpha():  # the lines around those that are not plain are
-        half = len(places) // 2
+        good = False
+    if good and keyword.isalpha():
+        count -= 1
+        columns = [values[i::count] for i in range(count)]
+        rows.append(PlainLines(keyword.upper(), columns, numbers, texts))
+    elif len(numbers) > 1 and keyword.isalpha():  # the lines around those that are not plain are
+        half = len(numbers) // 2
         for part in (slice(half), slice(half, None)):
-            again = [word for n in places[part] for word in lines[n - 1].split()]
-            _add_rows(again, count, places[part], lines, rows)
+            again = [word for text in texts[part] for word in text.split()]
+            _add_rows(again, count, numbers[part], texts[part], rows)
     else:
-        rows += [words_of(lines[n - 1], n) for n in places]
+        rows += map(words_of, texts, numbers)
 
 
 def _without_last_blank(lines: list[str]) -> list[str]:

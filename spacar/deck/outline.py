@@ -19,10 +19,10 @@ class Outline:
     """Elements by number with their types, nodes by number with their roles, in the order of the file.
 
     `kinds` are the types that occur; `regular` is true while every element has a number of its own and every node one
-    role, and no element has the same node at both ends. `space` is planar, spatial or "" (no element). `complete` is
-    false when some element statement could not be read, so that nodes may be missing here; `broken` holds keyword and
-    first number of the other statements that could not be read, `broken_blocks` their blocks: what follows from their
-    absence is not reported then. `metre` is the unit of length of the file in metres.
+    role, no element has the same node at both ends, and all are planar or all spatial. `space` is planar, spatial or ""
+    (no element). `complete` is false when some element statement could not be read, so that nodes may be missing here;
+    `broken` holds keyword and first number of the other statements that could not be read, `broken_blocks` their
+    blocks: what follows from their absence is not reported then. `metre` is the unit of length of the file in metres.
     """
 
     elements: dict[int, Statement] = field(default_factory=dict)
@@ -88,7 +88,9 @@ class Outline:
         self.elements.update(new)
         self.types.update(dict.fromkeys(new, kind))
         self.kinds[kind] = None
-        self.space = self.space or ("planar" if kind.planar else "spatial")
+        space = "planar" if kind.planar else "spatial"
+        self.space = self.space or space
+        self.regular &= self.space == space
         end = 1 + len(kind.nodes)
         nodes = cast("list[tuple[int, ...]]", [s.values[1:end] for s in statements])
         roles = self.roles

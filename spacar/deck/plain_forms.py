@@ -18,7 +18,7 @@ from spacar.deck.lexer import LARGEST_NUMBER, PlainLines
 from spacar.deck.outline import Outline
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
-from spacar.deck.table_types import Keyword, Parameter, coordinates_of, subject_of
+from spacar.deck.table_types import COORDINATES, Keyword, Parameter, coordinates_of, subject_of
 
 NUMBERED_PARTS = ("coordinate", "mode")
 ELEMENT, NODE, PART = range(3)  # what a value refers to
@@ -30,11 +30,12 @@ _make: Callable[[Iterable[Any]], Statement] = partial(tuple.__new__, Statement) 
 @dataclass(frozen=True, slots=True)
 class _Form:
     """A form of a statement with a certain number of arguments: the places (from 0) of those that are integers, and of
-    those that refer to something, with what that is (ELEMENT, NODE or PART) and, of nodes, the role that is asked for.
+    those that refer to something, with what that is (ELEMENT, NODE or PART), of nodes the role that is asked for, and
+    whether a part of it follows.
     """
 
     integers: tuple[int, ...]
-    references: tuple[tuple[int, int, str], ...]
+    references: tuple[tuple[int, int, str, bool], ...]
 
 
 @cache
@@ -50,20 +51,36 @@ def _form(keyword: Keyword, space: str, role: str, kind: str, count: int) -> _Fo
     return None
 
 
-def _references(parameters: Sequence[Parameter]) -> Iterator[tuple[int, int, str]]:
-    for i, p in enumerate(parameters):
-        if p.of == "element":
-            yield i, ELEMENT, ""
-        elif p.of.endswith("node"):
-            yield i, NODE, p.of.removesuffix("node").strip()
-        elif p.of in NUMBERED_PARTS:
-            yield i, PART, ""
+@cache
+def _same_form(keyword: Keyword, space: str, count: int) -> _Form | None:
+    """The form that so many numbers take whatever node or element they are about, None when it depends on that."""
+    _, of_element = subject_of(keyword)
+    if of_element:
+        forms = {_form(keyword, space, "", kind, count) for kind in ELEMENT_TYPES}
+    else:
+        forms = {_form(keyword, space, role, "", count) for role in COORDINATES}
+    return forms.pop() if len(forms) == 1 else None
+
+
+def _references(parameters: Sequence[Parameter]) -> Iterator[tuple[int, int, str, bool]]:
+    with_part = False
+    found = []
+    for i, p in reversed(list(enumerate(parameters))):
+        if p.of in NUMBERED_PARTS:
+            with_part = True
+            found.append((i, PART, "", False))
+        elif p.of == "element" or p.of.endswith("node"):
+            what = ELEMENT if p.of == "element" else NODE
+            found.append((i, what, p.of.removesuffix("node").strip() if what == NODE else "", with_part))
+            with_part = False
+    return reversed(found)
 
 
 def plain_statements(lines: PlainLines, keyword: Keyword, outline: Outline) -> list[Statement] | None:
     """The statements of plain lines when nothing about any of them needs a message, else None."""
-    element, columns = ELEMENT_TYPES.get(lines.keyword), lines.columns.copy()
-    form = _form_of(columns, keyword, outline) if element is None else _form(keyword, "", "", "", len(columns))
+    element = ELEMENT_TYPES.get(lines.keyword)
+    columns: list[Sequence[Any]] = [*lines.columns]
+    form = _same_form(keyword, "" if element else outline.space, len(columns)) or _form_of(columns, keyword, outline)
     if form is None:
         return None
     for i in form.integers:
@@ -88,10 +105,10 @@ def _form_of(columns: Columns, keyword: Keyword, outline: Outline) -> _Form | No
     if subject is None or subject >= count:
         return _form(keyword, outline.space, "", "", count)
     if of_element:
-        kinds = {outline.types.get(number) for number in columns[subject]}
+        kinds = set(map(outline.types.get, columns[subject]))
         forms = [_form(keyword, outline.space, "", kind.keyword, count) if kind else None for kind in kinds]
     else:
-        roles = {outline.roles.get(number) for number in columns[subject]}
+        roles = set(map(outline.roles.get, columns[subject]))
         forms = [_form(keyword, outline.space, role, "", count) if role else None for role in roles]
     return forms[0] if len(forms) == 1 or all(form == forms[0] for form in forms) else None
 
@@ -99,20 +116,20 @@ def _form_of(columns: Columns, keyword: Keyword, outline: Outline) -> _Form | No
 def _known(columns: Columns, form: _Form, outline: Outline) -> bool:
     """Whether everything that the values of plain lines refer to exists; `arguments` says what does not."""
     most: Sequence[int] = ()  # number of parts of what the value before refers to
-    for i, what, wanted in form.references:
+    for i, what, wanted, with_part in form.references:
         numbers = columns[i]
         if what == PART:
-            if most and not (min(numbers) >= 1 and all(map(le, numbers, most))):
+            if most and (min(numbers) < 1 or not all(map(le, numbers, most))):
                 return False
         elif what == ELEMENT:
-            kinds = [outline.types.get(number) for number in numbers]
+            kinds = list(map(outline.types.get, numbers))
             if None in kinds:
                 return False
-            most = [len(kind.modes) for kind in kinds if kind]
+            most = [len(kind.modes) for kind in kinds if kind] if with_part else ()
         else:
-            roles = [outline.roles.get(number) for number in numbers]
+            roles = list(map(outline.roles.get, numbers))
             if None in roles or (wanted and roles.count(wanted) < len(roles)):
                 return False
             planar = outline.space == "planar"
-            most = [coordinates_of(role, planar) for role in roles if role]
+            most = [coordinates_of(role, planar) for role in roles if role] if with_part else ()
     return True

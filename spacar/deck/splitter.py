@@ -1,13 +1,15 @@
 """Lines and words to raw statements in blocks: END HALT and END END, unknown and misplaced keywords.
 
 Nothing is known about the model here; a word is judged by the keyword names of the block only. Plain lines with a
-keyword of their block are statements as they stand; all others are taken word by word.
+keyword of their block are statements as they stand, those with the same keyword and count are put together, also where
+other plain lines stand between them; all others are taken word by word.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from operator import attrgetter
 
 from spacar.deck.findings import Findings
 from spacar.deck.keyword_table import ALIASES, KEYWORDS, NAME_PLACES, NAMES, BlockKind, blocks_of
@@ -40,16 +42,19 @@ def raws_of(lines: PlainLines) -> Iterator[Raw]:
 @dataclass(slots=True, eq=False)
 class Split:
     """All statements, as plain lines or with their words, and, for each block that was opened, where its text begins
-    and ends (line, column); `strangers` are refused words with what follows them."""
+    and ends (line, column); `strangers` are refused words with what follows them. Where plain lines are `interleaved`
+    the order of the file is that of the lines of the statements, and of those on one line the order here."""
 
     statements: list[PlainLines | Raw] = field(default_factory=list)
+    interleaved: bool = False
     strangers: list[Raw] = field(default_factory=list)
     spans: dict[int, tuple[tuple[int, int], tuple[int, int]]] = field(default_factory=dict)
 
     @property
     def raws(self) -> list[Raw]:
-        """The statements with their words."""
-        return [raw for s in self.statements for raw in (raws_of(s) if isinstance(s, PlainLines) else (s,))]
+        """The statements with their words, in the order of the file."""
+        found = [raw for s in self.statements for raw in (raws_of(s) if isinstance(s, PlainLines) else (s,))]
+        return sorted(found, key=attrgetter("line"))
 
 
 def split(source: SourceText, findings: Findings) -> Split:
@@ -58,8 +63,9 @@ def split(source: SourceText, findings: Findings) -> Split:
 
 
 class _Splitter:
-    """State of one pass over the lines; `current` or the last of `lines` is the open statement, `skipping` while the arguments of a refused keyword go by, `end` an END whose
-    next word has not come yet, `fresh` while no word of the block has come."""
+    """State of one pass over the lines; `current` or the last of `lines` is the open statement, `alike` the plain lines
+    of each keyword since the last other line, `skipping` while the arguments of a refused keyword go by, `end` an END
+    whose next word has not come yet, `fresh` while no word of the block has come."""
 
     def __init__(self, source: SourceText, findings: Findings) -> None:
         self.source = source
@@ -72,6 +78,7 @@ class _Splitter:
         self.start: tuple[int, int] = (1, 1)
         self.current: Raw | None = None
         self.lines: PlainLines | None = None
+        self.alike: dict[str, PlainLines] = {}
         self.misplaced: set[tuple[int, int]] = set()
         self.skipping = False
         self.end: Word | None = None
@@ -84,9 +91,10 @@ class _Splitter:
             if isinstance(row, PlainLines):
                 if self._takes_lines(row):
                     continue
-                rows: Iterator[list[Word]] = row.words()
+                rows = row.words()
             else:
-                rows = iter((row,))
+                rows = [row]
+            self.alike.clear()
             for words in rows:
                 for word in words:
                     if self._take(word):
@@ -101,8 +109,15 @@ class _Splitter:
             return False
         if self.fresh:
             self._open_since(row.line)
+        self.current = None
+        before = self.alike.get(name)
+        if before is not None and len(before.columns) == len(row.columns):
+            before.append(row)
+            self.result.interleaved |= before is not self.lines
+            self.lines = before
+            return True
         row.keyword, row.block = name, self.block
-        self.current, self.lines = None, row
+        self.alike[name] = self.lines = row
         self.result.statements.append(row)
         return True
 
@@ -147,9 +162,13 @@ class _Splitter:
         """Make the last of plain lines a statement of its own, as words follow that it may take."""
         if self.lines is None:
             return
-        lines, last, statements = self.lines, len(self.lines) - 1, self.result.statements
-        statements[-1:] = [lines.part(0, last)] if last else []
-        (self.current,) = raws_of(lines.part(last, last + 1))
+        last = len(self.lines.lines) - 1
+        (self.current,) = raws_of(self.lines.part(last, last + 1))
+        statements = self.result.statements
+        k = len(statements) - 1
+        while statements[k] is not self.lines:  # not many: those since the last line that was not plain
+            k -= 1
+        statements[k : k + 1] = [self.lines.part(0, last)] if last else []
         statements.append(self.current)
         self.lines = None
 
@@ -319,8 +338,12 @@ def third_kind(statements: list[PlainLines | Raw], kind: BlockKind | None) -> Bl
     """The kind of the third block: the one that the mode asks for, else the one its keywords belong to."""
     if kind is not None:
         return kind
-    third = [s.keyword for s in statements if s.block == 3 for _ in range(len(s) if isinstance(s, PlainLines) else 1)]
-    if not third:
+    trajectory = count = 0
+    for s in statements:
+        if s.block == 3:
+            several = len(s.lines) if isinstance(s, PlainLines) else 1
+            count += several
+            trajectory += several * ((s.keyword, BlockKind.TRAJECTORY) in KEYWORDS)
+    if not count:
         return None
-    trajectory = sum((keyword, BlockKind.TRAJECTORY) in KEYWORDS for keyword in third)
-    return BlockKind.TRAJECTORY if trajectory > len(third) // 2 else BlockKind.LINEARIZATION
+    return BlockKind.TRAJECTORY if trajectory > count // 2 else BlockKind.LINEARIZATION
