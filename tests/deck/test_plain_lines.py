@@ -219,7 +219,7 @@ def cantilever(n, sort):
     return "\nEND HALT\n".join("\n".join(sorted(b) if sort else b) for b in blocks) + "\nEND END\n"
 
 
-@pytest.mark.parametrize(("sort", "most"), [(True, 2.0), (False, 8.0)], ids=["by keyword", "by element"])
+@pytest.mark.parametrize(("sort", "most"), [(True, 2.5), (False, 8.0)], ids=["by keyword", "by element"])
 def test_large_files_take_few_calls(sort, most):
     """Calls of functions in Python do not grow faster than the file, and plain statements need few of their own."""
 
@@ -237,6 +237,7 @@ def test_large_files_take_few_calls(sort, most):
             sys.setprofile(None)
         return count
 
+    calls(10)  # what is found once for each keyword
     few, some, many = calls(100), calls(200), calls(400)
     assert many - some <= 2.01 * (some - few)
     assert many - some <= most * 200 * 5
