@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from spacar import modes
@@ -29,7 +30,7 @@ class CheckMaterial:
     findings: Findings
     coordinates: Classes = field(default_factory=dict)
     deformations: Classes = field(default_factory=dict)
-    _rows: dict[int, list[tuple[Keyword, list[Statement]]]] = field(default_factory=dict)
+    _rows: dict[int, list[tuple[Keyword, Sequence[Statement]]]] = field(default_factory=dict)
 
     @property
     def analysis(self) -> modes.Mode | None:
@@ -40,10 +41,10 @@ class CheckMaterial:
         """Statements with one of these keywords, in file order."""
         return self.index.of(*keywords, block=block)
 
-    def keywords(self, block: int) -> list[tuple[Keyword, list[Statement]]]:
+    def keywords(self, block: int) -> list[tuple[Keyword, Sequence[Statement]]]:
         """The rows of the table that statements of a block belong to, with these statements in file order."""
         if block not in self._rows:
-            found = self.index.by_keyword(block)
+            found = self.index.block(block)
             kind = kind_of(block, self.third)
             self._rows[block] = [(KEYWORDS[name, kind], found[name]) for name in found]
         return self._rows[block]

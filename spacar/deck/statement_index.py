@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import chain, groupby
 from operator import attrgetter
 
@@ -31,6 +31,7 @@ class StatementIndex:
 
     def __init__(self, groups: Sequence[Group], interleaved: bool = False) -> None:
         self.groups, self.interleaved = groups, interleaved
+        self._blocks: dict[int, dict[str, list[Statement]]] = {}
         self._found: dict[str, list[tuple[int, int, Group]]] = {}  # place of the group, block, group
         found = self._found
         for place, group in enumerate(groups):
@@ -56,11 +57,16 @@ class StatementIndex:
         found = chain.from_iterable(self.groups_of(*keywords, block=block))
         return in_file_order(found) if self.interleaved and len(keywords) > 1 else list(found)
 
-    def by_keyword(self, block: int) -> dict[str, list[Statement]]:
-        """The statements of a block in file order by their keywords, in the order of their first statements."""
-        found: dict[str, list[Statement]] = {}
-        for group in self.groups:
-            keyword = group[0].keyword
-            if group[0].block == block:
-                found[keyword] = found[keyword] + group if keyword in found else group
-        return found
+    def block(self, number: int) -> Mapping[str, Sequence[Statement]]:
+        """Statements of a block by keyword, in file order; only keywords that have any."""
+        if number not in self._blocks:
+            found = self._blocks[number] = {}
+            for group in self.groups:
+                keyword = group[0].keyword
+                if group[0].block != number:
+                    continue
+                if keyword in found:
+                    found[keyword] += group
+                else:
+                    found[keyword] = group.copy()
+        return self._blocks[number]
