@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacar.arrays import Array as Array
 from spacar.arrays import Index as Index
@@ -167,7 +168,7 @@ class Start:
     @property
     def is_complete(self) -> bool:
         """Whether every kinematic deformation has its value."""
-        return not np.isnan(self.e_kinematic).any()
+        return not len(self.e_kinematic) or not np.isnan(self.e_kinematic).any()
 
     def state(self, e_kinematic: Array) -> Array:
         """The start state with these kinematic deformations, in the order of `spacar.dynamics.motion_equations`."""
@@ -215,11 +216,16 @@ class Mechanism:
         return scale
 
     @cached_property
-    def deformation_scale(self) -> Array:
-        """(ne,) typical size of every deformation: `length` for those in metres, 1 for rotations and normalizations."""
-        scale = np.ones(self.numbering.ne)
+    def is_length(self) -> NDArray[np.bool_]:
+        """(ne,) whether a deformation is measured in metres."""
+        found = np.zeros(self.numbering.ne, bool)
         for batch in self.batches:
             kind = ELEMENT_TYPES.get(batch.family.keyword)  # None of node inertia and normalizations
-            if kind is not None:
-                scale[batch.e[lengths_of(kind)]] = self.length
-        return scale
+            if kind is not None and (modes := lengths_of(kind)):
+                found[batch.e[modes]] = True
+        return found
+
+    @cached_property
+    def deformation_scale(self) -> Array:
+        """(ne,) typical size of every deformation: `length` for those in metres, 1 for rotations and normalizations."""
+        return np.where(self.is_length, self.length, 1.0)

@@ -229,7 +229,7 @@ class Numbering:
     @cached_property
     def position_equations(self) -> Index:
         """Rows h: the holonomic ones of fixed, input, dynamic and kinematic deformations."""
-        return np.flatnonzero(~self.slips[: self.e_class["kinematic"].stop])
+        return (~self.slips[: self.e_class["kinematic"].stop]).nonzero()[0]
 
     @cached_property
     def position_unknowns(self) -> Index:
@@ -243,8 +243,7 @@ class Numbering:
         x, e = self.x_class, self.e_class
         calculable = x["calculable"].stop - x["calculable"].start
         kinematic = x["kinematic"].stop - x["kinematic"].start
-        position = e["kinematic"].stop - int(np.count_nonzero(self.slips[: e["kinematic"].stop]))
-        return position == calculable and e["dynamic"].stop == calculable + kinematic
+        return len(self.position_equations) == calculable and e["dynamic"].stop == calculable + kinematic
 
     def x_index(self, node: int, coordinate: int) -> int:
         """0-based index of a coordinate; KeyError if it does not exist."""
