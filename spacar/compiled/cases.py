@@ -155,8 +155,8 @@ class InLanes:
             self.state.resume(at.t, at.x, at.xd, at.xdd, at.e)
 
     # -- outputs --------------------------------------------------------------------------------------------------
-    def variables(self, t: float, y: Array) -> tuple[Array, Array]:
-        """x, xd, xdd, fx, fxgrav, fxtot (6, nx, lanes) and e, ed, edd, sig (4, ne, lanes) at a state.
+    def variables(self, t: float, y: Array, of_x: Array, of_e: Array) -> None:
+        """Write x, xd, xdd, fx, fxgrav, fxtot (6, nx, lanes) and e, ed, edd, sig (4, ne, lanes) at a state.
 
         Raises AnalysisError where a case cannot be evaluated, an element may be outside the range of its theory, or a
         wheel leaves the ground: the single run says what it is.
@@ -167,7 +167,7 @@ class InLanes:
         if len(self.wheels.rows):
             for lane, wheel, text in self.wheels.lifted(t, shown.sigma[self.wheels.rows]):
                 self.warnings[lane].setdefault(wheel, f"warning: {text}")
-        return shown.of_x.copy(), shown.of_e[:4].copy()
+        of_x[:], of_e[:] = shown.of_x, shown.of_e[:4]
 
 
 def blocks(cases: int) -> Iterator[Sequence[int]]:
