@@ -108,7 +108,7 @@ class InLanes:
         M = self.solver.reduced_mass()
         if M is None:
             return False
-        condition = self.solver.condition(mechanism)
+        condition = self.solver.condition()
         return not any(is_doubtful(mechanism, M[:, :, lane], condition, largest) for lane in range(self.by_case[2]))
 
     def component_name(self, i: int) -> str:

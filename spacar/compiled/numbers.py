@@ -76,7 +76,7 @@ def of_one(model: LoadedMechanism) -> Numbers:
     m, loads, law, drive = model.mechanism, model.loads, model.law, model.drive
 
     def one(array: Array) -> Array:
-        return np.array(array, np.float64)[..., None]
+        return array[..., None]
 
     return Numbers(
         tuple(elements_of(b, kind, one(p.T)) for b, (kind, p) in ((b, form_of(b.family)) for b in evaluated(m))),
@@ -167,16 +167,19 @@ def motion(drive: Drive, what: str) -> Array:
 
 def constant_mass(mechanism: Mechanism) -> tuple[Index, Index, Array]:
     """Rows, columns and values of the mass matrices that do not depend on the position."""
-    rows, columns, values = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)], [np.zeros(0)]
+    rows, columns, values = [], [], []
     for b in mechanism.batches:
         if b.family.has_mass and b.family.constant_mass:
             M = np.zeros((len(b.x), *b.x.shape))
             b.family.mass(None, M)
-            i, j, k = np.nonzero(M)
+            i, j, k = M.nonzero()
             rows.append(b.x[i, k])
             columns.append(b.x[j, k])
             values.append(M[i, j, k])
-    return np.concatenate(rows), np.concatenate(columns), np.concatenate(values)
+    if len(rows) == 1:
+        return rows[0], columns[0], values[0]
+    empty = np.zeros(0, np.int64)
+    return np.concatenate([empty, *rows]), np.concatenate([empty, *columns]), np.concatenate([np.zeros(0), *values])
 
 
 def _sorted(entries: tuple[Index, Index, Array], places: Index) -> Entries:

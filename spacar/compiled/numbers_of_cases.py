@@ -21,7 +21,7 @@ from spacar.dynamics.forces import active_entries
 from spacar.dynamics.loaded_mechanism import LoadedMechanism
 from spacar.elements import Family, GeometryError
 from spacar.elements.lumped import LumpedMass
-from spacar.mechanism.element_batches import AlikeElements, element_groups
+from spacar.mechanism.element_batches import PlacedGroup, element_groups
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.lumped_inertia import lumped
 from spacar.mechanism.mechanism import Mechanism
@@ -46,7 +46,7 @@ class Corner:
     """
 
     mechanism: Mechanism
-    groups: tuple[AlikeElements, ...]
+    groups: tuple[PlacedGroup, ...]
     rest: Numbers
     nodes: Index
     tensors: Array

@@ -70,8 +70,14 @@ def is_doubtful(mechanism: Mechanism, M: Array, condition: float, largest: float
     rounding = (8.0 * n.nx * EPS * condition**2) ** 2 * largest
     if not mass.min() > max(DOUBTFUL * largest, rounding, 0.0):
         return True
-    scale = np.sqrt(diagonal)
-    return bool(np.linalg.eigvalsh(M / (scale[:, None] * scale))[0] <= max(DOUBTFUL, rounding / mass.min()))
+    scale = 1.0 / np.sqrt(diagonal)
+    A = M * (scale[:, None] * scale)
+    A[np.diag_indices(len(A))] -= max(DOUBTFUL, rounding / mass.min())
+    try:  # an eigenvalue below that is a negative one now
+        np.linalg.cholesky(A)
+    except np.linalg.LinAlgError:
+        return True
+    return False
 
 
 def largest_mass(mechanism: Mechanism, sweep: ElementSweep) -> float:

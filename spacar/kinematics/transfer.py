@@ -11,6 +11,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.kinematics.kinematics import Kinematics
+from spacar.linear_systems.matrix import Matrix
 
 
 def velocity_transfer(k: Kinematics) -> Array:
@@ -21,6 +22,19 @@ def velocity_transfer(k: Kinematics) -> Array:
     given[n.q_x, np.arange(nx)] = 1.0
     rate[n.q_e, nx + np.arange(len(n.q_e))] = 1.0
     return k.dependent(given, rate)
+
+
+def deformation_transfer(k: Kinematics, W: Array, V: Matrix) -> Array:
+    """We, (ne, ndof): V W, of which the rows E are given: unit rows for the degrees of freedom, else zero."""
+    n = k.numbering
+    We = np.zeros((n.ne, n.ndof))
+    We[n.q_e, len(n.q_x) + np.arange(len(n.q_e))] = 1.0
+    given = np.zeros(n.ne, bool)
+    given[k.E] = True
+    others = np.flatnonzero(~given)
+    if len(others):
+        We[others] = V[others] @ W
+    return We
 
 
 def moved_along(k: Kinematics, force: Array) -> Array:

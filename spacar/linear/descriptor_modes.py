@@ -18,7 +18,7 @@ from spacar.errors import AnalysisError, Report
 from spacar.linear.descriptor import MASSLESS, DescriptorSystem
 from spacar.linear.eigen import Modes, arranged
 from spacar.linear.lowest import lost_pairs
-from spacar.linear.subspace import SPARE, TRIALS, dominant, ends_with_half_a_pair, trial_values
+from spacar.linear.subspace import SPARE, TRIALS, dominant, ends_with_half_a_pair, trial
 
 SHIFT = 0.1  # of the modulus of the highest wanted eigenvalue
 
@@ -37,7 +37,7 @@ def lowest_modes(system: DescriptorSystem, n_positions: int, nx: int, report: Re
     rng = np.random.default_rng(1)
     start = rng.standard_normal((n, min(count + SPARE, n)))
     for _ in range(TRIALS):
-        theta = trial_values(inverse, start)
+        theta, _ = trial(inverse, start)
         modulus = np.sort(np.abs(inverse.shift + 1.0 / np.where(theta != 0.0, theta, 1e-300)))[count - 1]
         before, inverse = inverse.shift, _Inverse(system, n_positions, max(SHIFT * float(modulus), 1e-12))
         if 0.1 < inverse.shift / before < 10.0:

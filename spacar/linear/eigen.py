@@ -21,11 +21,14 @@ from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
 from spacar.linear_systems import DENSE_LIMIT
 from spacar.linearization.matrices import Linearization
-from spacar.linearization.state_matrix import assembled_state_matrix, require_mass
+from spacar.linearization.state_matrix import assembled_state_matrix, require_mass, selected
 
 Complex = NDArray[np.complex128]
 SYMMETRIC = 1e-9  # relative asymmetry below which a matrix counts as symmetric (rounding of assembled sums)
 POLISHED = 1e-2  # modes with omega^2 below this fraction of the largest are improved; the others have n eps/POLISHED
+FEW = 4  # one mode in so many, or fewer: those are computed alone
+BESIDE = 4  # modes more than are wanted, which take the rest of themselves out of the vectors of the others
+FEW_FROM = 30  # degrees of freedom; SciPy is loaded by the solution before these modes
 ROUNDING = 1e-12  # omega^2 below this fraction of the largest may be rigid motions
 
 
@@ -69,13 +72,13 @@ def vibration_modes(
     `static` are degrees of freedom that may have no inertia: those without mass and damping follow the others by
     K alone, and only the finite eigenvalues are returned (theory-warping.md section 1).
     """
-    M, C, K = L.m0[np.ix_(q, q)], L.damping[np.ix_(q, q)], L.stiffness[np.ix_(q, s)]
+    M, C, K = selected(L.m0, q, q), selected(L.damping, q, q), selected(L.stiffness, q, s)
     if static is not None and np.array_equal(q, s):
         still = np.isin(q, static) & ~M.any(axis=1) & ~C.any(axis=1) & ~C.any(axis=0)
         if still.any():
             return _condensed(M, C, K, still, report)
     require_mass(L, q)
-    return modes_of_matrices(M, C, K, L.ak0[np.ix_(s, q)], L.bk0[np.ix_(s, s)], report, wanted)
+    return modes_of_matrices(M, C, K, selected(L.ak0, s, q), selected(L.bk0, s, s), report, wanted)
 
 
 def _condensed(M: Array, C: Array, K: Array, still: NDArray[np.bool_], report: Report) -> Modes:
@@ -191,12 +194,12 @@ def _eig(A: Array, report: Report) -> tuple[Complex, Complex]:
 def undamped_modes(K: Array, M: Array, report: Report, wanted: int | None = None) -> Modes:
     """Modes of M qdd + K q = 0 from the symmetric eigenproblem, all or the `wanted` of lowest modulus. Raises
     AnalysisError for an indefinite mass matrix."""
-    squares, shapes = polished(K, M, *symmetric_pencil(K, M))
+    squares, shapes = polished(K, M, *symmetric_pencil(K, M, wanted))
     if wanted is not None and wanted < len(squares):
         lowest = np.sort(np.argsort(np.abs(squares), kind="stable")[:wanted])
         squares, shapes = squares[lowest], shapes[:, lowest]
     eta = backward_error.of_pencil(K, M, squares, shapes, 1.0 / np.sqrt(np.diag(M)))
-    backward_error.warn(report, eta, squares, "omega^2")
+    backward_error.warn(report, eta, squares, "omega^2", backward_error.rounding(len(K)))
     root = np.sqrt(squares.astype(complex))  # omega, or i kappa for an unstable mode
     values = np.concatenate((1j * root, -1j * root))
     shapes = np.hstack((shapes, shapes)).astype(complex)
@@ -204,16 +207,18 @@ def undamped_modes(K: Array, M: Array, report: Report, wanted: int | None = None
     return arranged(values, vectors, len(K))
 
 
-def symmetric_pencil(K: Array, M: Array) -> tuple[Array, Array]:
-    """omega^2 (n,) ascending and vectors (n, n) of K phi = omega^2 M phi, M positive definite."""
+def symmetric_pencil(K: Array, M: Array, wanted: int | None = None) -> tuple[Array, Array]:
+    """omega^2 (n,) ascending and vectors (n, n) of K phi = omega^2 M phi, M positive definite; of few `wanted` these
+    and some more, if none of them is negative."""
     diagonal = np.diag(M)
     if np.any(diagonal <= 0.0):
         raise AnalysisError(
             "singular mass matrix: a degree of freedom carries no mass; add XM or EM", "dynamics.singular-mass"
         )
     scale = 1.0 / np.sqrt(diagonal)
+    product = np.outer(scale, scale)
     try:
-        squares, vectors = _pencil(K * np.outer(scale, scale), M * np.outer(scale, scale))
+        squares, vectors = _pencil(K * product, M * product, wanted)
     except np.linalg.LinAlgError:
         raise AnalysisError(
             "the mass matrix is not positive definite; a motion carries no mass", "dynamics.singular-mass"
@@ -221,10 +226,20 @@ def symmetric_pencil(K: Array, M: Array) -> tuple[Array, Array]:
     return squares, vectors * scale[:, None]
 
 
-def _pencil(K: Array, M: Array) -> tuple[Array, Array]:
-    """omega^2 ascending and vectors. Larger ones, for which SciPy is loaded anyway, take one routine of LAPACK, in half
-    of the time. Raises LinAlgError when M is not positive definite."""
-    if len(K) > DENSE_LIMIT:
+def _pencil(K: Array, M: Array, wanted: int | None = None) -> tuple[Array, Array]:
+    """omega^2 ascending and vectors, M of unit diagonal. Larger ones, for which SciPy is loaded anyway, take one
+    routine of LAPACK, in half of the time, and the few lowest (by bisection and inverse iteration of the tridiagonal
+    form) in a third of that. Raises LinAlgError when M is not positive definite."""
+    n = len(K)
+    if n > FEW_FROM and wanted is not None and wanted * FEW <= n:
+        from scipy.linalg.lapack import dsygvx
+
+        last = wanted + BESIDE
+        squares, vectors, found, _, failed = dsygvx(K, M, range="I", il=1, iu=last)
+        # with a negative one those of lowest modulus may not be among them
+        if not failed and found == last and squares[0] >= 0.0:
+            return squares[:last], vectors
+    if n > DENSE_LIMIT:
         from scipy.linalg.lapack import dsygvd
 
         squares, vectors, failed = dsygvd(K, M)
@@ -246,18 +261,21 @@ def polished(K: Array, M: Array, squares: Array, shapes: Array) -> tuple[Array, 
     it does not apply (an unstable mode that is not among the low ones).
     """
     largest = float(np.max(np.abs(squares), initial=0.0))
+    if len(squares) < len(K):  # the largest is not among them, but at least this
+        largest = max(largest, float(np.max(np.diag(K) / np.diag(M))))
     low = np.flatnonzero(np.abs(squares) < POLISHED * largest)
     if not len(low):
         return squares, shapes
     positive = squares[squares > ROUNDING * largest]
     s2 = 1e-3 * float(positive[0]) if len(positive) else POLISHED * largest
     s2 = max(s2, -2.0 * float(squares[low[0]]))  # unstable modes have theta > 0 too
+    Q = K + s2 * M
     d = 1.0 / np.sqrt(np.maximum(np.abs(np.diag(K)) + s2 * np.diag(M), 1e-300))
     F = M @ shapes[:, low]
     try:
-        Y = np.linalg.solve((K + s2 * M) * np.outer(d, d), F * d[:, None]) * d[:, None]
-        Y = Y * np.sqrt(np.abs(squares[low]) + s2)
-        F = F * np.sqrt(np.abs(squares[low]) + s2)
+        Y = np.linalg.solve(Q * np.outer(d, d), F * d[:, None]) * d[:, None]
+        size = np.sqrt(np.abs(squares[low]) + s2)
+        Y, F = Y * size, F * size
         energy, work = F.T @ Y, Y.T @ (M @ Y)
         lower = np.linalg.cholesky((energy + energy.T) / 2)
     except np.linalg.LinAlgError:  # unstable or exactly singular

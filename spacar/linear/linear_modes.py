@@ -27,6 +27,7 @@ from spacar.linear.state_space import chosen_rows
 from spacar.linear.stored_system import StoredSystem
 from spacar.linear_systems import SingularMatrixError
 from spacar.linearization.matrices import Linearization, linearize
+from spacar.linearization.state_matrix import selected
 from spacar.stationary import LoadLevel, StationarySolver, load_program
 from spacar.stationary.loading import stored_levels
 from spacar.stationary.tangent import SparseTangent
@@ -206,7 +207,7 @@ def _say_doubtful_inertia(run: Run, solution: LinearizedSolution) -> None:
     L, dynamic = solution.L, run.mechanism.numbering.dynamic
     if L is None or not len(dynamic) or solution.frame.t:
         return
-    M = L.m0[np.ix_(dynamic, dynamic)]
+    M = selected(L.m0, dynamic, dynamic)
     doubt = linearized_doubt(run.mechanism, solution.dynamics.sweep, M, run.header["condition"])
     if doubt:
         run.report.add(f"warning: {doubt}")
@@ -235,11 +236,11 @@ def _store_matrices(frame: Frame, L: Linearization, dynamics: Dynamics) -> None:
     if not len(q):
         return
     for name in ("m0", "c0", "d0"):
-        frame.matrices[name] = getattr(L, name)[np.ix_(q, q)]
+        frame.matrices[name] = selected(getattr(L, name), q, q)
     for name in ("k0", "n0", "g0"):
-        frame.matrices[name] = getattr(L, name)[np.ix_(q, s)]
-    frame.matrices["ak0"] = L.ak0[np.ix_(s, q)]
-    frame.matrices["bk0"] = L.bk0[np.ix_(s, s)]
+        frame.matrices[name] = selected(getattr(L, name), q, s)
+    frame.matrices["ak0"] = selected(L.ak0, s, q)
+    frame.matrices["bk0"] = selected(L.bk0, s, s)
 
 
 def _store_vibration(run: Run, solution: LinearizedSolution) -> None:

@@ -48,11 +48,12 @@ def dominant(operator: Operator, start: Array, wanted: int) -> tuple[Complex, Co
     return theta, V @ c
 
 
-def trial_values(operator: Operator, start: Array) -> Complex:
-    """Ritz values (p,) after two steps from the block start (n, p): the size of the spectrum, for the choice of a
-    shift."""
+def trial(operator: Operator, start: Array) -> tuple[Complex, Array]:
+    """Ritz values (p,) after two steps from the block start (n, p), the size of the spectrum for the choice of a shift,
+    and the block after the third."""
     X = np.linalg.qr(operator(operator(start)))[0]
-    return np.linalg.eigvals(X.T @ operator(X)).astype(complex)
+    Y = operator(X)
+    return np.linalg.eigvals(X.T @ Y).astype(complex), Y
 
 
 def ends_with_half_a_pair(theta: Complex) -> bool:

@@ -14,11 +14,15 @@ from spacar.arrays import Array, Index
 
 DENSE_LIMIT = 150  # rows or columns up to which all products of a linearization are faster dense (docs/performance.md)
 
+ZERO = np.zeros(())
+
 Matrix = Any  # NumPy array or csr_array of SciPy
 
 
 def matrix(rows: Index, columns: Index, values: Array, shape: tuple[int, int]) -> Matrix:
     """(shape) with the sum of the values at every place."""
+    if not values.any():
+        return zero_matrix(shape)
     if max(shape) <= DENSE_LIMIT:
         return np.bincount(rows * shape[1] + columns, values, shape[0] * shape[1]).reshape(shape)
     from scipy.sparse import coo_array
@@ -27,9 +31,17 @@ def matrix(rows: Index, columns: Index, values: Array, shape: tuple[int, int]) -
 
 
 def zero_matrix(shape: tuple[int, int]) -> Matrix:
-    """All entries zero."""
-    empty = np.zeros(0, np.int64)
-    return matrix(empty, empty, np.zeros(0), shape)
+    """All entries zero; a dense one is one number for all places, not to be written to."""
+    if max(shape) <= DENSE_LIMIT:
+        return np.broadcast_to(ZERO, shape)
+    from scipy.sparse import csr_array
+
+    return csr_array(shape)
+
+
+def added(A: Matrix, B: Matrix) -> Matrix:
+    """A + B without a copy where one of them is `zero_matrix`."""
+    return B if _is_nothing(A) else A if _is_nothing(B) else A + B
 
 
 def diagonal_matrix(values: Array) -> Matrix:
@@ -40,7 +52,11 @@ def diagonal_matrix(values: Array) -> Matrix:
 
 def is_zero_matrix(A: Matrix) -> bool:
     """Are all stored entries zero?"""
-    return not (A if isinstance(A, np.ndarray) else A.data).any()
+    return _is_nothing(A) or not (A if isinstance(A, np.ndarray) else A.data).any()
+
+
+def _is_nothing(A: Matrix) -> bool:
+    return not A.nnz if not isinstance(A, np.ndarray) else A.strides == (0, 0) and not A[:1, :1].any()
 
 
 def dense(A: Matrix) -> Array:

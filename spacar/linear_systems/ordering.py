@@ -7,6 +7,8 @@ with a symmetric pattern and a zero-free diagonal is ordered symmetrically by it
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
@@ -16,30 +18,33 @@ from spacar.arrays import Index
 
 def order(n: int, rows: Index, columns: Index) -> tuple[Index, Index]:
     """Rank (new position) of every row and of every column, each (n,)."""
-    places = _distinct(rows * n + columns)
-    if np.array_equal(places, _distinct(columns * n + rows)):
-        rank = _rank(_permutation(n, places))
+    row, column = _distinct(n, rows, columns)
+    if np.array_equal(np.sort(column * n + row), row * n + column):
+        rank = _rank(_permutation(n, row, column))
         return rank, rank
-    i, j = np.divmod(places, n)
-    both = np.concatenate((i * 2 * n + j + n, (j + n) * 2 * n + i))
-    permutation = _permutation(2 * n, np.sort(both))
+    both = _distinct(2 * n, np.concatenate((row, column + n)), np.concatenate((column + n, row)))
+    permutation = _permutation(2 * n, *both)
     return _rank(permutation[permutation < n]), _rank(permutation[permutation >= n] - n)
 
 
-def _distinct(places: Index) -> Index:
-    """Every place once, ascending."""
-    places = np.sort(places)
-    return places[np.concatenate(([True], places[1:] != places[:-1]))] if len(places) else places
+def _distinct(n: int, rows: Index, columns: Index) -> tuple[Index, Index]:
+    """Every place once, in the order of rows, then columns. Small integers, as these are sorted in half of the time."""
+    small: Any = np.int32 if n * n < 2**31 else np.int64
+    places = np.sort(rows.astype(small, copy=False) * small(n) + columns.astype(small, copy=False))
+    if len(places):
+        places = places[np.concatenate(([True], places[1:] != places[:-1]))]
+    row = places // small(n)
+    return row, places - row * small(n)
 
 
-def _permutation(n: int, places: Index) -> Index:
-    """The reverse Cuthill-McKee order of a symmetric pattern, given as row n + column ascending.
+def _permutation(n: int, row: Index, column: Index) -> Index:
+    """The reverse Cuthill-McKee order of a symmetric pattern, by rows.
 
     The arrays of compressed rows are made here, as SciPy takes several times as long.
     """
-    row, column = np.divmod(places, n)
-    start = np.concatenate(([0], np.cumsum(np.bincount(row, minlength=n))))
-    pattern = csr_matrix((np.ones(len(places)), column.astype(np.int32), start.astype(np.int32)), (n, n))
+    start = np.zeros(n + 1, np.int32)
+    np.cumsum(np.bincount(row, minlength=n), out=start[1:])
+    pattern = csr_matrix((np.ones(len(row)), column.astype(np.int32, copy=False), start), (n, n))
     return np.asarray(reverse_cuthill_mckee(pattern, symmetric_mode=True))
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.forces import StressLaw, moment_entries
-from spacar.linear_systems.matrix import Matrix, diagonal_matrix, matrix, zero_matrix
+from spacar.linear_systems.matrix import Matrix, added, diagonal_matrix, matrix, zero_matrix
 from spacar.linearization.contractions import (
     block_pattern,
     geometric_stiffness,
@@ -80,16 +80,17 @@ def coefficients(
         second_x = gradient_rate(sweep, xdd) + rate_gradient(sweep, xd)
     by_x, by_v = inertia_blocks(sweep, xd, xdd)
     Me = matrix(*dynamics.mechanism.deformation_inertia, (n.ne, n.ne))
+    stress = sigma + Me @ edd if dynamics.coupling.present else sigma
     S, Sd = matrix(*law.stiffness, (n.ne, n.ne)), matrix(*law.damping, (n.ne, n.ne))
     force_k, force_d = np.zeros(n.nx), np.zeros(n.nx)
     if user is not None:
         active = np.arange(n.ne) >= law.first
-        S, Sd = S + diagonal_matrix(user.sigma_k * active), Sd + diagonal_matrix(user.sigma_d * active)
+        S, Sd = added(S, diagonal_matrix(user.sigma_k * active)), added(Sd, diagonal_matrix(user.sigma_d * active))
         force_k, force_d = user.force_k, user.force_d
     return Coefficients(
         V=V, M=M, rate_x=rate_x, second_v=second_v, second_x=second_x,
         inertia_x=scatter(n.nx, by_x), inertia_v=scatter(n.nx, by_v),
-        geometric=geometric_stiffness(sweep, sigma + Me @ edd), gravity_x=load_gradient(dynamics),
+        geometric=geometric_stiffness(sweep, stress), gravity_x=load_gradient(dynamics),
         user_x=diagonal_matrix(force_k), user_v=diagonal_matrix(force_d), S=S, Sd=Sd,
         deformation_inertia=Me, sigma=sigma, moving=moving,
     )  # fmt: skip

@@ -13,7 +13,7 @@ import numpy as np
 from spacar.arrays import Array, Index
 from spacar.elements.family import Family
 from spacar.kinematics.element_sweep import ElementSweep
-from spacar.linear_systems.matrix import Matrix, matrix
+from spacar.linear_systems.matrix import Matrix, matrix, zero_matrix
 from spacar.mechanism.layout import Batch
 
 NOWHERE: Index = np.zeros(0, np.int64)
@@ -63,14 +63,18 @@ def geometric_blocks(sweep: ElementSweep, sigma: Array) -> list[tuple[Batch, Arr
 
 def scatter(nx: int, blocks: list[tuple[Batch, Array]]) -> Matrix:
     """Sum of square element blocks as (nx, nx)."""
+    if not blocks:
+        return zero_matrix((nx, nx))
     rows = [np.broadcast_to(b.x[:, None, :], block.shape).ravel() for b, block in blocks]
     columns = [np.broadcast_to(b.x[None, :, :], block.shape).ravel() for b, block in blocks]
-    values = np.concatenate([np.zeros(0), *(block.ravel() for _, block in blocks)])
-    return matrix(np.concatenate([NOWHERE, *rows]), np.concatenate([NOWHERE, *columns]), values, (nx, nx))
+    values = np.concatenate([block.ravel() for _, block in blocks])
+    return matrix(np.concatenate(rows), np.concatenate(columns), values, (nx, nx))
 
 
 def geometric_stiffness(sweep: ElementSweep, sigma: Array) -> Matrix:
     """Hs(sigma), (nx, nx)."""
+    if not sigma.any():
+        return zero_matrix((sweep.nx, sweep.nx))
     return scatter(sweep.nx, geometric_blocks(sweep, sigma))
 
 

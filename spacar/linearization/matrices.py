@@ -17,14 +17,15 @@ to N0 and C0.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.forces import StressLaw
-from spacar.kinematics.transfer import configuration_transfer, velocity_transfer
-from spacar.linear_systems.matrix import Matrix, dense, is_zero_matrix, zero_matrix
+from spacar.kinematics.transfer import configuration_transfer, deformation_transfer, velocity_transfer
+from spacar.linear_systems.matrix import Matrix, added, dense, is_zero_matrix, zero_matrix
 from spacar.linearization.coefficients import Coefficients, coefficients
 
 
@@ -73,12 +74,12 @@ class Linearization:
     S: Matrix
     Sd: Matrix
 
-    @property
+    @cached_property
     def stiffness(self) -> Array:
         """K0 + N0 + G0."""
         return self.k0 + self.n0 + self.g0
 
-    @property
+    @cached_property
     def damping(self) -> Array:
         """C0 + D0."""
         return self.c0 + self.d0
@@ -97,32 +98,32 @@ def linearize(
     V, M, Me = c.V, c.M, c.deformation_inertia
     W = velocity_transfer(k)
     G = configuration_transfer(k, W)
-    We = V @ W
+    We = deformation_transfer(k, W, V)
     Ge = We if G is W else V @ G
     rates = _rates(dynamics, c, W, G) if c.moving else _no_rates(n.ne, n.nx, n.ndof, n.nkdof)
     Z, Ze, Y, Ye, Yv, Yev = rates
     ak0, bk0 = _kinematic(dynamics, W, We, Z, Ze)
-    m0, c0 = _between(W, M, W) + _between(We, Me, We), _between(W, c.inertia_v, W)
-    d0, n0 = _between(We, c.Sd, We) + _between(W, c.user_v, W), _between(W, c.inertia_x, G)
+    m0, c0 = _between((W, M, W), (We, Me, We)), _between((W, c.inertia_v, W))
+    d0, n0 = _between((We, c.Sd, We), (W, c.user_v, W)), _between((W, c.inertia_x, G))
     if c.moving:
-        c0 += W.T @ (M @ Yv) + _between(We, Me, Yev)
-        n0 += W.T @ (M @ Y + c.inertia_v @ Z + c.user_v @ Z) + _between(We, c.Sd, Ze) + _between(We, Me, Ye)
+        c0 += W.T @ (M @ Yv) + _between((We, Me, Yev))
+        n0 += W.T @ (M @ Y + c.inertia_v @ Z + c.user_v @ Z) + _between((We, c.Sd, Ze), (We, Me, Ye))
     return Linearization(
         m0=m0, c0=c0, d0=d0,
-        k0=_between(We, c.S, Ge) + _between(W, c.user_x, G),
+        k0=_between((We, c.S, Ge), (W, c.user_x, G)),
         n0=n0,
-        g0=_between(W, c.geometric + c.gravity_x, G),
+        g0=_between((W, added(c.geometric, c.gravity_x), G)),
         ak0=ak0, bk0=bk0, W=W, We=We, G=G, Ge=Ge, Z=Z, Ze=Ze, Y=Y, Ye=Ye, Yv=Yv, Yev=Yev,
-        sigma=c.sigma, V=V, M=M, inertia_x=c.inertia_x + c.geometric, inertia_v=c.inertia_v,
-        load_x=c.gravity_x + c.user_x, load_v=c.user_v, S=c.S, Sd=c.Sd,
+        sigma=c.sigma, V=V, M=M, inertia_x=added(c.inertia_x, c.geometric), inertia_v=c.inertia_v,
+        load_x=added(c.gravity_x, c.user_x), load_v=c.user_v, S=c.S, Sd=c.Sd,
     )  # fmt: skip
 
 
-def _between(left: Array, A: Matrix, right: Array) -> Array:
-    """left^T A right, dense; products with zero are left out."""
-    if is_zero_matrix(A):
-        return np.zeros((left.shape[1], right.shape[1]))
-    return np.asarray((left.T @ A) @ right)
+def _between(*terms: tuple[Array, Matrix, Array]) -> Array:
+    """Sum of left^T A right, dense; products with zero are left out."""
+    left, _, right = terms[0]
+    products = [np.asarray((u.T @ A) @ v) for u, A, v in terms if not is_zero_matrix(A)]
+    return sum(products[1:], products[0]) if products else np.zeros((left.shape[1], right.shape[1]))
 
 
 def _rates(dynamics: Dynamics, c: Coefficients, W: Array, G: Array) -> tuple[Array, Array, Array, Array, Array, Array]:
@@ -148,8 +149,8 @@ def _kinematic(dynamics: Dynamics, W: Array, We: Array, Z: Matrix, Ze: Matrix) -
     """Ak0 = [I; W_xk; We_ek], Bk0 = [0; Z_xk; Ze_ek]."""
     n = dynamics.numbering
     xk, ek = n.x_class["kinematic"], n.e_class["kinematic"]
-    ak0 = np.vstack((np.eye(n.ndof), W[xk], We[ek]))
     bk0 = np.zeros((n.nkdof, n.nkdof))
-    if n.nk:
-        bk0[n.ndof :] = np.vstack((dense(Z[xk]), dense(Ze[ek])))
-    return ak0, bk0
+    if not n.nk:
+        return np.eye(n.ndof), bk0
+    bk0[n.ndof :] = np.vstack((dense(Z[xk]), dense(Ze[ek])))
+    return np.vstack((np.eye(n.ndof), W[xk], We[ek])), bk0

@@ -22,6 +22,15 @@ def chosen_rows(L: Linearization, dynamics: Dynamics, everything: bool = False) 
     return q, np.r_[q, np.arange(n.ndof, n.nkdof)]
 
 
+def selected(A: Array, rows: Index, columns: Index) -> Array:
+    """A at these rows and columns; A itself where these are all of them in order."""
+    return A if _is_all(rows, len(A)) and _is_all(columns, A.shape[1]) else A[rows[:, None], columns]
+
+
+def _is_all(places: Index, n: int) -> bool:
+    return len(places) == n and np.array_equal(places, np.arange(n))
+
+
 MASSLESS = "singular mass matrix: a degree of freedom carries no mass; add XM or EM"
 
 
@@ -31,19 +40,24 @@ def require_mass(L: Linearization, q: Index) -> None:
     The sign of that rounding decides nothing: W^T M W is known to eps times nx times the sum of the sizes of its terms.
     Masses that overflow are not told here.
     """
-    W = np.abs(L.W[:, q])
+    diagonal, size = L.m0.diagonal()[q], abs(L.M)
+    W = L.W if _is_all(q, L.W.shape[1]) else L.W[:, q]
+    rounding = np.finfo(float).eps * len(W)
     with np.errstate(over="ignore", invalid="ignore"):
-        terms = (W * np.asarray(abs(L.M) @ W)).sum(0)
-    rounding = np.finfo(float).eps * len(W) * terms
-    if np.any((np.diag(L.m0)[q] <= rounding) & (terms > 0.0) & np.isfinite(terms)):
+        # 2 |w_i w_j| <= w_i^2 + w_j^2: a bound that costs little and tells what is known of ordinary masses
+        if (diagonal > rounding * np.einsum("iq,iq,i->q", W, W, np.asarray(size.sum(1)).ravel())).all():
+            return
+        W = np.abs(W)
+        terms = (W * np.asarray(size @ W)).sum(0)
+    if np.any((diagonal <= rounding * terms) & (terms > 0.0) & np.isfinite(terms)):
         raise AnalysisError(MASSLESS, "dynamics.singular-mass")
 
 
 def state_matrix(L: Linearization, q: Index, s: Index) -> Array:
     """A of (15). Raises AnalysisError when the mass matrix of the rows q is singular."""
     return assembled_state_matrix(
-        L.m0[np.ix_(q, q)], L.damping[np.ix_(q, q)], L.stiffness[np.ix_(q, s)],
-        L.ak0[np.ix_(s, q)], L.bk0[np.ix_(s, s)],
+        selected(L.m0, q, q), selected(L.damping, q, q), selected(L.stiffness, q, s),
+        selected(L.ak0, s, q), selected(L.bk0, s, s),
     )  # fmt: skip
 
 

@@ -83,6 +83,8 @@ def test_a_mode_of_which_no_digit_is_known_is_nan(monkeypatch):
     for iterations, some in ((100, False), (1, True)):
         monkeypatch.setattr(subspace, "MAX_ITERATIONS", iterations)
         monkeypatch.setattr(lowest, "SPARE", 0)
+        # nor does it begin with the block that the search for the shift has led to
+        monkeypatch.setattr(lowest, "trial", lambda op, X: (subspace.trial(op, X)[0], op(X)))
         report = Report()
         found = np.sort(np.abs(lowest.lowest_vibration(tangent, report, 8).values.imag))[::2]
         known = found[np.isfinite(found)]

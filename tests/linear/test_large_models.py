@@ -92,9 +92,9 @@ def test_fewer_modes_of_a_small_model():
     fewer = parse_deck(deck.text.replace("HALT\n", "HALT\nMODES 3\n"), mode=10)
     every, some = spacar.run(10, deck), spacar.run(10, fewer)
     assert some["m0"][0].shape == (48, 48)
-    np.testing.assert_array_equal(some["eigval"][0], every["eigval"][0][-6:])
-    # a product with fewer columns is summed in another order on some processors
-    np.testing.assert_allclose(some["eigvre"][0], every["eigvre"][0][:, -6:], rtol=0, atol=1e-15)
+    # few modes come from another routine of LAPACK
+    np.testing.assert_allclose(some["eigval"][0], every["eigval"][0][-6:], rtol=1e-14, atol=0)
+    np.testing.assert_allclose(some["eigvre"][0], every["eigvre"][0][:, -6:], rtol=0, atol=1e-14)
     np.testing.assert_array_equal(some["lmult"][0].ravel(), every["lmult"][0].ravel()[:3])
     assert some["bmode"][0].shape == (48, 3)
 

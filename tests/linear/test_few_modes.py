@@ -1,0 +1,99 @@
+"""Few modes of a dense pencil are computed alone: they agree with all of them, and with what is known."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from spacar.errors import Report
+from spacar.kinematics import constraint_condition
+from spacar.linear import eigen
+from spacar.linear_systems.matrix import added, diagonal_matrix, is_zero_matrix, matrix, zero_matrix
+from spacar.linearization.state_matrix import selected
+
+
+def random_pencil(n: int, squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """K, M (n, n) of the known omega^2: M = L L^T, K = L Q diag Q^T L^T."""
+    rng = np.random.default_rng(5)
+    L = np.tril(rng.normal(size=(n, n))) / np.sqrt(n) + 2.0 * np.eye(n)
+    Q = np.linalg.qr(rng.normal(size=(n, n)))[0]
+    return L @ Q @ np.diag(squares) @ Q.T @ L.T, L @ L.T
+
+
+@pytest.mark.parametrize("n", [eigen.FEW_FROM + 1, 90])
+def test_few_modes_are_the_lowest_of_all(n):
+    """Known omega^2 over twelve decades, a double one among the lowest three."""
+    squares = np.geomspace(1.0, 1e8, n)
+    squares[2] = squares[1]
+    K, M = random_pencil(n, squares)
+    few = eigen.undamped_modes(K, M, Report(), 4)
+    every = eigen.undamped_modes(K, M, Report())
+    assert len(few.values) == 8
+    # K is rounded to eps of its largest entries
+    np.testing.assert_allclose(few.values.imag[::2] ** 2, squares[3::-1], rtol=1e-6)
+    np.testing.assert_allclose(few.values.imag, every.values.imag[-8:], rtol=1e-10)
+
+
+def test_low_modes_keep_their_digits():
+    """A chain of masses and springs in line: omega_k = 2 sin((2 k - 1) pi/(2 (2 n + 1))), and a stiff one far above."""
+    n = 60
+    K = 2.0 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
+    K[-1, -1] = 1.0
+    omega = 2 * np.sin((2 * np.arange(1, n + 1) - 1) * np.pi / (2 * (2 * n + 1)))
+    everything, mass = np.zeros((n + 1, n + 1)), np.eye(n + 1)
+    everything[:n, :n], everything[n, n] = K, 1e9
+    few = eigen.undamped_modes(everything, mass, Report(), 3)
+    np.testing.assert_allclose(few.values.imag[::2], omega[2::-1], rtol=1e-12)
+
+
+def test_unstable_modes_of_lowest_modulus():
+    """Two negative omega^2, one of them larger in modulus than the positive ones that are wanted."""
+    squares = np.concatenate(([-50.0, -2.0], np.arange(1.0, 39.0)))
+    K, M = random_pencil(40, squares)
+    few = eigen.undamped_modes(K, M, Report(), 3)
+    np.testing.assert_allclose((few.values**2).real[::2], [-2.0, 2.0, -1.0], rtol=1e-9)
+
+
+def ring(n: int, weight: float) -> np.ndarray:
+    """An unsymmetric matrix (n, n) whose singular values span `weight`."""
+    rng = np.random.default_rng(2)
+    U, V = (np.linalg.qr(rng.normal(size=(n, n)))[0] for _ in range(2))
+    return U @ np.diag(np.geomspace(1.0, weight, n)) @ V
+
+
+@pytest.mark.parametrize(("weight", "squared"), [(1e3, True), (3e4, True), (1e6, False)])
+def test_condition_number_from_squares(weight, squared, monkeypatch):
+    """From D^T D as by singular values; where the squares have lost it, singular values are asked."""
+    D = ring(80, weight)
+    mechanism = SimpleNamespace(
+        numbering=SimpleNamespace(velocity_equations=np.arange(80), velocity_unknowns=np.arange(80)),
+        scale=np.ones(80), deformation_scale=np.ones(80),
+    )  # fmt: skip
+    exact, asked = np.linalg.svd, []
+    monkeypatch.setattr(np.linalg, "svd", lambda *a, **k: asked.append(1) or exact(*a, **k))
+    assert constraint_condition.of_gradient(mechanism, D) == pytest.approx(weight, rel=1e-6 if squared else 1e-9)
+    assert bool(asked) != squared
+
+
+def test_sums_with_nothing():
+    """Matrices of zeros are not added, dense and sparse."""
+    for n in (4, 400):
+        nothing, A = zero_matrix((n, n)), diagonal_matrix(np.ones(n))
+        assert is_zero_matrix(nothing)
+        assert added(nothing, A) is A
+        assert added(A, nothing) is A
+        assert is_zero_matrix(added(nothing, nothing))
+        assert is_zero_matrix(matrix(np.arange(n), np.arange(n), np.zeros(n), (n, n)))
+        np.testing.assert_array_equal(added(A, A).diagonal(), 2.0)
+
+
+def test_rows_in_another_order():
+    """All rows, but not in order, are no reason to take the matrix as it is."""
+    A = np.arange(9.0).reshape(3, 3)
+    every, turned = np.arange(3), np.array([0, 2, 1])
+    assert selected(A, every, every) is A
+    np.testing.assert_array_equal(selected(A, turned, every), A[turned])
+    np.testing.assert_array_equal(selected(A, every, turned), A[:, turned])
+    np.testing.assert_array_equal(selected(A, every[1:], every[:2]), A[1:, :2])
