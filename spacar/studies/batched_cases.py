@@ -18,7 +18,7 @@ from spacar.errors import SpacarError
 from spacar.modes import find_mode
 from spacar.studies.affine_cases import affine_cases
 from spacar.studies.assignments import change
-from spacar.studies.ensemble import Motion, motions, why_not
+from spacar.studies.ensemble import BlockMotions, motions, why_not
 from spacar.studies.rows import Row
 from spacar.studies.side_by_side import alike, side_by_side
 from spacar.studies.sweep import LOST, Case, Study, Values, row, run_case
@@ -109,7 +109,7 @@ def _run_together(study: Study, chunk: Chunk, found: dict[int, tuple[float | com
     else:
         chosen = list(cases.chosen)
 
-    def keep(motion: Motion) -> None:
+    def keep(motion: BlockMotions) -> None:
         columns = [q.numbers(motion, len(motion.own)) for q in study.quantities]
         for lane, k in enumerate(motion.own):
             if any(column is None for column in columns):

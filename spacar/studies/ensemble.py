@@ -72,7 +72,7 @@ def why_not_of(mechanism: Mechanism) -> str:
 
 
 @dataclass(frozen=True)
-class Motion:
+class BlockMotions:
     """The motions of a block of cases; variables have the cases last, (steps, nx or ne, cases).
 
     own         places of the cases
@@ -137,7 +137,7 @@ def followed(
     """The same of cases that can be batched."""
     results: list[Result | None] = [None] * len(cases.start)
 
-    def keep(motion: Motion) -> None:
+    def keep(motion: BlockMotions) -> None:
         for lane, k in enumerate(motion.own):
             results[k] = motion.result(lane)
 
@@ -146,8 +146,9 @@ def followed(
 
 
 def motions(
-    cases: Cases, use: Callable[[Motion], None], times: np.ndarray | None = None, *, threads: int = 1, **options: Any
-) -> None:
+    cases: Cases, use: Callable[[BlockMotions], None], times: np.ndarray | None = None, *, threads: int = 1,
+    **options: Any,
+) -> None:  # fmt: skip
     """Let `use` have the motions of every block that can be followed, in the thread that has followed it."""
     from spacar.compiled.cases import InLanes, PlacedStart, blocks
 
@@ -180,7 +181,7 @@ def motions(
                 return
             del own[block.failed]
 
-    def together_followed(block: InLanes, own: Sequence[int]) -> Motion:
+    def together_followed(block: InLanes, own: Sequence[int]) -> BlockMotions:
         said: dict[int, tuple[str, ...]] = {}
         if not block.start(placed, largest):
             for k in own:
@@ -213,7 +214,7 @@ def _drive(single: Mechanism, numbers: Numbers, case: int) -> Drive:
 def _motion(
     block: InLanes, own: Sequence[int], times: Array, single: Mechanism, g: Array | None,
     said: dict[int, tuple[str, ...]],
-) -> Motion:  # fmt: skip
+) -> BlockMotions:  # fmt: skip
     """The motions of a block; `said` of its cases before. Raises AnalysisError."""
     settings, n, lanes = single.settings, single.numbering, block.by_case[2]
     each = None if g is None else np.broadcast_to(g[:, None], block.by_case[1:]).ravel()
@@ -233,4 +234,4 @@ def _motion(
     of_cases = [
         (*said.get(k, ()), *block.warnings[lane].values(), *lost[lane].values()) for lane, k in enumerate(own)
     ]
-    return Motion(single, tuple(own), times, x, e, statistics, of_cases)
+    return BlockMotions(single, tuple(own), times, x, e, statistics, of_cases)
