@@ -10,6 +10,12 @@
 #include "march.c"
 #include "adams.c"
 #include "runge_kutta.c"
+#if LANES == 1
+#include "passage.c"
+#define ALONE(function) function
+#else
+#define ALONE(function) NULL
+#endif
 #include "radau.c"
 #ifdef ELEMENTS /* the name of the table of what is needed of elements alone: two builds have it */
 #include "derivatives.c"
@@ -22,4 +28,5 @@ const void *const BUILD[] = {
     spacar_begin, spacar_end, spacar_state, spacar_start, spacar_evaluate, spacar_rhs, spacar_stages, spacar_complete, spacar_gradient,
     spacar_determinant, spacar_reduced_mass, spacar_guard, spacar_rcond,
     spacar_adams_begin, spacar_adams, spacar_adams_value, spacar_runge_kutta, spacar_newton,
+    ALONE(spacar_show), ALONE(spacar_pass_adams), ALONE(spacar_pass_runge_kutta),
 };

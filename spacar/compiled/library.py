@@ -81,6 +81,9 @@ FUNCTIONS: dict[str, tuple[Any, ...]] = {  # in the order of the table in engine
     "adams_value": (INTEGER, POINTER, POINTER, NUMBER, POINTER),
     "runge_kutta": (INTEGER, POINTER, POINTER),
     "newton": (INTEGER, POINTER, POINTER, POINTER),
+    "show": (INTEGER, POINTER, POINTER),
+    "pass_adams": (INTEGER, POINTER, POINTER, POINTER),
+    "pass_runge_kutta": (INTEGER, POINTER, POINTER, POINTER),
 }  # fmt: skip
 
 # in the order of the table in batches.c
@@ -97,9 +100,11 @@ ELEMENT_FUNCTIONS: dict[str, tuple[Any, ...]] = {
 
 
 def _bind(owner: object, functions: dict[str, tuple[Any, ...]], addresses: Any) -> None:
-    """Functions as attributes: their addresses stand behind the first one, in the order of the table."""
+    """Functions as attributes: their addresses stand behind the first one, in the order of the table; not those that a
+    build of several lanes does not have."""
     for k, (name, (result, *arguments)) in enumerate(functions.items(), 1):
-        setattr(owner, name, ctypes.CFUNCTYPE(result, *arguments)(addresses[k]))
+        if addresses[k]:
+            setattr(owner, name, ctypes.CFUNCTYPE(result, *arguments)(addresses[k]))
 
 
 class ElementFunctions:
@@ -157,6 +162,9 @@ class Engine:
     adams: Any
     adams_value: Any
     runge_kutta: Any
+    show: Any
+    pass_adams: Any
+    pass_runge_kutta: Any
 
 
 @lru_cache

@@ -25,7 +25,7 @@ from spacar.mechanism.mechanism import Drive, Polynomial, UserSignal
 from spacar.mechanism.placed_vectors import PlacedVector, placed
 
 ASK = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int, ctypes.c_int, ctypes.c_double)
-MOTION, STRESS, STRAIN, CONVECTIVE, INERTIA = range(5)  # as ASK_MOTION ... in elements.c
+MOTION, STRESS, STRAIN, CONVECTIVE, INERTIA, OUTPUT = range(6)  # as ASK_MOTION ... in elements.c
 ANSWERED, NOT_ANSWERED = 0, 1
 
 
@@ -100,6 +100,8 @@ class Slots:
         self.error: BaseException | None = None
         self.failed: int | None = None  # the case whose function did not answer the last question
         self.lost: list[dict[int, str]] = [{}] * max(len(users), 1)  # sentences by row of e, of every case
+        self.outputs: list[dict[int, str]] = []  # those of the outputs of one call, see `spacar.compiled.passage`
+        self.told: set[int] = set()  # rows of their sentences
         self.laws: tuple[Law, ...] = ()
         self.foreign_c: ctypes.Array[ctypes.c_void_p] | None = None  # addresses of the foreign batches, by batch
         if self.foreign:
@@ -135,6 +137,11 @@ class Slots:
                 self.foreign[batch].inertia()
             elif what == MOTION:
                 self._move(t)
+            elif what == OUTPUT:
+                self.outputs.append(self.lost[0])
+                if not self.told.issuperset(self.lost[0]):
+                    self.told.update(self.lost[0])
+                    return NOT_ANSWERED  # a sentence that is new is handed on at once
             else:
                 self._stress(t)
         except BaseException as error:  # nothing may pass through C

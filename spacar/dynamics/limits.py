@@ -82,12 +82,16 @@ class Wheels:
         self.compression = np.zeros((len(self.found), cases))
         self.pressed = bool(model.loads.gravity.any())
 
+    def press(self, normal: Array) -> None:
+        """Remember how the wheels are pressed on the ground where none is pulled; normal: (wheels, cases)."""
+        np.maximum(self.compression, -normal, out=self.compression)
+
     def lifted(self, t: float, normal: Array) -> Iterator[tuple[int, int, str]]:
         """Case, element and what to say of wheels that are pulled; normal: (wheels, cases).
 
         Raises AnalysisError 'element.lift-off' where something has pressed the wheel on the ground.
         """
-        np.maximum(self.compression, -normal, out=self.compression)
+        self.press(normal)
         size = np.maximum(np.abs(normal), self.compression).max(axis=0, initial=0.0)
         pulled = normal > LIFTED * size
         if not pulled.any():
