@@ -9,7 +9,7 @@ The tables lnp, le, ln hold the 1-based numbers that result files show; 0 means 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import accumulate
 from typing import NamedTuple
@@ -196,6 +196,15 @@ class Numbering:
         """Rows of q that are prescribed: x input, then e input."""
         r, m, s = int(self.nxp[2]), int(self.nxp[3]), int(self.nep[2])
         return _ranges((0, r), (r + m, r + m + s))
+
+    @cached_property
+    def all_dynamic(self) -> Numbering:
+        """The same, with the degrees of freedom that are prescribed as dynamic ones; all keep their places."""
+        nxp, nep = self.nxp.copy(), self.nep.copy()
+        for counts in (nxp, nep):
+            counts[3] += counts[2]
+            counts[2] = 0
+        return replace(self, nxp=nxp, nep=nep)
 
     # Equations and unknowns of both levels (theory-system.md 1.1): what is given of e determines what depends on it.
     @cached_property
