@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
@@ -43,14 +43,14 @@ class Result:
     mode: int
     frames: Sequence[Frame]
     report: tuple[str, ...]
-    header: dict[str, Any]
+    header: Mapping[str, Any]
     nominal: Any = None
 
     @classmethod
     def collect(cls, run: Run) -> Result:
         """Iterate over a run to its end."""
         frames = tuple(run)
-        return cls(run.mechanism, run.mode.number, frames, tuple(run.report.lines), dict(run.header), run.nominal)
+        return cls(run.mechanism, run.mode.number, frames, tuple(run.report.lines), run.header.copy(), run.nominal)
 
     def draw(self, path: str | Path | None = None, **options: Any) -> Any:
         """A matplotlib figure of one or more steps, also written to `path`; options as `spacar_drawing.draw`."""

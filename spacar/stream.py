@@ -14,6 +14,7 @@ import numpy as np
 from spacar.errors import Report, SpacarError
 from spacar.frame import Frame
 from spacar.modes import Mode
+from spacar.stated import Stated
 
 if TYPE_CHECKING:
     from spacar.mechanism import Mechanism
@@ -71,7 +72,7 @@ class Run:
     mode: Mode
     mechanism: Mechanism
     report: Report = field(default_factory=Report)
-    header: dict[str, Any] = field(default_factory=dict)
+    header: Stated = field(default_factory=Stated)
     n_frames: int | None = None
     nominal: Any = None
     accuracy: AccuracyRequest | None = None

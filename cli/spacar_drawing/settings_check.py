@@ -13,7 +13,7 @@ from pathlib import Path
 from spacar.deck import Deck
 from spacar.deck.lexer import integer_of, number_of, scan, split_lines
 from spacar.errors import Message
-from spacar.mechanism.build import element_list
+from spacar.mechanism.element_rows import element_list
 from spacar_drawing.settings import DIMENSIONS, _words
 from spacar_drawing.settings_table import NEEDS_GROUP, RULES, SPELLINGS, Rule
 

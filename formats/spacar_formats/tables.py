@@ -13,7 +13,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.errors import UsageError
 from spacar.expressions import Dimensions, evaluate, parse, unit_text
-from spacar.mechanism.build import element_list
+from spacar.mechanism.element_rows import element_list
 from spacar.modes import find_mode
 from spacar.result import E_VARIABLES, X_VARIABLES, Result
 

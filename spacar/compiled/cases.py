@@ -8,6 +8,7 @@ largest error of a case; codes 0, 135, 155 and 853 make them in C from output to
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from spacar.compiled.compiled_model import EXACT, CompiledModel
 from spacar.compiled.library import lanes_of_processor
 from spacar.compiled.marching import Marching
 from spacar.compiled.numbers import Numbers
+from spacar.dynamics.limits import Wheels
 from spacar.dynamics.loaded_mechanism import NEVER, Accepted, LoadedMechanism, Moving, unexplained
 from spacar.dynamics.mass_check import is_doubtful
 from spacar.errors import AnalysisError
@@ -23,6 +25,15 @@ from spacar.integrators.problem import March
 from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS
 from spacar.kinematics.regularity import HALF_TURN, HalfTurns
 from spacar.mechanism.mechanism import Drive, UserSignal
+
+
+@dataclass(frozen=True)
+class PlacedStart:
+    """Start state y of a case, where it was placed: x (nx,), e (ne,)."""
+
+    y: Array
+    x: Array
+    e: Array
 
 
 class InLanes:
@@ -42,7 +53,7 @@ class InLanes:
         mechanism = model.mechanism
         self.model, self.numbering = model, mechanism.numbering
         lanes, size = start.shape
-        self.n_positions, self.by_case = size // 2, (1, size, lanes)
+        self.n_positions, self.by_case = self.numbering.nddof + self.numbering.nk, (1, size, lanes)
         scales = scale, mechanism.deformation_scale
         self.solver = CompiledModel(self.numbering, numbers, scales, drives, users)
         self.breaks = tuple(t for law in (*drives, *users) for t in getattr(law, "breaks", ()))
@@ -53,6 +64,8 @@ class InLanes:
         self._seen: tuple[Moving, Array] | None = None  # last accepted state, signs of the determinants
         self._accepted = self.state.x.copy(), self.state.e.copy()
         self._out = np.zeros_like(self.y0)
+        self.wheels = Wheels(model, lanes)
+        self.warnings: list[dict[int, str]] = [{} for _ in range(lanes)]  # of wheels, by element
 
     @property
     def failed(self) -> int | None:
@@ -74,21 +87,28 @@ class InLanes:
                 raise _failed(t)
         return self._out.copy()
 
-    def start(self, largest: float) -> bool:
+    def start(self, placed: PlacedStart, largest: float) -> bool:
         """Place the start state. Are the mass matrices regular? Where C leaves a doubt they are to be looked at alone.
 
-        largest: `largest_mass` of one of the cases, kg m^2, for the size of all; it refuses and accepts nothing.
-        Raises AnalysisError where a case does not begin near its reference configuration.
+        The way leads over the start state of one of the cases, which has been `placed`.
+        largest: `largest_mass` of that case, kg m^2, for the size of all; it refuses and accepts nothing.
+        Raises AnalysisError where the start of a case cannot be reached from there.
         """
-        x0 = self.state.x.copy()
-        self.rhs(0.0, self.y0)
-        M = self.solver.reduced_mass()
-        if (np.abs(self.state.x - x0) / self._scale).max() > FARTHEST_GUESS:
+        state, mechanism = self.state, self.model.mechanism
+        there = self.solver.numbers.x0 + (placed.x - mechanism.x0)[:, None]
+        state.begin(there, placed.e[:, None])
+        y = np.repeat(placed.y, self.by_case[2])
+        if self.solver.rhs(state, 0.0, y.ctypes.data, self._out.ctypes.data, CONVERGED) < 0:
             raise _failed(0.0)
+        if (np.abs(state.x - there) / self._scale).max() > FARTHEST_GUESS:
+            raise _failed(0.0)
+        if not np.array_equal(y, self.y0):
+            self.rhs(0.0, self.y0)
+        self.shown.resume(float(state.c.t), state.x, state.xd, state.xdd, state.e)
+        M = self.solver.reduced_mass()
         if M is None:
             return False
-        mechanism = self.model.mechanism
-        condition = self.solver.condition(mechanism)
+        condition = self.solver.condition()
         return not any(is_doubtful(mechanism, M[:, :, lane], condition, largest) for lane in range(self.by_case[2]))
 
     def component_name(self, i: int) -> str:
@@ -138,12 +158,15 @@ class InLanes:
     def variables(self, t: float, y: Array) -> tuple[Array, Array]:
         """x, xd, xdd, fx, fxgrav, fxtot (6, nx, lanes) and e, ed, edd, sig (4, ne, lanes) at a state.
 
-        Raises AnalysisError where a case cannot be evaluated, or an element may be outside the range of its theory:
-        the single run says what it is.
+        Raises AnalysisError where a case cannot be evaluated, an element may be outside the range of its theory, or a
+        wheel leaves the ground: the single run says what it is.
         """
         shown = self.shown
         if self.solver.evaluate(shown, t, y.ctypes.data, EXACT) < 0 or not self.solver.in_range(shown):
             raise _failed(t)
+        if len(self.wheels.rows):
+            for lane, wheel, text in self.wheels.lifted(t, shown.sigma[self.wheels.rows]):
+                self.warnings[lane].setdefault(wheel, f"warning: {text}")
         return shown.of_x.copy(), shown.of_e[:4].copy()
 
 

@@ -10,6 +10,8 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.compiled.numbers import Entries, Numbers
 
+ENTRIES = "mass", "stiffness", "damping", "moments", "coupling"
+NONE = np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 1))
 ROUNDING = 64.0 * np.finfo(float).eps  # of the largest number of an array: constants of elements are some dozen sums
 
 
@@ -17,20 +19,34 @@ def combined(corners: Sequence[Numbers], weights: Array) -> Numbers | None:
     """The first corner and, in case k, `weights[i - 1, k]` times the difference to every other corner i: numbers that
     do not differ stay what they are. None where the corners have other entries.
     """
-    return _each(corners, lambda arrays: _sum(arrays, weights))
+    return _each(corners, lambda arrays: affine(arrays, weights))
 
 
 def same(a: Numbers, b: Numbers) -> bool:
-    """Whether the numbers of one case are those of another one to rounding."""
+    """Whether the numbers of one case are those of another one to rounding; zeros need not be entries."""
 
     def close(arrays: Sequence[Array]) -> Array | None:
         one, other = arrays
         return one if np.abs(one - other).max(initial=0.0) <= ROUNDING * np.abs(one).max(initial=0.0) else None
 
-    return _each((a, b), close) is not None
+    kinds = [[(e.kind, e.moving) for e in of.elements] for of in (a, b)]
+    if kinds[0] != kinds[1] or not all(_same_entries(getattr(a, name), getattr(b, name)) for name in ENTRIES):
+        return False
+    nothing = {name: NONE for name in ENTRIES}
+    return _each((replace(a, **nothing), replace(b, **nothing)), close) is not None  # type: ignore[arg-type]
 
 
-def _sum(arrays: Sequence[Array], weights: Array) -> Array:
+def _same_entries(a: Entries, b: Entries) -> bool:
+    size = max(int(of[1].max(initial=0)) for of in (a, b)) + 1
+    keys = np.unique(np.concatenate([of[0] * size + of[1] for of in (a, b)]))
+    one, other = np.zeros((2, len(keys)))
+    for values, of in ((one, a), (other, b)):
+        np.add.at(values, np.searchsorted(keys, of[0] * size + of[1]), of[2][:, 0])
+    return bool(np.abs(one - other).max(initial=0.0) <= ROUNDING * np.abs(one).max(initial=0.0))
+
+
+def affine(arrays: Sequence[Array], weights: Array) -> Array:
+    """The same of one array, (..., 1) of each corner; (..., cases)."""
     first, *others = arrays
     total = np.repeat(first, weights.shape[1], axis=-1)
     for other, weight in zip(others, weights, strict=True):

@@ -8,7 +8,7 @@ shared between both: a `Placement` goes from the state in C to the general evalu
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
+from functools import cached_property, partial
 from math import log
 from typing import TypeVar
 
@@ -16,18 +16,18 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.compiled.compiled_elements import with_compiled_elements
-from spacar.compiled.compiled_model import EXACT, CompiledModel
+from spacar.compiled.compiled_model import DOUBTFUL_MASS, EXACT, FAR_AWAY, CompiledModel
 from spacar.compiled.iterating import Iterating
 from spacar.compiled.marching import Lookout, Marching
 from spacar.compiled.numbers import of_one
 from spacar.dynamics.array_evaluator import Dynamics, component_name
 from spacar.dynamics.loaded_mechanism import LoadedMechanism, Moving, Placement
-from spacar.dynamics.mass_check import is_checked, is_doubtful
+from spacar.dynamics.mass_check import is_checked
 from spacar.frame import Frame
 from spacar.integrators.problem import March
 from spacar.integrators.radau import Radau
-from spacar.kinematics.constraint_condition import of_gradient
-from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS
+from spacar.kinematics.constraint_condition import of_entries
+from spacar.kinematics.kinematics import CONVERGED
 from spacar.kinematics.regularity import PositionMatrix
 from spacar.linear_systems import is_dense
 from spacar.mechanism.mechanism import Drive, Loads, Mechanism
@@ -43,10 +43,9 @@ class CompiledPositionMatrix(PositionMatrix):
 
     def __init__(self, evaluator: CompiledDynamics) -> None:
         mechanism = evaluator.model.mechanism
-        n = len(mechanism.numbering.velocity_equations)
+        n = mechanism.numbering.e_class["dynamic"].stop
         super().__init__(mechanism, lambda: evaluator.general.kinematics, is_dense(n))
         self.evaluator = evaluator
-        self._at = self.rows.ctypes.data, self.columns.ctypes.data
 
     def determinant(self) -> tuple[float, float]:
         if not self.evaluator.state.c.known:
@@ -55,13 +54,20 @@ class CompiledPositionMatrix(PositionMatrix):
         return float(sign[0]), float(size[0])
 
     def rcond(self) -> float:
+        return self._more_than(float("inf")) or super().rcond()
+
+    def surely_regular(self) -> bool:
+        return self._more_than(self.zero) > self.zero or super().surely_regular()
+
+    def _more_than(self, enough: float) -> float:
+        """The reciprocal condition from C, or a bound that is `enough`; 0 where it is unknown or below `zero`, and the
+        general path has to look."""
         if self.evaluator.state.c.known:
-            if len(self.rows) <= SMALL:
-                rcond = self.evaluator.solver.rcond(*self._at)
-                if rcond > self.zero:
-                    return rcond
+            rcond = self.evaluator.solver.rcond(enough, SMALL)
+            if rcond > self.zero:
+                return rcond
             self.evaluator.settled()
-        return super().rcond()
+        return 0.0
 
 
 class General:
@@ -102,8 +108,9 @@ class CompiledDynamics:
         users = () if mechanism.user_signal is None else (mechanism.user_signal,)
         self.solver = CompiledModel(n, of_one(model), scales, (model.drive,), users)
         self.state = self.solver.state()
-        self._y, self._out = np.zeros((2, self.n_positions + self.numbering.nddof))
-        self._addresses = self._y.ctypes.data, self._out.ctypes.data
+        self._y, self._out = shared = np.zeros((2, self.n_positions + n.nddof))
+        first = shared.ctypes.data
+        self._addresses = first, first + shared.nbytes // 2
         self._iterating: Iterating | None = None
         self._step_of: tuple[Array, Array, Array, tuple[int, ...]] | None = None
 
@@ -124,28 +131,18 @@ class CompiledDynamics:
         """
         given, x0 = self.model.mechanism.start, self.model.mechanism.x0
         y = given.state(given.e_kinematic) if given.is_complete else self.general.start_values()
-        e0 = np.zeros((self.numbering.ne, 1))
         if self.solver.slots.foreign:
             self.general.sweep.strain(x0)
-            e0[:, 0] = self.general.sweep.e
-        self.state.begin(x0[:, None], e0)
-        if self._derivative(0.0, y, CONVERGED) < 0 or self._far(x0):
+            self.state.e[:, 0] = self.general.sweep.e
+        self._y[:] = y
+        checked = is_checked(self.numbering)
+        status = self.solver.start(self.state, *self._addresses, checked)
+        if status < 0 or status == FAR_AWAY:
             y = self.general.start()
             self.stand(self.general.placement())
-        elif self.numbering.nddof and (not is_checked(self.numbering) or self._mass_is_doubtful()):
+        elif self.numbering.nddof and (not checked or status == DOUBTFUL_MASS):
             self.settled().check_mass()  # a large model is asked by the factors of its equations
         return y
-
-    def _mass_is_doubtful(self) -> bool:
-        M, mechanism = self.solver.reduced_mass(), self.model.mechanism
-        if M is None:
-            return True
-        largest = float((self.solver.mass_diagonal()[:, 0] * mechanism.scale**2).max(initial=0.0))
-        return is_doubtful(mechanism, M[:, :, 0], self.solver.condition(mechanism), largest)
-
-    def _far(self, x: Array) -> bool:
-        moved = np.abs(self.state.x[:, 0] - x) / self.model.mechanism.scale
-        return bool(moved.max() > FARTHEST_GUESS)
 
     def placement(self) -> Placement:
         s = self.state
@@ -222,15 +219,14 @@ class CompiledDynamics:
 
     # -- checks ---------------------------------------------------------------------------------------------------
     def condition(self) -> float:
+        return self.later_condition()()
+
+    def later_condition(self) -> Callable[[], float]:
         n = self.numbering
-        if len(n.velocity_equations) > SMALL or not self.state.c.known:
-            return self.settled().condition()
-        rows, columns = self.solver.places()
-        values = np.zeros((len(rows), 1))
-        self.solver.gradient(values)
-        V = np.zeros((n.ne, n.nx))
-        V[rows, columns] = values[:, 0]
-        return of_gradient(self.model.mechanism, V)
+        if n.e_class["dynamic"].stop > SMALL or not self.state.c.known:
+            return self.settled().later_condition()
+        rows, columns, values = self.solver.gradient()
+        return partial(of_entries, self.model.mechanism, rows, columns, values[:, 0])
 
     def position_matrix(self) -> PositionMatrix:
         return CompiledPositionMatrix(self)

@@ -5,18 +5,17 @@ from __future__ import annotations
 import ctypes
 import weakref
 from collections.abc import Sequence
-from itertools import accumulate
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacar.arrays import Array
 from spacar.compiled.element_parameters import GUARD
-from spacar.compiled.library import CBatch, CSpec, CState, engine, why_off
-from spacar.compiled.numbers import FOREIGN, Numbers, without_form
+from spacar.compiled.library import CState, engine, why_off
+from spacar.compiled.numbers import Numbers, without_form
 from spacar.compiled.slots import Slots
-from spacar.dynamics.saddle_point import free_coordinates
-from spacar.kinematics.kinematics import LARGEST_JUMP
+from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS, LARGEST_JUMP
 from spacar.mechanism.mechanism import Drive, Mechanism, Polynomial, UserSignal
 from spacar.mechanism.numbering import Numbering
 
@@ -31,9 +30,7 @@ def why_general(mechanism: Mechanism) -> str | None:
 def why_not_in_lanes(mechanism: Mechanism) -> str | None:
     """Why several cases of this mechanism cannot be evaluated at a time, or None."""
     missing = without_form(mechanism)
-    if missing:
-        return f"{', '.join(missing)}: without functions in C"
-    return None if mechanism.numbering.holonomic and not mechanism.numbering.nk else "wheels"
+    return f"{', '.join(missing)}: without functions in C" if missing else None
 
 
 # Largest scaled correction that ends the iteration of a stored position: one more follows the first that is below
@@ -41,26 +38,45 @@ def why_not_in_lanes(mechanism: Mechanism) -> str | None:
 EXACT = 1e-15
 WIDTH = ctypes.sizeof(ctypes.c_double)
 PLACED = 2  # `known` of a state that was placed with its accelerations: transfer functions are not its own
+FAR_AWAY, DOUBTFUL_MASS = 1, 2  # of start.c
 NOT_ANSWERED = -6  # of sparse.c: Python could not answer, and keeps the error
 
 
 class State:
     """The last evaluated state, shared with C: x, xd, xdd (nx, cases), e, ed, edd, sigma, given_e (ne, cases).
 
-    Behind xdd there is room for applied, gravity and total forces (nx, cases), as `evaluate` gives them.
+    Behind xdd there is room for applied, gravity and total forces (nx, cases), as `evaluate` gives them. It begins at
+    the reference configuration of the model.
     """
 
-    def __init__(self, nx: int, ne: int, cases: int) -> None:
-        split, together = 6 * nx, np.zeros((6 * nx + 5 * ne, cases))
-        self._together = together
+    def __init__(self, model: CompiledModel) -> None:
+        nx, ne, cases = model.numbering.nx, model.numbering.ne, model.cases
+        split = 6 * nx
+        self._together = together = np.zeros((split + 5 * ne, cases))
         self.of_x, self.of_e = together[:split].reshape(6, nx, cases), together[split:].reshape(5, ne, cases)
-        self.x, self.xd, self.xdd, *_ = self.of_x
-        self.e, self.ed, self.edd, self.sigma, self.given_e = self.of_e
-        self.x_address, width = together.ctypes.data, WIDTH * cases
-        x, xd, xdd, *self.forces_at = (self.x_address + width * nx * k for k in range(6))
-        of_e = (self.x_address + width * (split + ne * k) for k in range(5))
-        self.c = CState(0, 0.0, x, xd, xdd, *of_e)
+        self.x, self.xd, self.e, self.given_e = self.of_x[0], self.of_x[1], self.of_e[0], self.of_e[4]
+        self.x_address = first = together.ctypes.data
+        width = WIDTH * cases * nx
+        self.forces_at = first + 3 * width, first + 4 * width, first + 5 * width
+        self.c = CState()
         self.address = ctypes.c_void_p(ctypes.addressof(self.c))
+        model.engine.state(model.handle, self.address, first)
+
+    @property
+    def xdd(self) -> Array:
+        return self.of_x[2]
+
+    @property
+    def ed(self) -> Array:
+        return self.of_e[1]
+
+    @property
+    def edd(self) -> Array:
+        return self.of_e[2]
+
+    @property
+    def sigma(self) -> Array:
+        return self.of_e[3]
 
     def of_one(self) -> tuple[Array, Array]:
         """Copies of x, xd, xdd and the forces (6, nx), of e, ed, edd and sigma (4, ne) of the only case."""
@@ -81,101 +97,72 @@ class State:
 class CompiledModel:
     """One `Model` of model.c. `scales` (nx,), (ne,): sizes of what is in x and e. `slots`: what Python answers,
     with the `drives` and `users` of all cases.
+
+    All that C reads lies in two arrays, in the order of `read_spec` of model.c: whole numbers, and numbers of the
+    cases. Of these force, preload and the motions that are no polynomials may change later.
     """
 
     def __init__(
         self, numbering: Numbering, numbers: Numbers, scales: tuple[Array, Array], drives: Sequence[Drive],
         users: Sequence[UserSignal] = (),
     ) -> None:  # fmt: skip
-        self.numbering = numbering
+        self.numbering = n = numbering
         self.numbers = numbers
+        self.cases = cases = numbers.x0.shape[-1]
+        self.engine = engine(cases)
         self.polynomial = all(isinstance(drive, Polynomial) for drive in drives)
-        self.cases = numbers.x0.shape[-1]
-        self.engine = engine(self.cases)
-        self._alive: list[Any] = []  # arrays that C points into
-        # contiguous copies are made first, as a motion that is no polynomial is written into them
-        self.x_motion, self.e_motion = np.ascontiguousarray(numbers.x_motion), np.ascontiguousarray(numbers.e_motion)
-        motions = self.x_motion, self.e_motion
-        self.force, self.preload = np.array(numbers.force, order="C"), np.array(numbers.preload, order="C")
-        self.slots = Slots(numbers.elements, drives, motions, users, (numbering.nx, numbering.ne, self.cases))
-        spec = self._spec(numbers, scales)
-        self.handle = ctypes.c_void_p(self.engine.begin(ctypes.addressof(spec)))
+        entries = numbers.mass, numbers.stiffness, numbers.damping, numbers.moments, numbers.coupling
+        self._whole = self._whole_numbers()
+        self._values = np.concatenate(
+            [
+                a.ravel() for a in (
+                    numbers.x_motion, numbers.e_motion, numbers.force, numbers.preload, numbers.x0, numbers.field,
+                    *scales, *(values for _, _, values in entries),
+                    *(b.parameters.swapaxes(0, 1) for b in numbers.elements),
+                )
+            ]
+        )  # fmt: skip
+        x_end = 3 * cases * len(numbers.x_motion)
+        e_end = x_end + 3 * cases * len(numbers.e_motion)
+        force_end = e_end + cases * n.nx
+        self.force = self._values[e_end:force_end].reshape(n.nx, cases)
+        self.preload = self._values[force_end : force_end + cases * n.ne].reshape(n.ne, cases)
+        motions = self._values[:x_end].reshape(-1, 3, cases), self._values[x_end:e_end].reshape(-1, 3, cases)
+        self.slots = slots = Slots(numbers.elements, drives, motions, users, (n.nx, n.ne, cases))
+        self.handle = ctypes.c_void_p(
+            self.engine.begin(
+                self._whole.ctypes.data, self._values.ctypes.data, _at(slots.foreign_c), _at(slots.user_c), slots.ask
+            )
+        )
         if not self.handle:
             raise MemoryError("no memory for the compiled model")
         weakref.finalize(self, self.engine.end, self.handle)
-        self._determinant = np.zeros((2, self.cases))
-        first = self._determinant.ctypes.data
-        self._determinant_at = first, first + WIDTH * self.cases
+
+    def _whole_numbers(self) -> NDArray[np.int32]:
+        """Counts and lists, as `read_spec` of model.c reads them."""
+        n, numbers, batches = self.numbering, self.numbers, self.numbers.elements
+        position, xs, es = n.position_equations, n.x_class, n.e_class
+        classes = [(c[name].start, c[name].stop) for c in (xs, es) for name in ("input", "dynamic", "kinematic")]
+        of_dynamic = es["dynamic"].stop
+        counts = [
+            n.nx, n.ne, xs["calculable"].start, es["input"].stop, of_dynamic, len(batches),
+            len(numbers.stiffness[0]), len(numbers.damping[0]), n.nddof == 0, len(numbers.mass[0]),
+            *(number for first, last in classes for number in (first, last - first)),
+            self.polynomial, len(position), len(numbers.moments[0]), len(numbers.coupling[0]),
+        ]  # fmt: skip
+        for b in batches:
+            counts += [b.kind, len(b.x), b.x.shape[1], b.e.shape[1], b.parameters.shape[1], b.moving]
+        entries = numbers.mass, numbers.stiffness, numbers.damping, numbers.moments, numbers.coupling
+        lists = [position]
+        for rows, columns, _ in entries:
+            lists += [rows, columns]
+        for b in batches:
+            lists += [b.x.T.ravel(), b.e.T.ravel()]
+        return np.concatenate([np.array(counts), *lists]).astype(np.int32)
 
     def state(self) -> State:
         """A new state, at the reference configuration."""
-        state = State(self.numbering.nx, self.numbering.ne, self.cases)
-        state.x[:] = self.numbers.x0
-        return state
-
-    # -- setting up -----------------------------------------------------------------------------------------------
-    def _spec(self, numbers: Numbers, scales: tuple[Array, Array]) -> CSpec:
-        n, batches, slots = self.numbering, numbers.elements, self.slots
-        F, mass, S, D = free_coordinates(n), numbers.mass, numbers.stiffness, numbers.damping
-        linear, coupling = numbers.moments, numbers.coupling
-        position = np.flatnonzero(~n.slips[: n.e_class["kinematic"].stop])
-        places = self._packed(
-            [
-                *mass[:2], *S[:2], *D[:2], *linear[:2], *coupling[:2], F, position,
-                *(i for b in batches for i in (b.x, b.e)),
-            ],
-            np.int32,
-        )  # fmt: skip
-        (
-            constant_row, constant_column, s_rows, s_columns, d_rows, d_columns, m_rows, m_columns, c_rows, c_columns,
-            free, given, *indices,
-        ) = places  # fmt: skip
-        values = self._packed(
-            [
-                mass[2], *scales, numbers.field, S[2], D[2], linear[2], coupling[2], numbers.x0,
-                *(b.parameters for b in batches),
-            ],
-            np.float64,
-        )  # fmt: skip
-        (
-            constant_mass, scale_at, e_scale_at, field, s_values, d_values, moments, coupled, x0, *parameters,
-        ) = values  # fmt: skip
-        table = (CBatch * len(batches))(
-            *(
-                CBatch(
-                    b.kind, len(b.x), b.x.shape[1], b.e.shape[1], b.parameters.shape[1], int(b.moving), x, e, p,
-                    ctypes.addressof(slots.foreign[k].c) if b.kind == FOREIGN else None,
-                )
-                for k, (b, x, e, p) in enumerate(zip(batches, indices[::2], indices[1::2], parameters, strict=True))
-            )
-        )  # fmt: skip
-        self._alive.append(table)
-        xs, es = n.x_class, n.e_class
-        counts = [
-            n.nx, n.ne, xs["calculable"].start, es["input"].stop, es["dynamic"].stop, len(table), len(S[0]), len(D[0]),
-            int(n.nddof == 0), len(mass[0]), len(F),
-        ]  # fmt: skip
-        for classes in (xs, es):
-            for name in ("input", "dynamic", "kinematic"):
-                counts += [classes[name].start, classes[name].stop - classes[name].start]
-        counts += [int(self.polynomial), len(position), len(linear[0]), len(coupling[0])]
-        user = None if slots.user_c is None else ctypes.addressof(slots.user_c)
-        ask = None if slots.ask is None else ctypes.cast(slots.ask, ctypes.c_void_p)
-        return CSpec(
-            *counts, ctypes.addressof(table), constant_row, constant_column, constant_mass,
-            scale_at, e_scale_at, self.force.ctypes.data, field, self.preload.ctypes.data,
-            s_rows, s_columns, d_rows, d_columns, s_values, d_values,
-            m_rows, m_columns, moments, c_rows, c_columns, coupled, free, given, x0,
-            self.x_motion.ctypes.data, self.e_motion.ctypes.data, user, ask,
-        )  # fmt: skip
-
-    def _packed(self, arrays: Sequence[np.ndarray], kind: type) -> list[int]:
-        """Addresses of the arrays in one array of this kind, which is kept for C."""
-        together: Array = np.concatenate([a.ravel() for a in arrays], dtype=kind, casting="same_kind")
-        self._alive.append(together)
-        sizes = accumulate((a.size for a in arrays[:-1]), initial=0)
-        first, width = together.ctypes.data, together.itemsize
-        return [first + width * size for size in sizes]
+        return State(self)
 
     def push(self, sigma: Array, force: Array) -> None:
         """Stresses (ne,) on active rows and forces (nx,) besides those of the model."""
@@ -190,6 +177,19 @@ class CompiledModel:
         Raises what a user function raised.
         """
         status: int = self.engine.rhs(self.handle, state.address, t, y, out, converged, LARGEST_JUMP)
+        if status == NOT_ANSWERED:
+            self.slots.raise_error()
+        return status
+
+    def start(self, state: State, y: int, out: int, checked: bool) -> int:
+        """Evaluate the start state at the address y from the configuration of `state`, its time derivative into out.
+
+        Negative when that is not possible, FAR_AWAY where the path there has to be followed, DOUBTFUL_MASS when the
+        mass matrix is `checked` and has to be looked at closely. Raises what a user function raised.
+        """
+        status: int = self.engine.start(
+            self.handle, state.address, y, out, CONVERGED, LARGEST_JUMP, FARTHEST_GUESS, checked
+        )
         if status == NOT_ANSWERED:
             self.slots.raise_error()
         return status
@@ -221,49 +221,45 @@ class CompiledModel:
             self.slots.interrupted()
         return reached
 
-    def places(self) -> tuple[Array, Array]:
-        """Rows and columns of the entries of V."""
-        places = np.zeros((2, self.engine.gradient(self.handle, None, None, None)), np.int32)
+    def gradient(self) -> tuple[NDArray[np.int32], NDArray[np.int32], Array]:
+        """Rows, columns and values (n, cases) of the entries of V at the last evaluated state."""
+        n = self.engine.gradient(self.handle, None, None, None)
+        places, values = np.empty((2, n), np.int32), np.empty((n, self.cases))
         first = places.ctypes.data
-        self.engine.gradient(self.handle, first, first + places.nbytes // 2, None)
-        return places[0], places[1]
-
-    def gradient(self, out: Array) -> None:
-        """Values of the entries of V at the last evaluated state, (n, cases)."""
-        self.engine.gradient(self.handle, None, None, out.ctypes.data)
+        self.engine.gradient(self.handle, first, first + places.nbytes // 2, values.ctypes.data)
+        return places[0], places[1], values
 
     def determinant(self) -> tuple[Array, Array]:
         """Signs and logarithms of det V[E, U] at the last evaluated state, (cases,) each."""
-        self.engine.determinant(self.handle, *self._determinant_at)
-        mantissa, exponent = self._determinant  # of the inverse
+        mantissa, exponent = of_inverse = np.zeros((2, self.cases))
+        first = of_inverse.ctypes.data
+        self.engine.determinant(self.handle, first, first + WIDTH * self.cases)
         return np.sign(mantissa), -(np.log(np.abs(mantissa)) + np.log(2.0) * exponent)
 
-    def rcond(self, rows: int, columns: int) -> float:
-        """Smallest reciprocal condition of the cases' rows * V[E, U] * columns at the last evaluated state, 1-norm.
+    def rcond(self, enough: float = np.inf, most: int = 2**31 - 1) -> float:
+        """Smallest reciprocal condition of the cases' scaled V[E, U] at the last evaluated state, 1-norm.
 
-        rows, columns   addresses of the factors
+        A bound from below, for the price of a solution, where that is more than `enough`; else itself, for as many
+        solutions as there are unknowns, or 0 when these are more than `most`.
         """
-        return float(self.engine.rcond(self.handle, rows, columns))
+        return float(self.engine.rcond(self.handle, enough, most))
 
-    def condition(self, mechanism: Mechanism) -> float:
-        """Largest condition of the cases' V[E, U] in the sizes of the mechanism at the last evaluated state, 1-norm."""
-        n = self.numbering
-        rows, columns = 1.0 / mechanism.deformation_scale[n.velocity_equations], mechanism.scale[n.velocity_unknowns]
-        rcond = self.rcond(rows.ctypes.data, columns.ctypes.data) if len(rows) else 1.0
+    def condition(self) -> float:
+        """Largest condition of the cases' scaled V[E, U] at the last evaluated state, 1-norm."""
+        rcond = self.rcond()
         return 1.0 / rcond if rcond > 0.0 else float("inf")
 
     def in_range(self, state: State) -> bool:
         """Whether all elements are surely in the range of their theory at a state."""
         return not self.slots.has_limits and bool(self.engine.guard(self.handle, state.x_address) > GUARD)
 
-    def mass_diagonal(self) -> Array:
-        """Diagonal of M at the last evaluated state, (nx, cases)."""
-        out = np.zeros((self.numbering.nx, self.cases))
-        self.engine.mass_diagonal(self.handle, out.ctypes.data)
-        return out
-
     def reduced_mass(self) -> Array | None:
-        """Of the degrees of freedom at the last evaluated state, (nddof, nddof, cases), where it was needed."""
+        """Of the degrees of freedom at the last evaluated state, (nddof, nddof, cases)."""
         n = self.numbering.nddof
         out = np.zeros((n, n, self.cases))
         return out if self.engine.reduced_mass(self.handle, out.ctypes.data) else None
+
+
+def _at(shared: ctypes.Structure | ctypes.Array[Any] | None) -> int | None:
+    """Its address."""
+    return None if shared is None else ctypes.addressof(shared)

@@ -58,27 +58,36 @@ def _frame(f: Family) -> Array:
     return f.frame_p.T
 
 
-def _ends(f: Family) -> Array:
-    """Length, start frames at p and q, the turn between them, constants of strain and mass."""
+def _ends(f: Family, more: int = 0) -> Array:
+    """Length, start frames at p and q, the turn between them, constants of strain and mass; `more` rows of zeros."""
     assert f.frame_p is not None
     assert f.frame_q is not None
     assert f.data is not None
-    turn = np.zeros((4, f.n))
-    turn[0] = 1.0
+    second, unit = f.second, f.unit  # type: ignore[attr-defined]
+    rows = np.zeros((26 + more, f.n), np.result_type(f.length, f.frame_p, f.data, second, unit))
+    rows[0] = f.length
+    rows[1:10] = f.frame_p.T
+    rows[10:19] = f.frame_q.T
+    rows[19] = 1.0
     if f.frame_q is not f.frame_p and not np.array_equal(f.frame_p, f.frame_q):
         from spacar.elements.rotation import parameters_of_frame  # curved tubes only
 
         own = np.flatnonzero((f.frame_p != f.frame_q).any(1))
-        frames = (rows[own].reshape(-1, 3, 3) for rows in (f.frame_q, f.frame_p))
+        frames = (of[own].reshape(-1, 3, 3) for of in (f.frame_q, f.frame_p))
         turned = parameters_of_frame(np.einsum("nai,naj->ijn", *frames))
-        turn[:, own] = np.where(turned[0] < 0.0, -turned, turned)
-    second, unit = f.second[None], f.unit[None]  # type: ignore[attr-defined]
-    return np.concatenate((f.length[None], f.frame_p.T, f.frame_q.T, turn, f.data.T[:1], second, unit))
+        rows[19:23, own] = np.where(turned[0] < 0.0, -turned, turned)
+    rows[23] = f.data[:, 0]
+    rows[24] = second
+    rows[25] = unit
+    return rows
 
 
 def _beam(f: Family) -> Array:
+    rows = _ends(f, 6)
     start = getattr(f, "start", None)  # of tubes
-    return np.concatenate((_ends(f), np.zeros((6, f.n)) if start is None else start))
+    if start is not None:
+        rows[26:] = start
+    return rows
 
 
 def _beam_angle(f: Family) -> Array:

@@ -28,12 +28,13 @@ typedef int (*Ask)(int what, int batch, double t);
 
 typedef struct { int n, *row, *column, *source; } Entries; /* (n) each; `source` is a place in `values` */
 
-/* What Python gives. */
+/* What Python gives, in two arrays: `read_spec` of model.c. */
 typedef struct {
-    int nx, ne, n_fixed_x, n_rows, n_equations, n_batches, n_stiffness, n_damping, prescribed, n_constant, n_free;
+    int nx, ne, n_fixed_x, n_rows, n_equations, n_batches, n_stiffness, n_damping, prescribed, n_constant;
     int x_input, n_x_input, x_dynamic, n_x_dynamic, x_kinematic, n_x_kinematic;
     int e_input, n_e_input, e_dynamic, n_e_dynamic, e_kinematic, n_e_kinematic;
-    int polynomial, n_position, n_moments, n_coupled;
+    int polynomial, n_position, n_moments, n_coupled; /* up to here as they are given */
+    int n_free;
     const Batch *batches;
     const int *constant_row, *constant_column; const real *constant_mass; /* (n_constant) */
     const double *scale, *e_scale;        /* (nx), (ne) sizes */
@@ -76,6 +77,7 @@ typedef struct {
     real *h, *convected, *applied, *b, *force, *next_x, *next_xd, *next_xdd, *near, *next_e, *given_ed, *given_edd, *stage, *piece;
     real *degrees, *transfer, *weighted, *small;
     int *v_place;                         /* (n_v) order of V's rows: place in `values` */
+    int *places; real *parameters;        /* of the batches */
 } Model;
 
 /* Add as many whole turns to e of one element as bring its first row closest to `near`. */

@@ -6,6 +6,7 @@
 #include "motion.c"
 #include "state.c"
 #include "model.c"
+#include "start.c"
 #include "march.c"
 #include "adams.c"
 #include "runge_kutta.c"
@@ -18,7 +19,7 @@
 /* The kinds of elements, then the functions in the order of `FUNCTIONS` in library.py. */
 const void *const BUILD[] = {
     KINDS,
-    spacar_begin, spacar_end, spacar_evaluate, spacar_rhs, spacar_stages, spacar_complete, spacar_gradient,
-    spacar_determinant, spacar_reduced_mass, spacar_mass_diagonal, spacar_guard, spacar_rcond,
+    spacar_begin, spacar_end, spacar_state, spacar_start, spacar_evaluate, spacar_rhs, spacar_stages, spacar_complete, spacar_gradient,
+    spacar_determinant, spacar_reduced_mass, spacar_guard, spacar_rcond,
     spacar_adams_begin, spacar_adams, spacar_adams_value, spacar_runge_kutta, spacar_newton,
 };

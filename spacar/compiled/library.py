@@ -29,15 +29,6 @@ GENERATED_FROM = (
 DOUBLES = INTEGERS = ctypes.c_void_p  # addresses: typed pointers cost more to make than small models to evaluate
 
 
-class CBatch(ctypes.Structure):
-    """`Batch` of elements.c."""
-
-    _fields_ = [
-        *((name, ctypes.c_int) for name in ("kind", "n", "nxe", "nee", "np", "inertia")),
-        ("x", INTEGERS), ("e", INTEGERS), ("p", DOUBLES), ("foreign", ctypes.c_void_p),
-    ]  # fmt: skip
-
-
 class CElements(ctypes.Structure):
     """`Elements` of batches.c."""
 
@@ -56,29 +47,6 @@ class CUser(ctypes.Structure):
     _fields_ = [(name, DOUBLES) for name in ("x", "xd", "e", "ed", "force", "sigma")]
 
 
-class CSpec(ctypes.Structure):
-    """`Spec` of elements.c."""
-
-    _fields_ = [
-        *((name, ctypes.c_int) for name in (
-            "nx", "ne", "n_fixed_x", "n_rows", "n_equations", "n_batches", "n_stiffness", "n_damping", "prescribed",
-            "n_constant", "n_free", "x_input", "n_x_input", "x_dynamic", "n_x_dynamic", "x_kinematic", "n_x_kinematic",
-            "e_input", "n_e_input", "e_dynamic", "n_e_dynamic", "e_kinematic", "n_e_kinematic",
-            "polynomial", "n_position", "n_moments", "n_coupled",
-        )),
-        ("batches", ctypes.c_void_p),
-        ("constant_row", INTEGERS), ("constant_column", INTEGERS), ("constant_mass", DOUBLES),
-        *((name, DOUBLES) for name in ("scale", "e_scale", "force", "field", "preload")),
-        *((name, INTEGERS) for name in ("s_rows", "s_columns", "d_rows", "d_columns")),
-        *((name, DOUBLES) for name in ("s_values", "d_values")),
-        ("moment_rows", INTEGERS), ("moment_columns", INTEGERS), ("moments", DOUBLES),
-        ("coupled_rows", INTEGERS), ("coupled_columns", INTEGERS), ("coupled", DOUBLES),
-        ("free", INTEGERS), ("position", INTEGERS),
-        *((name, DOUBLES) for name in ("x0", "x_motion", "e_motion")),
-        ("user", ctypes.c_void_p), ("ask", ctypes.c_void_p),
-    ]  # fmt: skip
-
-
 class CState(ctypes.Structure):
     """`State` of elements.c."""
 
@@ -92,8 +60,10 @@ class CState(ctypes.Structure):
 
 POINTER, NUMBER, INTEGER = ctypes.c_void_p, ctypes.c_double, ctypes.c_int
 FUNCTIONS: dict[str, tuple[Any, ...]] = {  # in the order of the table in engine.c: result, arguments
-    "begin": (POINTER, POINTER),
+    "begin": (POINTER, POINTER, POINTER, POINTER, POINTER, POINTER),
     "end": (None, POINTER),
+    "state": (None, POINTER, POINTER, POINTER),
+    "start": (INTEGER, POINTER, POINTER, POINTER, POINTER, NUMBER, NUMBER, NUMBER, INTEGER),
     "evaluate": (INTEGER, POINTER, POINTER, NUMBER, POINTER, NUMBER, NUMBER, INTEGER),
     "rhs": (INTEGER, POINTER, POINTER, NUMBER, POINTER, POINTER, NUMBER, NUMBER),
     "stages": (
@@ -104,9 +74,8 @@ FUNCTIONS: dict[str, tuple[Any, ...]] = {  # in the order of the table in engine
     "gradient": (INTEGER, POINTER, POINTER, POINTER, POINTER),
     "determinant": (None, POINTER, POINTER, POINTER),
     "reduced_mass": (INTEGER, POINTER, POINTER),
-    "mass_diagonal": (None, POINTER, POINTER),
     "guard": (NUMBER, POINTER, POINTER),
-    "rcond": (NUMBER, POINTER, POINTER, POINTER),
+    "rcond": (NUMBER, POINTER, NUMBER, INTEGER),
     "adams_begin": (INTEGER, POINTER, POINTER),
     "adams": (INTEGER, POINTER, POINTER),
     "adams_value": (INTEGER, POINTER, POINTER, NUMBER, POINTER),
@@ -172,6 +141,8 @@ class Engine:
 
     begin: Any
     end: Any
+    state: Any
+    start: Any
     evaluate: Any
     rhs: Any
     stages: Any
@@ -180,7 +151,6 @@ class Engine:
     determinant: Any
     newton: Any
     reduced_mass: Any
-    mass_diagonal: Any
     guard: Any
     rcond: Any
     adams_begin: Any

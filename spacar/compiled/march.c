@@ -22,7 +22,7 @@ typedef struct {
     const double *scale;     /* (nx) of the coordinates whose velocities are compared */
     const double *atol;      /* (n) absolute error of every component of the state */
     int n, capacity, width, look, back, most, max_reductions;
-    double reduction, rtol, longest, converged, jump, earliest, latest, half, inside, wide, far, share, noise;
+    double reduction, rtol, longest, converged, jump, earliest, latest, half, inside, wide, far, share, noise, still;
     double t, t_end, until, h, error, peak; /* peak: largest determinant since its last minimum */
     double begin, sizes[2];  /* of the last step; sizes of it and of the one before */
     int recorded, entered;   /* accepted steps in the records; entered: look always, as a dead point is being left */
@@ -55,6 +55,7 @@ static int unexplained(const March *r, const double *a, const double *b)
     EACH_LANE {
         double fastest = 0.0;
         for (int i = 0, k = w; i < nx; i++, k += LANES) fastest = fmax(fastest, fmax(fabs(va[k]), fabs(vb[k])) / r->scale[i]);
+        if (fastest * fabs(h) <= r->still) continue;
         for (int i = 0, k = w; i < nx; i++, k += LANES) {
             const double change = fabs(vb[k] - va[k] - 0.5 * h * (aa[k] + ab[k]));
             const double v = fmax(fabs(va[k]), fabs(vb[k])), acceleration = fmax(fabs(aa[k]), fabs(ab[k]));

@@ -17,7 +17,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.compiled.compiled_model import CompiledModel, State
 from spacar.compiled.library import DOUBLES, INTEGER, NUMBER, POINTER
-from spacar.dynamics.loaded_mechanism import ALWAYS, NOISE, SHARE, Accepted, LoadedMechanism, Moving
+from spacar.dynamics.loaded_mechanism import ALWAYS, NOISE, SHARE, STILL, Accepted, LoadedMechanism, Moving
 from spacar.errors import AnalysisError
 from spacar.integrators.adams import GAMMA_STAR, MAX_ORDER, Adams
 from spacar.integrators.failures import MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small
@@ -43,7 +43,7 @@ class CMarch(ctypes.Structure):
         *((name, INTEGER) for name in ("n", "capacity", "width", "look", "back", "most", "max_reductions")),
         *((name, NUMBER) for name in (
             "reduction", "rtol", "longest", "converged", "jump", "earliest", "latest", "half", "inside", "wide",
-            "far", "share", "noise", "t", "t_end", "until", "h", "error", "peak", "begin",
+            "far", "share", "noise", "still", "t", "t_end", "until", "h", "error", "peak", "begin",
         )),
         ("sizes", NUMBER * 2),
         *((name, INTEGER) for name in ("recorded", "entered", "n_steps", "n_rhs", "n_rejected", "reductions")),
@@ -144,7 +144,7 @@ class Marching:
             self.atol.ctypes.data, n, lookout.capacity, self.records.shape[1], lookout.look, lookout.back, most,
             MAX_REDUCTIONS, REDUCTION,
         )  # fmt: skip
-        self.c.jump, self.c.share, self.c.noise = LARGEST_JUMP, SHARE, NOISE
+        self.c.jump, self.c.share, self.c.noise, self.c.still = LARGEST_JUMP, SHARE, NOISE, STILL
         self.c.half, self.c.inside, self.c.wide, self.c.far = lookout.half, lookout.inside, lookout.wide, lookout.far
         if not alone:
             self.near = np.ascontiguousarray(HalfTurns(evaluator.numbering).lambda0, np.int32)

@@ -256,15 +256,98 @@ static void spacar_end(Model *m)
     free(m->v_start); free(m->v_column); free(m->v_place); free(m->v_offset); free(m->m_offset); free(m->values);
     free(m->h); /* the start of all vectors */
     free(m->transfer);
+    free((void *)m->s.batches); free((void *)m->s.free); free(m->places); free(m->parameters);
     free(m);
 }
 
-/* A model of a copy of `spec`, whose arrays must stay; NULL when there is no memory. */
-static Model *spacar_begin(const Spec *spec)
+static const int *next_whole(const int **at, int n) { *at += n; return *at - n; }
+static real *next_numbers(real **at, size_t n) { *at += n; return *at - n; }
+static const double *next_sizes(real **at, size_t n)
+{
+    const double *first = (const double *)*at;
+    *at = (real *)(first + n);
+    return first;
+}
+
+/* Columns of a list (rows, n) one after the other; the place behind them. */
+static int *turned(int *to, const int *list, int rows, int n)
+{
+    for (int i = 0; i < n; i++) for (int j = 0; j < rows; j++) *to++ = list[j * n + i];
+    return to;
+}
+
+/* The spec from its two arrays, which must stay: whole numbers (counts in the order of Spec, those of each batch in the order of
+   Batch, lists) and numbers of the cases (lists). Those of batches have the elements last. `foreign`: of each batch, or NULL when there are none. OK or NO_MEMORY. */
+static int read_spec(Model *m, const int *whole, real *numbers, const Foreign *const *foreign)
+{
+    Spec *s = &m->s;
+    const int counts = (int)(offsetof(Spec, n_coupled) / sizeof(int)) + 1, of_batch = (int)(offsetof(Batch, inertia) / sizeof(int)) + 1;
+    memcpy(s, next_whole(&whole, counts), counts * sizeof(int));
+    Batch *batches = cleared(s->n_batches, sizeof(Batch));
+    const int n_calculable = s->x_input - s->n_fixed_x;
+    s->n_free = n_calculable + s->n_x_dynamic + s->n_x_kinematic;
+    int *free_x = cleared(s->n_free, sizeof(int));
+    s->batches = batches;
+    s->free = free_x;
+    if (!batches || !free_x) return NO_MEMORY;
+    for (int i = 0; i < n_calculable; i++) *free_x++ = s->n_fixed_x + i;
+    for (int i = 0; i < s->n_x_dynamic; i++) *free_x++ = s->x_dynamic + i;
+    for (int i = 0; i < s->n_x_kinematic; i++) *free_x++ = s->x_kinematic + i;
+    for (int b = 0; b < s->n_batches; b++) {
+        memcpy(&batches[b], next_whole(&whole, of_batch), of_batch * sizeof(int));
+        if (batches[b].kind < 0) batches[b].foreign = foreign[b];
+    }
+    s->x_motion = next_numbers(&numbers, 3 * s->n_x_input);
+    s->e_motion = next_numbers(&numbers, 3 * s->n_e_input);
+    s->force = next_numbers(&numbers, s->nx);
+    s->preload = next_numbers(&numbers, s->ne);
+    s->x0 = next_numbers(&numbers, s->nx);
+    s->field = next_numbers(&numbers, s->nx);
+    s->scale = next_sizes(&numbers, s->nx);
+    s->e_scale = next_sizes(&numbers, s->ne);
+    s->position = next_whole(&whole, s->n_position);
+    const struct { int n; const int **row, **column; const real **value; } entries[] = {
+        { s->n_constant, &s->constant_row, &s->constant_column, &s->constant_mass },
+        { s->n_stiffness, &s->s_rows, &s->s_columns, &s->s_values },
+        { s->n_damping, &s->d_rows, &s->d_columns, &s->d_values },
+        { s->n_moments, &s->moment_rows, &s->moment_columns, &s->moments },
+        { s->n_coupled, &s->coupled_rows, &s->coupled_columns, &s->coupled },
+    };
+    for (int k = 0; k < 5; k++) {
+        *entries[k].row = next_whole(&whole, entries[k].n);
+        *entries[k].column = next_whole(&whole, entries[k].n);
+        *entries[k].value = next_numbers(&numbers, entries[k].n);
+    }
+    int n_places = 0, n_parameters = 0;
+    for (int b = 0; b < s->n_batches; b++) {
+        n_places += batches[b].n * (batches[b].nxe + batches[b].nee);
+        n_parameters += batches[b].n * batches[b].np;
+    }
+    int *place = m->places = cleared(n_places, sizeof(int));
+    real *parameter = m->parameters = cleared(n_parameters, sizeof(real));
+    if (!place || !parameter) return NO_MEMORY;
+    for (int b = 0; b < s->n_batches; b++) {
+        Batch *k = &batches[b];
+        k->x = place;
+        place = turned(place, next_whole(&whole, k->n * k->nxe), k->nxe, k->n);
+        k->e = place;
+        place = turned(place, next_whole(&whole, k->n * k->nee), k->nee, k->n);
+        k->p = parameter;
+        const real *p = next_numbers(&numbers, k->n * k->np);
+        for (int i = 0; i < k->n; i++) for (int j = 0; j < k->np; j++) *parameter++ = p[j * k->n + i];
+    }
+    return OK;
+}
+
+/* A model of the arrays of `read_spec`; NULL when there is no memory. */
+static Model *spacar_begin(const int *whole, real *numbers, const Foreign *const *foreign, const User *user, Ask ask)
 {
     Model *m = cleared(1, sizeof(Model));
     if (!m) return NULL;
-    m->s = *spec;
+    const Spec *spec = &m->s;
+    if (read_spec(m, whole, numbers, foreign)) { spacar_end(m); return NULL; }
+    m->s.user = user;
+    m->s.ask = ask;
     const int nx = spec->nx, ne = spec->ne;
     int elements = 0;
     for (int b = 0; b < spec->n_batches; b++) elements += spec->batches[b].n;
@@ -316,50 +399,103 @@ static void spacar_determinant(const Model *m, double *mantissa, double *exponen
     determinant(of_rates(m), mantissa, exponent);
 }
 
-/* Reciprocal condition in the 1-norm of diag(row) A diag(column), A the matrix of the velocities at the last evaluated state:
-   n solutions. The smallest of the lanes. */
-static double spacar_rcond(Model *m, const double *row, const double *column)
+/* The coordinate of an unknown of the velocities; their equations are the first deformations. */
+static int unknown(const Model *m, int j)
+{
+    const int nc = m->s.n_position;
+    return j < nc ? m->s.n_fixed_x + j : m->s.x_kinematic + j - nc;
+}
+
+/* Norm of the columns of diag(1/e_scale) A diag(scale), and a bound for that of its inverse, A the matrix of the velocities at the
+   last evaluated state. |A^-1| is not larger than that of factors whose entries are their sizes, negative off the diagonal (N.
+   Higham, "Accuracy and Stability of Numerical Algorithms", 2002, section 8.3): one transposed solution. */
+static real norm_of_rates(Model *m, real *of_inverse)
 {
     const Sparse *s = of_rates(m);
     const int n = s->n;
-    real norm = EVERY(0.0), inverse = EVERY(0.0);
-    memset(m->b, 0, sizeof(real) * n);
+    real norm = EVERY(0.0), *sum = m->b, *y = s->work, zero = EVERY(0.0);
+    memset(sum, 0, sizeof(real) * n);
     for (int k = 0; k < s->n_entries; k++)
-        m->b[s->column[k]] += lanes_larger(EVERY(0.0), m->values[s->source[k]] * (row[s->row[k]] * column[s->column[k]]));
-    for (int j = 0; j < n; j++) norm = lanes_larger(norm, m->b[j]);
+        sum[s->column[k]] += lanes_larger(zero, m->values[s->source[k]] / m->s.e_scale[s->row[k]]);
+    for (int j = 0; j < n; j++) norm = lanes_larger(norm, sum[j] * m->s.scale[unknown(m, j)]);
+    *of_inverse = zero;
+    for (int k = 0; k < n; k++) y[k] = EVERY(1.0 / m->s.scale[unknown(m, s->column_order[k])]);
+    for (int k = 0; k < n; k++) {
+        y[k] *= lanes_larger(zero, s->inverse[k]);
+        for (int u = s->upper_start[k]; u < s->upper_start[k + 1]; u++)
+            y[s->upper_column[u]] += lanes_larger(zero, s->upper[u]) * y[k];
+    }
+    for (int k = n - 1; k >= 0; k--) {
+        for (int l = s->lower_start[k]; l < s->lower_start[k + 1]; l++)
+            y[s->lower_column[l]] += lanes_larger(zero, s->lower[l]) * y[k];
+        const int i = s->row_order[k];
+        *of_inverse = lanes_larger(*of_inverse, y[k] * (s->weight[i] * m->s.e_scale[i]));
+    }
+    return norm;
+}
+
+/* Reciprocal condition of diag(1/e_scale) A diag(scale) in the 1-norm, A the matrix of the velocities at the last evaluated state,
+   the smallest of the lanes: a bound from below where that is more than `enough`; else itself, from n solutions, or 0 when there
+   are more than `most` unknowns. */
+static double spacar_rcond(Model *m, double enough, int most)
+{
+    const Sparse *s = of_rates(m);
+    const int n = s->n;
+    if (!n) return 1.0;
+    real inverse;
+    const real norm = norm_of_rates(m, &inverse);
+    const double bound = 1.0 / largest_lane(norm * inverse);
+    if (bound > enough) return bound;
+    if (n > most) return 0.0;
+    inverse = EVERY(0.0);
     for (int j = 0; j < n; j++) {
         memset(m->b, 0, sizeof(real) * n);
-        m->b[j] = EVERY(1.0 / row[j]);
+        m->b[j] = EVERY(m->s.e_scale[j]);
         solve(s, m->b, m->b);
         real sum = EVERY(0.0);
-        for (int i = 0; i < n; i++) sum += lanes_larger(EVERY(0.0), m->b[i] / column[i]);
+        for (int i = 0; i < n; i++) sum += lanes_larger(EVERY(0.0), m->b[i] / m->s.scale[unknown(m, i)]);
         inverse = lanes_larger(inverse, sum);
     }
     return 1.0 / largest_lane(norm * inverse);
 }
 
-/* The reduced mass matrix (q, q) of the degrees of freedom at the last evaluated state, from its factors. 0 when the saddle-
-   point form was used instead, which has none. */
-static int spacar_reduced_mass(const Model *m, real *out)
+/* The reduced mass matrix (q, q) of the degrees of freedom at the last evaluated state: from the factors of the reduced form,
+   or W^T M W with the motions W of each degree of freedom alone. 0 when there is none, or no memory. */
+static int spacar_reduced_mass(Model *m, real *out)
 {
-    const int q = m->s.n_x_dynamic + m->s.n_e_dynamic, width = m->width;
-    if (!m->reduced || !m->transfer_of) return 0;
-    for (int i = 0; i < q; i++)
-        for (int j = 0; j <= i; j++) {
-            real sum = m->small[i * width + 1 + j];
-            for (int k = i + 1; k < q; k++) {
-                const real *row = m->small + k * width + 1;
-                sum += row[i] * row[j] / row[k];
+    const Spec *s = &m->s;
+    const int nx = s->nx, a = s->n_x_dynamic, q = a + s->n_e_dynamic, width = m->width;
+    if (m->reduced && m->transfer_of) {
+        for (int i = 0; i < q; i++)
+            for (int j = 0; j <= i; j++) {
+                real sum = m->small[i * width + 1 + j];
+                for (int k = i + 1; k < q; k++) {
+                    const real *row = m->small + k * width + 1;
+                    sum += row[i] * row[j] / row[k];
+                }
+                out[i * q + j] = out[j * q + i] = sum;
             }
-            out[i * q + j] = out[j * q + i] = sum;
+        return 1;
+    }
+    real *W = s->prescribed ? NULL : cleared((size_t)nx * q, sizeof(real)), *e_rate = m->near, *force = m->force;
+    if (!W) return 0;
+    for (int c = 0; c < q; c++) {
+        real *w = W + (size_t)c * nx;
+        memset(e_rate, 0, sizeof(real) * s->ne);
+        if (c < a) w[s->x_dynamic + c] = EVERY(1.0);
+        else e_rate[s->e_dynamic + c - a] = EVERY(1.0);
+        dependent(m, w, e_rate, NULL);
+        memset(force, 0, sizeof(real) * nx);
+        for (int k = 0; k < m->mass.n; k++)
+            force[m->mass.row[k]] += m->values[m->mass.source[k]] * w[m->mass.column[k]];
+        for (int k = 0; k < m->coupling.n; k++)
+            force[m->coupling.row[k]] += m->values[m->coupling.source[k]] * w[m->coupling.column[k]];
+        for (int d = 0; d <= c; d++) {
+            real sum = EVERY(0.0);
+            for (int i = 0; i < nx; i++) sum += W[(size_t)d * nx + i] * force[i];
+            out[c * q + d] = out[d * q + c] = sum;
         }
+    }
+    free(W);
     return 1;
-}
-
-/* The diagonal of M (nx) at the last evaluated state. */
-static void spacar_mass_diagonal(const Model *m, real *out)
-{
-    memset(out, 0, sizeof(real) * m->s.nx);
-    for (int k = 0; k < m->mass.n; k++)
-        if (m->mass.row[k] == m->mass.column[k]) out[m->mass.row[k]] += m->values[m->mass.source[k]];
 }

@@ -76,10 +76,10 @@ def of_one(model: LoadedMechanism) -> Numbers:
     m, loads, law, drive = model.mechanism, model.loads, model.law, model.drive
 
     def one(array: Array) -> Array:
-        return np.array(array, np.float64)[..., None]
+        return array[..., None]
 
     return Numbers(
-        tuple(_elements(b, kind, one(p.T)) for b, (kind, p) in ((b, _form(b.family)) for b in evaluated(m))),
+        tuple(elements_of(b, kind, one(p.T)) for b, (kind, p) in ((b, form_of(b.family)) for b in evaluated(m))),
         _only(constant_mass(m)), _only(law.stiffness), _only(law.damping),
         _only(moments(loads)), _only(m.deformation_inertia),
         one(loads.force), one(gravity_field(m, loads)), one(m.x0), one(law.preload),
@@ -96,10 +96,10 @@ def of_copies(one: Mechanism, together: Mechanism, x_of: Index, e_of: Index) -> 
     law = StressLaw.of(together, together.loads)
     elements = []
     for b, all_ in zip(evaluated(one), evaluated(together), strict=True):
-        kind, parameters = _form(all_.family)
+        kind, parameters = form_of(all_.family)
         p = parameters.reshape(len(parameters), cases, b.family.n)  # elements are in the order of their numbers
         assert np.array_equal(all_.x.reshape(len(b.x), cases, b.family.n), x_of[:, b.x].transpose(1, 0, 2))
-        elements.append(_elements(b, kind, p.transpose(2, 0, 1)))
+        elements.append(elements_of(b, kind, p.transpose(2, 0, 1)))
     inputs, deformed = (c["input"] for c in (one.numbering.x_class, one.numbering.e_class))
     x_rows = x_of[:, inputs] - together.numbering.x_class["input"].start
     e_rows = e_of[:, deformed] - together.numbering.e_class["input"].start
@@ -124,14 +124,14 @@ def evaluated(mechanism: Mechanism) -> list[Batch]:
 
 def without_form(mechanism: Mechanism) -> list[str]:
     """Keywords of the batches that have no functions in C."""
-    return sorted({b.family.keyword for b in evaluated(mechanism) if _form(b.family)[0] == FOREIGN})
+    return sorted({b.family.keyword for b in evaluated(mechanism) if form_of(b.family)[0] == FOREIGN})
 
 
 def _moving(family: Family) -> bool:
     return family.has_mass and not family.constant_mass
 
 
-def _form(family: Family) -> tuple[int, Array]:
+def form_of(family: Family) -> tuple[int, Array]:
     """The kind in C and the parameters (n_parameters, n). A kind that the engine does not know as it is is FOREIGN."""
     if family.form in SUPPORTED:
         name, of_family = SUPPORTED[family.form]
@@ -142,7 +142,8 @@ def _form(family: Family) -> tuple[int, Array]:
     return FOREIGN, np.zeros((0, family.n))
 
 
-def _elements(batch: Batch, kind: int, parameters: Array) -> Elements:
+def elements_of(batch: Batch, kind: int, parameters: Array) -> Elements:
+    """A batch with its parameters (n, np, cases)."""
     family = batch.family
     foreign = family if kind == FOREIGN else None
     return Elements(kind, _moving(family), batch.x.T, batch.e.T, parameters, foreign)
@@ -166,16 +167,19 @@ def motion(drive: Drive, what: str) -> Array:
 
 def constant_mass(mechanism: Mechanism) -> tuple[Index, Index, Array]:
     """Rows, columns and values of the mass matrices that do not depend on the position."""
-    rows, columns, values = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)], [np.zeros(0)]
+    rows, columns, values = [], [], []
     for b in mechanism.batches:
         if b.family.has_mass and b.family.constant_mass:
             M = np.zeros((len(b.x), *b.x.shape))
             b.family.mass(None, M)
-            i, j, k = np.nonzero(M)
+            i, j, k = M.nonzero()
             rows.append(b.x[i, k])
             columns.append(b.x[j, k])
             values.append(M[i, j, k])
-    return np.concatenate(rows), np.concatenate(columns), np.concatenate(values)
+    if len(rows) == 1:
+        return rows[0], columns[0], values[0]
+    empty = np.zeros(0, np.int64)
+    return np.concatenate([empty, *rows]), np.concatenate([empty, *columns]), np.concatenate([np.zeros(0), *values])
 
 
 def _sorted(entries: tuple[Index, Index, Array], places: Index) -> Entries:

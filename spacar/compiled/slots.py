@@ -101,6 +101,11 @@ class Slots:
         self.failed: int | None = None  # the case whose function did not answer the last question
         self.lost: list[dict[int, str]] = [{}] * max(len(users), 1)  # sentences by row of e, of every case
         self.laws: tuple[Law, ...] = ()
+        self.foreign_c: ctypes.Array[ctypes.c_void_p] | None = None  # addresses of the foreign batches, by batch
+        if self.foreign:
+            self.foreign_c = (ctypes.c_void_p * len(elements))()
+            for b, batch in self.foreign.items():
+                self.foreign_c[b] = ctypes.addressof(batch.c)
         self.user_c: CUser | None = None
         if users:
             self.x, self.xd, self.force = np.zeros((3, nx, lanes))

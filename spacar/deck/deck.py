@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from importlib import import_module
@@ -74,6 +74,10 @@ class Deck:
     def written_visualization(self) -> tuple[str, ...]:
         """`visualization` without the lines that follow from the sections."""
         return self.visualization[self.drawn :]
+
+    def block(self, number: int) -> Mapping[str, Sequence[Statement]]:
+        """The statements of block 1, 2 or 3 by keyword, in file order; only keywords that have any."""
+        return self._index.block(number)
 
     def of(self, *keywords: str, block: int | None = None) -> list[Statement]:
         """All statements with one of the keywords (and in the block), in file order."""

@@ -53,6 +53,10 @@ class Statement(NamedTuple):
         """The values from `start`, which the table declares integers."""
         return cast("tuple[int, ...]", self.values[start:])
 
+    def real_values(self, start: int = 0) -> tuple[float, ...]:
+        """The values from `start`, which the table declares real numbers."""
+        return cast("tuple[float, ...]", self.values[start:])
+
     def reals(self, start: int, count: int, default: float = 0.0) -> tuple[float, ...]:
         """`count` values from `start`, missing ones replaced by `default`."""
         given = tuple(map(number, self.values[start : start + count]))

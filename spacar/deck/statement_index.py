@@ -2,36 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from operator import itemgetter
+from collections.abc import Mapping, Sequence
 
 from spacar.deck.statement import Statement
 
 
 class StatementIndex:
-    """The statements of a deck, and where those of each keyword are."""
+    """The statements of a deck, and those of each keyword of a block."""
 
     def __init__(self, statements: Sequence[Statement]) -> None:
         self.statements = statements
-        self._found: dict[tuple[str, int], list[tuple[int, Statement]]] = {}
-        found = self._found
-        for pair in enumerate(statements):
-            s = pair[1]
-            key = s.keyword, s.block
-            if key in found:
-                found[key].append(pair)
+        self._blocks: dict[int, dict[str, list[Statement]]] = {1: {}, 2: {}, 3: {}}
+        for s in statements:
+            found = self._blocks[s.block]
+            if s.keyword in found:
+                found[s.keyword].append(s)
             else:
-                found[key] = [pair]
+                found[s.keyword] = [s]
+
+    def block(self, number: int) -> Mapping[str, Sequence[Statement]]:
+        """Statements of a block by keyword, in file order; only keywords that have any."""
+        return self._blocks[number]
 
     def of(self, *keywords: str, block: int | None = None) -> list[Statement]:
         """All statements with one of the keywords (and in the block), in file order."""
-        blocks, found = (1, 2, 3) if block is None else (block,), self._found
-        given = [pairs for keyword in keywords for b in blocks if (pairs := found.get((keyword, b)))]
-        if not given:
-            return []
-        pairs = given[0] if len(given) == 1 else sorted((pair for one in given for pair in one), key=itemgetter(0))
-        return [s for _, s in pairs]
+        blocks = self._blocks.values() if block is None else (self._blocks[block],)
+        given = [some[keyword] for some in blocks for keyword in keywords if keyword in some]
+        if len(given) <= 1:
+            return list(given[0]) if given else []
+        return [s for s in self.statements if s.keyword in keywords and block in (None, s.block)]
 
     def keywords(self, block: int) -> list[str]:
         """Keywords of the statements of a block, in file order."""
-        return [keyword for keyword, b in self._found if b == block]
+        return list(self._blocks[block])

@@ -35,7 +35,8 @@ class StressLaw:
         first = n.e_class["input"].stop if first is None else first
         preload = loads.preload.copy()
         preload[:first] = 0.0
-        return cls(first, n.ne, _active(mechanism.stiffness, first), _active(mechanism.damping, first), preload)
+        stiffness, damping = (active_entries(entries, first) for entries in (mechanism.stiffness, mechanism.damping))
+        return cls(first, n.ne, stiffness, damping, preload)
 
     @cached_property
     def passive(self) -> bool:
@@ -53,7 +54,8 @@ class StressLaw:
         return sigma
 
 
-def _active(entries: tuple[Index, Index, Array], first: int) -> tuple[Index, Index, Array]:
+def active_entries(entries: tuple[Index, Index, Array], first: int) -> tuple[Index, Index, Array]:
+    """Those whose row and column are not before the first active deformation; values (n,) or (n, cases)."""
     rows, columns, values = entries
     if not len(rows):
         return entries

@@ -5,6 +5,7 @@ Checked at stored steps, not in every evaluation.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +18,7 @@ from spacar.kinematics.regularity import Regularity
 
 if TYPE_CHECKING:
     from spacar.dynamics.evaluator import Evaluator
+    from spacar.dynamics.loaded_mechanism import LoadedMechanism
     from spacar.kinematics.element_sweep import ElementSweep
 
 # A pull above this part of the largest normal force seen: a chosen bound, above the rounding of a difference of forces
@@ -25,18 +27,10 @@ LIFTED = 1e-9
 
 
 class Limits:
-    """Remembers which wheels were pressed on the ground; warnings go to the report."""
+    """What is looked at; warnings go to the report."""
 
     def __init__(self, evaluator: Evaluator, report: Report) -> None:
-        n = evaluator.model.mechanism.numbering
-        # the stress of the normal mode is the force of the road, compression negative
-        normal = {keyword: ELEMENT_TYPES[keyword].normal_mode for _, keyword, _ in n.elements}
-        found = [(number, keyword) for number, keyword, _ in n.elements if normal[keyword]]
-        wheels, self.keywords = [number for number, _ in found], [keyword for _, keyword in found]
-        self.pressed = bool(evaluator.model.loads.gravity.any())
-        self.wheels = np.array(wheels, np.int64)
-        self.rows = np.array([n.e_index(w, normal[keyword]) for w, keyword in found], np.int64)
-        self.compression = np.zeros(len(wheels))
+        self.wheels = Wheels(evaluator.model)
         self.report = report
         self.warned: set[int] = set()
         self.regularity = Regularity(evaluator.position_matrix())
@@ -54,8 +48,11 @@ class Limits:
         """As `check`, without asking whether the degrees of freedom determine the configuration."""
         if not evaluator.in_range():
             self._elements(evaluator.settled().sweep, frame)
-        if len(self.rows):
-            self._wheels(frame.t, frame.sig[self.rows])
+        if len(self.wheels.rows):
+            for _, wheel, text in self.wheels.lifted(frame.t, frame.sig[self.wheels.rows, None]):
+                if wheel not in self.warned:
+                    self.warned.add(wheel)
+                    self.report.add(f"warning: {text}")
 
     def _elements(self, sweep: ElementSweep, frame: Frame) -> None:
         for batch in sweep.strained:
@@ -69,18 +66,40 @@ class Limits:
                     self.warned.add(element)
                     self.report.add(f"warning: {text}")
 
-    def _wheels(self, t: float, normal: Array) -> None:
-        self.compression = np.maximum(self.compression, -normal)
-        size = max(float(np.abs(normal).max()), float(self.compression.max()))
-        for k in np.flatnonzero(normal > LIFTED * size):
+
+class Wheels:
+    """The wheels of a model, or of several cases of it, with a normal force, and which of them were pressed on the
+    ground.
+
+    rows   of their normal forces in the stresses: forces of the road, compression negative
+    """
+
+    def __init__(self, model: LoadedMechanism, cases: int = 1) -> None:
+        n = model.mechanism.numbering
+        normal = {keyword: ELEMENT_TYPES[keyword].normal_mode for _, keyword, _ in n.elements}
+        self.found = [(number, keyword) for number, keyword, _ in n.elements if normal[keyword]]
+        self.rows = np.array([n.e_index(w, normal[keyword]) for w, keyword in self.found], np.int64)
+        self.compression = np.zeros((len(self.found), cases))
+        self.pressed = bool(model.loads.gravity.any())
+
+    def lifted(self, t: float, normal: Array) -> Iterator[tuple[int, int, str]]:
+        """Case, element and what to say of wheels that are pulled; normal: (wheels, cases).
+
+        Raises AnalysisError 'element.lift-off' where something has pressed the wheel on the ground.
+        """
+        np.maximum(self.compression, -normal, out=self.compression)
+        size = np.maximum(np.abs(normal), self.compression).max(axis=0, initial=0.0)
+        pulled = normal > LIFTED * size
+        if not pulled.any():
+            return
+        for k, case in np.argwhere(pulled):
+            wheel, keyword = self.found[k]
             text = (
-                f"element {self.wheels[k]} ({self.keywords[k]}) at t = {t:.9g}: the wheel leaves the ground,"
-                f" its normal force would be a pull of {normal[k]:.6g} N; reduce speed or steering,"
+                f"element {wheel} ({keyword}) at t = {t:.9g}: the wheel leaves the ground,"
+                f" its normal force would be a pull of {normal[k, case]:.6g} N; reduce speed or steering,"
                 " or release its normal mode"
             )
-            if self.pressed or self.compression[k] > LIFTED * size:
-                raise AnalysisError(text, "element.lift-off", element=int(self.wheels[k]))
-            if self.wheels[k] not in self.warned:
-                # without gravity nothing in the model presses wheels on the ground: the lift-off may be meant
-                self.warned.add(int(self.wheels[k]))
-                self.report.add(f"warning: {text} (the model has no gravity)")
+            if self.pressed or self.compression[k, case] > LIFTED * size[case]:
+                raise AnalysisError(text, "element.lift-off", element=wheel)
+            # without gravity nothing in the model presses wheels on the ground: the lift-off may be meant
+            yield int(case), wheel, f"{text} (the model has no gravity)"

@@ -15,6 +15,7 @@ from spacar.mechanism.mechanism import Drive, Loads, Mechanism
 NEVER, AT_DETERMINANTS, AT_VELOCITIES, ALWAYS = range(4)
 SHARE = 0.1  # of a velocity: change that needs no explanation, more than the trapezoidal rule errs (forward.continuity)
 NOISE = 1e-6  # of the largest scaled velocity: what is slower says nothing
+STILL = 64.0 * float(np.finfo(float).eps)  # way in a step, in model lengths or rad, that is lost in the position
 
 
 @dataclass(frozen=True)
@@ -76,5 +77,6 @@ def unexplained(a: Moving, b: Moving, scale: Array) -> NDArray[np.bool_]:
     h = b.t - a.t
     v, acceleration = np.maximum(np.abs(a.xd), np.abs(b.xd)), np.maximum(np.abs(a.xdd), np.abs(b.xdd))
     change = np.abs(b.xd - a.xd - (0.5 * h) * (a.xdd + b.xdd))
-    noise = (v / scale).max(axis=0, initial=0.0) * scale * NOISE
-    return np.asarray(change > abs(h) * acceleration + SHARE * v + noise)
+    fastest = (v / scale).max(axis=0, initial=0.0)
+    moves = fastest * abs(h) > STILL
+    return np.asarray(moves & (change > abs(h) * acceleration + SHARE * v + fastest * scale * NOISE))

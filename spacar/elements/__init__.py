@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from importlib import import_module
 
 from spacar.elements.family import Configuration, ElementGroup, Family, GeometryError, Trouble
@@ -9,6 +10,7 @@ from spacar.elements.family import Configuration, ElementGroup, Family, Geometry
 __all__ = ["Configuration", "ElementGroup", "Family", "GeometryError", "Trouble", "family_of"]
 
 
+@cache
 def family_of(place: str) -> type[Family]:
     """The class at "module:Class", as a row of the element types names it."""
     module, _, name = place.partition(":")

@@ -57,7 +57,7 @@ class SpatialBeam(Family):
 
     def _chords(self, group: ElementGroup) -> Array:
         """Set the lengths; directions (3, n) from p to q."""
-        positions = group.x0[list(self.position_rows)]
+        positions = group.x0.take(self.position_rows, 0)
         self.length, n = chords(positions[3:] - positions[:3], positions)
         return n
 
@@ -75,7 +75,7 @@ class SpatialBeam(Family):
     def _set_mass(self, mass: Array, section: Array) -> None:
         """Mass (n,) and inertia of the section (n, 4) per length [kg/m, kg m]."""
         self._mass, self._section = mass, section
-        self.has_mass = bool((mass != 0.0).any())
+        self.has_mass = bool(mass.any())
 
     # Tensors of the functions below; the engine has its own, and a compiled run does not make them.
     @cached_property
@@ -207,15 +207,13 @@ def _line(c: SpatialBeamConfiguration) -> LineState:
 
 def statement_values(group: ElementGroup) -> tuple[list[tuple[float, ...] | None], Array]:
     """Direction vectors (or None) and torsion-elongation parameters f1 (n,) [m^2] of the statements."""
-    directions: list[tuple[float, ...] | None] = []
-    f1 = np.zeros(group.n, group.x0.dtype)
     for k, values in enumerate(group.geometry):
         if len(values) not in (0, 1, 3, 4):
             raise GeometryError(
                 k, f"{len(values)} values behind the nodes: give a direction (3), a coupling (1) or both"
             )
-        directions.append(values[:3] if len(values) >= 3 else None)
-        f1[k] = values[-1] if len(values) in (1, 4) else 0.0
+    directions = [values[:3] if len(values) >= 3 else None for values in group.geometry]
+    f1 = np.array([values[-1] if len(values) in (1, 4) else 0.0 for values in group.geometry], group.x0.dtype)
     return directions, f1
 
 

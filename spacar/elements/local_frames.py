@@ -24,21 +24,28 @@ EQUAL = 1e-12  # components within this count as equal in `pick`
 def pick(ex: Array) -> Array:
     """Standard basis vectors at the largest angle with ex (3, n); of equals those with the highest index."""
     size = np.abs(ex)
-    nearly = size <= size.min(0) + EQUAL
-    highest = 2 - np.argmax(nearly[::-1], axis=0)
-    return np.equal.outer(np.arange(3), highest).astype(float)
+    nearly = size <= np.minimum.reduce(size) + EQUAL
+    return _BASIS[nearly[::-1].argmax(0)].T
+
+
+_BASIS = np.eye(3)[::-1].copy()  # rows z, y, x: argmax takes the first of equals
 
 
 def unit(v: Sequence[float] | Array, index: int, what: str) -> Array:
     """v / |v| (3, n). Raises GeometryError for a zero or non-finite vector; `what` names it in the message."""
     a = np.asarray(v) * 1.0
-    size = np.abs(a).max(0)
+    size = np.maximum.reduce(np.abs(a))
     good = (size > 0.0) & (size < np.inf)
     if not good.all():
         k = index + int(np.flatnonzero(~good)[0])
         raise GeometryError(k, f"the {what} is the zero vector; give a vector with a direction")
+    return _normalized(a, size)
+
+
+def _normalized(a: Array, size: Array) -> Array:
+    """a / |a| of vectors (3, n) whose largest components have these sizes."""
     a = a / size
-    return np.asarray(a / np.sqrt((a * a).sum(0)))
+    return np.asarray(a / np.sqrt(np.add.reduce(a * a)))
 
 
 def supplemented(ex: Array, g: Array, index: int, what: str) -> Array:
@@ -47,8 +54,8 @@ def supplemented(ex: Array, g: Array, index: int, what: str) -> Array:
     Raises GeometryError where g is parallel to x' within `PARALLEL`; `what` names g.
     """
     g = unit(g, index, what)
-    ey = g - (g * ex).sum(0) * ex
-    sine = np.sqrt((ey * ey).sum(0))
+    ey = g - np.add.reduce(g * ex) * ex
+    sine = np.sqrt(np.add.reduce(ey * ey))
     parallel = np.flatnonzero(sine < PARALLEL)
     if len(parallel):
         angle = np.degrees(sine.flat[parallel[0]])
@@ -68,8 +75,10 @@ def completed(ex: Array, ey: Array) -> Array:
 
 def cross(a: Array, b: Array) -> Array:
     """a x b of vectors (3, n): np.cross takes ten times as long, and models are built often."""
-    (a0, a1, a2), (b0, b1, b2) = a, b
-    return np.array([a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0])
+    return a.take(_NEXT, 0) * b.take(_LAST, 0) - a.take(_LAST, 0) * b.take(_NEXT, 0)
+
+
+_NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
 
 
 def chord_frame(ex: Array, direction: Sequence[float] | Array | None, index: int) -> Array:
@@ -80,6 +89,8 @@ def chord_frame(ex: Array, direction: Sequence[float] | Array | None, index: int
 
 def chord_frames(ex: Array, directions: Sequence[Sequence[float] | None]) -> Array:
     """`chord_frame` for x' (3, n) of elements some of which have a direction."""
+    if not any(directions):
+        return chord_frame(ex, None, 0)
     g = np.array([d or (0.0, 0.0, 0.0) for d in directions]).T
     missing = [k for k, d in enumerate(directions) if not d]
     if missing:
@@ -90,7 +101,8 @@ def chord_frames(ex: Array, directions: Sequence[Sequence[float] | None]) -> Arr
 def axis_frame(axis: Sequence[float] | Array, index: int, what: str) -> Array:
     """Frames (3, 3, n) of HINGEs or SCREWs: x' along the axes (3, n), y' along x' x pick(x')."""
     ex = unit(axis, index, what)
-    return completed(ex, unit(cross(ex, pick(ex)), index, what))
+    ey = cross(ex, pick(ex))
+    return completed(ex, _normalized(ey, np.maximum.reduce(np.abs(ey))))
 
 
 def chords(d: Array, x: Array) -> tuple[Array, Array]:
@@ -98,9 +110,10 @@ def chords(d: Array, x: Array) -> tuple[Array, Array]:
 
     Raises GeometryError for an element shorter than `SHORT` times the extent of the group.
     """
-    l = np.sqrt((d * d).sum(0))
+    l = np.sqrt(np.add.reduce(d * d))
     points = x.real.reshape(2, 3, -1)
-    extent = float(np.ptp(points, axis=(0, 2)).max(initial=0.0)) if points.size else 0.0
+    sides = np.maximum.reduce(points, (0, 2), initial=-np.inf) - np.minimum.reduce(points, (0, 2), initial=np.inf)
+    extent = sides.max()
     bad = np.flatnonzero(~(l > SHORT * extent))
     if bad.size:
         k = int(bad[0])

@@ -26,6 +26,7 @@ Arrays over both ends have the end axis first: t (end, component, n), b (end, n)
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -52,6 +53,15 @@ class Bend(NamedTuple):
     b3: Array
 
 
+class PlanarMassParts(NamedTuple):
+    """Of the mass matrix: what does not turn (6, 6, n); positions by angles (position block, component, end, n); both
+    angles (n,)."""
+
+    constant: Array
+    coupling: Array
+    cross: Array
+
+
 class PlanarBeamConfiguration(NamedTuple):
     """What is known at one x: end tangents `t` (end, component, n), the same turned by +90 degrees."""
 
@@ -73,37 +83,55 @@ class PlanarBeam(Family):
         """Raises GeometryError where the end nodes coincide."""
         l0, u0 = chord.start_chord(group.x0[0:2], group.x0[3:5], group.keyword)
         beta0 = arc_tangent(u0[1], u0[0])
-        self._set(group, l0, np.stack((beta0, beta0)), group.em[:, 0], group.em[:, 1])
+        self._set(group, l0, np.array((beta0, beta0)), group.em[:, 0], group.em[:, 1])
 
     def _set(self, group: ElementGroup, l0: Array, angle: Array, m: Array, J: Array) -> None:
         """What beams and tubes have in common: start directions `angle` (end, n), mass m and J per length."""
         self.keyword, self.numbers, self.length = group.keyword, group.numbers, l0
         self.angle = angle
-        self.frame_p, self.frame_q = (chord.frame(np.stack((np.cos(a), np.sin(a)))) for a in angle)
-        self.signed = np.stack((l0, -l0))
         EA, EI, shear = group.estiff[:, 0:3].T
         self.rigidity, self.viscosity = (EA, EI), (group.edamp[:, 0], group.edamp[:, 1])
         self.Phi = Phi = 12.0 * shear / l0**2
         scale = group.nonlinear / (60.0 * l0 * (1.0 + Phi) ** 2)
-        self.A2 = 2.0 * (4.0 + 5.0 * Phi + 2.5 * Phi**2) * scale
-        self.B = (2.0 + 10.0 * Phi + 5.0 * Phi**2) * scale
-        self.has_mass = bool(np.any(m != 0) or np.any(J != 0))
-        self.constant_mass = not np.any(m != 0)
+        first, second = 10.0 * Phi, 5.0 * Phi**2
+        self.A2 = (8.0 + first + second) * scale
+        self.B = (2.0 + first + second) * scale
         self._set_mass(m, J)
 
     def _set_mass(self, m: Array, J: Array) -> None:
+        self.has_mass = bool(m.any() or J.any())
+        self.constant_mass = not m.any()
+        self.unit = m * self.length / 420.0  # factor of CUBIC_MASS
+        self.lumped = 0.5 * J * self.length
+
+    # Arrays of the functions below and of result files; a compiled run in memory does not make them.
+    @cached_property
+    def frame_p(self) -> Array:  # type: ignore[override]
+        return self._frame(0)
+
+    @cached_property
+    def frame_q(self) -> Array:  # type: ignore[override]
+        return self._frame(1)
+
+    def _frame(self, end: int) -> Array:
+        return chord.frame(np.stack((np.cos(self.angle[end]), np.sin(self.angle[end]))))
+
+    @cached_property
+    def signed(self) -> Array:
+        """L (end, n)."""
+        return np.stack((self.length, -self.length))
+
+    @cached_property
+    def mass_parts(self) -> PlanarMassParts:
+        """Those of the inertia."""
         l0 = self.length
-        self.unit = m * l0 / 420.0  # factor of CUBIC_MASS
-        self.lumped = 0.5 * J * l0
         constant = np.zeros((6, 6, self.n), self.unit.dtype)
         for k in (0, 1):
             constant[[k, 3 + k], [k, 3 + k]] = 156.0 * self.unit
             constant[[k, 3 + k], [3 + k, k]] = 54.0 * self.unit
         constant[[2, 5], [2, 5]] = 4.0 * l0**2 * self.unit + self.lumped
-        self._constant = constant
-        # position block (2), component (1), end of the angle (2)
-        self._coupling = CUBIC_MASS[0::2, 1::2, None][:, None] * (self.unit * l0)
-        self._cross = -3.0 * l0**2 * self.unit
+        coupling = CUBIC_MASS[0::2, 1::2, None][:, None] * (self.unit * l0)
+        return PlanarMassParts(constant, coupling, -3.0 * l0**2 * self.unit)
 
     # -- deformations --------------------------------------------------------------------------------------
     def _bend(self, cosine: Array, sine: Array) -> Bend:
@@ -231,15 +259,16 @@ class PlanarBeam(Family):
 
     # -- inertia -------------------------------------------------------------------------------------------
     def mass(self, c: PlanarBeamConfiguration, out: Array) -> None:
-        out[...] = self._constant
+        constant, coupling, cross = self.mass_parts
+        out[...] = constant
         N = c.normals
         assert N is not None
         blocks = out.reshape(2, 3, 2, 3, *out.shape[2:])
-        side = self._coupling * N.swapaxes(0, 1)  # position block, component, end of the angle
+        side = coupling * N.swapaxes(0, 1)  # position block, component, end of the angle
         blocks[:, 0:2, :, 2] = side
         blocks[:, 2, :, 0:2] = side.transpose(2, 0, 1, 3)
         dot = N[0] * N[1]
-        out[2, 5] = out[5, 2] = (dot[0] + dot[1]) * self._cross
+        out[2, 5] = out[5, 2] = (dot[0] + dot[1]) * cross
 
     def _line_acceleration(self, c: PlanarBeamConfiguration, v: Array, a: Array | None) -> Array:
         """y'' (4, 2, n): the accelerations of x_p, l0 t_p, x_q, l0 t_q."""

@@ -43,9 +43,8 @@ class PlanarAngleBeam(PlanarBeam):
     def _set_mass(self, m: Array, J: Array) -> None:
         super()._set_mass(m, J)
         self.rotary = J * self.length
-        self._rotates = bool(np.any(J != 0))
+        self._rotates = bool(J.any())
         self.constant_mass = self.constant_mass and not self._rotates
-        self._constant[[2, 5], [2, 5]] -= self.lumped
         self.lumped = 0.0 * self.lumped
 
     # -- rotary inertia ------------------------------------------------------------------------------------

@@ -25,7 +25,6 @@ from __future__ import annotations
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.deck import ELEMENT_TYPES
 from spacar.dynamics.evaluator import Evaluator
 from spacar.kinematics import Kinematics
 from spacar.mechanism.mechanism import Mechanism
@@ -37,6 +36,8 @@ PROBES, SAMPLE, ROUNDS, SHARE, SHORT = 12, 8, 12, 0.7, 3.0  # see above
 def displaced(evaluator: Evaluator) -> Array | None:
     """g of every component of the state (n,); None where all are 1. The evaluator stands at the start state."""
     mechanism = evaluator.model.mechanism
+    if not mechanism.is_length[mechanism.numbering.e_class["dynamic"]].any():
+        return None
     most = _most(mechanism)
     columns = np.flatnonzero(most > 1.0)
     if not len(columns):
@@ -110,9 +111,7 @@ def _most(mechanism: Mechanism) -> Array:
     """L/l of every dynamic deformation that is a length, 1 of the others."""
     most = np.ones(mechanism.numbering.ne)
     for batch in mechanism.batches:
-        kind = ELEMENT_TYPES.get(batch.family.keyword)  # None of node inertia and normalizations
-        if kind is not None:
-            rows = batch.e[[k for k, (_, unit) in enumerate(kind.modes) if unit == "m"]]
-            length = batch.family.length
-            most[rows] = np.where(length > 0.0, mechanism.length / np.where(length > 0.0, length, 1.0), 1.0)
+        length = batch.family.length
+        most[batch.e] = np.where(length > 0.0, mechanism.length / np.where(length > 0.0, length, 1.0), 1.0)
+    most[~mechanism.is_length] = 1.0
     return np.maximum(most[mechanism.numbering.e_class["dynamic"]], 1.0)

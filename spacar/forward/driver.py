@@ -394,7 +394,7 @@ def watched(evaluator: Evaluator, report: Report, charts: ChartWatch | None = No
     settings = mechanism.settings
     resolved = not METHODS[settings.integrator].needs_jacobian
     errors = settings.atol, settings.rtol
-    continuity = Continuity(evaluator, matrix, report, errors, resolved) if len(matrix.columns) else None
+    continuity = Continuity(evaluator, matrix, report, errors, resolved) if not matrix.is_empty else None
     if not half_turns.nodes and continuity is None and charts is None:
         return None
     return Watched(evaluator, half_turns, continuity, charts)

@@ -19,6 +19,7 @@ from spacar.integrators import METHODS, EvenTimes
 from spacar.integrators.times import RemainingTimes
 from spacar.kinematics.output import TransferOutput
 from spacar.mechanism.numbering import Numbering
+from spacar.stated import Stated
 from spacar.stream import Run
 
 EPS = float(np.finfo(float).eps)
@@ -44,7 +45,7 @@ def motion(run: Run, own: bool = True) -> Iterator[tuple[Evaluator, Frame]]:
     y = evaluator.start()
     if evaluator.doubt:
         run.report.add(f"warning: {evaluator.doubt}")
-    run.header["condition"] = evaluator.condition()
+    run.header.later("condition", evaluator.later_condition())
     times = output_times(run)
     run.n_frames = len(times)
     if run.mechanism.numbering.nkddof and len(times) > 1:
@@ -68,7 +69,7 @@ def _tumbling(
             at = chart.view(at_time(evaluator, t, y))
             before, chart = chart.mechanism.numbering, Chart.of(run.mechanism, better)
             y = chart.state(at, y, before)
-            evaluator = chosen(replace(run, mechanism=chart.mechanism, header={}))
+            evaluator = chosen(replace(run, mechanism=chart.mechanism, header=Stated()))
             evaluator.resume(chart.moving(at))
             evaluator.rhs(t, y)
             if not told:
@@ -105,7 +106,7 @@ def _at_home(
     """
     n = run.mechanism.numbering
     rows = np.array([n.x_index(node, 1) for node in nodes])
-    home = chosen(replace(run, header={}))
+    home = chosen(replace(run, header=Stated()))
     home.start()
     told = False
     for evaluator, frame in moved:

@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacar.arrays import Array
 from spacar.kinematics.kinematics import Kinematics
@@ -56,6 +57,13 @@ def _ends(A: Array) -> tuple[float, float]:
     ends = (dstebz(diagonal, beside, 2, 0.0, 0.0, k, k, 0.0, "E")[1][0] for k in (1, len(A)))
     least, most = ends
     return float(least), float(most)
+
+
+def of_entries(mechanism: Mechanism, rows: NDArray[np.int32], columns: NDArray[np.int32], values: Array) -> float:
+    """The same from the entries of V that are not zero by structure."""
+    V = np.zeros((mechanism.numbering.ne, mechanism.numbering.nx))
+    V[rows, columns] = values
+    return of_gradient(mechanism, V)
 
 
 def _estimate(k: Kinematics) -> float:

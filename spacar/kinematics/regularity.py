@@ -11,6 +11,7 @@ What happens between stored steps is looked at in `spacar.forward.continuity`.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
+from functools import cached_property
 from math import sqrt
 from typing import TYPE_CHECKING
 
@@ -38,14 +39,25 @@ class PositionMatrix:
     """
 
     def __init__(self, mechanism: Mechanism, kinematics: Callable[[], Kinematics], dense: bool) -> None:
-        n = mechanism.numbering
-        self._kinematics = kinematics
-        self.rows = 1.0 / mechanism.deformation_scale[n.velocity_equations]
-        self.columns = mechanism.scale[n.velocity_unknowns]
-        far = float(np.abs(mechanism.x0 / mechanism.scale).max(initial=1.0))
-        self.zero = ZERO * sqrt(far)  # a reciprocal condition below which the position is looked at
+        self._mechanism, self._kinematics = mechanism, kinematics
+        self.is_empty = not mechanism.numbering.e_class["dynamic"].stop
         # Only with dense storage, where the determinant costs next to nothing.
-        self.has_determinant = dense and bool(len(self.columns))
+        self.has_determinant = dense and not self.is_empty
+
+    @cached_property
+    def rows(self) -> Array:
+        """Factors of the rows, to measure them in sizes of the deformations."""
+        return 1.0 / self._mechanism.deformation_scale[self._mechanism.numbering.velocity_equations]
+
+    @cached_property
+    def columns(self) -> Array:
+        """Factors of the columns, to measure them in sizes of the coordinates."""
+        return self._mechanism.scale[self._mechanism.numbering.velocity_unknowns]
+
+    @cached_property
+    def zero(self) -> float:
+        """A reciprocal condition below which the position is looked at."""
+        return ZERO * sqrt(float(np.abs(self._mechanism.x0 / self._mechanism.scale).max(initial=1.0)))
 
     @property
     def kinematics(self) -> Kinematics:
@@ -61,6 +73,10 @@ class PositionMatrix:
         system = self.kinematics.velocity_system
         norm = self._dense_norm(system.A) if isinstance(system, DenseSystem) else self._norm()
         return reciprocal_condition(system, norm, self.rows, self.columns)
+
+    def surely_regular(self) -> bool:
+        """Is the reciprocal condition surely above `zero`?"""
+        return self.rcond() > self.zero
 
     def determined(self) -> bool:
         """Is the position a single root? Worth its cost only where `rcond` is below `zero`."""
@@ -104,11 +120,9 @@ class Regularity:
 
     def check(self, t: float) -> None:
         """Raises AnalysisError 'position.singular' that names the motion which is not determined."""
-        if not len(self.matrix.columns):
+        if self.matrix.is_empty or self.matrix.surely_regular() or self.matrix.determined():
             return
         rcond = self.matrix.rcond()
-        if rcond > self.matrix.zero or self.matrix.determined():
-            return
         raise AnalysisError(
             f"singular position at t = {t:.9g}: the degrees of freedom do not determine the motion of"
             f" {self.matrix.undetermined()} (reciprocal condition {rcond:.2g}); a dead point: choose other degrees of"
@@ -125,7 +139,7 @@ class HalfTurns:
     def __init__(self, n: Numbering, without: Collection[int] = ()) -> None:
         nodes: set[int] = set()
         self.some: set[int] = set()
-        if not n.planar:
+        if not n.planar and n.nxp[3]:
             owners = (n.x_owner(i) for i in range(n.x_class["dynamic"].start, n.x_class["dynamic"].stop))
             dynamic = [node for node, _ in owners if n.kind[node] == "orientation"]
             nodes = set(dynamic)

@@ -10,7 +10,7 @@ matrices of (15), full, while these have a number of entries proportional to the
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -146,7 +146,7 @@ class DescriptorSystem:
         return (self.A - s * dia_array((ones, [0]), self.A.shape)).tocsc()
 
 
-def of_frame(state_space: dict[str, Array], header: dict[str, Any]) -> DescriptorSystem:
+def of_frame(state_space: dict[str, Array], header: Mapping[str, Any]) -> DescriptorSystem:
     """The system of a frame's `asp`, `bsp`, `csp`, with the sizes NX, NU, NY of the run's header."""
     tables = {name: state_space[f"{name.lower()}sp"] for name in BLOCKS}
     return DescriptorSystem.of_entries(tables, *(int(header[k]) for k in ("NX", "NU", "NY")))

@@ -2,25 +2,34 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterable
-from operator import attrgetter
-from typing import Any
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
-from spacar.arrays import Array
-from spacar.deck import ELEMENT_TYPES, Deck
-from spacar.deck.statement import number
-from spacar.deck.table_types import coordinates_used
+from spacar.arrays import Array, Index
+from spacar.deck import ELEMENT_TYPES, Deck, Statement
+from spacar.deck.table_types import ElementType, coordinates_used
 from spacar.elements import ElementGroup, Family, GeometryError, family_of
 from spacar.errors import InputError, Message
+from spacar.mechanism.element_rows import ElementRows, parameter_table
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.numbering import Numbering
 
 PARAMETERS = {"EM": 9, "ESTIFF": 7, "EDAMP": 7}
-ELEMENT_NUMBER = attrgetter("values")  # its first value, which no other element statement has
 SHAPE_FACTOR = 3  # column of EM with the flow shape factor of tubes, 1 unless given
+
+
+@dataclass(frozen=True)
+class PlacedGroup:
+    """Elements of one keyword and measure with their places, (n_coordinates, n) and (n_deformations, n)."""
+
+    family: type[Family]
+    elements: ElementGroup
+    x: Index
+    e: Index
+    statements: Sequence[Statement]
 
 
 def element_batches(deck: Deck, numbering: Numbering, x0: Array, beams: str = "") -> list[Batch]:
@@ -28,87 +37,99 @@ def element_batches(deck: Deck, numbering: Numbering, x0: Array, beams: str = ""
 
     Raises InputError with the line of the element whose geometry is impossible.
     """
-    tables = {name: _table(deck, name, width) for name, width in PARAMETERS.items()}
-    linear = {int(s.values[0]) for s in deck.of("LDEFORM", block=1)}
-    angles = by_angles(deck, beams)
-    first_elastic = numbering.e_class["input"].stop
-    directions = {int(s.values[0]): _reals(s.values[1:]) for s in deck.of("ORPINBOD", "ORTUBE", block=1)}
-    projections = {int(s.values[0]): _reals(s.values[1:]) for s in deck.of("DRPINBOD", block=1)}
-    present = set(numbering.keyword.values())
-    batches, messages = [], []
-    measures = (False, True) if angles else (False,)
-    for keyword, angle in itertools.product((k for k in ELEMENT_TYPES if k in present), measures):
-        kind = ELEMENT_TYPES[keyword]
-        statements = [s for s in deck.of(keyword, block=1) if (s.values[0] in angles) == angle]
-        statements.sort(key=ELEMENT_NUMBER)
-        if not statements:
-            continue
-        names = [int(s.values[0]) for s in statements]
-        numbers = np.array(names, np.int64)
-        first = 1 + len(kind.nodes)
-        nodes = np.array([s.values[1:first] for s in statements], np.int64)
-        x = np.ascontiguousarray(numbering.lnp[nodes - 1].reshape(len(nodes), -1).T[coordinates_used(kind)]) - 1
-        e = np.ascontiguousarray(numbering.le[numbers - 1, : len(kind.modes)].T) - 1
-        em = _rows(tables["EM"], names, PARAMETERS["EM"], x0.dtype)
-        if kind.carries_flow:
-            for k, n in enumerate(names):
-                if len(tables["EM"].get(n, ())) <= SHAPE_FACTOR:
-                    em[k, SHAPE_FACTOR] = 1.0
-        group = ElementGroup(
-            keyword=keyword,
-            numbers=numbers,
-            x0=x0[x],
-            geometry=tuple(_reals(s.values[first:]) for s in statements),
-            nonlinear=np.array([n not in linear for n in names]) if linear else np.ones(len(names), bool),
-            directions=tuple(directions.get(n) for n in names),
-            projections=tuple(projections.get(n) for n in names),
-            em=em,
-            estiff=_rows(tables["ESTIFF"], names, PARAMETERS["ESTIFF"], x0.dtype),
-            edamp=_rows(tables["EDAMP"], names, PARAMETERS["EDAMP"], x0.dtype),
-            elastic=e >= first_elastic,
-        )
+    batches: list[Batch] = []
+    messages = []
+    for group in element_groups(deck, numbering, x0, beams):
         try:
-            family = family_of(kind.angle_family if angle else kind.family)(group)  # type: ignore[call-arg]
+            family = group.family(group.elements)  # type: ignore[call-arg]
         except GeometryError as error:
-            bad = statements[error.index]
+            bad = group.statements[error.index]
             text = f"element {bad.values[0]}: {error}"
-            messages.append(Message("error", deck.source, bad.line, keyword, text, "input.geometry"))
+            messages.append(Message("error", deck.source, bad.line, bad.keyword, text, "input.geometry"))
             continue
-        batches.append(Batch(family, x, e))
+        batches.append(Batch(family, group.x, group.e, len(batches)))
     if messages:
         raise InputError(messages)
     return batches
 
 
+def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "") -> Iterator[PlacedGroup]:
+    """What the constructors of the families get, in the order of `element_batches`."""
+    block, dtype, highest = deck.block(1), x0.dtype, len(numbering.le)
+    parameters = [
+        parameter_table(deck, name, highest, width, dtype) if name in deck.block(2) else None
+        for name, width in PARAMETERS.items()
+    ]
+    linear = {s.values[0] for s in block.get("LDEFORM", ())}
+    angles = by_angles(deck, beams)
+    first_elastic = numbering.e_class["input"].stop
+    directions = {s.integer(0): s.real_values(1) for s in deck.of("ORPINBOD", "ORTUBE", block=1)}
+    projections = {s.integer(0): s.real_values(1) for s in block.get("DRPINBOD", ())}
+    for rows, angle in _by_measure(numbering.types, angles):
+        kind, statements, numbers, nodes = rows
+        n, first = len(numbers), 1 + len(kind.nodes)
+        places, coordinates = node_coordinates(kind)
+        x = numbering.lnp[nodes.T[places] - 1, coordinates] - 1
+        e = numbering.le.T[: len(kind.modes), numbers - 1] - 1
+        em, estiff, edamp = (
+            np.zeros((n, width), dtype) if table is None else table[numbers - 1]
+            for table, width in zip(parameters, PARAMETERS.values(), strict=True)
+        )
+        if kind.carries_flow:
+            given = {s.values[0] for s in deck.block(2).get("EM", ()) if len(s.values) > 1 + SHAPE_FACTOR}
+            em[[number not in given for number in numbers.tolist()], SHAPE_FACTOR] = 1.0
+        group = ElementGroup(
+            keyword=kind.keyword,
+            numbers=numbers,
+            x0=x0[x],
+            geometry=tuple([s.real_values(first) for s in statements]) if kind.geometry else ((),) * n,
+            nonlinear=~np.isin(numbers, list(linear)) if linear else np.ones(n, bool),
+            directions=tuple(map(directions.get, numbers.tolist())) if directions else (None,) * n,
+            projections=tuple(map(projections.get, numbers.tolist())) if projections else (None,) * n,
+            em=em,
+            estiff=estiff,
+            edamp=edamp,
+            elastic=e >= first_elastic,
+        )
+        yield PlacedGroup(family_of(kind.angle_family if angle else kind.family), group, x, e, statements)
+
+
+def _by_measure(types: Iterable[ElementRows], angles: set[int]) -> Iterator[tuple[ElementRows, bool]]:
+    """Elements of one type and measure; `angles`: numbers of those in the angle measure."""
+    for rows in types:
+        numbers = rows.numbers.tolist()
+        if angles.isdisjoint(numbers) or angles.issuperset(numbers):
+            yield rows, numbers[0] in angles
+            continue
+        inside = np.isin(rows.numbers, list(angles))
+        for angle in (False, True):
+            here = np.flatnonzero(inside == angle)
+            statements = [rows.statements[k] for k in here.tolist()]
+            yield ElementRows(rows.kind, statements, rows.numbers[here], rows.nodes[here]), angle
+
+
+@cache
+def node_coordinates(kind: ElementType) -> tuple[Index, Index]:
+    """For every coordinate of an element type (rows): place of the node in the statement, column of lnp (rows, 1)."""
+    node, coordinate = np.divmod(coordinates_used(kind), 4)
+    return node, coordinate[:, None]
+
+
 def by_angles(deck: Deck, beams: str = "") -> set[int]:
     """Numbers of the elements in the angle measure: those of ADEFORM, or with `beams` ("angle", "sine") all or none."""
-    given = deck.of("ADEFORM", block=1)
+    given = deck.block(1).get("ADEFORM", ())
     if beams == "angle" or (not beams and any(not s.values for s in given)):
         return {int(s.values[0]) for s in deck.of(*(k for k, t in ELEMENT_TYPES.items() if t.angle_family), block=1)}
     return {int(s.values[0]) for s in given} if not beams else set()
 
 
-def node_batches(numbering: Numbering, families: Iterable[tuple[Family, Array]]) -> list[Batch]:
-    """Batches of node inertia (given with their coordinate indices) and of the Euler parameter normalizations."""
-    batches = [Batch(family, x, np.zeros((0, family.n), np.int64)) for family, x in families]
+def node_batches(batches: list[Batch], numbering: Numbering, families: Iterable[tuple[Family, Array]]) -> None:
+    """Append the batches of node inertia (given with their coordinate indices) and of the normalizations of Euler
+    parameters."""
+    for family, x in families:
+        batches.append(Batch(family, x, np.zeros((0, family.n), np.int64), len(batches)))
     if len(numbering.normalization):
         from spacar.elements.normalization import Normalization
 
         nodes, rows = numbering.normalization.T
-        batches.append(Batch(Normalization(nodes), numbering.lnp[nodes - 1].T - 1, rows[None, :]))
-    return batches
-
-
-def _reals(values: Iterable[int | float | str]) -> tuple[float, ...]:
-    return tuple(map(number, values))
-
-
-def _table(deck: Deck, keyword: str, width: int) -> dict[int, tuple[float, ...]]:
-    return {int(s.values[0]): _reals(s.values[1 : 1 + width]) for s in deck.of(keyword, block=2)}
-
-
-def _rows(table: dict[int, tuple[float, ...]], names: list[int], width: int, kind: np.dtype[Any]) -> Array:
-    if not table:
-        return np.zeros((len(names), width), kind)
-    none = (0.0,) * width
-    return np.array([(values := table.get(n, ())) + none[len(values) :] for n in names], kind)
+        batches.append(Batch(Normalization(nodes), numbering.lnp[nodes - 1].T - 1, rows[None, :], len(batches)))

@@ -2,63 +2,73 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from spacar.arrays import Array
-from spacar.deck import ELEMENT_TYPES, Deck
-from spacar.deck.statement import number
+from spacar.arrays import Array, Index
+from spacar.deck import Deck, Statement
 from spacar.deck.table_solvers import INTEGRATOR_ALIASES
-from spacar.mechanism.mechanism import Batch, Drive, DriveState, Loads, Polynomial, SolverSettings, Start, UserSignal
+from spacar.mechanism.mechanism import Drive, DriveState, Loads, Polynomial, SolverSettings, Start, UserSignal
 from spacar.mechanism.numbering import Numbering
 
 STARTS = "STARTDX", "STARTDE"
+SETTINGS = {
+    "TIMESTEP": ("duration", "n_steps"),
+    "INTEGRAT": ("integrator", "step"),
+    "ERROR": ("atol", "rtol"),
+    "ITERSTEP": (
+        "max_iterations", "load_steps", "tolerance", "store_every", "stationary_type", "initial_steps", "follow_path",
+    ),
+    "OUTLEVEL": ("log_level", "sbd_level"),
+    "MODES": ("modes",),
+}  # fmt: skip
 
-def loads(deck: Deck, numbering: Numbering, batches: list[Batch], prefix: str = "", kind: type = float) -> Loads:
+
+def loads(deck: Deck, numbering: Numbering, prefix: str = "", kind: type = float) -> Loads:
     """Initial loads (prefix empty) or their increments (prefix DEL): XF, GRAVITY, ESIG, mass flow.
 
     Three numbers on a spatial orientation node are a global moment, four the forces dual to lambda
     (input-language.md section 5.2).
     """
+    block, dimension = deck.block(2), 2 if numbering.planar else 3
     force: Array = np.zeros(numbering.nx, kind)
-    moments, rows = [], []
-    for s in deck.of(f"{prefix}XF", block=2):
-        node, values = int(s.values[0]), [number(v) for v in s.values[1:]]
-        spatial_orientation = not numbering.planar and numbering.kind[node] == "orientation"
-        if spatial_orientation and len(values) == 3:
-            moments.append(values)
-            rows.append(numbering.lnp[node - 1] - 1)
-        else:
-            size = int(np.count_nonzero(numbering.lnp[node - 1]))
-            for coordinate, value in enumerate(values[:size], 1):
-                force[numbering.x_index(node, coordinate)] += value
-    dimension = 2 if numbering.planar else 3
     gravity: Array = np.zeros(dimension, kind)
-    for s in deck.of("GRAVITY" if not prefix else "DELGRAV", block=2):
-        given = [number(v) for v in s.values[:dimension]]
-        gravity[: len(given)] = given
     preload: Array = np.zeros(numbering.ne, kind)
-    for s in deck.of(f"{prefix}ESIG", block=2):
-        for mode, stress in enumerate(s.values[1:], 1):
-            preload[numbering.e_index(int(s.values[0]), mode)] = number(stress)
-    if prefix:
-        flow = {int(s.values[0]): number(s.values[1]) for s in deck.of("DELOMF", block=2)}
-    else:
-        tubes = {n for n, k, _ in numbering.elements if ELEMENT_TYPES[k].carries_flow}
-        flow = {
-            int(s.values[0]): number(s.values[3])
-            for s in deck.of("EM", block=2)
-            if int(s.values[0]) in tubes and len(s.values) > 3
-        }
+    moments, rows = [], []
+    for s in block.get(f"{prefix}XF", ()):
+        node, values = s.integer(0), s.real_values(1)
+        row = numbering.lnp[node - 1]
+        if len(values) == 3 and not numbering.planar and numbering.role(node) == "orientation":
+            moments.append(values)
+            rows.append(row - 1)
+        else:
+            for place, value in zip(row.tolist(), values, strict=False):
+                if place:
+                    force[place - 1] += value
+    for s in block.get("DELGRAV" if prefix else "GRAVITY", ()):
+        given = s.values[:dimension]
+        gravity[: len(given)] = given
+    for s in block.get(f"{prefix}ESIG", ()):
+        preload[numbering.le[s.integer(0) - 1, : len(s.values) - 1] - 1] = s.real_values(1)
     return Loads(
         force=force,
         moment=np.array(moments, kind).reshape(-1, 3),
         moment_rows=np.array(rows, np.int64).reshape(-1, 4).T,
         gravity=gravity,
         preload=preload,
-        flow=flow,
+        flow=_flow(deck, numbering, prefix),
     )
+
+
+def _flow(deck: Deck, numbering: Numbering, prefix: str) -> dict[int, float]:
+    if prefix:
+        return {s.integer(0): s.real(1) for s in deck.of("DELOMF", block=2)}
+    tubes = {n for rows in numbering.types if rows.kind.carries_flow for n in rows.numbers.tolist()}
+    if not tubes:
+        return {}
+    return {s.integer(0): s.real(3) for s in deck.of("EM", block=2) if s.integer(0) in tubes and len(s.values) > 3}
 
 
 def drive(deck: Deck, numbering: Numbering, x0: Array) -> Drive:
@@ -96,18 +106,25 @@ def _given(
 
     Without a statement: the reference configuration, deformations `e_value`, zero rates.
     """
-    places, finds = (numbering.x_class[name], numbering.e_class[name]), (numbering.x_index, numbering.e_index)
-    x, e = (np.zeros((rows.stop - rows.start, width), x0.dtype) for rows in places)
-    x[:, 0], e[:, 0] = x0[places[0]], e_value
-    for keyword, table, rows, find in zip(keywords, (x, e), places, finds, strict=True):
-        if not len(table):
-            continue
-        for s in deck.of(keyword, block=2):
-            i = find(s.integer(0), s.integer(1))
-            if rows.start <= i < rows.stop:
-                values = [number(v) for v in s.values[2 : 2 + width]]
-                table[i - rows.start, : len(values)] = values
+    block, of_x, of_e = deck.block(2), numbering.x_class[name], numbering.e_class[name]
+    x = np.zeros((of_x.stop - of_x.start, width), x0.dtype)
+    e = np.zeros((of_e.stop - of_e.start, width), x0.dtype)
+    if len(x):
+        x[:, 0] = x0[of_x]
+        _fill(x, block.get(keywords[0], ()), numbering.lnp, of_x.start + 1)
+    if len(e):
+        e[:, 0] = e_value
+        _fill(e, block.get(keywords[1], ()), numbering.le, of_e.start + 1)
     return x, e
+
+
+def _fill(table: Array, statements: Sequence[Statement], numbers: Index, first: int) -> None:
+    """Values behind the two numbers of statements, in the rows of the table from the number `first` on."""
+    for s in statements:
+        row = numbers.item(s.integer(0) - 1, s.integer(1) - 1) - first
+        if 0 <= row < len(table):
+            values = s.values[2 : 2 + table.shape[1]]
+            table[row, : len(values)] = values
 
 
 def additional_drive(deck: Deck, numbering: Numbering, kind: type = float) -> DriveState | None:
@@ -118,7 +135,7 @@ def additional_drive(deck: Deck, numbering: Numbering, kind: type = float) -> Dr
     xr, er = numbering.x_class["input"], numbering.e_class["input"]
     x, e = np.zeros(xr.stop - xr.start, kind), np.zeros(er.stop - er.start, kind)
     for s in statements:
-        a, b, value = int(s.values[0]), int(s.values[1]), number(s.values[2])
+        a, b, value = s.integer(0), s.integer(1), s.real(2)
         if s.keyword == "DELINPX":
             x[numbering.x_index(a, b) - xr.start] = value
         else:
@@ -131,22 +148,12 @@ def settings(deck: Deck, **options: Any) -> SolverSettings:
 
     options   fields that replace them; None: none
     """
-    names = {
-        "TIMESTEP": ("duration", "n_steps"),
-        "INTEGRAT": ("integrator", "step"),
-        "ERROR": ("atol", "rtol"),
-        "ITERSTEP": (
-            "max_iterations", "load_steps", "tolerance", "store_every", "stationary_type", "initial_steps",
-            "follow_path",
-        ),
-        "OUTLEVEL": ("log_level", "sbd_level"),
-        "MODES": ("modes",),
-    }  # fmt: skip
     found: dict[str, Any] = {}
-    for keyword, fields in names.items():
-        statement = deck.last(keyword)
-        if statement is not None:
-            found.update(zip(fields, statement.values, strict=False))
+    for number in (1, 2):
+        block = deck.block(number)
+        for keyword, fields in SETTINGS.items():
+            if keyword in block:
+                found.update(zip(fields, block[keyword][-1].values, strict=False))
     if "integrator" in found:
         found["integrator"] = INTEGRATOR_ALIASES.get(found["integrator"], found["integrator"])
     found.update((name, value) for name, value in options.items() if value is not None)

@@ -9,11 +9,11 @@ from __future__ import annotations
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.deck import Deck, coordinates_of
-from spacar.deck.statement import number
+from spacar.deck import Deck
 from spacar.elements import Family
 from spacar.elements.lumped import LumpedMass
 from spacar.mechanism.layout import Batch
+from spacar.mechanism.mechanism import NO_ENTRIES
 from spacar.mechanism.numbering import Numbering
 
 
@@ -21,11 +21,12 @@ def lumped(deck: Deck, numbering: Numbering, batches: list[Batch]) -> list[tuple
     """Families of node inertia with their indices into x."""
     masses: dict[int, tuple[int, float]] = {}  # coordinate: node, mass
     tensors: dict[int, Array] = {}
-    for s in deck.of("XM", block=2):
-        node, values = int(s.values[0]), [number(v) for v in s.values[1:]]
-        if numbering.planar or numbering.kind[node] != "orientation":
-            for coordinate in range(1, coordinates_of(numbering.kind[node], numbering.planar) + 1):
-                masses[numbering.x_index(node, coordinate)] = node, values[0]
+    block = deck.block(2)
+    for s in block.get("XM", ()):
+        node, values = s.integer(0), s.real_values(1)
+        if numbering.planar or numbering.role(node) != "orientation":
+            for place in filter(None, numbering.lnp[node - 1].tolist()):
+                masses[place - 1] = node, values[0]
         else:
             tensors[node] = symmetric(np.array(values))
     for batch in batches:
@@ -37,7 +38,7 @@ def lumped(deck: Deck, numbering: Numbering, batches: list[Batch]) -> list[tuple
             for place, value in zip(batch.x[row].tolist(), J.tolist(), strict=True):
                 node, mass = masses.get(place, (numbering.x_owner(place)[0], 0.0))
                 masses[place] = node, mass + value
-    rotors = [(int(s.values[0]), np.array([number(v) for v in s.values[1:]])) for s in deck.of("XGYRO", block=2)]
+    rotors = [(s.integer(0), np.array(s.values[1:])) for s in block.get("XGYRO", ())]
     result: list[tuple[Family, Index]] = []
     if masses:
         places = sorted(masses)
@@ -70,13 +71,16 @@ def symmetric(values: Array) -> Array:
 
 def deformation_inertia(deck: Deck, numbering: Numbering) -> tuple[Index, Index, Array]:
     """MEE: entries of the symmetric matrix M_e as rows, columns, values."""
+    given = deck.block(2).get("MEE", ())
+    if not given:
+        return NO_ENTRIES
     rows, columns, values = [], [], []
-    for s in deck.of("MEE", block=2):
+    for s in given:
         *places, value = s.values
         i = numbering.e_index(int(places[0]), int(places[1]))
         j = numbering.e_index(int(places[2]), int(places[3])) if len(places) == 4 else i
         for a, b in {(i, j), (j, i)}:
             rows.append(a)
             columns.append(b)
-            values.append(number(value))
+            values.append(value)
     return np.array(rows, np.int64), np.array(columns, np.int64), np.array(values)

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacar.arrays import Array as Array
 from spacar.arrays import Index as Index
@@ -15,6 +16,10 @@ from spacar.deck import ELEMENT_TYPES, Deck
 from spacar.deck.table_types import lengths_of
 from spacar.mechanism.layout import Batch, Layout
 from spacar.mechanism.numbering import Numbering
+
+NO_ENTRIES = np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0)  # rows, columns, values
+for _part in NO_ENTRIES:
+    _part.setflags(write=False)
 
 
 @dataclass(frozen=True)
@@ -163,7 +168,7 @@ class Start:
     @property
     def is_complete(self) -> bool:
         """Whether every kinematic deformation has its value."""
-        return not np.isnan(self.e_kinematic).any()
+        return not len(self.e_kinematic) or not np.isnan(self.e_kinematic).any()
 
     def state(self, e_kinematic: Array) -> Array:
         """The start state with these kinematic deformations, in the order of `spacar.dynamics.motion_equations`."""
@@ -191,8 +196,9 @@ class Mechanism:
     length: float  # largest distance between two nodes of the reference configuration [m]; 1 without positions
 
     def __post_init__(self) -> None:
-        numbered = tuple(b if b.index == k else replace(b, index=k) for k, b in enumerate(self.batches))
-        object.__setattr__(self, "batches", numbered)
+        if any(b.index != k for k, b in enumerate(self.batches)):
+            numbered = tuple(replace(b, index=k) for k, b in enumerate(self.batches))
+            object.__setattr__(self, "batches", numbered)
 
     @cached_property
     def layout(self) -> Layout:
@@ -210,11 +216,16 @@ class Mechanism:
         return scale
 
     @cached_property
-    def deformation_scale(self) -> Array:
-        """(ne,) typical size of every deformation: `length` for those in metres, 1 for rotations and normalizations."""
-        scale = np.ones(self.numbering.ne)
+    def is_length(self) -> NDArray[np.bool_]:
+        """(ne,) whether a deformation is measured in metres."""
+        found = np.zeros(self.numbering.ne, bool)
         for batch in self.batches:
             kind = ELEMENT_TYPES.get(batch.family.keyword)  # None of node inertia and normalizations
-            if kind is not None:
-                scale[batch.e[lengths_of(kind)]] = self.length
-        return scale
+            if kind is not None and (modes := lengths_of(kind)):
+                found[batch.e[modes]] = True
+        return found
+
+    @cached_property
+    def deformation_scale(self) -> Array:
+        """(ne,) typical size of every deformation: `length` for those in metres, 1 for rotations and normalizations."""
+        return np.where(self.is_length, self.length, 1.0)

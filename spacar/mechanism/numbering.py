@@ -8,8 +8,8 @@ The tables lnp, le, ln hold the 1-based numbers that result files show; 0 means 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import accumulate
 from typing import NamedTuple
@@ -18,11 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.arrays import Index
-from spacar.deck import ELEMENT_TYPES, coordinates_of
+from spacar.deck import ELEMENT_TYPES, Deck, coordinates_of
+from spacar.mechanism.class_codes import ABSENT, E_ORDER, ROLES, X_ORDER, e_codes, node_roles, x_codes
+from spacar.mechanism.element_rows import ElementRows
 
-CLASSES = ("fixed", "calculable", "input", "dynamic", "kinematic")
-E_ORDER = ("fixed", "input", "dynamic", "kinematic", "calculable")
-ABSENT = -1  # class of a coordinate or deformation that does not exist
+CLASSES = X_ORDER
 
 
 class Node(NamedTuple):
@@ -33,41 +33,55 @@ class Node(NamedTuple):
     size: int
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Numbering:
-    """Where everything is. `nodes` and `elements` are sorted by user number."""
+    """Where everything is. What few analyses ask for is made when it is."""
 
     planar: bool
-    nodes: tuple[Node, ...]
-    elements: tuple[tuple[int, str, tuple[int, ...]], ...]  # number, keyword, node numbers
+    types: tuple[ElementRows, ...]
+    roles: NDArray[np.uint8]  # (highest node,) place in ROLES of every node
+    nx: int
+    ne: int
+    x_class: dict[str, slice]
+    e_class: dict[str, slice]
     nxp: Index  # (5,) coordinates per class in the order of CLASSES
     nep: Index  # (5,) deformations per class in the order of CLASSES
     lnp: Index  # (highest node, 4)
     le: Index  # (highest element, 6; 8 in a model with warping)
-    ln: Index  # (highest element, 4; 6 in a model with warping)
-    it: Index  # (highest element,) type codes
     normalization: Index  # (n spatial orientation nodes, 2): node number, 0-based row of e
-    slips: NDArray[np.bool_] = field(repr=False)  # (ne,) rows that exist as rates only
+    slips: NDArray[np.bool_]  # (ne,) rows that exist as rates only
 
     @cached_property
-    def nx(self) -> int:
-        return int(self.nxp.sum())
+    def nodes(self) -> tuple[Node, ...]:
+        """Sorted by number."""
+        size = [coordinates_of(role, self.planar) if role else 0 for role in ROLES]
+        return tuple(Node(n, ROLES[r], size[r]) for n, r in enumerate(self.roles.tolist(), 1) if r)
 
     @cached_property
-    def ne(self) -> int:
-        return int(self.nep.sum())
-
-    def _slices(self, counts: Mapping[str, int], order: Sequence[str]) -> dict[str, slice]:
-        edges = list(accumulate((counts[c] for c in order), initial=0))
-        return {c: slice(a, b) for c, a, b in zip(order, edges, edges[1:], strict=False)}
-
-    @cached_property
-    def x_class(self) -> dict[str, slice]:
-        return self._slices(dict(zip(CLASSES, self.nxp.tolist(), strict=True)), CLASSES)
+    def elements(self) -> tuple[tuple[int, str, tuple[int, ...]], ...]:
+        """Number, keyword, node numbers, sorted by number."""
+        found = [
+            (number, rows.kind.keyword, tuple(nodes))
+            for rows in self.types
+            for number, nodes in zip(rows.numbers.tolist(), rows.nodes.tolist(), strict=True)
+        ]
+        return tuple(sorted(found))
 
     @cached_property
-    def e_class(self) -> dict[str, slice]:
-        return self._slices(dict(zip(CLASSES, self.nep.tolist(), strict=True)), E_ORDER)
+    def ln(self) -> Index:
+        """(highest element, 4; 6 in a model with warping) node numbers."""
+        ln = np.zeros((len(self.le), max(4, *(len(rows.kind.nodes) for rows in self.types))), np.int64)
+        for rows in self.types:
+            ln[rows.numbers - 1, : len(rows.kind.nodes)] = rows.nodes
+        return ln
+
+    @cached_property
+    def it(self) -> Index:
+        """(highest element,) type codes."""
+        it = np.zeros(len(self.le), np.int64)
+        for rows in self.types:
+            it[rows.numbers - 1] = rows.kind.code
+        return it
 
     @cached_property
     def _x_names(self) -> list[tuple[int, int]]:
@@ -95,7 +109,11 @@ class Numbering:
 
     @cached_property
     def kind(self) -> dict[int, str]:
-        return {node.number: node.kind for node in self.nodes}
+        return {number: ROLES[role] for number, role in enumerate(self.roles.tolist(), 1) if role}
+
+    def role(self, node: int) -> str:
+        """Role of a node by its number: 'position', 'orientation' or 'warping'."""
+        return ROLES[self.roles.item(node - 1)]
 
     def x_owner(self, i: int) -> tuple[int, int]:
         """(node, coordinate number) of the 0-based coordinate i."""
@@ -129,13 +147,12 @@ class Numbering:
     @cached_property
     def warped(self) -> bool:
         """True when some element has warping nodes."""
-        return any(node.kind == "warping" for node in self.nodes)
+        return any(rows.kind.warping for rows in self.types)
 
     @cached_property
     def positions(self) -> Index:
         """0-based coordinates of the position nodes, (n, 2 or 3)."""
-        rows = [node.number - 1 for node in self.nodes if node.kind == "position"]
-        return self.lnp[rows, : 2 if self.planar else 3] - 1
+        return self.lnp[self.roles == ROLES.index("position"), : 2 if self.planar else 3] - 1
 
     @cached_property
     def holonomic(self) -> bool:
@@ -200,11 +217,12 @@ class Numbering:
     @cached_property
     def all_dynamic(self) -> Numbering:
         """The same, with the degrees of freedom that are prescribed as dynamic ones; all keep their places."""
-        nxp, nep = self.nxp.copy(), self.nep.copy()
-        for counts in (nxp, nep):
-            counts[3] += counts[2]
-            counts[2] = 0
-        return replace(self, nxp=nxp, nep=nep)
+        counts, classes = [], []
+        for count, places in ((self.nxp, self.x_class), (self.nep, self.e_class)):
+            first, last = places["input"].start, places["dynamic"].stop
+            classes.append(places | {"input": slice(first, first), "dynamic": slice(first, last)})
+            counts.append(count + count[2] * np.array([0, 0, -1, 1, 0]))
+        return replace(self, nxp=counts[0], nep=counts[1], x_class=classes[0], e_class=classes[1])
 
     # Equations and unknowns of both levels (theory-system.md 1.1): what is given of e determines what depends on it.
     @cached_property
@@ -221,7 +239,7 @@ class Numbering:
     @cached_property
     def position_equations(self) -> Index:
         """Rows h: the holonomic ones of fixed, input, dynamic and kinematic deformations."""
-        return np.flatnonzero(~self.slips[: self.e_class["kinematic"].stop])
+        return (~self.slips[: self.e_class["kinematic"].stop]).nonzero()[0]
 
     @cached_property
     def position_unknowns(self) -> Index:
@@ -235,8 +253,7 @@ class Numbering:
         x, e = self.x_class, self.e_class
         calculable = x["calculable"].stop - x["calculable"].start
         kinematic = x["kinematic"].stop - x["kinematic"].start
-        position = e["kinematic"].stop - int(np.count_nonzero(self.slips[: e["kinematic"].stop]))
-        return position == calculable and e["dynamic"].stop == calculable + kinematic
+        return len(self.position_equations) == calculable and e["dynamic"].stop == calculable + kinematic
 
     def x_index(self, node: int, coordinate: int) -> int:
         """0-based index of a coordinate; KeyError if it does not exist."""
@@ -260,78 +277,63 @@ def _ranges(*ranges: tuple[int, int]) -> Index:
     return np.concatenate([np.arange(first, last) for first, last in ranges])
 
 
-def number(
-    elements: Sequence[tuple[int, str, tuple[int, ...]]],
-    x_class: Mapping[tuple[int, int], str],
-    e_class: Mapping[tuple[int, int], str],
-) -> Numbering:
-    """Number a mechanism. `x_class` maps (node, coordinate), `e_class` (element, mode) to classes.
-
-    Defaults (input-language.md section 4.3): coordinates calculable, deformations fixed.
-    """
-    elements = tuple(sorted(elements))
-    planar = ELEMENT_TYPES[elements[0][1]].planar
-    kinds: dict[int, str] = {}
-    by_keyword: dict[str, list[tuple[int, tuple[int, ...]]]] = {}
-    for element, keyword, nodes in elements:
-        kinds.update(zip(nodes, ELEMENT_TYPES[keyword].nodes, strict=True))
-        by_keyword.setdefault(keyword, []).append((element, nodes))
-    nodes_ = tuple(Node(n, kind, coordinates_of(kind, planar)) for n, kind in sorted(kinds.items()))
-    highest = elements[-1][0]
-
-    x_default = np.full((nodes_[-1].number, 4), ABSENT)
-    for kind in set(kinds.values()):
-        here = [node.number - 1 for node in nodes_ if node.kind == kind]
-        x_default[here, : coordinates_of(kind, planar)] = CLASSES.index("calculable")
-    types = [ELEMENT_TYPES[keyword] for keyword in by_keyword]
-    e_default = np.full((highest, max(6, *(len(t.modes) for t in types))), ABSENT)
-    ln = np.zeros((highest, max(4, *(len(t.nodes) for t in types))), np.int64)
-    it = np.zeros(highest, np.int64)
-    for keyword, found in by_keyword.items():
-        kind_, rows = ELEMENT_TYPES[keyword], [element - 1 for element, _ in found]
-        e_default[rows, : len(kind_.modes)] = E_ORDER.index("fixed")
-        ln[rows, : len(kind_.nodes)] = [nodes for _, nodes in found]
-        it[rows] = kind_.code
-    lnp, nxp = _in_order(x_default, x_class, CLASSES)
-    le, nep = _in_order(e_default, e_class, E_ORDER)
+def number(deck: Deck, types: Sequence[ElementRows], prescribed: bool = False) -> Numbering:
+    """Number the mechanism of a deck with these elements. `prescribed`: every dynamic coordinate and deformation is an
+    input (modes that follow a nominal motion)."""
+    planar = types[0].kind.planar
+    roles = node_roles(types)
+    x = x_codes(deck, roles, planar)
+    e, width = e_codes(deck, types)
+    if prescribed:
+        x = x.replace(bytes([X_ORDER.index("dynamic")]), bytes([X_ORDER.index("input")]))
+        e = e.replace(bytes([E_ORDER.index("dynamic")]), bytes([E_ORDER.index("input")]))
     # normalizations come after the other fixed deformations
-    lambdas = [] if planar else [m.number for m in nodes_ if m.kind == "orientation"]
-    first = int(nep[0])
-    le[le > first] += len(lambdas)
-    nep[0] += len(lambdas)
-    slips = np.zeros(int(nep.sum()), bool)
-    for keyword, found in by_keyword.items():
-        for mode in ELEMENT_TYPES[keyword].slips:
-            slips[le[[element - 1 for element, _ in found], mode] - 1] = True
+    lambdas = np.zeros(0, np.int64) if planar else np.flatnonzero(roles == ROLES.index("orientation"))
+    lnp, x_counts = _in_order(x, 0)
+    le, e_counts = _in_order(e, len(lambdas))
+    normalization = np.empty((len(lambdas), 2), np.int64)
+    normalization[:, 0] = lambdas + 1
+    normalization[:, 1] = np.arange(e_counts[0] - len(lambdas), e_counts[0])
+    le = le.reshape(-1, width)
+    slips = np.zeros(sum(e_counts), bool)
+    for rows in types:
+        for mode in rows.kind.slips:
+            slips[le[rows.numbers - 1, mode] - 1] = True
     return Numbering(
         planar=planar,
-        nodes=nodes_,
-        elements=elements,
-        nxp=nxp,
-        nep=nep[[E_ORDER.index(c) for c in CLASSES]],
-        lnp=lnp,
+        types=tuple(types),
+        roles=roles,
+        nx=sum(x_counts),
+        ne=sum(e_counts),
+        x_class=_slices(x_counts, X_ORDER),
+        e_class=_slices(e_counts, E_ORDER),
+        nxp=np.array(x_counts, np.int64),
+        nep=np.array([e_counts[k] for k in _E_PLACES], np.int64),
+        lnp=lnp.reshape(-1, 4),
         le=le,
-        ln=ln,
-        it=it,
-        normalization=np.array([(n, first + k) for k, n in enumerate(lambdas)], np.int64).reshape(-1, 2),
+        normalization=normalization,
         slips=slips,
     )
 
 
-def _in_order(
-    classes: Index, given: Mapping[tuple[int, int], str], order: Sequence[str]
-) -> tuple[Index, Index]:
-    """1-based numbers by class, then row, then column, and how many each class has.
+_E_PLACES = [E_ORDER.index(c) for c in CLASSES]
 
-    `classes` (rows, columns) holds the place of the default class in `order`, or ABSENT; `given` maps (row, column)
-    from 1 to another class.
-    """
-    rank = {name: k for k, name in enumerate(order)}
-    for (row, column), name in given.items():
-        if classes[row - 1, column - 1] != ABSENT:
-            classes[row - 1, column - 1] = rank[name]
-    there = np.flatnonzero(classes != ABSENT)
-    of = classes.flat[there]
-    numbers = np.zeros(classes.size, np.int64)
-    numbers[there[np.argsort(of, kind="stable")]] = np.arange(1, len(there) + 1)
-    return numbers.reshape(classes.shape), np.bincount(of, minlength=len(order))
+
+def _slices(counts: Sequence[int], order: Sequence[str]) -> dict[str, slice]:
+    edges = [0, *accumulate(counts)]
+    return dict(zip(order, map(slice, edges, edges[1:]), strict=True))
+
+
+def _in_order(codes: bytearray, more: int) -> tuple[Index, list[int]]:
+    """1-based numbers of places, 0 where ABSENT, by class and then place; and how many each class has. `more` numbers
+    stay free behind those of the first class, and are counted there."""
+    counts = [codes.count(k) for k in range(5)]
+    n, first = len(codes) - codes.count(ABSENT), counts[0]
+    places = np.frombuffer(codes, np.uint8).argsort(kind="stable")
+    numbers = np.zeros(len(codes), np.int64)
+    if more:
+        numbers[places[:first]] = np.arange(1, first + 1)
+        numbers[places[first:n]] = np.arange(first + more + 1, n + more + 1)
+    else:
+        numbers[places[:n]] = np.arange(1, n + 1)
+    return numbers, [first + more, *counts[1:]]

@@ -23,7 +23,7 @@ from spacar.deck.statement import Statement, Value
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import UsageError
 from spacar.kinematics.transfer import moved_along
-from spacar.mechanism.build import E_STATEMENTS, X_STATEMENTS
+from spacar.mechanism.class_codes import E_STATEMENTS, X_STATEMENTS
 from spacar.mechanism.mechanism import Mechanism
 from spacar.stroke.stroke_move import StrokeMove, move_of, parse_move
 

@@ -1,18 +1,22 @@
-"""Cases in which only masses, stiffnesses, dampings, loads, prescribed motions or start values differ.
+"""Cases whose numbers are made for all of them at once, without a deck for each.
 
-The equations of motion are linear in these numbers (theory-system.md (1), (5)), so that the numbers of a case are
+The equations of motion are linear in masses, stiffnesses, dampings, loads, prescribed motions and start values
+(theory-system.md (1), (5)), so that the numbers of a case are
 
-    N(p) = N(a) + sum_i (p_i - a_i)/(b_i - a_i) (N(a + (b_i - a_i) e_i) - N(a))        a, b: least and largest values
+    N(p) = N(a) + sum_i (p_i - a_i)/(b_i - a_i) (N(a + (b_i - a_i) e_i) - N(a))        a, b: two values of each
 
-to rounding, and no deck of its own has to be made. What is not linear, such as the shear of a beam or a fluid in a
-tube, is found by comparison: the case with all largest values and one between have to come out. Whether a deck may have
-the values is asked of all decks with the least and the largest ones: what a check allows of such a number is an
-interval.
+to rounding, and no deck of its own has to be made. Where positions of nodes change (X), or where that is not linear,
+such as the shear of a beam or a fluid in a tube, this holds of what the elements are made from, and all elements of all
+cases are made together (`spacar.compiled.numbers_of_cases`). What is not even so is found by comparison with two cases.
+
+Whether a deck may have the values is asked of all decks with the least and the largest ones: what a check allows of
+such a number is an interval. Lengths are checked in every case (`checked_lengths`); one that does not pass is left out.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -20,63 +24,169 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.deck import Deck
+from spacar.deck.lexer import is_in_range
 from spacar.dynamics.loaded_mechanism import LoadedMechanism
 from spacar.errors import SpacarError
 from spacar.mechanism import Mechanism, build
-from spacar.studies.assignments import Setting, change, changed_statements
+from spacar.studies.assignments import Setting, change, changed_arguments, changed_statements
+from spacar.studies.checked_lengths import placed_well
 from spacar.studies.ensemble import why_not
-from spacar.studies.side_by_side import Cases, alike
+from spacar.studies.side_by_side import Cases, alike, start_of
 
 if TYPE_CHECKING:
     from spacar.compiled.numbers import Numbers
 
 LINEAR = {"XM", "EM", "MEE", "ESTIFF", "EDAMP", "XF", "ESIG", "STARTDX", "STARTDE", "INPUTX", "INPUTE"}
 FEWEST = 16  # cases; building the others together is as fast for fewer
-MOST = 3  # numbers that differ: 2^n decks are checked
+MOST = 3  # numbers that differ besides positions: 2^n decks are checked
+MOST_PLACES = 64  # positions that differ: one deck each
 
 
 def affine_cases(
     deck: Deck, settings: tuple[Setting, ...], values: Sequence[Sequence[float]], **options: Any
 ) -> Cases | None:
-    """The cases, or None where they have to be made from decks of their own."""
+    """The cases that pass their checks, or None where they have to be made from decks of their own."""
     if len(values) < FEWEST or not settings or deck.of("USERINP", block=2):
         return None
-    table = np.array(values, float)
-    low, high = table.min(axis=0), table.max(axis=0)
-    varied = np.flatnonzero(high > low)
-    if not 0 < len(varied) <= MOST or not changed_statements(deck, settings) <= LINEAR:
+    keywords = [changed_statements(deck, (s,)) for s in settings]
+    if not set().union(*keywords) <= LINEAR | {"X"}:
         return None
-    between = table[len(table) // 2]
-    places = [np.where(np.isin(np.arange(len(low)), chosen), high, low) for chosen in _subsets(varied)]
+    table = np.array(values, float)
+    varied = np.ptp(table, axis=0) > 0.0
+    moved = np.array(["X" in k for k in keywords]) & varied
+    if not varied.any() or (varied & ~moved).sum() > MOST or moved.sum() > MOST_PLACES:
+        return None
     try:
-        decks = [change(deck, settings, place.tolist()) for place in (*places, between)]
-        if why_not(decks[0], **options) or not alike(*decks):
-            return None
-        corners = {0, *(1 << k for k in range(len(varied))), len(places) - 1, len(places)}
-        exact = {k: _numbers(decks[k], **options) for k in sorted(corners)}
+        return _Table(deck, settings, table, np.flatnonzero(varied & ~moved), np.flatnonzero(moved), options).cases()
     except SpacarError:
         return None  # the run of a case says why
-    first, *others = (exact[k] for k in (0, *(1 << k for k in range(len(varied)))))
 
-    def cases_at(where: Array) -> tuple[Numbers, Array] | None:
-        from spacar.compiled.combined_numbers import combined
 
-        weights = ((where - low)[:, varied] / (high - low)[varied]).T
-        numbers = combined([numbers for _, numbers, _ in (first, *others)], weights)
+class _Table:
+    """The values of all cases, (cases, settings); `given` and `moved`: settings of numbers and of positions that
+    differ."""
+
+    def __init__(
+        self, deck: Deck, settings: tuple[Setting, ...], table: Array, given: Array, moved: Array, options: Any
+    ) -> None:
+        self.deck, self.settings, self.table, self.options = deck, settings, table, options
+        self.given, self.moved, self.varied = given, moved, np.concatenate((given, moved))
+
+    def cases(self) -> Cases | None:
+        kept = self._kept() if len(self.moved) else np.arange(len(self.table))
+        if not len(kept):
+            return None
+        passed = self.table[kept]
+        self.base, self.far = passed.min(axis=0), passed.max(axis=0)
+        self.base[self.moved] = passed[0, self.moved]
+        decks = [self._changed(self._towards(chosen)) for chosen in _subsets(self.given)]
+        if why_not(decks[0], **self.options) or not alike(*decks):
+            return None
+        corners = [decks[k] for k in (0, *(1 << k for k in range(len(self.given))))]
+        mechanisms = [build(d, 1, **self.options) for d in corners]
+        for k in self.moved:
+            mechanisms.append(build(self._moved(k, passed[:, k], mechanisms[0].length), 1, **self.options))
+        starts = [start_of(m) for m in mechanisms]
+        for way in (of_elements,) if len(self.moved) else (of_everything, of_elements):
+            found = self._combined(way, mechanisms, starts, kept)
+            if found is not None:
+                numbers, start, own = found
+                return Cases(mechanisms[0], numbers, start, partial(self._deck, own), own.tolist())
+        return None
+
+    def _kept(self) -> Array:
+        """Cases whose positions pass the checks."""
+        mechanism = build(self.deck, 1, **self.options)
+        n, x0 = mechanism.numbering, np.repeat(mechanism.x0[:, None], len(self.table), axis=1)
+        for k, given in enumerate(self.settings):
+            for keyword, node, argument in changed_arguments(self.deck, given):
+                if keyword == "X" and node in n.kind and n.lnp[node - 1, argument - 2] > 0:
+                    x0[n.lnp[node - 1, argument - 2] - 1] = self.table[:, k]
+        passed = placed_well(mechanism, self.deck, x0)
+        for k, row in enumerate(self.table[:, self.moved].tolist()):
+            passed[k] &= all(is_in_range(v, "0") for v in row)
+        return np.flatnonzero(passed)
+
+    def _moved(self, k: int, values: Array, length: float) -> Deck:
+        """A deck that differs from the first one in a position only: that of a case, or one that is not far."""
+        tried = values[np.argmax(np.abs(values - self.base[k]))], self.base[k] + length / 8, self.base[k] - length / 8
+        for n, value in enumerate(tried):
+            self.far[k] = value
+            try:
+                return self._changed(self._towards([k]))
+            except SpacarError:
+                if n == len(tried) - 1:
+                    raise
+        raise AssertionError
+
+    def _towards(self, chosen: Sequence[int]) -> Array:
+        return np.where(np.isin(np.arange(len(self.base)), chosen), self.far, self.base)
+
+    def _weights(self, where: Array) -> Array:
+        return np.asarray(((where - self.base)[:, self.varied] / (self.far - self.base)[self.varied]).T)
+
+    def _deck(self, chosen: Array, k: int) -> Deck:
+        return self._changed(self.table[chosen[k]])
+
+    def _changed(self, where: Array) -> Deck:
+        return change(self.deck, self.settings, where.tolist())
+
+    def _combined(
+        self, way: Way, mechanisms: Sequence[Mechanism], starts: Sequence[Array], kept: Array
+    ) -> tuple[Numbers, Array, Array] | None:
+        """Numbers, starts and places of the cases, without those that cannot be; None where a case would be wrong."""
+        from spacar.compiled.combined_numbers import affine, same
+        from spacar.compiled.numbers import of_one
+        from spacar.compiled.numbers_of_cases import ImpossibleCase
+
+        make = way(mechanisms)
+        while len(kept):
+            try:
+                weights = self._weights(self.table[kept])
+                numbers = make(weights)
+                break
+            except ImpossibleCase as impossible:
+                kept = np.delete(kept, impossible.case)
+        else:
+            return None
         if numbers is None:
             return None
-        start = first[2] + sum(w[:, None] * (other[2] - first[2]) for w, other in zip(weights, others, strict=True))
-        return numbers, np.asarray(start)
+        start = affine([y[:, None] for y in starts], weights).T
+        asked = [self.table[kept[len(kept) // 2]]]
+        if len(self.moved):
+            asked.append(self.table[kept[-1]])
+        elif len(self.varied) > 1:
+            asked.append(self.far)
+        for where in asked:
+            exact = build(self._changed(where), 1, **self.options)
+            one = make(self._weights(where[None]))
+            begun = affine([y[:, None] for y in starts], self._weights(where[None])).T
+            if one is None or not same(of_one(LoadedMechanism.of(exact)), one):
+                return None
+            if not np.allclose(start_of(exact), begun, 1e-13, 1e-14):
+                return None
+        return numbers, start, kept
 
-    from spacar.compiled.combined_numbers import same
 
-    for k, where in ((len(places) - 1, high), (len(places), between)):
-        found = cases_at(where[None])
-        if found is None or not same(exact[k][1], found[0]) or not np.allclose(exact[k][2], found[1], 1e-13, 1e-14):
-            return None
-    found = cases_at(table)
-    assert found is not None
-    return Cases(first[0], *found, lambda k: change(deck, settings, list(values[k])))
+Make = Callable[[Array], "Numbers | None"]
+Way = Callable[[Sequence[Mechanism]], Make]
+
+
+def of_everything(mechanisms: Sequence[Mechanism]) -> Make:
+    """All numbers are combinations of those of the corners."""
+    from spacar.compiled.combined_numbers import combined
+    from spacar.compiled.numbers import of_one
+
+    corners = [of_one(LoadedMechanism.of(m)) for m in mechanisms]
+    return lambda weights: combined(corners, weights)
+
+
+def of_elements(mechanisms: Sequence[Mechanism]) -> Make:
+    """What the elements are made from is a combination, and so are all other numbers."""
+    from spacar.compiled.numbers_of_cases import corner_of, numbers_of_cases
+
+    corners = [corner_of(m) for m in mechanisms]
+    return lambda weights: numbers_of_cases(corners, weights)
 
 
 def _subsets(varied: Array) -> list[list[int]]:
@@ -85,11 +195,3 @@ def _subsets(varied: Array) -> list[list[int]]:
         [int(v) for v, bit in zip(varied, reversed(bits), strict=True) if bit]
         for bits in product((0, 1), repeat=len(varied))
     ]
-
-
-def _numbers(deck: Deck, **options: Any) -> tuple[Mechanism, Numbers, Array]:
-    from spacar.compiled.numbers import of_one
-
-    mechanism = build(deck, 1, **options)
-    start = mechanism.start
-    return mechanism, of_one(LoadedMechanism.of(mechanism)), start.state(start.e_kinematic)

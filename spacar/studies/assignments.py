@@ -129,6 +129,12 @@ def changed_statements(deck: Deck, settings: tuple[Setting, ...]) -> set[str]:
     }
 
 
+def changed_arguments(deck: Deck, given: Setting) -> list[tuple[str, int, int]]:
+    """Keyword and first number of every statement that a setting changes, and which argument, from 1. Raises
+    UsageError."""
+    return [(s.keyword, s.integer(0), position) for _, s, position, _ in _places(deck, (given,))[0]]
+
+
 @lru_cache(maxsize=16)
 def _places(deck: Deck, settings: tuple[Setting, ...]) -> list[list[tuple[Target, Statement, int, str]]]:
     """Of every setting the targets, the statements and argument numbers that they mean, and what these are."""

@@ -68,13 +68,16 @@ def is_motion(study: Study) -> bool:
 
 
 def reason(study: Study, values: Values) -> str:
-    """Why the cases of a study cannot run together; empty when they can."""
+    """Why the cases of a study, the first of which has these values, cannot run together; empty when they can.
+
+    Raises SpacarError where the model itself cannot be built.
+    """
     if not is_motion(study):
         return "only mode 1 runs in batches"
     try:
         return why_not(change(study.deck, study.settings, values), **study.options)
-    except SpacarError as error:
-        return str(error)
+    except SpacarError:  # this case cannot be; the others may
+        return why_not(study.deck, **study.options)
 
 
 def run_chunk(chunk: Chunk) -> list[Row]:
@@ -99,7 +102,9 @@ def _run_together(study: Study, chunk: Chunk) -> tuple[list[Values], list[Values
     """The cases that were run together, those that have to run singly, and the results of the former."""
     cases = affine_cases(study.deck, study.settings, chunk.cases, **study.options)
     if cases is not None:
-        return list(chunk.cases), [], followed(cases, threads=chunk.threads, **study.options)
+        chosen = [chunk.cases[k] for k in cases.chosen]
+        left = [values for k, values in enumerate(chunk.cases) if k not in set(cases.chosen)]
+        return chosen, left, followed(cases, threads=chunk.threads, **study.options)
     together: list[tuple[Values, Deck]] = []
     others: list[Values] = []
     for values in chunk.cases:

@@ -8,9 +8,9 @@ cases of which the others are combinations (`affine_cases`).
 Every case has user functions of its own, loaded for it as for a run alone; Python calls them for the stresses and
 prescribed motions of each lane, the rest stays in C. A case whose function fails leaves its block, which begins again.
 
-Not for: modes other than 1, wheels and other slips, elements without functions in C, implicit methods, cases whose
-statements, settings or GRAVITY differ, and installations without the compiled engine: these run one by one. Of a block
-in which a case cannot be followed all cases have to be run alone.
+Not for: modes other than 1, elements without functions in C (XGYRO), implicit methods, cases whose statements, settings
+or GRAVITY differ, and installations without the compiled engine: these run one by one. Of a block in which a case
+cannot be followed all cases have to be run alone.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.deck import ELEMENT_TYPES, Deck
+from spacar.deck import Deck
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.mass_check import largest_mass
 from spacar.errors import AnalysisError, UsageError
@@ -49,8 +49,6 @@ WITHOUT_LANES = (220, 225)  # methods that want a state of positions first, then
 
 def why_not(deck: Deck, **options: Any) -> str:
     """Why the cases of a deck cannot be run together; empty when they can."""
-    if any(ELEMENT_TYPES[s.keyword].slips for s in deck.of(*ELEMENT_TYPES, block=1)):
-        return "wheels are not in batches"
     mechanism = build(deck, 1, **options)
     settings = mechanism.settings
     if settings.duration is None or settings.n_steps < 1:
@@ -91,7 +89,7 @@ def followed(
     cases: Cases, times: np.ndarray | None = None, *, threads: int = 1, **options: Any
 ) -> list[Result | None]:
     """The same of cases that can be batched."""
-    from spacar.compiled.cases import InLanes, blocks
+    from spacar.compiled.cases import InLanes, PlacedStart, blocks
 
     single, numbers, start = cases.single, cases.numbers, cases.start
     settings = single.settings
@@ -99,7 +97,7 @@ def followed(
         assert settings.duration is not None
         times = np.linspace(0.0, settings.duration, settings.n_steps + 1)
     alone = Dynamics(single)
-    alone.start()
+    placed = PlacedStart(alone.start(), alone.kinematics.x.copy(), alone.sweep.e.copy())
     alone.sweep.mass()
     largest = largest_mass(single, alone.sweep)
     g = displaced(alone)
@@ -124,7 +122,7 @@ def followed(
 
     def together_followed(block: InLanes, own: Sequence[int]) -> None:
         said: dict[int, tuple[str, ...]] = {}
-        if not block.start(largest):
+        if not block.start(placed, largest):
             for k in own:
                 looked_at = Dynamics(build(cases.deck(k), 1, **options))
                 looked_at.start()  # raises where a mass matrix is singular
@@ -181,6 +179,6 @@ def _motion(block: InLanes, times: Array, single: Mechanism, g: Array | None) ->
 
     def of_lane(lane: int) -> Lane:
         own = dict(zip((*X_FIELDS, *E_FIELDS), (*all_x[lane], *all_e[lane]), strict=True))
-        return StoredFrames(times, own, statistics), tuple(lost[lane].values())
+        return StoredFrames(times, own, statistics), (*block.warnings[lane].values(), *lost[lane].values())
 
     return of_lane

@@ -15,6 +15,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
+from spacar.dynamics.array_evaluator import Dynamics
 from spacar.mechanism import Mechanism, build
 from spacar.mechanism.user_functions import STATEMENTS
 from spacar.studies.assignments import parameters_of
@@ -29,12 +30,14 @@ class Cases:
 
     numbers  of all cases;  start  their states (cases, components): degrees of freedom, their rates
     deck     of a case, made when it is asked for
+    chosen   places of the cases among those that were asked for; empty: all of these
     """
 
     single: Mechanism
     numbers: Numbers
     start: Array
     deck: Callable[[int], Deck]
+    chosen: Sequence[int] = ()
 
 
 def side_by_side(decks: Sequence[Deck], **options: Any) -> Cases:
@@ -43,7 +46,8 @@ def side_by_side(decks: Sequence[Deck], **options: Any) -> Cases:
 
     single, together = build(decks[0], 1, **options), build(copies(decks), 1, **options)
     x_of, e_of = _places(single, together, len(decks), _stride(decks[0]))
-    return Cases(single, of_copies(single, together, x_of, e_of), _start(together, x_of, e_of), decks.__getitem__)
+    numbers, start = of_copies(single, together, x_of, e_of), _start(single, together, x_of, e_of)
+    return Cases(single, numbers, start, decks.__getitem__)
 
 
 def alike(a: Deck, *others: Deck) -> bool:
@@ -71,15 +75,27 @@ def _like(statements: list[tuple[Statement, list[int]]], others: list[Statement]
     return True
 
 
-def _start(together: Mechanism, x_of: Array, e_of: Array) -> Array:
-    """State of every case at the start, (cases, components): dynamic coordinates and deformations, their rates."""
-    n, s = together.numbering, together.start
-    x, e = np.full((2, n.nx), np.nan), np.full((2, n.ne), np.nan)
-    x[:, n.x_class["dynamic"]] = s.x_value, s.x_rate
-    e[:, n.e_class["dynamic"]] = s.e_value, s.e_rate
-    both = np.concatenate((x[:, x_of], e[:, e_of]), axis=-1)
-    dynamic = ~np.isnan(both[0, 0])
-    return np.concatenate(both[:, :, dynamic], axis=-1)
+def _start(single: Mechanism, together: Mechanism, x_of: Array, e_of: Array) -> Array:
+    """State of every case at the start, (cases, components), in the order of `Start.state`."""
+    one, n = single.numbering, together.numbering
+    x, e = np.zeros((2, n.nx)), np.zeros((2, n.ne))
+    parts = [  # values and rates, in the order of the state
+        (x[0], x_of, "x_class", "dynamic"), (e[0], e_of, "e_class", "dynamic"),
+        (x[0], x_of, "x_class", "kinematic"), (e[0], e_of, "e_class", "kinematic"),
+        (x[1], x_of, "x_class", "dynamic"), (e[1], e_of, "e_class", "dynamic"),
+    ]  # fmt: skip
+    y, at = start_of(together), 0
+    for values, _, classes, name in parts:
+        rows = getattr(n, classes)[name]
+        values[rows] = y[at : at + rows.stop - rows.start]
+        at += rows.stop - rows.start
+    return np.hstack([values[places[:, getattr(one, classes)[name]]] for values, places, classes, name in parts])
+
+
+def start_of(mechanism: Mechanism) -> Array:
+    """The state at the start, (components,)."""
+    given = mechanism.start
+    return given.state(given.e_kinematic) if given.is_complete else Dynamics(mechanism).start_values()
 
 
 def copies(decks: Sequence[Deck]) -> Deck:

@@ -222,7 +222,7 @@ def _run(trade: Trade, setup: Setup, deck: Deck, options: dict[str, Any], limit:
             at = f"at t = {frame.t:.6g}"
             text = f"stopped after {limit:.3g} s {at}: a cheaper setting is better, or the budget is used"
             raise AnalysisError(text, "study.stopped")
-    return Result(run.mechanism, trade.mode, tuple(found), tuple(run.report.lines), dict(run.header))
+    return Result(run.mechanism, trade.mode, tuple(found), tuple(run.report.lines), run.header.copy())
 
 
 def setup_options(trade: Trade, setup: Setup, deck: Deck) -> dict[str, Any]:

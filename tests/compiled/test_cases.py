@@ -74,7 +74,6 @@ def test_a_case_near_a_dead_point_is_left_to_a_single_run():
 @pytest.mark.parametrize(
     ("name", "options", "why"),
     [
-        ("trike2", {}, "wheels"),
         ("robotsim", {"integrator": 430}, "implicit"),
     ],
 )

@@ -1,5 +1,5 @@
-"""Cases whose numbers are combinations of those of a few: they are those of decks of their own, and what is not linear,
-an integer or a length has decks of its own."""
+"""Cases whose numbers are combinations of those of a few: they are those of decks of their own; an integer or a setting
+of the run has decks of its own."""
 
 from __future__ import annotations
 
@@ -59,6 +59,8 @@ def table(columns: int) -> list[list[float]]:
         ("EM.*[mass]",),
         ("EM.1[3]", "ESTIFF.2[3]", "EDAMP.1[3]"),
         ("ESIG.2[3]", "XF.5[4]", "STARTDE.1.3[4]"),
+        ("X.5[coordinate x1]",),
+        ("X.3[coordinate x2]", "X.5[coordinate x3]", "EM.*[mass]", "ESTIFF.1[3]"),
     ],
 )
 def test_combinations_are_the_cases(targets):
@@ -88,8 +90,8 @@ def test_prescribed_motions():
 @pytest.mark.parametrize(
     ("targets", "low", "why"),
     [
-        (("X.5[coordinate x1]",), 2.0, "lengths are not linear"),
-        (("ESTIFF.1[3]",), 4.0, "the shear of a beam is a ratio of stiffnesses"),
+        (("X.5[coordinate x1]",), 2.0, ""),
+        (("ESTIFF.1[3]",), 4.0, ""),
         (("GRAVITY[3]",), 9.0, "cases share gravity"),
         (("TIMESTEP[1]",), 0.05, "a setting of the run"),
         (("XM.6[2]",), 0.1, ""),
@@ -121,3 +123,26 @@ def test_a_sweep_takes_them_and_gives_the_rows_of_single_runs(monkeypatch):
     for one, other in zip(rows, alone, strict=True):
         assert (one["status"], one["XM.8"], one["case"]) == ("done", other["XM.8"], other["case"])
         assert one["z"] == pytest.approx(other["z"], abs=1e-6)
+
+
+@pytest.mark.parametrize("first", [True, False])
+def test_a_length_that_cannot_be_fails_alone_with_its_message(first, monkeypatch):
+    """Also where it is the first of all cases, from which the others are counted."""
+    from spacar.studies import batched_cases
+
+    kept = []
+    monkeypatch.setattr(batched_cases, "affine_cases", lambda *a, **o: kept.append(affine_cases(*a, **o)) or kept[-1])
+    deck = parse_deck(BEAMS.format(shear=""), mode=1)
+    lengths = [2.0 + 0.01 * k for k in range(FEWEST)]
+    lengths[0 if first else 5] = 1.0  # the node at the other end, 0.1 m aside, as X 5 has it
+    change_of = {"X.5[coordinate x1]": lengths, "X.5[coordinate x3]": [0.0] * FEWEST}
+    options = {"rtol": 1e-6, "atol": 1e-6}
+    rows, alone = (
+        spacar.sweep(deck, change_of, "x: x[5,1]@end", together=True, batch=batch, jobs=1, **options)
+        for batch in (True, False)
+    )
+    assert kept[0] is not None
+    for one, other in zip(rows, alone, strict=True):
+        assert (one["status"], one["reason"]) == (other["status"], other["reason"])
+    assert [row["status"] for row in rows].count("failed") == 1
+    assert "is zero" in rows[0 if first else 5]["reason"]

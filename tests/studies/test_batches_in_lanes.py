@@ -107,5 +107,6 @@ def test_processes_come_when_one_takes_long(monkeypatch):
 
 
 def test_without_lanes_the_sweep_says_why(call):
-    done = call("sweep", "trike2", "--set", "XM.*=1,2", "-r", "x[1,1]@end", "--time", "0.01", "--steps", "1")
-    assert "one by one, not in batches: " in done.out
+    words = ("sweep", "robotsim", "--set", "XM.8=1,2", "-r", "x[1,1]@end", "--time", "0.01", "--steps", "1")
+    done = call(*words, "--integrator", "553")
+    assert "one by one, not in batches: implicit" in done.out

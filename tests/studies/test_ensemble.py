@@ -89,7 +89,6 @@ def test_what_is_alike(deck):
         ("robotsim", {**ROBOT, "integrator": 220}, "method 220 runs alone"),
         ("robotsim", {**ROBOT, "integrator": 225}, "method 225 runs alone"),
         ("crank", {}, "nothing is integrated"),
-        ("trike2", ROBOT, "wheels"),
     ],
 )
 def test_what_has_no_batch(deck, name, options, why):

@@ -1,0 +1,185 @@
+"""Numbers of cases whose lengths differ: the elements of all cases at once, everything else as combinations.
+
+What a statement gives enters the arrays that the constructors of the element families take (reference coordinates, EM,
+ESTIFF, EDAMP), the loads, the motions and the start values, and all of these are linear in it. So they are combined,
+case by case, from those of a few decks (`combined_numbers`), and one family of the elements of all cases makes of them
+what is not linear in lengths: parameters, stiffnesses, masses. A case is as exact as alone: its elements see the same
+numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from spacar.arrays import Array, Index
+from spacar.compiled.combined_numbers import affine, combined
+from spacar.compiled.numbers import FOREIGN, Elements, Entries, Numbers, elements_of, form_of, of_one
+from spacar.dynamics.forces import active_entries
+from spacar.dynamics.loaded_mechanism import LoadedMechanism
+from spacar.elements import Family, GeometryError
+from spacar.elements.lumped import LumpedMass
+from spacar.mechanism.element_batches import PlacedGroup, element_groups
+from spacar.mechanism.layout import Batch
+from spacar.mechanism.lumped_inertia import lumped
+from spacar.mechanism.mechanism import Mechanism
+
+NO_ENTRIES = np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 1))
+
+
+class ImpossibleCase(Exception):
+    """The geometry of the elements of a case is impossible: its own deck says why."""
+
+    def __init__(self, case: int) -> None:
+        super().__init__(case)
+        self.case = case
+
+
+@dataclass(frozen=True)
+class Corner:
+    """One of the decks that are combined.
+
+    rest     its numbers without elements; the masses are those of XM
+    tensors  of XM, (3, 3, nodes), at the spatial orientation `nodes`
+    """
+
+    mechanism: Mechanism
+    groups: tuple[PlacedGroup, ...]
+    rest: Numbers
+    nodes: Index
+    tensors: Array
+
+
+def corner_of(mechanism: Mechanism) -> Corner:
+    """What enters of a mechanism."""
+    m = mechanism
+    groups = tuple(element_groups(m.deck, m.numbering, m.x0, m.settings.beams))
+    mass, nodes, tensors = NO_ENTRIES, np.zeros(0, np.int64), np.zeros((3, 3, 0))
+    for family, x in lumped(m.deck, m.numbering, []):
+        if isinstance(family, LumpedMass):
+            mass = x[0], x[0], family.m[:, None]
+        else:  # a rigid body; rotors (XGYRO) have no form in C
+            nodes, tensors = family.numbers, family.J  # type: ignore[attr-defined]
+    loaded = replace(of_one(LoadedMechanism.of(m)), elements=(), mass=mass, stiffness=NO_ENTRIES, damping=NO_ENTRIES)
+    return Corner(m, groups, loaded, nodes, tensors)
+
+
+def numbers_of_cases(corners: Sequence[Corner], weights: Array) -> Numbers | None:
+    """Of case k, which is the first corner and `weights[i - 1, k]` times the difference to every other corner i.
+
+    None where the corners have other entries, or an element has no form in C. Raises ImpossibleCase.
+    """
+    first, cases = corners[0], weights.shape[1]
+    m = first.mechanism
+    rest = combined([c.rest for c in corners], weights)
+    if rest is None or any(not np.array_equal(c.nodes, first.nodes) for c in corners):
+        return None
+    families = [_family(corners, k, rest.x0, weights) for k in range(len(first.groups))]
+    made = [Batch(family, g.x, g.e) for family, g in zip(families, first.groups, strict=True)]
+    tensors = affine([c.tensors[..., None] for c in corners], weights)
+    elements: list[Elements] = []
+    for k, batch in enumerate(m.batches):
+        if k < len(made):
+            kind, parameters = form_of(made[k].family)
+            own = elements_of(made[k], kind, _by_case(parameters, cases).transpose(2, 0, 1))
+        elif batch.family.n_deformations:
+            kind, parameters = form_of(batch.family)
+            own = elements_of(batch, kind, np.repeat(parameters.T[..., None], cases, axis=-1))
+        elif batch.family.has_mass and not batch.family.constant_mass:
+            kind, parameters = form_of(_bodies(batch, made, m, first.nodes, tensors))
+            own = elements_of(batch, kind, _by_case(parameters, cases).transpose(2, 0, 1))
+        else:
+            continue
+        if kind == FOREIGN:
+            return None
+        elements.append(own)
+    active = m.numbering.e_class["input"].stop
+    stiffness, damping = (_merged(parts, cases) for parts in zip(*(_laws(b, cases) for b in made), strict=True))
+    masses = [rest.mass, *(entries for b in made for entries in _masses(b, cases))]
+    return replace(
+        rest, elements=tuple(elements), mass=_merged(masses, cases),
+        stiffness=active_entries(stiffness, active), damping=active_entries(damping, active),
+    )  # fmt: skip
+
+
+def _family(corners: Sequence[Corner], k: int, x0: Array, weights: Array) -> Family:
+    """The elements of group k of all cases, case after case. Raises ImpossibleCase."""
+    group, cases = corners[0].groups[k], weights.shape[1]
+    elements = group.elements
+
+    def rows(name: str) -> Array:
+        table = affine([getattr(c.groups[k].elements, name)[..., None] for c in corners], weights)
+        return table.transpose(2, 0, 1).reshape(-1, table.shape[1])
+
+    x = x0[group.x]
+    together = replace(
+        elements,
+        numbers=np.tile(elements.numbers, cases), x0=x.transpose(0, 2, 1).reshape(len(x), -1),
+        geometry=elements.geometry * cases, nonlinear=np.tile(elements.nonlinear, cases),
+        directions=elements.directions * cases, projections=elements.projections * cases,
+        elastic=None if elements.elastic is None else np.tile(elements.elastic, (1, cases)),
+        em=rows("em"), estiff=rows("estiff"), edamp=rows("edamp"),
+    )  # fmt: skip
+    try:
+        return group.family(together)  # type: ignore[call-arg]
+    except GeometryError as error:
+        raise ImpossibleCase(error.index // elements.n) from None
+
+
+def _by_case(values: Array, cases: int) -> Array:
+    """(..., cases, n) of what a family has of the elements of all cases, (..., cases * n)."""
+    return values.reshape(*values.shape[:-1], cases, values.shape[-1] // cases)
+
+
+def _entries(values: Array, rows: Index, columns: Index, cases: int) -> Entries:
+    """Where element matrices (a, b, cases * n) are not zero in every case; rows (a, n), columns (b, n)."""
+    each = _by_case(values, cases)
+    i, j, k = np.nonzero(each.any(axis=2))
+    return rows[i, k], columns[j, k], each[i, j, :, k]
+
+
+def _laws(batch: Batch, cases: int) -> tuple[Entries, Entries]:
+    """Entries of S and S_d."""
+    stiffness, damping = (_entries(S, batch.e, batch.e, cases) for S in batch.family.stiffness())
+    return stiffness, damping
+
+
+def _masses(batch: Batch, cases: int) -> Iterator[Entries]:
+    """Constant entries of M, those on single coordinates of nodes too."""
+    family, size = batch.family, len(batch.x)
+    if family.has_mass and family.constant_mass:
+        M = np.zeros((size, size, family.n))
+        family.mass(None, M)
+        yield _entries(M, batch.x, batch.x, cases)
+    for row, J in family.lumped_inertia():
+        places = batch.x[row]
+        yield places, places, _by_case(J, cases).T
+
+
+def _bodies(body: Batch, made: Sequence[Batch], m: Mechanism, nodes: Index, tensors: Array) -> Family:
+    """The rigid bodies of all cases, case after case: tensors (3, 3, nodes, cases) of XM and those of elements."""
+    from spacar.elements.node_inertia import RigidBodyNode
+
+    own, cases = body.family.numbers, tensors.shape[-1]
+    J = np.zeros((cases, len(own), 3, 3))
+    J[:, np.searchsorted(own, nodes)] = tensors.transpose(3, 2, 0, 1)
+    for batch in made:
+        for row, of_elements in batch.family.orientation_inertia():
+            owners = [m.numbering.x_owner(int(i))[0] for i in batch.x[row]]
+            each = of_elements.reshape(cases, -1, 3, 3)
+            for k, place in enumerate(np.searchsorted(own, owners)):
+                J[:, place] += each[:, k]
+    return RigidBodyNode(np.tile(own, cases), J.reshape(-1, 3, 3))
+
+
+def _merged(parts: Sequence[Entries], cases: int) -> Entries:
+    """All entries, each place once."""
+    rows, columns = (np.concatenate([np.zeros(0, np.int64), *(p[i] for p in parts)]) for i in (0, 1))
+    values = np.concatenate([np.zeros((0, cases)), *(p[2] for p in parts)])
+    size = int(columns.max(initial=0)) + 1
+    keys, inverse = np.unique(rows * size + columns, return_inverse=True)
+    out = np.zeros((len(keys), cases))
+    np.add.at(out, inverse, values)
+    return keys // size, keys % size, out
