@@ -21,7 +21,7 @@ from spacar.dynamics.limits import Wheels
 from spacar.dynamics.loaded_mechanism import NEVER, Accepted, LoadedMechanism, Moving, unexplained
 from spacar.dynamics.mass_check import is_doubtful
 from spacar.errors import AnalysisError
-from spacar.integrators.problem import March
+from spacar.integrators.problem import Step
 from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS
 from spacar.kinematics.regularity import HALF_TURN, HalfTurns
 from spacar.mechanism.mechanism import Drive, UserSignal
@@ -44,7 +44,7 @@ class InLanes:
     """
 
     stages = None
-    look, back, half, inside, wide, far, capacity = NEVER, True, 0.0, 0.0, 0.0, 0.0, 2
+    look, back, half, inside, wide, far, capacity, n = NEVER, True, 0.0, 0.0, 0.0, 0.0, 2, 0
 
     def __init__(
         self, model: LoadedMechanism, scale: Array, numbers: Numbers, start: Array, drives: Sequence[Drive],
@@ -117,9 +117,9 @@ class InLanes:
         return f"component {component} of case {lane + 1} of the block"
 
     # -- steps in C -----------------------------------------------------------------------------------------------
-    def marching(self, within: Callable[[], float]) -> March:
+    def marching(self) -> Callable[..., Iterator[Step]]:
         """Steps from output to output."""
-        return Marching(self, self, within).steps
+        return Marching(self, self).steps
 
     def closer(
         self, t: float, y: Array, peak: float, before: list[Accepted] | None
@@ -130,7 +130,7 @@ class InLanes:
     def started(self, t: float, y: Array) -> None:
         """Nothing to do here: C looks at the steps itself."""
 
-    def passed(self, n: int, last: Callable[[int], list[Accepted]]) -> None:
+    def passed(self, last: Callable[[int], list[Accepted]]) -> None:
         """Nothing is kept: outputs are placed from the output before."""
 
     # -- steps in Python: other codes -----------------------------------------------------------------------------
