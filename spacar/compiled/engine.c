@@ -20,6 +20,17 @@
 #ifdef ELEMENTS /* the name of the table of what is needed of elements alone: two builds have it */
 #include "derivatives.c"
 #include "batches.c"
+#include "band.c"
+#include "equilibrium.c"
+
+/* The kinds, then the functions in the order of `ELEMENT_FUNCTIONS` in library.py. */
+const void *const ELEMENTS[] = {
+    DERIVED,
+    spacar_elements_strain, spacar_elements_convective, spacar_elements_inertia, spacar_elements_geometric,
+    spacar_elements_rates, spacar_elements_transport, spacar_elements_inertia_gradient, spacar_elements_guard,
+    spacar_equilibrium_begin, spacar_equilibrium_end, spacar_equilibrium_newton, spacar_equilibrium_point,
+    spacar_equilibrium_factor, spacar_equilibrium_sign, spacar_equilibrium_definite,
+};
 #endif
 
 /* The kinds of elements, then the functions in the order of `FUNCTIONS` in library.py. */

@@ -86,7 +86,7 @@ FUNCTIONS: dict[str, tuple[Any, ...]] = {  # in the order of the table in engine
     "pass_runge_kutta": (INTEGER, POINTER, POINTER, POINTER),
 }  # fmt: skip
 
-# in the order of the table in batches.c
+# in the order of the second table in engine.c: batches.c, equilibrium.c
 ELEMENT_FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "strain": (None, *[POINTER] * 5),
     "convective": (None, *[POINTER] * 4),
@@ -96,6 +96,13 @@ ELEMENT_FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "transport": (None, *[POINTER] * 4),
     "inertia_gradient": (None, *[POINTER] * 6),
     "guard": (NUMBER, POINTER, POINTER),
+    "equilibrium_begin": (INTEGER, POINTER),
+    "equilibrium_end": (None, POINTER),
+    "equilibrium_newton": (INTEGER, POINTER),
+    "equilibrium_point": (INTEGER, POINTER),
+    "equilibrium_factor": (INTEGER, POINTER),
+    "equilibrium_sign": (NUMBER, POINTER),
+    "equilibrium_definite": (INTEGER, POINTER),
 }
 
 
@@ -128,6 +135,13 @@ class ElementFunctions:
     transport: Any
     inertia_gradient: Any
     guard: Any
+    equilibrium_begin: Any
+    equilibrium_end: Any
+    equilibrium_newton: Any
+    equilibrium_point: Any
+    equilibrium_factor: Any
+    equilibrium_sign: Any
+    equilibrium_definite: Any
 
 
 class Engine:

@@ -11,8 +11,7 @@ they get alone. Lanes that only fill a vector up have the answer of the last cas
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -57,27 +56,25 @@ class ForeignBatch:
         self.h[:] = self.family.inertia_force(self.configuration, self.v, None)
 
 
-@dataclass(frozen=True)
 class Law:
-    """The user function of one case: what it is told (t, e, ed, x, xd) and where its answer goes, views of one lane."""
+    """The user function of one case: what it is told (t, e, ed, x, xd) and where its answer goes, one lane of arrays
+    that C has cleared.
+    """
 
-    user: UserSignal
-    rows: Callable[..., Any] | None  # USERSIG: numbers, no arrays
-    told: tuple[PlacedVector, ...]
-    answers: tuple[Array, Array]  # sigma, force
+    def __init__(self, user: UserSignal, told: tuple[PlacedVector, ...], sigma: Array, force: Array) -> None:
+        self.user, self.told = user, told
+        self.add = getattr(user, "add", None)  # USERSIG: numbers, no arrays
+        self.arrays = sigma, force
+        self.numbers: tuple[Any, Any] = sigma.data, force.data
 
     def answer(self, t: float) -> dict[int, str]:
         """Call it; the sentences about stresses that cannot act."""
-        if self.rows is None:
-            given = self.user(t, *self.told)
-            self.answers[0][:], self.answers[1][:] = given.sigma, given.force
-            return given.lost
-        *found, lost = self.rows(t, *self.told)
-        for values, rows in zip(self.answers, found, strict=True):
-            values.fill(0.0)
-            for i, row in rows:
-                values[i] += row[2]
-        return lost
+        if self.add is not None:
+            lost: dict[int, str] = self.add(t, self.told, *self.numbers)
+            return lost
+        given = self.user(t, *self.told)
+        self.arrays[0][:], self.arrays[1][:] = given.sigma, given.force
+        return given.lost
 
 
 class Slots:
@@ -116,11 +113,13 @@ class Slots:
             guarded = tuple(zip((self.e, self.ed, self.x, self.xd), ("e", "ep", "x", "xp"), strict=True))
             self.laws = tuple(
                 Law(
-                    user, getattr(user, "rows", None), tuple(placed(values[:, lane], name) for values, name in guarded),
-                    (self.sigma[:, lane], self.force[:, lane]),
+                    user,
+                    tuple(placed(values[:, lane], name) for values, name in guarded),
+                    self.sigma[:, lane],
+                    self.force[:, lane],
                 )
                 for lane, user in enumerate(users)
-            )  # fmt: skip
+            )
             self.user_c = CUser(*(a.ctypes.data for a in arrays))
         needed = bool(self.foreign or users or not all(isinstance(d, Polynomial) for d in drives))
         self.ask = ASK(self._answer) if needed else None
@@ -129,21 +128,21 @@ class Slots:
         if self.error is not None and not isinstance(self.error, Exception):
             return NOT_ANSWERED  # Ctrl-C: nobody is asked any more
         try:
-            if what == STRAIN:
+            if what == STRESS:
+                self._stress(t)
+            elif what == STRAIN:
                 self.foreign[batch].strain()
             elif what == CONVECTIVE:
                 self.foreign[batch].convective()
             elif what == INERTIA:
                 self.foreign[batch].inertia()
-            elif what == MOTION:
-                self._move(t)
             elif what == OUTPUT:
                 self.outputs.append(self.lost[0])
                 if not self.told.issuperset(self.lost[0]):
                     self.told.update(self.lost[0])
                     return NOT_ANSWERED  # a sentence that is new is handed on at once
             else:
-                self._stress(t)
+                self._move(t)
         except BaseException as error:  # nothing may pass through C
             self.error = error
             return NOT_ANSWERED
