@@ -5,7 +5,7 @@
    so it is with user functions and prescribed motions that are no polynomials.
    All vectors are in the order of the result files. V and M are lists of the entries of the elements. */
 enum { MAX_ITERATIONS = 20 };
-enum { ASK_MOTION, ASK_STRESS, ASK_STRAIN, ASK_CONVECTIVE, ASK_INERTIA }; /* as in slots.py */
+enum { ASK_MOTION, ASK_STRESS, ASK_STRAIN, ASK_CONVECTIVE, ASK_INERTIA, ASK_OUTPUT }; /* as in slots.py */
 
 /* A batch that Python evaluates: with the elements last, as its families have them. */
 typedef struct {
