@@ -158,10 +158,3 @@ static double spacar_elements_guard(const Elements *k, const double *x)
     }
     return least;
 }
-
-/* The kinds, then the functions in the order of `ELEMENT_FUNCTIONS` in library.py. */
-const void *const ELEMENTS[] = {
-    DERIVED,
-    spacar_elements_strain, spacar_elements_convective, spacar_elements_inertia, spacar_elements_geometric,
-    spacar_elements_rates, spacar_elements_transport, spacar_elements_inertia_gradient, spacar_elements_guard,
-};

@@ -71,7 +71,12 @@ def compiled_family(family: Family) -> Family:
 
 
 class CompiledElements(Family):
-    """All elements of one family, in C. `general` is the NumPy family, `kind` the number of the type in C."""
+    """All elements of one family, in C. `general` is the NumPy family, `kind` the number of the type in C.
+
+    `elements` is what functions of C for whole mechanisms take.
+    """
+
+    compiled = True
 
     def __init__(self, general: Family, kind: int, parameters: Array) -> None:
         for name in FACTS:
@@ -80,8 +85,8 @@ class CompiledElements(Family):
         self.general = general
         self._parameters = np.ascontiguousarray(parameters)
         sizes = general.n, general.n_coordinates, general.n_deformations, len(parameters)
-        self._c = CElements(kind, *sizes, self._parameters.ctypes.data)
-        self._at = ctypes.c_void_p(ctypes.addressof(self._c))
+        self.elements = CElements(kind, *sizes, self._parameters.ctypes.data)
+        self._at = ctypes.c_void_p(ctypes.addressof(self.elements))
         self._shape = (general.n_coordinates, general.n)
         self._call = element_functions()
         self._limited = type(general).troubles is not Family.troubles

@@ -7,24 +7,25 @@ shared between both: a `Placement` goes from the state in C to the general evalu
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property, partial
 from math import log
 from typing import TypeVar
 
 import numpy as np
 
-from spacar.arrays import Array
+from spacar.arrays import Array, Index
 from spacar.compiled.compiled_elements import with_compiled_elements
 from spacar.compiled.compiled_model import DOUBTFUL_MASS, EXACT, FAR_AWAY, CompiledModel
 from spacar.compiled.iterating import Iterating
 from spacar.compiled.marching import Lookout, Marching
 from spacar.compiled.numbers import of_one
+from spacar.compiled.passage import Passage
 from spacar.dynamics.array_evaluator import Dynamics, component_name
 from spacar.dynamics.loaded_mechanism import LoadedMechanism, Moving, Placement
 from spacar.dynamics.mass_check import is_checked
 from spacar.frame import Frame
-from spacar.integrators.problem import March
+from spacar.integrators.problem import Step
 from spacar.integrators.radau import Radau
 from spacar.kinematics.constraint_condition import of_entries
 from spacar.kinematics.kinematics import CONVERGED
@@ -96,6 +97,7 @@ class CompiledDynamics:
     """An `Evaluator` (`spacar.dynamics.evaluator`) where `why_general` finds no reason for that of NumPy."""
 
     by_case = None
+    largest_exact = SMALL
 
     def __init__(self, mechanism: Mechanism, *, loads: Loads | None = None, drive: Drive | None = None) -> None:
         self.model = model = LoadedMechanism.of(mechanism, loads, drive)
@@ -237,9 +239,13 @@ class CompiledDynamics:
     def component_name(self, i: int) -> str:
         return component_name(self.numbering, i)
 
-    def marching(self, lookout: Lookout, within: Callable[[], float]) -> March:
-        """Steps from output to output, looked at by `lookout`; positions `within` that tolerance."""
-        return Marching(self, lookout, within).steps
+    def marching(self, lookout: Lookout, passage: Passage | None = None) -> Callable[..., Iterator[Step]]:
+        """Steps from output to output, or through those of a passage, looked at by `lookout`."""
+        return Marching(self, lookout, passage).steps
+
+    def passage(self, times: Sequence[float] | Array, ground: Index, singular: float, far: int = 0) -> Passage:
+        """Outputs at `times`, evaluated here many at a time; arguments as `Passage`."""
+        return Passage(self, times, ground, singular, far)
 
     # -- evaluation -----------------------------------------------------------------------------------------------
     def _derivative(self, t: float, y: Array, within: float) -> int:
@@ -271,11 +277,15 @@ class CompiledDynamics:
             self._iterating = Iterating(self.solver, self.state, method)
         return self._iterating(h, within)
 
+    def frame_in_general(self, t: float, y: Array) -> Frame:
+        """That of a state that C could not do."""
+        return self._in_general(lambda: self.general.frame(t, y))
+
     def frame(self, t: float, y: Array) -> Frame:
         m, s = self.solver, self.state
         self._y[:] = y
         if m.evaluate(s, t, self._addresses[0], EXACT) < 0:
-            return self._in_general(lambda: self.general.frame(t, y))
+            return self.frame_in_general(t, y)
         (x, xd, xdd, applied, gravity, total), (e, ed, edd, sigma) = s.of_one()
         return Frame(
             t=t, x=x, xd=xd, xdd=xdd, e=e, ed=ed, edd=edd, sig=sigma, fx=applied, fxgrav=gravity, fxtot=total,

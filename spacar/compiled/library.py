@@ -81,9 +81,12 @@ FUNCTIONS: dict[str, tuple[Any, ...]] = {  # in the order of the table in engine
     "adams_value": (INTEGER, POINTER, POINTER, NUMBER, POINTER),
     "runge_kutta": (INTEGER, POINTER, POINTER),
     "newton": (INTEGER, POINTER, POINTER, POINTER),
+    "show": (INTEGER, POINTER, POINTER),
+    "pass_adams": (INTEGER, POINTER, POINTER, POINTER),
+    "pass_runge_kutta": (INTEGER, POINTER, POINTER, POINTER),
 }  # fmt: skip
 
-# in the order of the table in batches.c
+# in the order of the second table in engine.c: batches.c, equilibrium.c
 ELEMENT_FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "strain": (None, *[POINTER] * 5),
     "convective": (None, *[POINTER] * 4),
@@ -93,13 +96,22 @@ ELEMENT_FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "transport": (None, *[POINTER] * 4),
     "inertia_gradient": (None, *[POINTER] * 6),
     "guard": (NUMBER, POINTER, POINTER),
+    "equilibrium_begin": (INTEGER, POINTER),
+    "equilibrium_end": (None, POINTER),
+    "equilibrium_newton": (INTEGER, POINTER),
+    "equilibrium_point": (INTEGER, POINTER),
+    "equilibrium_factor": (INTEGER, POINTER),
+    "equilibrium_sign": (NUMBER, POINTER),
+    "equilibrium_definite": (INTEGER, POINTER),
 }
 
 
 def _bind(owner: object, functions: dict[str, tuple[Any, ...]], addresses: Any) -> None:
-    """Functions as attributes: their addresses stand behind the first one, in the order of the table."""
+    """Functions as attributes: their addresses stand behind the first one, in the order of the table; not those that a
+    build of several lanes does not have."""
     for k, (name, (result, *arguments)) in enumerate(functions.items(), 1):
-        setattr(owner, name, ctypes.CFUNCTYPE(result, *arguments)(addresses[k]))
+        if addresses[k]:
+            setattr(owner, name, ctypes.CFUNCTYPE(result, *arguments)(addresses[k]))
 
 
 class ElementFunctions:
@@ -123,6 +135,13 @@ class ElementFunctions:
     transport: Any
     inertia_gradient: Any
     guard: Any
+    equilibrium_begin: Any
+    equilibrium_end: Any
+    equilibrium_newton: Any
+    equilibrium_point: Any
+    equilibrium_factor: Any
+    equilibrium_sign: Any
+    equilibrium_definite: Any
 
 
 class Engine:
@@ -157,6 +176,9 @@ class Engine:
     adams: Any
     adams_value: Any
     runge_kutta: Any
+    show: Any
+    pass_adams: Any
+    pass_runge_kutta: Any
 
 
 @lru_cache

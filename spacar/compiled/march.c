@@ -141,21 +141,27 @@ static int accepted(March *r, double t, const double *y)
     return status;
 }
 
+/* Let a state be the recorded one again; `known` as there. */
+static void stand_at(const March *r, const double *record, State *s, int known)
+{
+    const double *x = record + 4 + r->n;
+    const int nx = r->model->s.nx * LANES;
+    memcpy(s->x, x, sizeof(double) * nx);
+    memcpy(s->xd, x + nx, sizeof(double) * nx);
+    memcpy(s->xdd, x + 2 * nx, sizeof(double) * nx);
+    memcpy(s->e, x + 3 * nx, sizeof(real) * r->model->s.ne);
+    s->t = record[0];
+    s->known = known;
+}
+
 /* After a rejected step: its stages may have led the state far away. */
 static void rejected(March *r)
 {
     r->n_rejected++;
     clear_samples(r->at);
     if (!r->back || !r->recorded) return;
-    const double *last = record(r, r->recorded - 1), *x = last + 4 + r->n;
-    const int nx = r->model->s.nx * LANES;
-    State *s = r->at;
-    memcpy(s->x, x, sizeof(double) * nx);
-    memcpy(s->xd, x + nx, sizeof(double) * nx);
-    memcpy(s->xdd, x + 2 * nx, sizeof(double) * nx);
-    memcpy(s->e, x + 3 * nx, sizeof(real) * r->model->s.ne);
-    s->t = last[0];
-    s->known = last[3] != 0.0;
+    const double *last = record(r, r->recorded - 1);
+    stand_at(r, last, r->at, last[3] != 0.0);
     r->model->transfer_of = NULL;
 }
 

@@ -1,4 +1,5 @@
-"""Steps of an integrator in C, from output to output: Adams (code 0) and explicit Runge-Kutta (135, 155, 853).
+"""Steps of an integrator in C, from output to output, or through many of them (`Passage`): Adams (code 0) and explicit
+Runge-Kutta (135, 155, 853).
 
 The methods stay those of `spacar.integrators`: C works on the arrays of their objects and with their coefficients, so
 that interpolation, failures and messages are theirs too. Python is called back where C cannot give a derivative, and
@@ -16,12 +17,13 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.compiled.compiled_model import CompiledModel, State
-from spacar.compiled.library import DOUBLES, INTEGER, NUMBER, POINTER
+from spacar.compiled.library import DOUBLES, INTEGER, NUMBER, POINTER, Engine
+from spacar.compiled.passage import VALUE, Passage
 from spacar.dynamics.loaded_mechanism import ALWAYS, NOISE, SHARE, STILL, Accepted, LoadedMechanism, Moving
 from spacar.errors import AnalysisError
 from spacar.integrators.adams import GAMMA_STAR, MAX_ORDER, Adams
 from spacar.integrators.failures import MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small
-from spacar.integrators.problem import Step
+from spacar.integrators.problem import Evaluation, IntegrationStatistics, Step
 from spacar.integrators.runge_kutta import TINY, ExplicitRungeKutta
 from spacar.kinematics.kinematics import LARGEST_JUMP
 from spacar.kinematics.regularity import HALF_TURN, HalfTurns
@@ -81,6 +83,7 @@ class Lookout(Protocol):
     wide      logarithm: the same of a state below the larger end of a step in which a coordinate goes beyond `far`
     far       rad, or lengths of the model
     capacity  how many steps are remembered
+    n         steps since the last output, which is counted on here
     """
 
     look: int
@@ -90,6 +93,7 @@ class Lookout(Protocol):
     wide: float
     far: float
     capacity: int
+    n: int
 
     def closer(
         self, t: float, y: Array, peak: float, before: list[Accepted] | None
@@ -102,8 +106,8 @@ class Lookout(Protocol):
     def started(self, t: float, y: Array) -> Accepted | None:
         """The start of the motion, unless it has begun before: then the last step of it; None: not known."""
 
-    def passed(self, n: int, last: Callable[[int], list[Accepted]]) -> None:
-        """n steps have been made; `last(k)` gives the last k of them, fewer if fewer are known."""
+    def passed(self, last: Callable[[int], list[Accepted]]) -> None:
+        """Steps have been made; `last(k)` gives the last k of them, fewer if fewer are known."""
 
 
 class InC(Protocol):
@@ -118,123 +122,203 @@ class InC(Protocol):
     def model(self) -> LoadedMechanism: ...
 
 
-class Marching:
-    """The steps of one motion."""
+class AdamsInC:
+    """Steps of code 0 with the arrays of its object, for a `March` at an address."""
 
-    def __init__(self, evaluator: InC, lookout: Lookout, within: Callable[[], float]) -> None:
+    def __init__(self, engine: Engine, march: ctypes.c_void_p, method: Adams) -> None:
+        a = method
+        self.engine, self.to, self.method, self.y = engine, march, method, a.y
+        arrays = a.phi, a.expected, a.y, a.y_new, a.predicted, a.d, a.weight, np.array(GAMMA_STAR)
+        self.c = CAdams(*(v.ctypes.data for v in arrays))
+        self.kept = arrays  # what C points at
+        self.at = ctypes.c_void_p(ctypes.addressof(self.c))
+
+    def begin(self) -> int:
+        """0; 1 when F at the start could not be evaluated, 2 when all has to end."""
+        status: int = self.engine.adams_begin(self.to, self.at)
+        return status
+
+    def march(self) -> int:
+        """Steps up to the next output."""
+        status: int = self.engine.adams(self.to, self.at)
+        return status
+
+    def march_through(self, passage: Passage) -> int:
+        """Steps through many outputs."""
+        status: int = self.engine.pass_adams(self.to, self.at, passage.address)
+        return status
+
+    def taken(self, status: int) -> None:
+        """After a call: what the object has to know of it."""
+        if status == TOO_SMALL:
+            np.multiply(self.method.d, self.method.weight, out=self.method.scaled)
+
+    def value(self, t: float) -> Array:
+        """y(t) in the last step."""
+        found = np.empty_like(self.y)
+        self.engine.adams_value(self.to, self.at, t, found.ctypes.data)
+        return found
+
+
+class RungeKuttaInC:
+    """The same of codes 135, 155 and 853; states inside a step come from the object. `answered` lets a question of C be
+    answered."""
+
+    def __init__(
+        self, engine: Engine, march: CMarch, method: ExplicitRungeKutta, answered: Callable[..., int]
+    ) -> None:
+        m = method
+        self.engine, self.of, self.method, self.y = engine, march, method, m.y_new
+        self.to, self.answered = ctypes.c_void_p(ctypes.addressof(march)), answered
+        c, a, errors, safety = m.coefficients()
+        tableau = m.tableau
+        self.kept = c, a, errors  # what C points at
+        self.c = CRungeKutta(
+            c.ctypes.data, a.ctypes.data, tableau.b.ctypes.data, errors.ctypes.data, m.stages.ctypes.data,
+            m.y.ctypes.data, m.y_new.ctypes.data, m.scaled.ctypes.data, *m.controller, safety, TINY, 0.0,
+            len(tableau.c), len(c), errors.shape[1], len(errors) - 1,
+        )  # fmt: skip
+        self.at = ctypes.c_void_p(ctypes.addressof(self.c))
+        self.value = m.interpolate
+        self.known: tuple[float, float] | None = None  # the step that the object knows of
+
+    def begin(self) -> int:
+        """Nothing is left to do: the object has been started."""
+        return 0
+
+    def march(self) -> int:
+        """Steps up to the next output."""
+        status: int = self.engine.runge_kutta(self.to, self.at)
+        return status
+
+    def march_through(self, passage: Passage) -> int:
+        """Steps through many outputs."""
+        call = VALUE(self._value)
+        passage.c.value = address_of(call)
+        status: int = self.engine.pass_runge_kutta(self.to, self.at, passage.address)
+        passage.c.value = None
+        return status
+
+    def taken(self, status: int) -> None:
+        """After a step: what the object has to know of it."""
+        step = self.of.begin, self.of.t
+        if step != self.known:
+            self.known = step
+            self.method.taken(self.of.begin, self.c.h)
+
+    def _value(self, t: float, y: int) -> int:
+        """Answer C with the state inside the last step."""
+        return self.answered(self._interpolated, t, y)
+
+    def _interpolated(self, t: float, y: int) -> None:
+        self.taken(ARRIVED)
+        vector(y, len(self.y))[:] = self.method.interpolate(t)
+
+
+def address_of(call: Any) -> int | None:
+    """Of a function of Python that C calls (`ctypes.cast` would leave a circle of references behind)."""
+    return ctypes.c_void_p.from_buffer(call).value
+
+
+def vector(address: int, n: int) -> Array:
+    """The n numbers that stand there."""
+    return np.ctypeslib.as_array((ctypes.c_double * n).from_address(address))
+
+
+class Marching:
+    """The steps of one motion. `passage`: outputs that are passed many at a time; None: a call ends at each."""
+
+    def __init__(self, evaluator: InC, lookout: Lookout, passage: Passage | None = None) -> None:
         model = evaluator.solver
-        lanes = model.cases
+        self.lanes = lanes = model.cases
         nx, ne = evaluator.numbering.nx * lanes, evaluator.numbering.ne * lanes
         n = (evaluator.n_positions + evaluator.numbering.nddof) * lanes
-        self.evaluator, self.lookout, self.within = evaluator, lookout, within
+        self.evaluator, self.lookout, self.passage = evaluator, lookout, passage
         self.engine = model.engine
         self.shape = n, nx
         self.records = np.zeros((lookout.capacity, 4 + n + 3 * nx + ne))
         self.scale = np.ascontiguousarray(evaluator.model.mechanism.scale)
         self.atol = np.empty(n)  # absolute error of every component
-        self.gamma_star = np.array(GAMMA_STAR)
-        alone = lanes == 1
-        self.calls = (ASK(self._ask), TELL(self._tell)) if alone else ()
         self.error: BaseException | None = None
-        self.kept: tuple[Any, ...] = ()  # what C points at
-        ask, tell = (ctypes.cast(call, POINTER).value for call in self.calls) if alone else (None, None)
         most = max(1, min(MOST, COMPONENTS // (nx + ne)))
         self.c = CMarch(
-            model.handle, evaluator.state.address, ask, tell, self.records.ctypes.data, self.scale.ctypes.data,
+            model.handle, evaluator.state.address, None, None, self.records.ctypes.data, self.scale.ctypes.data,
             self.atol.ctypes.data, n, lookout.capacity, self.records.shape[1], lookout.look, lookout.back, most,
             MAX_REDUCTIONS, REDUCTION,
         )  # fmt: skip
         self.c.jump, self.c.share, self.c.noise, self.c.still = LARGEST_JUMP, SHARE, NOISE, STILL
         self.c.half, self.c.inside, self.c.wide, self.c.far = lookout.half, lookout.inside, lookout.wide, lookout.far
-        if not alone:
+        if lanes > 1:
             self.near = np.ascontiguousarray(HalfTurns(evaluator.numbering).lambda0, np.int32)
             self.c.lambda0, self.c.n_lambda0, self.c.half_turn = self.near.ctypes.data, len(self.near), HALF_TURN
         self.address = ctypes.c_void_p(ctypes.addressof(self.c))
 
     def steps(
-        self, method: Adams | ExplicitRungeKutta, t: float, t_end: float, h: float, longest: float = float("inf")
+        self, method: Adams | ExplicitRungeKutta, t: float, t_end: float, h: float, longest: float, within: float
     ) -> Iterator[Step]:
-        """Steps of a method that has been started at t, at least those with an output, up to t_end."""
-        c, evaluation = self.c, method.evaluation
-        self.method = method
+        """Steps of a method that has been started at t, at least those with an output or where a passage ends, up to
+        t_end; positions `within` that tolerance."""
+        c, evaluation, passage = self.c, method.evaluation, self.passage
         self.atol[:], c.rtol = method.tolerance
         c.t, c.t_end, c.h, c.longest = t, t_end, h, longest
         c.earliest, c.latest = evaluation.first, evaluation.last
         c.sizes[:] = 0.0, 0.0
         c.n_steps = c.n_rhs = c.n_rejected = 0
-        run, kept = self._adams(method) if isinstance(method, Adams) else self._runge_kutta(method)
-        before = self.lookout.started(t, self.y)
-        if before is not None and not (c.recorded and self._seen(c.recorded - 1).at.t >= before.at.t):
-            self._record(0, before)  # the start, or the last of steps that were made elsewhere
-            c.recorded, c.peak = 1, before.size
-        counted = evaluation.statistics
-        status = self.status = PAUSED
-        while status != ARRIVED:
-            c.until = evaluation.next_output(c.t)
-            c.converged = self.within()
-            status = self.status = run()
-            kept()
-            steps, c.n_steps = c.n_steps, 0
-            counted.n_steps += steps
-            counted.n_rhs += c.n_rhs
-            counted.n_rejected += c.n_rejected
-            c.n_rhs = c.n_rejected = 0
-            if status in (TOO_SMALL, NOT_EVALUATED, INTERRUPTED):
-                self._failed(status)
-            self.lookout.passed(steps, self._last)
-            yield Step(c.t, self.y, self.value, (c.sizes[1], c.sizes[0]))
-
-    # -- methods --------------------------------------------------------------------------------------------------
-    def _adams(self, a: Adams) -> tuple[Callable[[], int], Callable[[], None]]:
-        """The call of C, and what is told to the object after it."""
-        arrays = a.phi, a.expected, a.y, a.y_new, a.predicted, a.d, a.weight, self.gamma_star
-        s = CAdams(*(v.ctypes.data for v in arrays))
-        self.kept = s, arrays
-        self.y = a.y
-        at = ctypes.c_void_p(ctypes.addressof(s))
-        status = self.engine.adams_begin(self.address, at)
-        if status:
-            self._failed(NOT_EVALUATED if status == 1 else INTERRUPTED, started=False)
-
-        def kept() -> None:
-            if self.status == TOO_SMALL:
-                np.multiply(a.d, a.weight, out=a.scaled)
-
-        found = np.empty_like(a.y)
-        found_at = found.ctypes.data
-
-        def value(t: float) -> Array:
-            """y(t) in the last step."""
-            self.engine.adams_value(self.address, at, t, found_at)
-            return found.copy()
-
-        self.value = value
-        return partial(self.engine.adams, self.address, at), kept
-
-    def _runge_kutta(self, m: ExplicitRungeKutta) -> tuple[Callable[[], int], Callable[[], None]]:
-        tableau = m.tableau
-        c, a, errors, safety = m.coefficients()
-        exponent, smallest, largest = m.controller
-        s = CRungeKutta(
-            c.ctypes.data, a.ctypes.data, tableau.b.ctypes.data, errors.ctypes.data, m.stages.ctypes.data,
-            m.y.ctypes.data, m.y_new.ctypes.data, m.scaled.ctypes.data, exponent, smallest, largest, safety, TINY, 0.0,
-            len(tableau.c), len(c), errors.shape[1], len(errors) - 1,
+        # C points at these while this goes on; they hold this object, and are let go at its end
+        calls = (ASK(partial(self._ask, evaluation)), TELL(self._tell)) if self.lanes == 1 else ()
+        c.ask, c.tell = map(address_of, calls) if calls else (None, None)
+        answered = partial(self._answered, evaluation.statistics)
+        by = (
+            AdamsInC(self.engine, self.address, method) if isinstance(method, Adams)
+            else RungeKuttaInC(self.engine, c, method, answered)
         )  # fmt: skip
-        self.y, self.kept = m.y_new, (s, c, a, errors)
-        at = ctypes.c_void_p(ctypes.addressof(s))
+        counted = evaluation.statistics
+        output, status = evaluation.next_output(t), PAUSED
+        try:
+            self._begun(by.begin(), method)  # the start of the motion is solved to rounding
+            c.converged = within
+            before = self.lookout.started(t, by.y)
+            if before is not None and not (c.recorded and self._seen(c.recorded - 1).at.t >= before.at.t):
+                self._record(0, before)  # the start, or the last of steps that were made elsewhere
+                c.recorded, c.peak = 1, before.size
+            while status != ARRIVED:
+                if passage is None:
+                    c.until = float(evaluation.times[evaluation.next_output(c.t)])
+                    status = by.march()
+                else:
+                    passage.begin(output, evaluation.halt - counted.n_steps)
+                    passage.c.since = self.lookout.n
+                    status = by.march_through(passage)
+                    output += passage.c.done
+                by.taken(status)
+                known, failed = counted.counts(), status in (TOO_SMALL, NOT_EVALUATED, INTERRUPTED)
+                if failed and (passage is None or not passage.c.done):
+                    self._failed(status, method)
+                made = passage.made() if failed and passage is not None else (c.n_steps, c.n_rhs, c.n_rejected)
+                c.n_steps = c.n_rhs = c.n_rejected = 0
+                counted.n_steps += made[0]
+                counted.n_rhs += made[1]
+                counted.n_rejected += made[2]
+                self.lookout.n = self.lookout.n + made[0] if passage is None else passage.c.since
+                self.lookout.passed(self._last)
+                passed = None if passage is None else passage.outputs(known)
+                yield Step(c.t, by.y, by.value, (c.sizes[1], c.sizes[0]), passed)
+                if failed:  # behind the outputs that came before it
+                    self._failed(status, method)
+        finally:
+            c.ask = c.tell = None
 
-        def kept() -> None:
-            m.taken(self.c.begin, s.h)
+    def _begun(self, status: int, method: Any) -> None:
+        """Raise what made a start fail."""
+        if status:
+            self._failed(NOT_EVALUATED if status == 1 else INTERRUPTED, method, started=False)
 
-        self.value = m.interpolate
-        return partial(self.engine.runge_kutta, self.address, at), kept
-
-    def _failed(self, status: int, started: bool = True) -> None:
+    def _failed(self, status: int, method: Any, started: bool = True) -> None:
         """Raise what ended a call."""
-        c, evaluation = self.c, self.method.evaluation
+        c, evaluation = self.c, method.evaluation
         error, self.error = self.error, None
         if status == TOO_SMALL:
-            worst = int(np.argmax(np.abs(self.method.scaled)))
+            worst = int(np.argmax(np.abs(method.scaled)))
             raise step_too_small(evaluation, c.t, c.h, c.error, worst)
         if error is None:  # of several cases
             self.evaluator.solver.slots.interrupted()
@@ -245,20 +329,29 @@ class Marching:
         raise error
 
     # -- called by C ----------------------------------------------------------------------------------------------
-    def _vector(self, address: int) -> Array:
-        return np.ctypeslib.as_array((ctypes.c_double * self.shape[0]).from_address(address))
-
-    def _ask(self, t: float, y: int, out: int) -> int:
+    def _ask(self, evaluation: Evaluation, t: float, y: int, out: int) -> int:
         """Answer C with a derivative that it cannot compute."""
+        return self._answered(evaluation.statistics, partial(self._derivative, evaluation), t, y, out)
+
+    def _derivative(self, evaluation: Evaluation, t: float, y: int, out: int) -> None:
+        self.evaluator.solver.slots.interrupted()
+        n = self.shape[0]
+        vector(out, n)[:] = evaluation.rhs(t, vector(y, n))
+
+    def _answered(self, counted: IntegrationStatistics, answer: Callable[..., None], *question: Any) -> int:
+        """Let a question of C be answered, and C count the derivatives that this takes: it knows at which output."""
+        before = counted.n_rhs
         try:
-            self.evaluator.solver.slots.interrupted()
-            self._vector(out)[:] = self.method.evaluation.rhs(t, self._vector(y))
+            answer(*question)
         except AnalysisError as error:
             self.error = error
             return 1
         except BaseException as error:  # nothing may pass through C
             self.error = error
             return 2
+        finally:
+            self.c.n_rhs += counted.n_rhs - before
+            counted.n_rhs = before
         return 0
 
     def _tell(self, t: float, y: int) -> int:
@@ -269,7 +362,7 @@ class Marching:
             if self.lookout.look != ALWAYS:
                 first = max(0, c.recorded - self.lookout.capacity)
                 before = [self._seen(k) for k in range(first, c.recorded - 1)]
-            c.peak, c.entered, seen = self.lookout.closer(t, self._vector(y).copy(), c.peak, before)
+            c.peak, c.entered, seen = self.lookout.closer(t, vector(y, self.shape[0]).copy(), c.peak, before)
             if seen is None and not self.evaluator.state.c.known:
                 c.recorded -= 1
             elif seen is not None:

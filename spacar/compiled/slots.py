@@ -11,8 +11,7 @@ they get alone. Lanes that only fill a vector up have the answer of the last cas
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -25,7 +24,7 @@ from spacar.mechanism.mechanism import Drive, Polynomial, UserSignal
 from spacar.mechanism.placed_vectors import PlacedVector, placed
 
 ASK = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int, ctypes.c_int, ctypes.c_double)
-MOTION, STRESS, STRAIN, CONVECTIVE, INERTIA = range(5)  # as ASK_MOTION ... in elements.c
+MOTION, STRESS, STRAIN, CONVECTIVE, INERTIA, OUTPUT = range(6)  # as ASK_MOTION ... in elements.c
 ANSWERED, NOT_ANSWERED = 0, 1
 
 
@@ -57,27 +56,25 @@ class ForeignBatch:
         self.h[:] = self.family.inertia_force(self.configuration, self.v, None)
 
 
-@dataclass(frozen=True)
 class Law:
-    """The user function of one case: what it is told (t, e, ed, x, xd) and where its answer goes, views of one lane."""
+    """The user function of one case: what it is told (t, e, ed, x, xd) and where its answer goes, one lane of arrays
+    that C has cleared.
+    """
 
-    user: UserSignal
-    rows: Callable[..., Any] | None  # USERSIG: numbers, no arrays
-    told: tuple[PlacedVector, ...]
-    answers: tuple[Array, Array]  # sigma, force
+    def __init__(self, user: UserSignal, told: tuple[PlacedVector, ...], sigma: Array, force: Array) -> None:
+        self.user, self.told = user, told
+        self.add = getattr(user, "add", None)  # USERSIG: numbers, no arrays
+        self.arrays = sigma, force
+        self.numbers: tuple[Any, Any] = sigma.data, force.data
 
     def answer(self, t: float) -> dict[int, str]:
         """Call it; the sentences about stresses that cannot act."""
-        if self.rows is None:
-            given = self.user(t, *self.told)
-            self.answers[0][:], self.answers[1][:] = given.sigma, given.force
-            return given.lost
-        *found, lost = self.rows(t, *self.told)
-        for values, rows in zip(self.answers, found, strict=True):
-            values.fill(0.0)
-            for i, row in rows:
-                values[i] += row[2]
-        return lost
+        if self.add is not None:
+            lost: dict[int, str] = self.add(t, self.told, *self.numbers)
+            return lost
+        given = self.user(t, *self.told)
+        self.arrays[0][:], self.arrays[1][:] = given.sigma, given.force
+        return given.lost
 
 
 class Slots:
@@ -100,6 +97,8 @@ class Slots:
         self.error: BaseException | None = None
         self.failed: int | None = None  # the case whose function did not answer the last question
         self.lost: list[dict[int, str]] = [{}] * max(len(users), 1)  # sentences by row of e, of every case
+        self.outputs: list[dict[int, str]] = []  # those of the outputs of one call, see `spacar.compiled.passage`
+        self.told: set[int] = set()  # rows of their sentences
         self.laws: tuple[Law, ...] = ()
         self.foreign_c: ctypes.Array[ctypes.c_void_p] | None = None  # addresses of the foreign batches, by batch
         if self.foreign:
@@ -114,11 +113,13 @@ class Slots:
             guarded = tuple(zip((self.e, self.ed, self.x, self.xd), ("e", "ep", "x", "xp"), strict=True))
             self.laws = tuple(
                 Law(
-                    user, getattr(user, "rows", None), tuple(placed(values[:, lane], name) for values, name in guarded),
-                    (self.sigma[:, lane], self.force[:, lane]),
+                    user,
+                    tuple(placed(values[:, lane], name) for values, name in guarded),
+                    self.sigma[:, lane],
+                    self.force[:, lane],
                 )
                 for lane, user in enumerate(users)
-            )  # fmt: skip
+            )
             self.user_c = CUser(*(a.ctypes.data for a in arrays))
         needed = bool(self.foreign or users or not all(isinstance(d, Polynomial) for d in drives))
         self.ask = ASK(self._answer) if needed else None
@@ -127,16 +128,21 @@ class Slots:
         if self.error is not None and not isinstance(self.error, Exception):
             return NOT_ANSWERED  # Ctrl-C: nobody is asked any more
         try:
-            if what == STRAIN:
+            if what == STRESS:
+                self._stress(t)
+            elif what == STRAIN:
                 self.foreign[batch].strain()
             elif what == CONVECTIVE:
                 self.foreign[batch].convective()
             elif what == INERTIA:
                 self.foreign[batch].inertia()
-            elif what == MOTION:
-                self._move(t)
+            elif what == OUTPUT:
+                self.outputs.append(self.lost[0])
+                if not self.told.issuperset(self.lost[0]):
+                    self.told.update(self.lost[0])
+                    return NOT_ANSWERED  # a sentence that is new is handed on at once
             else:
-                self._stress(t)
+                self._move(t)
         except BaseException as error:  # nothing may pass through C
             self.error = error
             return NOT_ANSWERED

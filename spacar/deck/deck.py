@@ -78,7 +78,7 @@ class Deck:
         return self.visualization[self.drawn :]
 
     def block(self, number: int) -> Mapping[str, Sequence[Statement]]:
-        """The statements of block 1, 2 or 3 by keyword, in file order; only keywords that have any."""
+        """The statements of block `number` (1, 2 or 3) by keyword, in file order; only keywords that have any."""
         return self.index.block(number)
 
     def of(self, *keywords: str, block: int | None = None) -> list[Statement]:

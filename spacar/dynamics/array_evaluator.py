@@ -35,7 +35,7 @@ class Dynamics(EquationsOfMotion):
 
     stages = None  # those of a step are asked for one by one
     by_case = None
-    marching = None  # steps are made one by one
+    marching = passage = None  # steps and outputs are made one by one
 
     def __init__(
         self, mechanism: Mechanism, *, loads: Loads | None = None, drive: Drive | None = None, kind: str | None = None

@@ -15,7 +15,8 @@ or what is watched: the driver (`spacar.forward.driver`) does, and hands them ov
                 diagnoses. The evaluator itself goes on undisturbed
     7  companion  another evaluator of the same model that follows its own path from here, for stored states
     8  samples  det V[E, U] of the states evaluated since the last question, for whoever watches what happens in a step
-    9  marching  the steps of an integrator from output to output in one call, or None: then they are made one by one
+    9  marching  the steps of an integrator from output to output in one call, or None: then they are made one by one;
+                likewise `passage`, many outputs in one call
 
 `spacar.dynamics.Dynamics` (NumPy) and `spacar.compiled.CompiledDynamics` (C) fulfil it, and
 `tests/dynamics/test_evaluators.py` compares them duty by duty. Batches of cases have duties 2 and 3 only.
@@ -113,4 +114,10 @@ class Evaluator(Integrable, Protocol):
 
     @property
     def marching(self) -> Callable[..., Any] | None:
-        """`marching(lookout, within)` gives `march` of `spacar.integrators.problem.Problem`."""
+        """`marching(lookout, passage)` gives `march` of `spacar.integrators.problem.Problem`, which takes the tolerance
+        of positions too."""
+
+    @property
+    def passage(self) -> Callable[..., Any] | None:
+        """`passage(times, ground, singular, far)` gives what evaluates many outputs in one call
+        (`spacar.compiled.passage`), or None: frames are asked for one by one."""

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.deck import ELEMENT_TYPES
 from spacar.errors import AnalysisError, Report
 from spacar.frame import Frame
 from spacar.kinematics.regularity import Regularity
@@ -76,18 +75,23 @@ class Wheels:
 
     def __init__(self, model: LoadedMechanism, cases: int = 1) -> None:
         n = model.mechanism.numbering
-        normal = {keyword: ELEMENT_TYPES[keyword].normal_mode for _, keyword, _ in n.elements}
-        self.found = [(number, keyword) for number, keyword, _ in n.elements if normal[keyword]]
+        rolling = [rows for rows in n.types if rows.kind.normal_mode]
+        self.found = sorted([(number, rows.kind.keyword) for rows in rolling for number in rows.numbers.tolist()])
+        normal = {rows.kind.keyword: rows.kind.normal_mode for rows in rolling}
         self.rows = np.array([n.e_index(w, normal[keyword]) for w, keyword in self.found], np.int64)
         self.compression = np.zeros((len(self.found), cases))
         self.pressed = bool(model.loads.gravity.any())
+
+    def press(self, normal: Array) -> None:
+        """Remember how they were pressed on the ground; normal: (wheels, cases)."""
+        np.maximum(self.compression, -normal, out=self.compression)
 
     def lifted(self, t: float, normal: Array) -> Iterator[tuple[int, int, str]]:
         """Case, element and what to say of wheels that are pulled; normal: (wheels, cases).
 
         Raises AnalysisError 'element.lift-off' where something has pressed the wheel on the ground.
         """
-        np.maximum(self.compression, -normal, out=self.compression)
+        self.press(normal)
         size = np.maximum(np.abs(normal), self.compression).max(axis=0, initial=0.0)
         pulled = normal > LIFTED * size
         if not pulled.any():

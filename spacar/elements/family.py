@@ -98,6 +98,7 @@ class Family:
     n_deformations: ClassVar[int] = 0
     slips: ClassVar[tuple[int, ...]] = ()  # local rows that exist as rates only
     position_rows: ClassVar[tuple[int, ...]] = ()  # local coordinates that are positions, in the order x, y(, z), ...
+    compiled: ClassVar[bool] = False  # the functions are those of the engine
     constant_gradient: bool = False  # V does not depend on x: H, H1, T, Hs vanish and are not called
     constant_mass: bool = False  # M does not depend on x and h = 0
     has_mass: bool = False

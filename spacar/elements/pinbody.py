@@ -15,16 +15,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.elements.family import ElementGroup, Family, GeometryError
 from spacar.elements.hinge import diagonal
-from spacar.elements.local_frames import (
-    chord_frame,
-    chord_frames,
-    chords,
-    rows,
-    section_tensor,
-    stack,
-    supplemented,
-    unit,
-)
+from spacar.elements.local_frames import chord_frames, chords, rows, section_tensor, supplemented, unit
 from spacar.elements.rotation import director_tensor, expand
 from spacar.elements.truss import rod_mass
 
@@ -116,7 +107,7 @@ class SpatialPinbody(Family):
         if group.keyword == "RBEAM":  # a rod; a PINBODY may join two nodes at one place
             chords(d, group.x0[POSITIONS])
         self.length = np.sqrt((d * d).sum(0))
-        frame = stack([_frame(group, k, d[:, k]) for k in range(group.n)])
+        frame = _frames(group, d)
         self.frame_p = self.frame_q = rows(frame)
         self.r = np.einsum("ian,in->an", frame, d)
         for k, given in enumerate(group.projections):
@@ -181,19 +172,28 @@ def _put(row: Projections, out: Array) -> None:
     out[:, 3:7] = row.lam
 
 
-def _frame(group: ElementGroup, k: int, d: Array) -> Array:
-    """Measuring directions (3, 3) of element k, columns."""
-    given, direction = group.directions[k], group.geometry[k]
-    if given is not None:
-        return _given_frame(given, k)
-    if not direction and group.keyword == "PINBODY":
-        return np.eye(3)
-    if direction and len(direction) != 3:
-        raise GeometryError(
-            k, f"the direction of the local y' axis needs 3 components, {len(direction)} are given"
-        )
-    ex = unit(d, k, "line from p to q, which is the local x' axis,")
-    return chord_frame(ex[:, None], np.asarray(direction)[:, None] if direction else None, k)[:, :, 0]
+def _frames(group: ElementGroup, d: Array) -> Array:
+    """Measuring directions (3, 3, n), columns, of elements with the lines d (3, n) from p to q."""
+    frames = np.zeros((3, 3, group.n), d.dtype)
+    along = []  # elements whose x' is that of the line
+    for k, (given, direction) in enumerate(zip(group.directions, group.geometry, strict=True)):
+        if given is not None:
+            frames[:, :, k] = _given_frame(given, k)
+        elif direction and len(direction) != 3:
+            raise GeometryError(
+                k, f"the direction of the local y' axis needs 3 components, {len(direction)} are given"
+            )
+        elif direction or group.keyword != "PINBODY":
+            along.append(k)
+        else:
+            frames[[0, 1, 2], [0, 1, 2], k] = 1.0
+    if along:
+        try:
+            ex = unit(d[:, along], 0, "line from p to q, which is the local x' axis,")
+            frames[:, :, along] = chord_frames(ex, [group.geometry[k] for k in along])
+        except GeometryError as error:
+            raise GeometryError(along[error.index], str(error)) from None
+    return frames
 
 
 def _given_frame(given: tuple[float, ...], k: int) -> Array:

@@ -35,7 +35,7 @@ from spacar.forward.continuity import FAR_APART, HALF, INSIDE, WIDE, Continuity
 from spacar.forward.displaced import displaced
 from spacar.frame import Frame
 from spacar.integrators import AUTOMATIC, METHODS, EvenTimes, integrate
-from spacar.integrators.problem import Jacobian, March, Output
+from spacar.integrators.problem import Jacobian, March, Output, Step
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.kinematics.regularity import HalfTurns
 from spacar.mechanism.mechanism import SolverSettings
@@ -58,7 +58,7 @@ CAUSE = 0.1  # chosen: lambda0 of a node below which a dead point is its half tu
 Times = Sequence[float] | EvenTimes | np.ndarray
 Watch = Callable[[float, Array], None]
 
-Marches = Callable[[Callable[[], float]], March]  # takes what gives the tolerance of positions
+Marches = Callable[[], Callable[..., Iterator[Step]]]  # gives `march`, which takes the tolerance of positions too
 
 
 @dataclass(frozen=True)
@@ -106,11 +106,25 @@ class Integrand:
         self._rhs, self._together = evaluator.rhs, evaluator.stages
         self.trail = self.starting = trail
         self.continuity = None if trail is None else trail.continuity
-        self.stages = self._stages if self._together is not None else None
-        self.newton = self._newton if getattr(evaluator, "newton", None) is not None else None
-        if marching is None and trail is not None and trail.evaluator.marching is not None:
-            marching = partial(trail.evaluator.marching, trail)
-        self.march: March | None = None if marching is None else marching(lambda: self.within)
+        self._iterates: bool = getattr(evaluator, "newton", None) is not None
+        self._steps = None if marching is None else marching()
+
+    # Nothing here may hold this object: what a run leaves behind goes away with it, without a search for circles.
+    @property
+    def stages(self) -> Callable[..., int] | None:
+        return None if self._together is None else self._stages
+
+    @property
+    def newton(self) -> Callable[..., tuple[bool, float, float] | None] | None:
+        return self._newton if self._iterates else None
+
+    @property
+    def march(self) -> March | None:
+        return None if self._steps is None else self._march
+
+    def _march(self, method: Any, t: float, t_end: float, h: float, longest: float) -> Iterator[Step]:
+        assert self._steps is not None
+        return self._steps(method, t, t_end, h, longest, self.within)
 
     def rhs(self, t: float, y: Array) -> Array:
         f = self._rhs(t, y, self.within)
@@ -161,8 +175,8 @@ def integrated(
 ) -> Iterator[Output]:  # fmt: skip
     """States at the output times, with the work done since the last one. Raises AnalysisError.
 
-    `watch` is called after accepted steps, `back` after rejected ones; an evaluator that makes many steps at a time
-    asks the `trail`, or has its own `marching`.
+    `watch` is called after accepted steps, `back` after rejected ones; `marching`: of an evaluator that makes many
+    steps at a time.
     """
     problem = Integrand(evaluator, tolerances.position, jacobian, watch, report or Report(), back, trail, marching)
     return integrate(
@@ -172,15 +186,20 @@ def integrated(
 
 def frames(
     evaluator: Evaluator, y: Array, times: Times, settings: SolverSettings, report: Report, *,
-    watch: Watched | None = None,
+    watch: Watched | None = None, standing: bool = True,
 ) -> Iterator[tuple[Evaluator, Frame]]:  # fmt: skip
-    """Frames of the motion that starts with y, and the evaluator that stands there.
+    """Frames of the motion that starts with y, and the evaluator that stands there; where nobody needs it `standing`
+    there, many outputs may be passed at a time.
 
     Their `statistics` are the counters of the integrator since the last one. Raises AnalysisError.
     """
     model = evaluator.model
     if not model.mechanism.numbering.nkddof or len(times) == 1:
         limits = Limits(evaluator, report)
+        if not standing and evaluator.passage is not None:
+            for at in evaluator.passage(times, limits.wheels.rows, limits.regularity.matrix.zero).prescribed(y):
+                yield evaluator, looked_at(evaluator, at.t, at.shown, limits)
+            return
         for t in times:
             yield evaluator, checked(evaluator, float(t), y, limits)
         return
@@ -196,15 +215,27 @@ def frames(
     limits = Limits(shown, report)
     trail = Trail(evaluator, watch)
     breaks = (*model.drive.breaks, *getattr(model.mechanism.user_signal, "breaks", ()))
-    for out in integrated(
+    marching: Marches | None = None
+    if evaluator.marching is not None:
+        together = None if standing else shown.passage
+        passage = None if together is None else together(times, limits.wheels.rows, limits.regularity.matrix.zero, FAR)
+        marching = partial(evaluator.marching, trail, passage)
+    outputs = integrated(
         evaluator, y, times, settings, tolerances,
         breaks=breaks, watch=trail.accepted, jacobian=jacobian,
-        back=trail.rejected if trail.back else None, report=report, trail=trail,
-    ):  # fmt: skip
-        trail.lead(shown)
-        frame = checked(shown, float(out.t), out.y, limits)
-        frame.statistics = work(out)
-        yield shown, frame
+        back=trail.rejected if trail.back else None, report=report, trail=trail, marching=marching,
+    )  # fmt: skip
+    try:
+        for out in outputs:
+            if out.shown is None:
+                trail.lead(shown)
+                frame = checked(shown, float(out.t), out.y, limits)
+            else:
+                frame = looked_at(shown, out.t, out.shown, limits)
+            frame.statistics = work(out)
+            yield shown, frame
+    finally:
+        trail.elsewhere = None
     if trail.continuity is not None:
         trail.continuity.finish()
 
@@ -253,9 +284,8 @@ class Trail:
         """Look at one of the steps that are made at a time."""
         return (peak, False, None) if self.watch is None else self.watch.closer(t, y, peak, before)
 
-    def passed(self, n: int, last: Callable[[int], list[Accepted]]) -> None:
-        """n steps have been made; `last(k)` gives the last k of them."""
-        self.n += n
+    def passed(self, last: Callable[[int], list[Accepted]]) -> None:
+        """Steps have been made; `last(k)` gives the last k of them."""
         self.elsewhere = last
 
     def _fetch(self) -> None:
@@ -324,6 +354,20 @@ def work(out: Output) -> dict[str, int]:
 def checked(evaluator: Evaluator, t: float, y: Array, limits: Limits) -> Frame:
     """The frame of a state whose elements, wheels and position have been looked at."""
     frame = at_time(evaluator, t, y)
+    limits.check(evaluator, frame)
+    return frame
+
+
+def looked_at(evaluator: Evaluator, t: float, shown: Frame | Callable[[], Frame], limits: Limits) -> Frame:
+    """The frame of an output that was passed with others: one that nobody has to look at, or what gives it."""
+    if isinstance(shown, Frame):
+        if len(limits.wheels.rows):
+            limits.wheels.press(shown.sig[limits.wheels.rows, None])
+        return shown
+    try:
+        frame = shown()
+    except AnalysisError as error:
+        raise timed(error, t) from error
     limits.check(evaluator, frame)
     return frame
 

@@ -52,14 +52,15 @@ def motion(run: Run, own: bool = True) -> Iterator[tuple[Evaluator, Frame]]:
         run.header["integrator"] = METHODS[settings.integrator].name
     nodes = tumbling_nodes(run.mechanism)
     if nodes and isinstance(times, EvenTimes):
-        moved = _tumbling(run, evaluator, y, times, Chart.of(run.mechanism, dict.fromkeys(nodes, 1)))
+        moved = _tumbling(run, evaluator, y, times, Chart.of(run.mechanism, dict.fromkeys(nodes, 1)), own)
         yield from _at_home(run, moved, nodes) if own else moved
     else:
-        yield from frames(evaluator, y, times, settings, run.report, watch=watched(evaluator, run.report))
+        watch = watched(evaluator, run.report)
+        yield from frames(evaluator, y, times, settings, run.report, watch=watch, standing=own)
 
 
 def _tumbling(
-    run: Run, evaluator: Evaluator, y: Array, times: EvenTimes, chart: Chart
+    run: Run, evaluator: Evaluator, y: Array, times: EvenTimes, chart: Chart, own: bool
 ) -> Iterator[tuple[Evaluator, Frame]]:
     """The motion in as many charts as it needs, with the coordinates of the model."""
     settings, given, t, told = run.mechanism.settings, 0, times[0], False
@@ -82,8 +83,9 @@ def _tumbling(
         watch = ChartWatch(chart)
         ahead = RemainingTimes(times.start, times.end, times.n, t, given) if given else times
         try:
+            looked = watched(evaluator, run.report, watch)
             for i, (where, frame) in enumerate(
-                frames(evaluator, y, ahead, settings, run.report, watch=watched(evaluator, run.report, watch))
+                frames(evaluator, y, ahead, settings, run.report, watch=looked, standing=own)
             ):
                 if i or not given:
                     yield where, chart.view(frame)

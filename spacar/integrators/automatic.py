@@ -98,6 +98,7 @@ class Automatic:
         """Steps of Adams up to the end or to a change."""
         counted = self.evaluation.statistics
         last, before = t, counted.n_steps
+        self._halt()
         for step in self.explicit.steps(t, y, t_end, h):
             yield step
             made = counted.n_steps - before
@@ -105,11 +106,17 @@ class Automatic:
                 size = (step.t - last) / made
                 self.done, last, before = self.done + made, step.t, counted.n_steps
                 self.look = 2 * self.done
+                self._halt()
                 if step.t < t_end and self._limited(step.t, step.y, size, t_end):
                     self.size, self.tried_at, self.trials = size, step.t, self.trials + 1
                     self.implicit = Radau(5, self.evaluation, self.n, self.tolerance)
                     self._tell(step.t, 595)
                     return
+
+    def _halt(self) -> None:
+        """Let outputs be passed until the next look."""
+        if self.look:
+            self.evaluation.halt = self.evaluation.statistics.n_steps + self.look - self.done
 
     def _implicit(self, one_step: Loop, t: float, y: np.ndarray, t_end: float, h: float) -> Iterator[Step]:
         """Steps of 595 up to the end, or back to Adams: after a trial, or when they have become short."""

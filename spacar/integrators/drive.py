@@ -21,7 +21,7 @@ from .adams import Adams
 from .automatic import Automatic
 from .failures import MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small, too_many_steps
 from .methods import AUTOMATIC, METHODS, method
-from .problem import Evaluation, Output, Problem, Step, Tolerance
+from .problem import Evaluation, IntegrationStatistics, Output, Passed, Problem, Step, Tolerance
 from .runge_kutta import ExplicitRungeKutta
 from .times import EvenTimes
 
@@ -149,24 +149,33 @@ def _outputs(
 ) -> Iterator[Output]:
     """Dense output at `times` from a stream of steps."""
     statistics = evaluation.statistics
-    yield Output(float(times[0]), y0.copy(), 0, 0, 0, 0, 0)
+    yield Output(float(times[0]), y0.copy(), 0, 0, 0, 0, 0, None)
     before = statistics.counts()
     i, n = 1, len(times)
-    next_time, step_start, limit = float(times[1]), float(times[0]), max_steps
-    for t, y, interpolate, _ in steps:
-        while next_time <= t:
-            result = y.copy() if next_time == t else interpolate(next_time)
-            now = statistics.counts()
-            yield Output(next_time, result, *(a - b for a, b in zip(now, before, strict=True)))
-            before = now
-            limit = statistics.n_steps + max_steps
+    step_start, limit = float(times[0]), max_steps
+    for t, y, interpolate, _, passed in steps:
+        found = _interpolated(t, y, interpolate, times, i, statistics) if passed is None else passed
+        for at, result, now, shown in found:
+            made, rhs, jacobians, rejected, iterations = (a - b for a, b in zip(now, before, strict=True))
+            yield Output(at, result, made, rhs, jacobians, rejected, iterations, shown)
+            before, limit = now, now[0] + max_steps
             i += 1
-            if i == n:
-                return
-            next_time = float(times[i])
+        if i == n:
+            return
         if statistics.n_steps >= limit:
             raise too_many_steps(t, t - step_start, max_steps)
         step_start = t
+
+
+def _interpolated(
+    t: float, y: np.ndarray, interpolate: Callable[[float], np.ndarray], times: np.ndarray | EvenTimes, i: int,
+    statistics: IntegrationStatistics,
+) -> Iterator[Passed]:  # fmt: skip
+    """Outputs from number i on in a step to (t, y)."""
+    while i < len(times) and (at := float(times[i])) <= t:
+        result = y.copy() if at == t else interpolate(at)
+        yield Passed(at, result, statistics.counts(), None)
+        i += 1
 
 
 def _variable(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from math import isfinite
 from typing import Any, NamedTuple, Protocol
@@ -12,6 +12,7 @@ import numpy as np
 from spacar.errors import AnalysisError
 
 Jacobian = Callable[[float, np.ndarray], tuple[np.ndarray, np.ndarray]]
+Counts = tuple[int, int, int, int, int]  # what has been counted, as `IntegrationStatistics.counts`
 # (method, t, t_end, h, longest) -> steps, those without outputs passed over
 March = Callable[[Any, float, float, float, float], "Iterator[Step]"]
 
@@ -39,7 +40,7 @@ class Problem(Protocol):
                        (Runge-Kutta codes)
     march(method, t, t_end, h, longest)
                        takes the steps of codes 0, 135, 155 and 853 itself, with what `accepted` and `rejected` do, and
-                       yields those with an output
+                       yields those with an output, or the last of many with the outputs in all of them
     """
 
     @property
@@ -60,14 +61,14 @@ class IntegrationStatistics:
     n_rejected: int = 0
     newton_iterations: int = 0
 
-    def counts(self) -> tuple[int, int, int, int, int]:
+    def counts(self) -> Counts:
         """All of them, in this order."""
         return self.n_steps, self.n_rhs, self.n_jacobian, self.n_rejected, self.newton_iterations
 
 
-@dataclass(frozen=True, slots=True)
-class Output:
-    """State `y`, shape (n,), at the output time `t`, and the work done since the previous output."""
+class Output(NamedTuple):
+    """State `y`, shape (n,), at the output time `t`, and the work done since the previous output. `shown`: what the
+    problem has made of this state already, see `Passed`."""
 
     t: float
     y: np.ndarray
@@ -76,16 +77,29 @@ class Output:
     n_jacobian: int
     n_rejected: int
     newton_iterations: int
+    shown: Any
+
+
+class Passed(NamedTuple):
+    """An output at `t` with the state `y`, (n,), which the problem has passed in a step of its own; what had been
+    counted when it came, and what the problem has made of it."""
+
+    t: float
+    y: np.ndarray
+    counts: Counts
+    shown: Any
 
 
 class Step(NamedTuple):
     """An accepted step to `t`; `y` and `interpolate` are valid until the integrator is asked for the next
-    step. `sizes` of the step before it and of its own are told where other steps than the last one may lie behind."""
+    step. `sizes` of the step before it and of its own are told where other steps than the last one may lie behind.
+    `passed`: the outputs that have been passed since the last one; None: those up to `t` are to be interpolated."""
 
     t: float
     y: np.ndarray
     interpolate: Callable[[float], np.ndarray]
     sizes: tuple[float, float] | None = None
+    passed: Iterable[Passed] | None = None
 
 
 class Tolerance(NamedTuple):
@@ -111,6 +125,7 @@ class Evaluation:
         "accepted",
         "by_case",
         "first",
+        "halt",
         "last",
         "march",
         "newton",
@@ -135,14 +150,16 @@ class Evaluation:
         self.by_case: tuple[int, int, int] | None = getattr(problem, "by_case", None)
         self.march: March | None = getattr(problem, "march", None)
         self.times: Sequence[float] | np.ndarray = (first, last)
+        # Accepted steps after which `march` gives way at the next output, to whoever looks at the steps.
+        self.halt = float("inf")
         self._next = 0
 
-    def next_output(self, t: float) -> float:
-        """The first output time after t, which never goes back."""
+    def next_output(self, t: float) -> int:
+        """Number of the first output after t, the last one at most; it never goes back."""
         last = len(self.times) - 1
         while self._next < last and self.times[self._next] <= t:
             self._next += 1
-        return float(self.times[self._next])
+        return self._next
 
     def rhs(self, t: float, y: np.ndarray) -> np.ndarray:
         """F at the clipped time, shape (n,)."""

@@ -45,7 +45,8 @@ class EvenTimes(Sequence[float]):
     def __getitem__(self, i: slice) -> list[float]: ...
     def __getitem__(self, i: int | slice) -> float | list[float]:
         if isinstance(i, slice):
-            return [self[k] for k in range(*i.indices(self.n + 1))]
+            start, step = self.start, self.step
+            return [self.end if k == self.n else k * step + start for k in range(*i.indices(self.n + 1))]
         k = i + self.n + 1 if i < 0 else i
         if not 0 <= k <= self.n:
             raise IndexError(i)
@@ -68,7 +69,10 @@ class RemainingTimes(EvenTimes):
     def __getitem__(self, i: slice) -> list[float]: ...
     def __getitem__(self, i: int | slice) -> float | list[float]:
         if isinstance(i, slice):
-            return [self[k] for k in range(*i.indices(len(self)))]
+            a, b, step = i.indices(len(self))
+            if a > 0 and step > 0:
+                return super().__getitem__(slice(a + self.skip - 1, b + self.skip - 1, step))
+            return [self[k] for k in range(a, b, step)]
         k = i + len(self) if i < 0 else i
         if not 0 <= k < len(self):
             raise IndexError(i)

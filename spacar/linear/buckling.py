@@ -167,11 +167,12 @@ def directional_compliances(L: Linearization, dynamic: Index, report: Report) ->
     if not len(dynamic):
         return np.zeros(len(W))
     scale = _scale(K)
-    u, s, vt = np.linalg.svd(K * np.outer(scale, scale))
+    K, Ws = K * np.outer(scale, scale), W * scale
+    s = np.linalg.svd(K, compute_uv=False)
+    if s[-1] > SINGULAR * s[0]:
+        return np.asarray((Ws.T * np.linalg.solve(K, Ws.T)).sum(axis=0))
+    u, s, vt = np.linalg.svd(K)
     regular = s > SINGULAR * s[0]
-    Ws = W * scale
-    if regular.all():
-        return np.einsum("ia,ai->i", Ws, np.linalg.solve(K * np.outer(scale, scale), Ws.T))
     report.add("the tangent stiffness is singular (critical load or rigid motion): some compliances are infinite")
     compliance = np.einsum("ia,a,ia->i", Ws @ vt[regular].T, 1.0 / s[regular], Ws @ u[:, regular])
     moved = np.abs(Ws @ vt[~regular].T).max(axis=1) > 1e-8 * np.abs(Ws).max()

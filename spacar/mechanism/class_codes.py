@@ -64,30 +64,32 @@ def x_codes(deck: Deck, roles: NDArray[np.uint8], planar: bool) -> bytearray:
     for s in deck.of(*X_STATEMENTS, block=1):
         node, *which = s.integers()
         if node <= len(of):
+            first, code = 4 * (node - 1) - 1, _X_CODE[s.keyword]
             for coordinate in which or _INDEPENDENT[planar][of[node - 1]]:
-                place = 4 * node - 5 + coordinate
-                if codes[place] != ABSENT:
-                    codes[place] = _X_CODE[s.keyword]
+                if codes[first + coordinate] != ABSENT:
+                    codes[first + coordinate] = code
     return codes
 
 
 def e_codes(deck: Deck, types: Sequence[ElementRows]) -> tuple[bytearray, int]:
     """Class of every deformation, and how many places an element has: 6, in a model with warping 8."""
-    width = max(6, *[len(rows.kind.modes) for rows in types])
-    table = np.full((max([int(rows.numbers[-1]) for rows in types]), width), ABSENT, np.uint8)
+    width, highest = 6, 0
+    for rows in types:
+        width, highest = max(width, len(rows.kind.modes)), max(highest, rows.numbers.item(-1))
+    codes = bytearray([ABSENT]) * (width * highest)
+    table = np.frombuffer(codes, np.uint8).reshape(highest, width)
     for rows in types:
         table[rows.numbers - 1, : len(rows.kind.modes)] = E_ORDER.index("fixed")
-    codes = bytearray(table)
-    statements = deck.of(*E_STATEMENTS, block=1)
-    classed = {}
-    if any(len(s.values) == 1 for s in statements):
-        classed = {number: rows.kind.classed for rows in types for number in rows.numbers.tolist()}
-    for s in statements:
+    classed: dict[int, tuple[int, ...]] = {}
+    for s in deck.of(*E_STATEMENTS, block=1):
         element, *which = s.integers()
-        for mode in which or classed[element]:
-            codes[width * (element - 1) + mode - 1] = _E_CODE[s.keyword]
+        if not which:
+            classed = classed or {n: rows.kind.classed for rows in types for n in rows.numbers.tolist()}
+            which = list(classed[element])
+        first, code = width * (element - 1) - 1, _E_CODE[s.keyword]
+        for mode in which:
+            codes[first + mode] = code
     for rows in types:
         for mode in rows.kind.released:
-            for element in rows.numbers.tolist():
-                codes[width * (element - 1) + mode - 1] = E_ORDER.index("calculable")
+            table[rows.numbers - 1, mode - 1] = E_ORDER.index("calculable")
     return codes, width

@@ -161,9 +161,13 @@ def call(function: Callable[..., Any], name: str, t: float, *arguments: Any) -> 
     try:
         _, first, second = function(t, *arguments)
     except Exception as error:  # a user's function may fail in any way
-        text = f"the user function {name} failed at t = {t:.9g}: {one_line(error)}"
-        raise AnalysisError(text, "user-function.failed") from error
+        raise _failed(name, t, error) from error
     return first, second
+
+
+def _failed(name: str, t: float, error: Exception) -> AnalysisError:
+    text = f"the user function {name} failed at t = {t:.9g}: {one_line(error)}"
+    return AnalysisError(text, "user-function.failed")
 
 
 def read_rows(name: str, what: str, rows: Any, widths: tuple[int, ...], t: float) -> Sequence[Sequence[float]]:
@@ -217,6 +221,7 @@ def checked_rows(name: str, what: str, rows: Any, widths: tuple[int, ...], t: fl
 
 FEW = 20  # rows above which an array is read faster
 NUMBERS = {int, float, np.float64}
+ROWS = {list, tuple}
 ZEROS = (0.0,) * 5
 
 
@@ -246,53 +251,92 @@ class UserLaw:
     lnp: Index
     prescribed_act: bool  # along set-points the prescribed deformations are the degrees of freedom
     breaks: tuple[float, ...] = ()
-    places: dict[tuple[Any, ...], int] = field(default_factory=dict, repr=False, compare=False)  # looked up
+    # places of the stresses that act and of the forces, by the two numbers of a row, as they were looked up
+    stresses: dict[tuple[Any, Any], int] = field(default_factory=dict, repr=False, compare=False)
+    forces: dict[tuple[Any, Any], int] = field(default_factory=dict, repr=False, compare=False)
 
     def __call__(self, t: float, e: Array, ed: Array, x: Array, xd: Array) -> UserForces:
         n = self.numbering
-        sig, f, lost = self.rows(t, placed(e, "e"), placed(ed, "ep"), placed(x, "x"), placed(xd, "xp"))
+        given = self._asked(t, placed(e, "e"), placed(ed, "ep"), placed(x, "x"), placed(xd, "xp"))
         (sigma, k_e, d_e), (force, k_x, d_x) = np.zeros((3, n.ne)), np.zeros((3, n.nx))
-        for given, (value, k, d) in ((sig, (sigma, k_e, d_e)), (f, (force, k_x, d_x))):
-            for i, row in given:
+        if self._added(*given, sigma, force):
+            return UserForces(sigma, force, k_e, d_e, k_x, d_x)
+        *found, lost = self._rows(t, *given)
+        for rows, (value, k, d) in zip(found, ((sigma, k_e, d_e), (force, k_x, d_x)), strict=True):
+            value[:] = 0.0
+            for i, row in rows:
                 value[i] += row[2]
-                if len(row) > 3:
-                    k[i] += row[3]
-                    d[i] += row[4]
+                k[i] += row[3]
+                d[i] += row[4]
         return UserForces(sigma, force, k_e, d_e, k_x, d_x, lost)
 
-    def rows(
-        self, t: float, e: PlacedVector, ed: PlacedVector, x: PlacedVector, xd: PlacedVector
-    ) -> tuple[Rows, Rows, dict[int, str]]:
-        """What the function returns at guarded vectors: rows of sig and f with their places in e and x, checked, and
-        the sentences of `UserForces.lost`."""
+    def add(
+        self, t: float, told: tuple[PlacedVector, ...], sigma: memoryview[float], force: memoryview[float]
+    ) -> dict[int, str]:
+        """Write what the function returns at the guarded vectors e, ed, x, xd into sigma and force, which are zero.
+
+        Returns the sentences of `UserForces.lost`.
+        """
+        given = self._asked(t, *told)
+        if self._added(*given, sigma, force):
+            return {}
+        *found, lost = self._rows(t, *given)
+        for rows, values in zip(found, (sigma, force), strict=True):
+            for i in range(len(values)):
+                values[i] = 0.0
+            for i, row in rows:
+                values[i] += row[2]
+        return lost
+
+    def _asked(self, t: float, e: PlacedVector, ed: PlacedVector, x: PlacedVector, xd: PlacedVector) -> tuple[Any, Any]:
+        """The stresses and forces as the function returns them."""
         n = self.numbering
-        sig, f = call(self.function, self.name, t, n.ne, self.le, e, ed, n.nx, self.lnp, x, xd)
-        stresses = self._known(sig, "sig") or self._found(n.e_index, sig, "sig", t)
-        forces = self._known(f, "f") or self._found(n.x_index, f, "f", t)
+        try:
+            _, sig, f = self._bare(t, n.ne, self.le, e, ed, n.nx, self.lnp, x, xd)
+        except Exception as error:  # a user's function may fail in any way
+            raise _failed(self.name, t, error) from error
+        return sig, f
+
+    @cached_property
+    def _bare(self) -> Callable[..., Any]:
+        """The function itself."""
+        return self.function.function if isinstance(self.function, Loaded) else self.function
+
+    def _added(self, sig: Any, f: Any, sigma: Any, force: Any) -> bool:
+        """Add rows to sigma and force, when they are short lists of three numbers each whose places were looked up
+        before. Else False: then `_rows` reads them, and what was added is of no use. Every call of a run but the first
+        comes here."""
+        total = 0.0
+        try:
+            for rows, places, values in ((sig, self.stresses, sigma), (f, self.forces, force)):
+                if type(rows) is not list or len(rows) > FEW:
+                    return False
+                for row in rows:
+                    if type(row) not in ROWS:
+                        return False
+                    a, b, value = row
+                    i = places.get((a, b))
+                    if i is None or type(value) not in NUMBERS:
+                        return False
+                    values[i] += value
+                    total += value
+            return isfinite(total)
+        except (TypeError, ValueError, OverflowError):
+            return False
+
+    def _rows(self, t: float, sig: Any, f: Any) -> tuple[Rows, Rows, dict[int, str]]:
+        """Rows of sig and f with their places in e and x, checked, and the sentences of `UserForces.lost`."""
+        n = self.numbering
+        stresses, forces = self._found(n.e_index, sig, "sig", t), self._found(n.x_index, f, "f", t)
         lost = {}
         for i, row in stresses:
-            if i < self._first and any(row[2:]):
+            if i >= self._first:
+                self.stresses[row[0], row[1]] = i
+            elif any(row[2:]):
                 text = f"the stress of {n.e_name(i)} has no effect: {self._without_effect(i)}"
                 lost[i] = f"warning: {self.name} at t = {t:.9g}: {text}"
+        self.forces.update({(row[0], row[1]): i for i, row in forces})
         return stresses, forces, lost
-
-    def _known(self, rows: Any, what: str) -> Rows:
-        """The rows, when they are a list of three numbers each whose places were looked up before; else empty, also for
-        an answer without rows. Every call of a run but the first comes here."""
-        if type(rows) is not list or len(rows) > FEW:
-            return []
-        found = []
-        for row in rows:
-            if type(row) not in (list, tuple) or len(row) != 3:
-                return []
-            a, b, value = row
-            if type(a) is not int or type(b) is not int or type(value) not in NUMBERS or not _finite(value):
-                return []
-            i = self.places.get((what, a, b))
-            if i is None:
-                return []
-            found.append((i, row))
-        return found
 
     def _found(self, find: Callable[[int, int], int], rows: Any, what: str, t: float) -> Rows:
         if type(rows) is list and not rows:
@@ -306,12 +350,11 @@ class UserLaw:
         return int(self.numbering.e_class["fixed" if self.prescribed_act else "input"].stop)
 
     def _place(self, find: Callable[[int, int], int], row: Sequence[float], what: str, k: int, t: float) -> int:
-        known = self.places.get((what, row[0], row[1]))
+        known = (self.stresses if what == "sig" else self.forces).get((row[0], row[1]))
         if known is not None:
             return known
         try:
-            found = self.places[what, row[0], row[1]] = find(*whole(row))
-            return found
+            return find(*whole(row))
         except KeyError:
             text = (
                 f"{self.name} at t = {t:.9g}: row {k + 1} of {what} names {row[0]:g} {row[1]:g}, which does not exist"

@@ -29,12 +29,15 @@ class Flexibility:
     def __init__(self, dynamics: Dynamics, released: Sequence[int] = ()) -> None:
         n, sweep = dynamics.numbering, dynamics.sweep
         self.ne = n.ne
-        self.constrained = np.arange(n.ne) < n.e_class["input"].stop
+        self.constrained = np.zeros(n.ne, bool)
+        self.constrained[: n.e_class["input"].stop] = True
         self.constrained[list(released)] = False
         self.elastic = [b for b in sweep.strained if any(S.any() for S in b.family.stiffness())]
         self.active = {b.index: (b.e >= dynamics.law.first).astype(float) for b in self.elastic}
         self.rows, self.columns = _squares(self.elastic)
-        self.rigid = np.setdiff1d(np.arange(n.ne), self.rows)
+        rigid = np.ones(n.ne, bool)
+        rigid[self.rows] = False
+        self.rigid = np.flatnonzero(rigid)
         # their diagonal: zero for a multiplier, else sigma / size alone
         self.rigid_diagonal = np.where(self.constrained[self.rigid], 0.0, 1.0)
         self._has_passive = bool(self.rigid_diagonal.any())
@@ -45,20 +48,21 @@ class Flexibility:
         coupled, blocks = np.zeros(self.ne), []
         for b in self.elastic:
             S, Sd = b.family.stiffness()
-            S = stiffness * S + damping * Sd
-            n = len(b.e)
-            elastic = (S[np.arange(n), np.arange(n)] != 0.0) * self.active[b.index]
+            if stiffness != 1.0 or damping:
+                S = stiffness * S + damping * Sd
+            elastic = (np.einsum("iin->in", S) != 0.0) * self.active[b.index]
             S = S * elastic[:, None] * elastic[None, :]
             coupled[b.e] = elastic
             blocks.append((b, S, elastic))
         size = max((float(np.max(np.abs(S), initial=0.0)) for _, S, _ in blocks), default=1.0) or 1.0
         values = []
         for b, S, elastic in blocks:
-            n = len(b.e)
             S = S / size
-            S[np.arange(n), np.arange(n)] += 1.0 - elastic  # decoupled rows: sigma alone, or the multiplier below
+            S_diagonal = np.einsum("iin->in", S)
+            S_diagonal += 1.0 - elastic  # decoupled rows: sigma alone, or the multiplier below
             C = _inverted(S, b)
-            C[np.arange(n), np.arange(n)] -= self.constrained[b.e]
+            C_diagonal = np.einsum("iin->in", C)
+            C_diagonal -= self.constrained[b.e]
             values.append(C.ravel())
         coupled[self.constrained] = 1.0
         return np.concatenate(values) if values else np.zeros(0), coupled, size

@@ -2,21 +2,29 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.loaded_mechanism import LoadedMechanism
-from spacar.mechanism.mechanism import Mechanism
+from spacar.kinematics.element_sweep import ElementSweep
+from spacar.mechanism.mechanism import Loads, Mechanism
 from spacar.stationary.contract import Tangent
 from spacar.stationary.flexibility import Flexibility
 from spacar.stationary.loading import WITHOUT_N0, LoadLevel, SteadyDrive, loads_at, with_flow
 from spacar.stationary.moving_tangent import MovingTangent
+from spacar.stationary.newton import Converged, Demand, newton
 from spacar.stationary.resting_tangent import RestingTangent
-from spacar.stationary.stationary_equations import Given, StationaryEquations
+from spacar.stationary.stability import CRITICAL, Stability, stability
+from spacar.stationary.stationary_equations import Given, Iterate, StationaryEquations
 from spacar.stationary.tangent import SparseTangent
+
+if TYPE_CHECKING:
+    from spacar.stationary.equilibrium import Equilibrium
 
 
 class LevelEvaluator:
@@ -24,6 +32,9 @@ class LevelEvaluator:
 
     `y` (state vector) holds the kinematic values and the rates that non-holonomic systems keep; `hold` (nx,) are forces
     that hold a start state which is no equilibrium; they fade out until the first level is reached.
+
+    Where C has the equations (`spacar.stationary.equilibrium`) iterations and proofs of stability run there, on the
+    sweep of `dynamics`. What Python needs of loads and elements is put in place when it asks for one of the three.
     """
 
     def __init__(self, mechanism: Mechanism) -> None:
@@ -31,51 +42,177 @@ class LevelEvaluator:
         level = LoadLevel(0.0, 0.0)
         loads = loads_at(mechanism, level)
         drive = SteadyDrive.at_level(mechanism, level)
-        self.dynamics = Dynamics(with_flow(mechanism, loads), loads=loads, drive=drive)
+        self._dynamics = Dynamics(with_flow(mechanism, loads), loads=loads, drive=drive)
         n = mechanism.numbering
-        self.y = self.dynamics.start_values()
+        self.y = self._dynamics.start_values()
         if n.holonomic:
-            self.y[self.dynamics.n_positions :] = 0.0
-        rates = self.y[self.dynamics.n_positions :]
-        self.moving = SteadyDrive.at_level(mechanism, LoadLevel(1.0, 0.0)).moving or bool(rates.any())
+            self.y[self._dynamics.n_positions :] = 0.0
+        rates = self.y[self._dynamics.n_positions :]
+        self.whole = SteadyDrive.at_level(mechanism, LoadLevel(1.0, 0.0))  # prescribed values of the initial loading
+        self.moving = self.whole.moving or bool(rates.any())
         self.plain = n.holonomic and not self.moving and mechanism.user_signal is None
         self.hold: Array | None = None
-        self._hold_until = 1.0
+        self._hold_until, self._held = 1.0, 0.0  # the part of `hold` that acts at the present level
+        self._level, self._loaded = level, True
+        self._given: Given | None = None
+        self._at: Array | None = None  # where C has left the sweep
+        self._factored_in_c = False
         self._renew()
+        self._engine = self._compiled()
 
     def _renew(self) -> None:
-        flexibility = Flexibility(self.dynamics)
-        rates = self.y[self.dynamics.n_positions :]
-        self.equations = StationaryEquations(self.dynamics, flexibility, self.moving, rates)
+        flexibility = Flexibility(self._dynamics)
+        rates = self.y[self._dynamics.n_positions :]
+        self._equations = StationaryEquations(self._dynamics, flexibility, self.moving, rates)
         self.sparse: SparseTangent | None = None
-        self.tangent: Tangent
+        self._tangent: Tangent
         if self.plain:
-            self.sparse = SparseTangent(self.dynamics, flexibility)
-            self.tangent = RestingTangent(self.sparse)
+            self.sparse = SparseTangent(self._dynamics, flexibility)
+            self._tangent = RestingTangent(self.sparse)
         else:
-            self.tangent = MovingTangent(self.equations, self.mechanism.settings.stationary_type in WITHOUT_N0)
+            self._tangent = MovingTangent(self._equations, self.mechanism.settings.stationary_type in WITHOUT_N0)
 
+    def _compiled(self) -> Equilibrium | None:
+        """The equations in C where they have that form."""
+        strained = self.mechanism.layout.strained
+        if not self.plain or not strained or not all(b.family.compiled for b in strained):
+            return None
+        from spacar.stationary.equilibrium import Equilibrium, NotCompiled
+
+        assert self.sparse is not None
+        with suppress(NotCompiled):
+            return Equilibrium(self._equations, self.sparse)
+        return None
+
+    # -- loads --------------------------------------------------------------------------------------------------
     def held_by(self, force: Array, until: float) -> None:
         """The force (nx,) acts at the start and fades until this place on the way."""
         self.hold, self._hold_until = force, until
 
-    def load(self, level: LoadLevel) -> Given:
-        """Put the loads of a level on the evaluator, and return the prescribed values. Where the flow in tubes changes,
-        `dynamics`, `equations` and `tangent` are made anew."""
-        loads, drive = loads_at(self.mechanism, level), SteadyDrive.at_level(self.mechanism, level)
+    def load(self, level: LoadLevel) -> None:
+        """Put the loads of a level on the evaluator. Where the flow in tubes changes, `dynamics`, `equations` and
+        `tangent` are made anew."""
+        self._level, self._loaded, self._given = level, False, None
+        if self.hold is not None:
+            self._held = max(0.0, 1.0 - level.path / self._hold_until)
+        if self._engine is None:
+            self._settle()
+        else:
+            self._engine.load(level, self.hold, self._held)
+
+    def _settle(self) -> None:
+        """Loads and elements as Python needs them."""
+        if not self._loaded:
+            self._loaded = True
+            self._use(loads_at(self.mechanism, self._level), SteadyDrive.at_level(self.mechanism, self._level))
+        if self._at is not None:
+            x, self._at = self._at, None
+            self._dynamics.sweep.strain(x)
+
+    def _use(self, loads: Loads, drive: SteadyDrive) -> None:
         mechanism = with_flow(self.mechanism, loads)
         if mechanism is self.mechanism:
-            law = self.dynamics.law  # the same, with another preload
+            law = self._dynamics.law  # the same, with another preload
             preload = np.where(np.arange(law.ne) < law.first, 0.0, loads.preload)
-            self.dynamics.use(LoadedMechanism(mechanism, loads, drive, replace(law, preload=preload)))
+            self._dynamics.use(LoadedMechanism(mechanism, loads, drive, replace(law, preload=preload)))
         else:
             following = Dynamics(mechanism, loads=loads, drive=drive)
-            following.kinematics.start_from(self.dynamics.kinematics)
-            self.dynamics = following
+            following.kinematics.start_from(self._dynamics.kinematics)
+            self._dynamics = following
             self._renew()
-        if self.hold is not None:
-            self.equations.held = max(0.0, 1.0 - level.path / self._hold_until) * self.hold
-        return self.equations.given(self.y)
+        if self.hold is not None and self._held:
+            self._equations.held = self._held * self.hold
+        else:
+            self._equations.held = None
+
+    @property
+    def dynamics(self) -> Dynamics:
+        self._settle()
+        return self._dynamics
+
+    @property
+    def equations(self) -> StationaryEquations:
+        self._settle()
+        return self._equations
+
+    @property
+    def tangent(self) -> Tangent:
+        self._settle()
+        return self._tangent
+
+    @property
+    def given(self) -> Given:
+        """Prescribed values of the level."""
+        if self._given is None:
+            self._given = self.equations.given(self.y)
+        return self._given
+
+    # -- what stays the same --------------------------------------------------------------------------------------
+    @property
+    def sweep(self) -> ElementSweep:
+        """The sweep, whose configurations may be those of another state than its deformations."""
+        return self._dynamics.sweep
+
+    @property
+    def scale(self) -> Array:
+        """Sizes of the coordinates, (nx,)."""
+        return self._equations.scale
+
+    @property
+    def unknowns(self) -> int:
+        return self._equations.nf + self._equations.ne
+
+    # -- states of the level --------------------------------------------------------------------------------------
+    def newton(self, x: Array, sigma: Array, demand: Demand) -> Converged:
+        """The state in equilibrium near x (nx,), sigma (ne,).
+
+        Raises Astray, SingularMatrixError, AnalysisError of user functions.
+        """
+        if self._engine is not None:
+            self._at = x
+            found = self._engine.newton(x, sigma, demand)
+            self._factored_in_c = found is not None
+            if found is not None:
+                self._at = found.point.x
+                return found
+        return newton(self.equations, self.tangent, x, sigma, self.given, demand)
+
+    def point(self, x: Array, sigma: Array) -> Iterate:
+        """Evaluate at x (nx,), sigma (ne,). Raises SingularMatrixError as `StationaryEquations.motion`."""
+        if self._engine is None:
+            return self.equations.point(x, sigma, self.given)
+        self._at = x
+        return self._engine.point(x, sigma)
+
+    def stand(self, p: Iterate) -> None:
+        """Evaluate at a state of this level again, and factor its matrix. Raises SingularMatrixError."""
+        if self._engine is not None:
+            self._at = p.x
+            self._factored_in_c = self._engine.sign(p) is not None
+            if self._factored_in_c:
+                return
+        self.tangent.factor(self.equations.point(p.x, p.sigma, self.given))
+
+    def stability(self, p: Iterate, noise: float, regular: bool, before: Stability | None) -> Stability | None:
+        """As `stability`, at a state of this level that was evaluated last."""
+        hopeful = noise <= CRITICAL and (before is None or before.negative == 0) and self.mechanism.numbering.nddof
+        engine = self._engine if hopeful else None
+        if engine is not None and engine.is_definite(p) and (regular or engine.sign(p) is not None):
+            return Stability(0, 0, True)
+        return stability(self.equations, self.tangent, p, noise, regular, before)
+
+    def sign(self, p: Iterate, factored: bool) -> float:
+        """Sign of the determinant of the tangent stiffness at a state of this level; `factored`: where the last matrix
+        was factored, near it. Raises SingularMatrixError."""
+        if factored and self._factored_in_c:
+            assert self._engine is not None
+            return self._engine.last_sign()
+        if not factored:
+            sign = None if self._engine is None else self._engine.sign(p)
+            if sign is not None:
+                return sign
+            self.tangent.factor(p)
+        return self.tangent.sign()
 
     def place(self) -> None:
         """A mechanism without dynamic degrees of freedom: the configuration of the prescribed values."""

@@ -19,6 +19,7 @@ end the iteration.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import isfinite
 
@@ -91,29 +92,26 @@ class Corrections:
         self.sizes.append(size)
         self.noise = SPREAD * noise
         if not size <= LARGEST_JUMP:
-            raise Astray(f"a correction of {size:.2g} model lengths or rad")
+            raise too_large(size)
         if len(self.sizes) > 1 and size > self.noise:
             ratio = (FIRST_RATIO if len(self.sizes) == 2 else LATER_RATIO) if self.exact else LINEAR_RATIO
             self.contracts = size <= ratio * self.sizes[-2]
             if not self.contracts and self.plain:
-                raise self._growing()
-
-    def _growing(self) -> Astray:
-        return Astray("corrections that do not contract: " + " ".join(f"{v:.2g}" for v in self.sizes))
+                raise growing(self.sizes)
 
     def ended(self, p: Iterate) -> bool:
         """Is the point that the last correction led to the solution? Raises Astray beyond the limit of iterations."""
         if not p.finite:
-            raise Astray("numbers that are not finite")
+            raise not_finite()
         if not self.contracts and p.work > FIRST_RATIO * self.work:
-            raise self._growing()
+            raise growing(self.sizes)
         self.work = p.work
         if not self.sizes:
             return self.demand.met_by_guess(p)
         last = self.sizes[-1]
         met = last <= self.noise or (self.demand.met(p) and self._left(last) <= self.demand.correction)
         if not met and len(self.sizes) >= self.demand.limit:
-            raise Astray(f"no convergence in {self.demand.limit} iterations")
+            raise no_convergence(self.demand.limit)
         return met
 
     def _left(self, last: float) -> float:
@@ -124,6 +122,22 @@ class Corrections:
         ratio = min(last / self.sizes[-2], LINEAR_RATIO) if self.sizes[-2] > 0.0 else 0.0
         left = last * ratio / (1.0 - ratio)
         return max(left * self.demand.correction / self.demand.lengths, 0.0)
+
+
+def too_large(size: float) -> Astray:
+    return Astray(f"a correction of {size:.2g} model lengths or rad")
+
+
+def growing(sizes: Sequence[float]) -> Astray:
+    return Astray("corrections that do not contract: " + " ".join(f"{v:.2g}" for v in sizes))
+
+
+def not_finite() -> Astray:
+    return Astray("numbers that are not finite")
+
+
+def no_convergence(limit: int) -> Astray:
+    return Astray(f"no convergence in {limit} iterations")
 
 
 def correction(

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from spacar.arrays import Array
+from spacar.linear_systems import LinearSystem
 from spacar.linear_systems.lost_digits import entry_rounding
 from spacar.linear_systems.matrix_inertia import Inertia
 from spacar.linearization.contractions import geometric_blocks
 from spacar.stationary.definite import DefiniteStiffness
 from spacar.stationary.stationary_equations import Iterate
-from spacar.stationary.tangent import STATIC, SparseTangent
+from spacar.stationary.tangent import STATIC, SparseTangent, TangentTerm
 
 SYMMETRIC = 1e-12  # relative: rounding of the element blocks
 
@@ -22,12 +25,19 @@ class RestingTangent:
 
     def __init__(self, sparse: SparseTangent) -> None:
         self.t = sparse
-        self._system = sparse.static_system()
         self._entries, self._entries_of = np.zeros(0), object()
         self._inertia: Inertia | None = None
         self._definite: DefiniteStiffness | None = None
-        loading = sparse.parts["load"], sparse.parts["moment"]
-        self._unsymmetric = [p for p in loading if len(p.keep)]
+
+    @cached_property
+    def _unsymmetric(self) -> list[TangentTerm]:
+        """Terms that may be so."""
+        loading = self.t.parts["load"], self.t.parts["moment"]
+        return [p for p in loading if len(p.keep)]
+
+    @cached_property
+    def _system(self) -> LinearSystem:
+        return self.t.static_system()
 
     def entries(self, point: Iterate) -> Array:
         """Of the matrix at the point where the sweep is; evaluated once."""

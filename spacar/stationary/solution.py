@@ -14,11 +14,11 @@ from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
 from spacar.stationary.contract import Tangent
 from spacar.stationary.level_evaluator import LevelEvaluator
-from spacar.stationary.loading import LoadLevel, SteadyDrive, loads_at
+from spacar.stationary.loading import LoadLevel
 from spacar.stationary.moving_tangent import MovingTangent
 from spacar.stationary.newton import LENGTHS
 from spacar.stationary.stability import Stability, critical_motion
-from spacar.stationary.stationary_equations import Given, Iterate, Motion, StationaryEquations
+from spacar.stationary.stationary_equations import Iterate, Motion, StationaryEquations
 from spacar.stationary.tangent import SparseTangent
 from spacar.stationary.walk import Walk
 
@@ -56,7 +56,7 @@ class StationarySolver:
 
     def __post_init__(self) -> None:
         m, n = self.mechanism, self.mechanism.numbering
-        start, motion = m.drive.at(0.0), SteadyDrive.at_level(m, LoadLevel(1.0, 0.0))
+        start = m.drive.at(0.0)
         if start.xdd.any() or start.edd.any():
             self.report.add("warning: prescribed accelerations are ignored in a stationary solution")
         self._evaluator = e = LevelEvaluator(m)
@@ -64,7 +64,7 @@ class StationarySolver:
         if n.holonomic and d.start_values()[d.n_positions :].any():
             self.report.add("warning: start rates of dynamic degrees of freedom are ignored in a stationary solution")
         # When the loading does nothing, all levels have the solution of the first one.
-        self._idle = e.plain and not loads_at(m, LoadLevel(1.0, 0.0)).present and not motion.shift(m)
+        self._idle = e.plain and not m.loads.present and not e.whole.shift(m)
         self.iterations = 0
         self._said: Stability | None = None
         self._walk: Walk | None = None
@@ -122,17 +122,17 @@ class StationarySolver:
         """A walk from the start values. Where these are no equilibrium, forces hold them that fade out on the way to
         the first level."""
         e, d = self._evaluator, self.dynamics
-        given = e.load(LoadLevel(0.0, 0.0))
-        p = self._reference(given)
+        e.load(LoadLevel(0.0, 0.0))
+        p = self._reference()
         if p is None:
             d.kinematics.begin()
             d.place(0.0, e.y)
             sigma = d.law(d.sweep.e, np.zeros(d.numbering.ne))
             d.sweep.near[:] = d.sweep.e
-            p = e.equations.point(d.kinematics.x, sigma, given)
+            p = e.point(d.kinematics.x, sigma)
         if not p.quiet:
             with suppress(SingularMatrixError):  # degrees of freedom that do not determine the start leave it as it is
-                p = e.equations.point(p.x, e.equations.balanced(p), given)
+                p = e.point(p.x, e.equations.balanced(p))
         known = p.quiet
         if not known:
             force = np.zeros(d.numbering.nx)
@@ -143,14 +143,14 @@ class StationarySolver:
         except SingularMatrixError:
             return Walk(e, p, False, self.report)
 
-    def _reference(self, given: Given) -> Iterate | None:
+    def _reference(self) -> Iterate | None:
         """The reference configuration, if it is the start and its deformations are those wanted."""
         e, d, m = self._evaluator, self.dynamics, self.mechanism
         reference = m.x0[m.numbering.x_class["dynamic"]]
         if e.moving or (e.y[: d.n_xm] - reference).any() or e.y[d.n_xm : m.numbering.nddof].any():
             return None
         d.kinematics.begin()
-        p = e.equations.point(m.x0.copy(), d.law.preload.copy(), given)
+        p = e.point(m.x0.copy(), d.law.preload.copy())
         return p if p.gap <= LENGTHS else None
 
     def _place(self, p: Iterate, level: LoadLevel) -> None:
@@ -159,7 +159,7 @@ class StationarySolver:
         k = d.kinematics
         d.sweep.strain(p.x)
         d.sweep.mass()
-        given = q.given(self._evaluator.y)
+        given = self._evaluator.given
         fixed = q.constrained & ~n.slips
         d.sweep.e[fixed] = given.e[fixed]  # exact, while S times the rounding of e is not small
         k.start_at(p.x, d.sweep.e)

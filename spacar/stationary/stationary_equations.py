@@ -112,7 +112,7 @@ class StationaryEquations:
         self.passive = self.active & (self.flexibility.coupled == 0.0)
         self.constrained = np.arange(n.ne) < n.e_class["input"].stop
         self._has_passive = bool(self.passive.any())
-        self._loose = np.where(self.constrained, 0.0, 1.0)
+        self.loose = np.where(self.constrained, 0.0, 1.0)
         self._fluid = any(is_tube(b) for b in dynamics.sweep.moving)
         size = flexibility.size
         self._length_rounding = FLOOR * size * (flexibility.coupled != 0.0)
@@ -189,11 +189,11 @@ class StationaryEquations:
             sizes += np.abs(inertia)
         if self.held is not None:
             force -= self.held
-        gap = C.coupled * (sweep.e - given.e) - C.times((sigma - offset) * self._loose)
+        gap = C.coupled * (sweep.e - given.e) - C.times((sigma - offset) * self.loose)
         slip = 0.0
         work_size = max(largest(sigma * self.e_scale), largest(applied * self.scale))
         if len(self.slips):
-            lacking = (offset - sigma)[self.slips] * self._loose[self.slips]
+            lacking = (offset - sigma)[self.slips] * self.loose[self.slips]
             slip = largest(lacking * self.e_scale[self.slips])
             k = self.x_kinematic
             gap[self.slips] = np.concatenate((x[k] - given.x[k], sweep.e[self.e_kinematic] - given.e[self.e_kinematic]))

@@ -16,6 +16,7 @@ Only for systems at rest, holonomic, without user functions and MEE.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -32,20 +33,38 @@ from spacar.stationary.flexibility import Flexibility, is_tube
 
 
 class TangentTerm:
-    """Entries (rows, columns) of one term of the matrix, restricted to F, and how to get their values."""
+    """Entries of one term of the matrix, restricted to F, and how to get their values; `pattern`: all rows and columns,
+    which are asked for when the term is."""
 
-    def __init__(self, place: Index, rows: Index, columns: Index, values: Callable[[], Array]) -> None:
-        a, b = place[rows], place[columns]
-        self.keep = np.flatnonzero((a >= 0) & (b >= 0))
-        self.rows, self.columns = a[self.keep], b[self.keep]
-        self._values = values
-        self._all = len(self.keep) == len(rows)
+    def __init__(self, place: Index, pattern: Callable[[], tuple[Index, Index]], values: Callable[[], Array]) -> None:
+        self._place, self._pattern, self._values = place, pattern, values
+
+    @cached_property
+    def _restricted(self) -> tuple[Index, Index, Index, bool]:
+        rows, columns = self._pattern()
+        a, b = self._place[rows], self._place[columns]
+        keep = np.flatnonzero((a >= 0) & (b >= 0))
+        return keep, a[keep], b[keep], len(keep) == len(rows)
+
+    @property
+    def keep(self) -> Index:
+        """Which entries of the pattern remain."""
+        return self._restricted[0]
+
+    @property
+    def rows(self) -> Index:
+        return self._restricted[1]
+
+    @property
+    def columns(self) -> Index:
+        return self._restricted[2]
 
     def values(self) -> Array:
         """Values at the present configuration, in the order of rows and columns."""
-        if not len(self.keep):
+        keep, _, _, whole = self._restricted
+        if not len(keep):
             return np.zeros(0)
-        return self._values() if self._all else self._values().take(self.keep)
+        return self._values() if whole else self._values().take(keep)
 
 
 class SparseTangent:
@@ -71,19 +90,23 @@ class SparseTangent:
         loaded = [b for b in sweep.moving if heavy or is_tube(b)]
         moment_rows = _moment_rows(dynamics)
         self.parts = {
-            "geometric": TangentTerm(self.place, *_square(sweep.curved), self._geometric),
-            "load": TangentTerm(self.place, *_square(loaded), lambda: self._inertia(loaded, 0)),
-            "moment": TangentTerm(self.place, *_pairs(moment_rows), lambda: self._moments(moment_rows.shape[1])),
-            "mass": TangentTerm(self.place, sweep.m_rows, sweep.m_columns, lambda: sweep.m_entries),
-            "flow": TangentTerm(self.place, *_square(loaded), lambda: self._inertia(loaded, 1)),
+            "geometric": TangentTerm(self.place, lambda: _square(sweep.curved), self._geometric),
+            "load": TangentTerm(self.place, lambda: _square(loaded), lambda: self._inertia(loaded, 0)),
+            "moment": TangentTerm(
+                self.place, lambda: _pairs(moment_rows), lambda: self._moments(moment_rows.shape[1])
+            ),
+            "mass": TangentTerm(self.place, lambda: (sweep.m_rows, sweep.m_columns), lambda: sweep.m_entries),
+            "flow": TangentTerm(self.place, lambda: _square(loaded), lambda: self._inertia(loaded, 1)),
         }
         self.ne = n.ne
-        self._v = np.flatnonzero(self.place[sweep.v_columns] >= 0)
         self._patterns: dict[tuple[str, ...], tuple[Index, Index]] = {}
         self._systems: dict[tuple[str, ...], LinearSystem] = {}
         self._constant: dict[tuple[float, float], tuple[Array, Array, float]] = {}
-        f = self.flexibility
-        self._keep_constant((1.0, 0.0), f.values, f.coupled, f.size)
+
+    @cached_property
+    def _v(self) -> Index:
+        """Which entries of V are in columns of F."""
+        return np.flatnonzero(self.place[self.dynamics.sweep.v_columns] >= 0)
 
     @property
     def damped(self) -> bool:
@@ -129,7 +152,10 @@ class SparseTangent:
     def entries(self, weights: dict[str, float], stiffness: float = 1.0, damping: float = 0.0) -> tuple[Array, float]:
         """Entries at the present configuration, and the typical stiffness by which the rows of e are multiplied."""
         if (stiffness, damping) not in self._constant:
-            self._keep_constant((stiffness, damping), *self.flexibility.inverse(stiffness, damping))
+            f = self.flexibility
+            natural = (stiffness, damping) == (1.0, 0.0)
+            inverse = (f.values, f.coupled, f.size) if natural else f.inverse(stiffness, damping)
+            self._keep_constant((stiffness, damping), *inverse)
         factor, diagonal, size = self._constant[stiffness, damping]
         v = factor * self.dynamics.sweep.v_entries.take(self._v)
         values = [part.values() if w == 1.0 else w * part.values() for part, w in self._present(weights)]

@@ -33,9 +33,9 @@ from spacar.linear_systems import SingularMatrixError
 from spacar.stationary.contract import Astray, Tangent
 from spacar.stationary.level_evaluator import LevelEvaluator
 from spacar.stationary.loading import LoadLevel, loads_grow
-from spacar.stationary.newton import Converged, Demand, newton
+from spacar.stationary.newton import Converged, Demand
 from spacar.stationary.singular import FreeMotion
-from spacar.stationary.stability import Stability, critical_motion, stability
+from spacar.stationary.stability import Stability, critical_motion
 from spacar.stationary.stationary_equations import Given, Iterate, StationaryEquations
 from spacar.stationary.turning import LimitPoint, around
 
@@ -89,7 +89,7 @@ class Walk:
         while place < 1.0:
             following = min(1.0, place + part)
             level = target if following == 1.0 else origin.towards(target, following)
-            before, near = (self.point, self.stable, self.path), self.evaluator.dynamics.sweep.near.copy()
+            before, near = (self.point, self.stable, self.path), self.evaluator.sweep.near.copy()
             try:
                 reached = origin.towards(target, place) if place else origin
                 steps = self._advance(reached, level, target.store and following == 1.0)
@@ -128,21 +128,21 @@ class Walk:
     def _advance(self, reached: LoadLevel, level: LoadLevel, stored: bool) -> int:
         """Newton's iteration at the level from the prediction, then from the last state; the number of iterations."""
         e = self.evaluator
-        given = e.load(level)
+        e.load(level)
         demand = Demand.of(self.limit, self.tolerance, stored)
-        near = e.dynamics.sweep.near.copy()
+        near = e.sweep.near.copy()
         reason: Exception = Astray("no start")
         for start in self._starts(level.path):
-            e.dynamics.sweep.near[:] = near
+            e.sweep.near[:] = near
             try:
-                known = start(given)
-                found = newton(e.equations, e.tangent, known.x, known.sigma, given, demand)
+                known = start()
+                found = e.newton(known.x, known.sigma, demand)
             except (Astray, SingularMatrixError) as failure:
                 reason = reason if isinstance(reason, FreeMotion) else failure
                 continue
             if self._jumped(reached, level, found):
                 reason = Astray("the state that was found does not lead back to the one before")
-                given = e.load(level)
+                e.load(level)
                 continue
             self._accept(level.path, found)
             return found.iterations
@@ -152,26 +152,26 @@ class Walk:
         """Does the iteration lead from the new state back to another one than the last? The evaluator stands at the
         new one, at its level, when it does not."""
         e, last = self.evaluator, self.path[-1]
-        q, point = e.equations, found.point
-        moved = largest((point.x - last.x) / q.scale)
+        point, n = found.point, e.mechanism.numbering
+        moved = largest((point.x - last.x) / e.scale)
         # There is no path to be lost from a start that is not on it, with wheels, which turn as far as they roll, and
         # where everything is prescribed.
-        free = self._arbitrary or not q.holonomic or not q.d.numbering.nddof
+        free = self._arbitrary or not n.holonomic or not n.nddof
         if free or moved < WIDE or self._steady(level, moved):
             return False
-        near = e.dynamics.sweep.near.copy()
-        given = e.load(reached)  # with other equations, where the flow in tubes changes
-        e.dynamics.sweep.near[:] = near
+        near = e.sweep.near.copy()
+        e.load(reached)  # with other equations, where the flow in tubes changes
+        e.sweep.near[:] = near
         try:
             demand = Demand.of_return(self.limit, RETURNED * moved)
-            back = newton(e.equations, e.tangent, point.x, point.sigma, given, demand)
-            if largest((back.point.x - last.x) / q.scale) > ELSEWHERE * moved:
+            back = e.newton(point.x, point.sigma, demand)
+            if largest((back.point.x - last.x) / e.scale) > ELSEWHERE * moved:
                 return True
         except (Astray, SingularMatrixError):  # tells nothing: a step back may be as hard as one forward
             pass
-        given = e.load(level)
-        e.dynamics.sweep.near[:] = near
-        e.tangent.factor(e.equations.point(point.x, point.sigma, given))
+        e.load(level)
+        e.sweep.near[:] = near
+        e.stand(point)
         return False
 
     def _steady(self, level: LoadLevel, moved: float) -> bool:
@@ -179,29 +179,29 @@ class Walk:
         if len(self.path) < 2:
             return False
         before, last = self.path[-2:]
-        change = largest((last.x - before.x) / self.evaluator.equations.scale)
+        change = largest((last.x - before.x) / self.evaluator.scale)
         return moved * (last.path - before.path) <= FASTER * change * (level.path - last.path)
 
-    def _starts(self, path: float) -> list[Callable[[Given], Known]]:
+    def _starts(self, path: float) -> list[Callable[[], Known]]:
         """Where Newton's iteration may begin, the best first: the prediction, the last state, the last configuration
         with stresses that balance the new loads (what has no stiffness but that of its stresses needs them)."""
-        last = self.path[-1]
-        q = self.evaluator.equations
+        last, e = self.path[-1], self.evaluator
+        n = e.mechanism.numbering
 
-        def balanced(given: Given) -> Known:
-            return Known(path, last.x, q.balanced(q.point(last.x, last.sigma, given)))
+        def balanced() -> Known:
+            return Known(path, last.x, _balanced(e, last.x, last.sigma))
 
-        def placed(given: Given) -> Known:
-            self.evaluator.place()
-            x = q.d.kinematics.x
-            return Known(path, x, q.balanced(q.point(x, last.sigma, given)))
+        def placed() -> Known:
+            e.place()
+            x = e.dynamics.kinematics.x
+            return Known(path, x, _balanced(e, x, last.sigma))
 
-        if not q.holonomic:
-            return [balanced, lambda given: last]
-        if not q.d.numbering.nddof:
+        if not n.holonomic:
+            return [balanced, lambda: last]
+        if not n.nddof:
             return [placed]
-        predicted = [lambda given: self._predicted(path)] if len(self.path) > 1 else []
-        others = [lambda given: last, balanced]
+        predicted = [lambda: self._predicted(path)] if len(self.path) > 1 else []
+        others = [lambda: last, balanced]
         if not self._arbitrary and self.stable is not None and self.stable.zero:
             others.reverse()  # a motion without stiffness: the old stresses give it none against the new loads
         return [*predicted, *others]
@@ -211,10 +211,10 @@ class Walk:
         self._factored = found.iterations > 0
         p = found.point
         self.path = [*self.path, Known(path, p.x, p.sigma)][-REMEMBERED:]
-        self.evaluator.dynamics.sweep.near[:] = self.evaluator.dynamics.sweep.e
+        self.evaluator.sweep.near[:] = self.evaluator.sweep.e
 
     def _back(self, near: Array) -> None:
-        self.evaluator.dynamics.sweep.near[:] = near
+        self.evaluator.sweep.near[:] = near
 
     def _predicted(self, path: float) -> Known:
         """Lagrange's polynomial through the known states; fewer of them if they are close together."""
@@ -223,12 +223,11 @@ class Walk:
         while len(known) > 1 and max(map(abs, weights)) > FARTHEST:
             known = known[1:]
             weights = _lagrange(known, path)
-        x = sum(w * k.x for w, k in zip(weights, known, strict=True))
-        sigma = sum(w * k.sigma for w, k in zip(weights, known, strict=True))
-        return Known(path, np.asarray(x), np.asarray(sigma))
+        x, sigma = np.dot(weights, [k.x for k in known]), np.dot(weights, [k.sigma for k in known])
+        return Known(path, x, sigma)
 
     def _moved(self, before: Iterate) -> float:
-        return largest((self.point.x - before.x) / self.evaluator.equations.scale)
+        return largest((self.point.x - before.x) / self.evaluator.scale)
 
     # -- critical states ------------------------------------------------------------------------------------------
     def _count(self, stored: bool) -> bool:
@@ -239,24 +238,23 @@ class Walk:
             return False  # a sign of a determinant, at the cost of another iteration
         if self._large and not stored and not self._odd():
             return False
-        self.stable = stability(e.equations, e.tangent, self.point, self.noise, self._regular, before)
+        self.stable = e.stability(self.point, self.noise, self._regular, before)
         return before is not None and self.stable is not None and self.stable.differs(before)
 
     @property
     def _large(self) -> bool:
-        return self.evaluator.equations.nf + self.evaluator.equations.ne > LARGE
+        return self.evaluator.unknowns > LARGE
 
     def _odd(self) -> bool:
         """Does the determinant of the last factorization say that the known number of negative eigenvalues is off by
         an odd number?"""
         if self.stable is None or self.stable.zero:
             return False
-        if not self._factored:  # the prediction was the solution
-            try:
-                self.evaluator.tangent.factor(self.point)
-            except SingularMatrixError:
-                return True
-        return self.evaluator.tangent.sign() * (-1.0) ** self.stable.negative < 0.0
+        try:  # not factored: the prediction was the solution
+            sign = self.evaluator.sign(self.point, self._factored)
+        except SingularMatrixError:
+            return True
+        return sign * (-1.0) ** self.stable.negative < 0.0
 
     def _say_passed(self, level: LoadLevel, before: Stability | None) -> None:
         assert before is not None
@@ -282,15 +280,14 @@ class Walk:
         e = self.evaluator
 
         def at(p: float) -> tuple[StationaryEquations, Tangent, Given]:
-            given = e.load(origin.towards(target, p))
-            return e.equations, e.tangent, given
+            e.load(origin.towards(target, p))
+            return e.equations, e.tangent, e.given
 
         known = [(k.x, k.sigma) for k in self.path]
         try:
             found = around(at, known, place, self.limit, self.follow or not loads_grow(e.mechanism, target))
-            given = e.load(target)
-            demand = Demand.of(self.limit, self.tolerance, target.store)
-            end = newton(e.equations, e.tangent, found.x, found.sigma, given, demand)
+            e.load(target)
+            end = e.newton(found.x, found.sigma, Demand.of(self.limit, self.tolerance, target.store))
         except LimitPoint as limit:
             raise self._at_limit(origin.towards(target, limit.place), target, limit) from None
         except (Astray, SingularMatrixError):
@@ -345,6 +342,11 @@ class Walk:
             " iterations, more load steps or a smaller load (ITERSTEP)"
         )
         return AnalysisError(text, "statics.no-convergence", level=target)
+
+
+def _balanced(e: LevelEvaluator, x: Array, sigma: Array) -> Array:
+    q = e.equations
+    return q.balanced(q.point(x, sigma, e.given))
 
 
 def _lagrange(known: list[Known], path: float) -> list[float]:

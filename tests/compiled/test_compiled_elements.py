@@ -39,10 +39,10 @@ def several(family: CompiledElements, n: int) -> CompiledElements:
 
     copies = Copies()
     for name, value in vars(family).items():
-        if name not in ("general", "_parameters", "_c", "_at", "_shape", "_call"):
+        if name not in ("general", "_parameters", "elements", "_at", "_shape", "_call"):
             setattr(copies, name, value)
     copies.n = n
-    return CompiledElements(copies, family._c.kind, np.repeat(family._parameters[:, :1], n, axis=1))
+    return CompiledElements(copies, family.elements.kind, np.repeat(family._parameters[:, :1], n, axis=1))
 
 
 def state(x0: np.ndarray, n: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -1,0 +1,117 @@
+/* Many outputs of one motion in one call (`spacar.compiled.passage`).
+
+   A state of its own is evaluated at every output time, as the driver (spacar/forward/driver.py) does it one by one: from the
+   output before, or from the begin of the last step when that was long ago. Its numbers go to a row. The call ends where
+   Python has to look at an output, and after some time, so that Ctrl-C is heard and outputs are handed on. */
+#include <time.h>
+
+enum { HARMLESS, LOOKED_AT, NOT_SHOWN }; /* an output: done; Python looks at it; C cannot evaluate it. As in passage.py */
+
+/* The state y at a time in the last step: 0, or 2 when Python keeps an error. */
+typedef int (*Value)(double t, double *y);
+
+typedef struct {
+    State *shown;
+    const double *t;           /* (n) times of the outputs to come */
+    double *rows;              /* (n, width): x, xd, xdd, applied, gravity, total forces; e, ed, edd, sigma; y */
+    int *work;                 /* (n, 3) steps, derivatives, rejected steps of this call up to an output */
+    const int *ground;         /* (n_ground) rows of sigma that may press but not pull */
+    Value value;               /* NULL: that of Adams */
+    double exact, jump, singular, guard, longest; /* limits of a position, a jump, 1/condition, guards of elements; seconds */
+    int n, done, width, since, far, n_exact, n_ground, foreign, steps;
+    int last, status;          /* how the last output came out, and its evaluation */
+} Passage;
+
+static double seconds(void)
+{
+    struct timespec now;
+    timespec_get(&now, TIME_UTC);
+    return now.tv_sec + 1e-9 * now.tv_nsec;
+}
+
+/* Whether the checks of spacar/dynamics/limits.py surely find nothing at the last evaluated state. */
+static int harmless(Model *m, const Passage *p)
+{
+    if (!(spacar_rcond(m, p->singular, p->n_exact) > p->singular)) return 0;
+    if (p->foreign || !(spacar_guard(m, p->shown->x) > p->guard)) return 0;
+    for (int k = 0; k < p->n_ground; k++) if (!(p->shown->sigma[p->ground[k]] <= 0.0)) return 0;
+    return 1;
+}
+
+static double *row_of(const Passage *p, int i) { return p->rows + (size_t)i * p->width; }
+
+/* Evaluate the i-th output, whose y stands at the end of its row; whether the call goes on. */
+static int show(Model *m, Passage *p, int i)
+{
+    State *s = p->shown;
+    const int nx = m->s.nx, ne = m->s.ne;
+    double *x = row_of(p, i), *e = x + 6 * nx;
+    p->done = i + 1;
+    p->last = NOT_SHOWN;
+    p->status = spacar_evaluate(m, s, p->t[i], e + 4 * ne, p->exact, p->jump, 1);
+    if (p->status < 0) return 0;
+    spacar_complete(m, s, x + 3 * nx, x + 4 * nx, x + 5 * nx);
+    const double *of_x[] = {s->x, s->xd, s->xdd}, *of_e[] = {s->e, s->ed, s->edd, s->sigma};
+    for (int k = 0; k < 3; k++) memcpy(x + k * nx, of_x[k], sizeof(double) * nx);
+    for (int k = 0; k < 4; k++) memcpy(e + k * ne, of_e[k], sizeof(double) * ne);
+    p->last = harmless(m, p) ? HARMLESS : LOOKED_AT;
+    const int told = m->s.user && m->s.ask(ASK_OUTPUT, 0, p->t[i]);
+    return p->last == HARMLESS && !told;
+}
+
+/* Outputs of a motion that is all prescribed, n of them. */
+static int spacar_show(Model *m, Passage *p)
+{
+    const double begin = seconds();
+    p->done = 0;
+    while (show(m, p, p->done) && p->done < p->n && seconds() - begin < p->longest) { }
+    return 0;
+}
+
+/* `Trail.lead`: an output that is far from the last one begins at the begin of its step. */
+static void lead(March *r, Passage *p)
+{
+    if (p->since > p->far && r->recorded > 1 && r->capacity > 1) {
+        const double *begin = record(r, r->recorded - 2);
+        if (begin[3] != 0.0 && record(r, r->recorded - 1)[3] != 0.0) stand_at(r, begin, p->shown, 2);
+    }
+    p->since = 0;
+}
+
+typedef int (*Go)(March *r, void *method);
+
+/* Steps, and the outputs in them, those in the step that was made last first. n: room for outputs, of which there is one at
+   least. As the calls that make steps; AT_OUTPUT: there may be more of them in the last step. */
+static int pass(March *r, void *method, Go go, const double *end, Passage *p)
+{
+    const double begin = seconds();
+    const size_t at = 6 * r->model->s.nx + 4 * r->model->s.ne;
+    p->done = 0;
+    p->last = HARMLESS;
+    for (;;) {
+        while (p->t[p->done] <= r->t) {
+            const int i = p->done;
+            double *y = row_of(p, i) + at;
+            if (p->t[i] == r->t) memcpy(y, end, sizeof(double) * r->n);
+            else if (!p->value) spacar_adams_value(r, method, p->t[i], y);
+            else if (p->value(p->t[i], y)) return INTERRUPTED;
+            const int work[] = {r->n_steps, r->n_rhs, r->n_rejected};
+            memcpy(p->work + 3 * i, work, sizeof work);
+            lead(r, p);
+            if (!show(r->model, p, i) || p->done == p->n) return AT_OUTPUT;
+        }
+        if (r->t >= r->t_end) return ARRIVED;
+        if (p->done && (r->n_steps >= p->steps || seconds() - begin >= p->longest)) return AT_OUTPUT;
+        const int before = r->n_steps;
+        r->until = p->t[p->done];
+        const int status = go(r, method);
+        p->since += r->n_steps - before;
+        if (status != ARRIVED && status != AT_OUTPUT) return status;
+    }
+}
+
+static int go_adams(March *r, void *method) { return spacar_adams(r, method); }
+static int go_runge_kutta(March *r, void *method) { return spacar_runge_kutta(r, method); }
+
+static int spacar_pass_adams(March *r, Adams *a, Passage *p) { return pass(r, a, go_adams, a->y, p); }
+static int spacar_pass_runge_kutta(March *r, RungeKutta *k, Passage *p) { return pass(r, k, go_runge_kutta, k->y_new, p); }

@@ -1,0 +1,146 @@
+"""Many outputs of one motion in one call of C (`passage.c`): states at output times, and the frames made of them.
+
+What an output needs besides its step is the same whoever asks for it: the state at its time, evaluated by an evaluator
+of its own, and the checks of stored states. C does both as long as the checks surely find nothing; an output at which
+they may find something, or that C cannot evaluate, is the last one of its call, and Python looks at it where the
+evaluator stands, as if it had come alone.
+
+A call ends after LONGEST, so that outputs are handed on while a run lasts and Ctrl-C is heard. The rows of its outputs
+are used by their frames; rows that are left are those of the next call.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Iterator, Sequence
+from functools import partial
+from typing import Protocol
+
+import numpy as np
+
+from spacar.arrays import Array, Index
+from spacar.compiled.compiled_model import EXACT, NOT_ANSWERED, WIDTH, CompiledModel, State
+from spacar.compiled.element_parameters import GUARD
+from spacar.compiled.library import DOUBLES, INTEGER, INTEGERS, NUMBER, POINTER
+from spacar.frame import Frame
+from spacar.integrators.problem import Counts, Passed
+from spacar.kinematics.kinematics import LARGEST_JUMP
+from spacar.mechanism.numbering import Numbering
+
+HARMLESS, LOOKED_AT, NOT_SHOWN = range(3)  # as in passage.c
+LONGEST = 0.05  # s of one call, unless a single step takes longer
+ROOM = 50_000  # numbers in the rows of one array, so that a frame that is kept does not keep many others: 0.4 MB
+UNLIMITED = 2**31 - 1
+
+VALUE = ctypes.CFUNCTYPE(INTEGER, NUMBER, POINTER)
+
+
+class CPassage(ctypes.Structure):
+    """`Passage` of passage.c."""
+
+    _fields_ = [
+        ("shown", POINTER), ("t", DOUBLES), ("rows", DOUBLES), ("work", INTEGERS),
+        ("ground", INTEGERS), ("value", POINTER),
+        *((name, NUMBER) for name in ("exact", "jump", "singular", "guard", "longest")),
+        *((name, INTEGER) for name in (
+            "n", "done", "width", "since", "far", "n_exact", "n_ground", "foreign", "steps", "last", "status",
+        )),
+    ]  # fmt: skip
+
+
+class ShowsInC(Protocol):
+    """What is asked of the evaluator of outputs. `largest_exact`: equations up to which C tells the exact condition."""
+
+    solver: CompiledModel
+    state: State
+    numbering: Numbering
+    n_positions: int
+    largest_exact: int
+
+    def frame_in_general(self, t: float, y: Array) -> Frame:
+        """That of a state that C could not do."""
+
+
+class Passage:
+    """Outputs at `times` that `shown` evaluates.
+
+    ground    rows of e whose stresses may press but not pull, and have to be looked at when they do
+    singular  reciprocal condition of V[E, U] that has to be looked at
+    far       steps since the last output beyond which the next one is evaluated from the begin of its step
+    """
+
+    def __init__(
+        self, shown: ShowsInC, times: Sequence[float] | Array, ground: Index, singular: float, far: int
+    ) -> None:
+        model, n = shown.solver, shown.numbering
+        self.shown, self.times = shown, times
+        self.nx, self.ne = n.nx, n.ne
+        self.n_y = shown.n_positions + n.nddof
+        self.width = 6 * n.nx + 4 * n.ne + self.n_y
+        self.ground = np.ascontiguousarray(ground, np.int32)  # C points at it
+        self.c = c = CPassage(shown.state.address.value)
+        c.ground = self.ground.ctypes.data
+        c.exact, c.jump, c.singular, c.guard, c.longest = EXACT, LARGEST_JUMP, singular, GUARD, LONGEST
+        c.width, c.far, c.n_exact, c.n_ground = self.width, far, shown.largest_exact, len(ground)
+        c.foreign = model.slots.has_limits
+        self.address = ctypes.c_void_p(ctypes.addressof(c))
+        self.first = self.used = self.end = 0  # output of the first row, rows that have one, rows
+        self.rows, self.t, self.work = np.zeros((0, self.width)), np.zeros(0), np.zeros((0, 3), np.int32)
+        self.at = 0, 0  # addresses of t and rows
+
+    def begin(self, output: int, steps: float = UNLIMITED) -> None:
+        """The next call begins with this one of the outputs; it ends at the first one behind so many steps."""
+        c = self.c
+        if self.used == self.end or output != self.first + self.used:
+            n = min(len(self.times) - output, max(1, ROOM // self.width))
+            self.first, self.used, self.end = output, 0, n
+            self.rows, self.work = np.empty((n, self.width)), np.empty((n, 3), np.int32)
+            self.t = np.array(self.times[output : output + n])
+            self.at = self.t.ctypes.data, self.rows.ctypes.data
+            c.work = self.work.ctypes.data
+        c.t, c.rows = self.at[0] + WIDTH * self.used, self.at[1] + WIDTH * self.width * self.used
+        c.n = self.end - self.used
+        c.steps = int(min(max(steps, 0), UNLIMITED))
+        self.shown.solver.slots.outputs.clear()
+
+    def outputs(self, before: Counts = (0, 0, 0, 0, 0)) -> Iterator[Passed]:
+        """Those of the last call; `before`: what the integrator had counted before it."""
+        c, shown, nx, ne = self.c, self.shown, self.nx, self.ne
+        used, n, lost = self.used, c.done, list(shown.solver.slots.outputs)
+        harmless = n if c.last == HARMLESS else n - 1
+        self.used += n
+        rows, times = self.rows[used : used + n], self.t[used : used + n].tolist()
+        of_x, of_e = rows[:, : 6 * nx].reshape(n, 6, nx), rows[:, 6 * nx : 6 * nx + 4 * ne].reshape(n, 4, ne)
+        states, work = rows[:, 6 * nx + 4 * ne :], self.work[:n].tolist()
+        steps, rhs, jacobians, rejected, iterations = before
+        for k, (t, made, (x, xd, xdd, applied, gravity, total), (e, ed, edd, sigma), y) in enumerate(
+            zip(times, work, of_x, of_e, states, strict=True)
+        ):
+            frame = Frame(t, x, xd, xdd, e, ed, edd, sigma, applied, gravity, total)
+            if k < len(lost):
+                frame.lost = lost[k]
+            counts = steps + made[0], rhs + made[1], jacobians, rejected + made[2], iterations
+            yield Passed(t, y, counts, frame if k < harmless else partial(self._last, frame, y))
+
+    def _last(self, frame: Frame, y: Array) -> Frame:
+        """That of the last output of a call, at which Python looks; or what says why there is none."""
+        if self.c.last == LOOKED_AT:
+            return frame
+        if self.c.status == NOT_ANSWERED:
+            self.shown.solver.slots.raise_error()
+        return self.shown.frame_in_general(frame.t, y)
+
+    def made(self) -> tuple[int, int, int]:
+        """Steps, derivatives and rejected steps of the last call up to its last output."""
+        steps, rhs, rejected = self.work[self.c.done - 1].tolist()
+        return steps, rhs, rejected
+
+    def prescribed(self, y: Array) -> Iterator[Passed]:
+        """The outputs of a motion without degrees of freedom, whose state `y` is empty or the same at all times."""
+        model, given = self.shown.solver, 0
+        while given < len(self.times):
+            self.begin(given)
+            self.rows[self.used :, 6 * self.nx + 4 * self.ne :] = y
+            model.engine.show(model.handle, self.address)
+            given += self.c.done
+            yield from self.outputs()

@@ -1,0 +1,248 @@
+"""Newton's iteration of a level at rest and the proof of stability in one call of C (compiled/equilibrium.c) each.
+
+The equations, the criteria and the constants are those of `StationaryEquations`, `newton` and `DefiniteStiffness`; both
+ways give the same states to rounding (tests/stationary/test_equilibrium.py). The engine takes what most models are:
+holonomic, at rest, no user function, no moments, no tubes, all elements in C, and a system that is dense or has a
+narrow band. It answers None where something is unusual: a singular matrix, a gradient of gravity that is not symmetric.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import weakref
+from typing import Any
+
+import numpy as np
+
+from spacar.arrays import Array
+from spacar.dynamics.array_evaluator import Dynamics
+from spacar.dynamics.forces import AppliedForces, gravity_field
+from spacar.kinematics.kinematics import LARGEST_JUMP
+from spacar.linear_systems import BAND_LIMIT, DENSE_LIMIT
+from spacar.mechanism.mechanism import Loads
+from spacar.stationary.contract import NO_DIGITS, SINGULAR, SPREAD, Astray
+from spacar.stationary.definite import SAFE, WEIGHT, WIDEST, largest_stiffness, stiffness_of
+from spacar.stationary.flexibility import is_tube
+from spacar.stationary.loading import LoadLevel
+from spacar.stationary.newton import (
+    FIRST_RATIO,
+    FORCES,
+    LATER_RATIO,
+    LENGTHS,
+    Converged,
+    Demand,
+    growing,
+    no_convergence,
+    not_finite,
+    too_large,
+)
+from spacar.stationary.resting_tangent import SYMMETRIC
+from spacar.stationary.stationary_equations import FLOOR, Iterate, StationaryEquations
+from spacar.stationary.tangent import SparseTangent
+
+FOUND, ANOTHER_WAY, NOT_A_NUMBER, TOO_LARGE, GROWING, NO_END = range(6)  # as in equilibrium.c
+POINTER, NUMBER, WHOLE = ctypes.c_void_p, ctypes.c_double, ctypes.c_int64
+DOUBLES = INTEGERS = POINTER
+
+
+class CGroup(ctypes.Structure):
+    """`Group` of equilibrium.c."""
+
+    _fields_ = [
+        ("elements", POINTER), ("x", INTEGERS), ("e", INTEGERS), ("V", DOUBLES), ("S", DOUBLES), ("held", DOUBLES),
+        ("curved", WHOLE), ("heavy", WHOLE),
+    ]  # fmt: skip
+
+
+class CEquilibrium(ctypes.Structure):
+    """`Equilibrium` of equilibrium.c."""
+
+    _fields_ = [
+        ("groups", POINTER),
+        *((name, INTEGERS) for name in ("v_rows", "v_columns", "place", "flexible_rows", "flexible_columns", "rigid")),
+        *((name, DOUBLES) for name in (
+            "flexible", "rigid_diagonal", "coupled", "loose", "passive", "scale", "e_scale", "least",
+        )),
+        *((name, DOUBLES * 2) for name in ("force", "preload", "gravity")),
+        ("x_start", DOUBLES), ("x_step", DOUBLES * 2), ("e_step", DOUBLES * 2), ("held", DOUBLES),
+        ("near", DOUBLES), ("e", DOUBLES), ("V", DOUBLES),
+        *((name, WHOLE) for name in (
+            "nx", "ne", "nf", "n_groups", "n_v", "n_flexible", "n_rigid", "x_input", "n_x_input", "e_input",
+            "n_e_input", "heavy", "widest", "dense",
+        )),
+        ("size", NUMBER), ("parts", NUMBER * 2), ("hold", NUMBER),
+        *((name, NUMBER) for name in (
+            "floor", "singular", "no_digits", "spread", "first_ratio", "later_ratio", "jump", "symmetric",
+            "guess_forces", "guess_lengths", "weight", "safe", "elastic",
+        )),
+        ("widest_definite", WHOLE),
+        *((name, NUMBER) for name in ("forces", "lengths", "correction", "tolerance")),
+        *((name, DOUBLES) for name in ("x", "sigma", "out", "sizes")),
+        *((name, WHOLE) for name in ("limit", "iterations", "quiet")),
+        *((name, NUMBER) for name in ("work_force", "work", "work_size", "gap", "noise", "sign")),
+        ("own", POINTER),
+    ]  # fmt: skip
+
+
+class Equilibrium:
+    """The equations of one mechanism in C. They share `near`, `e` and V with its sweep, whose configurations they leave
+    as they were.
+
+    Raises NotCompiled where the engine does not take the mechanism.
+    """
+
+    def __init__(self, equations: StationaryEquations, sparse: SparseTangent) -> None:
+        from spacar.compiled.library import element_functions
+
+        d = equations.d
+        m, n, sweep, C = d.mechanism, d.numbering, d.sweep, equations.flexibility
+        if not takes(d):
+            raise NotCompiled
+        self._call = element_functions()
+        self._keep: list[Array] = []
+        at = self._at
+        self.nx, self.ne, self.nf = n.nx, n.ne, equations.nf
+        parts = [m.loads] if m.additional is None else [m.loads, m.additional]
+        fields = [gravity_field(m, loads) for loads in parts]
+        curved = {b.index for b in sweep.curved}
+        heavy = {b.index for b in sweep.moving} if any(f.any() for f in fields) else set()
+        groups = [b for b in m.batches if b.family.n_deformations or b.index in heavy]
+        self._groups = (CGroup * len(groups))()
+        for group, b in zip(self._groups, groups, strict=True):
+            family: Any = b.family
+            group.elements = ctypes.addressof(family.elements)
+            group.x, group.e = at(b.x), at(b.e)
+            if b.family.n_deformations:
+                group.V = sweep.V[b.index].ctypes.data
+                S, held = stiffness_of(C, b, m.deformation_scale)
+                group.S, group.held = None if S is None else at(S), at(held)
+            group.curved, group.heavy = b.index in curved, b.index in heavy
+        self.c = c = CEquilibrium()
+        c.groups, c.n_groups = ctypes.addressof(self._groups), len(groups)
+        c.v_rows, c.v_columns, c.n_v, c.V = at(sweep.v_rows), at(sweep.v_columns), len(sweep.v_rows), at(sweep.entries)
+        c.place = at(sparse.place)
+        c.flexible_rows, c.flexible_columns, c.n_flexible = at(C.rows), at(C.columns), len(C.rows)
+        c.rigid, c.n_rigid = at(C.rigid), len(C.rigid)
+        c.flexible, c.rigid_diagonal, c.coupled = at(C.values), at(C.rigid_diagonal), at(C.coupled)
+        c.loose, c.passive = at(equations.loose), at(equations.passive.astype(float))
+        c.scale, c.e_scale, c.least = at(equations.scale), at(equations.e_scale), at(equations.least)
+        c.near, c.e = at(sweep.near), at(sweep.e)
+        c.nx, c.ne, c.nf, c.size, c.heavy = n.nx, n.ne, equations.nf, C.size, bool(heavy)
+        self._put_loads(d, parts, fields, equations)
+        c.widest, c.dense, c.widest_definite = BAND_LIMIT, DENSE_LIMIT, WIDEST
+        c.floor, c.singular, c.no_digits, c.spread = FLOOR, SINGULAR, NO_DIGITS, SPREAD
+        c.first_ratio, c.later_ratio, c.jump, c.symmetric = FIRST_RATIO, LATER_RATIO, LARGEST_JUMP, SYMMETRIC
+        c.guess_forces, c.guess_lengths, c.weight, c.safe = FORCES, LENGTHS, WEIGHT, SAFE
+        c.elastic = largest_stiffness(C, m.deformation_scale)
+        self._sizes = np.zeros(max(m.settings.max_iterations, 1))
+        c.sizes = self._sizes.ctypes.data
+        self.address = ctypes.c_void_p(ctypes.addressof(c))
+        weakref.finalize(self, _end, self._call.equilibrium_end, c)
+        if self._call.equilibrium_begin(self.address):
+            raise NotCompiled
+
+    def _put_loads(self, d: Dynamics, parts: list[Loads], fields: list[Array], equations: StationaryEquations) -> None:
+        """Both parts of the loading, of which a level takes fractions."""
+        c, at, m, n = self.c, self._at, d.mechanism, d.numbering
+        nothing_x, nothing_e = at(np.zeros(n.nx)), at(np.zeros(n.ne))
+        c.force[:], c.gravity[:], c.preload[:] = [nothing_x] * 2, [nothing_x] * 2, [nothing_e] * 2
+        for k, (loads, field) in enumerate(zip(parts, fields, strict=True)):
+            c.force[k], c.gravity[k] = at(AppliedForces(m, loads, d.sweep).constant), at(field)
+            c.preload[k] = at(loads.preload * equations.active)
+        xs, es = n.x_class["input"], n.e_class["input"]
+        c.x_input, c.n_x_input, c.e_input, c.n_e_input = xs.start, xs.stop - xs.start, es.start, es.stop - es.start
+        start, more = m.drive.at(0.0), m.additional_drive
+        c.x_start = at(m.x0[xs])
+        c.x_step[:] = [at(start.x - m.x0[xs]), nothing_x if more is None else at(more.x)]
+        c.e_step[:] = [at(start.e), nothing_e if more is None else at(more.e)]
+
+    def _at(self, values: Array) -> int:
+        """The address of values that are kept, numbers of 64 bits."""
+        values = np.ascontiguousarray(values, np.int64 if values.dtype.kind == "i" else np.float64)
+        self._keep.append(values)
+        return int(values.ctypes.data)
+
+    def load(self, level: LoadLevel, held: Array | None, hold: float) -> None:
+        """Take the loads of a level; the force `held` (nx,) times `hold` is held back."""
+        c = self.c
+        c.parts[0], c.parts[1], c.hold = level.initial, level.additional, hold
+        if held is not None and not c.held:
+            c.held = self._at(held)
+
+    def newton(self, x: Array, sigma: Array, demand: Demand) -> Converged | None:
+        """As `spacar.stationary.newton.newton`. Raises Astray."""
+        c = self.c
+        out = self._from(x, sigma)
+        c.forces, c.lengths = demand.forces, demand.lengths
+        c.correction, c.tolerance = demand.correction, demand.tolerance
+        c.limit = min(demand.limit, len(self._sizes))
+        status = self._call.equilibrium_newton(self.address)
+        if status == FOUND:
+            return Converged(self._iterate(out), c.iterations, c.noise, regular=c.iterations > 0)
+        if status == ANOTHER_WAY:
+            return None
+        raise self._astray(status)
+
+    def _astray(self, status: int) -> Astray:
+        sizes = self._sizes[: self.c.iterations].tolist()
+        if status == TOO_LARGE:
+            return too_large(sizes[-1])
+        if status == GROWING:
+            return growing(sizes)
+        return no_convergence(self.c.limit) if status == NO_END else not_finite()
+
+    def point(self, x: Array, sigma: Array) -> Iterate:
+        """As `StationaryEquations.point`."""
+        out = self._from(x, sigma)
+        self._call.equilibrium_point(self.address)
+        return self._iterate(out)
+
+    def sign(self, p: Iterate) -> float | None:
+        """The sign of the determinant of the tangent stiffness at a point; None where the matrix may be singular."""
+        self._from(p.x, p.sigma)
+        if self._call.equilibrium_factor(self.address):
+            return None
+        return self.c.sign * (-1.0) ** self.ne
+
+    def last_sign(self) -> float:
+        """The same of the last matrix that was factored."""
+        return float(self._call.equilibrium_sign(self.address)) * (-1.0) ** self.ne
+
+    def is_definite(self, p: Iterate) -> bool:
+        """Is it proved that the tangent stiffness at a point has no negative eigenvalue?"""
+        self._from(p.x, p.sigma)
+        return bool(self._call.equilibrium_definite(self.address))
+
+    def _from(self, x: Array, sigma: Array) -> Array:
+        self._start = x, sigma = np.ascontiguousarray(x), np.ascontiguousarray(sigma)
+        out = np.empty(self.nx + self.ne + 2 * (self.nf + self.ne))
+        c = self.c
+        c.x, c.sigma, c.out = x.ctypes.data, sigma.ctypes.data, out.ctypes.data
+        return out
+
+    def _iterate(self, out: Array) -> Iterate:
+        c, a, b = self.c, self.nx, self.nx + self.ne
+        n = self.nf + self.ne
+        return Iterate(
+            out[:a], out[a:b], out[b : b + n], out[b + n :], c.work_force, c.work, c.work_size, c.gap, bool(c.quiet),
+            0.0, None, None,
+        )  # fmt: skip
+
+
+class NotCompiled(Exception):
+    """The engine does not take this mechanism."""
+
+
+def takes(d: Dynamics) -> bool:
+    """Does the engine take a mechanism at rest without user functions?"""
+    m = d.mechanism
+    if m.x0.dtype != float or m.x0.ndim > 1:  # complex steps, cases side by side
+        return False
+    parts = [m.loads] if m.additional is None else [m.loads, m.additional]
+    if any(loads.moment_rows.size or loads.flow for loads in parts) or any(map(is_tube, d.sweep.moving)):
+        return False
+    return all(b.family.compiled for b in (*d.sweep.strained, *d.sweep.moving))
+
+
+def _end(end: Any, c: CEquilibrium) -> None:
+    end(ctypes.addressof(c))
