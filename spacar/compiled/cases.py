@@ -13,13 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.compiled.compiled_model import EXACT, CompiledModel
+from spacar.compiled.compiled_model import DOUBTFUL_MASS, EXACT, FAR_AWAY, CompiledModel
 from spacar.compiled.library import lanes_of_processor
 from spacar.compiled.marching import Marching
 from spacar.compiled.numbers import Numbers
 from spacar.dynamics.limits import Wheels
 from spacar.dynamics.loaded_mechanism import NEVER, Accepted, LoadedMechanism, Moving, unexplained
-from spacar.dynamics.mass_check import is_doubtful
+from spacar.dynamics.mass_check import is_checked, is_doubtful
 from spacar.errors import AnalysisError
 from spacar.integrators.problem import Step
 from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS
@@ -90,26 +90,29 @@ class InLanes:
     def start(self, placed: PlacedStart, largest: float) -> bool:
         """Place the start state. Are the mass matrices regular? Where C leaves a doubt they are to be looked at alone.
 
-        The way leads over the start state of one of the cases, which has been `placed`.
+        A start that is far from the reference configuration is reached over that of one of the cases, which has been
+        `placed`.
         largest: `largest_mass` of that case, kg m^2, for the size of all; it refuses and accepts nothing.
         Raises AnalysisError where the start of a case cannot be reached from there.
         """
+        out, y0, checked = self._out.ctypes.data, self.y0.ctypes.data, is_checked(self.numbering)
+        status = self.solver.start(self.state, y0, out, checked)
+        if status >= 0 and status != FAR_AWAY:
+            return checked and status != DOUBTFUL_MASS
         state, mechanism = self.state, self.model.mechanism
         there = self.solver.numbers.x0 + (placed.x - mechanism.x0)[:, None]
         state.begin(there, placed.e[:, None])
         y = np.repeat(placed.y, self.by_case[2])
-        if self.solver.rhs(state, 0.0, y.ctypes.data, self._out.ctypes.data, CONVERGED) < 0:
+        if self.solver.rhs(state, 0.0, y.ctypes.data, out, CONVERGED) < 0:
             raise _failed(0.0)
         if (np.abs(state.x - there) / self._scale).max() > FARTHEST_GUESS:
             raise _failed(0.0)
-        if not np.array_equal(y, self.y0):
-            self.rhs(0.0, self.y0)
+        self.rhs(0.0, self.y0)
         self.shown.resume(float(state.c.t), state.x, state.xd, state.xdd, state.e)
-        M = self.solver.reduced_mass()
-        if M is None:
-            return False
-        condition = self.solver.condition()
-        return not any(is_doubtful(mechanism, M[:, :, lane], condition, largest) for lane in range(self.by_case[2]))
+        M, condition = self.solver.reduced_mass() if checked else None, self.solver.condition()
+        return M is not None and not any(
+            is_doubtful(mechanism, M[:, :, lane], condition, largest) for lane in range(self.by_case[2])
+        )
 
     def component_name(self, i: int) -> str:
         """Name of a component of the state, for messages."""
@@ -155,8 +158,8 @@ class InLanes:
             self.state.resume(at.t, at.x, at.xd, at.xdd, at.e)
 
     # -- outputs --------------------------------------------------------------------------------------------------
-    def variables(self, t: float, y: Array) -> tuple[Array, Array]:
-        """x, xd, xdd, fx, fxgrav, fxtot (6, nx, lanes) and e, ed, edd, sig (4, ne, lanes) at a state.
+    def variables(self, t: float, y: Array, of_x: Array, of_e: Array) -> None:
+        """Write x, xd, xdd, fx, fxgrav, fxtot (6, nx, lanes) and e, ed, edd, sig (4, ne, lanes) at a state.
 
         Raises AnalysisError where a case cannot be evaluated, an element may be outside the range of its theory, or a
         wheel leaves the ground: the single run says what it is.
@@ -167,7 +170,7 @@ class InLanes:
         if len(self.wheels.rows):
             for lane, wheel, text in self.wheels.lifted(t, shown.sigma[self.wheels.rows]):
                 self.warnings[lane].setdefault(wheel, f"warning: {text}")
-        return shown.of_x.copy(), shown.of_e[:4].copy()
+        of_x[:], of_e[:] = shown.of_x, shown.of_e[:4]
 
 
 def blocks(cases: int) -> Iterator[Sequence[int]]:

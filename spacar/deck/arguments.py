@@ -1,7 +1,7 @@
 """Raw statements to typed statements: the variant that applies, the number of arguments, their types, references.
 
-Every node, element, coordinate and mode number that the table declares as such is looked up here. A plain line about
-which nothing needs a message is read by `plain_forms`; every other statement is read here word by word.
+Every node, element, coordinate and mode number that the table declares as such is looked up here. Plain lines about
+which nothing needs a message are read by `plain_forms`; every other statement is read here word by word.
 """
 
 from __future__ import annotations
@@ -12,14 +12,13 @@ from spacar.deck.lexer import (
     LARGEST_NUMBER,
     LARGEST_REAL,
     SMALLEST_REAL,
-    Plain,
     Word,
     integer_of,
     is_in_range,
     number_of,
 )
 from spacar.deck.outline import Outline
-from spacar.deck.plain_forms import NUMBERED_PARTS, plain_statement
+from spacar.deck.plain_forms import NUMBERED_PARTS
 from spacar.deck.splitter import Raw
 from spacar.deck.statement import Statement, Value
 from spacar.deck.table_elements import ELEMENT_TYPES
@@ -33,16 +32,12 @@ _COEFFICIENTS = ("ESTIFF", "EDAMP", "EM", "ESIG", "DELESIG")  # generators write
 
 def read_statement(raw: Raw, keyword: Keyword, outline: Outline, findings: Findings) -> Statement | None:
     """Type and check the words of one statement; None when an error makes it useless."""
-    if isinstance(raw.given, Plain) and outline.metre == 1.0:
-        statement = plain_statement(raw, raw.given, keyword, outline)
-        if statement is not None:
-            return statement
     subject, of_element = subject_of(keyword)
     space, role, kind = outline.space, "", ""
     if raw.keyword in ELEMENT_TYPES:
         space, subject = "", None
-    if subject is not None and subject < len(raw.texts):
-        number = integer_of(raw.texts[subject])
+    if subject is not None and subject < len(raw.words):
+        number = integer_of(raw.words[subject].text)
         if number is not None and of_element:
             kind = outline.types[number].keyword if number in outline.types else ""
         elif number is not None:
@@ -62,14 +57,7 @@ def read_statement(raw: Raw, keyword: Keyword, outline: Outline, findings: Findi
 
 
 def _statement(raw: Raw, words: list[Word], values: tuple[Value, ...]) -> Statement:
-    return Statement(
-        raw.keyword,
-        values,
-        raw.block,
-        raw.line,
-        tuple([w.line for w in words]),
-        tuple([w.column for w in words]),
-    )
+    return Statement(raw.keyword, values, raw.block, raw.line, tuple([(w.line, w.column) for w in words]))
 
 
 def _subject(raw: Raw) -> str:
@@ -281,7 +269,7 @@ def _references(statement: Statement, variant: Variant, outline: Outline, findin
                 owner = None
                 good = _unknown_node(statement, i, number, outline, findings) and good
             elif of != "node" and f"{outline.roles[number]} node" != of:
-                user = outline.users[number]
+                user = outline.user(number)
                 found = outline.roles[number]
                 where = f"of {user.subject}, line {user.line}"
                 text = f"node {number} is {_an(found)} node ({where}); expected {_an(of)}"

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from spacar import modes
 from spacar.deck.findings import Findings
-from spacar.deck.keyword_table import Keyword, keyword_of
+from spacar.deck.keyword_table import KEYWORDS, Keyword, kind_of
 from spacar.deck.mode_blocks import Purpose, facts
 from spacar.deck.outline import Outline
 from spacar.deck.statement import Statement
@@ -29,7 +30,7 @@ class CheckMaterial:
     findings: Findings
     coordinates: Classes = field(default_factory=dict)
     deformations: Classes = field(default_factory=dict)
-    _rows: dict[int, list[tuple[Keyword, list[Statement]]]] = field(default_factory=dict)
+    _rows: dict[int, list[tuple[Keyword, Sequence[Statement]]]] = field(default_factory=dict)
 
     @property
     def analysis(self) -> modes.Mode | None:
@@ -40,17 +41,18 @@ class CheckMaterial:
         """Statements with one of these keywords, in file order."""
         return self.index.of(*keywords, block=block)
 
-    def keywords(self, block: int) -> list[tuple[Keyword, list[Statement]]]:
+    def keywords(self, block: int) -> list[tuple[Keyword, Sequence[Statement]]]:
         """The rows of the table that statements of a block belong to, with these statements in file order."""
         if block not in self._rows:
-            names, of = self.index.keywords(block), self.index.of
-            self._rows[block] = [(keyword_of(name, block, self.third), of(name, block=block)) for name in names]
+            found = self.index.block(block)
+            kind = kind_of(block, self.third)
+            self._rows[block] = [(KEYWORDS[name, kind], found[name]) for name in found]
         return self._rows[block]
 
     def doubtful(self, what: str, number: int) -> bool:
         """Whether a statement that gives a class to this node or element could not be read."""
-        names = CLASS_KEYWORDS[what]
-        return any((name, number) in self.outline.broken for name in names)
+        broken = self.outline.broken
+        return bool(broken) and any((name, number) in broken for name in CLASS_KEYWORDS[what])
 
     def class_of(self, what: str, number: int, index: int) -> tuple[str, Statement | None]:
         """Class of a coordinate ("node") or deformation ("element") and the statement that gave it."""

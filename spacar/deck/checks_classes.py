@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections.abc import Callable, Mapping
 
 from spacar.deck.check_material import CheckMaterial, Classes
 from spacar.deck.statement import Statement
@@ -22,13 +22,8 @@ _DONE = {
 def classify(scene: CheckMaterial) -> None:
     """Fill the classes of the scene; one thing in two classes is an error, twice in one class a warning."""
     outline = scene.outline
-    for s in scene.of(*COORDINATE_CLASSES, block=1):
-        indices = s.integers(1) or outline.independent(s.integer(0))
-        _put(scene, s, "coordinate", indices, COORDINATE_CLASSES[s.keyword], scene.coordinates)
-    for s in scene.of(*DEFORMATION_CLASSES, block=1):
-        indices = s.integers(1) or outline.classed(s.integer(0))
-        indices = _without_released(scene, s, indices)
-        _put(scene, s, "mode", indices, DEFORMATION_CLASSES[s.keyword], scene.deformations)
+    _put(scene, "coordinate", outline.independent, COORDINATE_CLASSES, scene.coordinates)
+    _put(scene, "mode", outline.classed, DEFORMATION_CLASSES, scene.deformations)
     _check_euler_parameters(scene)
     _check_kinematic(scene)
 
@@ -53,6 +48,33 @@ def _without_released(scene: CheckMaterial, s: Statement, indices: tuple[int, ..
 
 
 def _put(
+    scene: CheckMaterial,
+    noun: str,
+    every: Callable[[int], tuple[int, ...]],
+    names: Mapping[str, str],
+    classes: Classes,
+) -> None:
+    """Give a class to what the statements name, or, without numbers, to `every` coordinate or mode."""
+    count = 0
+    for group in scene.index.groups_of(*names, block=1):
+        name = names[group[0].keyword]
+        for s in group:
+            this = name, s
+            number, *indices = s.integers()
+            for index in indices or every(number):
+                classes[number, index] = this
+                count += 1
+    if len(classes) == count and not (noun == "mode" and any(kind.released for kind in scene.outline.kinds)):
+        return
+    classes.clear()
+    for s in scene.of(*names, block=1):
+        given = s.integers(1) or every(s.integer(0))
+        if noun == "mode":
+            given = _without_released(scene, s, given)
+        _put_one(scene, s, noun, given, names[s.keyword], classes)
+
+
+def _put_one(
     scene: CheckMaterial, s: Statement, noun: str, indices: tuple[int, ...], name: str, classes: Classes
 ) -> None:
     number = s.integer(0)
@@ -82,10 +104,8 @@ def _check_euler_parameters(scene: CheckMaterial) -> None:
     """At most three of the four Euler parameters of a node can be given: the normalization gives the fourth."""
     if scene.outline.space == "planar":
         return
-    given = Counter([node for node, _ in scene.coordinates])
-    for node, role in scene.outline.roles.items():
-        if role != "orientation" or given[node] != 4:
-            continue
+    with_fourth = {node for node, index in scene.coordinates if index == 4}
+    for node in filter(with_fourth.__contains__, scene.outline.roles if with_fourth else ()):
         by = [scene.coordinates[node, i][1] for i in (1, 2, 3, 4) if (node, i) in scene.coordinates]
         if len(by) == 4:
             last = max(by, key=lambda s: s.line)
@@ -98,7 +118,7 @@ def _check_euler_parameters(scene: CheckMaterial) -> None:
 
 
 def _check_kinematic(scene: CheckMaterial) -> None:
-    if not scene.outline.complete or any(t.slips for t in scene.outline.types.values()):
+    if not scene.outline.complete or any(kind.slips for kind in scene.outline.kinds):
         return
     for s in scene.of("KINX", "KINE"):
         wheels = ", ".join(t.keyword for t in ELEMENT_TYPES.values() if t.slips)

@@ -5,18 +5,22 @@ from __future__ import annotations
 from spacar.deck.check_material import CheckMaterial
 from spacar.deck.checks_references import at_least, one_of, positive
 from spacar.deck.statement import Statement
+from spacar.deck.statement_index import Group
 from spacar.deck.table_solvers import INTEGRATOR_ALIASES, INTEGRATORS, alias_note
 
 _SIGNS = {"XM": "mass or inertia", "EM": "mass", "ESTIFF": "stiffness", "EDAMP": "damping", "MEE": "mass"}
-_SETTINGS = ("TIMESTEP", "INTEGRAT", "ERROR", "ITERSTEP", "MODES", "XGYRO", "EM")
+_SETTINGS = ("TIMESTEP", "INTEGRAT", "ERROR", "ITERSTEP", "MODES", "XGYRO")
 _ADDITIONAL = ("DELXF", "DELGRAV", "DELOMF", "DELESIG", "DELINPX", "DELINPE")
 
 
 def check_dynamics(scene: CheckMaterial) -> None:
     """Everything that concerns the dynamics block beyond single statements."""
-    for s in scene.of(*_SIGNS, block=2):
-        _check_signs(scene, s)
-    for s in scene.of(*_SETTINGS, block=2):
+    for group in scene.index.groups_of(*_SIGNS, block=2):
+        if _may_have_signs(group):
+            for s in group:
+                _check_signs(scene, s)
+    with_flow = any(kind.carries_flow for kind in scene.outline.kinds)
+    for s in scene.of(*_SETTINGS, *(("EM",) if with_flow else ()), block=2):
         _check_settings(scene, s)
     _check_stiffness(scene)
     _check_warping(scene)
@@ -25,6 +29,12 @@ def check_dynamics(scene: CheckMaterial) -> None:
     _check_additional(scene)
     if scene.analysis is not None and scene.analysis.integrated:
         _check_motion(scene)
+
+
+def _may_have_signs(group: Group) -> bool:
+    """Whether some number is negative, or an inertia tensor may be none without that (all values are numbers)."""
+    first = group[0]
+    return (first.keyword == "XM" and len(first.values) > 2) or min([min(s.values) for s in group]) < 0  # type: ignore
 
 
 def _check_signs(scene: CheckMaterial, s: Statement) -> None:
@@ -97,11 +107,16 @@ def _check_settings(scene: CheckMaterial, s: Statement) -> None:
 
 def _check_stiffness(scene: CheckMaterial) -> None:
     """Dynamic deformations of beams and trusses without stiffness move freely: meant for measuring elements."""
-    stiff = {s.integer(0): s for s in scene.of("ESTIFF", block=2)}
+    outline = scene.outline
+    if not any(kind.axial for kind in outline.kinds):
+        return
+    stiff = {s.values[0]: s for s in scene.of("ESTIFF", block=2)}
     free: dict[int, list[int]] = {}
     for (element, mode), (name, _) in scene.deformations.items():
-        kind = scene.outline.types[element]
-        if name != "dynamic" or not kind.axial or ("ESTIFF", element) in scene.outline.broken:
+        if name != "dynamic":
+            continue
+        kind = outline.types[element]
+        if not kind.axial or ("ESTIFF", element) in outline.broken:
             continue
         given = stiff.get(element)
         if given is None or given.real(kind.stiffness[mode - 1] - 1) == 0.0:
@@ -116,6 +131,8 @@ def _check_stiffness(scene: CheckMaterial) -> None:
 
 def _check_warping(scene: CheckMaterial) -> None:
     """A warping node that neither a stiffness nor a class holds makes the stiffness matrix singular."""
+    if not any(kind.warping for kind in scene.outline.kinds):
+        return
     given = {s.integer(0): s for s in scene.of("ESTIFF", block=2)}
     held: dict[int, bool] = {}
     for number, kind in scene.outline.types.items():
@@ -126,7 +143,7 @@ def _check_warping(scene: CheckMaterial) -> None:
             held[node] = held.get(node, False) or stiff
     for node, is_held in held.items():
         if not is_held and scene.class_of("node", node, 1)[0] == "dynamic" and not scene.doubtful("node", node):
-            by = scene.outline.users[node]
+            by = scene.outline.user(node)
             text = f"nothing holds the twist rate of warping node {node}: FIX {node}, or give ESTIFF a GIt or ECw"
             scene.findings.warning(by, None, text, "free-warping")
 

@@ -5,14 +5,15 @@ from __future__ import annotations
 from spacar.deck.check_material import CheckMaterial
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
+from spacar.deck.table_types import ElementType
 from spacar.modes import MODES
 
 
 def check_elements(scene: CheckMaterial) -> None:
     """Everything that concerns the element statements as such."""
     outline, findings = scene.outline, scene.findings
-    elements = [s for s in scene.index.statements if s.keyword in ELEMENT_TYPES]
-    if not elements and outline.complete and not findings.errors:
+    elements = scene.of(*ELEMENT_TYPES) if not outline.regular or not all(map(_harmless, outline.kinds)) else []
+    if not outline.elements and outline.complete and not findings.errors:
         findings.add("error", None, "", "the kinematics block defines no element", "no-element")
     first_of_kind: dict[bool, Statement] = {}
     for s in elements:
@@ -41,6 +42,11 @@ def check_elements(scene: CheckMaterial) -> None:
         _check_nodes(s, scene)
 
 
+def _harmless(kind: ElementType) -> bool:
+    """Whether the type says nothing against its elements, whatever the mode."""
+    return kind.supported and not kind.slips
+
+
 def _check_nodes(s: Statement, scene: CheckMaterial) -> None:
     """Every node in its role; the two ends of an element must be different."""
     outline = scene.outline
@@ -52,7 +58,7 @@ def _check_nodes(s: Statement, scene: CheckMaterial) -> None:
             continue
         seen[node, role] = i
         if outline.roles.get(node, role) != role:
-            user = outline.users[node]
+            user = outline.user(node)
             at = f"{user.subject} (line {user.line})" if user is not s else "this element itself"
             text = f"{role} node {node} is used as {outline.roles[node]} node by {at}"
             scene.findings.error(s, i, text, "node-role")

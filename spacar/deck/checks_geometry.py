@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
-from math import asin, degrees, hypot
+from math import asin, degrees, dist, hypot, inf
+from typing import cast
 
 from spacar.deck.check_material import CheckMaterial
 from spacar.deck.statement import Statement
+from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.deck.table_types import ElementType
 
 ZERO_LENGTH = 1e-8
 """A length below this part of the size of the model is zero: a chosen bound, for the digits of a file."""
 PARALLEL = 1e-5
 """Two directions with a smaller sine are parallel (the public routine refuses the same sine)."""
+SMALLEST_PRODUCT = 1e-290
+"""Products above it are normal numbers, with relative errors of a rounding."""
 
 Vector = tuple[float, ...]
+_WITH_RADII = ("PLWHEEL", "TWHEEL", "PLBELT")
 ORIGIN = (0.0, 0.0, 0.0)  # of a node without X
 
 
@@ -24,8 +29,16 @@ def check_geometry(scene: CheckMaterial) -> None:
         positions.get(n, ORIGIN) for n, role in scene.outline.roles.items() if role == "position"
     ]
     size = max((max(axis) - min(axis) for axis in zip(*places, strict=True)), default=0.0)
-    for number, kind in scene.outline.types.items():
-        _check_element(scene, scene.outline.elements[number], kind, positions, size)
+    elements = scene.outline.elements
+    if scene.outline.regular:
+        groups = [group for group in scene.index.groups if group[0].keyword in ELEMENT_TYPES]
+    else:
+        groups = [[elements[number]] for number in scene.outline.types]
+    for group in groups:
+        kind = ELEMENT_TYPES[group[0].keyword]
+        if not _ordinary(group, kind, positions, size):
+            for s in group:
+                _check_element(scene, s, kind, positions, size)
     for s in scene.of("ORPINBOD"):
         _check_directions(scene, s)
     for s in scene.of("ORTUBE"):
@@ -42,7 +55,22 @@ def _positions(scene: CheckMaterial) -> dict[int, Vector]:
     """Positions of the nodes with an X statement; nodes without X are at the origin."""
     positions: dict[int, Vector] = {}
     given: dict[int, Statement] = {}
-    for s in scene.of("X"):
+    for group in scene.index.groups_of("X"):
+        _add_positions(scene, group, given, positions)
+    return positions
+
+
+def _add_positions(
+    scene: CheckMaterial, group: list[Statement], given: dict[int, Statement], positions: dict[int, Vector]
+) -> None:
+    """Add the positions of X statements; positions of other nodes and repeated ones are reported."""
+    roles, new = scene.outline.roles, {s.integer(0): s for s in group}
+    if _all_new(new, group, given) and all([roles.get(node) == "position" for node in new]):
+        given.update(new)
+        places = [(*s.values[1:], 0.0, 0.0)[:3] for s in group]
+        positions.update(zip(new, cast("list[Vector]", places), strict=True))
+        return
+    for s in group:
         node, place = s.integer(0), s.reals(1, 3)
         if scene.outline.roles.get(node) == "orientation":
             text = f"node {node} is an orientation node; initial orientations cannot be chosen"
@@ -64,7 +92,39 @@ def _positions(scene: CheckMaterial) -> dict[int, Vector]:
                 scene.findings.error(s, None, text, "repeated")
             continue
         given[node], positions[node] = s, place
-    return positions
+
+
+def _all_new(new: dict[int, Statement], group: list[Statement], given: dict[int, Statement]) -> bool:
+    """Whether every statement of a group, of which `new` are those of different nodes, is the first of its node."""
+    return len(new) == len(group) and given.keys().isdisjoint(new)
+
+
+def _ordinary(group: list[Statement], kind: ElementType, positions: dict[int, Vector], size: float) -> bool:
+    """Whether elements are clearly long enough and their directions clearly good, so that none needs a closer look."""
+    if kind.keyword in _WITH_RADII:
+        return False
+    given, directions = kind.direction, cast("list[Vector]", [])
+    if given is not None and len(group[0].values) >= given[0] - 1 + given[1]:
+        start, end = given[0] - 1, given[0] - 1 + given[1]
+        directions = [cast("Vector", s.values[start:end]) for s in group]
+        if not all(map(any, directions)):
+            return False
+    ends = [i for i, role in enumerate(kind.nodes, 1) if role == "position"]
+    if len(ends) < 2:
+        return True
+    starts, stops = ([positions.get(cast("int", s.values[i]), ORIGIN) for s in group] for i in ends)
+    if not min(map(dist, starts, stops)) > 2.0 * ZERO_LENGTH * size:
+        return False
+    return not directions or given is None or given[2] == "axis" or all(map(_oblique, starts, stops, directions))
+
+
+def _oblique(p: Vector, q: Vector, direction: Vector) -> bool:
+    """Whether a direction (three components) is clearly not parallel to pq; false too where squares are no numbers."""
+    x, y, z = q[0] - p[0], q[1] - p[1], q[2] - p[2]
+    a, b, c = direction
+    product = (x * x + y * y + z * z) * (a * a + b * b + c * c)
+    across = (y * c - z * b) ** 2 + (z * a - x * c) ** 2 + (x * b - y * a) ** 2
+    return SMALLEST_PRODUCT < product < inf and across > (2.0 * PARALLEL) ** 2 * product
 
 
 def _check_element(

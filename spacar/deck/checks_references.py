@@ -5,7 +5,7 @@ from __future__ import annotations
 from spacar.deck.check_material import CheckMaterial
 from spacar.deck.findings import Findings, alternatives
 from spacar.deck.statement import Statement
-from spacar.deck.table_types import Keyword
+from spacar.deck.table_types import Keyword, subject_of
 
 _STARTS = ("STARTDX", "STARTDE")  # generators write zero start values for everything
 
@@ -14,7 +14,8 @@ def check_once(scene: CheckMaterial, block: int) -> None:
     """The same thing stated twice is an error: replace or add, the input does not say which."""
     for keyword, statements in scene.keywords(block):
         count = keyword.unique
-        if count is None:
+        many = len(statements)
+        if count is None or many == 1 or len({s.values[:count] for s in statements}) == many:
             continue
         given: dict[tuple[object, ...], Statement] = {}
         for s in statements:
@@ -35,15 +36,17 @@ def check_classes(scene: CheckMaterial, block: int) -> None:
 
 
 def _check_class(scene: CheckMaterial, block: int, keyword: Keyword, s: Statement) -> None:
-    subject = keyword.subject
+    subject, of_element = subject_of(keyword)
     assert subject is not None
-    what = "element" if keyword.variants[0].parameters[subject].of == "element" else "node"
+    what = "element" if of_element else "node"
     number, index = s.integer(subject), s.integer(subject + 1)
+    found, by = scene.class_of(what, number, index)
+    along = scene.analysis is not None and scene.analysis.takes_setpoints
+    if not along and not keyword.holonomic and found in keyword.classes:
+        return
     if scene.doubtful(what, number):
         return
-    found, by = scene.class_of(what, number, index)
     thing = f"mode {index} of element {number}" if what == "element" else f"coordinate {index} of node {number}"
-    along = scene.analysis is not None and scene.analysis.takes_setpoints
     if along and block == 2 and found == "dynamic" and "prescribed" in keyword.classes:
         text = f"{thing} is {found}; mode 3 takes its motion from the result along which it linearizes"
         scene.findings.information(s, subject, text, "motion-known")

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from importlib import import_module
+from os.path import isfile, splitext
 from pathlib import Path
 
 from spacar.deck.deck_reader import NOT_UTF8, Span, read_text
@@ -14,7 +15,7 @@ from spacar.deck.expansion import BeamSection
 from spacar.deck.lexer import visualization_of
 from spacar.deck.mode_blocks import Purpose
 from spacar.deck.statement import Statement, Value
-from spacar.deck.statement_index import StatementIndex
+from spacar.deck.statement_index import StatementIndex, grouped
 from spacar.deck.table_sections import UNITS
 from spacar.deck.table_types import BlockKind
 from spacar.errors import Message, UsageError
@@ -61,8 +62,9 @@ class Deck:
         return sha256(self.data).hexdigest()
 
     @cached_property
-    def _index(self) -> StatementIndex:
-        return StatementIndex((*self.statements, *self.shorthand))
+    def index(self) -> StatementIndex:
+        """Where the statements of each keyword are."""
+        return StatementIndex(grouped((*self.statements, *self.shorthand)))
 
     @property
     def metre(self) -> float:
@@ -77,11 +79,11 @@ class Deck:
 
     def block(self, number: int) -> Mapping[str, Sequence[Statement]]:
         """The statements of block `number` (1, 2 or 3) by keyword, in file order; only keywords that have any."""
-        return self._index.block(number)
+        return self.index.block(number)
 
     def of(self, *keywords: str, block: int | None = None) -> list[Statement]:
         """All statements with one of the keywords (and in the block), in file order."""
-        return self._index.of(*keywords, block=block)
+        return self.index.of(*keywords, block=block)
 
     def first(self, keyword: str, block: int | None = None) -> Statement | None:
         """First statement with the keyword (and in the block), None when there is none."""
@@ -177,14 +179,16 @@ def read_deck(path: str | Path, mode: Purpose = None) -> Deck:
     Raises UsageError with the reason of the operating system, InputError with all errors of the file.
     """
     file = Path(path)
-    if file.suffix.lower() != ".dat" and not file.is_file():
+    stem, ending = splitext(file)
+    if ending.lower() != ".dat" and not file.is_file():
         file = file.with_name(file.name + ".dat")
+        stem, _ = splitext(file)
     data = _bytes(file)
     text = data.decode("utf-8", "surrogateescape")
-    beside = file.with_suffix(".spv")
+    beside = f"{stem}.spv"
     visualization = None
-    if beside.is_file():
-        visualization = visualization_of(_bytes(beside).decode("utf-8", "replace"))
+    if isfile(beside):
+        visualization = visualization_of(_bytes(Path(beside)).decode("utf-8", "replace"))
     return parse(text, file.name, mode, path=file, data=data, visualization=visualization)
 
 
@@ -226,7 +230,7 @@ def parse(
         len(added),
     )
     if not contents.shorthand:
-        vars(deck)["_index"] = contents.index  # the checks have made it
+        vars(deck)["index"] = contents.index  # the checks have made it
     return deck
 
 
@@ -237,7 +241,8 @@ def _drawn_already(lines: tuple[str, ...], visualization: tuple[str, ...]) -> bo
 
 def _bytes(file: Path) -> bytes:
     try:
-        return file.read_bytes()
+        with open(file, "rb", buffering=0) as stream:
+            return stream.read()
     except (OSError, ValueError) as problem:
         reason = getattr(problem, "strerror", None) or str(problem)
         raise UsageError(f"cannot read {file}: {reason}", "files.not-readable") from None

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from itertools import chain
+from operator import attrgetter
 
 from spacar.deck.arguments import read_statement
 from spacar.deck.deck_checks import check
 from spacar.deck.expansion import WORDS, Expansion
 from spacar.deck.findings import Findings
-from spacar.deck.keyword_table import KEYWORDS, BlockKind, blocks_of
-from spacar.deck.lexer import LONGEST_LINE, SourceText, integer_of, scan
+from spacar.deck.keyword_table import KEYWORDS, BlockKind, Keyword, blocks_of
+from spacar.deck.lexer import LONGEST_LINE, PlainLines, SourceText, integer_of, scan
 from spacar.deck.mode_blocks import Purpose, third_block, uses
 from spacar.deck.outline import Outline
-from spacar.deck.splitter import Raw, split, third_kind
+from spacar.deck.plain_forms import plain_statements
+from spacar.deck.splitter import Raw, raws_of, split, third_kind
 from spacar.deck.statement import Statement
-from spacar.deck.statement_index import StatementIndex
+from spacar.deck.statement_index import Group, StatementIndex, grouped, in_file_order
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.deck.table_sections import UNITS
 from spacar.errors import InputError, Message
@@ -50,66 +53,110 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
     _lexical(text, scanned, findings)
     parts = split(scanned, findings)
     third = third_kind(parts.statements, third_block(mode))
-    by_geometry = any(raw.keyword in WORDS for raw in parts.statements)
+    by_geometry = not WORDS.isdisjoint([part.keyword for part in parts.statements])
     outline = Outline(metre=_metre(parts.statements, findings) if by_geometry else 1.0)
-    read: dict[int, Statement] = {}
+    read: list[list[Group]] = [[] for _ in parts.statements]
     skipped = {block: Findings(source) for block in (2, 3) if not uses(mode, block)}
-    for raw in parts.statements:
-        if raw.keyword in ELEMENT_TYPES:
-            statement = read_statement(raw, KEYWORDS[raw.keyword, BlockKind.KINEMATICS], outline, findings)
-            if statement is None:
-                _remember_broken(raw, outline)
-            else:
-                read[id(raw)] = statement
-                outline.add(statement)
+    lost: list[Raw] = []
+    for part, groups in zip(parts.statements, read, strict=True):
+        if part.keyword in ELEMENT_TYPES:
+            _read(part, KEYWORDS[part.keyword, BlockKind.KINEMATICS], outline, findings, groups, lost)
+    outline = _with_elements(outline, list(chain.from_iterable(read)), lost)
     for raw in parts.strangers:
         if raw.block == 1 and _may_be_element(raw):
             _remember_broken(raw, outline)
-    for raw in parts.statements:
-        if raw.keyword not in ELEMENT_TYPES:
-            kind = {1: BlockKind.KINEMATICS, 2: BlockKind.DYNAMICS}.get(raw.block, third)
-            into = skipped.get(raw.block, findings)
-            keyword = KEYWORDS.get((raw.keyword, kind)) if kind is not None else None
+    lost = []
+    for part, groups in zip(parts.statements, read, strict=True):
+        if part.keyword not in ELEMENT_TYPES:
+            kind = {1: BlockKind.KINEMATICS, 2: BlockKind.DYNAMICS}.get(part.block, third)
+            into = skipped.get(part.block, findings)
+            keyword = KEYWORDS.get((part.keyword, kind)) if kind is not None else None
             if keyword is None:
-                _wrong_kind(raw, kind, into)
-                continue
-            statement = read_statement(raw, keyword, outline, into)
-            if statement is not None:
-                read[id(raw)] = statement
+                _wrong_kind(part, kind, into)
             else:
-                outline.broken.add((raw.keyword, _number(raw)))
-                outline.broken_blocks.add(raw.block)
-    given, before = tuple([s for raw in parts.statements if (s := read.get(id(raw))) is not None]), outline
-    expansion = _expansion(given, by_geometry, outline, findings)
-    statements, outline, index = expansion.statements, expansion.outline, StatementIndex(expansion.statements)
+                _read(part, keyword, outline, into, groups, lost)
+    outline.broken.update([(raw.keyword, _number(raw)) for raw in lost])
+    outline.broken_blocks.update([raw.block for raw in lost])
+    for found in skipped.values():
+        found.messages.sort(key=lambda m: m.line or 0)  # the first one is told
+    all_groups, before = list(chain.from_iterable(read)), outline
+    in_order = chain.from_iterable(all_groups)
+    given = tuple(in_file_order(in_order) if parts.interleaved else in_order)
+    if by_geometry:
+        expansion = _expansion(given, outline, findings)
+        index = StatementIndex(grouped(expansion.statements))
+    else:
+        expansion = Expansion(given, outline, (), ())
+        index = StatementIndex(all_groups, parts.interleaved)
+    statements, outline = expansion.statements, expansion.outline
     check(index, outline, mode, third, {block: skipped.get(block, findings) for block in (1, 2, 3)})
     for block, found in skipped.items():
         _report_skipped(block, parts.statements, mode, found, findings)
     findings.messages.sort(key=lambda m: m.line or 0)
     if findings.errors:
         raise InputError(findings.messages)
-    shorthand = tuple([s for s in read.values() if s.keyword in WORDS]) if by_geometry else ()
+    shorthand = tuple([s for s in given if s.keyword in WORDS]) if by_geometry else ()
     return Contents(
         statements, scanned.visualization, tuple(findings.messages), third, parts.spans, shorthand, expansion,
         given, before, index,
     )  # fmt: skip
 
 
-def _expansion(
-    statements: tuple[Statement, ...], by_geometry: bool, outline: Outline, findings: Findings
-) -> Expansion:
+def _read(
+    part: PlainLines | Raw,
+    keyword: Keyword,
+    outline: Outline,
+    findings: Findings,
+    groups: list[Group],
+    lost: list[Raw],
+) -> None:
+    """Add what a part of the text says to the groups: plain lines together where nothing about them is unusual, halves
+    of them where something is, and what remains by its words; what cannot be read to the lost."""
+    if isinstance(part, PlainLines):
+        group = plain_statements(part, keyword, outline) if outline.metre == 1.0 else None
+        if group is not None:
+            groups.append(group)
+            return
+        count = len(part.lines)
+        if count > 1:
+            for half in (part.part(0, count // 2), part.part(count // 2, count)):
+                _read(half, keyword, outline, findings, groups, lost)
+            return
+        (part,) = raws_of(part)
+    statement = read_statement(part, keyword, outline, findings)
+    if statement is not None:
+        groups.append([statement])
+    else:
+        lost.append(part)
+
+
+def _with_elements(empty: Outline, groups: list[Group], lost: list[Raw]) -> Outline:
+    """The outline of a model with these elements; where something is unusual the order of the file matters."""
+    for group in groups:
+        empty.add(group)
+    if empty.regular and not lost:
+        return empty
+    outline = Outline(metre=empty.metre)
+    parts: list[Statement | Raw] = [*chain.from_iterable(groups), *lost]
+    for part in sorted(parts, key=attrgetter("line")):
+        if isinstance(part, Raw):
+            _remember_broken(part, outline)
+        else:
+            outline.add([part])
+    return outline
+
+
+def _expansion(statements: tuple[Statement, ...], outline: Outline, findings: Findings) -> Expansion:
     """Beams by geometry to plain statements; most models have none, and do not load what makes them."""
-    if not by_geometry:
-        return Expansion(statements, outline, (), ())
     from spacar.deck.section_block import expand
 
     return expand(statements, outline, findings)
 
 
-def _metre(raws: list[Raw], findings: Findings) -> float:
+def _metre(statements: list[PlainLines | Raw], findings: Findings) -> float:
     """Length of the unit of length in metres, from UNITS."""
-    for raw in raws:
-        if raw.keyword == "UNITS" and raw.words:
+    for raw in statements:
+        if isinstance(raw, Raw) and raw.keyword == "UNITS" and raw.words:
             word = raw.words[0]
             if word.text.lower() in UNITS:
                 return UNITS[word.text.lower()]
@@ -150,7 +197,7 @@ def _remember_broken(raw: Raw, outline: Outline) -> None:
     outline.complete = False
     number = _number(raw)
     if number != 0:
-        stub = Statement(raw.keyword, (number,), raw.block, raw.line, (raw.words[0].line,))
+        stub = Statement(raw.keyword, (number,), raw.block, raw.line, ((raw.words[0].line, raw.words[0].column),))
         outline.elements.setdefault(number, stub)
 
 
@@ -165,21 +212,19 @@ def _number(raw: Raw) -> int:
     return (integer_of(raw.words[0].text) if raw.words else None) or 0
 
 
-def _wrong_kind(raw: Raw, kind: BlockKind | None, findings: Findings) -> None:
+def _wrong_kind(part: PlainLines | Raw, kind: BlockKind | None, findings: Findings) -> None:
     here = kind.value if kind is not None else _NAMES[3]
-    other = ", ".join(b.value for b in blocks_of(raw.keyword))
-    findings.add(
-        "error",
-        raw.line,
-        raw.keyword,
-        f"belongs to the {other}; here it stands in the {here}",
-        "wrong-block",
-    )
+    other = ", ".join(b.value for b in blocks_of(part.keyword))
+    text = f"belongs to the {other}; here it stands in the {here}"
+    for line in part.lines if isinstance(part, PlainLines) else (part.line,):
+        findings.add("error", line, part.keyword, text, "wrong-block")
 
 
-def _report_skipped(block: int, raws: list[Raw], mode: Purpose, found: Findings, findings: Findings) -> None:
+def _report_skipped(
+    block: int, statements: list[PlainLines | Raw], mode: Purpose, found: Findings, findings: Findings
+) -> None:
     """One line about a block that the mode does not use, and one when it has errors that would matter elsewhere."""
-    first = next((r for r in raws if r.block == block), None)
+    first = next((s for s in statements if s.block == block), None)
     if first is None:
         return
     line, name = first.line, _NAMES[block]

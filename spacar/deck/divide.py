@@ -152,9 +152,7 @@ def divided(
 
 def made(origin: Statement, *values: Value, keyword: str = "", block: int = 0) -> Statement:
     """A statement that another one stands for: messages about it name the line of that one; it has no columns."""
-    return Statement(
-        keyword or origin.keyword, values, block or origin.block, origin.line, (origin.line,) * len(values)
-    )
+    return Statement(keyword or origin.keyword, values, block or origin.block, origin.line)
 
 
 def _kinematic(s: Statement, split: dict[int, dict[int, str]], parts: dict[int, list[int]]) -> list[Statement]:

@@ -41,11 +41,16 @@ def blocks_of(name: str) -> tuple[BlockKind, ...]:
     return tuple(block for block in BlockKind if (name, block) in KEYWORDS)
 
 
+def kind_of(block: int, third: BlockKind | None) -> BlockKind:
+    """The kind of block 1, 2 or 3 of a deck whose third block is of the given kind."""
+    kind = BlockKind.KINEMATICS if block == 1 else BlockKind.DYNAMICS if block == 2 else third
+    assert kind is not None
+    return kind
+
+
 def keyword_of(name: str, block: int, third: BlockKind | None) -> Keyword:
     """The row for a statement in block 1, 2 or 3 of a deck whose third block is of the given kind."""
-    kind = {1: BlockKind.KINEMATICS, 2: BlockKind.DYNAMICS}.get(block, third)
-    assert kind is not None
-    return KEYWORDS[name, kind]
+    return KEYWORDS[name, kind_of(block, third)]
 
 
 __all__ = [
@@ -60,4 +65,5 @@ __all__ = [
     "blocks_of",
     "coordinates_of",
     "keyword_of",
+    "kind_of",
 ]

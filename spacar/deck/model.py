@@ -67,7 +67,7 @@ class Model(ModelStatements):
     def from_deck(cls, deck: Deck) -> Model:
         """A model with the statements of a deck that was read, to be continued. Comments are not kept."""
         model = cls(deck.source)
-        for raw in split(scan(deck.text), Findings(deck.source)).statements:
+        for raw in split(scan(deck.text), Findings(deck.source)).raws:
             model.statement(raw.keyword, raw.block, *(w.text for w in raw.words))
         lines = scan(deck.text).visualization
         model._visualization = list(deck.visualization if lines is None and not deck.sections else lines or ())
@@ -153,7 +153,7 @@ class Model(ModelStatements):
         """Line of the text -> where its statement was called."""
         ordered = sorted(self._rows, key=lambda row: row[1])  # the blocks; inside them the order stays
         lines: dict[int, Place] = {}
-        for raw, (*_, place) in zip(split(scan(text), Findings("")).statements, ordered, strict=True):
+        for raw, (*_, place) in zip(split(scan(text), Findings("")).raws, ordered, strict=True):
             lines.update(dict.fromkeys((raw.line, *(w.line for w in raw.words)), place))
         return lines
 
@@ -161,13 +161,13 @@ class Model(ModelStatements):
         """Raises InputError for what is wrong whatever follows."""
         file, line = place
         findings = Findings(file)
-        raw = Raw(row.name, row.block.number, line, list(words), [Word(w, line, 1, False) for w in words])
+        raw = Raw(row.name, row.block.number, line, [Word(w, line, 1, False) for w in words])
         statement = read_statement(raw, row, self._outline, findings)
         wrong = [m for m in findings.errors if m.code not in LATER]
         if wrong:
             raise InputError(wrong)
         if statement is not None and row.name in ELEMENT_TYPES:
-            self._outline.add(statement)
+            self._outline.add([statement])
 
     def _named(self, row: Keyword, given: list[Value], named: Mapping[str, Value], place: Place) -> list[Value]:
         """The row of the form of the statement that has all these names."""

@@ -2,33 +2,40 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import chain, cycle
+from operator import eq
+from typing import cast
 
 from spacar.deck.findings import ranges
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
-from spacar.deck.table_types import ElementType, coordinates_of
+from spacar.deck.table_types import ElementType, coordinates_of, twins_of
 
 
 @dataclass(slots=True, eq=False)
 class Outline:
-    """Elements by number with their types, nodes by number with their roles and the element that uses them first.
+    """Elements by number with their types, nodes by number with their roles, in the order of the file.
 
-    `space` is planar, spatial or "" (no element). `complete` is false when some element statement could not
-    be read, so that nodes may be missing here; `broken` holds keyword and first number of the other
-    statements that could not be read, `broken_blocks` their blocks: what follows from their absence is not
-    reported then. `metre` is the unit of length of the file in metres.
+    `kinds` are the types that occur; `regular` is true while every element has a number of its own and every node one
+    role, no element has the same node at both ends, and all are planar or all spatial. `space` is planar, spatial or ""
+    (no element). `complete` is false when some element statement could not be read, so that nodes may be missing here;
+    `broken` holds keyword and first number of the other statements that could not be read, `broken_blocks` their
+    blocks: what follows from their absence is not reported then. `metre` is the unit of length of the file in metres.
     """
 
     elements: dict[int, Statement] = field(default_factory=dict)
     types: dict[int, ElementType] = field(default_factory=dict)
     roles: dict[int, str] = field(default_factory=dict)
-    users: dict[int, Statement] = field(default_factory=dict)
+    kinds: dict[ElementType, None] = field(default_factory=dict)
+    regular: bool = True
     space: str = ""
     complete: bool = True
     broken: set[tuple[str, int]] = field(default_factory=set)
     broken_blocks: set[int] = field(default_factory=set)
     metre: float = 1.0
+    _users: dict[int, Statement] = field(default_factory=dict)
 
     def coordinates(self, node: int) -> int:
         """Number of coordinates of a node that exists."""
@@ -58,17 +65,38 @@ class Outline:
         """Sentence about a node that no element uses."""
         return f"node {number} is not used by any element; nodes {ranges(set(self.roles))} exist"
 
-    def add(self, statement: Statement) -> None:
-        """Take in an element statement whose arguments are right; first definitions win."""
-        kind = ELEMENT_TYPES[statement.keyword]
-        number = statement.integer(0)
-        if number in self.elements:
+    def user(self, node: int) -> Statement:
+        """The first element that uses a node that exists; asked for by messages only."""
+        if not self._users:
+            for number, kind in self.types.items():
+                s = self.elements[number]
+                for used in s.integers(1)[: len(kind.nodes)]:
+                    self._users.setdefault(used, s)
+        return self._users[node]
+
+    def add(self, statements: Sequence[Statement]) -> None:
+        """Take in statements of one element type whose arguments are right; first definitions win."""
+        new = {s.integer(0): s for s in statements}
+        if len(new) < len(statements) or not self.elements.keys().isdisjoint(new):
+            self.regular = False
+            for s in statements:
+                if s.values[0] not in self.elements:
+                    self.add([s])
             return
-        self.elements[number] = statement
-        self.types[number] = kind
-        self.space = self.space or ("planar" if kind.planar else "spatial")
-        for i, role in enumerate(kind.nodes, 1):
-            node = statement.integer(i)
-            if node not in self.roles:
-                self.roles[node] = role
-                self.users[node] = statement
+        kind = ELEMENT_TYPES[statements[0].keyword]
+        self._users.clear()
+        self.elements.update(new)
+        self.types.update(dict.fromkeys(new, kind))
+        self.kinds[kind] = None
+        space = "planar" if kind.planar else "spatial"
+        self.space = self.space or space
+        self.regular &= self.space == space
+        end = 1 + len(kind.nodes)
+        nodes = cast("list[tuple[int, ...]]", [s.values[1:end] for s in statements])
+        roles = self.roles
+        for node, role in zip(chain.from_iterable(nodes), cycle(kind.nodes), strict=False):
+            if roles.setdefault(node, role) != role:
+                self.regular = False
+        columns = list(zip(*nodes, strict=True))
+        if any(True in map(eq, columns[i], columns[j]) for i, j in twins_of(kind)):
+            self.regular = False

@@ -1,37 +1,41 @@
-"""Statements of plain lines: ordinary numbers in the number that the keyword takes, read without looking at each word.
+"""Statements of plain lines: ordinary numbers in the number that the keyword takes, read together without looking at
+each word.
 
-Most lines of a large model are of this kind. A line for which a message may be needed gives None, and `arguments` reads
-it word by word.
+Most lines of a large model are of this kind. Lines for which a message may be needed give None, and `arguments` reads
+them word by word.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
+from itertools import repeat
+from operator import le
 from typing import Any
 
-from spacar.deck.lexer import LARGEST_NUMBER, Plain
+from spacar.deck.lexer import LARGEST_NUMBER, PlainLines
 from spacar.deck.outline import Outline
-from spacar.deck.splitter import Raw
-from spacar.deck.statement import Statement, Value
+from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
-from spacar.deck.table_types import Keyword, Parameter, subject_of
+from spacar.deck.table_types import COORDINATES, Keyword, Parameter, coordinates_of, subject_of
 
 NUMBERED_PARTS = ("coordinate", "mode")
 ELEMENT, NODE, PART = range(3)  # what a value refers to
+Columns = Sequence[Sequence[Any]]  # numbers of several statements, by argument; 3. finds what is known as 3
 
-_CONVERT: dict[str, Callable[[str], Value]] = {"integer": int, "real": float}
+_make: Callable[[Iterable[Any]], Statement] = partial(tuple.__new__, Statement)  # without a call of Python for each
 
 
 @dataclass(frozen=True, slots=True)
 class _Form:
-    """A form of a statement with a certain number of arguments: what converts each of them, and the places (from 0) of
-    those that refer to something, with what that is (ELEMENT, NODE or PART) and, of nodes, the role that is asked for.
+    """A form of a statement with a certain number of arguments: the places (from 0) of those that are integers, and of
+    those that refer to something, with what that is (ELEMENT, NODE or PART), of nodes the role that is asked for, and
+    whether a part of it follows.
     """
 
-    convert: tuple[Callable[[str], Value], ...]
-    references: tuple[tuple[int, int, str], ...]
+    integers: tuple[int, ...]
+    references: tuple[tuple[int, int, str, bool], ...]
 
 
 @cache
@@ -40,66 +44,92 @@ def _form(keyword: Keyword, space: str, role: str, kind: str, count: int) -> _Fo
     for variant in keyword.variants:
         if variant.fits(space, role, kind) and count in variant.counts:
             parameters = variant.parameters[:count]
-            if any(p.kind not in _CONVERT for p in parameters):
+            if any(p.kind == "name" for p in parameters):
                 return None
-            return _Form(tuple([_CONVERT[p.kind] for p in parameters]), tuple(_references(parameters)))
+            integers = tuple([i for i, p in enumerate(parameters) if p.kind == "integer"])
+            return _Form(integers, tuple(_references(parameters)))
     return None
 
 
-def _references(parameters: Sequence[Parameter]) -> Iterator[tuple[int, int, str]]:
-    for i, p in enumerate(parameters):
-        if p.of == "element":
-            yield i, ELEMENT, ""
-        elif p.of.endswith("node"):
-            yield i, NODE, p.of.removesuffix("node").strip()
-        elif p.of in NUMBERED_PARTS:
-            yield i, PART, ""
+@cache
+def _same_form(keyword: Keyword, space: str, count: int) -> _Form | None:
+    """The form that so many numbers take whatever node or element they are about, None when it depends on that."""
+    _, of_element = subject_of(keyword)
+    if of_element:
+        forms = {_form(keyword, space, "", kind, count) for kind in ELEMENT_TYPES}
+    else:
+        forms = {_form(keyword, space, role, "", count) for role in COORDINATES}
+    return forms.pop() if len(forms) == 1 else None
 
 
-def plain_statement(raw: Raw, row: Plain, keyword: Keyword, outline: Outline) -> Statement | None:
-    """The statement of a plain line when nothing about it needs a message, else None."""
-    texts, name, line = raw.texts, raw.keyword, raw.line
-    element = ELEMENT_TYPES.get(name)
-    role = kind = ""
-    try:
-        if element is None:
-            subject, of_element = subject_of(keyword)
-            if subject is not None and subject < len(texts):
-                number = int(texts[subject])
-                if of_element:
-                    kind = outline.types[number].keyword
-                else:
-                    role = outline.roles[number]
-        form = _form(keyword, outline.space if element is None else "", role, kind, len(texts))
-        if form is None:
-            return None
-        values: tuple[Any, ...] = tuple([convert(text) for convert, text in zip(form.convert, texts, strict=True)])
-    except (ValueError, KeyError):  # an integer with a point; what does not exist
+def _references(parameters: Sequence[Parameter]) -> Iterator[tuple[int, int, str, bool]]:
+    with_part = False
+    found = []
+    for i, p in reversed(list(enumerate(parameters))):
+        if p.of in NUMBERED_PARTS:
+            with_part = True
+            found.append((i, PART, "", False))
+        elif p.of == "element" or p.of.endswith("node"):
+            what = ELEMENT if p.of == "element" else NODE
+            found.append((i, what, p.of.removesuffix("node").strip() if what == NODE else "", with_part))
+            with_part = False
+    return reversed(found)
+
+
+def plain_statements(lines: PlainLines, keyword: Keyword, outline: Outline) -> list[Statement] | None:
+    """The statements of plain lines when nothing about any of them needs a message, else None."""
+    element = ELEMENT_TYPES.get(lines.keyword)
+    columns: list[Sequence[Any]] = [*lines.columns]
+    form = _same_form(keyword, "" if element else outline.space, len(columns)) or _form_of(columns, keyword, outline)
+    if form is None:
         return None
+    for i in form.integers:
+        numbers = list(map(int, columns[i]))
+        if numbers != columns[i]:
+            return None
+        columns[i] = numbers
     if element is not None:
-        numbers = values[: 1 + len(element.nodes)]
-        if min(numbers) < 1 or max(numbers) > LARGEST_NUMBER:
+        named = columns[: 1 + len(element.nodes)]
+        if min(map(min, named)) < 1 or max(map(max, named)) > LARGEST_NUMBER:
             return None
-    elif not _known(values, form, outline):
+    elif form.references and not _known(columns, form, outline):
         return None
-    return Statement(name, values, raw.block, line, (line,) * len(values), row.text)
+    values = zip(*columns, strict=True) if columns else repeat(())
+    return list(map(_make, zip(repeat(lines.keyword), values, repeat(lines.block), lines.lines, lines.texts)))
 
 
-def _known(values: Sequence[int], form: _Form, outline: Outline) -> bool:
-    """Whether everything that the values of a plain line refer to exists; `arguments` says what does not."""
-    most = 0
-    for i, what, wanted in form.references:
-        number = values[i]
+def _form_of(columns: Columns, keyword: Keyword, outline: Outline) -> _Form | None:
+    """The form of statements about nodes and elements that exist; None when it is not the same for all."""
+    subject, of_element = subject_of(keyword)
+    count = len(columns)
+    if subject is None or subject >= count:
+        return _form(keyword, outline.space, "", "", count)
+    if of_element:
+        kinds = set(map(outline.types.get, columns[subject]))
+        forms = [_form(keyword, outline.space, "", kind.keyword, count) if kind else None for kind in kinds]
+    else:
+        roles = set(map(outline.roles.get, columns[subject]))
+        forms = [_form(keyword, outline.space, role, "", count) if role else None for role in roles]
+    return forms[0] if len(forms) == 1 or all(form == forms[0] for form in forms) else None
+
+
+def _known(columns: Columns, form: _Form, outline: Outline) -> bool:
+    """Whether everything that the values of plain lines refer to exists; `arguments` says what does not."""
+    most: Sequence[int] = ()  # number of parts of what the value before refers to
+    for i, what, wanted, with_part in form.references:
+        numbers = columns[i]
         if what == PART:
-            if most and not 1 <= number <= most:
+            if most and (min(numbers) < 1 or not all(map(le, numbers, most))):
                 return False
         elif what == ELEMENT:
-            if number not in outline.types:
+            kinds = list(map(outline.types.get, numbers))
+            if None in kinds:
                 return False
-            most = outline.modes(number)
+            most = [len(kind.modes) for kind in kinds if kind] if with_part else ()
         else:
-            role = outline.roles.get(number)
-            if role is None or (wanted and wanted != role):
+            roles = list(map(outline.roles.get, numbers))
+            if None in roles or (wanted and roles.count(wanted) < len(roles)):
                 return False
-            most = outline.coordinates(number)
+            planar = outline.space == "planar"
+            most = [coordinates_of(role, planar) for role in roles if role] if with_part else ()
     return True

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from spacar.deck.cross_section import (
     LEAST,
@@ -188,9 +188,11 @@ def _use(
 
 def _outline_of(statements: Sequence[Statement], before: Outline) -> Outline:
     """The outline of the divided model."""
-    outline = replace(before, elements={}, types={}, roles={}, users={}, space="")
+    outline = Outline(
+        complete=before.complete, broken=before.broken, broken_blocks=before.broken_blocks, metre=before.metre
+    )
     for s in sorted((s for s in statements if s.keyword in ELEMENT_TYPES), key=lambda s: s.line):
-        outline.add(s)
+        outline.add([s])
     return outline
 
 

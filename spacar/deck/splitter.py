@@ -1,16 +1,19 @@
 """Lines and words to raw statements in blocks: END HALT and END END, unknown and misplaced keywords.
 
-Nothing is known about the model here; a word is judged by the keyword names of the block only. A plain line with a
-keyword of its block is a statement as it stands; all others are taken word by word.
+Nothing is known about the model here; a word is judged by the keyword names of the block only. Plain lines with a
+keyword of their block are statements as they stand, those with the same keyword and count are put together, also where
+other plain lines stand between them; all others are taken word by word.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from operator import attrgetter
 
 from spacar.deck.findings import Findings
 from spacar.deck.keyword_table import ALIASES, KEYWORDS, NAME_PLACES, NAMES, BlockKind, blocks_of
-from spacar.deck.lexer import Plain, SourceText, Word
+from spacar.deck.lexer import PlainLines, SourceText, Word
 
 _NOT_NUMBERS = ("NAN", "INF", "INFINITY")
 _SUGGESTIONS = 40
@@ -22,34 +25,36 @@ _BLOCK_NAMES = {1: "kinematics block", 2: "dynamics block", 3: "third block"}
 
 @dataclass(slots=True, eq=False)
 class Raw:
-    """A statement whose arguments are still words: their texts, and the words, or the plain line that has them."""
+    """A statement whose arguments are still words."""
 
     keyword: str
     block: int
     line: int
-    texts: list[str] = field(default_factory=list)
-    given: list[Word] | Plain = field(default_factory=list)
+    words: list[Word] = field(default_factory=list)
 
-    @property
-    def words(self) -> list[Word]:
-        """The arguments with their places."""
-        return self.given.words[1:] if isinstance(self.given, Plain) else self.given
 
-    def append(self, word: Word) -> None:
-        if isinstance(self.given, Plain):
-            self.given = self.words
-        self.texts.append(word.text)
-        self.given.append(word)
+def raws_of(lines: PlainLines) -> Iterator[Raw]:
+    """The statements of plain lines, one by one."""
+    for line, (_, *words) in zip(lines.lines, lines.words(), strict=True):
+        yield Raw(lines.keyword, lines.block, line, words)
 
 
 @dataclass(slots=True, eq=False)
 class Split:
-    """All raw statements and, for each block that was opened, where its text begins and ends (line,
-    column); `strangers` are refused words with what follows them."""
+    """All statements, as plain lines or with their words, and, for each block that was opened, where its text begins
+    and ends (line, column); `strangers` are refused words with what follows them. Where plain lines are `interleaved`
+    the order of the file is that of the lines of the statements, and of those on one line the order here."""
 
-    statements: list[Raw] = field(default_factory=list)
+    statements: list[PlainLines | Raw] = field(default_factory=list)
+    interleaved: bool = False
     strangers: list[Raw] = field(default_factory=list)
     spans: dict[int, tuple[tuple[int, int], tuple[int, int]]] = field(default_factory=dict)
+
+    @property
+    def raws(self) -> list[Raw]:
+        """The statements with their words, in the order of the file."""
+        found = [raw for s in self.statements for raw in (raws_of(s) if isinstance(s, PlainLines) else (s,))]
+        return sorted(found, key=attrgetter("line"))
 
 
 def split(source: SourceText, findings: Findings) -> Split:
@@ -58,8 +63,9 @@ def split(source: SourceText, findings: Findings) -> Split:
 
 
 class _Splitter:
-    """State of one pass over the lines; `skipping` while the arguments of a refused keyword go by, `end` an END whose
-    next word has not come yet, `fresh` while no word of the block has come."""
+    """State of one pass over the lines; `current` or the last of `lines` is the open statement, `alike` the plain lines
+    of each keyword since the last other line, `skipping` while the arguments of a refused keyword go by, `end` an END
+    whose next word has not come yet, `fresh` while no word of the block has come."""
 
     def __init__(self, source: SourceText, findings: Findings) -> None:
         self.source = source
@@ -71,6 +77,8 @@ class _Splitter:
         self.fresh = False
         self.start: tuple[int, int] = (1, 1)
         self.current: Raw | None = None
+        self.lines: PlainLines | None = None
+        self.alike: dict[str, PlainLines] = {}
         self.misplaced: set[tuple[int, int]] = set()
         self.skipping = False
         self.end: Word | None = None
@@ -80,19 +88,38 @@ class _Splitter:
 
     def run(self) -> Split:
         for row in self.source.rows:
-            if isinstance(row, Plain):
-                name = ALIASES.get(row.keyword, row.keyword)
-                if name in NAMES[self.block] and self.end is None and not self._wants_first_name():
-                    self._open_since(row.line)
-                    self.current = Raw(name, self.block, row.line, row.numbers, row)
-                    self.result.statements.append(self.current)
+            if isinstance(row, PlainLines):
+                if self._takes_lines(row):
                     continue
-                row = row.words
-            for word in row:
-                if self._take(word):
-                    return self.result
+                rows = row.words()
+            else:
+                rows = [row]
+            self.alike.clear()
+            for words in rows:
+                for word in words:
+                    if self._take(word):
+                        return self.result
         self._unfinished(" after a single END" if self.end is not None else "")
         return self.result
+
+    def _takes_lines(self, row: PlainLines) -> bool:
+        """Take plain lines as statements if that is what they are here; no keyword that has a name begins one."""
+        name = ALIASES.get(row.keyword, row.keyword)
+        if name not in NAMES[self.block] or self.end is not None or name in NAME_PLACES or self._wants_first_name():
+            return False
+        if self.fresh:
+            self._open_since(row.line)
+        self.current = None
+        before = self.alike.get(name)
+        if before is not None and len(before.columns) == len(row.columns):
+            before.append(row)
+            self.result.interleaved |= before is not self.lines
+            self.lines = before
+            return True
+        row.keyword, row.block = name, self.block
+        self.alike[name] = self.lines = row
+        self.result.statements.append(row)
+        return True
 
     def _take(self, word: Word) -> bool:
         """Take the next word; true at the end of the analysis part."""
@@ -128,43 +155,59 @@ class _Splitter:
     # -- statements ----------------------------------------------------------------------------------------
 
     def _begin(self, name: str, word: Word, block: int) -> None:
-        self.current = Raw(name, block, word.line)
+        self.current, self.lines = Raw(name, block, word.line), None
         self.result.statements.append(self.current)
+
+    def _detach(self) -> None:
+        """Make the last of plain lines a statement of its own, as words follow that it may take."""
+        if self.lines is None:
+            return
+        last = len(self.lines.lines) - 1
+        (self.current,) = raws_of(self.lines.part(last, last + 1))
+        statements = self.result.statements
+        k = len(statements) - 1
+        while statements[k] is not self.lines:  # not many: those since the last line that was not plain
+            k -= 1
+        statements[k : k + 1] = [self.lines.part(0, last)] if last else []
+        statements.append(self.current)
+        self.lines = None
 
     def _append(self, word: Word) -> None:
         assert self.current is not None
-        self.current.append(word)
+        self.current.words.append(word)
 
     def _wants_first_name(self) -> bool:
         """Whether the statement has no word yet and begins with a name, so that the next word is one on any line."""
         current = self.current
-        return current is not None and not current.texts and 0 in NAME_PLACES.get(current.keyword, ())
+        return current is not None and not current.words and 0 in NAME_PLACES.get(current.keyword, ())
 
     def _wants_name(self, word: Word) -> bool:
         """Whether the word is a name; behind other arguments a name stands on their line, else it was left out."""
         current = self.current
-        if current is None or len(current.texts) not in NAME_PLACES.get(current.keyword, ()):
+        if current is None or len(current.words) not in NAME_PLACES.get(current.keyword, ()):
             return False
-        return not (current.texts and word.first)
+        return not (current.words and word.first)
 
     def _argument(self, word: Word) -> None:
+        self._detach()
         if self.current is not None:
             self._append(word)
         elif self.skipping:
             if self.result.strangers:
-                self.result.strangers[-1].append(word)
+                self.result.strangers[-1].words.append(word)
         else:
             self.error(word, f"'{word.text}' stands before any keyword of the {self._open()}", "structure")
             self.skipping = True
 
     def _stranger(self, name: str, word: Word) -> None:
         """A word that starts with a letter and is no keyword of this block."""
+        self._detach()
         blocks = blocks_of(name)
         if blocks:
             self._other_block(name, word)
             return
         if self.current is not None and not word.first:
-            room = len(self.current.texts) < NAMES[self.current.block][self.current.keyword]
+            room = len(self.current.words) < NAMES[self.current.block][self.current.keyword]
             if room and (name in _NOT_NUMBERS or not name.isalpha() or not nearest(name, self.block)):
                 self._append(word)  # reported with the meaning of its position
                 return
@@ -221,7 +264,7 @@ class _Splitter:
 
     def _close(self, line: int, column: int) -> None:
         self.result.spans[self.block] = (self.start, (line, column))
-        self.current = None
+        self.current = self.lines = None
         self.skipping = False
 
     def _next_block(self, word: Word) -> None:
@@ -291,12 +334,16 @@ def unknown(word: Word, block: int, suggest: bool = True) -> str:
     return text
 
 
-def third_kind(statements: list[Raw], kind: BlockKind | None) -> BlockKind | None:
+def third_kind(statements: list[PlainLines | Raw], kind: BlockKind | None) -> BlockKind | None:
     """The kind of the third block: the one that the mode asks for, else the one its keywords belong to."""
     if kind is not None:
         return kind
-    third = [r for r in statements if r.block == 3]
-    if not third:
+    trajectory = count = 0
+    for s in statements:
+        if s.block == 3:
+            several = len(s.lines) if isinstance(s, PlainLines) else 1
+            count += several
+            trajectory += several * ((s.keyword, BlockKind.TRAJECTORY) in KEYWORDS)
+    if not count:
         return None
-    trajectory = sum((r.keyword, BlockKind.TRAJECTORY) in KEYWORDS for r in third)
-    return BlockKind.TRAJECTORY if trajectory > len(third) // 2 else BlockKind.LINEARIZATION
+    return BlockKind.TRAJECTORY if trajectory > count // 2 else BlockKind.LINEARIZATION

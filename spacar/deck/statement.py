@@ -18,21 +18,29 @@ class Statement(NamedTuple):
     """One statement of an input file.
 
     `keyword` is in capitals with aliases resolved, `values` are typed by the keyword table, `block` is 1, 2
-    or 3, `line` that of the keyword, `lines` those of every value (from 1). `place`: the columns of the values, or the
-    text of the line, when it holds this statement and nothing else.
+    or 3, `line` that of the keyword (from 1). `place`: line and column of every value, or the text of the line, when it
+    holds this statement and nothing else, or nothing for a statement that follows from another one.
     """
 
     keyword: str
     values: tuple[Value, ...]
     block: int
     line: int
-    lines: tuple[int, ...]
-    place: tuple[int, ...] | str = ()
+    place: tuple[tuple[int, int], ...] | str = ()
+
+    @property
+    def lines(self) -> tuple[int, ...]:
+        """Those of every value (from 1)."""
+        if isinstance(self.place, str) or not self.place:
+            return (self.line,) * len(self.values)
+        return tuple([line for line, _ in self.place])
 
     @property
     def columns(self) -> tuple[int, ...]:
         """Those of every value (from 1); none for a statement that follows from another one."""
-        return columns_of(self.place)[1:] if isinstance(self.place, str) else self.place
+        if isinstance(self.place, str):
+            return columns_of(self.place)[1:]
+        return tuple([column for _, column in self.place])
 
     @property
     def subject(self) -> str:

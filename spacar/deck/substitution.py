@@ -39,18 +39,19 @@ class _Template:
             return
         self.lines = split_lines(deck.text)
         self.place = {id(s): k for k, s in enumerate(deck.statements)}
+        self.groups = [[self.place[id(s)] for s in group] for group in deck.index.groups]
         own = set(self.checked(deck.statements) or ())
         self.read = tuple([m for m in deck.messages if m not in own])  # not those of the checks
 
     def checked(self, statements: tuple[Statement, ...]) -> list[Message] | None:
         """Messages of the checks, None when there is an error, or another one in a block that the mode skips."""
-        outline = Outline(metre=1.0)
-        for s in statements:
-            if s.keyword in ELEMENT_TYPES:
-                outline.add(s)
+        groups, outline = [[statements[k] for k in group] for group in self.groups], Outline(metre=1.0)
+        for group in groups:
+            if group[0].keyword in ELEMENT_TYPES:
+                outline.add(group)
         findings, others = Findings(self.deck.source), Findings(self.deck.source)
         by_block = {block: findings if block in self.used else others for block in (1, 2, 3)}
-        check(StatementIndex(statements), outline, self.deck.mode, self.deck.third, by_block)
+        check(StatementIndex(groups, self.deck.index.interleaved), outline, self.deck.mode, self.deck.third, by_block)
         if self.skipped is None:
             self.skipped = others.messages
         return None if findings.errors or others.messages != self.skipped else findings.messages

@@ -124,6 +124,12 @@ def lengths_of(kind: ElementType) -> list[int]:
 
 
 @cache
+def twins_of(kind: ElementType) -> list[tuple[int, int]]:
+    """Pairs of places (from 0) in the nodes of an element type with the same role."""
+    return [(i, j) for j, role in enumerate(kind.nodes) for i in range(j) if kind.nodes[i] == role]
+
+
+@cache
 def coordinates_used(kind: ElementType) -> list[int]:
     """Coordinates of an element type in the rows of its nodes, four places each, one after the other."""
     return [4 * k + i for k, role in enumerate(kind.nodes) for i in range(coordinates_of(role, kind.planar))]

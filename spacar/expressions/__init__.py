@@ -12,13 +12,13 @@ operators     + - * / ** and numbers, pi
 functions     those of `functions.FUNCTIONS`
 """
 
-from spacar.expressions.evaluation import Variables, evaluate
+from spacar.expressions.evaluation import Variables, evaluate, evaluate_cases
 from spacar.expressions.expression_units import NONE, Dimensions, Unit, combine, unit, unit_text
 from spacar.expressions.functions import FUNCTIONS
 from spacar.expressions.grammar import MEANING, Expression, parse
 from spacar.expressions.result_places import listed, place
 
 __all__ = [
-    "FUNCTIONS", "MEANING", "NONE", "Dimensions", "Expression", "Unit", "Variables", "combine", "evaluate", "listed",
-    "parse", "place", "unit", "unit_text",
+    "FUNCTIONS", "MEANING", "NONE", "Dimensions", "Expression", "Unit", "Variables", "combine", "evaluate",
+    "evaluate_cases", "listed", "parse", "place", "unit", "unit_text",
 ]  # fmt: skip

@@ -43,6 +43,12 @@ class Value:
     unit: Unit | None
 
 
+def evaluate_cases(expression: Expression, variables: Variables) -> NDArray[Any]:
+    """Values of many cases at once: of `variables` every one has a further axis of cases at its end, and so have the
+    values, (steps, cases); or (cases,) or () where they are numbers. Raises what `evaluate` does."""
+    return np.asarray(_Evaluation(expression.text, variables, None, of_cases=True).value(expression.tree).values)
+
+
 def evaluate(
     expression: Expression, variables: Variables, units: Callable[[str, Sequence[int]], Unit | None] | None = None
 ) -> tuple[NDArray[Any], Unit | None]:
@@ -66,6 +72,7 @@ class _Evaluation:
     text: str
     variables: Variables
     units: Callable[[str, Sequence[int]], Unit | None] | None
+    of_cases: bool = False  # arrays have an axis of cases at their end
 
     def value(self, node: ast.expr) -> Value:
         if isinstance(node, ast.Constant):
@@ -89,7 +96,11 @@ class _Evaluation:
 
     @property
     def t(self) -> NDArray[np.float64]:
-        return np.ravel(self.variables["t"])
+        t = np.ravel(self.variables["t"])
+        return t[:, None] if self.of_cases else t
+
+    def is_series(self, values: Any) -> bool:
+        return bool(np.ndim(values) == 1 + self.of_cases)
 
     def unit_of(self, name: str, numbers: Sequence[int]) -> Unit | None:
         return None if self.units is None else self.units(name, numbers)
@@ -116,6 +127,10 @@ class _Evaluation:
         unit = function.unit(name, [a.unit for a in arguments], self.text)
         try:
             with np.errstate(all="ignore"):
+                if function.over_steps:
+                    values = arguments[0].values
+                    series = values if self.is_series(values) else np.asarray(values)[None]
+                    return Value(np.asarray(function.compute(series)), unit)
                 return Value(np.asarray(function.compute(*(a.values for a in arguments))), unit)
         except TypeError:  # of NumPy for a function of real numbers
             text = f"'{self.text}': {name} takes real numbers; write abs(), real() or imag() inside"
@@ -143,8 +158,8 @@ class _Evaluation:
         return Value(values[column_of], self.unit_of(name, numbers))
 
     def at(self, series: Any, moment: str | int | float) -> Any:
-        t, text = self.t, f"'{self.text}'"
-        if np.shape(series) != t.shape:
+        t, text = np.ravel(self.t), f"'{self.text}'"
+        if not self.is_series(series) or len(series) != len(t):
             raise UsageError(f"{text}: @ stands behind a series, one value for every step", "expression.step")
         if isinstance(moment, str):
             return np.asarray(series[0 if moment == "start" else -1])

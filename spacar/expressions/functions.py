@@ -14,12 +14,16 @@ from spacar.expressions.expression_units import DEGREE, NONE, RAD, Unit
 
 @dataclass(frozen=True)
 class ExpressionFunction:
-    """compute: of arrays over the steps, or numbers.  unit(name, units, text): UsageError where it makes no sense."""
+    """compute: of arrays over the steps, or numbers.  unit(name, units, text): UsageError where it makes no sense.
+
+    over_steps: one number of a series, which is the first axis.
+    """
 
     help: str
     compute: Callable[..., Any]
     unit: Callable[[str, Sequence[Unit | None], str], Unit | None]
     arguments: int = 1
+    over_steps: bool = False
 
 
 def _same(name: str, units: Sequence[Unit | None], text: str) -> Unit | None:
@@ -55,16 +59,20 @@ def _degrees(name: str, units: Sequence[Unit | None], text: str) -> Unit | None:
 
 
 def _rms(values: Any) -> Any:
-    return np.sqrt(np.mean(np.abs(values) ** 2))
+    return np.sqrt(np.mean(np.abs(values) ** 2, axis=0))
+
+
+def _over_steps(function: Callable[..., Any]) -> Callable[..., Any]:
+    return lambda values: function(values, axis=0)
 
 
 FUNCTIONS = {
-    "max": ExpressionFunction("largest value of a series", np.max, _same),
-    "min": ExpressionFunction("smallest value", np.min, _same),
-    "mean": ExpressionFunction("mean of the stored values", np.mean, _same),
-    "rms": ExpressionFunction("square root of the mean of the squares", _rms, _same),
-    "span": ExpressionFunction("largest minus smallest value", np.ptp, _same),
-    "last": ExpressionFunction("last value", lambda v: np.atleast_1d(v)[-1], _same),
+    "max": ExpressionFunction("largest value of a series", _over_steps(np.max), _same, 1, True),
+    "min": ExpressionFunction("smallest value", _over_steps(np.min), _same, 1, True),
+    "mean": ExpressionFunction("mean of the stored values", _over_steps(np.mean), _same, 1, True),
+    "rms": ExpressionFunction("square root of the mean of the squares", _rms, _same, 1, True),
+    "span": ExpressionFunction("largest minus smallest value", _over_steps(np.ptp), _same, 1, True),
+    "last": ExpressionFunction("last value", lambda v: v[-1], _same, 1, True),
     "abs": ExpressionFunction("absolute value", np.abs, _same),
     "real": ExpressionFunction("real part", np.real, _same),
     "imag": ExpressionFunction("imaginary part", np.imag, _same),

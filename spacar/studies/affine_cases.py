@@ -30,7 +30,7 @@ from spacar.errors import SpacarError
 from spacar.mechanism import Mechanism, build
 from spacar.studies.assignments import Setting, change, changed_arguments, changed_statements
 from spacar.studies.checked_lengths import placed_well
-from spacar.studies.ensemble import why_not
+from spacar.studies.ensemble import why_not_of
 from spacar.studies.side_by_side import Cases, alike, start_of
 
 if TYPE_CHECKING:
@@ -80,10 +80,10 @@ class _Table:
         self.base, self.far = passed.min(axis=0), passed.max(axis=0)
         self.base[self.moved] = passed[0, self.moved]
         decks = [self._changed(self._towards(chosen)) for chosen in _subsets(self.given)]
-        if why_not(decks[0], **self.options) or not alike(*decks):
+        mechanisms = [build(decks[0], 1, **self.options)]
+        if why_not_of(mechanisms[0]) or not alike(*decks):
             return None
-        corners = [decks[k] for k in (0, *(1 << k for k in range(len(self.given))))]
-        mechanisms = [build(d, 1, **self.options) for d in corners]
+        mechanisms += [build(decks[1 << k], 1, **self.options) for k in range(len(self.given))]
         for k in self.moved:
             mechanisms.append(build(self._moved(k, passed[:, k], mechanisms[0].length), 1, **self.options))
         starts = [start_of(m) for m in mechanisms]

@@ -8,19 +8,19 @@ it are run alone, so that the row of each says what is wrong with that case.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import chain, islice
 
 from spacar.deck import Deck
 from spacar.errors import SpacarError
 from spacar.modes import find_mode
-from spacar.result import Result
 from spacar.studies.affine_cases import affine_cases
 from spacar.studies.assignments import change
-from spacar.studies.ensemble import ensemble, followed, why_not
+from spacar.studies.ensemble import BlockMotions, motions, why_not
 from spacar.studies.rows import Row
-from spacar.studies.side_by_side import alike
+from spacar.studies.side_by_side import alike, side_by_side
 from spacar.studies.sweep import LOST, Case, Study, Values, row, run_case
 from spacar.studies.workers import Engine, Lost, cores
 
@@ -84,39 +84,53 @@ def run_chunk(chunk: Chunk) -> list[Row]:
     """Rows of the cases of a chunk, run together where they are alike and singly where not, or where one fails."""
     study = chunk.study
     begun = time.perf_counter()
+    found: dict[int, tuple[float | complex, ...]] = {}
     try:
-        together, others, results = _run_together(study, chunk)
-        found = [
-            None if result is None else {q.name: q.number(result) for q in study.quantities} for result in results
-        ]
+        _run_together(study, chunk, found)
     except (SpacarError, ArithmeticError):
-        return [run_case(Case(study, values)) for values in chunk.cases]
-    seconds = (time.perf_counter() - begun) / max(len(together), 1)
-    others += [values for values, own in zip(together, found, strict=True) if own is None]
-    both = zip(together, found, strict=True)
-    rows = [row(study, values, own, seconds, "") for values, own in both if own is not None]
-    return rows + [run_case(Case(study, values)) for values in others]
+        found.clear()
+    seconds = (time.perf_counter() - begun) / max(len(found), 1)
+    names = [q.name for q in study.quantities]
+    together = [
+        row(study, chunk.cases[k], dict(zip(names, found[k], strict=True)), seconds, "") for k in sorted(found)
+    ]
+    alone = (values for k, values in enumerate(chunk.cases) if k not in found)
+    return together + [run_case(Case(study, values)) for values in alone]
 
 
-def _run_together(study: Study, chunk: Chunk) -> tuple[list[Values], list[Values], list[Result | None]]:
-    """The cases that were run together, those that have to run singly, and the results of the former."""
+def _run_together(study: Study, chunk: Chunk, found: dict[int, tuple[float | complex, ...]]) -> None:
+    """Put the quantities of the cases that can be run together under their places."""
     cases = affine_cases(study.deck, study.settings, chunk.cases, **study.options)
-    if cases is not None:
-        chosen = [chunk.cases[k] for k in cases.chosen]
-        left = [values for k, values in enumerate(chunk.cases) if k not in set(cases.chosen)]
-        return chosen, left, followed(cases, threads=chunk.threads, **study.options)
-    together: list[tuple[Values, Deck]] = []
-    others: list[Values] = []
-    for values in chunk.cases:
-        try:
+    if cases is None:
+        chosen, decks = _alike(study, chunk.cases)
+        if not decks:
+            return
+        cases = side_by_side(decks, **study.options)
+    else:
+        chosen = list(cases.chosen)
+
+    def keep(motion: BlockMotions) -> None:
+        columns = [q.numbers(motion, len(motion.own)) for q in study.quantities]
+        for lane, k in enumerate(motion.own):
+            if any(column is None for column in columns):
+                result = motion.result(lane)
+                found[chosen[k]] = tuple(q.number(result) for q in study.quantities)
+            else:
+                values = tuple(column[lane] for column in columns)  # type: ignore[index]
+                if None not in values:
+                    found[chosen[k]] = values  # type: ignore[assignment]
+
+    motions(cases, keep, threads=chunk.threads, **study.options)
+
+
+def _alike(study: Study, cases: Sequence[Values]) -> tuple[list[int], list[Deck]]:
+    """Places and decks of the cases that can be run together; `run_case` records why the others cannot."""
+    chosen: list[int] = []
+    decks: list[Deck] = []
+    for k, values in enumerate(cases):
+        with suppress(SpacarError):
             deck = change(study.deck, study.settings, values)
-            fits = not why_not(deck, **study.options) if not together else alike(together[0][1], deck)
-        except SpacarError:
-            fits = False  # run_case records why
-        if fits:
-            together.append((values, deck))
-        else:
-            others.append(values)
-    decks = [deck for _, deck in together]
-    results = ensemble(decks, threads=chunk.threads, **study.options) if together else []
-    return [values for values, _ in together], others, results
+            if alike(decks[0], deck) if decks else not why_not(deck, **study.options):
+                chosen.append(k)
+                decks.append(deck)
+    return chosen, decks

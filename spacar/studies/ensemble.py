@@ -18,9 +18,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacar.arrays import Array
 from spacar.deck import Deck
@@ -44,12 +46,17 @@ if TYPE_CHECKING:
 
 X_FIELDS = ("x", "xd", "xdd", "fx", "fxgrav", "fxtot")
 E_FIELDS = ("e", "ed", "edd", "sig")
+E_INDEX = {name: k for k, name in enumerate(E_FIELDS)}
 WITHOUT_LANES = (220, 225)  # methods that want a state of positions first, then velocities
 
 
 def why_not(deck: Deck, **options: Any) -> str:
     """Why the cases of a deck cannot be run together; empty when they can."""
-    mechanism = build(deck, 1, **options)
+    return why_not_of(build(deck, 1, **options))
+
+
+def why_not_of(mechanism: Mechanism) -> str:
+    """The same of a mechanism."""
     settings = mechanism.settings
     if settings.duration is None or settings.n_steps < 1:
         return "there is no TIMESTEP"
@@ -62,6 +69,45 @@ def why_not(deck: Deck, **options: Any) -> str:
     from spacar.compiled import why_general, why_not_in_lanes
 
     return why_general(mechanism) or why_not_in_lanes(mechanism) or ""
+
+
+@dataclass(frozen=True)
+class BlockMotions:
+    """The motions of a block of cases; variables have the cases last, (steps, nx or ne, cases).
+
+    own         places of the cases
+    x, e        (steps, 6, nx, lanes), (steps, 4, ne, lanes): X_FIELDS, E_FIELDS; lanes behind the cases fill up
+    statistics  of every step, said of every case
+    """
+
+    mechanism: Mechanism
+    own: tuple[int, ...]
+    t: Array
+    x: Array
+    e: Array
+    statistics: list[dict[str, int]]
+    said: list[tuple[str, ...]]
+
+    @property
+    def lnp(self) -> NDArray[np.int64]:
+        return self.mechanism.numbering.lnp
+
+    @property
+    def le(self) -> NDArray[np.int64]:
+        return self.mechanism.numbering.le
+
+    def __getitem__(self, name: str) -> Array:
+        """t, one of X_FIELDS or E_FIELDS. Raises KeyError for what only a result has."""
+        if name == "t":
+            return self.t
+        values, k = (self.x, X_FIELDS.index(name)) if name in X_FIELDS else (self.e, E_INDEX[name])
+        return values[:, k, :, : len(self.own)]
+
+    def result(self, lane: int) -> Result:
+        """Everything of one case."""
+        own = {name: self.x[:, k, :, lane] for k, name in enumerate(X_FIELDS)}
+        own |= {name: self.e[:, k, :, lane] for k, name in enumerate(E_FIELDS)}
+        return Result(self.mechanism, 1, StoredFrames(self.t, own, self.statistics), self.said[lane], {})
 
 
 def ensemble(
@@ -89,6 +135,21 @@ def followed(
     cases: Cases, times: np.ndarray | None = None, *, threads: int = 1, **options: Any
 ) -> list[Result | None]:
     """The same of cases that can be batched."""
+    results: list[Result | None] = [None] * len(cases.start)
+
+    def keep(motion: BlockMotions) -> None:
+        for lane, k in enumerate(motion.own):
+            results[k] = motion.result(lane)
+
+    motions(cases, keep, times, threads=threads, **options)
+    return results
+
+
+def motions(
+    cases: Cases, use: Callable[[BlockMotions], None], times: np.ndarray | None = None, *, threads: int = 1,
+    **options: Any,
+) -> None:  # fmt: skip
+    """Let `use` have the motions of every block that can be followed, in the thread that has followed it."""
     from spacar.compiled.cases import InLanes, PlacedStart, blocks
 
     single, numbers, start = cases.single, cases.numbers, cases.start
@@ -101,10 +162,9 @@ def followed(
     alone.sweep.mass()
     largest = largest_mass(single, alone.sweep)
     g = displaced(alone)
-    results: list[Result | None] = [None] * len(start)
 
     def follow(chosen: Sequence[int]) -> None:
-        """Results of a block; a case whose user function fails has none, and the others begin again without it."""
+        """A block; a case whose user function fails has no motion, and the others begin again without it."""
         own = list(dict.fromkeys(chosen))
         while own:
             lanes = [*own, *own[-1:] * (len(chosen) - len(own))]
@@ -114,13 +174,14 @@ def followed(
                 alone.model, alone.kinematics.scale, numbers.take(np.array(lanes)), start[lanes], drives, users
             )
             with suppress(AnalysisError):
-                together_followed(block, own)
+                motion = together_followed(block, own)
+                use(motion)
                 return
             if block.failed is None:
                 return
             del own[block.failed]
 
-    def together_followed(block: InLanes, own: Sequence[int]) -> None:
+    def together_followed(block: InLanes, own: Sequence[int]) -> BlockMotions:
         said: dict[int, tuple[str, ...]] = {}
         if not block.start(placed, largest):
             for k in own:
@@ -128,10 +189,7 @@ def followed(
                 looked_at.start()  # raises where a mass matrix is singular
                 if looked_at.doubt:
                     said[k] = (f"warning: {looked_at.doubt}",)
-        found = _motion(block, times, single, g)
-        for lane, k in enumerate(own):
-            frames, lost = found(lane)
-            results[k] = Result(single, 1, frames, (*said.get(k, ()), *lost), {})
+        return _motion(block, own, times, single, g, said)
 
     if threads == 1:
         for chosen in blocks(len(start)):
@@ -139,7 +197,6 @@ def followed(
     else:
         with ThreadPoolExecutor(threads) as pool:
             list(pool.map(follow, blocks(len(start))))
-    return results
 
 
 def _drive(single: Mechanism, numbers: Numbers, case: int) -> Drive:
@@ -154,31 +211,27 @@ def _drive(single: Mechanism, numbers: Numbers, case: int) -> Drive:
     return UserDrive.load(deck, statement, single.numbering, polynomial, settings_of(deck))
 
 
-Lane = tuple[StoredFrames, tuple[str, ...]]
-
-
-def _motion(block: InLanes, times: Array, single: Mechanism, g: Array | None) -> Callable[[int], Lane]:
-    """The frames of a lane of the block, and what is said of its stresses. Raises AnalysisError."""
-    settings = single.settings
+def _motion(
+    block: InLanes, own: Sequence[int], times: Array, single: Mechanism, g: Array | None,
+    said: dict[int, tuple[str, ...]],
+) -> BlockMotions:  # fmt: skip
+    """The motions of a block; `said` of its cases before. Raises AnalysisError."""
+    settings, n, lanes = single.settings, single.numbering, block.by_case[2]
     each = None if g is None else np.broadcast_to(g[:, None], block.by_case[1:]).ravel()
-    xs, es = [], []
+    x, e = (np.empty((len(times), *shape, lanes)) for shape in ((len(X_FIELDS), n.nx), (len(E_FIELDS), n.ne)))
     statistics: list[dict[str, int]] = []
     outputs = integrated(
         block, block.y0, times, settings, Tolerances.of(settings, each),
         breaks=block.breaks, watch=block.watch, back=block.rejected, marching=block.marching,
     )  # fmt: skip
-    lost: list[dict[int, str]] = [{} for _ in range(block.by_case[2])]
-    for out in outputs:
-        x, e = block.variables(float(out.t), out.y)
-        for lane, told in enumerate(lost):
-            told |= block.lost(lane) | told
-        xs.append(x)
-        es.append(e)
+    lost: list[dict[int, str]] = [{} for _ in own]
+    for step, out in enumerate(outputs):
+        block.variables(float(out.t), out.y, x[step], e[step])
+        if block.solver.slots.laws:
+            for lane, told in enumerate(lost):
+                told |= block.lost(lane) | told
         statistics.append(work(out))
-    all_x, all_e = np.array(xs).transpose(3, 1, 0, 2), np.array(es).transpose(3, 1, 0, 2)  # lane, variable, step, place
-
-    def of_lane(lane: int) -> Lane:
-        own = dict(zip((*X_FIELDS, *E_FIELDS), (*all_x[lane], *all_e[lane]), strict=True))
-        return StoredFrames(times, own, statistics), (*block.warnings[lane].values(), *lost[lane].values())
-
-    return of_lane
+    of_cases = [
+        (*said.get(k, ()), *block.warnings[lane].values(), *lost[lane].values()) for lane, k in enumerate(own)
+    ]
+    return BlockMotions(single, tuple(own), times, x, e, statistics, of_cases)

@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from spacar.errors import UsageError
-from spacar.expressions import evaluate, parse
+from spacar.expressions import Variables, evaluate, evaluate_cases, parse
 from spacar.expressions.grammar import NOTHING_MORE, Expression, More
 from spacar.result import Result
 
@@ -23,6 +23,19 @@ class Quantity:
     def series(self, result: Result) -> np.ndarray:
         """Value over the stored steps, (steps,), or a single number as (1,). Raises UsageError."""
         return np.atleast_1d(evaluate(_parsed(self.text), result)[0])
+
+    def numbers(self, variables: Variables, cases: int) -> list[float | complex | None] | None:
+        """The numbers of all cases of `evaluate_cases`, None of a case that has to be told what is wrong, or of all."""
+        try:
+            values = evaluate_cases(_parsed(self.text), variables)
+        except (UsageError, KeyError, OverflowError, RecursionError):
+            return None
+        if values.ndim > 1 and len(values) == 1:
+            values = values[0]
+        if values.ndim > 1:
+            return None
+        values = np.broadcast_to(values, (cases,))
+        return [v if fine else None for v, fine in zip(values.tolist(), np.isfinite(values).tolist(), strict=True)]
 
     def number(self, result: Result) -> float | complex:
         """The single number that the expression is. Raises UsageError when it is a series or not finite."""

@@ -65,7 +65,7 @@ class Rows:
         if self.csv:
             self._write(_csv_line([_cell(row.get(name)) for name in self.columns]))
         else:
-            self._write(json.dumps(_plain(row)) + "\n")
+            self._write(json.dumps(row, default=_parts) + "\n")
         self.done[str(row["case"])] = row
 
     def _write(self, line: str) -> None:
@@ -115,6 +115,13 @@ def digest(text: str) -> str:
     from hashlib import sha256
 
     return sha256(text.encode()).hexdigest()[:16]
+
+
+def _parts(value: Any) -> list[float]:
+    """JSON has no complex numbers."""
+    if isinstance(value, complex):
+        return [value.real, value.imag]
+    raise TypeError(f"{value!r} in a row")
 
 
 def _plain(value: Any) -> Any:

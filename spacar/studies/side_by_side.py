@@ -112,7 +112,7 @@ def copies(decks: Sequence[Deck]) -> Deck:
             values = list(s.values)
             for i in places:
                 values[i] = s.integer(i) + k * stride
-            statements.append(Statement(s.keyword, tuple(values), s.block, s.line, s.lines, s.place))
+            statements.append(s._replace(values=tuple(values)))
     return Deck(tuple(statements), first.source, first.path, first.text, first.data, mode=1)
 
 

@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -46,7 +47,11 @@ class Study:
     def key(self, values: Sequence[float]) -> str:
         """What tells this case from every other one: model, mode, options, parameters, quantities."""
         before, after = self._around_values
-        return digest(f"{before}{key_text(list(values))}{after}")
+        if all(isinstance(v, float) and isfinite(v) for v in values):
+            own = f"[{', '.join(map(float.__repr__, values))}]"  # as JSON writes them
+        else:
+            own = key_text(list(values))
+        return digest(f"{before}{own}{after}")
 
     @cached_property
     def _around_values(self) -> tuple[str, str]:

@@ -64,7 +64,7 @@ def test_calls_give_the_deck_of_the_file(path):
     deck = spacar.read_deck(path)
     model = spacar.Model(deck.source)
     scanned = scan(deck.text)
-    for raw in split(scanned, Findings("")).statements:
+    for raw in split(scanned, Findings("")).raws:
         call(model, raw.keyword, raw.block, [w.text for w in raw.words])
     model.visualization(*(scanned.visualization or ()))
     assert same(model.deck(), deck, drawn=scanned.visualization is not None)

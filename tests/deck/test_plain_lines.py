@@ -1,15 +1,24 @@
-"""A plain line (a keyword with ordinary numbers) means what its words mean when they are taken one by one."""
+"""Plain lines (a keyword with ordinary numbers), read and checked together, mean what their words mean when they are
+taken one by one, and each statement is checked on its own."""
 
+import random
 import re
-from contextlib import suppress
+import sys
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from spacar.deck import deck_reader, lexer, parse_deck
-from spacar.deck.arguments import read_statement
+from spacar.deck import (
+    checks_dynamics,
+    checks_geometry,
+    deck_reader,
+    lexer,
+    outline,
+    parse_deck,
+)
 from spacar.errors import InputError
 
 DATA = Path(__file__).parents[2] / "data"
@@ -22,9 +31,45 @@ MISTAKES = [
 ]  # fmt: skip
 
 
-def read(text):
+def by_words(text):
+    """The rows of a text without plain lines, for `lexer.scan`."""
+    given = re.split("\r\n|\r|\n", text.removeprefix("\ufeff"))
+    rows, count = [], len(given)
+    for number, line in enumerate(given, 1):
+        words = [lexer.Word(m[0], number, m.start() + 1, False) for m in re.finditer(r"[^ \t\v\f%#;]+|[%#;].*", line)]
+        words = [w._replace(first=i == 0) for i, w in enumerate(words) if w.text[0] not in "%#;"]
+        if words and words[0].text.upper() == "VISUALIZATION":
+            count = number - 1
+            break
+        rows += [words] if words else []
+    rest = None if count == len(given) else given[count + 1 :]
+    if rest and not rest[-1]:
+        rest.pop()
+    long = [number for number, line in enumerate(given[:count], 1) if len(line) > 160]
+    return lexer.SourceText(rows, rest if rest is None else tuple(rest), long, count)
+
+
+@contextmanager
+def one_by_one():
+    """Every statement is read by its words, and checked without a look at others like it."""
+    add = outline.Outline.add
+
+    def irregular(self, statements):
+        add(self, statements)
+        self.regular = False
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(deck_reader, "scan", by_words)
+        patch.setattr(outline.Outline, "add", irregular)
+        patch.setattr(checks_geometry, "_ordinary", lambda *_: False)
+        patch.setattr(checks_geometry, "_all_new", lambda *_: False)
+        patch.setattr(checks_dynamics, "_may_have_signs", lambda _: True)
+        yield
+
+
+def read(text, mode=None):
     try:
-        deck = parse_deck(text)
+        deck = parse_deck(text, mode=mode)
     except InputError as error:
         return [str(m) for m in error.messages]
     rows = [
@@ -36,10 +81,28 @@ def read(text):
 @pytest.mark.parametrize(
     "text", [p.read_text("utf-8", "replace") for p in FILES] + MISTAKES, ids=[p.stem for p in FILES] + ["a", "b", "c"]
 )
-def test_plain_lines_are_their_words(text, monkeypatch):
+def test_plain_lines_are_their_words(text):
     plain = read(text)
-    monkeypatch.setattr(lexer, "_PLAIN", re.compile(r"(?!)"))
-    assert read(text) == plain
+    with one_by_one():
+        assert read(text) == plain
+
+
+WITHOUT_UNITS = [path for path in FILES if path.stem != "leafguide"]
+
+
+@pytest.mark.parametrize("path", WITHOUT_UNITS, ids=lambda p: p.stem)
+def test_real_files_are_read_together(path, monkeypatch):
+    """Only lines with names and several statements on a line are taken word by word."""
+    read = []
+    exact = deck_reader.read_statement
+    monkeypatch.setattr(deck_reader, "read_statement", lambda raw, *rest: read.append(raw) or exact(raw, *rest))
+    lines = path.read_text("utf-8").splitlines()
+    with suppress(InputError):
+        parse_deck("\n".join(lines))
+    for raw in read:
+        words = re.split("[%#;]", lines[raw.line - 1])[0].split()[1:]
+        spread = len(words) != len(raw.words)
+        assert spread or any(lexer.number_of(w) is None or re.search("[dD]", w) for w in words)
 
 
 WORDS = ["1", "+1.", ".5", "-1.5e-79", "1E+79", "999999999999999.00000000000000000001e79", "0.e5"]
@@ -47,7 +110,7 @@ WORDS = ["1", "+1.", ".5", "-1.5e-79", "1E+79", "999999999999999.000000000000000
 
 @pytest.mark.parametrize("word", WORDS)
 def test_ordinary_numbers_are_in_range(word):
-    """What the pattern of plain lines takes `float` reads, and has a size that can be computed with."""
+    """What the pattern of plain lines takes `float` reads, and it is not too small to be computed with."""
     assert lexer._PLAIN.match(f"X {word}")
     assert float(word) == lexer.number_of(word)
     assert lexer.is_in_range(float(word), word)
@@ -87,35 +150,111 @@ TEXT = st.builds(
 def odd_lines_are_their_words(text):
     """Every single statement, also of a file that is refused."""
 
-    def both():
-        statements = []
+    def statements_too():
+        told = {}
+        exact = deck_reader._read
 
-        def recorded(*arguments):
-            s = read_statement(*arguments)
-            statements.append(s and (*s[:5], [type(v) for v in s.values], s.columns))
-            return s
+        def recorded(part, keyword, outline, findings, groups, lost):
+            told[id(groups)] = groups
+            exact(part, keyword, outline, findings, groups, lost)
 
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(deck_reader, "read_statement", recorded)
-            return read(text), statements
+            patch.setattr(deck_reader, "_read", recorded)
+            found = read(text)
+        statements = sorted([s for groups in told.values() for group in groups for s in group], key=lambda s: s.line)
+        return found, [(*s[:4], s.lines, s.columns, [type(v) for v in s.values]) for s in statements]
 
-    plain = both()
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(lexer, "_PLAIN", re.compile(r"(?!)"))
-        assert both() == plain
+    together = statements_too()
+    with one_by_one():
+        assert statements_too() == together
+
+
+TEXTS = [p.read_text("utf-8", "surrogateescape") for p in FILES]
+ODD = [*ORDINARY, *REALS, "1_0", "1e-5", "1e16", "0." + "0" * 120 + "1", "1" * 120, "f", "X", "END", "HALT", "\r", "%",
+       "é", "\x1c", "\xa0", "VISUALIZATION"]  # fmt: skip
+
+
+def damaged(seed, text):
+    """A text with some of its lines dropped, repeated, joined, divided or with other words; the seed says which."""
+    rng = random.Random(seed)
+    lines = text.split("\n")
+    for _ in range(rng.randrange(5)):
+        k, what = rng.randrange(len(lines) - 1), rng.randrange(8)
+        words = lines[k].split() or [""]
+        w = rng.randrange(len(words))
+        if what == 0:
+            del lines[k]
+        elif what == 1:
+            lines.insert(rng.randrange(len(lines)), lines[k])
+        elif what == 2:
+            lines[k : k + 2] = [f"{lines[k]} {lines[k + 1]}"]
+        elif what == 3:
+            lines[k : k + 1] = [" ".join(words[:w]), " ".join(words[w:])]
+        elif what == 4:
+            lines[k] = rng.choice([lines[k].lower(), f"\t {lines[k]}", lines[k] + " % é"])
+        elif what == 5:
+            lines[k] = " ".join(words[:w] + words[w + 1 :])
+        else:
+            words[w : w + 7 - what] = [rng.choice(ODD)]
+            lines[k] = " ".join(words)
+    return "\n".join(lines)
+
+
+MODES = st.sampled_from([None, 0, 1, 2, 3, 7, 8, 9, "simulation"])
+
+
+def damaged_files_say_the_same(text, mode):
+    together = read(text, mode)
+    with one_by_one():
+        assert read(text, mode) == together
+
+
+def cantilever(n, sort):
+    """A file of n planar beams in a row, with five statements for each, by their keywords or by the element."""
+    beams = [f"PLBEAM {k} {2 * k - 1} {2 * k} {2 * k + 1} {2 * k + 2}" for k in range(1, n + 1)]
+    rows = [f"{beam}\nX {2 * k + 1} {k / n} 0." for k, beam in enumerate(beams, 1)]
+    rows += ["FIX 1", "FIX 2", *(f"DYNE {k} 2 3" for k in range(1, n + 1))]
+    loads = [f"EM {k} 1.5\nESTIFF {k} 0. {k}.25" for k in range(1, n + 1)]
+    blocks = ["\n".join(block).split("\n") for block in (rows, loads)]
+    return "\nEND HALT\n".join("\n".join(sorted(b) if sort else b) for b in blocks) + "\nEND END\n"
+
+
+@pytest.mark.parametrize(("sort", "most"), [(True, 2.5), (False, 8.0)], ids=["by keyword", "by element"])
+def test_large_files_take_few_calls(sort, most):
+    """Calls of functions in Python do not grow faster than the file, and plain statements need few of their own."""
+
+    def calls(n):
+        text, count = cantilever(n, sort), 0
+
+        def counted(_, event, __):
+            nonlocal count
+            count += event == "call"
+
+        sys.setprofile(counted)
+        try:
+            parse_deck(text)
+        finally:
+            sys.setprofile(None)
+        return count
+
+    calls(10)  # what is found once for each keyword
+    few, some, many = calls(100), calls(200), calls(400)
+    assert many - some <= 2.01 * (some - few)
+    assert many - some <= most * 200 * 5
 
 
 def every_ordinary_number_is_read_alike(word):
-    """`float` and `int` read a word of the pattern as the number grammar does, or `int` refuses it."""
+    """`float` reads a word of the pattern as the number grammar does."""
     assert lexer.is_in_range(float(word), word)
     assert float(word) == lexer.number_of(word)
-    with suppress(ValueError):
-        assert int(word) == lexer.integer_of(word)
 
 
 # many examples in the slow tests, the first of them in the fast ones
 TRIED = settings(deadline=None, database=None, derandomize=True)
 few_odd, odd = (settings(TRIED, max_examples=n)(given(TEXT)(odd_lines_are_their_words)) for n in (50, 1500))
+FILE = st.builds(damaged, st.integers(0, 2**63), st.sampled_from(TEXTS))
+some, all_files = (settings(TRIED, max_examples=n)(given(FILE, MODES)(damaged_files_say_the_same)) for n in (100, 3000))
+test_damaged_files_say_the_same, test_many_damaged_files_say_the_same = some, pytest.mark.slow(all_files)
 NUMBERS = st.from_regex(lexer._ORDINARY, fullmatch=True)
 few, many = (settings(TRIED, max_examples=n)(given(NUMBERS)(every_ordinary_number_is_read_alike)) for n in (30, 1000))
 test_odd_lines_are_their_words, test_many_odd_lines_are_their_words = few_odd, pytest.mark.slow(odd)

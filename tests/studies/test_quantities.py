@@ -124,3 +124,43 @@ def test_any_text_is_read_or_refused(text):
     """No text brings anything but a quantity or a UsageError."""
     with contextlib.suppress(UsageError):
         quantity(text)
+
+
+@pytest.mark.parametrize("text", [
+    "x[1,1]@end", "max(x[1,2])", "rms(x[1,1]) + mean(e[1,1])", "span(x[1,2]) * t@end", "last(abs(x[1,1]))", "pi",
+    "x[1,1]@0.5 - x[1,1]@start", "sqrt(x[1,1])@end", "max(t)", "min(hypot(x[1,1], x[1,2]))", "max(x[1,1]@end)",
+])  # fmt: skip
+def test_the_numbers_of_many_cases_are_those_of_each(text):
+    from types import SimpleNamespace
+
+    rng, cases = np.random.default_rng(3), 3
+    values = {"x": rng.standard_normal((5, 2, cases)), "e": rng.standard_normal((5, 1, cases))}
+    t = np.linspace(0.0, 1.0, 5)
+    tables = {"lnp": np.array([[1, 2]]), "le": np.array([[1]])}
+
+    def variables(of):
+        class Read(SimpleNamespace):
+            def __getitem__(self, name):
+                return t if name == "t" else of(values[name])
+
+        return Read(**tables)
+
+    asked = quantity(text)
+    together = asked.numbers(variables(lambda v: v), cases)
+    for case, found in enumerate(together):
+        one = variables(lambda v, case=case: v[..., case])
+        if found is None:
+            with pytest.raises(UsageError):
+                asked.number(one)
+        else:
+            assert found == pytest.approx(asked.number(one), rel=1e-14)
+
+
+def test_a_series_has_no_number_for_many_cases():
+    from types import SimpleNamespace
+
+    class Read(SimpleNamespace):
+        def __getitem__(self, name):
+            return np.zeros(4) if name == "t" else np.zeros((4, 2, 3))
+
+    assert quantity("x[1,1]").numbers(Read(lnp=np.array([[1, 2]]), le=np.zeros((0, 0))), 3) is None
