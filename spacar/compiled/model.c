@@ -427,12 +427,12 @@ static real norm_of_rates(Model *m, real *of_inverse)
     for (int k = 0; k < n; k++) y[k] = EVERY(1.0 / m->s.scale[unknown(m, s->column_order[k])]);
     for (int k = 0; k < n; k++) {
         y[k] *= lanes_larger(zero, s->inverse[k]);
-        for (int u = s->upper_start[k]; u < s->upper_start[k + 1]; u++)
-            y[s->upper_column[u]] += lanes_larger(zero, s->upper[u]) * y[k];
+        for (int u = s->upper_at[k]; u < s->row_at[k + 1]; u++)
+            y[s->factor_column[u]] += lanes_larger(zero, s->factors[u]) * y[k];
     }
     for (int k = n - 1; k >= 0; k--) {
-        for (int l = s->lower_start[k]; l < s->lower_start[k + 1]; l++)
-            y[s->lower_column[l]] += lanes_larger(zero, s->lower[l]) * y[k];
+        for (int l = s->row_at[k]; l < s->upper_at[k] - 1; l++)
+            y[s->factor_column[l]] += lanes_larger(zero, s->factors[l]) * y[k];
         const int i = s->row_order[k];
         *of_inverse = lanes_larger(*of_inverse, y[k] * (s->weight[i] * m->s.e_scale[i]));
     }
