@@ -60,6 +60,12 @@ typedef struct {
     double mantissa, exponent;            /* of the inverse of its smallest size since these were cleared: mantissa 2^exponent */
 } State;
 
+enum { STATES = 3 }; /* from which a guess goes on */
+
+/* What is remembered of a state: of the last n evaluations with different times, the last first, the times, the degrees of freedom,
+   their rates and accelerations (3 q); x, xd, xdd (3 nx) of those before the last. */
+typedef struct { const State *of; int n; double t[STATES]; real *degrees[STATES], *before[STATES - 1]; } Trace;
+
 typedef struct {
     Spec s;
     int factored;                         /* the matrix of the position is that of some state before */
@@ -71,12 +77,15 @@ typedef struct {
     Entries coupling;                     /* of V^T M_e V; the factors of entry k are at first[k], second[k] */
     int *coupling_first, *coupling_second; real *coupling_weight;
     int reduced, width;                   /* accelerations from the reduced form; numbers in a row of `transfer` */
-    const State *transfer_of;             /* the state that `transfer` and `degrees` (q, their rates, accelerations) belong to */
+    const State *transfer_of;             /* the state that `transfer` belongs to */
+    Trace traces[2];                      /* of a motion and of its outputs, or of two companions; the first one is the last used */
     Sparse position, velocity, motion;    /* `velocity` where it is not that of the position */
     real *values;                         /* V, then M of moving elements, then the constant M */
+    real *factored_x;                     /* (nx) where the matrix of the position is the factored one */
     real *h, *convected, *applied, *b, *force, *next_x, *next_xd, *next_xdd, *near, *next_e, *given_ed, *given_edd, *stage, *piece;
-    real *degrees, *transfer, *weighted, *small;
+    real *transfer, *weighted, *small;
     int *v_place;                         /* (n_v) order of V's rows: place in `values` */
+    int *m_start, *m_column, *m_place;    /* M by rows in the same way, for the reduced form */
     int *places; real *parameters;        /* of the batches */
 } Model;
 

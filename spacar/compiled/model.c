@@ -141,20 +141,19 @@ static int find_entries(Model *m, Entries *V)
     return n_values;
 }
 
-/* V by rows. */
-static int sort_rows(Model *m, const Entries *V)
+/* A list by rows: row r from start[r] on. */
+static int sort_rows(const Entries *list, int n_rows, int **start, int **column, int **place)
 {
-    const int ne = m->s.ne;
-    m->v_start = cleared(ne + 2, sizeof(int));
-    m->v_column = cleared(V->n, sizeof(int));
-    m->v_place = cleared(V->n, sizeof(int));
-    if (!m->v_start || !m->v_column || !m->v_place) return NO_MEMORY;
-    for (int k = 0; k < V->n; k++) m->v_start[V->row[k] + 2]++;
-    for (int r = 0; r < ne; r++) m->v_start[r + 2] += m->v_start[r + 1];
-    for (int k = 0; k < V->n; k++) {
-        const int at = m->v_start[V->row[k] + 1]++;
-        m->v_column[at] = V->column[k];
-        m->v_place[at] = V->source[k];
+    *start = cleared(n_rows + 2, sizeof(int));
+    *column = cleared(list->n, sizeof(int));
+    *place = cleared(list->n, sizeof(int));
+    if (!*start || !*column || !*place) return NO_MEMORY;
+    for (int k = 0; k < list->n; k++) (*start)[list->row[k] + 2]++;
+    for (int r = 0; r < n_rows; r++) (*start)[r + 2] += (*start)[r + 1];
+    for (int k = 0; k < list->n; k++) {
+        const int at = (*start)[list->row[k] + 1]++;
+        (*column)[at] = list->column[k];
+        (*place)[at] = list->source[k];
     }
     return OK;
 }
@@ -178,7 +177,7 @@ static int takes_reduced_form(Model *m, int q)
     const double operations = transfer + (double)m->s.nx * q * (1.0 + 0.5 * q / ROW);
     if (operations < 0.4 * sure || operations > 2.0 * sure) return operations < sure;
     return !plan(motion, m->values, 0)
-        && operations < worth * (motion->lower_start[motion->n] + motion->upper_start[motion->n]);
+        && operations < worth * (motion->row_at[motion->n] - motion->n);
 }
 
 /* V[E, U] of the positions, and the saddle-point matrix of the accelerations and multipliers. */
@@ -239,6 +238,7 @@ static int assemble(Model *m)
     free(place);
     if (!status && m->holonomic && !s->prescribed) m->reduced = takes_reduced_form(m, q);
     if (!status && m->reduced) status = sparse_widen(&m->position, m->width);
+    if (!status && m->reduced) status = sort_rows(&m->mass, s->nx, &m->m_start, &m->m_column, &m->m_place);
     return status;
 }
 
@@ -253,7 +253,8 @@ static void spacar_end(Model *m)
     entries_end(&m->mass);
     entries_end(&m->given);
     entries_end(&m->dynamic);
-    free(m->v_start); free(m->v_column); free(m->v_place); free(m->v_offset); free(m->m_offset); free(m->values);
+    free(m->v_start); free(m->v_column); free(m->v_place); free(m->m_start); free(m->m_column); free(m->m_place);
+    free(m->v_offset); free(m->m_offset); free(m->values);
     free(m->h); /* the start of all vectors */
     free(m->transfer);
     free((void *)m->s.batches); free((void *)m->s.free); free(m->places); free(m->parameters);
@@ -357,26 +358,30 @@ static Model *spacar_begin(const int *whole, real *numbers, const Foreign *const
     for (int i = 0; i < spec->n_position; i++) if (spec->position[i] != i) m->holonomic = 0;
     Entries V = {0};
     const int n_values = m->v_offset && m->m_offset ? find_entries(m, &V) : NO_MEMORY;
-    int status = n_values < 0 ? NO_MEMORY : sort_rows(m, &V);
+    int status = n_values < 0 ? NO_MEMORY : sort_rows(&V, ne, &m->v_start, &m->v_column, &m->v_place);
     if (!status) status = find_coupling(m, n_values);
     entries_end(&V);
     if (!status) status = assemble(m);
-    real *work = status ? NULL : cleared(10 * (nx + ne) + nx, sizeof(real));
+    const int q = spec->n_x_dynamic + spec->n_e_dynamic;
+    real *work = status ? NULL : cleared(10 * (nx + ne) + 2 * nx + 2 * (3 * (STATES - 1) * nx + 3 * STATES * q), sizeof(real));
     if (!work) { spacar_end(m); return NULL; }
     real **vectors[] = {&m->h, &m->near, &m->next_e, &m->given_ed, &m->given_edd};
     for (int k = 0; k < 5; k++, work += ne) *vectors[k] = work;
-    real **coordinates[] = {&m->convected, &m->applied, &m->force, &m->next_x, &m->next_xd, &m->next_xdd};
-    for (int k = 0; k < 6; k++, work += nx) *coordinates[k] = work;
+    real **coordinates[] = {&m->convected, &m->applied, &m->force, &m->next_x, &m->next_xd, &m->next_xdd, &m->factored_x};
+    for (int k = 0; k < 7; k++, work += nx) *coordinates[k] = work;
     m->b = work;
     m->stage = m->b + nx + ne;
     m->piece = m->stage + 2 * (nx + ne);
+    work = m->piece + 2 * (nx + ne);
+    for (int k = 0; k < 2; k++) {
+        for (int l = 0; l < STATES; l++, work += 3 * q) m->traces[k].degrees[l] = work;
+        for (int l = 0; l < STATES - 1; l++, work += 3 * nx) m->traces[k].before[l] = work;
+    }
     if (m->reduced) {
-        const int q = spec->n_x_dynamic + spec->n_e_dynamic;
-        m->transfer = cleared((2 * nx + q + 3) * m->width, sizeof(real));
+        m->transfer = cleared((2 * nx + q) * m->width, sizeof(real));
         if (!m->transfer) { spacar_end(m); return NULL; }
         m->weighted = m->transfer + nx * m->width;
         m->small = m->weighted + nx * m->width;
-        m->degrees = m->small + q * m->width;
     }
     return m;
 }

@@ -29,9 +29,26 @@ static void dependent(Model *m, real *v, const real *e_rate, const real *h)
     memcpy(v + s->x_kinematic, r + nc, sizeof(real) * s->n_x_kinematic);
 }
 
+/* How many of Newton's corrections an error takes until the last one is below `converged`: each leaves the square. */
+static int corrections(double error, double converged)
+{
+    int n = 1;
+    for (; error > converged && n < MAX_ITERATIONS; n++) error *= error;
+    return n;
+}
+
+/* Whether a correction with the factors of another position saves one with new factors. It leaves of an error as much as the
+   gradient has changed, about the distance of the positions in their sizes. Only time depends on it. */
+static int takes_old_factors(const Model *m, const real *x, double error, double converged)
+{
+    const int first = m->s.n_fixed_x, end = first + m->s.n_position;
+    real moved = EVERY(0.0);
+    for (int i = first; i < end; i++) moved = lanes_larger(moved, (x[i] - m->factored_x[i]) / m->s.scale[i]);
+    return corrections(largest_lane(moved) * error, converged) < corrections(error, converged);
+}
+
 /* Position and velocity. x comes with the given values and a guess of the calculable ones, xd and ed with the given rates.
-   The first correction uses the matrix of the last state, which is still factored, unless transfer functions have made the
-   guess so good that this saves nothing. The limits are those of spacar/kinematics/kinematics.py: a correction that follows
+   The first correction uses the matrix of the last state, which is still factored, where that saves something. The limits are those of spacar/kinematics/kinematics.py: a correction that follows
    one below CONVERGED or rounding is as small as rounding allows and passes always. A residual that stays at rounding with
    larger corrections is left to the general path, which looks at the condition. */
 static int place(Model *m, real *x, real *xd, real *e, const real *near, const real *e_given, const real *e_rate,
@@ -60,10 +77,13 @@ static int place(Model *m, real *x, real *xd, real *e, const real *near, const r
         before = norm;
         halvings = 0;
         for (int i = 0; i < n; i++) r[i] = e[row[i]] - e_given[row[i]];
-        const int chord = !m->reduced && iteration == 1 && m->factored && norm > converged;
-        const int status = chord ? OK : factor(&m->position, m->values);
-        m->factored = !status;
-        if (status) return status;
+        const int chord = iteration == 1 && m->factored && takes_old_factors(m, x, norm, converged);
+        if (!chord) {
+            const int status = factor(&m->position, m->values);
+            m->factored = !status;
+            if (status) return status;
+            memcpy(m->factored_x, x, sizeof(real) * m->s.nx);
+        }
         solve(&m->position, r, r);
         real step = EVERY(0.0), sum = EVERY(0.0);
         for (int i = 0; i < n; i++) {
@@ -153,9 +173,41 @@ static int solve_positive(real *A, int width, int n, real *diagonal, real *b)
     return OK;
 }
 
+/* `parts` columns of ROW numbers of the rows of M X from `first` on, into out; X and out (nx, width), both from that column on.
+   `parts` is a constant here and below, so that the sums stay in registers. */
+static inline __attribute__((always_inline)) void mass_times(const Model *m, int first, const real *X, int width, real *out,
+                                                             const int parts)
+{
+    for (int i = first; i < m->s.nx; i++) {
+        row_part sum[parts], *to = (row_part *)(out + i * width);
+        for (int p = 0; p < parts; p++) sum[p] = (row_part){0};
+        for (int k = m->m_start[i]; k < m->m_start[i + 1]; k++) {
+            const real value = m->values[m->m_place[k]];
+            const row_part *from = (const row_part *)(X + m->m_column[k] * width);
+            for (int p = 0; p < parts; p++) sum[p] += value * from[p];
+        }
+        for (int p = 0; p < parts; p++) to[p] = sum[p];
+    }
+}
+
+/* The same of one row of X^T MX: of the column x, whose numbers are `width` apart; n rows. */
+static inline __attribute__((always_inline)) void projected(const real *x, const real *MX, int width, int n, real *out,
+                                                            const int parts)
+{
+    row_part sum[parts], *to = (row_part *)out;
+    for (int p = 0; p < parts; p++) sum[p] = (row_part){0};
+    for (int i = 0; i < n; i++) {
+        const real factor = x[i * width];
+        if (LANES == 1 && LANE(factor, 0) == 0.0) continue;
+        const row_part *from = (const row_part *)(MX + i * width);
+        for (int p = 0; p < parts; p++) sum[p] += factor * from[p];
+    }
+    for (int p = 0; p < parts; p++) to[p] = sum[p];
+}
+
 /* Reduced form: columns of `transfer` (nx, width) are the acceleration without the degrees of freedom, less gravity, and the
-   transfer functions of these q; zeros fill up the rows. `weighted` is M times them, with the forces subtracted from its first
-   column. xdd and, when wanted, sigma are completed from the given ones. */
+   transfer functions of these q; zeros fill up the rows. `weighted` is M times them, without the rows of what is fixed, with the
+   forces subtracted from its first column. xdd and, when wanted, sigma are completed from the given ones. */
 static int reduced_form(Model *m, const real *edd_given, real *xdd, real *sigma, int want_stress)
 {
     const Spec *s = &m->s;
@@ -172,27 +224,30 @@ static int reduced_form(Model *m, const real *edd_given, real *xdd, real *sigma,
     for (int c = 0; c < a; c++) X[(s->x_dynamic + c) * width + 1 + c] = EVERY(1.0);
     for (int i = 0; i < n; i++) xdd[first + i] = X[(first + i) * width];
     for (int i = 0; i < nx; i++) X[i * width] = xdd[i] - s->field[i];
-    memset(MX, 0, sizeof(real) * nx * width);
-    for (int k = 0; k < m->mass.n; k++)
-        add_row(MX + m->mass.row[k] * width, m->values[m->mass.source[k]], X + m->mass.column[k] * width, width);
+    int column = 0;
+    for (; column + 4 * ROW <= width; column += 4 * ROW) mass_times(m, first, X + column, width, MX + column, 4);
+    for (; column + 2 * ROW <= width; column += 2 * ROW) mass_times(m, first, X + column, width, MX + column, 2);
+    for (; column < width; column += ROW) mass_times(m, first, X + column, width, MX + column, 1);
     for (int k = 0; k < m->coupling.n; k++) { /* gravity does not act on it */
         const real value = m->values[m->coupling.source[k]];
         const int i = m->coupling.row[k], j = m->coupling.column[k];
+        if (i < first) continue;
         add_row(MX + i * width, value, X + j * width, width);
         MX[i * width] += value * s->field[j];
     }
     real *force = m->force;
     for (int i = 0; i < nx; i++) force[i] = m->applied[i] - m->convected[i];
     for (int r = s->n_rows; r < s->ne; r++) subtract_transposed(m, r, sigma[r], force);
-    for (int i = 0; i < nx; i++) MX[i * width] -= force[i];
-    memset(A, 0, sizeof(real) * q * width);
-    for (int i = first; i < nx; i++)
-        for (int c = 0; c < q; c++) {
-            const real x = X[i * width + 1 + c];
-            if (LANES == 1 && LANE(x, 0) == 0.0) continue;
-            add_row(A + c * width, x, MX + i * width, (1 + c + ROW) / ROW * ROW);
-        }
-    real *b = m->degrees + 2 * q;
+    for (int i = first; i < nx; i++) MX[i * width] -= force[i];
+    for (int c = 0; c < q; c++) {
+        const real *x = X + first * width + 1 + c, *from = MX + first * width;
+        const int end = (1 + c + ROW) / ROW * ROW;
+        real *to = A + c * width;
+        for (column = 0; column + 4 * ROW <= end; column += 4 * ROW) projected(x, from + column, width, nx - first, to + column, 4);
+        for (; column + 2 * ROW <= end; column += 2 * ROW) projected(x, from + column, width, nx - first, to + column, 2);
+        for (; column < end; column += ROW) projected(x, from + column, width, nx - first, to + column, 1);
+    }
+    real *b = m->b + q;
     if (solve_positive(A, width, q, m->b, b)) return SINGULAR;
     for (int i = first; i < nx; i++)
         for (int c = 0; c < q; c++) xdd[i] += X[i * width + 1 + c] * b[c];

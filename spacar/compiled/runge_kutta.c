@@ -27,6 +27,7 @@ static int rk_trial(March *r, RungeKutta *p)
         for (int i = 0; i < n; i++) stage[i] = p->y[i] + h * stage[i];
         const int status = derivative(r, r->t + p->c[k] * h, stage, p->K + k * n);
         if (status) return status;
+        leave_motion(r->model);
     }
     combine(p, n, p->stages, p->b, p->y_new);
     for (int i = 0; i < n; i++) p->y_new[i] = p->y[i] + h * p->y_new[i];

@@ -4,7 +4,11 @@
    by the row factors of an equilibration (Ruiz, RAL-TR-2001-034). The order minimizes the fill (Markowitz) among the
    entries that are at least THRESHOLD of the largest one of their column (Duff, Erisman, Reid, "Direct Methods for Sparse
    Matrices", chapters 5 and 10). A later factorization has no choice; it returns its largest
-   multiplier, and above GROWTH, or when that is not a number, the order has to be chosen again. */
+   multiplier, and above GROWTH, or when that is not a number, the order has to be chosen again.
+
+   Row k of the factors, in the order of the pivots, begins at row_at[k] with its multipliers, whose columns are ascending, then come
+   the pivot and from upper_at[k] on the rest of the row. `updates` are the places that are changed, in the order in
+   which elimination reaches them, so that nothing is looked up and nothing is copied. */
 
 enum { OK = 0, NO_CONVERGENCE = -1, SINGULAR = -2, NOT_FINITE = -3, JUMP = -4, NO_MEMORY = -5, NOT_ANSWERED = -6 };
 static const double THRESHOLD = 0.1, GROWTH = 100.0;
@@ -14,9 +18,11 @@ typedef struct {
     int *row, *column, *source;         /* (n_entries) */
     double *weight;                     /* (n) row factors */
     int *row_order, *column_order;      /* (n) row and column of pivot k */
-    int *entry_start, *entry_column, *entry_source; /* entries by pivot row, columns as pivots */
-    int *lower_start, *lower_column, *upper_start, *upper_column;
-    real *lower, *upper, *inverse, *work; /* `inverse` of the pivots */
+    int *entry_place, *entry_source;    /* (n_entries) by pivot row: where they go in the factors, where they come from */
+    double *entry_weight;
+    int *row_at, *upper_at;             /* (n + 1), (n) */
+    int *factor_column, *updates;       /* columns of the factors, as pivots; places in them */
+    real *factors, *inverse, *work;     /* `inverse` of the pivots */
 } Sparse;
 
 typedef struct { int n, capacity, *index; double *value; } List;
@@ -66,15 +72,15 @@ static int sparse_begin(Sparse *s, int n, int n_entries)
     s->weight = cleared(n, sizeof(double));
     s->row_order = cleared(n, sizeof(int));
     s->column_order = cleared(n, sizeof(int));
-    s->entry_start = cleared(n + 1, sizeof(int));
-    s->entry_column = cleared(n_entries, sizeof(int));
+    s->entry_place = cleared(n_entries, sizeof(int));
     s->entry_source = cleared(n_entries, sizeof(int));
-    s->lower_start = cleared(n + 1, sizeof(int));
-    s->upper_start = cleared(n + 1, sizeof(int));
+    s->entry_weight = cleared(n_entries, sizeof(double));
+    s->row_at = cleared(n + 1, sizeof(int));
+    s->upper_at = cleared(n, sizeof(int));
     s->inverse = cleared(n, sizeof(real));
     s->work = cleared(n, sizeof(real));
-    return s->row && s->column && s->source && s->weight && s->row_order && s->column_order && s->entry_start
-        && s->entry_column && s->entry_source && s->lower_start && s->upper_start && s->inverse && s->work ? OK : NO_MEMORY;
+    return s->row && s->column && s->source && s->weight && s->row_order && s->column_order && s->entry_place
+        && s->entry_source && s->entry_weight && s->row_at && s->upper_at && s->inverse && s->work ? OK : NO_MEMORY;
 }
 
 /* Room for `width` right-hand sides at a time; one until then. */
@@ -88,8 +94,8 @@ static int sparse_widen(Sparse *s, int width)
 static void sparse_end(Sparse *s)
 {
     free(s->row); free(s->column); free(s->source); free(s->weight); free(s->row_order); free(s->column_order);
-    free(s->entry_start); free(s->entry_column); free(s->entry_source); free(s->lower_start); free(s->lower_column);
-    free(s->upper_start); free(s->upper_column); free(s->lower); free(s->upper); free(s->inverse); free(s->work);
+    free(s->entry_place); free(s->entry_source); free(s->entry_weight); free(s->row_at); free(s->upper_at);
+    free(s->factor_column); free(s->updates); free(s->factors); free(s->inverse); free(s->work);
 }
 
 /* Row factors, so that after column factors too the largest entries of rows and columns are about 1. */
@@ -197,6 +203,54 @@ static int parity(const int *order, int n)
     return sign;
 }
 
+/* The places of all numbers of the factors, and which of them are changed when. `step` (n): the pivot of a column; `place` (n) is
+   for work. OK or NO_MEMORY. */
+static int lay_out(Sparse *s, const List *lower, const List *upper, const int *step, int *place)
+{
+    const int n = s->n;
+    int at = 0;
+    size_t changes = 0;
+    for (int k = 0; k < n; k++) {
+        const List *low = &lower[s->row_order[k]]; /* steps in the order of elimination, so ascending */
+        s->row_at[k] = at;
+        s->upper_at[k] = at + low->n + 1;
+        at += low->n + 1 + upper[k].n;
+        for (int j = 0; j < low->n; j++) changes += upper[low->index[j]].n;
+    }
+    s->row_at[n] = at;
+    free(s->factor_column); free(s->factors); free(s->updates);
+    s->factor_column = cleared(at, sizeof(int));
+    s->factors = cleared(at, sizeof(real));
+    s->updates = cleared(changes, sizeof(int));
+    int *first = cleared(n + s->n_entries, sizeof(int)), *next = first + n; /* entries of a row, and one behind another */
+    if (!s->factor_column || !s->factors || !s->updates || !first) { free(first); return NO_MEMORY; }
+    for (int i = 0; i < n; i++) first[i] = -1;
+    for (int k = s->n_entries - 1; k >= 0; k--) { next[k] = first[s->row[k]]; first[s->row[k]] = k; }
+    int *update = s->updates, entry = 0;
+    for (int k = 0; k < n; k++) {
+        const int i = s->row_order[k];
+        const List *low = &lower[i];
+        int *column = s->factor_column + s->row_at[k];
+        for (int j = 0; j < low->n; j++) *column++ = low->index[j];
+        *column++ = k;
+        for (int j = 0; j < upper[k].n; j++) *column++ = step[upper[k].index[j]];
+        for (int f = s->row_at[k]; f < s->row_at[k + 1]; f++) place[s->factor_column[f]] = f;
+        for (int j = 0; j < low->n; j++) {
+            const int above = low->index[j];
+            for (int f = s->upper_at[above]; f < s->row_at[above + 1]; f++) *update++ = place[s->factor_column[f]];
+        }
+        for (int e = first[i]; e >= 0; e = next[e], entry++) {
+            s->entry_place[entry] = place[step[s->column[e]]];
+            s->entry_source[entry] = s->source[e];
+            s->entry_weight[entry] = s->weight[i];
+        }
+    }
+    free(first);
+    s->planned = 1;
+    s->even = parity(s->row_order, n) * parity(s->column_order, n);
+    return OK;
+}
+
 /* Choose the order from the values of a lane. OK, SINGULAR or NO_MEMORY. */
 static int plan(Sparse *s, const real *values, int lane)
 {
@@ -204,7 +258,7 @@ static int plan(Sparse *s, const real *values, int lane)
     List *rows = cleared(n, sizeof(List)), *columns = cleared(n, sizeof(List));
     List *lower = cleared(n, sizeof(List)), *upper = cleared(n, sizeof(List));
     Counts counts = {0, NULL};
-    int *step = cleared(3 * n, sizeof(int)), *row_step = step + n, *next = step + 2 * n;
+    int *step = cleared(2 * n, sizeof(int)), *place = step + n;
     int status = rows && columns && lower && upper && step ? equilibrate(s, values, lane) : NO_MEMORY;
     s->planned = 0;
     for (int k = 0; k < s->n_entries && !status; k++) {
@@ -249,38 +303,8 @@ static int plan(Sparse *s, const real *values, int lane)
         for (int j = 0; j < row->n; j++) set_count(&counts, row->index[j], columns[row->index[j]].n);
     }
     if (!status) {
-        int n_lower = 0, n_upper = 0;
-        for (int k = 0; k < n; k++) { step[s->column_order[k]] = k; row_step[s->row_order[k]] = k; }
-        for (int k = 0; k < n; k++) { n_lower += lower[k].n; n_upper += upper[k].n; }
-        free(s->lower_column); free(s->upper_column); free(s->lower); free(s->upper);
-        s->lower_column = cleared(n_lower, sizeof(int));
-        s->upper_column = cleared(n_upper, sizeof(int));
-        s->lower = cleared(n_lower, sizeof(real));
-        s->upper = cleared(n_upper, sizeof(real));
-        if (!s->lower_column || !s->upper_column || !s->lower || !s->upper) status = NO_MEMORY;
-    }
-    if (!status) {
-        int a = 0, b = 0;
-        memset(s->entry_start, 0, (n + 1) * sizeof(int));
-        for (int k = 0; k < s->n_entries; k++) s->entry_start[row_step[s->row[k]] + 1]++;
-        for (int k = 0; k < n; k++) {
-            const List *low = &lower[s->row_order[k]]; /* steps in the order of elimination, so ascending */
-            s->entry_start[k + 1] += s->entry_start[k];
-            s->lower_start[k] = a;
-            s->upper_start[k] = b;
-            for (int j = 0; j < low->n; j++) s->lower_column[a++] = low->index[j];
-            for (int j = 0; j < upper[k].n; j++) s->upper_column[b++] = step[upper[k].index[j]];
-        }
-        s->lower_start[n] = a;
-        s->upper_start[n] = b;
-        memcpy(next, s->entry_start, n * sizeof(int));
-        for (int k = 0; k < s->n_entries; k++) {
-            const int at = next[row_step[s->row[k]]]++;
-            s->entry_column[at] = step[s->column[k]];
-            s->entry_source[at] = s->source[k];
-        }
-        s->planned = 1;
-        s->even = parity(s->row_order, n) * parity(s->column_order, n);
+        for (int k = 0; k < n; k++) step[s->column_order[k]] = k;
+        status = lay_out(s, lower, upper, step, place);
     }
     free_lists(rows, n); free_lists(columns, n); free_lists(lower, n); free_lists(upper, n);
     free(counts.fewest); free(step);
@@ -290,26 +314,21 @@ static int plan(Sparse *s, const real *values, int lane)
 /* Numbers in the chosen order, row by row; the largest multiplier, not a number after a pivot that is zero. */
 static real factor_in_order(Sparse *s, const real *values)
 {
-    const int n = s->n;
-    real *w = s->work, growth = EVERY(0.0), zero = EVERY(0.0);
-    for (int k = 0; k < n; k++) {
-        const int a = s->lower_start[k], b = s->lower_start[k + 1], c = s->upper_start[k], d = s->upper_start[k + 1];
-        const double weight = s->weight[s->row_order[k]];
-        for (int m = a; m < b; m++) w[s->lower_column[m]] = EVERY(0.0);
-        for (int m = c; m < d; m++) w[s->upper_column[m]] = EVERY(0.0);
-        w[k] = EVERY(0.0);
-        for (int m = s->entry_start[k]; m < s->entry_start[k + 1]; m++)
-            w[s->entry_column[m]] += values[s->entry_source[m]] * weight;
-        for (int m = a; m < b; m++) {
-            const int j = s->lower_column[m];
-            const real l = w[j] * s->inverse[j];
-            s->lower[m] = l;
+    real *f = s->factors, growth = EVERY(0.0), zero = EVERY(0.0);
+    const int *to = s->updates;
+    memset(f, 0, sizeof(real) * s->row_at[s->n]);
+    for (int m = 0; m < s->n_entries; m++) f[s->entry_place[m]] += values[s->entry_source[m]] * s->entry_weight[m];
+    for (int k = 0; k < s->n; k++) {
+        const int pivot = s->upper_at[k] - 1;
+        for (int m = s->row_at[k]; m < pivot; m++) {
+            const int j = s->factor_column[m], end = s->row_at[j + 1];
+            const real l = f[m] * s->inverse[j];
+            f[m] = l;
             growth = lanes_larger(growth, l);
-            for (int u = s->upper_start[j]; u < s->upper_start[j + 1]; u++) w[s->upper_column[u]] -= l * s->upper[u];
+            for (int u = s->upper_at[j]; u < end; u++) f[*to++] -= l * f[u];
         }
-        s->inverse[k] = 1.0 / w[k];
+        s->inverse[k] = 1.0 / f[pivot];
         zero += s->inverse[k] * 0.0;
-        for (int m = c; m < d; m++) s->upper[m] = w[s->upper_column[m]];
     }
     return growth + zero;
 }
@@ -332,53 +351,76 @@ static int factor(Sparse *s, const real *values)
 /* x of A x = b; both (n), the same or not. */
 static void solve(const Sparse *s, const real *b, real *x)
 {
-    const int n = s->n;
+    const int n = s->n, *column = s->factor_column;
+    const real *f = s->factors;
     real *y = s->work;
-    for (int k = 0; k < n; k++) {
-        real sum = b[s->row_order[k]] * s->weight[s->row_order[k]];
-        for (int m = s->lower_start[k]; m < s->lower_start[k + 1]; m++) sum -= s->lower[m] * y[s->lower_column[m]];
+    for (int k = 0, m = 0; k < n; k++) {
+        const int i = s->row_order[k], pivot = s->upper_at[k] - 1;
+        real sum = b[i] * s->weight[i];
+        for (; m < pivot; m++) sum -= f[m] * y[column[m]];
         y[k] = sum;
+        m = s->row_at[k + 1];
     }
     for (int k = n - 1; k >= 0; k--) {
+        const int end = s->row_at[k + 1];
         real sum = y[k];
-        for (int m = s->upper_start[k]; m < s->upper_start[k + 1]; m++) sum -= s->upper[m] * y[s->upper_column[m]];
+        for (int m = s->upper_at[k]; m < end; m++) sum -= f[m] * y[column[m]];
         y[k] = sum * s->inverse[k];
     }
     for (int k = 0; k < n; k++) x[s->column_order[k]] = y[k];
 }
 
+/* `parts` columns of ROW numbers of the following, from x on; a constant, so that the sums stay in registers. */
+static inline __attribute__((always_inline)) void solve_parts(const Sparse *s, real *x, int width, const int parts)
+{
+    const int n = s->n, *column = s->factor_column;
+    const real *f = s->factors;
+    row_part *y = (row_part *)s->work, sum[parts];
+    for (int k = 0, m = 0; k < n; k++) {
+        const int i = s->row_order[k], pivot = s->upper_at[k] - 1;
+        const row_part *b = (const row_part *)(x + i * width);
+        for (int p = 0; p < parts; p++) sum[p] = b[p] * s->weight[i];
+        for (; m < pivot; m++) {
+            const row_part *above = y + column[m] * parts;
+            for (int p = 0; p < parts; p++) sum[p] -= f[m] * above[p];
+        }
+        for (int p = 0; p < parts; p++) y[k * parts + p] = sum[p];
+        m = s->row_at[k + 1];
+    }
+    for (int k = n - 1; k >= 0; k--) {
+        const int end = s->row_at[k + 1];
+        row_part *to = (row_part *)(x + s->column_order[k] * width);
+        for (int p = 0; p < parts; p++) sum[p] = y[k * parts + p];
+        for (int m = s->upper_at[k]; m < end; m++) {
+            const row_part *below = y + column[m] * parts;
+            for (int p = 0; p < parts; p++) sum[p] -= f[m] * below[p];
+        }
+        for (int p = 0; p < parts; p++) to[p] = y[k * parts + p] = sum[p] * s->inverse[k];
+    }
+}
+
 /* The matrix X of A X = B, both (n, width) and the same, `width` a multiple of ROW. */
 static void solve_rows(const Sparse *s, real *x, int width)
 {
-    const int n = s->n;
-    real *y = s->work;
-    memset(y, 0, sizeof(real) * n * width);
-    for (int k = 0; k < n; k++) {
-        add_row(y + k * width, EVERY(s->weight[s->row_order[k]]), x + s->row_order[k] * width, width);
-        for (int m = s->lower_start[k]; m < s->lower_start[k + 1]; m++)
-            add_row(y + k * width, -s->lower[m], y + s->lower_column[m] * width, width);
-    }
-    for (int k = n - 1; k >= 0; k--) {
-        real *to = x + s->column_order[k] * width;
-        for (int m = s->upper_start[k]; m < s->upper_start[k + 1]; m++)
-            add_row(y + k * width, -s->upper[m], x + s->column_order[s->upper_column[m]] * width, width);
-        memset(to, 0, sizeof(real) * width);
-        add_row(to, s->inverse[k], y + k * width, width);
-    }
+    int c = 0;
+    for (; c + 4 * ROW <= width; c += 4 * ROW) solve_parts(s, x + c, width, 4);
+    for (; c + 2 * ROW <= width; c += 2 * ROW) solve_parts(s, x + c, width, 2);
+    for (; c < width; c += ROW) solve_parts(s, x + c, width, 1);
 }
 
 /* x of A^T x = b. */
 static void solve_transposed(const Sparse *s, const real *b, real *x)
 {
-    const int n = s->n;
+    const int n = s->n, *column = s->factor_column;
+    const real *f = s->factors;
     real *y = s->work;
     for (int k = 0; k < n; k++) y[k] = b[s->column_order[k]];
     for (int k = 0; k < n; k++) {
         y[k] *= s->inverse[k];
-        for (int m = s->upper_start[k]; m < s->upper_start[k + 1]; m++) y[s->upper_column[m]] -= s->upper[m] * y[k];
+        for (int m = s->upper_at[k]; m < s->row_at[k + 1]; m++) y[column[m]] -= f[m] * y[k];
     }
     for (int k = n - 1; k >= 0; k--)
-        for (int m = s->lower_start[k]; m < s->lower_start[k + 1]; m++) y[s->lower_column[m]] -= s->lower[m] * y[k];
+        for (int m = s->row_at[k]; m < s->upper_at[k] - 1; m++) y[column[m]] -= f[m] * y[k];
     for (int k = 0; k < n; k++) x[s->row_order[k]] = y[k] * s->weight[s->row_order[k]];
 }
 

@@ -1,6 +1,7 @@
 /* Evaluation of a state of the integrators: right-hand side, stages of a step, what frames have besides. */
 
 static const double SMALLEST_PIECE = 1.0 / 64.0; /* of the way to a state that is a jump away */
+static const double MAGNIFIED = 1e4;             /* at most, by an extrapolation: errors of the positions from which it goes on */
 
 /* Value, rate and acceleration of a prescribed motion. */
 static void prescribed(const Spec *s, const real *row, double t, real *value, real *rate, real *acceleration)
@@ -10,34 +11,154 @@ static void prescribed(const Spec *s, const real *row, double t, real *value, re
     *acceleration = row[2];
 }
 
+/* The polynomial that has position, velocity and acceleration of n states at the times `at` (Hermite): at t it is the sum of
+   c[k][0] x_k + c[k][1] v_k + c[k][2] a_k, one state being a parabola. Each term is G_k(t) = prod_j ((t - t_j)/(t_k - t_j))^3, whose two
+   derivatives vanish at the other states, times the first three terms of a series of the motion over G_k. The largest c[k][0], by
+   which errors of positions are magnified. */
+static double extrapolation(double t, const double *at, int n, double (*c)[3])
+{
+    double most = 0.0;
+    for (int k = 0; k < n; k++) {
+        const double s = t - at[k];
+        double G = 1.0, sum = 0.0, squares = 0.0;
+        for (int j = 0; j < n; j++) {
+            if (j == k) continue;
+            const double inverse = 1.0 / (at[k] - at[j]);
+            G *= (t - at[j]) * inverse;
+            sum += inverse;
+            squares += inverse * inverse;
+        }
+        G *= G * G;
+        const double first = -3.0 * s * sum, second = 1.5 * s * s * (3.0 * sum * sum + squares);
+        c[k][0] = G * (1.0 + first + second);
+        c[k][1] = G * s * (1.0 + first);
+        c[k][2] = G * 0.5 * s * s;
+        most = fmax(most, fabs(c[k][0]));
+    }
+    return most;
+}
+
+/* What the extrapolation from n states leaves of the degrees of freedom y, and the largest of it in their sizes. */
+static double left_of_degrees(const Spec *s, const Trace *trace, const double (*c)[3], int n, const real *y, real *left)
+{
+    const int a = s->n_x_dynamic, q = a + s->n_e_dynamic;
+    real largest = EVERY(0.0);
+    for (int i = 0; i < q; i++) {
+        const double size = i < a ? s->scale[s->x_dynamic + i] : s->e_scale[s->e_dynamic + i - a];
+        const real last = trace->degrees[0][i];
+        left[i] = y[i] - last;
+        for (int k = 0; k < n; k++) {
+            const real *d = trace->degrees[k];
+            left[i] -= c[k][0] * (d[i] - last) + c[k][1] * d[q + i] + c[k][2] * d[2 * q + i];
+        }
+        largest = lanes_larger(largest, left[i] / size);
+    }
+    return largest_lane(largest);
+}
+
+/* A guess of the calculable coordinates of x at t. OK, or JUMP when they would go too far.
+
+   It goes on from as many states as come near to the degrees of freedom, which are known: from one more unless that comes
+   twice as far. Where transfer functions are known the guess follows the degrees of freedom then, as stages of a step leave
+   a smooth motion. */
+static int guess(Model *m, const State *at, double t, const real *y, double jump, real *x)
+{
+    const Spec *s = &m->s;
+    const int first = s->n_fixed_x, end = first + s->n_position, nx = s->nx, q = s->n_x_dynamic + s->n_e_dynamic;
+    const Trace *trace = &m->traces[m->traces[0].of != at];
+    const int traced = at->known == 1 && trace->of == at && trace->t[0] == at->t;
+    double coefficients[2][STATES][3], (*c)[3] = coefficients[0], (*more)[3] = coefficients[1];
+    real *left = m->b, *left_by_more = left + q, ahead = EVERY(0.0);
+    int n = 1;
+    extrapolation(at->known ? t : at->t, &at->t, 1, c);
+    if (traced) {
+        double distance = left_of_degrees(s, trace, c, 1, y, left);
+        for (int k = 2; k <= trace->n && extrapolation(t, trace->t, k, more) <= MAGNIFIED; k++) {
+            const double by_more = left_of_degrees(s, trace, more, k, y, left_by_more);
+            if (!(by_more <= 2.0 * distance)) break;
+            distance = fmin(distance, by_more);
+            n = k;
+            double (*of_less)[3] = c;
+            real *left_by_less = left;
+            c = more; more = of_less;
+            left = left_by_more; left_by_more = left_by_less;
+        }
+    }
+    for (int i = first; i < end; i++) x[i] = c[0][1] * at->xd[i] + c[0][2] * at->xdd[i];
+    for (int k = 1; k < n; k++) {
+        const real *x0 = trace->before[k - 1], *v0 = x0 + nx, *a0 = v0 + nx;
+        for (int i = first; i < end; i++) x[i] += c[k][0] * (x0[i] - at->x[i]) + c[k][1] * v0[i] + c[k][2] * a0[i];
+    }
+    for (int i = first; i < end; i++) {
+        ahead = lanes_larger(ahead, x[i] / s->scale[i]);
+        x[i] += at->x[i];
+    }
+    if (!(largest_lane(ahead) <= 0.5 * jump)) return JUMP; /* as FARTHEST_GUESS of the general path */
+    if (traced && m->transfer_of == at)
+        for (int i = first; i < end; i++)
+            for (int k = 0; k < q; k++) x[i] += m->transfer[i * m->width + 1 + k] * left[k];
+    return OK;
+}
+
+/* The evaluated state becomes the last one, and what was that is remembered if it has another time. */
+static void keep(Model *m, State *at, double t, const real *y, const real *rates)
+{
+    const Spec *s = &m->s;
+    const int nx = s->nx, a = s->n_x_dynamic, q = a + s->n_e_dynamic;
+    if (m->traces[0].of != at) {
+        const Trace other = m->traces[1];
+        m->traces[1] = m->traces[0];
+        m->traces[0] = other;
+    }
+    Trace *trace = m->traces;
+    if (at->known != 1 || trace->of != at || trace->t[0] != at->t) trace->n = 1;
+    else if (at->t != t) {
+        real *before = trace->before[STATES - 2], *degrees = trace->degrees[STATES - 1];
+        for (int k = STATES - 1; k > 0; k--) {
+            trace->t[k] = trace->t[k - 1];
+            trace->degrees[k] = trace->degrees[k - 1];
+            if (k > 1) trace->before[k - 1] = trace->before[k - 2];
+        }
+        trace->degrees[0] = degrees;
+        trace->before[0] = before;
+        memcpy(before, at->x, sizeof(real) * nx);
+        memcpy(before + nx, at->xd, sizeof(real) * nx);
+        memcpy(before + 2 * nx, at->xdd, sizeof(real) * nx);
+        if (trace->n < STATES) trace->n++;
+    }
+    memcpy(at->e, m->next_e, sizeof(real) * s->ne);
+    memcpy(at->x, m->next_x, sizeof(real) * nx);
+    memcpy(at->xd, m->next_xd, sizeof(real) * nx);
+    memcpy(at->xdd, m->next_xdd, sizeof(real) * nx);
+    trace->of = at;
+    at->t = trace->t[0] = t;
+    at->known = 1;
+    real *d = trace->degrees[0];
+    memcpy(d, y, sizeof(real) * q);
+    memcpy(d + q, rates, sizeof(real) * q);
+    for (int i = 0; i < a; i++) d[2 * q + i] = at->xdd[s->x_dynamic + i];
+    for (int i = a; i < q; i++) {
+        const int r = s->e_dynamic + i - a;
+        d[2 * q + i] = rate(m, r, at->xdd) + m->h[r];
+    }
+    if (m->reduced) m->transfer_of = at;
+}
+
+/* After a stage of an explicit Runge-Kutta step: it does not lie on a smooth motion, from which a guess could go on. */
+static void leave_motion(Model *m) { m->traces[0].n = 0; }
+
 /* Evaluate the state y = (x dynamic, e dynamic, their rates) at t, stresses too when wanted. Number of position iterations,
-   or a negative reason; then the last evaluated state is still there. The guess of the position is the Taylor expansion of
-   the last state; where transfer functions are known they follow the degrees of freedom, as stages of a step leave the
-   parabola. */
+   or a negative reason; then the last evaluated state is still there. */
 static int evaluate(Model *m, State *at, double t, const real *y, double converged, double jump, int want_stress)
 {
     const Spec *s = &m->s;
-    const int nx = s->nx, first = s->n_fixed_x, n = s->n_position, a = s->n_x_dynamic, q = a + s->n_e_dynamic;
+    const int nx = s->nx, n = s->n_position, a = s->n_x_dynamic, q = a + s->n_e_dynamic;
     const real *kinematic = y + q, *rates = kinematic + s->n_x_kinematic + s->n_e_kinematic;
     real *x = m->next_x, *xd = m->next_xd, *xdd = m->next_xdd;
-    const double dt = at->known ? t - at->t : 0.0;
     memcpy(x, s->x0, sizeof(real) * nx);
     memset(xd, 0, sizeof(real) * nx);
     memset(xdd, 0, sizeof(real) * nx);
-    real ahead = EVERY(0.0);
-    for (int i = first; i < first + n; i++) {
-        const real move = dt * (at->xd[i] + 0.5 * dt * at->xdd[i]);
-        ahead = lanes_larger(ahead, move / s->scale[i]);
-        x[i] = at->x[i] + move;
-    }
-    if (!(largest_lane(ahead) <= 0.5 * jump)) return JUMP; /* as FARTHEST_GUESS of the general path */
-    if (at->known == 1 && m->transfer_of == at) {
-        const real *d = m->degrees;
-        real *off = m->b;
-        for (int c = 0; c < q; c++) off[c] = y[c] - (d[c] + dt * (d[q + c] + 0.5 * dt * d[2 * q + c]));
-        for (int i = first; i < first + n; i++)
-            for (int c = 0; c < q; c++) x[i] += m->transfer[i * m->width + 1 + c] * off[c];
-    }
+    if (guess(m, at, t, y, jump, x)) return JUMP;
     m->transfer_of = NULL;
     if (!s->polynomial && s->ask(ASK_MOTION, 0, t)) return NOT_ANSWERED;
     for (int i = 0; i < s->n_x_input; i++) {
@@ -64,16 +185,7 @@ static int evaluate(Model *m, State *at, double t, const real *y, double converg
     if (!(largest_lane(moved) <= jump)) return JUMP;
     const int status = accelerate(m, t, x, xd, m->next_e, m->given_edd, xdd, at->sigma, want_stress);
     if (status < 0) return status;
-    memcpy(at->e, m->next_e, sizeof(real) * s->ne);
-    memcpy(at->x, x, sizeof(real) * nx);
-    memcpy(at->xd, xd, sizeof(real) * nx);
-    memcpy(at->xdd, xdd, sizeof(real) * nx);
-    at->t = t;
-    at->known = 1;
-    if (m->reduced) {
-        memcpy(m->degrees, y, sizeof(real) * 2 * q);
-        m->transfer_of = at;
-    }
+    keep(m, at, t, y, rates);
     return iterations;
 }
 
@@ -138,15 +250,11 @@ static int spacar_rhs(Model *m, State *at, double t, const real *y, real *out, d
     const Spec *s = &m->s;
     const int status = spacar_evaluate(m, at, t, y, converged, jump, 0);
     if (status < 0) return status;
-    const int a = s->n_x_dynamic, q = a + s->n_e_dynamic, k = q + s->n_x_kinematic, positions = k + s->n_e_kinematic;
+    const int q = s->n_x_dynamic + s->n_e_dynamic, k = q + s->n_x_kinematic, positions = k + s->n_e_kinematic;
     memcpy(out, y + positions, sizeof(real) * q);
     memcpy(out + q, at->xd + s->x_kinematic, sizeof(real) * s->n_x_kinematic);
     for (int i = k; i < positions; i++) out[i] = rate(m, s->e_kinematic + i - k, at->xd);
-    memcpy(out + positions, at->xdd + s->x_dynamic, sizeof(real) * a);
-    for (int i = a; i < q; i++) {
-        const int r = s->e_dynamic + i - a;
-        out[positions + i] = rate(m, r, at->xdd) + m->h[r];
-    }
+    memcpy(out + positions, m->traces[0].degrees[0] + 2 * q, sizeof(real) * q);
     if (LANES == 1 && at->watched) sample(m, at);
     return status;
 }
@@ -167,6 +275,7 @@ static int spacar_stages(Model *m, State *at, int from, int n, const double *c, 
         for (int k = 0; k < size; k++) stage[k] = y[k] + h * stage[k];
         const double time = fmin(fmax(t + c[i] * h, earliest), latest);
         if (spacar_rhs(m, at, time, stage, K + i * stride, converged, jump) < 0) return i;
+        leave_motion(m);
     }
     return n;
 }

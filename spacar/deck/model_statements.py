@@ -1142,7 +1142,8 @@ class ModelStatements(ABC):
         everything.
 
         Modes 4 and 9 store sparse equations of models with more than 200 dynamic degrees of freedom, and their n lowest
-        modes only with MODES n; 0 asks for the reduced matrices and A, B, C, D.
+        modes only with MODES n; 0 asks for the reduced matrices and A, B, C, D. So does mode 3 with more than 200
+        degrees of freedom, prescribed ones counted, without modes.
 
         At most once in a file.
         """

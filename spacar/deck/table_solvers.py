@@ -78,7 +78,8 @@ KEYWORDS = (
             "lowest of a larger one at rest. A larger model has sparse matrices instead of the reduced ones then; 0 "
             "asks for everything.",
             "Modes 4 and 9 store sparse equations of models with more than 200 dynamic degrees of freedom, and their n "
-            "lowest modes only with MODES n; 0 asks for the reduced matrices and A, B, C, D.",
+            "lowest modes only with MODES n; 0 asks for the reduced matrices and A, B, C, D. So does mode 3 with more "
+            "than 200 degrees of freedom, prescribed ones counted, without modes.",
         ),
     ),
 )

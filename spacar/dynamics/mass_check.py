@@ -35,6 +35,7 @@ for |V_R|/s, which it is at most, there is a warning.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -133,12 +134,17 @@ def require_inertia_of_many(mechanism: Mechanism, saddle: SaddlePoint, condition
     return _of_rounding(_named(mechanism, v[:, None], rates[:, None]), condition())
 
 
-def linearized_doubt(mechanism: Mechanism, sweep: ElementSweep, M: Array, condition: float) -> str | None:
+def linearized_doubt(
+    mechanism: Mechanism, sweep: ElementSweep, M: Array, condition: float, everything: bool = False
+) -> str | None:
     """What linearized equations at the configuration of the sweep are warned of, None: nothing.
 
     M, condition: as for `is_doubtful`. A degree of freedom without any entry is not looked at: who needs its inertia
     refuses it. Neither is a large model: its lowest modes come from the sparse pencil, which keeps all coordinates.
+    `everything`: M is that of all degrees of freedom, prescribed ones too (mode 3).
     """
+    if everything:
+        mechanism = replace(mechanism, numbering=mechanism.numbering.all_dynamic)
     n = mechanism.numbering
     if not is_checked(n) or not M.diagonal().all():
         return None

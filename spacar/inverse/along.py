@@ -16,8 +16,9 @@ state as any other force.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -25,18 +26,24 @@ from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.forces import StressLaw
 from spacar.dynamics.loaded_mechanism import LoadedMechanism
+from spacar.dynamics.mass_check import linearized_doubt
 from spacar.errors import Report, UsageError
 from spacar.forward.driver import at_time
 from spacar.frame import Frame
 from spacar.inverse.nominal import Nominal, NominalDrive
 from spacar.inverse.ports import ACCELERATIONS, NominalInputs, Ports, rigidified
 from spacar.inverse.trajectory import Leg, groups, loaded
+from spacar.kinematics.constraint_condition import condition_number
+from spacar.linear.linear_modes import LARGE
+from spacar.linear.sparse_linearization import SparseLinearization
 from spacar.linear.state_space import Signal, state_space
+from spacar.linearization.coefficients import Coefficients, coefficients
 from spacar.linearization.contractions import geometric_stiffness
 from spacar.linearization.matrices import Linearization, linearize
 from spacar.mechanism.mechanism import Loads, Mechanism
 from spacar.stationary.loading import load_program, loads_at, with_flow
 
+T = TypeVar("T")
 MATRICES = ("m0", "c0", "d0", "k0", "n0", "g0")
 # Both compare two files and are chosen: far above rounding, far below a difference in the model.
 SAME_POSITION = 1e-6  # of the size of the mechanism: how far a configuration may be from that of mode 2
@@ -61,6 +68,15 @@ class Along:
             *(Signal("INPUTS", int(i), f"sigma0 {n.e_name(int(i))}") for i in self.rigid),
         ]
         self.outputs = [Signal(_output_kind(s.kind), s.index, s.name) for s in self.ports.outputs]
+        modes, level = mechanism.settings.modes, mechanism.settings.sbd_level
+        self.sparse = n.ndof > LARGE and level is None and modes != 0
+        self._descriptor: SparseLinearization | None = None
+        if self.sparse:
+            report.add(
+                f"{n.ndof} degrees of freedom (more than {LARGE}): sparse linearized equations are computed, no"
+                " matrices of the degrees of freedom and no second order expressions; --modes 0 or MODES 0 asks for"
+                " everything"
+            )
         self.zero_rows = [k for k, s in enumerate(self.ports.outputs) if s.kind in ACCELERATIONS]
         if self.zero_rows:
             report.add(
@@ -82,7 +98,7 @@ class Along:
 
     def header(self) -> dict[str, Any]:
         """Sizes of the ltv file (files.md section 6). NRBM counts the degrees of freedom that are not rigidified."""
-        ndof, second = self.mechanism.numbering.ndof, self.ports.second_order
+        ndof, second = self.mechanism.numbering.ndof, self.ports.second_order[: 0 if self.sparse else None]
         sizes: dict[str, Any] = {
             "NNOM": len(self.ports.inputs), "NX": 2 * ndof, "NU": len(self.signals), "NY": len(self.outputs),
             "NRBM": ndof - len(self.rigid), "DFT": 0, "X0": np.zeros(2 * ndof), "NYS": len(second),
@@ -103,15 +119,23 @@ class Along:
         u0, sigma0 = self.inputs(dynamics, frame)
         self.inputs.apply(dynamics, frame, u0)
         self._compare(u0, k)
-        L = self._linearize(dynamics, frame, u0)
+        given = {"sig0": sigma0, "u0": u0, "y0": self.ports.reference(frame)}
+        if self.sparse:
+            frame.state_space.update(self._sparse(self._at(coefficients, dynamics, frame, u0), dynamics) | given)
+            return frame
+        L = self._at(linearize, dynamics, frame, u0)
+        if k == 0:
+            condition = condition_number(dynamics.kinematics)
+            doubt = linearized_doubt(self.mechanism, dynamics.sweep, L.m0, condition, everything=True)
+            if doubt:
+                self.report.add(f"warning: {doubt}")
         for name in MATRICES:
             frame.matrices[name] = getattr(L, name)
         system = state_space(dynamics, L, self.signals, self.outputs, everything=True)
         C = system.C.copy()
         C[self.zero_rows] = 0.0
         frame.state_space.update(A=system.A, B=system.B, C=C)
-        frame.state_space.update(m0=L.m0, c0b=L.damping, k0b=L.stiffness, sig0=sigma0)
-        frame.state_space.update(u0=u0, y0=self.ports.reference(frame))
+        frame.state_space.update(m0=L.m0, c0b=L.damping, k0b=L.stiffness, **given)
         if len(self.ports.second_order):
             frame.state_space["G"] = self._second_order(dynamics, L)
         return frame
@@ -166,8 +190,18 @@ class Along:
         if difference > self.difference[0]:
             self.difference = difference, float(self.nominal.t[k])
 
-    def _linearize(self, dynamics: Dynamics, frame: Frame, u0: Array) -> Linearization:
-        """Matrices of (13) over all degrees of freedom, with the nominal inputs as stresses and forces."""
+    def _sparse(self, c: Coefficients, dynamics: Dynamics) -> dict[str, Array]:
+        """asp, bsp, csp of the equations with these coefficients. Raises AnalysisError for a singular mass."""
+        law = self._elastic(dynamics.loads)
+        self._descriptor = self._descriptor or SparseLinearization(dynamics, self.signals, self.outputs, free=law)
+        system = self._descriptor(c)
+        system.follow(np.zeros((system.A.shape[0] - system.n_states, 1)))  # accelerations that are unique
+        tables = {f"{name.lower()}sp": table for name, table in system.entries().items()}
+        tables["csp"] = tables["csp"][~np.isin(tables["csp"][:, 0] - 1.0, self.zero_rows)]
+        return tables
+
+    def _at(self, what: Callable[..., T], dynamics: Dynamics, frame: Frame, u0: Array) -> T:
+        """`linearize` or `coefficients` over all degrees of freedom, with the nominal inputs as stresses and forces."""
         n = self.mechanism.numbering
         loads = dynamics.loads
         law = self._elastic(loads)
@@ -176,12 +210,12 @@ class Along:
             if signal.kind == "INPUTF":
                 force[signal.index] += value
         if not force.any():
-            return linearize(dynamics, frame.xdd, frame.sig, law=law, t=frame.t)
+            return what(dynamics, frame.xdd, frame.sig, law=law, t=frame.t)
         usual = dynamics.model
         pushed = replace(loads, force=loads.force + force)
         dynamics.use(LoadedMechanism.of(dynamics.mechanism, pushed, dynamics.drive))
         try:
-            return linearize(dynamics, frame.xdd, frame.sig, law=law, t=frame.t)
+            return what(dynamics, frame.xdd, frame.sig, law=law, t=frame.t)
         finally:
             dynamics.use(usual)
 

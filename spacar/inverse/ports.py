@@ -29,7 +29,7 @@ from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.forces import StressLaw
 from spacar.errors import AnalysisError, Report
 from spacar.frame import Frame
-from spacar.kinematics.transfer import velocity_transfer
+from spacar.kinematics.transfer import moved_along
 from spacar.linear.linearization_signals import signals
 from spacar.linear.state_space import DRIVING_SIGN, Signal
 from spacar.mechanism.mechanism import Mechanism
@@ -121,8 +121,6 @@ class NominalInputs:
         if not (self.ports.inputs or len(self.rigid)):
             return np.zeros(0), np.zeros(0)
         sweep = dynamics.sweep
-        W = velocity_transfer(dynamics.kinematics)
-        V = sweep.gradient()
         given, e = slice(self.law.first, self.law.first + self.prescribed), frame.e.copy()
         e[given] = dynamics.kinematics.e_given[given]  # exact; e of the frame has the error of the position
         law = self.law
@@ -135,10 +133,12 @@ class NominalInputs:
             stress += np.where(self.elastic, user.sigma, 0.0)
         stress += dynamics.coupling.stress(frame.edd)
         force = sweep.mass_times(frame.xdd) + dynamics.forces.inertia(sweep, frame.xd) - dynamics.forces(frame.x, user)
-        force += V.T @ stress
-        Q = W.T @ force
-        We = V @ W
-        table = np.vstack((DRIVING_SIGN * We[self.S], W[self.F]))[self.place].T
+        force += sweep.rate_transposed(stress)
+        k = dynamics.kinematics
+        Q = moved_along(k, force)
+        works = [DRIVING_SIGN * moved_along(k, sweep.rate_transposed(_unit(sweep.ne, i))) for i in self.S]
+        works += [moved_along(k, _unit(sweep.nx, i)) for i in self.F]
+        table = np.array([works[i] for i in self.place]).reshape(-1, len(Q)).T
         u0 = self._solve(table[self.free], Q[self.free], frame.t) if self.ports.inputs else np.zeros(0)
         return u0, table[self.held] @ u0 - Q[self.held]
 
@@ -194,3 +194,9 @@ class NominalInputs:
                 f"warning: {len(self.ports.inputs)} nominal inputs are fewer than the degrees of freedom and cannot"
                 f" produce the motion; least squares, with the largest residual {rest:.4g} at t = {t:.9g}"
             )
+
+
+def _unit(size: int, i: int) -> Array:
+    out = np.zeros(size)
+    out[i] = 1.0
+    return out

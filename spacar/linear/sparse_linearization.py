@@ -20,6 +20,7 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
+from spacar.dynamics.forces import StressLaw
 from spacar.linear.descriptor import DescriptorSystem
 from spacar.linear.state_space import DRIVING_SIGN, Signal
 from spacar.linearization.coefficients import Coefficients, structure
@@ -57,10 +58,13 @@ class SparseLinearization:
     """Makes the descriptor system of every state of one mechanism: the parts that never change are made once."""
 
     def __init__(
-        self, dynamics: Dynamics, inputs: Sequence[Signal], outputs: Sequence[Signal], moving: bool = True
-    ) -> None:
-        """`moving`: may any state have velocities? At rest there are fewer entries."""
-        k, n = dynamics.kinematics, dynamics.numbering
+        self, dynamics: Dynamics, inputs: Sequence[Signal], outputs: Sequence[Signal], moving: bool = True,
+        free: StressLaw | None = None,
+    ) -> None:  # fmt: skip
+        """`moving`: may any state have velocities? At rest there are fewer entries. `free`: prescribed degrees of
+        freedom are states too, with this law of their deformations (mode 3)."""
+        k = dynamics.kinematics
+        n = dynamics.numbering if free is None else dynamics.numbering.all_dynamic
         self.n, self.places = n, _Places(n)
         self.inputs, self.outputs = inputs, outputs
         self.E, self.U, self.h, self.c = k.E, k.U, k.h, k.c
@@ -71,7 +75,7 @@ class SparseLinearization:
         self.velocity_row[self.E] = p.v + self.U
         self._constant = self._given()
         self.B = self.input_matrix(inputs)
-        widest = structure(dynamics, moving)
+        widest = structure(dynamics, moving, free)
         self._patterns = self._state_matrix(widest), self._output_matrix(widest)
 
     def __call__(self, c: Coefficients) -> DescriptorSystem:

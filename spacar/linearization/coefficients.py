@@ -96,10 +96,11 @@ def coefficients(
     )  # fmt: skip
 
 
-def structure(dynamics: Dynamics, moving: bool) -> Coefficients:
+def structure(dynamics: Dynamics, moving: bool, law: StressLaw | None = None) -> Coefficients:
     """Coefficients with a positive number wherever any state may have an entry. Sums and products of them show where
-    those of a state may have entries. `moving`: may the mechanism move at all?
+    those of a state may have entries. `moving`: may the mechanism move at all? `law` as `linearize`.
     """
+    law = law or dynamics.law
     sweep, n, m = dynamics.sweep, dynamics.numbering, dynamics.mechanism
     blocks = block_pattern(sweep) if moving else zero_matrix((n.ne, n.nx))
     curved, massive = (scatter(n.nx, [(b, np.ones((len(b.x), len(b.x), b.family.n))) for b in batches])
@@ -111,7 +112,7 @@ def structure(dynamics: Dynamics, moving: bool) -> Coefficients:
     signal = m.user_signal is not None
     diagonals = [diagonal_matrix(np.full(k, float(signal))) for k in (n.nx, n.ne)]
     laws = [matrix(rows, columns, np.ones(len(rows)), (n.ne, n.ne))
-            for rows, columns, _ in (dynamics.law.stiffness, dynamics.law.damping, m.deformation_inertia)]  # fmt: skip
+            for rows, columns, _ in (law.stiffness, law.damping, m.deformation_inertia)]  # fmt: skip
     return Coefficients(
         V=matrix(sweep.v_rows, sweep.v_columns, np.ones(len(sweep.v_rows)), (n.ne, n.nx)),
         M=matrix(sweep.m_rows, sweep.m_columns, np.ones(len(sweep.m_rows)), (n.nx, n.nx)),

@@ -9,7 +9,7 @@ The tables lnp, le, ln hold the 1-based numbers that result files show; 0 means 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import accumulate
 from typing import NamedTuple
@@ -213,6 +213,16 @@ class Numbering:
         """Rows of q that are prescribed: x input, then e input."""
         r, m, s = int(self.nxp[2]), int(self.nxp[3]), int(self.nep[2])
         return _ranges((0, r), (r + m, r + m + s))
+
+    @cached_property
+    def all_dynamic(self) -> Numbering:
+        """The same, with the degrees of freedom that are prescribed as dynamic ones; all keep their places."""
+        counts, classes = [], []
+        for count, places in ((self.nxp, self.x_class), (self.nep, self.e_class)):
+            first, last = places["input"].start, places["dynamic"].stop
+            classes.append(places | {"input": slice(first, first), "dynamic": slice(first, last)})
+            counts.append(count + count[2] * np.array([0, 0, -1, 1, 0]))
+        return replace(self, nxp=counts[0], nep=counts[1], x_class=classes[0], e_class=classes[1])
 
     # Equations and unknowns of both levels (theory-system.md 1.1): what is given of e determines what depends on it.
     @cached_property

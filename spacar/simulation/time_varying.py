@@ -91,7 +91,7 @@ class TimeVarying:
                     "sigma0": "mode 3 with deformations that are rigid in mode 2 and prescribed in mode 3",
                 }.get(name, "mode 3")  # fmt: skip
                 if self.A is not None and name in ("m0", "c0b", "k0b"):
-                    source = "modes 4 and 9 of a large model with --modes 0 (MODES 0)"
+                    source = "modes 3, 4 and 9 of a large model with --modes 0 (MODES 0)"
                 raise UsageError(f"{self.name} has no {name}; it comes from {source}", "simulation.missing")
         return [getattr(self, name) for name in names]
 

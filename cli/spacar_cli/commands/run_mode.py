@@ -64,10 +64,12 @@ def command_of_mode(word: str) -> click.Command:
         params.append(click.Option([flag, field], help=text, **switch))
     if accuracy_options.of(mode):
         params += accuracy_options.options(mode)
-    if mode.stationary or mode.third == "linearization":
+    if mode.stationary or mode.third == "linearization" or mode.takes_setpoints:
         text = "Number of lowest modes, instead of MODES; 0: all of them, with the reduced matrices."
         if mode.third:
             text = "Lowest modes of a large model (instead of MODES); 0: A, B, C, D and reduced matrices of any size."
+        if mode.takes_setpoints:
+            text = "0: A, B, C, D and reduced matrices of a model of any size."
         params.append(click.Option(["--modes"], type=Whole(min=0), help=text))
     if mode.takes_setpoints:
         params.append(
