@@ -140,7 +140,7 @@ def scan(text: str) -> SourceText:
     if "\r" in text:
         text = text.replace("\r\n", "\n").replace("\r", "\n")
     given = text.split("\n")
-    bare = _without_comments(text)
+    bare = without_comments(text)
     lines = given if bare is text else bare.split("\n")
     longest = max(map(len, given))
     suspect = _suspects(bare, lines, longest)
@@ -191,7 +191,8 @@ def _is_visualization(word: str) -> bool:
     return len(word) == len(_VISUALIZATION) and word.upper() == _VISUALIZATION
 
 
-def _without_comments(text: str) -> str:
+def without_comments(text: str) -> str:
+    """A text, or a line, without its comments; what stands before them keeps its place."""
     for sign in "%#;":
         if sign in text:
             text = re.sub(f"{sign}[^\n]*", "", text)

@@ -18,8 +18,8 @@ class Statement(NamedTuple):
     """One statement of an input file.
 
     `keyword` is in capitals with aliases resolved, `values` are typed by the keyword table, `block` is 1, 2
-    or 3, `line` that of the keyword (from 1). `place`: line and column of every value, or the text of the line, when it
-    holds this statement and nothing else, or nothing for a statement that follows from another one.
+    or 3, `line` that of the keyword (from 1). `place`: line and column of every value, or the text of the line without
+    comment, when it holds this statement and nothing else, or nothing for a statement that follows from another one.
     """
 
     keyword: str

@@ -16,7 +16,7 @@ from spacar.deck.deck import Deck
 from spacar.deck.deck_checks import check
 from spacar.deck.deck_writer import value_text
 from spacar.deck.findings import Findings
-from spacar.deck.lexer import LONGEST_LINE, is_in_range, split_lines, word_end
+from spacar.deck.lexer import LONGEST_LINE, is_in_range, split_lines, without_comments, word_end
 from spacar.deck.mode_blocks import uses
 from spacar.deck.outline import Outline
 from spacar.deck.statement import Statement, Value
@@ -77,7 +77,7 @@ def with_numbers(deck: Deck, edits: Sequence[Edit]) -> Deck | None:
         line = lines[s.line - 1]
         line = lines[s.line - 1] = line[:start] + value_text(value) + line[word_end(line, start) :]
         values: tuple[Value, ...] = (*now.values[: position - 1], float(value), *now.values[position:])
-        statements[k] = now._replace(values=values, place=line)
+        statements[k] = now._replace(values=values, place=without_comments(line))
     for s, _, _ in edits:
         is_long, was_long = (len(of[s.line - 1]) > LONGEST_LINE for of in (lines, template.lines))
         if is_long != was_long:

@@ -125,9 +125,9 @@ def test_a_case_of_a_batch_at_its_dead_point_is_not_passed_over() -> None:
 @pytest.fixture
 def rounding(monkeypatch: pytest.MonkeyPatch) -> str:
     """Every inertia is taken for rounding: whether one is depends on the processor."""
-    for module in (array_evaluator, cases):
-        monkeypatch.setattr(module, "is_doubtful", lambda *found: True)
-    monkeypatch.setattr(compiled_evaluator, "is_checked", lambda n: False)  # C is not asked
+    monkeypatch.setattr(array_evaluator, "is_doubtful", lambda *found: True)
+    for module in (compiled_evaluator, cases):
+        monkeypatch.setattr(module, "is_checked", lambda n: False)  # C is not asked
     monkeypatch.setattr(array_evaluator, "require_regular_mass", lambda *found: "little inertia")
     return "little inertia"
 
