@@ -140,12 +140,13 @@ class Result:
             return self.t
         if isinstance(self.frames, StoredFrames) and name in self.frames.variables:
             return self.frames.variables[name]
-        if name in self.tables:
+        if len(self.frames) and self._value(self.frames[0], name) is not None:
+            values = [self._value(f, name) for f in self.frames]
+            if all(v is not None for v in values):
+                return np.array(values)
+        elif name in self.tables:  # made when somebody asks for one of them
             return self.tables[name]
-        values = [self._value(f, name) for f in self.frames]
-        if not values or any(v is None for v in values):
-            raise UsageError(f"the variable {name} was not computed in this run of mode {self.mode}", "result.missing")
-        return np.array(values)
+        raise UsageError(f"the variable {name} was not computed in this run of mode {self.mode}", "result.missing")
 
     @staticmethod
     def _value(frame: Frame, name: str) -> Any:
