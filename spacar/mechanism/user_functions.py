@@ -290,17 +290,14 @@ class UserLaw:
 
     def _asked(self, t: float, e: PlacedVector, ed: PlacedVector, x: PlacedVector, xd: PlacedVector) -> tuple[Any, Any]:
         """The stresses and forces as the function returns them."""
-        n = self.numbering
+        n, function = self.numbering, self.function
+        if isinstance(function, Loaded):
+            function = function.function
         try:
-            _, sig, f = self._bare(t, n.ne, self.le, e, ed, n.nx, self.lnp, x, xd)
+            _, sig, f = function(t, n.ne, self.le, e, ed, n.nx, self.lnp, x, xd)
         except Exception as error:  # a user's function may fail in any way
             raise _failed(self.name, t, error) from error
         return sig, f
-
-    @cached_property
-    def _bare(self) -> Callable[..., Any]:
-        """The function itself."""
-        return self.function.function if isinstance(self.function, Loaded) else self.function
 
     def _added(self, sig: Any, f: Any, sigma: Any, force: Any) -> bool:
         """Add rows to sigma and force, when they are short lists of three numbers each whose places were looked up
