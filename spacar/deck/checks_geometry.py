@@ -22,6 +22,11 @@ _WITH_RADII = ("PLWHEEL", "TWHEEL", "PLBELT")
 ORIGIN = (0.0, 0.0, 0.0)  # of a node without X
 
 
+def least_length(s: Statement) -> float:
+    """The chord of an element must be longer [m]: pulleys of a belt that lie in each other have no free belt."""
+    return abs(s.real(5) - s.real(6)) if s.keyword == "PLBELT" else 0.0
+
+
 def check_geometry(scene: CheckMaterial) -> None:
     """Positions given once, elements with a length, directions that define a frame."""
     positions = _positions(scene)
@@ -151,7 +156,7 @@ def _check_element(
             )
             scene.findings.error(s, None, text, "zero-length")
         return
-    if s.keyword == "PLBELT" and length <= abs(s.real(5) - s.real(6)):
+    if 0.0 < length <= least_length(s):
         text = (
             f"the pulleys with radii {s.real(5):.6g} and {s.real(6):.6g} are only {length:.6g} apart: "
             "no free belt"

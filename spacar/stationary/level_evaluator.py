@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from spacar.dynamics.loaded_mechanism import LoadedMechanism
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.mechanism.mechanism import Loads, Mechanism
 from spacar.stationary.contract import Tangent
+from spacar.stationary.equilibrium import Equilibrium, NotCompiled
 from spacar.stationary.flexibility import Flexibility
 from spacar.stationary.loading import WITHOUT_N0, LoadLevel, SteadyDrive, loads_at, with_flow
 from spacar.stationary.moving_tangent import MovingTangent
@@ -22,9 +22,6 @@ from spacar.stationary.resting_tangent import RestingTangent
 from spacar.stationary.stability import CRITICAL, Stability, stability
 from spacar.stationary.stationary_equations import Given, Iterate, StationaryEquations
 from spacar.stationary.tangent import SparseTangent
-
-if TYPE_CHECKING:
-    from spacar.stationary.equilibrium import Equilibrium
 
 
 class LevelEvaluator:
@@ -77,8 +74,6 @@ class LevelEvaluator:
         strained = self.mechanism.layout.strained
         if not self.plain or not strained or not all(b.family.compiled for b in strained):
             return None
-        from spacar.stationary.equilibrium import Equilibrium, NotCompiled
-
         assert self.sparse is not None
         with suppress(NotCompiled):
             return Equilibrium(self._equations, self.sparse)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES, Deck
-from spacar.deck.checks_geometry import PARALLEL, ZERO_LENGTH
+from spacar.deck.checks_geometry import PARALLEL, ZERO_LENGTH, least_length
 from spacar.mechanism import Mechanism
 
 MARGIN = 1e-9
@@ -40,8 +40,9 @@ def placed_well(mechanism: Mechanism, deck: Deck, x0: Array) -> NDArray[np.bool_
             direction = np.array(s.reals(first - 1, count)) if len(s.values) >= first - 1 + count else None
         if kind.length == "always" or (kind.length == "with direction" and direction is not None):
             well &= length > least
-        if s.keyword == "PLBELT":
-            well &= length > (1.0 + MARGIN) * abs(s.real(5) - s.real(6))
+        least_chord = (1.0 + MARGIN) * least_length(s)
+        if least_chord:
+            well &= length > least_chord
         if direction is not None and role != "axis":
             well &= ~(length > least) | ~(_sine(chord, length, direction) < (1.0 + MARGIN) * PARALLEL)
     return well
