@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -120,8 +121,11 @@ class Slots:
                 for lane, user in enumerate(users)
             )
             self.user_c = CUser(*(a.ctypes.data for a in arrays))
-        needed = bool(self.foreign or users or not all(isinstance(d, Polynomial) for d in drives))
-        self.ask = ASK(self._answer) if needed else None
+
+    def callback(self) -> Any:
+        """What C calls, for the model to keep (kept here it would be a circle of references); None: C asks nothing."""
+        polynomial = all(isinstance(drive, Polynomial) for drive in self.drives)
+        return None if polynomial and not (self.foreign or self.laws) else ASK(self._answer)
 
     def _answer(self, what: int, batch: int, t: float) -> int:
         if self.error is not None and not isinstance(self.error, Exception):
