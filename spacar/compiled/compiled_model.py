@@ -129,9 +129,11 @@ class CompiledModel:
         self.preload = self._values[force_end : force_end + cases * n.ne].reshape(n.ne, cases)
         motions = self._values[:x_end].reshape(-1, 3, cases), self._values[x_end:e_end].reshape(-1, 3, cases)
         self.slots = slots = Slots(numbers.elements, drives, motions, users, (n.nx, n.ne, cases))
+        self._callback = slots.callback()
         self.handle = ctypes.c_void_p(
             self.engine.begin(
-                self._whole.ctypes.data, self._values.ctypes.data, _at(slots.foreign_c), _at(slots.user_c), slots.ask
+                self._whole.ctypes.data, self._values.ctypes.data, _at(slots.foreign_c), _at(slots.user_c),
+                self._callback,
             )
         )
         if not self.handle:

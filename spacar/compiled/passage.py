@@ -110,11 +110,12 @@ class Passage:
         harmless = n if c.last == HARMLESS else n - 1
         self.used += n
         rows, times = self.rows[used : used + n], self.t[used : used + n].tolist()
-        of_x, of_e = rows[:, : 6 * nx].reshape(n, 6, nx), rows[:, 6 * nx : 6 * nx + 4 * ne].reshape(n, 4, ne)
+        of_x = rows[:, : 6 * nx].reshape(n, 6, nx).swapaxes(0, 1)
+        of_e = rows[:, 6 * nx : 6 * nx + 4 * ne].reshape(n, 4, ne).swapaxes(0, 1)
         states, work = rows[:, 6 * nx + 4 * ne :], self.work[:n].tolist()
         steps, rhs, jacobians, rejected, iterations = before
-        for k, (t, made, (x, xd, xdd, applied, gravity, total), (e, ed, edd, sigma), y) in enumerate(
-            zip(times, work, of_x, of_e, states, strict=True)
+        for k, (t, made, y, x, xd, xdd, applied, gravity, total, e, ed, edd, sigma) in enumerate(
+            zip(times, work, states, *of_x, *of_e, strict=True)
         ):
             frame = Frame(t, x, xd, xdd, e, ed, edd, sigma, applied, gravity, total)
             if k < len(lost):

@@ -11,7 +11,7 @@ they get alone. Lanes that only fill a vector up have the answer of the last cas
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -56,25 +56,24 @@ class ForeignBatch:
         self.h[:] = self.family.inertia_force(self.configuration, self.v, None)
 
 
-class Law:
-    """The user function of one case: what it is told (t, e, ed, x, xd) and where its answer goes, one lane of arrays
-    that C has cleared.
+def law(
+    user: UserSignal, told: tuple[PlacedVector, ...], sigma: Array, force: Array
+) -> Callable[[float], dict[int, str]]:
+    """What calls the user function of one case for a time and gives the sentences about stresses that cannot act.
+
+    told           e, ed, x, xd, which C writes;  sigma, force   one lane of arrays that C has cleared, for the answer
     """
+    answering = getattr(user, "answering", None)  # USERSIG: numbers, no arrays
+    if answering is not None:
+        written: Callable[[float], dict[int, str]] = answering(told, sigma.data, force.data)
+        return written
 
-    def __init__(self, user: UserSignal, told: tuple[PlacedVector, ...], sigma: Array, force: Array) -> None:
-        self.user, self.told = user, told
-        self.add = getattr(user, "add", None)  # USERSIG: numbers, no arrays
-        self.arrays = sigma, force
-        self.numbers: tuple[Any, Any] = sigma.data, force.data
-
-    def answer(self, t: float) -> dict[int, str]:
-        """Call it; the sentences about stresses that cannot act."""
-        if self.add is not None:
-            lost: dict[int, str] = self.add(t, self.told, *self.numbers)
-            return lost
-        given = self.user(t, *self.told)
-        self.arrays[0][:], self.arrays[1][:] = given.sigma, given.force
+    def answer(t: float) -> dict[int, str]:
+        given = user(t, *told)
+        sigma[:], force[:] = given.sigma, given.force
         return given.lost
+
+    return answer
 
 
 class Slots:
@@ -89,6 +88,7 @@ class Slots:
         users: Sequence[UserSignal], sizes: tuple[int, int, int],
     ) -> None:  # fmt: skip
         nx, ne, lanes = sizes
+        self.lanes = lanes
         self.drives = drives
         self.x_motion, self.e_motion = motions
         self.foreign = {b: ForeignBatch(e.family) for b, e in enumerate(elements) if e.family is not None}
@@ -99,7 +99,7 @@ class Slots:
         self.lost: list[dict[int, str]] = [{}] * max(len(users), 1)  # sentences by row of e, of every case
         self.outputs: list[dict[int, str]] = []  # those of the outputs of one call, see `spacar.compiled.passage`
         self.told: set[int] = set()  # rows of their sentences
-        self.laws: tuple[Law, ...] = ()
+        self.laws: tuple[Callable[[float], dict[int, str]], ...] = ()
         self.foreign_c: ctypes.Array[ctypes.c_void_p] | None = None  # addresses of the foreign batches, by batch
         if self.foreign:
             self.foreign_c = (ctypes.c_void_p * len(elements))()
@@ -112,7 +112,7 @@ class Slots:
             arrays = self.x, self.xd, self.e, self.ed, self.force, self.sigma
             guarded = tuple(zip((self.e, self.ed, self.x, self.xd), ("e", "ep", "x", "xp"), strict=True))
             self.laws = tuple(
-                Law(
+                law(
                     user,
                     tuple(placed(values[:, lane], name) for values, name in guarded),
                     self.sigma[:, lane],
@@ -121,15 +121,22 @@ class Slots:
                 for lane, user in enumerate(users)
             )
             self.user_c = CUser(*(a.ctypes.data for a in arrays))
-        needed = bool(self.foreign or users or not all(isinstance(d, Polynomial) for d in drives))
-        self.ask = ASK(self._answer) if needed else None
+
+    def callback(self) -> Any:
+        """What C calls, for the model to keep (kept here it would be a circle of references); None: C asks nothing."""
+        polynomial = all(isinstance(drive, Polynomial) for drive in self.drives)
+        return None if polynomial and not (self.foreign or self.laws) else ASK(self._answer)
 
     def _answer(self, what: int, batch: int, t: float) -> int:
         if self.error is not None and not isinstance(self.error, Exception):
             return NOT_ANSWERED  # Ctrl-C: nobody is asked any more
         try:
             if what == STRESS:
-                self._stress(t)
+                for lane, answer in enumerate(self.laws):
+                    self.failed = lane
+                    self.lost[lane] = answer(t)
+                if len(self.laws) < self.lanes:
+                    self._fill(len(self.laws), self.sigma, self.force)
             elif what == STRAIN:
                 self.foreign[batch].strain()
             elif what == CONVECTIVE:
@@ -155,20 +162,14 @@ class Slots:
             at = drive.at(t)
             self.x_motion[:, :, lane] = np.column_stack((at.x, at.xd, at.xdd))
             self.e_motion[:, :, lane] = np.column_stack((at.e, at.ed, at.edd))
-        self._fill(len(self.drives), self.x_motion, self.e_motion)
-
-    def _stress(self, t: float) -> None:
-        for lane, law in enumerate(self.laws):
-            self.failed = lane
-            self.lost[lane] = law.answer(t)
-        self._fill(len(self.laws), self.sigma, self.force)
+        if len(self.drives) < self.lanes:
+            self._fill(len(self.drives), self.x_motion, self.e_motion)
 
     @staticmethod
     def _fill(cases: int, *arrays: Array) -> None:
         """Lanes without a case have the answer of the last one."""
         for array in arrays:
-            if cases < array.shape[-1]:
-                array[..., cases:] = array[..., cases - 1 : cases]
+            array[..., cases:] = array[..., cases - 1 : cases]
 
     def raise_error(self) -> None:
         """Raise what happened in the last call, if anything did."""

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from itertools import pairwise
 from math import ceil
+from operator import sub
 from typing import Any, NoReturn
 
 import numpy as np
@@ -118,7 +119,8 @@ def _check(
         if len(bad):
             a, b = times[bad[0]], times[bad[0] + 1]
             wrong(f"output times must increase: {b:.9g} s follows {a:.9g} s", "integrator.times")
-    if not (np.all(np.asarray(atol) > 0.0) and np.shape(atol) in ((), y0.shape) and rtol >= 0.0):
+    positive = atol > 0.0 if isinstance(atol, float) else np.all(np.asarray(atol) > 0.0)
+    if not (positive and np.shape(atol) in ((), y0.shape) and rtol >= 0.0):
         text = f"the absolute error must be positive and the relative one not negative, not {atol} and {rtol}"
         wrong(f"ERROR: {text}", "integrator.tolerance")
     if step is not None and not step > 0.0:
@@ -156,7 +158,7 @@ def _outputs(
     for t, y, interpolate, _, passed in steps:
         found = _interpolated(t, y, interpolate, times, i, statistics) if passed is None else passed
         for at, result, now, shown in found:
-            made, rhs, jacobians, rejected, iterations = (a - b for a, b in zip(now, before, strict=True))
+            made, rhs, jacobians, rejected, iterations = map(sub, now, before)
             yield Output(at, result, made, rhs, jacobians, rejected, iterations, shown)
             before, limit = now, now[0] + max_steps
             i += 1

@@ -18,7 +18,7 @@ import importlib.util
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import isfinite
+from math import isfinite, nan
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -233,6 +233,28 @@ def whole(row: Sequence[float]) -> tuple[int, int]:
     return int(a), int(b)
 
 
+def _added(rows: Any, places: dict[tuple[Any, Any], int], values: Any) -> float:
+    """Add rows to values, when they are a short list of three numbers each whose places were looked up before, and give
+    the sum of the numbers. Else nan: then `UserLaw._rows` reads them, and what was added is of no use. Every call of a
+    run but the first comes here."""
+    if type(rows) is not list or len(rows) > FEW:
+        return nan
+    total = 0.0
+    try:
+        for row in rows:
+            if type(row) not in ROWS:
+                return nan
+            a, b, value = row
+            i = places.get((a, b))
+            if i is None or type(value) not in NUMBERS:
+                return nan
+            values[i] += value
+            total += value
+    except (TypeError, ValueError, OverflowError):
+        return nan
+    return total
+
+
 def load_user_signal(deck: Deck, statement: Statement, numbering: Numbering) -> UserSignal:
     """USERSIG as a function (t, e, ed, x, xd) -> UserForces."""
     function, name = load_function(deck, statement), str(statement.values[0])
@@ -257,11 +279,11 @@ class UserLaw:
 
     def __call__(self, t: float, e: Array, ed: Array, x: Array, xd: Array) -> UserForces:
         n = self.numbering
-        given = self._asked(t, placed(e, "e"), placed(ed, "ep"), placed(x, "x"), placed(xd, "xp"))
+        sig, f = self._bound(placed(e, "e"), placed(ed, "ep"), placed(x, "x"), placed(xd, "xp"))(t)
         (sigma, k_e, d_e), (force, k_x, d_x) = np.zeros((3, n.ne)), np.zeros((3, n.nx))
-        if self._added(*given, sigma, force):
+        if isfinite(_added(sig, self.stresses, sigma) + _added(f, self.forces, force)):
             return UserForces(sigma, force, k_e, d_e, k_x, d_x)
-        *found, lost = self._rows(t, *given)
+        *found, lost = self._rows(t, sig, f)
         for rows, (value, k, d) in zip(found, ((sigma, k_e, d_e), (force, k_x, d_x)), strict=True):
             value[:] = 0.0
             for i, row in rows:
@@ -270,56 +292,43 @@ class UserLaw:
                 d[i] += row[4]
         return UserForces(sigma, force, k_e, d_e, k_x, d_x, lost)
 
-    def add(
-        self, t: float, told: tuple[PlacedVector, ...], sigma: memoryview[float], force: memoryview[float]
-    ) -> dict[int, str]:
-        """Write what the function returns at the guarded vectors e, ed, x, xd into sigma and force, which are zero.
-
-        Returns the sentences of `UserForces.lost`.
+    def answering(
+        self, told: tuple[PlacedVector, ...], sigma: memoryview[float], force: memoryview[float]
+    ) -> Callable[[float], dict[int, str]]:
+        """Gives what writes for a time what the function returns at the guarded vectors e, ed, x, xd into sigma and
+        force, which are zero then, and returns the sentences of `UserForces.lost`.
         """
-        given = self._asked(t, *told)
-        if self._added(*given, sigma, force):
-            return {}
-        *found, lost = self._rows(t, *given)
-        for rows, values in zip(found, (sigma, force), strict=True):
-            for i in range(len(values)):
-                values[i] = 0.0
-            for i, row in rows:
-                values[i] += row[2]
-        return lost
+        ask, stresses, forces = self._bound(*told), self.stresses, self.forces
 
-    def _asked(self, t: float, e: PlacedVector, ed: PlacedVector, x: PlacedVector, xd: PlacedVector) -> tuple[Any, Any]:
-        """The stresses and forces as the function returns them."""
-        n, function = self.numbering, self.function
-        if isinstance(function, Loaded):
-            function = function.function
-        try:
-            _, sig, f = function(t, n.ne, self.le, e, ed, n.nx, self.lnp, x, xd)
-        except Exception as error:  # a user's function may fail in any way
-            raise _failed(self.name, t, error) from error
-        return sig, f
+        def answer(t: float) -> dict[int, str]:
+            sig, f = ask(t)
+            if isfinite(_added(sig, stresses, sigma) + _added(f, forces, force)):
+                return {}
+            *found, lost = self._rows(t, sig, f)
+            for rows, values in zip(found, (sigma, force), strict=True):
+                for i in range(len(values)):
+                    values[i] = 0.0
+                for i, row in rows:
+                    values[i] += row[2]
+            return lost
 
-    def _added(self, sig: Any, f: Any, sigma: Any, force: Any) -> bool:
-        """Add rows to sigma and force, when they are short lists of three numbers each whose places were looked up
-        before. Else False: then `_rows` reads them, and what was added is of no use. Every call of a run but the first
-        comes here."""
-        total = 0.0
-        try:
-            for rows, places, values in ((sig, self.stresses, sigma), (f, self.forces, force)):
-                if type(rows) is not list or len(rows) > FEW:
-                    return False
-                for row in rows:
-                    if type(row) not in ROWS:
-                        return False
-                    a, b, value = row
-                    i = places.get((a, b))
-                    if i is None or type(value) not in NUMBERS:
-                        return False
-                    values[i] += value
-                    total += value
-            return isfinite(total)
-        except (TypeError, ValueError, OverflowError):
-            return False
+        return answer
+
+    def _bound(
+        self, e: PlacedVector, ed: PlacedVector, x: PlacedVector, xd: PlacedVector
+    ) -> Callable[[float], tuple[Any, Any]]:
+        """Gives the stresses and forces as the function returns them for a time."""
+        ne, le, nx, lnp = self.numbering.ne, self.le, self.numbering.nx, self.lnp
+        function = self.function.function if isinstance(self.function, Loaded) else self.function
+
+        def ask(t: float) -> tuple[Any, Any]:
+            try:
+                _, sig, f = function(t, ne, le, e, ed, nx, lnp, x, xd)
+            except Exception as error:  # a user's function may fail in any way
+                raise _failed(self.name, t, error) from error
+            return sig, f
+
+        return ask
 
     def _rows(self, t: float, sig: Any, f: Any) -> tuple[Rows, Rows, dict[int, str]]:
         """Rows of sig and f with their places in e and x, checked, and the sentences of `UserForces.lost`."""

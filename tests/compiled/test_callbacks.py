@@ -1,0 +1,41 @@
+"""What C calls in Python goes away with the model, at once: no circle of references keeps its arrays."""
+
+import gc
+import weakref
+
+import spacar
+from spacar.forward.motion import chosen
+
+CANTILEVER = """PLBEAM 1 1 2 3 4
+X 1 0 0
+X 3 1 0
+FIX 1
+FIX 2
+DYNE 1 2 3
+END
+HALT
+XM 3 1.
+EM 1 1.
+ESTIFF 1 0. 10. 0.
+USERSIG law
+TIMESTEP 0.1 2
+END
+END
+"""
+FUNCTION = "def law(t, ne, le, e, ep, nx, lnp, x, xp):\n    return t, [[1, 2, 0.1]], []\n"
+
+
+def test_a_user_function_leaves_no_circle_behind(tmp_path):
+    (tmp_path / "law.py").write_text(FUNCTION)
+    (tmp_path / "model.dat").write_text(CANTILEVER)
+    gc.collect()
+    gc.disable()
+    try:
+        evaluator = chosen(spacar.frames(1, tmp_path / "model.dat"))
+        evaluator.start()
+        slots = weakref.ref(evaluator.solver.slots)
+        assert slots().laws
+        del evaluator
+        assert slots() is None
+    finally:
+        gc.enable()
