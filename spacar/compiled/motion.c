@@ -48,9 +48,10 @@ static int takes_old_factors(const Model *m, const real *x, double error, double
 }
 
 /* Position and velocity. x comes with the given values and a guess of the calculable ones, xd and ed with the given rates.
-   The first correction uses the matrix of the last state, which is still factored, where that saves something. The limits are those of spacar/kinematics/kinematics.py: a correction that follows
-   one below CONVERGED or rounding is as small as rounding allows and passes always. A residual that stays at rounding with
-   larger corrections is left to the general path, which looks at the condition. */
+   The first correction uses the matrix of the last state, which is still factored, where that saves something. The limits
+   are those of spacar/kinematics/kinematics.py: a correction that follows one below CONVERGED or rounding is as small as
+   rounding allows and passes always. A residual that stays at rounding with larger corrections is left to the general
+   path, which looks at the condition. */
 static int place(Model *m, real *x, real *xd, real *e, const real *near, const real *e_given, const real *e_rate,
                  double converged)
 {

@@ -8,10 +8,11 @@ F,
 
     dF_u/dq w -> w,  omega^2 = |dF_u/dq w| / |w|,      and likewise the decay c = |dF_u/du w| / |w|,
 
-q positions, u their rates, after 100, 200, 400, ... accepted steps; the same quotients of the way since the look before,
-w = q - q_before, say how fast the motion is: present rates would hold the vibration itself. Where h omega is above FAST, omega SLOWER times that of the motion, and enough steps of Adams
-are ahead, the other code is tried. It stays when its steps are GAIN times as long; when the vibration is the motion
-itself they are not, and Adams goes on. It also goes on when the steps of Radau become shorter than LEFT of that later.
+q positions, u their rates, after 100, 200, 400 ... accepted steps; the same quotients of the way since the look before,
+w = q - q_before, say how fast the motion is: present rates would hold the vibration itself. Where h omega is above
+FAST, omega SLOWER times that of the motion, and enough steps of Adams are ahead, the other code is tried. It stays when
+its steps are GAIN times as long; when the vibration is the motion itself they are not, and Adams goes on. It also goes
+on when the steps of Radau become shorter than LEFT of that later.
 
 So what is not stiff is computed as by code 0, step by step, and a model that is asked in vain loses less than the part
 LOST: a trial of TRIAL steps costs less than TRIAL GAIN of Adams, and that many over LOST have to be ahead for each
