@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from spacar.stream import Run
 
 FACTS = (
     "n_coordinates", "n_deformations", "slips", "position_rows", "constant_gradient", "constant_mass", "has_mass",
-    "measure", "keyword", "numbers", "length", "frame_p", "frame_q", "data",
+    "measure", "keyword", "numbers", "length", "data",
 )  # fmt: skip
 DOUBLE = ctypes.c_double * 1
 
@@ -101,6 +102,15 @@ class CompiledElements(Family):
     def __reduce__(self) -> Any:
         return compiled_family, (self.general,)
 
+    # made when result files ask for them
+    @property
+    def frame_p(self) -> Array | None:  # type: ignore[override]
+        return self.general.frame_p
+
+    @property
+    def frame_q(self) -> Array | None:  # type: ignore[override]
+        return self.general.frame_q
+
     # -- deformations -------------------------------------------------------------------------------------------
     def strain(self, x: Array, near: Array, e: Array, V: Array) -> Configuration:
         if x.shape != self._shape or x.dtype != float or e.dtype != float:
@@ -148,7 +158,14 @@ class CompiledElements(Family):
         return self.general.internal(self._general(c), sigma)
 
     def stiffness(self) -> tuple[Array, Array]:
-        return self.general.stiffness()
+        return self._stiffness
+
+    @cached_property
+    def _stiffness(self) -> tuple[Array, Array]:
+        found = self.general.stiffness()
+        for S in found:  # every asker gets the same
+            S.flags.writeable = False
+        return found
 
     # -- inertia ------------------------------------------------------------------------------------------------
     def mass(self, c: Configuration, out: Array) -> None:

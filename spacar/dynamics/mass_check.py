@@ -43,6 +43,7 @@ from numpy.typing import NDArray
 from spacar.arrays import Array
 from spacar.dynamics.saddle_point import DeformationInertia, SaddlePoint
 from spacar.errors import AnalysisError
+from spacar.kinematics.constraint_condition import Conditioning
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.kinematics.kinematics import Kinematics
 from spacar.kinematics.transfer import velocity_transfer
@@ -135,12 +136,13 @@ def require_inertia_of_many(mechanism: Mechanism, saddle: SaddlePoint, condition
 
 
 def linearized_doubt(
-    mechanism: Mechanism, sweep: ElementSweep, M: Array, condition: float, everything: bool = False
+    mechanism: Mechanism, sweep: ElementSweep, M: Array, condition: Conditioning, everything: bool = False
 ) -> str | None:
     """What linearized equations at the configuration of the sweep are warned of, None: nothing.
 
-    M, condition: as for `is_doubtful`. A degree of freedom without any entry is not looked at: who needs its inertia
-    refuses it. Neither is a large model: its lowest modes come from the sparse pencil, which keeps all coordinates.
+    M: as for `is_doubtful`; condition: of D. A degree of freedom without any entry is not looked at: who needs its
+    inertia refuses it. Neither is a large model: its lowest modes come from the sparse pencil, which keeps all
+    coordinates.
     `everything`: M is that of all degrees of freedom, prescribed ones too (mode 3).
     """
     if everything:
@@ -150,14 +152,17 @@ def linearized_doubt(
         return None
     with np.errstate(over="ignore"):
         largest = largest_mass(mechanism, sweep)
-    if not (np.isfinite(largest) and is_doubtful(mechanism, M, condition, largest)):
+    if not np.isfinite(largest) or not is_doubtful(mechanism, M, condition.at_most, largest):
         return None
-    massless, doubtful = _motions_of_rounding(mechanism, SaddlePoint(mechanism, sweep), condition)
+    number = condition.number
+    if not is_doubtful(mechanism, M, number, largest):
+        return None
+    massless, doubtful = _motions_of_rounding(mechanism, SaddlePoint(mechanism, sweep), number)
     if not (massless or doubtful):
         return None
     return (
         f"the inertia on the motion of {massless or doubtful} is that of rounding in the position (condition"
-        f" {condition:.2g}): frequencies of this motion have no right digit; add mass (XM, EM), or choose other degrees"
+        f" {number:.2g}): frequencies of this motion have no right digit; add mass (XM, EM), or choose other degrees"
         " of freedom"
     )
 

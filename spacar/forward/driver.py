@@ -44,9 +44,10 @@ from spacar.mechanism.mechanism import SolverSettings
 # dead points takes the degrees of freedom as known to ERROR: a hundred steps may err to the same side.
 STEP = 0.01
 # Position tolerance of intermediate states / tolerance of a step. The velocity has an error of this order, which the
-# error estimate of the integrator must not see: with 853 and ERROR 1e-10 a position tolerance of 1e-11 made a
-# pendulum take 34 s instead of 1.7 s.
-POSITION = 1e-3
+# error estimate of the integrator must not see, and stiff beams make accelerations of what is left of a position: with
+# 1e-3 a four-bar and a crank with eight beams took 1.4 and 1.5 times as many steps as with 1e-5, which costs rigid
+# models 0 to 5 % (docs/performance.md).
+POSITION = 1e-5
 # The same of codes that solve equations with F: what is left of the residual of the position makes accelerations of
 # stiff modes that no iteration can remove (16 elements with 595: 1 Jacobian instead of 16 with 1e-11; 1e-13 is not
 # better).

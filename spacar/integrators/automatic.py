@@ -8,8 +8,8 @@ F,
 
     dF_u/dq w -> w,  omega^2 = |dF_u/dq w| / |w|,      and likewise the decay c = |dF_u/du w| / |w|,
 
-q positions, u their rates, after 100, 200, 400, ... accepted steps; the same quotients of the present rates, w = u, say
-how fast the motion is. Where h omega is above FAST, omega SLOWER times that of the motion, and enough steps of Adams
+q positions, u their rates, after 100, 200, 400, ... accepted steps; the same quotients of the way since the look before,
+w = q - q_before, say how fast the motion is: present rates would hold the vibration itself. Where h omega is above FAST, omega SLOWER times that of the motion, and enough steps of Adams
 are ahead, the other code is tried. It stays when its steps are GAIN times as long; when the vibration is the motion
 itself they are not, and Adams goes on. It also goes on when the steps of Radau become shorter than LEFT of that later.
 
@@ -74,6 +74,7 @@ class Automatic:
         self.done = 0  # accepted steps of Adams
         self.look = FIRST_LOOK if evaluation.has_jacobian else 0
         self.omega = self.tried_at = self.size = 0.0
+        self.seen = np.zeros(n)  # state of the last look
 
     def loop(self, one_step: Loop) -> Callable[[float, np.ndarray, float, float], Iterator[Step]]:
         """The step loop; `one_step` makes that of Radau, and says whether it estimates its first step."""
@@ -97,7 +98,7 @@ class Automatic:
     def _explicit(self, t: float, y: np.ndarray, t_end: float, h: float) -> Iterator[Step]:
         """Steps of Adams up to the end or to a change."""
         counted = self.evaluation.statistics
-        last, before = t, counted.n_steps
+        last, before, self.seen = t, counted.n_steps, y.copy()
         self._halt()
         for step in self.explicit.steps(t, y, t_end, h):
             yield step
@@ -112,6 +113,7 @@ class Automatic:
                     self.implicit = Radau(5, self.evaluation, self.n, self.tolerance)
                     self._tell(step.t, 595)
                     return
+                self.seen = step.y.copy()
 
     def _halt(self) -> None:
         """Let outputs be passed until the next look."""
@@ -193,7 +195,7 @@ class Automatic:
                 if abs(size - before) <= SETTLED * size:
                     break
             highest = max(highest, size**power)
-            motion = max(motion, changed(part, y[n:])[1] ** power)
+            motion = max(motion, changed(part, (y - self.seen)[:rates])[1] ** power)
         return highest, motion
 
 

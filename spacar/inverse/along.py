@@ -33,7 +33,7 @@ from spacar.frame import Frame
 from spacar.inverse.nominal import Nominal, NominalDrive
 from spacar.inverse.ports import ACCELERATIONS, NominalInputs, Ports, rigidified
 from spacar.inverse.trajectory import Leg, groups, loaded
-from spacar.kinematics.constraint_condition import condition_number
+from spacar.kinematics.constraint_condition import Conditioning
 from spacar.linear.linear_modes import LARGE
 from spacar.linear.sparse_linearization import SparseLinearization
 from spacar.linear.state_space import Signal, state_space
@@ -125,7 +125,7 @@ class Along:
             return frame
         L = self._at(linearize, dynamics, frame, u0)
         if k == 0:
-            condition = condition_number(dynamics.kinematics)
+            condition = Conditioning.of(dynamics.kinematics)
             doubt = linearized_doubt(self.mechanism, dynamics.sweep, L.m0, condition, everything=True)
             if doubt:
                 self.report.add(f"warning: {doubt}")

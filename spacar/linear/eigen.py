@@ -297,11 +297,14 @@ def is_symmetric(A: Array) -> bool:
     if not scale.any():
         return not A.any() or bool(np.allclose(A, A.T, rtol=SYMMETRIC, atol=0.0))
     S = A / np.outer(scale, scale)
-    return bool(np.max(np.abs(S - S.T)) <= SYMMETRIC * max(1.0, float(np.max(np.abs(S)))))
+    difference = float(np.abs(S - S.T).max())
+    return difference <= SYMMETRIC or difference <= SYMMETRIC * float(np.abs(S).max())
 
 
 def matters(C: Array, M: Array, K: Array) -> bool:
     """Is C more than the rounding of zero, compared with sqrt(m k) of its row and column?"""
+    if not C.any():
+        return False
     size = np.sqrt(np.sqrt(np.abs(np.diag(M) * np.diag(K))))
     bound = 1e-14 * np.outer(size, size)
     return bool(np.any(np.abs(C) > bound))

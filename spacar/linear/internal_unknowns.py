@@ -97,5 +97,7 @@ def extra_load_matrices(
 
 
 def _bordered(A: Array, c: Array, part: Array, diagonal: Array) -> Array:
-    """[A + c part c^T, c; c^T, diagonal]."""
+    """[A + c part c^T, c; c^T, diagonal], A itself without such unknowns."""
+    if not len(diagonal):
+        return A
     return np.block([[A + (c * part) @ c.T, c], [c.T, np.diag(diagonal)]])

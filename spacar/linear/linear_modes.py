@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from spacar.dynamics.motion_equations import Accelerations
 from spacar.errors import AnalysisError
 from spacar.forward.motion import motion
 from spacar.frame import Frame
-from spacar.kinematics.constraint_condition import condition_number
+from spacar.kinematics.constraint_condition import Conditioning
 from spacar.kinematics.output import TransferOutput
 from spacar.kinematics.regularity import Regularity
 from spacar.linear.buckling import NO_STRESS, BucklingModes, buckling_modes, directional_compliances
@@ -105,6 +106,7 @@ class LinearizedSolution:
     tangent: SparseTangent | None
     wanted: int
     reduced: bool
+    condition: Conditioning
 
 
 def _stored_system(run: Run, may_move: bool) -> StoredSystem:
@@ -155,16 +157,18 @@ def stationary(
         if not level.store:
             continue
         dynamics, state = solver.dynamics, solver.solution
+        condition = Conditioning.of(dynamics.kinematics)
         if "condition" not in run.header:
-            run.header["condition"] = condition_number(dynamics.kinematics)
-            say_lost_digits(run, reduced or descriptor)
+            run.header.later("condition", partial(getattr, condition, "number"))
+            if lost_digits(condition.at_most) > LOST:
+                say_lost_digits(run, reduced or descriptor)
         limits = limits or Limits(dynamics, run.report)
         convected = dynamics.forces.inertia(dynamics.sweep, dynamics.xd)
         frame = dynamics.complete(
             float(stored), Accelerations(state.xdd, state.sigma, state.convective), convected
         )
         limits.check_elements(dynamics, frame)
-        singular = _is_dead_point(run, solver, level, frame.t, reducible)
+        singular = not _is_surely_regular(solver, condition) and _is_dead_point(run, solver, level, frame.t, reducible)
         frame.statistics = {"iterations": iterations, "residual": state.norm}
         stored, iterations = stored + 1, 0
         if store is not None and descriptor:
@@ -172,18 +176,24 @@ def stationary(
                 solver.sparse_tangent().sigma = state.sigma
                 frame.matrices.update(sparse_matrices(solver.sparse_tangent()))
             store.add_sparse(frame, dynamics, state.xdd, state.sigma, 0.0)
-            yield LinearizedSolution(frame, dynamics, None, None, wanted, reduced=True)
+            yield LinearizedSolution(frame, dynamics, None, None, wanted, True, condition)
             continue
         if reduced or singular:
             tangent = solver.sparse_tangent()
             tangent.sigma = state.sigma
             if reduced:
                 frame.matrices.update(sparse_matrices(tangent))
-            yield LinearizedSolution(frame, dynamics, None, tangent, wanted, reduced)
+            yield LinearizedSolution(frame, dynamics, None, tangent, wanted, reduced, condition)
             continue
         L = linearize(dynamics, state.xdd, state.sigma)
         _store_matrices(frame, L, dynamics)
-        yield LinearizedSolution(output.add(frame, dynamics.kinematics, L), dynamics, L, None, wanted, reduced)
+        frame = output.add(frame, dynamics.kinematics, L)
+        yield LinearizedSolution(frame, dynamics, L, None, wanted, reduced, condition)
+
+
+def lost_digits(condition: float) -> float:
+    """Part of the reduced matrices that may be rounding."""
+    return float(np.finfo(float).eps) * condition**2
 
 
 def say_lost_digits(run: Run, reduced: bool) -> None:
@@ -193,7 +203,7 @@ def say_lost_digits(run: Run, reduced: bool) -> None:
     eps cond^2 of these may be rounding. The sparse pencil, which keeps all coordinates, does not lose these digits.
     """
     condition = run.header["condition"]
-    lost = float(np.finfo(float).eps) * condition**2
+    lost = lost_digits(condition)
     if lost > LOST and np.isfinite(condition) and not reduced:
         run.report.add(
             f"warning: the degrees of freedom hardly determine the configuration (condition number {condition:.2g}): up"
@@ -208,9 +218,15 @@ def _say_doubtful_inertia(run: Run, solution: LinearizedSolution) -> None:
     if L is None or not len(dynamic) or solution.frame.t:
         return
     M = selected(L.m0, dynamic, dynamic)
-    doubt = linearized_doubt(run.mechanism, solution.dynamics.sweep, M, run.header["condition"])
+    doubt = linearized_doubt(run.mechanism, solution.dynamics.sweep, M, solution.condition)
     if doubt:
         run.report.add(f"warning: {doubt}")
+
+
+def _is_surely_regular(solver: StationarySolver, condition: Conditioning) -> bool:
+    """Does the bound tell that the reciprocal condition, which is that of the 1-norm, is above zero?"""
+    matrix = solver.dynamics.position_matrix()
+    return solver.solution.determined and len(matrix.columns) * condition.at_most * matrix.zero < 1.0
 
 
 def _is_dead_point(run: Run, solver: StationarySolver, level: LoadLevel, t: float, reducible: bool) -> bool:

@@ -14,7 +14,7 @@ from spacar.arrays import Array, Index
 
 DENSE_LIMIT = 150  # rows or columns up to which all products of a linearization are faster dense (docs/performance.md)
 
-ZERO = np.zeros(())
+ZERO = bytes(8)  # one number, which nobody can write to
 
 Matrix = Any  # NumPy array or csr_array of SciPy
 
@@ -33,7 +33,7 @@ def matrix(rows: Index, columns: Index, values: Array, shape: tuple[int, int]) -
 def zero_matrix(shape: tuple[int, int]) -> Matrix:
     """All entries zero; a dense one is one number for all places, not to be written to."""
     if max(shape) <= DENSE_LIMIT:
-        return np.broadcast_to(ZERO, shape)
+        return np.ndarray(shape, buffer=ZERO, strides=(0, 0))
     from scipy.sparse import csr_array
 
     return csr_array(shape)

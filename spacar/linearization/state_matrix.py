@@ -19,7 +19,7 @@ def chosen_rows(L: Linearization, dynamics: Dynamics, everything: bool = False) 
     """Rows of q and of s that are states: the dynamic ones (and the kinematic ones), or all of them (mode 3)."""
     n = dynamics.numbering
     q = np.arange(n.ndof) if everything else n.dynamic
-    return q, np.r_[q, np.arange(n.ndof, n.nkdof)]
+    return q, np.concatenate((q, np.arange(n.ndof, n.nkdof)))
 
 
 def selected(A: Array, rows: Index, columns: Index) -> Array:
@@ -28,7 +28,7 @@ def selected(A: Array, rows: Index, columns: Index) -> Array:
 
 
 def _is_all(places: Index, n: int) -> bool:
-    return len(places) == n and np.array_equal(places, np.arange(n))
+    return len(places) == n and bool((places == np.arange(n)).all())
 
 
 MASSLESS = "singular mass matrix: a degree of freedom carries no mass; add XM or EM"

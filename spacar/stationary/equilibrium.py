@@ -135,7 +135,8 @@ class Equilibrium:
         c.guess_forces, c.guess_lengths, c.weight, c.safe = FORCES, LENGTHS, WEIGHT, SAFE
         c.elastic = largest_stiffness(C, m.deformation_scale)
         self._sizes = np.zeros(max(m.settings.max_iterations, 1))
-        c.sizes = self._sizes.ctypes.data
+        self._x, self._sigma, self._out = np.zeros(n.nx), np.zeros(n.ne), np.zeros(n.nx + n.ne + 2 * (self.nf + n.ne))
+        c.x, c.sigma, c.out, c.sizes = at(self._x), at(self._sigma), at(self._out), at(self._sizes)
         self.address = ctypes.c_void_p(ctypes.addressof(c))
         weakref.finalize(self, _end, self._call.equilibrium_end, c)
         if self._call.equilibrium_begin(self.address):
@@ -172,13 +173,13 @@ class Equilibrium:
     def newton(self, x: Array, sigma: Array, demand: Demand) -> Converged | None:
         """As `spacar.stationary.newton.newton`. Raises Astray."""
         c = self.c
-        out = self._from(x, sigma)
+        self._from(x, sigma)
         c.forces, c.lengths = demand.forces, demand.lengths
         c.correction, c.tolerance = demand.correction, demand.tolerance
         c.limit = min(demand.limit, len(self._sizes))
         status = self._call.equilibrium_newton(self.address)
         if status == FOUND:
-            return Converged(self._iterate(out), c.iterations, c.noise, regular=c.iterations > 0)
+            return Converged(self._iterate(), c.iterations, c.noise, regular=c.iterations > 0)
         if status == ANOTHER_WAY:
             return None
         raise self._astray(status)
@@ -193,9 +194,9 @@ class Equilibrium:
 
     def point(self, x: Array, sigma: Array) -> Iterate:
         """As `StationaryEquations.point`."""
-        out = self._from(x, sigma)
+        self._from(x, sigma)
         self._call.equilibrium_point(self.address)
-        return self._iterate(out)
+        return self._iterate()
 
     def sign(self, p: Iterate) -> float | None:
         """The sign of the determinant of the tangent stiffness at a point; None where the matrix may be singular."""
@@ -213,15 +214,11 @@ class Equilibrium:
         self._from(p.x, p.sigma)
         return bool(self._call.equilibrium_definite(self.address))
 
-    def _from(self, x: Array, sigma: Array) -> Array:
-        self._start = x, sigma = np.ascontiguousarray(x), np.ascontiguousarray(sigma)
-        out = np.empty(self.nx + self.ne + 2 * (self.nf + self.ne))
-        c = self.c
-        c.x, c.sigma, c.out = x.ctypes.data, sigma.ctypes.data, out.ctypes.data
-        return out
+    def _from(self, x: Array, sigma: Array) -> None:
+        self._x[:], self._sigma[:] = x, sigma
 
-    def _iterate(self, out: Array) -> Iterate:
-        c, a, b = self.c, self.nx, self.nx + self.ne
+    def _iterate(self) -> Iterate:
+        c, out, a, b = self.c, self._out.copy(), self.nx, self.nx + self.ne
         n = self.nf + self.ne
         return Iterate(
             out[:a], out[a:b], out[b : b + n], out[b + n :], c.work_force, c.work, c.work_size, c.gap, bool(c.quiet),
