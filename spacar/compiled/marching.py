@@ -236,7 +236,7 @@ class Marching:
         self.evaluator, self.lookout, self.passage = evaluator, lookout, passage
         self.engine = model.engine
         self.shape = n, nx
-        self.records = np.zeros((lookout.capacity, 4 + n + 3 * nx + ne))
+        self.records = np.empty((lookout.capacity, 4 + n + 3 * nx + ne))  # a row is read after it is written
         self.scale = np.ascontiguousarray(evaluator.model.mechanism.scale)
         self.atol = np.empty(n)  # absolute error of every component
         self.error: BaseException | None = None
