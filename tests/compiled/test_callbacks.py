@@ -3,8 +3,13 @@
 import gc
 import weakref
 
+import pytest
+
 import spacar
+from spacar.compiled.library import why_off
 from spacar.forward.motion import chosen
+
+pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 
 CANTILEVER = """PLBEAM 1 1 2 3 4
 X 1 0 0

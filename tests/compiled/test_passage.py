@@ -11,13 +11,13 @@ import pytest
 import spacar
 from spacar.compiled import passage
 from spacar.compiled.compiled_evaluator import CompiledDynamics
-from spacar.compiled.library import unavailable
+from spacar.compiled.library import why_off
 from spacar.deck import Deck, parse_deck
 from spacar.forward.motion import chosen, motion
 from spacar.frame import Frame
 
 DATA = Path(__file__).parents[2] / "data"
-pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
+pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 CODES = (0, 135, 155, 853)
 
 CRANK = """PLBEAM 1 1 2 3 4

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from spacar.compiled.compiled_elements import with_compiled_elements
-from spacar.compiled.library import unavailable
+from spacar.compiled.library import why_off
 from spacar.deck import parse_deck, read_deck
 from spacar.errors import Report
 from spacar.mechanism import build
@@ -22,7 +22,7 @@ from spacar.stationary.resting_tangent import RestingTangent
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 from statics import cantilever
 
-pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
+pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 MODELS = Path(__file__).resolve().parents[2] / "data"
 
 PRESCRIBED = """PLBEAM 1 1 2 3 4
