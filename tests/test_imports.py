@@ -25,7 +25,8 @@ HEAVY = {
 # cross-section, words about a failure and codes that need a Jacobian are what a run of the command line seldom needs.
 LATE = {
     "spacar.compiled", "spacar.symbolic", "spacar.simulation", "spacar.linear_systems", "spacar.elements",
-    "spacar.mechanism.user_functions", "spacar.kinematics.lost_stiffness", "spacar_drawing.window",
+    "spacar.mechanism.user_files", "spacar.mechanism.user_functions", "spacar.kinematics.lost_stiffness",
+    "spacar_drawing.window",
     "spacar.result", "spacar.deck.section_block", "spacar.kinematics.failure", "spacar.linearization.state_jacobian",
     "spacar_drawing.report_page", "spacar_drawing.curves", "spacar_drawing.history", "spacar_drawing.stress_numbers",
     "spacar_drawing.stroke_page", "spacar_drawing.stroke_figures", "spacar_drawing.viewer_page",

@@ -211,7 +211,7 @@ def flexure_plot(
 
 def inline_model(model: Deck | Model) -> str:
     """The start position of a model as an HTML image; functions of its users are not called."""
-    from spacar.mechanism.user_functions import without_functions
+    from spacar.mechanism.user_files import without_functions
 
     deck = model if isinstance(model, Deck) else model.deck(0)
     return inline_picture(run(0, without_functions(deck)))

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from spacar.errors import UsageError
-from spacar.mechanism.user_functions import import_file
+from spacar.mechanism.user_files import import_file
 from spacar.simulation import blocks, control_blocks, sampled_blocks, sources, switching_blocks
 from spacar.simulation.blocks import Block
 from spacar.simulation.transport_delay import TransportDelay

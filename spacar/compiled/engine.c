@@ -22,6 +22,7 @@
 #include "batches.c"
 #include "band.c"
 #include "equilibrium.c"
+#include "definite.c"
 
 /* The kinds, then the functions in the order of `ELEMENT_FUNCTIONS` in library.py. */
 const void *const ELEMENTS[] = {

@@ -12,8 +12,9 @@ from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.evaluator import Evaluator
 from spacar.dynamics.loaded_mechanism import Moving
 from spacar.errors import AnalysisError
+from spacar.forward.accepted_steps import at_time, watched
 from spacar.forward.charts import Chart, ChartEnds, ChartWatch, tumbling_nodes
-from spacar.forward.driver import at_time, frames, watched
+from spacar.forward.driver import frames
 from spacar.frame import Frame
 from spacar.integrators import METHODS, EvenTimes
 from spacar.integrators.times import RemainingTimes

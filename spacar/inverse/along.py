@@ -28,7 +28,7 @@ from spacar.dynamics.forces import StressLaw
 from spacar.dynamics.loaded_mechanism import LoadedMechanism
 from spacar.dynamics.mass_check import linearized_doubt
 from spacar.errors import Report, UsageError
-from spacar.forward.driver import at_time
+from spacar.forward.accepted_steps import at_time
 from spacar.frame import Frame
 from spacar.inverse.nominal import Nominal, NominalDrive
 from spacar.inverse.ports import ACCELERATIONS, NominalInputs, Ports, rigidified

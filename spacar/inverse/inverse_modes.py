@@ -14,7 +14,7 @@ from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.limits import Limits
 from spacar.errors import UsageError
-from spacar.forward.driver import at_time
+from spacar.forward.accepted_steps import at_time
 from spacar.frame import Frame
 from spacar.inverse.along import Along
 from spacar.inverse.nominal import Nominal, check_same_mechanism

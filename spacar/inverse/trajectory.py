@@ -143,7 +143,8 @@ def groups(deck: Deck) -> list[tuple[int, tuple[Statement, ...]]]:
 
 
 def _user_drive(mechanism: Mechanism, statement: Statement, leg: Leg) -> Drive:
-    from spacar.mechanism.user_functions import UserDrive, load_function
+    from spacar.mechanism.user_files import load_function
+    from spacar.mechanism.user_functions import UserDrive
 
     x, e = np.zeros((len(leg.x), 3)), np.zeros((len(leg.e), 3))
     x[:, 0], e[:, 0] = leg.x, leg.e

@@ -13,147 +13,22 @@ fixed or prescribed deformation cannot act, because equilibrium alone determines
 
 from __future__ import annotations
 
-import ast
-import importlib.util
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import isfinite, nan
-from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.deck import Deck, Statement
-from spacar.errors import AnalysisError, InputError, Message
+from spacar.errors import AnalysisError
 from spacar.mechanism.mechanism import DriveState, Polynomial, Rows, SolverSettings, UserForces, UserSignal
 from spacar.mechanism.numbering import Numbering
 from spacar.mechanism.placed_vectors import PlacedVector, placed
+from spacar.mechanism.user_files import Loaded, load_function, one_line
 from spacar.modes import find_mode
-
-STATEMENTS = {"USERSIG": "forces and stresses", "USERINP": "prescribed motion", "USERTRAJ": "trajectory"}
-
-
-def function_file(deck: Deck, statement: Statement) -> Path:
-    """The file `name.py` in the directory of the input file; nothing of it is run. Raises InputError without one."""
-    name = str(statement.values[0])
-    folder = deck.path.parent if deck.path else Path.cwd()
-    candidates = [p for p in (folder / f"{name}.py", folder / f"{name.lower()}.py") if p.exists()]
-    if not candidates:
-        text = f"the function file {name}.py was not found in {folder.resolve()}"
-        if (folder / f"{name}.m").exists():
-            text += f"; {name}.m is there: write it in Python (`spacar keywords {statement.keyword}`)"
-        raise _refusal(deck, statement, text)
-    return candidates[0]
-
-
-def listed_functions(deck: Deck) -> list[Message]:
-    """What user functions the runs of a deck will call, found without importing them. InputError without a file."""
-    found = []
-    for statement in deck.of(*STATEMENTS):
-        path = function_file(deck, statement)
-        what = f"runs of this model execute {path} ({STATEMENTS[statement.keyword]}); it was not executed here"
-        found.append(
-            Message("information", deck.source, statement.line, statement.keyword, what, "user-function.listed")
-        )
-        if not _defines(path, {path.stem, str(statement.values[0])}):
-            text = f"{path} does not seem to define a function {statement.values[0]}"
-            found.append(Message("warning", deck.source, statement.line, statement.keyword, text, "user-function.name"))
-    return found
-
-
-def without_functions(deck: Deck) -> Deck:
-    """The deck without the statements that name user functions: building it imports nothing."""
-    return replace(deck, statements=tuple(s for s in deck.statements if s.keyword not in STATEMENTS))
-
-
-def _defines(path: Path, names: set[str]) -> bool:
-    """Whether the text of a file gives one of these names a value at its top level; true when it cannot be read."""
-    try:
-        body = ast.parse(path.read_bytes()).body
-    except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
-        return True
-    defined = {node.name for node in body if isinstance(node, (ast.FunctionDef, ast.ClassDef))}
-    names_given = (n for node in body for n in ast.walk(node) if isinstance(n, ast.Name))
-    defined |= {n.id for n in names_given if isinstance(n.ctx, ast.Store)}
-    imports = [node for node in body if isinstance(node, (ast.Import, ast.ImportFrom))]
-    defined |= {a.asname or a.name for node in imports for a in node.names}
-    return bool(defined & names) or "*" in defined
-
-
-def _refusal(deck: Deck, statement: Statement, reason: str) -> InputError:
-    return InputError([Message("error", deck.source, statement.line, statement.keyword, reason, "input.user-function")])
-
-
-@dataclass(frozen=True, eq=False)
-class Loaded:
-    """A function made from a user's file. No module is known under its name, so it travels (pickle, copy) as the way
-    in which it was made, and is loaded again where it arrives.
-    """
-
-    function: Callable[..., Any]
-    load: Callable[..., Loaded]
-    arguments: tuple[Any, ...]
-    breaks: tuple[float, ...] = ()  # times at which it jumps [s], from `breaks` of its module
-
-    def __call__(self, *arguments: Any) -> Any:
-        return self.function(*arguments)
-
-    def __reduce__(self) -> tuple[Callable[..., Loaded], tuple[Any, ...]]:
-        return self.load, self.arguments
-
-
-def load_function(deck: Deck, statement: Statement) -> Loaded:
-    """The function `name` of `name.py` in the directory of the input file."""
-    name = str(statement.values[0])
-
-    def refuse(reason: str) -> InputError:
-        return _refusal(deck, statement, reason)
-
-    path = function_file(deck, statement)
-    module = import_file(path, refuse)
-    function = getattr(module, path.stem, None) or getattr(module, name, None)
-    if not callable(function):
-        raise refuse(f"{path} does not define a function {name}")
-    return Loaded(function, load_function, (deck, statement), _breaks(module, path, refuse))
-
-
-def _breaks(module: ModuleType, path: Path, refuse: Callable[[str], Exception]) -> tuple[float, ...]:
-    """The times of jumps that a module declares."""
-    given = getattr(module, "breaks", ())
-    try:
-        times = np.asarray(given, dtype=float)
-    except (TypeError, ValueError):
-        times = np.full((1, 1), np.nan)
-    if times.ndim != 1 or not np.isfinite(times).all():
-        raise refuse(f"breaks of {path} must be a list of times [s], numbers, not {one_line_of(given)}")
-    return tuple(float(t) for t in times)
-
-
-def one_line_of(value: object) -> str:
-    """A value as a message shows it, on one line and shortened."""
-    text = repr(value).splitlines()[0]
-    return text if len(text) < 80 else f"{text[:77]}..."
-
-
-def import_file(path: Path, refuse: Callable[[str], Exception]) -> ModuleType:
-    """The module in a user's Python file; raises what `refuse` makes of the reason why it cannot be loaded."""
-    spec = importlib.util.spec_from_file_location(f"spacar_user_{path.stem}", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    try:
-        spec.loader.exec_module(module)
-    except Exception as error:  # a user's file may fail in any way
-        raise refuse(f"{path} cannot be loaded: {one_line(error)}") from error
-    return module
-
-
-def one_line(error: Exception) -> str:
-    """Type and text of an exception without line breaks."""
-    return " ".join(f"{type(error).__name__}: {error}".split())
 
 
 def call(function: Callable[..., Any], name: str, t: float, *arguments: Any) -> tuple[Any, Any]:

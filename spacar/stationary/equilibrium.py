@@ -1,4 +1,5 @@
-"""Newton's iteration of a level at rest and the proof of stability in one call of C (compiled/equilibrium.c) each.
+"""Newton's iteration of a level at rest and the proof of stability in one call of C each (compiled/equilibrium.c,
+definite.c).
 
 The equations, the criteria and the constants are those of `StationaryEquations`, `newton` and `DefiniteStiffness`; both
 ways give the same states to rounding (tests/stationary/test_equilibrium.py). The engine takes what most models are:

@@ -17,7 +17,7 @@ from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.mechanism import Mechanism, build
-from spacar.mechanism.user_functions import STATEMENTS
+from spacar.mechanism.user_files import STATEMENTS
 from spacar.studies.assignments import parameters_of
 
 if TYPE_CHECKING:

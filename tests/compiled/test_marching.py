@@ -11,7 +11,7 @@ from spacar.compiled.compiled_evaluator import CompiledDynamics
 from spacar.compiled.library import unavailable
 from spacar.deck import parse_deck
 from spacar.errors import AnalysisError, Report
-from spacar.forward import driver
+from spacar.forward import accepted_steps, driver
 from spacar.integrators import drive
 
 DATA = Path(__file__).parents[2] / "data"
@@ -122,7 +122,7 @@ def problem_of(text, trailed):
     """What the integrators see of a model, and its start state; `trailed`: steps are made in C."""
     evaluator = CompiledDynamics(spacar.frames(1, parse_deck(text, mode=1)).mechanism)
     y = evaluator.start()
-    trail = driver.Trail(evaluator, None) if trailed else None
+    trail = accepted_steps.Trail(evaluator, None) if trailed else None
     marching = partial(evaluator.marching, trail) if trailed else None
     return driver.Integrand(evaluator, 1e-11, None, None, Report(), trail=trail, marching=marching), y
 

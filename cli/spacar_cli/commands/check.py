@@ -43,7 +43,7 @@ def command(
     from spacar.deck import read_deck
     from spacar.kinematics.lost_stiffness import lost_stiffness
     from spacar.mechanism import build
-    from spacar.mechanism.user_functions import listed_functions, without_functions
+    from spacar.mechanism.user_files import listed_functions, without_functions
 
     number = None if mode is None else find_mode(mode).number
     piped = str(file) == STANDARD_INPUT

@@ -1,0 +1,99 @@
+/* The proof that a state at rest is stable: spacar/stationary/definite.py, which gives the constants, in C. */
+
+/* The pattern of the stiffness and its order. OK or NO_MEMORY. */
+static int definite_pattern(const Equilibrium *q, Own *w)
+{
+    size_t squares = 0;
+    for (int k = 0; k < q->n_groups; k++) squares += (size_t)q->groups[k].elements->nxe * q->groups[k].elements->nxe * q->groups[k].elements->n;
+    int *rows = malloc((squares + 1) * sizeof(int)), *columns = malloc((squares + 1) * sizeof(int)), count = 0, status = NO_MEMORY;
+    int *rank = malloc((q->nf + 1) * sizeof(int));
+    Graph graph = {0};
+    for (int k = 0; rows && columns && k < q->n_groups; k++) pairs_of(q, &q->groups[k], rows, columns, &count);
+    if (rows && columns && rank) status = graph_of(&graph, (int)q->nf, rows, columns, count);
+    if (status == OK) status = band_order(&graph, rank);
+    if (status == OK) {
+        const int b = w->definite_b = band_width(&graph, rank);
+        w->definite_known = b < q->widest_definite || q->nf <= q->dense ? 1 : -1;
+        w->definite_band = room_of(w, (size_t)q->nf * (b + 1), sizeof(double));
+        w->definite_size = room_of(w, q->nf, sizeof(double));
+        if (!w->definite_band || !w->definite_size) status = NO_MEMORY;
+        count = 0;
+        for (int k = 0; k < q->n_groups; k++) {
+            const int s = q->groups[k].elements->nxe * q->groups[k].elements->nxe * q->groups[k].elements->n;
+            for (int i = 0; i < s; i++, count++) { /* the lower half */
+                const int r = rows[count] < 0 ? -1 : rank[rows[count]], c = columns[count] < 0 ? -1 : rank[columns[count]];
+                w->pieces[k].definite_at[i] = r < c || c < 0 ? -1 : c * (b + 1) + r - c;
+            }
+        }
+    }
+    free_graph(&graph);
+    free(rows); free(columns); free(rank);
+    return status;
+}
+
+/* Is it proved that the tangent stiffness at x, sigma has no negative eigenvalue? See definite.py. */
+static int spacar_equilibrium_definite(Equilibrium *q)
+{
+    Own *w = q->own;
+    if (!w->definite_known && definite_pattern(q, w) != OK) w->definite_known = -1;
+    if (w->definite_known < 0) return 0;
+    rest_loads(q, w);
+    rest_elements(q, w, q->x);
+    if (!rest_blocks(q, w, q->sigma)) return 0;
+    const int n = (int)q->nf, b = w->definite_b;
+    double size = q->elastic, most = 1.0;
+    for (int k = 0; k < q->n_groups; k++) { /* what is left of gravity and stresses in H */
+        const Group *g = &q->groups[k];
+        const Piece *p = &w->pieces[k];
+        const int nxe = g->elements->nxe, m = g->elements->n, s = nxe * nxe * m;
+        for (int i = 0; i < s; i++) p->H[i] = (g->curved ? p->H[i] : 0.0) + (g->heavy ? p->by_x[i] : 0.0);
+        if (!g->curved && !g->heavy) continue;
+        for (int a = 0; a < nxe; a++) for (int c = 0; c < nxe; c++) for (int i = 0; i < m; i++) {
+            const int64_t x = g->x[a * m + i], y = g->x[c * m + i];
+            if (q->place[x] >= 0 && q->place[y] >= 0) size = larger(size, p->H[(a * nxe + c) * m + i] * q->scale[x] * q->scale[y]);
+        }
+    }
+    if (!(size > 0.0 && size < INFINITY)) return 0;
+    memset(w->definite_size, 0, sizeof(double) * n);
+    memset(w->definite_band, 0, sizeof(double) * n * ((size_t)b + 1));
+    for (int k = 0; k < q->n_groups; k++) { /* V' (S + springs) V of every element; the sum of the sizes on the diagonal */
+        const Group *g = &q->groups[k];
+        const Piece *p = &w->pieces[k];
+        const int nxe = g->elements->nxe, nee = g->elements->nee, m = g->elements->n;
+        double *P = p->by_x + (size_t)nxe * nxe * m;
+        memset(P, 0, sizeof(double) * nxe * nxe * m);
+        for (int r = 0; r < nee; r++) for (int c = 0; c < nee; c++) for (int i = 0; i < m; i++) {
+            double stiffness = g->S ? g->S[(r * nee + c) * m + i] : 0.0;
+            if (r == c) stiffness += q->weight * size * g->held[r * m + i];
+            if (stiffness == 0.0) continue;
+            for (int a = 0; a < nxe; a++) {
+                const double force = stiffness * g->V[(r * nxe + a) * m + i];
+                if (force != 0.0) for (int d = 0; d < nxe; d++) P[(a * nxe + d) * m + i] += force * g->V[(c * nxe + d) * m + i];
+            }
+        }
+        for (int j = 0; j < nxe * nxe * m; j++) {
+            const int at = p->definite_at[j];
+            if (at >= 0 && at % (b + 1) == 0) w->definite_size[at / (b + 1)] += fabs(P[j]) + fabs(p->H[j]);
+        }
+    }
+    for (int i = 0; i < n; i++) {
+        if (!(w->definite_size[i] > 0.0)) return 0;
+        w->definite_size[i] = 1.0 / sqrt(w->definite_size[i]);
+    }
+    for (int k = 0; k < q->n_groups; k++) {
+        const Piece *p = &w->pieces[k];
+        const Elements *t = q->groups[k].elements;
+        const double *P = p->by_x + (size_t)t->nxe * t->nxe * t->n;
+        for (int j = 0; j < t->nxe * t->nxe * t->n; j++) {
+            const int at = p->definite_at[j];
+            if (at < 0) continue;
+            const int column = at / (b + 1), row = column + at % (b + 1);
+            const double scale = w->definite_size[column] * w->definite_size[row];
+            w->definite_band[at] += scale * (p->H[j] + P[j]);
+            most = larger(larger(most, scale * p->H[j]), scale * P[j]);
+        }
+    }
+    const double less = n * DBL_EPSILON * q->safe * most;
+    for (int i = 0; i < n; i++) w->definite_band[(size_t)i * (b + 1)] -= less;
+    return band_positive(w->definite_band, n, b);
+}

@@ -1,0 +1,201 @@
+"""The accepted steps of a motion: which of them are remembered, and what is watched after each.
+
+Watched are half turns of nodes, the charts of those that may pass them, and the continuity of the motion at dead
+points. Remembered are the steps from which outputs are placed and to which rejected steps go back.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+
+import numpy as np
+
+from spacar.arrays import Array
+from spacar.dynamics.evaluator import Evaluator
+from spacar.dynamics.limits import Limits
+from spacar.dynamics.loaded_mechanism import (
+    ALWAYS,
+    AT_DETERMINANTS,
+    AT_VELOCITIES,
+    NEVER,
+    Accepted,
+    Moving,
+)
+from spacar.errors import AnalysisError, Report
+from spacar.forward.charts import ChartWatch
+from spacar.forward.continuity import FAR_APART, HALF, INSIDE, WIDE, Continuity
+from spacar.frame import Frame
+from spacar.integrators import METHODS
+from spacar.kinematics.regularity import HalfTurns
+
+FAR = 8  # steps between outputs beyond which an output is not placed from the one before
+CAUSE = 0.1  # chosen: lambda0 of a node below which a dead point is its half turn, 11 degrees
+
+
+def at_time(evaluator: Evaluator, t: float, y: Array) -> Frame:
+    """The frame of a state; failures say the time."""
+    try:
+        return evaluator.frame(t, y)
+    except AnalysisError as error:
+        raise timed(error, t) from error
+
+
+def timed(error: AnalysisError, t: float) -> AnalysisError:
+    """The failure with its time."""
+    return error if "t = " in str(error) else AnalysisError(f"at t = {t:.9g}: {error}", error.code, **error.data)
+
+
+class Watched:
+    """Half turns of nodes, the charts of those that may pass them, and the continuity of the motion at dead points."""
+
+    def __init__(
+        self, evaluator: Evaluator, half_turns: HalfTurns, continuity: Continuity | None, charts: ChartWatch | None
+    ) -> None:
+        self.evaluator, self.half_turns, self.continuity, self.charts = evaluator, half_turns, continuity, charts
+
+    def __call__(self, t: float, y: Array) -> None:
+        if self.charts is not None:
+            self.charts.check(t, y, self.evaluator.placement().x)
+        if self.half_turns.nodes:
+            self.half_turns.check(t, self.evaluator.placement().x)
+        if self.continuity is not None:
+            try:
+                self.continuity.check(t, y)
+            except AnalysisError as error:
+                # A beam that is bent too far for one element is the cause rather than the choice of coordinates.
+                Limits(self.evaluator, Report()).check(self.evaluator, at_time(self.evaluator, t, y))
+                self.half_turns.check(t, self.evaluator.placement().x, CAUSE)
+                raise timed(error, t) from error
+
+    @property
+    def look(self) -> int:
+        """Which of many steps are looked at closer, see `spacar.forward.continuity`."""
+        if self.half_turns.nodes or self.charts is not None:
+            return ALWAYS
+        if self.continuity is None:
+            return NEVER
+        return AT_DETERMINANTS if self.continuity.matrix.has_determinant else AT_VELOCITIES
+
+    def closer(
+        self, t: float, y: Array, peak: float, before: list[Accepted] | None
+    ) -> tuple[float, bool, Accepted | None]:
+        """Look at an accepted step after those `before` it, see `Lookout`."""
+        c = self.continuity
+        if c is not None and before is not None:
+            c.resume(before, peak)
+        self(t, y)
+        if c is None:
+            return peak, False, None
+        seen = c.steps[-1] if c.steps and not (before and c.steps[-1] is before[-1]) else None
+        return c.peak, c.entered is not None, seen
+
+
+def watched(evaluator: Evaluator, report: Report, charts: ChartWatch | None = None) -> Watched | None:
+    """What is watched after every accepted step; None where there is nothing."""
+    mechanism, matrix = evaluator.model.mechanism, evaluator.position_matrix()
+    half_turns = HalfTurns(mechanism.numbering, without=charts.chart.dependent if charts else ())
+    settings = mechanism.settings
+    resolved = not METHODS[settings.integrator].needs_jacobian
+    errors = settings.atol, settings.rtol
+    continuity = Continuity(evaluator, matrix, report, errors, resolved) if not matrix.is_empty else None
+    if not half_turns.nodes and continuity is None and charts is None:
+        return None
+    return Watched(evaluator, half_turns, continuity, charts)
+
+
+class Trail:
+    """The accepted steps of one motion that are remembered; of two at least, of more where continuity is watched.
+
+    Outputs inside the last step are placed from the begin of that step. The output before may lie many turns earlier:
+    the way from there would be long and could be another one. Where only a few steps lie between outputs, each output
+    is placed from the one before: a determinant that changes its sign along this way tells of a dead point at which
+    steps that are too long have turned back.
+    """
+
+    def __init__(self, evaluator: Evaluator, watch: Watched | None) -> None:
+        self.evaluator, self.watch = evaluator, watch
+        self.continuity = None if watch is None else watch.continuity
+        self.steps: deque[Accepted] = deque(maxlen=2) if self.continuity is None else self.continuity.steps
+        self.elsewhere: Callable[[int], list[Accepted]] | None = None  # gives the last k steps that were made at a time
+        self.begin: Moving | None = None  # of the last step, where steps are made one by one
+        self.n = 0  # steps since the last output
+
+    # -- of many steps at a time: `spacar.compiled.marching.Lookout` ----------------------------------------------
+    half, inside, wide, far = HALF, INSIDE, WIDE, FAR_APART
+
+    @property
+    def capacity(self) -> int:
+        return self.steps.maxlen or 0
+
+    @property
+    def back(self) -> bool:
+        return self.continuity is not None
+
+    @property
+    def look(self) -> int:
+        return NEVER if self.watch is None else self.watch.look
+
+    def closer(
+        self, t: float, y: Array, peak: float, before: list[Accepted] | None
+    ) -> tuple[float, bool, Accepted | None]:
+        """Look at one of the steps that are made at a time."""
+        return (peak, False, None) if self.watch is None else self.watch.closer(t, y, peak, before)
+
+    def passed(self, last: Callable[[int], list[Accepted]]) -> None:
+        """Steps have been made; `last(k)` gives the last k of them."""
+        self.elsewhere = last
+
+    def _fetch(self) -> None:
+        """Take over what was remembered elsewhere, before a step is made here."""
+        if self.elsewhere is not None:
+            steps = self.elsewhere(self.capacity)
+            self.elsewhere = None
+            if self.continuity is not None:
+                self.continuity.resume(steps, max((p.size for p in steps), default=-np.inf))
+            else:
+                self.steps.clear()
+                self.steps.extend(steps)
+
+    def started(self, t: float, y: Array) -> Accepted | None:
+        """Remember the start state, where the evaluator stands. Returns the last step, None when it is not known."""
+        if not self.steps:
+            self._keep(t, y)
+        return self.steps[-1] if self.steps else None
+
+    def _keep(self, t: float, y: Array) -> None:
+        if self.continuity is not None:
+            self.continuity.check(t, y)
+            return
+        at = self.evaluator.moving()
+        if at is not None:
+            self.steps.append(Accepted(y.copy(), at, 1.0, 0.0))
+
+    # -- of steps one by one ---------------------------------------------------------------------------------------
+    def accepted(self, t: float, y: Array) -> None:
+        """After every accepted step."""
+        self.n += 1
+        self._fetch()
+        self.begin = self.steps[-1].at if self.steps else None
+        if self.continuity is None:
+            self._keep(t, y)
+        if self.watch is not None:
+            self.watch(t, y)
+
+    def rejected(self) -> None:
+        """After a rejected step: its last stages may stand on another branch."""
+        self.evaluator.sampled()
+        self._fetch()
+        if self.steps:
+            self.evaluator.resume(self.steps[-1].at)
+
+    def lead(self, shown: Evaluator) -> None:
+        """Let the evaluator of outputs go on from the begin of the last step, if its last output was long before it."""
+        if self.n > FAR:
+            begin = self.begin
+            if self.elsewhere is not None:
+                last = self.elsewhere(2)
+                begin = last[0].at if len(last) == 2 else None
+            if begin is not None:
+                shown.resume(begin)
+        self.n = 0
