@@ -1,12 +1,13 @@
 /* Rigid trees: mechanisms that open out from the ground without loops, through rigid elements, hinges and given coordinates.
-   Here they are found; tree_motion.c evaluates them without equations for the positions (theory-system.md section 14).
+   Here they are found; tree_motion.c evaluates them without equations for the positions (theory-system.md section 13).
 
    Frames are orientations: fixed, the given angle of a planar node, or turned against another frame by the first deformation of a
    hinge. Arms carry points: x_q = x_p + R r of a frame. The inertia of a rigid element is that of masses at its ends and a rest J
    about p, which a rod does not have:
        T = (w_pp v_p.v_p + 2 w_pq v_p.v_q + w_qq v_q.v_q + w.J w)/2,
    so that its mass is w_pp + 2 w_pq + w_qq, its first moment (w_pq + w_qq) d with d = x_q - x_p, its inertia w_qq (d.d I - d d^T) + J. */
-enum { MOST_DEGREES = 100 };
+/* Degrees of freedom up to which it pays against the saddle-point form: the rows of X are full (docs/performance.md, rigid trees). */
+enum { MOST_PLANAR = 32, MOST_SPATIAL = 64 };
 enum { APART, RIGID, TURNING, OF_A_NODE };
 enum { AT_P, TURN_P, AT_Q, TURN_Q };
 typedef struct { signed char how, end[4]; } Joint; /* `end`: the first of its coordinates; -1: no such node */
@@ -359,7 +360,9 @@ static int find_tree(Model *m)
 {
     const Spec *s = &m->s;
     const int q = s->n_x_dynamic + s->n_e_dynamic;
-    if (!m->holonomic || s->prescribed || s->n_x_kinematic || s->n_coupled || !s->n_batches || q > MOST_DEGREES) return OK;
+    if (!m->holonomic || s->prescribed || s->n_x_kinematic || s->n_coupled || !s->n_batches) return OK;
+    const int kind = s->batches[0].kind, planar = kind == PLBEAM || kind == PLBEAM_ANGLE || kind == PLPINBOD || kind == PLTOR;
+    if (q > (planar ? MOST_PLANAR : MOST_SPATIAL)) return OK;
     int n = 0;
     for (int b = 0; b < s->n_batches; b++) n += s->batches[b].n;
     struct Tree *T = m->tree = cleared(1, sizeof(struct Tree));
@@ -375,8 +378,6 @@ static int find_tree(Model *m)
         if (!T->frames || !T->orientations || !T->points || !T->arms || !T->pairs || !T->parts || !T->mass) status = NO_MEMORY;
     }
     if (!status) {
-        const int kind = s->batches[0].kind;
-        const int planar = kind == PLBEAM || kind == PLBEAM_ANGLE || kind == PLPINBOD || kind == PLTOR;
         T->dimension = planar ? 2 : 3;
         T->turns = planar ? 1 : 3;
         if (is_tree(s, T, of)) status = tree_rows(T, q);

@@ -1,4 +1,4 @@
-/* Positions, velocities and accelerations of rigid trees, without equations for the positions (theory-system.md section 14).
+/* Positions, velocities and accelerations of rigid trees, without equations for the positions (theory-system.md section 13).
 
    Outwards, one after the other, with the axis a of a hinge and d = R r of an arm,
        w_q = w_p + a e',   alpha_q = alpha_p + a e'' + w_p x a e',   v_q = v_p + w x d,   a_q = a_p + alpha x d + w x (w x d).
