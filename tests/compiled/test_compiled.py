@@ -48,8 +48,8 @@ def test_frames_equal_those_of_the_general_path(name):
 
 @pytest.mark.parametrize("angle", [0.0, 0.5, 1.0, 3.0])
 def test_the_start_is_that_of_the_general_path(angle):
-    """Near starts, and those of a tree, are placed in C, others in the general path; two Newton iterations differ by rounding
-    only. Deformations of the general path are those before its last correction, which is below CONVERGED."""
+    """Near starts, and those of a tree, are placed in C, others in the general path; they differ by rounding only.
+    Deformations of the general path are those before its last correction, which is below CONVERGED."""
     text = (DATA / "robotsim.dat").read_text().split("HALT")
     rows = f"STARTDE 1 1 {angle} 1.\nSTARTDE 2 1 {angle} 0.\nEND\nEND"
     mechanism = build(parse_deck(f"{text[0]}HALT{text[1].replace('END', rows)}", mode=1), 1)
