@@ -18,7 +18,8 @@ from spacar.errors import SpacarError
 from spacar.modes import find_mode
 from spacar.studies.affine_cases import affine_cases
 from spacar.studies.assignments import change
-from spacar.studies.ensemble import BlockMotions, motions, why_not
+from spacar.studies.ensemble import motions, why_not
+from spacar.studies.followers import GroupMotions
 from spacar.studies.rows import Row
 from spacar.studies.side_by_side import alike, side_by_side
 from spacar.studies.sweep import LOST, Case, Study, Values, row, run_case
@@ -109,18 +110,22 @@ def _run_together(study: Study, chunk: Chunk, found: dict[int, tuple[float | com
     else:
         chosen = list(cases.chosen)
 
-    def keep(motion: BlockMotions) -> None:
+    def keep(motion: GroupMotions) -> None:
+        if not motion.own:
+            return
         columns = [q.numbers(motion, len(motion.own)) for q in study.quantities]
+        results = dict(motion.results()) if any(column is None for column in columns) else {}
         for lane, k in enumerate(motion.own):
             if any(column is None for column in columns):
-                result = motion.result(lane)
+                result = results[k]
                 found[chosen[k]] = tuple(q.number(result) for q in study.quantities)
             else:
                 values = tuple(column[lane] for column in columns)  # type: ignore[index]
                 if None not in values:
                     found[chosen[k]] = values  # type: ignore[assignment]
 
-    motions(cases, keep, threads=chunk.threads, **study.options)
+    for _ in motions(cases, keep, threads=chunk.threads, **study.options):
+        pass
 
 
 def _alike(study: Study, cases: Sequence[Values]) -> tuple[list[int], list[Deck]]:
