@@ -135,7 +135,7 @@ def _numbers(study: Study, chosen: Sequence[int], group: GroupMotions) -> dict[i
     columns = [q.numbers(group, len(group.own)) for q in study.quantities]
     if any(column is None for column in columns):
         return {chosen[k]: tuple(q.number(result) for q in study.quantities) for k, result in group.results()}
-    rows = zip(*columns, strict=True)  # type: ignore[arg-type]
+    rows = zip(*columns, strict=True)
     return {chosen[k]: numbers for k, numbers in zip(group.own, rows, strict=True) if None not in numbers}
 
 

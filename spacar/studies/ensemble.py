@@ -77,9 +77,7 @@ def ensemble(
     return followed(side_by_side(decks, **options), times, threads=threads, **options)
 
 
-def followed(
-    cases: Cases, times: np.ndarray | None = None, *, threads: int = 1, **options: Any
-) -> list[Result | None]:
+def followed(cases: Cases, times: np.ndarray | None = None, *, threads: int = 1, **options: Any) -> list[Result | None]:
     """The same of cases that can be batched."""
     results: list[Result | None] = [None] * len(cases.start)
 

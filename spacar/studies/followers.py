@@ -1,4 +1,4 @@
-"""Motions of many cases, group after group: blocks of as many cases as C has lanes, one after the other, into one array.
+"""Motions of many cases, group after group: blocks of as many cases as C has lanes, one after the other, in one array.
 
 A follower has one model in C, into which the numbers of block after block go, and one array for the variables of a
 group, so that a case costs next to nothing but its evaluations. Every thread has a follower of its own. Cases with user
@@ -123,7 +123,7 @@ class Followers:
         deck, n, numbers = self.single.deck, self.single.numbering, self.cases.numbers
         statement = deck.last("USERINP", block=2)
         assert statement is not None
-        found = []
+        found: list[Drive] = []
         for k in own:
             polynomial = Polynomial(numbers.x_motion[:, :, k], numbers.e_motion[:, :, k])
             found.append(UserDrive.load(deck, statement, n, polynomial, settings_of(deck)))

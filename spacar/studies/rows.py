@@ -1,9 +1,9 @@
 """Append-only rows of a study: one line for every finished case, complete or absent.
 
-Rows that came together are written with a single call, so they survive the process; they are on the disk at most SYNC seconds later, as
-waiting for the disk costs more than a small case. A process that is killed leaves at most a piece of a last line; it
-is cut off when the file is opened again. JSON lines hold anything; csv has its columns fixed by the first row. Rows are
-told apart by the text `case`.
+Rows that came together are written with a single call, so they survive the process; they are on the disk at most SYNC
+seconds later, as waiting for the disk costs more than a small case. A process that is killed leaves at most a piece of
+a last line; it is cut off when the file is opened again. JSON lines hold anything; csv has its columns fixed by the
+first row. Rows are told apart by the text `case`.
 """
 
 from __future__ import annotations

@@ -100,9 +100,7 @@ def sweep(
             yield from group
 
 
-def _unfinished(
-    study: Study, cases: Iterable[Values], done: Mapping[str, Row], retry: bool
-) -> Iterator[Values]:
+def _unfinished(study: Study, cases: Iterable[Values], done: Mapping[str, Row], retry: bool) -> Iterator[Values]:
     """The cases that have to be run, each once, one after the other as they are asked for."""
     begun: set[str] = set()
     for values in cases:
