@@ -1,7 +1,7 @@
 """Rigid trees: C evaluates them without equations for the positions; all must be as on the general path.
 
-Both know a position to 1e-11 of the sizes in it and accelerations to the rounding of sums of some hundred terms: 1e-9 of
-the largest value of each kind.
+Both know a position to 1e-11 of the sizes in it and accelerations to the rounding of sums of some hundred terms: 1e-9
+of the largest value of each kind.
 """
 
 from __future__ import annotations
