@@ -160,13 +160,16 @@ class CompiledModel:
         """A new state, at the reference configuration."""
         return State(self)
 
-    def renew(self, values: Array, *states: State) -> None:
+    def renew(self, values: Array, *states: State) -> bool:
         """Other cases: their numbers in the order of `Numbers.arrays`, (n, cases). `states` begin at their reference
-        configurations. Not where Python answers what a case asks."""
+        configurations. Not where Python answers what a case asks.
+
+        False where rounding would depend on what has been evaluated between the first call and this one."""
         np.copyto(self._values[: values.size].reshape(values.shape), values)
-        self.engine.renew(self.handle)
+        changed: int = self.engine.renew(self.handle)
         for state in states:
             self.engine.state(self.handle, state.address, state.x_address)
+        return not changed
 
     def push(self, sigma: Array, force: Array) -> None:
         """Stresses (ne,) on active rows and forces (nx,) besides those of the model."""

@@ -414,18 +414,22 @@ static Model *spacar_begin(const int *whole, real *numbers, const Foreign *const
     return m;
 }
 
-/* Other numbers of the same cases stand in the array of `read_spec`, of a model without foreign batches: nothing is left of the
-   states that were evaluated with the old ones. GRAVITY is the same, as the lists depend on where it acts. */
-static void spacar_renew(Model *m)
+/* Other numbers of the same cases stand in the array of `read_spec`, of a model without foreign batches. GRAVITY is the same, as
+   the lists depend on where it acts. Nothing is left of the states that were evaluated with the old numbers but the orders of
+   pivots; whether some have been chosen since this was called first, so that rounding would depend on the numbers in between. */
+static int spacar_renew(Model *m)
 {
     const Spec *s = &m->s;
+    const int orders = m->position.orders + m->velocity.orders + m->motion.orders;
+    if (!m->orders) m->orders = orders;
     take_parameters(m);
     reference_values(m);
     for (int k = 0; k < s->n_constant; k++) m->values[m->mass.source[m->mass.n - s->n_constant + k]] = s->constant_mass[k];
     pairs(m, NULL, 0, NULL, NULL, m->coupling_weight);
-    m->factored = m->position.planned = m->velocity.planned = m->motion.planned = 0;
+    m->factored = 0;
     m->transfer_of = NULL;
     for (int k = 0; k < 2; k++) { m->traces[k].of = NULL; m->traces[k].n = 0; }
+    return orders != m->orders;
 }
 
 /* The entries of V: rows, columns and values, each with room for all of them (n); their number. Only this when row is NULL. */

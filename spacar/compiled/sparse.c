@@ -14,7 +14,7 @@ enum { OK = 0, NO_CONVERGENCE = -1, SINGULAR = -2, NOT_FINITE = -3, JUMP = -4, N
 static const double THRESHOLD = 0.1, GROWTH = 100.0;
 
 typedef struct {
-    int n, n_entries, planned, even; /* even: sign of the permutations */
+    int n, n_entries, planned, orders, even; /* orders: that have been chosen; even: sign of the permutations */
     int *row, *column, *source;         /* (n_entries) */
     double *weight;                     /* (n) row factors */
     int *row_order, *column_order;      /* (n) row and column of pivot k */
@@ -247,6 +247,7 @@ static int lay_out(Sparse *s, const List *lower, const List *upper, const int *s
     }
     free(first);
     s->planned = 1;
+    s->orders++;
     s->even = parity(s->row_order, n) * parity(s->column_order, n);
     return OK;
 }
