@@ -18,6 +18,8 @@
 #include "band.c"
 #include "equilibrium.c"
 #include "definite.c"
+#include "walk.c"
+#include "linearized.c"
 
 /* The kinds, then the functions in the order of `ELEMENT_FUNCTIONS` in library.py. */
 const void *const ELEMENTS[] = {
@@ -26,6 +28,7 @@ const void *const ELEMENTS[] = {
     spacar_elements_rates, spacar_elements_transport, spacar_elements_inertia_gradient, spacar_elements_guard,
     spacar_equilibrium_begin, spacar_equilibrium_end, spacar_equilibrium_newton, spacar_equilibrium_point,
     spacar_equilibrium_factor, spacar_equilibrium_sign, spacar_equilibrium_definite,
+    spacar_equilibrium_walk, spacar_equilibrium_linearize,
 };
 #endif
 

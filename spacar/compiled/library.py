@@ -87,7 +87,8 @@ FUNCTIONS: dict[str, tuple[Any, ...]] = {  # in the order of the table in engine
     "pass_runge_kutta": (INTEGER, POINTER, POINTER, POINTER),
 }  # fmt: skip
 
-# in the order of the second table in engine.c: batches.c, equilibrium.c, definite.c
+# in the order of the second table in engine.c: batches.c, equilibrium.c, definite.c, walk.c,
+# linearized.c
 ELEMENT_FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "strain": (None, *[POINTER] * 5),
     "convective": (None, *[POINTER] * 4),
@@ -104,6 +105,8 @@ ELEMENT_FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "equilibrium_factor": (INTEGER, POINTER),
     "equilibrium_sign": (NUMBER, POINTER),
     "equilibrium_definite": (INTEGER, POINTER),
+    "equilibrium_walk": (None, POINTER, POINTER),
+    "equilibrium_linearize": (INTEGER, POINTER, POINTER),
 }
 
 
@@ -141,6 +144,8 @@ class ElementFunctions:
     equilibrium_factor: Any
     equilibrium_sign: Any
     equilibrium_definite: Any
+    equilibrium_walk: Any
+    equilibrium_linearize: Any
 
 
 class Engine:
