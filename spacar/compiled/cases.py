@@ -66,13 +66,12 @@ class InLanes:
         self.passage = PassageOfCases(self.solver, self.shown, size * lanes)
         self.has_wheels = bool(len(Wheels(model).rows))
 
-    def renew(self, values: Array, start: Array) -> bool:
+    def renew(self, values: Array, start: Array) -> None:
         """Other cases: see `CompiledModel.renew`. Not with functions of their own."""
-        as_new = self.solver.renew(values, self.state, self.shown)
+        self.solver.renew(values, self.state, self.shown)
         self.y0.reshape(start.shape[::-1])[:] = start.T
         self._seen = self._accepted = None
         self.n = 0
-        return as_new
 
     @property
     def failed(self) -> int | None:

@@ -160,16 +160,13 @@ class CompiledModel:
         """A new state, at the reference configuration."""
         return State(self)
 
-    def renew(self, values: Array, *states: State) -> bool:
+    def renew(self, values: Array, *states: State) -> None:
         """Other cases: their numbers in the order of `Numbers.arrays`, (n, cases). `states` begin at their reference
-        configurations. Not where Python answers what a case asks.
-
-        False where rounding would depend on what has been evaluated between the first call and this one."""
+        configurations. Orders of pivots are those of the first call. Not where Python answers what a case asks."""
         np.copyto(self._values[: values.size].reshape(values.shape), values)
-        changed: int = self.engine.renew(self.handle)
+        self.engine.renew(self.handle)
         for state in states:
             self.engine.state(self.handle, state.address, state.x_address)
-        return not changed
 
     def push(self, sigma: Array, force: Array) -> None:
         """Stresses (ne,) on active rows and forces (nx,) besides those of the model."""

@@ -62,7 +62,7 @@ POINTER, NUMBER, INTEGER = ctypes.c_void_p, ctypes.c_double, ctypes.c_int
 FUNCTIONS: dict[str, tuple[Any, ...]] = {  # in the order of the table in engine.c: result, arguments
     "begin": (POINTER, POINTER, POINTER, POINTER, POINTER, POINTER),
     "end": (None, POINTER),
-    "renew": (INTEGER, POINTER),
+    "renew": (None, POINTER),
     "state": (None, POINTER, POINTER, POINTER),
     "start": (INTEGER, POINTER, POINTER, POINTER, POINTER, NUMBER, NUMBER, NUMBER, INTEGER),
     "evaluate": (INTEGER, POINTER, POINTER, NUMBER, POINTER, NUMBER, NUMBER, INTEGER),

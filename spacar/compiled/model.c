@@ -260,9 +260,9 @@ static int assemble(Model *m)
 static void spacar_end(Model *m)
 {
     if (!m) return;
-    sparse_end(&m->position);
-    sparse_end(&m->velocity);
-    sparse_end(&m->motion);
+    sparse_end(&m->position, &m->first[0]);
+    sparse_end(&m->velocity, &m->first[1]);
+    sparse_end(&m->motion, &m->first[2]);
     entries_end(&m->coupling);
     free(m->coupling_first); free(m->coupling_second); free(m->coupling_weight);
     entries_end(&m->mass);
@@ -416,20 +416,20 @@ static Model *spacar_begin(const int *whole, real *numbers, const Foreign *const
 
 /* Other numbers of the same cases stand in the array of `read_spec`, of a model without foreign batches. GRAVITY is the same, as
    the lists depend on where it acts. Nothing is left of the states that were evaluated with the old numbers but the orders of
-   pivots; whether some have been chosen since this was called first, so that rounding would depend on the numbers in between. */
-static int spacar_renew(Model *m)
+   pivots, which are those of the first call: rounding does not depend on the numbers in between. */
+static void spacar_renew(Model *m)
 {
     const Spec *s = &m->s;
-    const int orders = m->position.orders + m->velocity.orders + m->motion.orders;
-    if (!m->orders) m->orders = orders;
     take_parameters(m);
     reference_values(m);
     for (int k = 0; k < s->n_constant; k++) m->values[m->mass.source[m->mass.n - s->n_constant + k]] = s->constant_mass[k];
     pairs(m, NULL, 0, NULL, NULL, m->coupling_weight);
+    first_order(&m->position, &m->first[0]);
+    first_order(&m->velocity, &m->first[1]);
+    first_order(&m->motion, &m->first[2]);
     m->factored = 0;
     m->transfer_of = NULL;
     for (int k = 0; k < 2; k++) { m->traces[k].of = NULL; m->traces[k].n = 0; }
-    return orders != m->orders;
 }
 
 /* The entries of V: rows, columns and values, each with room for all of them (n); their number. Only this when row is NULL. */

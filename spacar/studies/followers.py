@@ -213,9 +213,7 @@ class Follower:
         in_order = len(own) == len(lanes) == own[-1] - own[0] + 1
         chosen = slice(own[0], own[-1] + 1) if in_order else lanes
         block = self.block or self._first()
-        if not block.renew(of.values[:, chosen], of.cases.start[chosen]):
-            block = self._first()
-            block.renew(of.values[:, chosen], of.cases.start[chosen])
+        block.renew(of.values[:, chosen], of.cases.start[chosen])
         return block
 
     def _first(self) -> InLanes:
