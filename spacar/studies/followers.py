@@ -139,7 +139,7 @@ class Follower:
     def __init__(self, of: Followers) -> None:
         self.of = of
         self.block: InLanes | None = None
-        self.marching: Marching
+        self.marching: Marching | None = None  # of that block
         self.buffer = np.empty(0)
 
     def follow(self, group: Sequence[Sequence[int]]) -> GroupMotions:
@@ -186,11 +186,14 @@ class Follower:
         each = None if of.g is None else np.broadcast_to(of.g, block.by_case[1:]).ravel()
         block.into(of.times, rows, k, FAR)
         marching = self.marching
+        if marching is None or marching.evaluator is not block:
+            self.marching = marching = block.marching()
         marching.anew()
+        steps = marching.steps
         outputs = integrated(
             block, block.y0, of.asked, settings, Tolerances.of(settings, each),
             breaks=block.breaks, watch=block.watch, back=block.rejected,
-            marching=lambda: marching.steps,
+            marching=lambda: steps,
         )  # fmt: skip
         counted = []
         for step, out in enumerate(outputs):
@@ -229,6 +232,5 @@ class Follower:
 
         of, cases = self.of, self.of.cases
         numbers = cases.numbers.take(np.array(lanes))
-        block = InLanes(of.alone.model, of.alone.kinematics.scale, numbers, cases.start[list(lanes)], drives, users)
-        self.marching = block.marching()
-        return block
+        scale, start = of.alone.kinematics.scale, cases.start[list(lanes)]
+        return InLanes(of.alone.model, scale, numbers, start, drives, users)
