@@ -89,6 +89,7 @@ typedef struct {
     int *places; real *parameters;        /* of the batches */
     const real *given_parameters;         /* the same as they are given */
     struct Tree *tree;                    /* NULL: not a rigid tree */
+    Sparse first[3];                      /* the systems with the orders of pivots that other numbers begin with */
 } Model;
 
 /* Add as many whole turns to e of one element as bring its first row closest to `near`. */
