@@ -110,7 +110,8 @@ class LevelEvaluator:
         mechanism = with_flow(self.mechanism, loads)
         if mechanism is self.mechanism:
             law = self._dynamics.law  # the same, with another preload
-            preload = np.where(np.arange(law.ne) < law.first, 0.0, loads.preload)
+            preload = loads.preload.copy()
+            preload[: law.first] = 0.0
             self._dynamics.use(LoadedMechanism(mechanism, loads, drive, replace(law, preload=preload)))
         else:
             following = Dynamics(mechanism, loads=loads, drive=drive)
