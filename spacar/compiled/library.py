@@ -62,6 +62,7 @@ POINTER, NUMBER, INTEGER = ctypes.c_void_p, ctypes.c_double, ctypes.c_int
 FUNCTIONS: dict[str, tuple[Any, ...]] = {  # in the order of the table in engine.c: result, arguments
     "begin": (POINTER, POINTER, POINTER, POINTER, POINTER, POINTER),
     "end": (None, POINTER),
+    "renew": (None, POINTER),
     "state": (None, POINTER, POINTER, POINTER),
     "start": (INTEGER, POINTER, POINTER, POINTER, POINTER, NUMBER, NUMBER, NUMBER, INTEGER),
     "evaluate": (INTEGER, POINTER, POINTER, NUMBER, POINTER, NUMBER, NUMBER, INTEGER),
@@ -110,11 +111,9 @@ ELEMENT_FUNCTIONS: dict[str, tuple[Any, ...]] = {
 
 
 def _bind(owner: object, functions: dict[str, tuple[Any, ...]], addresses: Any) -> None:
-    """Functions as attributes: their addresses stand behind the first one, in the order of the table; not those that a
-    build of several lanes does not have."""
+    """Functions as attributes: their addresses stand behind the first one, in the order of the table."""
     for k, (name, (result, *arguments)) in enumerate(functions.items(), 1):
-        if addresses[k]:
-            setattr(owner, name, ctypes.CFUNCTYPE(result, *arguments)(addresses[k]))
+        setattr(owner, name, ctypes.CFUNCTYPE(result, *arguments)(addresses[k]))
 
 
 class ElementFunctions:
@@ -165,6 +164,7 @@ class Engine:
 
     begin: Any
     end: Any
+    renew: Any
     state: Any
     start: Any
     evaluate: Any
