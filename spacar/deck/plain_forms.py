@@ -7,9 +7,9 @@ them word by word.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache
 from itertools import repeat
 from operator import le
 from typing import Any
@@ -24,8 +24,6 @@ from spacar.deck.table_types import COORDINATES, Keyword, Parameter, coordinates
 NUMBERED_PARTS = ("coordinate", "mode")
 ELEMENT, NODE, PART = range(3)  # what a value refers to
 Columns = Sequence[Sequence[Any]]  # numbers of several statements, by argument; 3. finds what is known as 3
-
-_make: Callable[[Iterable[Any]], Statement] = partial(tuple.__new__, Statement)  # without a call of Python for each
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,8 +93,9 @@ def plain_statements(lines: PlainLines, keyword: Keyword, outline: Outline) -> l
             return None
     elif form.references and not _known(columns, form, outline):
         return None
-    values = zip(*columns, strict=True) if columns else repeat(())
-    return list(map(_make, zip(repeat(lines.keyword), values, repeat(lines.block), lines.lines, lines.texts)))
+    new, name, block = tuple.__new__, lines.keyword, lines.block  # without a call of Python for each
+    rows = zip(zip(*columns, strict=True) if columns else repeat(()), lines.lines, lines.texts, strict=False)
+    return [new(Statement, (name, values, block, line, text)) for values, line, text in rows]
 
 
 def _form_of(columns: Columns, keyword: Keyword, outline: Outline) -> _Form | None:
