@@ -17,7 +17,9 @@ def check_once(scene: CheckMaterial, block: int) -> None:
     """The same thing stated twice is an error: replace or add, the input does not say which."""
     for name, statements in scene.index.block(block).items():
         many = len(statements)
-        count = scene.row(name, block).unique if many > 1 else None
+        if many == 1:
+            continue
+        count = scene.row(name, block).unique
         if count is None or len({s.values[:count] for s in statements}) == many:
             continue
         given: dict[tuple[object, ...], Statement] = {}
