@@ -114,8 +114,7 @@ def _family(corners: Sequence[Corner], k: int, x0: Array, weights: Array) -> Fam
         return table.transpose(2, 0, 1).reshape(-1, table.shape[1])
 
     x = x0[group.x]
-    together = replace(
-        elements,
+    together = elements._replace(
         numbers=np.tile(elements.numbers, cases), x0=x.transpose(0, 2, 1).reshape(len(x), -1),
         geometry=elements.geometry * cases, nonlinear=np.tile(elements.nonlinear, cases),
         directions=elements.directions * cases, projections=elements.projections * cases,

@@ -197,7 +197,7 @@ class Mechanism:
 
     def __post_init__(self) -> None:
         if any(b.index != k for k, b in enumerate(self.batches)):
-            numbered = tuple(replace(b, index=k) for k, b in enumerate(self.batches))
+            numbered = tuple(b._replace(index=k) for k, b in enumerate(self.batches))
             object.__setattr__(self, "batches", numbered)
 
     @cached_property
