@@ -23,12 +23,10 @@ EQUAL = 1e-12  # components within this count as equal in `pick`
 
 def pick(ex: Array) -> Array:
     """Standard basis vectors at the largest angle with ex (3, n); of equals those with the highest index."""
-    size = np.abs(ex)
-    nearly = size <= np.minimum.reduce(size) + EQUAL
-    return _BASIS.take(nearly[::-1].argmax(0), 1)
+    return _BASIS.take((np.abs(ex).T - _PREFERENCE).argmin(-1), 1)
 
 
-_BASIS = np.eye(3)[:, ::-1].copy()  # columns z, y, x: argmax takes the first of equals
+_BASIS, _PREFERENCE = np.eye(3), EQUAL * np.arange(3)
 
 
 def unit(v: Sequence[float] | Array, index: int, what: str) -> Array:
@@ -70,9 +68,7 @@ def _in_plane(ex: Array, g: Array, index: int, what: str) -> Array:
 
 def completed(ex: Array, ey: Array) -> Array:
     """Frames (3, 3, n) of x' and y' (3, n)."""
-    frames = np.empty((3, *ex.shape), np.result_type(ex, ey))
-    frames[:, 0], frames[:, 1], frames[:, 2] = ex, ey, cross(ex, ey)
-    return frames
+    return np.array((ex, ey, cross(ex, ey))).swapaxes(0, 1)
 
 
 def cross(a: Array, b: Array) -> Array:
@@ -115,8 +111,7 @@ def chords(d: Array, x: Array) -> tuple[Array, Array]:
     """
     l = np.sqrt(np.add.reduce(d * d))
     points = x.real.reshape(2, 3, -1)
-    sides = np.maximum.reduce(points, (0, 2), initial=-np.inf) - np.minimum.reduce(points, (0, 2), initial=np.inf)
-    shortest = SHORT * sides.max()
+    shortest = SHORT * (np.maximum.reduce(points, (0, 2)) - np.minimum.reduce(points, (0, 2))).max()
     if not l.min() > shortest:
         k = int(np.flatnonzero(~(l > shortest))[0])
         raise GeometryError(
