@@ -65,7 +65,7 @@ _NOTHING = ctypes.c_char * 0
 def address_of(array: Array) -> int:
     """Address of the first number of a contiguous array that may be written to; `array.ctypes` takes three times as
     long."""
-    return ctypes.addressof(_NOTHING.from_buffer(array))
+    return ctypes.addressof(_NOTHING.from_buffer(array))  # type: ignore[arg-type]
 
 
 POINTER, NUMBER, INTEGER = ctypes.c_void_p, ctypes.c_double, ctypes.c_int

@@ -3,9 +3,9 @@
 x is ordered by class: fixed, calculable, input, dynamic, kinematic; inside a class by node, then coordinate.
 e is ordered by class: fixed (the normalizations of Euler parameters last, by node), input, dynamic, kinematic,
 calculable; inside a class by element, then mode. With this order every class is a slice.
-Here places count from 0 and -1 means "does not exist"; the rows of `x_places` and `e_places` are the numbers of nodes and
-elements, so that row 0 belongs to nobody. The tables lnp, le, ln hold the 1-based numbers that result files show, their
-first row is that of number 1, and 0 means "does not exist".
+Here places count from 0 and -1 means "does not exist"; the rows of `x_places` and `e_places` are the numbers of nodes
+and elements, so that row 0 belongs to nobody. The tables lnp, le, ln hold the 1-based numbers that result files show,
+their first row is that of number 1, and 0 means "does not exist".
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Index
 from spacar.deck import ELEMENT_TYPES, Deck, coordinates_of
-from spacar.mechanism.class_codes import ABSENT, E_ORDER, ROLES, X_ORDER, e_codes, node_roles, x_codes
+from spacar.mechanism.class_codes import E_ORDER, ROLES, X_ORDER, e_codes, node_roles, x_codes
 from spacar.mechanism.element_rows import ElementRows
 
 CLASSES = X_ORDER
@@ -46,12 +46,20 @@ class Numbering:
     ne: int
     x_class: dict[str, slice]
     e_class: dict[str, slice]
-    nxp: Index  # (5,) coordinates per class in the order of CLASSES
-    nep: Index  # (5,) deformations per class in the order of CLASSES
     x_places: Index  # (1 + highest node, 4) places of the coordinates in x
     e_places: Index  # (1 + highest element, 6; 8 in a model with warping) places of the deformations in e
     normalization: Index  # (n spatial orientation nodes, 2): node number, 0-based row of e
     slips: NDArray[np.bool_]  # (ne,) rows that exist as rates only
+
+    @cached_property
+    def nxp(self) -> Index:
+        """(5,) coordinates per class in the order of CLASSES."""
+        return np.array([_count(self.x_class[c]) for c in CLASSES], np.int64)
+
+    @cached_property
+    def nep(self) -> Index:
+        """(5,) deformations per class in the order of CLASSES."""
+        return np.array([_count(self.e_class[c]) for c in CLASSES], np.int64)
 
     @cached_property
     def lnp(self) -> Index:
@@ -196,15 +204,15 @@ class Numbering:
 
     @cached_property
     def ndof(self) -> int:
-        return int(self.nxp[2] + self.nxp[3] + self.nep[2] + self.nep[3])
+        return sum(_count(c["input"]) + _count(c["dynamic"]) for c in (self.x_class, self.e_class))
 
     @cached_property
     def nddof(self) -> int:
-        return int(self.nxp[3] + self.nep[3])
+        return _count(self.x_class["dynamic"]) + _count(self.e_class["dynamic"])
 
     @cached_property
     def nk(self) -> int:
-        return int(self.nxp[4] + self.nep[4])
+        return _count(self.x_class["kinematic"]) + _count(self.e_class["kinematic"])
 
     @cached_property
     def nkdof(self) -> int:
@@ -217,24 +225,23 @@ class Numbering:
     @cached_property
     def dynamic(self) -> Index:
         """Rows of q that are dynamic: x dynamic, then e dynamic (files.md section 3)."""
-        r, m, s = int(self.nxp[2]), int(self.nxp[3]), int(self.nep[2])
-        return _ranges((r, r + m), (r + m + s, self.ndof))
+        m = len(self.q_x)
+        return _ranges((_count(self.x_class["input"]), m), (m + _count(self.e_class["input"]), self.ndof))
 
     @cached_property
     def rheonomic(self) -> Index:
         """Rows of q that are prescribed: x input, then e input."""
-        r, m, s = int(self.nxp[2]), int(self.nxp[3]), int(self.nep[2])
-        return _ranges((0, r), (r + m, r + m + s))
+        m = len(self.q_x)
+        return _ranges((0, _count(self.x_class["input"])), (m, m + _count(self.e_class["input"])))
 
     @cached_property
     def all_dynamic(self) -> Numbering:
         """The same, with the degrees of freedom that are prescribed as dynamic ones; all keep their places."""
-        counts, classes = [], []
-        for count, places in ((self.nxp, self.x_class), (self.nep, self.e_class)):
+        classes = []
+        for places in (self.x_class, self.e_class):
             first, last = places["input"].start, places["dynamic"].stop
             classes.append(places | {"input": slice(first, first), "dynamic": slice(first, last)})
-            counts.append(count + count[2] * np.array([0, 0, -1, 1, 0]))
-        return replace(self, nxp=counts[0], nep=counts[1], x_class=classes[0], e_class=classes[1])
+        return replace(self, x_class=classes[0], e_class=classes[1])
 
     # Equations and unknowns of both levels (theory-system.md 1.1): what is given of e determines what depends on it.
     @cached_property
@@ -284,6 +291,12 @@ class Numbering:
         raise KeyError((element, mode))
 
 
+def _count(places: slice) -> int:
+    """How many a class has."""
+    found: int = places.stop - places.start
+    return found
+
+
 def _ranges(*ranges: tuple[int, int]) -> Index:
     """Consecutive numbers from each first to before each last one."""
     return np.concatenate([np.arange(first, last) for first, last in ranges])
@@ -317,8 +330,6 @@ def number(deck: Deck, types: Sequence[ElementRows], prescribed: bool = False) -
         ne=sum(e_counts),
         x_class=_slices(x_counts, X_ORDER),
         e_class=_slices(e_counts, E_ORDER),
-        nxp=np.array(x_counts, np.int64),
-        nep=np.array([e_counts[k] for k in _E_PLACES], np.int64),
         x_places=x_places.reshape(-1, 4),
         e_places=e_places,
         normalization=normalization,
@@ -327,7 +338,6 @@ def number(deck: Deck, types: Sequence[ElementRows], prescribed: bool = False) -
 
 
 NONE = np.zeros(0, np.int64)
-_E_PLACES = [E_ORDER.index(c) for c in CLASSES]
 
 
 def _slices(counts: Sequence[int], order: Sequence[str]) -> dict[str, slice]:
