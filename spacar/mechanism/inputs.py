@@ -75,22 +75,22 @@ def _flow(deck: Deck, numbering: Numbering, prefix: str) -> dict[int, float]:
 def drive(deck: Deck, numbering: Numbering, x0: Array) -> Drive:
     """Prescribed motion: the polynomials of INPUTX and INPUTE, overridden by USERINP for the inputs that it gives."""
     polynomial = Polynomial(*_given(deck, numbering, x0, "input", ("INPUTX", "INPUTE"), 3))
-    user = deck.last("USERINP", block=2)
-    if user is None:
+    given = deck.block(2).get("USERINP")
+    if not given:
         return polynomial
     from spacar.mechanism.user_functions import UserDrive
 
-    return UserDrive.load(deck, user, numbering, polynomial, settings(deck))
+    return UserDrive.load(deck, given[-1], numbering, polynomial, settings(deck))
 
 
 def user_signal(deck: Deck, numbering: Numbering) -> UserSignal | None:
     """The function of USERSIG, wrapped."""
-    statement = deck.last("USERSIG", block=2)
-    if statement is None:
+    given = deck.block(2).get("USERSIG")
+    if not given:
         return None
     from spacar.mechanism.user_functions import load_user_signal
 
-    return load_user_signal(deck, statement, numbering)
+    return load_user_signal(deck, given[-1], numbering)
 
 
 def start(deck: Deck, numbering: Numbering, x0: Array) -> Start:
@@ -130,12 +130,11 @@ def _fill(table: Array, statements: Sequence[Statement], places: Index, first: i
 
 def additional_drive(deck: Deck, numbering: Numbering, kind: type = float) -> DriveState | None:
     """Total increments of the start values (DELINPX, DELINPE), or None without any."""
-    statements = deck.of("DELINPX", "DELINPE", block=2)
-    if not statements:
+    if deck.block(2).keys().isdisjoint(("DELINPX", "DELINPE")):
         return None
     xr, er = numbering.x_class["input"], numbering.e_class["input"]
     x, e = np.zeros(xr.stop - xr.start, kind), np.zeros(er.stop - er.start, kind)
-    for s in statements:
+    for s in deck.of("DELINPX", "DELINPE", block=2):
         a, b, value = s.integer(0), s.integer(1), s.real(2)
         if s.keyword == "DELINPX":
             x[numbering.x_index(a, b) - xr.start] = value

@@ -1,0 +1,100 @@
+"""Many outputs of several cases in one call of C (`passage.c`), into rows that hold other cases too.
+
+Outputs at which somebody has to look, or that C cannot evaluate, end the motion: a single run says what it is.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Iterator
+from typing import Protocol
+
+import numpy as np
+
+from spacar.arrays import Array
+from spacar.compiled.compiled_model import EXACT, NOT_ANSWERED, WIDTH, CompiledModel, State
+from spacar.compiled.element_parameters import GUARD
+from spacar.compiled.passage import HARMLESS, LONGEST, NOT_SHOWN, UNLIMITED, CPassage
+from spacar.errors import AnalysisError
+from spacar.integrators.problem import Counts, Passed
+from spacar.kinematics.kinematics import LARGEST_JUMP
+
+SHOWN = "shown"  # of an output that stands in its row
+
+
+class ShownInLanes(Protocol):
+    """What is asked of the cases."""
+
+    solver: CompiledModel
+    shown: State
+    y0: Array
+
+
+class PassageOfCases:
+    """Outputs of the lanes of a model at `times` (n,), into `rows` (n, 6 nx + 4 ne, blocks, lanes): those of one of the
+    blocks."""
+
+    def __init__(self, cases: ShownInLanes) -> None:
+        self.cases, model = cases, cases.solver
+        self.y = np.empty_like(cases.y0)
+        self.c = c = CPassage(cases.shown.address.value)
+        c.y, c.exact, c.jump, c.guard, c.longest = self.y.ctypes.data, EXACT, LARGEST_JUMP, GUARD, LONGEST
+        c.foreign = model.slots.has_limits
+        self.address = ctypes.c_void_p(ctypes.addressof(c))
+        self.times, self.work = np.zeros(0), np.zeros((0, 3), np.int32)
+        self.at, self.output = (0, 0, 0), 0
+
+    def into(self, times: Array, rows: Array, block: int, far: int) -> None:
+        """The outputs to come go there; behind more than `far` steps they are evaluated from the begin of a step."""
+        _, width, blocks, lanes = rows.shape
+        self.times, self.work = times, np.empty((len(times), 3), np.int32)
+        first = rows.ctypes.data + WIDTH * lanes * block
+        self.at = times.ctypes.data, first, self.work.ctypes.data
+        self.c.width, self.c.apart, self.c.far = width * blocks * lanes, blocks, far
+
+    def begin(self, output: int, steps: float = UNLIMITED) -> None:
+        """The next call begins with this one of the outputs; it ends at the first one behind so many steps."""
+        c, (t, rows, work) = self.c, self.at
+        self.output = output
+        c.t, c.rows, c.work = t + WIDTH * output, rows + WIDTH * c.width * output, work + 12 * output
+        c.n = len(self.times) - output
+        c.steps = int(min(max(steps, 0), UNLIMITED))
+
+    def outputs(self, before: Counts = (0, 0, 0, 0, 0)) -> Iterator[Passed]:
+        """Those of the last call; `before`: what the integrator had counted before it. Raises AnalysisError, and what a
+        user function raised."""
+        c, first = self.c, self.output
+        steps, rhs, jacobians, rejected, iterations = before
+        of_call = slice(first, first + c.done - (c.last != HARMLESS))
+        for t, made in zip(self.times[of_call].tolist(), self.work[of_call].tolist(), strict=True):
+            counts = steps + made[0], rhs + made[1], jacobians, rejected + made[2], iterations
+            yield Passed(t, self.y, counts, SHOWN)
+        self._check()
+
+    def made(self) -> tuple[int, int, int]:
+        """Steps, derivatives and rejected steps of the last call up to its last output."""
+        steps, rhs, rejected = self.work[self.output + self.c.done - 1].tolist()
+        return steps, rhs, rejected
+
+    def show(self, output: int, y: Array) -> None:
+        """A single output, whose state is y. Raises as `outputs`."""
+        self.begin(output)
+        self.c.n = 1
+        self.y[:] = y
+        model = self.cases.solver
+        model.engine.show(model.handle, self.address)
+        self._check()
+
+    def _check(self) -> None:
+        """Raise what is wrong with the last output."""
+        c = self.c
+        if c.last == HARMLESS:
+            return
+        if c.last == NOT_SHOWN and c.status == NOT_ANSWERED:
+            self.cases.solver.slots.raise_error()
+        raise not_followed(float(self.times[self.output + c.done - 1]))
+
+
+def not_followed(t: float) -> AnalysisError:
+    """A case has to be run alone."""
+    return AnalysisError(f"a case of the batch could not be followed at t = {t:.9g}", "study.batch")
