@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -33,7 +32,7 @@ def same(a: Numbers, b: Numbers) -> bool:
     if kinds[0] != kinds[1] or not all(_same_entries(getattr(a, name), getattr(b, name)) for name in ENTRIES):
         return False
     nothing = {name: NONE for name in ENTRIES}
-    return _each((replace(a, **nothing), replace(b, **nothing)), close) is not None  # type: ignore[arg-type]
+    return _each((a._replace(**nothing), b._replace(**nothing)), close) is not None  # type: ignore[arg-type]
 
 
 def _same_entries(a: Entries, b: Entries) -> bool:
@@ -76,7 +75,7 @@ def _each(corners: Sequence[Numbers], merged: Callable[[Sequence[Array]], Array 
         return rows, columns, kept([values for _, _, values in lists])
 
     elements = tuple(
-        replace(batch, parameters=array("parameters", [corner.elements[k] for corner in corners]))
+        batch._replace(parameters=array("parameters", [corner.elements[k] for corner in corners]))
         for k, batch in enumerate(first.elements)
     )
     found = Numbers(

@@ -55,7 +55,7 @@ def with_compiled_elements(mechanism: Mechanism) -> Mechanism:
     batches = []
     for b in mechanism.batches:
         family = compiled_family(b.family) if b.family.n_deformations or b.family.has_mass else b.family
-        batches.append(b if family is b.family else replace(b, family=family))
+        batches.append(b if family is b.family else b._replace(family=family))
     return replace(mechanism, batches=tuple(batches))
 
 

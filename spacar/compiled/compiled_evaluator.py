@@ -18,6 +18,7 @@ from spacar.arrays import Array, Index
 from spacar.compiled.compiled_elements import with_compiled_elements
 from spacar.compiled.compiled_model import DOUBTFUL_MASS, EXACT, FAR_AWAY, CompiledModel
 from spacar.compiled.iterating import Iterating
+from spacar.compiled.library import address_of
 from spacar.compiled.marching import Lookout, Marching
 from spacar.compiled.numbers import of_one
 from spacar.compiled.passage import Passage
@@ -111,7 +112,7 @@ class CompiledDynamics:
         self.solver = CompiledModel(n, of_one(model), scales, (model.drive,), users)
         self.state = self.solver.state()
         self._y, self._out = shared = np.zeros((2, self.n_positions + n.nddof))
-        first = shared.ctypes.data
+        first = address_of(shared)
         self._addresses = first, first + shared.nbytes // 2
         self._iterating: Iterating | None = None
         self._step_of: tuple[Array, Array, Array, tuple[int, ...]] | None = None

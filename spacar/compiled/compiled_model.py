@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import weakref
 from collections.abc import Sequence
 from typing import Any
 
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Array
 from spacar.compiled.element_parameters import GUARD
-from spacar.compiled.library import CState, engine, why_off
+from spacar.compiled.library import CState, address_of, engine, why_off
 from spacar.compiled.numbers import Numbers, without_form
 from spacar.compiled.slots import Slots
 from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS, LARGEST_JUMP
@@ -55,7 +54,7 @@ class State:
         self._together = together = np.zeros((split + 5 * ne, cases))
         self.of_x, self.of_e = together[:split].reshape(6, nx, cases), together[split:].reshape(5, ne, cases)
         self.x, self.xd, self.e, self.given_e = self.of_x[0], self.of_x[1], self.of_e[0], self.of_e[4]
-        self.x_address = first = together.ctypes.data
+        self.x_address = first = address_of(together)
         width = WIDTH * cases * nx
         self.forces_at = first + 3 * width, first + 4 * width, first + 5 * width
         self.c = CState()
@@ -126,13 +125,16 @@ class CompiledModel:
         self._callback = slots.callback()
         self.handle = ctypes.c_void_p(
             self.engine.begin(
-                self._whole.ctypes.data, self._values.ctypes.data, _at(slots.foreign_c), _at(slots.user_c),
+                address_of(self._whole), address_of(self._values), _at(slots.foreign_c), _at(slots.user_c),
                 self._callback,
             )
         )
         if not self.handle:
             raise MemoryError("no memory for the compiled model")
-        weakref.finalize(self, self.engine.end, self.handle)
+
+    def __del__(self) -> None:
+        if "handle" in vars(self):
+            self.engine.end(self.handle)
 
     def _whole_numbers(self) -> NDArray[np.int32]:
         """Counts and lists, as `read_spec` of model.c reads them."""
@@ -153,8 +155,8 @@ class CompiledModel:
         for rows, columns, _ in entries:
             lists += [rows, columns]
         for b in batches:
-            lists += [b.x.T.ravel(), b.e.T.ravel()]
-        return np.concatenate([np.array(counts), *lists]).astype(np.int32)
+            lists += [b.x.T.ravel(), b.e.T.ravel()]  # views of the arrays of the batch
+        return np.concatenate([counts, *lists], dtype=np.int32, casting="unsafe")
 
     def state(self) -> State:
         """A new state, at the reference configuration."""
@@ -229,14 +231,14 @@ class CompiledModel:
         """Rows, columns and values (n, cases) of the entries of V at the last evaluated state."""
         n = self.engine.gradient(self.handle, None, None, None)
         places, values = np.empty((2, n), np.int32), np.empty((n, self.cases))
-        first = places.ctypes.data
-        self.engine.gradient(self.handle, first, first + places.nbytes // 2, values.ctypes.data)
+        first = address_of(places)
+        self.engine.gradient(self.handle, first, first + places.nbytes // 2, address_of(values))
         return places[0], places[1], values
 
     def determinant(self) -> tuple[Array, Array]:
         """Signs and logarithms of det V[E, U] at the last evaluated state, (cases,) each."""
         mantissa, exponent = of_inverse = np.zeros((2, self.cases))
-        first = of_inverse.ctypes.data
+        first = address_of(of_inverse)
         self.engine.determinant(self.handle, first, first + WIDTH * self.cases)
         return np.sign(mantissa), -(np.log(np.abs(mantissa)) + np.log(2.0) * exponent)
 
@@ -261,7 +263,7 @@ class CompiledModel:
         """Of the degrees of freedom at the last evaluated state, (nddof, nddof, cases)."""
         n = self.numbering.nddof
         out = np.zeros((n, n, self.cases))
-        return out if self.engine.reduced_mass(self.handle, out.ctypes.data) else None
+        return out if self.engine.reduced_mass(self.handle, address_of(out)) else None
 
 
 def _at(shared: ctypes.Structure | ctypes.Array[Any] | None) -> int | None:

@@ -15,6 +15,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from spacar.arrays import Array
 from spacar.errors import UsageError
 
 HERE = Path(__file__).parent
@@ -56,6 +57,15 @@ class CState(ctypes.Structure):
         ("watched", ctypes.c_int), ("signs", ctypes.c_int),
         ("mantissa", ctypes.c_double), ("exponent", ctypes.c_double),
     ]  # fmt: skip
+
+
+_NOTHING = ctypes.c_char * 0
+
+
+def address_of(array: Array) -> int:
+    """Address of the first number of a contiguous array that may be written to; `array.ctypes` takes three times as
+    long."""
+    return ctypes.addressof(_NOTHING.from_buffer(array))  # type: ignore[arg-type]
 
 
 POINTER, NUMBER, INTEGER = ctypes.c_void_p, ctypes.c_double, ctypes.c_int

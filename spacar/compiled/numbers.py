@@ -6,7 +6,7 @@ Every array has the cases on its last axis. Rows and columns of sparse entries a
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,8 +22,7 @@ from spacar.mechanism.mechanism import Drive, Loads, Mechanism, Polynomial
 Entries = tuple[Index, Index, Array]  # rows, columns, values (n, cases)
 
 
-@dataclass(frozen=True)
-class Elements:
+class Elements(NamedTuple):
     """A batch: kind, whether M depends on x, coordinates (n, nxe), deformations (n, nee), parameters (n, np, cases).
 
     `family`: the NumPy family where there is no form in C (kind FOREIGN).
@@ -37,8 +36,7 @@ class Elements:
     family: Family | None = None
 
 
-@dataclass(frozen=True)
-class Numbers:
+class Numbers(NamedTuple):
     """Everything that may differ from case to case."""
 
     elements: tuple[Elements, ...]
@@ -72,7 +70,7 @@ class Numbers:
             return of[0], of[1], some(of[2])
 
         return Numbers(
-            tuple(replace(b, parameters=some(b.parameters)) for b in self.elements),
+            tuple([b._replace(parameters=some(b.parameters)) for b in self.elements]),
             entries(self.mass), entries(self.stiffness), entries(self.damping),
             entries(self.moments), entries(self.coupling),
             some(self.force), some(self.field), some(self.x0), some(self.preload), some(self.x_motion),
@@ -84,15 +82,16 @@ def of_one(model: LoadedMechanism) -> Numbers:
     """The numbers of a mechanism with its loads and its drive."""
     m, loads, law, drive = model.mechanism, model.loads, model.law, model.drive
 
-    def one(array: Array) -> Array:
-        return array[..., None]
-
+    elements = []
+    for batch in evaluated(m):
+        kind, parameters = form_of(batch.family)
+        elements.append(elements_of(batch, kind, parameters.T[..., None]))
     return Numbers(
-        tuple(elements_of(b, kind, one(p.T)) for b, (kind, p) in ((b, form_of(b.family)) for b in evaluated(m))),
+        tuple(elements),
         _only(constant_mass(m)), _only(law.stiffness), _only(law.damping),
         _only(moments(loads)), _only(m.deformation_inertia),
-        one(loads.force), one(gravity_field(m, loads)), one(m.x0), one(law.preload),
-        one(motion(drive, "x")), one(motion(drive, "e")),
+        loads.force[:, None], gravity_field(m, loads)[:, None], m.x0[:, None], law.preload[:, None],
+        motion(drive, "x")[..., None], motion(drive, "e")[..., None],
     )  # fmt: skip
 
 

@@ -10,7 +10,7 @@ numbers.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -62,7 +62,7 @@ def corner_of(mechanism: Mechanism) -> Corner:
             mass = x[0], x[0], family.m[:, None]
         else:  # a rigid body; rotors (XGYRO) have no form in C
             nodes, tensors = family.numbers, family.J  # type: ignore[attr-defined]
-    loaded = replace(of_one(LoadedMechanism.of(m)), elements=(), mass=mass, stiffness=NO_ENTRIES, damping=NO_ENTRIES)
+    loaded = of_one(LoadedMechanism.of(m))._replace(elements=(), mass=mass, stiffness=NO_ENTRIES, damping=NO_ENTRIES)
     return Corner(m, groups, loaded, nodes, tensors)
 
 
@@ -98,8 +98,8 @@ def numbers_of_cases(corners: Sequence[Corner], weights: Array) -> Numbers | Non
     active = m.numbering.e_class["input"].stop
     stiffness, damping = (_merged(parts, cases) for parts in zip(*(_laws(b, cases) for b in made), strict=True))
     masses = [rest.mass, *(entries for b in made for entries in _masses(b, cases))]
-    return replace(
-        rest, elements=tuple(elements), mass=_merged(masses, cases),
+    return rest._replace(
+        elements=tuple(elements), mass=_merged(masses, cases),
         stiffness=active_entries(stiffness, active), damping=active_entries(damping, active),
     )  # fmt: skip
 
@@ -114,8 +114,7 @@ def _family(corners: Sequence[Corner], k: int, x0: Array, weights: Array) -> Fam
         return table.transpose(2, 0, 1).reshape(-1, table.shape[1])
 
     x = x0[group.x]
-    together = replace(
-        elements,
+    together = elements._replace(
         numbers=np.tile(elements.numbers, cases), x0=x.transpose(0, 2, 1).reshape(len(x), -1),
         geometry=elements.geometry * cases, nonlinear=np.tile(elements.nonlinear, cases),
         directions=elements.directions * cases, projections=elements.projections * cases,

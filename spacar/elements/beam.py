@@ -69,7 +69,6 @@ class SpatialBeam(Family):
         self.frame_q = self.frame_p if frame_q is frame_p else rows(frame_q)
         self.data = f1[:, None]
         self._nonlinear = group.nonlinear
-        self._second = bool(group.nonlinear.any())
         self._estiff, self._edamp = group.estiff, group.edamp
 
     def _set_mass(self, mass: Array, section: Array) -> None:
@@ -77,7 +76,11 @@ class SpatialBeam(Family):
         self._mass, self._section = mass, section
         self.has_mass = bool(mass.any())
 
-    # Tensors of the functions below; the engine has its own, and a compiled run does not make them.
+    # Of the functions below; the engine has its own, and a compiled run does not make them.
+    @cached_property
+    def _second(self) -> bool:
+        return bool(self._nonlinear.any())
+
     @cached_property
     def constants(self) -> strain_of.BeamConstants:
         """Those of the deformations."""
@@ -207,13 +210,14 @@ def _line(c: SpatialBeamConfiguration) -> LineState:
 
 def statement_values(group: ElementGroup) -> tuple[list[tuple[float, ...] | None], Array]:
     """Direction vectors (or None) and torsion-elongation parameters f1 (n,) [m^2] of the statements."""
-    for k, values in enumerate(group.geometry):
-        if len(values) not in (0, 1, 3, 4):
-            raise GeometryError(
-                k, f"{len(values)} values behind the nodes: give a direction (3), a coupling (1) or both"
-            )
+    counts = list(map(len, group.geometry))
+    for k, count in enumerate(counts):
+        if count not in (0, 1, 3, 4):
+            raise GeometryError(k, f"{count} values behind the nodes: give a direction (3), a coupling (1) or both")
     directions = [values[:3] if len(values) >= 3 else None for values in group.geometry]
-    f1 = np.array([values[-1] if len(values) in (1, 4) else 0.0 for values in group.geometry], group.x0.dtype)
+    f1 = np.zeros(group.n, group.x0.dtype)
+    if 1 in counts or 4 in counts:
+        f1[:] = [values[-1] if len(values) in (1, 4) else 0.0 for values in group.geometry]
     return directions, f1
 
 

@@ -33,8 +33,7 @@ from spacar.arrays import Array
 Configuration = Any
 
 
-@dataclass(frozen=True)
-class ElementGroup:
+class ElementGroup(NamedTuple):
     """The input of all elements of one keyword, as a family's constructor gets it.
 
     keyword      'PLBEAM', ...

@@ -23,28 +23,24 @@ EQUAL = 1e-12  # components within this count as equal in `pick`
 
 def pick(ex: Array) -> Array:
     """Standard basis vectors at the largest angle with ex (3, n); of equals those with the highest index."""
-    size = np.abs(ex)
-    nearly = size <= np.minimum.reduce(size) + EQUAL
-    return _BASIS[nearly[::-1].argmax(0)].T
+    return _BASIS.take((np.abs(ex).T - _PREFERENCE).argmin(-1), 1)
 
 
-_BASIS = np.eye(3)[::-1].copy()  # rows z, y, x: argmax takes the first of equals
+_BASIS, _PREFERENCE = np.eye(3), EQUAL * np.arange(3)
 
 
 def unit(v: Sequence[float] | Array, index: int, what: str) -> Array:
     """v / |v| (3, n). Raises GeometryError for a zero or non-finite vector; `what` names it in the message."""
-    a = np.asarray(v) * 1.0
+    a = np.asarray(v)
     size = np.maximum.reduce(np.abs(a))
-    good = (size > 0.0) & (size < np.inf)
-    if not good.all():
-        k = index + int(np.flatnonzero(~good)[0])
+    if not 0.0 < size.min() <= size.max() < np.inf:
+        k = index + int(np.flatnonzero(~((size > 0.0) & (size < np.inf)))[0])
         raise GeometryError(k, f"the {what} is the zero vector; give a vector with a direction")
-    return _normalized(a, size)
+    return normalized(a / size)
 
 
-def _normalized(a: Array, size: Array) -> Array:
-    """a / |a| of vectors (3, n) whose largest components have these sizes."""
-    a = a / size
+def normalized(a: Array) -> Array:
+    """a / |a| of vectors (3, n) with components of about 1."""
     return np.asarray(a / np.sqrt(np.add.reduce(a * a)))
 
 
@@ -53,14 +49,18 @@ def supplemented(ex: Array, g: Array, index: int, what: str) -> Array:
 
     Raises GeometryError where g is parallel to x' within `PARALLEL`; `what` names g.
     """
-    g = unit(g, index, what)
+    return _in_plane(ex, unit(g, index, what), index, what)
+
+
+def _in_plane(ex: Array, g: Array, index: int, what: str) -> Array:
+    """`supplemented` for unit vectors g (3, n)."""
     ey = g - np.add.reduce(g * ex) * ex
     sine = np.sqrt(np.add.reduce(ey * ey))
-    parallel = np.flatnonzero(sine < PARALLEL)
-    if len(parallel):
-        angle = np.degrees(sine.flat[parallel[0]])
+    if sine.min() < PARALLEL:
+        k = int(np.flatnonzero(sine < PARALLEL)[0])
+        angle = np.degrees(sine.flat[k])
         raise GeometryError(
-            index + int(parallel[0]),
+            index + k,
             f"the {what} is parallel to the local x' axis (angle {angle:.3g} degrees); choose another direction",
         )
     return completed(ex, ey / sine)
@@ -68,9 +68,7 @@ def supplemented(ex: Array, g: Array, index: int, what: str) -> Array:
 
 def completed(ex: Array, ey: Array) -> Array:
     """Frames (3, 3, n) of x' and y' (3, n)."""
-    frames = np.empty((3, *ex.shape), np.result_type(ex, ey))
-    frames[:, 0], frames[:, 1], frames[:, 2] = ex, ey, cross(ex, ey)
-    return frames
+    return np.array((ex, ey, cross(ex, ey))).swapaxes(0, 1)
 
 
 def cross(a: Array, b: Array) -> Array:
@@ -83,26 +81,27 @@ _NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
 
 def chord_frame(ex: Array, direction: Sequence[float] | Array | None, index: int) -> Array:
     """Frames (3, 3, n) of BEAMs: x' given, y' from directions (3, n) or, where there are none, from `pick`."""
-    g = pick(ex) if direction is None else np.asarray(direction)
-    return supplemented(ex, g, index, "direction of the local y' axis")
+    what = "direction of the local y' axis"
+    if direction is None:
+        return _in_plane(ex, pick(ex), index, what)
+    return supplemented(ex, np.asarray(direction), index, what)
 
 
 def chord_frames(ex: Array, directions: Sequence[Sequence[float] | None]) -> Array:
     """`chord_frame` for x' (3, n) of elements some of which have a direction."""
+    if all(directions):
+        return chord_frame(ex, np.array(directions).T, 0)
     if not any(directions):
         return chord_frame(ex, None, 0)
+    missing = [not d for d in directions]
     g = np.array([d or (0.0, 0.0, 0.0) for d in directions]).T
-    missing = [k for k, d in enumerate(directions) if not d]
-    if missing:
-        g[:, missing] = pick(ex[:, missing])
-    return chord_frame(ex, g, 0)
+    return chord_frame(ex, np.where(missing, pick(ex), g), 0)
 
 
 def axis_frame(axis: Sequence[float] | Array, index: int, what: str) -> Array:
     """Frames (3, 3, n) of HINGEs or SCREWs: x' along the axes (3, n), y' along x' x pick(x')."""
     ex = unit(axis, index, what)
-    ey = cross(ex, pick(ex))
-    return completed(ex, _normalized(ey, np.maximum.reduce(np.abs(ey))))
+    return completed(ex, normalized(cross(ex, pick(ex))))
 
 
 def chords(d: Array, x: Array) -> tuple[Array, Array]:
@@ -112,11 +111,9 @@ def chords(d: Array, x: Array) -> tuple[Array, Array]:
     """
     l = np.sqrt(np.add.reduce(d * d))
     points = x.real.reshape(2, 3, -1)
-    sides = np.maximum.reduce(points, (0, 2), initial=-np.inf) - np.minimum.reduce(points, (0, 2), initial=np.inf)
-    extent = sides.max()
-    bad = np.flatnonzero(~(l > SHORT * extent))
-    if bad.size:
-        k = int(bad[0])
+    shortest = SHORT * (np.maximum.reduce(points, (0, 2)) - np.minimum.reduce(points, (0, 2))).max()
+    if not l.min() > shortest:
+        k = int(np.flatnonzero(~(l > shortest))[0])
         raise GeometryError(
             k, f"the length {l[k]:.3g} m between its nodes p and q is zero; check their coordinates"
         )

@@ -82,10 +82,9 @@ def along(mechanism: Mechanism, deck: Deck) -> Mechanism:
 def reference_configuration(deck: Deck, numbering: Numbering, kind: type = float) -> Array:
     """Positions of X, zero angles, Euler parameters (1, 0, 0, 0)."""
     x0: Array = np.zeros(numbering.nx, kind)
-    if len(numbering.normalization):
-        x0[numbering.lnp[numbering.normalization[:, 0] - 1, 0] - 1] = 1.0
+    x0.put(numbering.x_places[:, 0].take(numbering.normalization[:, 0]), 1.0)
     for nodes, values in value_rows(deck.block(1).get("X", ()), kind):
-        x0[numbering.lnp[nodes - 1, : values.shape[1]] - 1] = values
+        x0.put(numbering.x_places.take(nodes, 0)[:, : values.shape[1]], values)
     return x0
 
 
@@ -93,7 +92,7 @@ def _size(numbering: Numbering, x0: Array) -> float:
     """Diagonal of the box around all position nodes; 1 when there are none."""
     if len(numbering.positions) < 2:
         return 1.0
-    places = x0[numbering.positions].real
+    places = x0.take(numbering.positions).real
     extent = hypot(*(np.maximum.reduce(places) - np.minimum.reduce(places)))
     return extent if extent > 0.0 else 1.0
 

@@ -2,7 +2,8 @@
 k5, k6).
 
 A class is the place of its name in the order of numbering, X_ORDER or E_ORDER; ABSENT stands for a coordinate or
-deformation that does not exist. Nodes have four places, one after the other, elements as many as the widest type.
+deformation that does not exist. Nodes have four places, one after the other, elements as many as the widest type, and
+the number 0, which nobody has, comes first.
 Warping coordinates are dynamic without a statement, the deformations that belong to them calculable
 (theory-warping.md section 1); other coordinates are calculable, other deformations fixed.
 """
@@ -46,10 +47,10 @@ _INDEPENDENT = {planar: [_independent(role, planar) for role in ROLES] for plana
 
 
 def node_roles(types: Sequence[ElementRows]) -> NDArray[np.uint8]:
-    """(highest node number,) the role of every node, as a place in ROLES."""
-    roles = np.zeros(max([int(rows.nodes.max()) for rows in types]), np.uint8)
+    """(1 + highest node number,) the role of every node, as a place in ROLES."""
+    roles = np.zeros(1 + max([rows.nodes.max() for rows in types]), np.uint8)
     for rows in types:
-        roles[rows.nodes - 1] = _roles_of(rows.kind)
+        roles.put(rows.nodes, _roles_of(rows.kind))  # again for every element
     return roles
 
 
@@ -60,36 +61,41 @@ def _roles_of(kind: ElementType) -> NDArray[np.uint8]:
 
 def x_codes(deck: Deck, roles: NDArray[np.uint8], planar: bool) -> bytearray:
     """Class of every coordinate, four for each node."""
-    codes, of = bytearray(_DEFAULT[planar][roles]), roles.tobytes()
+    codes, of = bytearray(_DEFAULT[planar].take(roles, 0)), roles.tobytes()
     for s in deck.of(*X_STATEMENTS, block=1):
         node, *which = s.integers()
-        if node <= len(of):
-            first, code = 4 * (node - 1) - 1, _X_CODE[s.keyword]
-            for coordinate in which or _INDEPENDENT[planar][of[node - 1]]:
+        if node < len(of):
+            first, code = 4 * node - 1, _X_CODE[s.keyword]
+            for coordinate in which or _INDEPENDENT[planar][of[node]]:
                 if codes[first + coordinate] != ABSENT:
                     codes[first + coordinate] = code
     return codes
 
 
+@cache
+def _fixed(kind: ElementType, width: int) -> NDArray[np.uint8]:
+    """(width,) all modes of an element fixed."""
+    there = len(kind.modes)
+    return np.array([E_ORDER.index("fixed")] * there + [ABSENT] * (width - there), np.uint8)
+
+
 def e_codes(deck: Deck, types: Sequence[ElementRows]) -> tuple[bytearray, int]:
     """Class of every deformation, and how many places an element has: 6, in a model with warping 8."""
-    width, highest = 6, 0
+    width = max([6, *(len(rows.kind.modes) for rows in types)])
+    codes = bytearray([ABSENT]) * (width * (1 + max([rows.numbers.item(-1) for rows in types])))
+    table = np.frombuffer(codes, np.uint8).reshape(-1, width)
     for rows in types:
-        width, highest = max(width, len(rows.kind.modes)), max(highest, rows.numbers.item(-1))
-    codes = bytearray([ABSENT]) * (width * highest)
-    table = np.frombuffer(codes, np.uint8).reshape(highest, width)
-    for rows in types:
-        table[rows.numbers - 1, : len(rows.kind.modes)] = E_ORDER.index("fixed")
+        table[rows.numbers] = _fixed(rows.kind, width)
     classed: dict[int, tuple[int, ...]] = {}
     for s in deck.of(*E_STATEMENTS, block=1):
         element, *which = s.integers()
         if not which:
             classed = classed or {n: rows.kind.classed for rows in types for n in rows.numbers.tolist()}
             which = list(classed[element])
-        first, code = width * (element - 1) - 1, _E_CODE[s.keyword]
+        first, code = width * element - 1, _E_CODE[s.keyword]
         for mode in which:
             codes[first + mode] = code
     for rows in types:
         for mode in rows.kind.released:
-            table[rows.numbers - 1, mode - 1] = E_ORDER.index("calculable")
+            table[rows.numbers, mode - 1] = E_ORDER.index("calculable")
     return codes, width

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,8 +21,7 @@ PARAMETERS = {"EM": 9, "ESTIFF": 7, "EDAMP": 7}
 SHAPE_FACTOR = 3  # column of EM with the flow shape factor of tubes, 1 unless given
 
 
-@dataclass(frozen=True)
-class PlacedGroup:
+class PlacedGroup(NamedTuple):
     """Elements of one keyword and measure with their places, (n_coordinates, n) and (n_deformations, n)."""
 
     family: type[Family]
@@ -55,12 +54,12 @@ def element_batches(deck: Deck, numbering: Numbering, x0: Array, beams: str = ""
 
 def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "") -> Iterator[PlacedGroup]:
     """What the constructors of the families get, in the order of `element_batches`."""
-    block, dtype, highest = deck.block(1), x0.dtype, len(numbering.le)
-    parameters = [
-        parameter_table(deck, name, highest, width, dtype) if name in deck.block(2) else None
-        for name, width in PARAMETERS.items()
-    ]
-    linear = {s.values[0] for s in block.get("LDEFORM", ())}
+    block, x_places, e_places = deck.block(1), numbering.x_places, numbering.e_places
+    highest = len(e_places)  # tables have a row for every number
+    parameters = [parameter_table(deck, name, highest, width, x0.dtype) for name, width in PARAMETERS.items()]
+    nonlinear = np.ones(highest, bool)
+    for s in block.get("LDEFORM", ()):
+        nonlinear[s.integer(0)] = False
     angles = by_angles(deck, beams)
     first_elastic = numbering.e_class["input"].stop
     directions = {s.integer(0): s.real_values(1) for s in deck.of("ORPINBOD", "ORTUBE", block=1)}
@@ -68,13 +67,9 @@ def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "")
     for rows, angle in _by_measure(numbering.types, angles):
         kind, statements, numbers, nodes = rows
         n, first = len(numbers), 1 + len(kind.nodes)
-        places, coordinates = node_coordinates(kind)
-        x = numbering.lnp[nodes.T[places] - 1, coordinates] - 1
-        e = numbering.le.T[: len(kind.modes), numbers - 1] - 1
-        em, estiff, edamp = (
-            np.zeros((n, width), dtype) if table is None else table[numbers - 1]
-            for table, width in zip(parameters, PARAMETERS.values(), strict=True)
-        )
+        x = x_places.take(nodes, 0).reshape(n, -1).T.take(used(kind), 0)
+        e = e_places.T[: len(kind.modes)].take(numbers, 1)
+        em, estiff, edamp = [table.take(numbers, 0) for table in parameters]
         if kind.carries_flow:
             given = {s.values[0] for s in deck.block(2).get("EM", ()) if len(s.values) > 1 + SHAPE_FACTOR}
             em[[number not in given for number in numbers.tolist()], SHAPE_FACTOR] = 1.0
@@ -83,7 +78,7 @@ def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "")
             numbers=numbers,
             x0=x0[x],
             geometry=tuple([s.real_values(first) for s in statements]) if kind.geometry else ((),) * n,
-            nonlinear=~np.isin(numbers, list(linear)) if linear else np.ones(n, bool),
+            nonlinear=nonlinear.take(numbers),
             directions=tuple(map(directions.get, numbers.tolist())) if directions else (None,) * n,
             projections=tuple(map(projections.get, numbers.tolist())) if projections else (None,) * n,
             em=em,
@@ -97,6 +92,9 @@ def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "")
 def _by_measure(types: Iterable[ElementRows], angles: set[int]) -> Iterator[tuple[ElementRows, bool]]:
     """Elements of one type and measure; `angles`: numbers of those in the angle measure."""
     for rows in types:
+        if not angles:
+            yield rows, False
+            continue
         numbers = rows.numbers.tolist()
         if angles.isdisjoint(numbers) or angles.issuperset(numbers):
             yield rows, numbers[0] in angles
@@ -109,10 +107,9 @@ def _by_measure(types: Iterable[ElementRows], angles: set[int]) -> Iterator[tupl
 
 
 @cache
-def node_coordinates(kind: ElementType) -> tuple[Index, Index]:
-    """For every coordinate of an element type (rows): place of the node in the statement, column of lnp (rows, 1)."""
-    node, coordinate = np.divmod(coordinates_used(kind), 4)
-    return node, coordinate[:, None]
+def used(kind: ElementType) -> Index:
+    """`coordinates_used` as an array."""
+    return np.array(coordinates_used(kind))
 
 
 def by_angles(deck: Deck, beams: str = "") -> set[int]:
@@ -132,4 +129,5 @@ def node_batches(batches: list[Batch], numbering: Numbering, families: Iterable[
         from spacar.elements.normalization import Normalization
 
         nodes, rows = numbering.normalization.T
-        batches.append(Batch(Normalization(nodes), numbering.lnp[nodes - 1].T - 1, rows[None, :], len(batches)))
+        x = numbering.x_places.T.take(nodes, 1)
+        batches.append(Batch(Normalization(nodes), x, rows[None, :], len(batches)))

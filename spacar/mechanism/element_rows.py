@@ -57,9 +57,12 @@ def value_rows(statements: Iterable[Statement], kind: Any = float) -> Iterator[t
         yield table[:, 0].real.astype(np.int64), table[:, 1:]
 
 
-def parameter_table(deck: Deck, keyword: str, highest: int, width: int, kind: Any = float) -> Array:
-    """(highest, width): the values of a dynamics statement behind its element or node number, zero where not given."""
-    table = np.zeros((highest, width), kind)
-    for numbers, values in value_rows(deck.block(2).get(keyword, ()), kind):
-        table[numbers - 1, : values.shape[1]] = values[:, :width]
+def parameter_table(deck: Deck, keyword: str, rows: int, width: int, kind: Any = float) -> Array:
+    """(rows, width): the values of a dynamics statement behind its element or node number, which is the row; zero where
+    not given."""
+    table = np.zeros((rows, width), kind)
+    given = deck.block(2).get(keyword)
+    if given:
+        for numbers, values in value_rows(given, kind):
+            table[numbers, : values.shape[1]] = values[:, :width]
     return table

@@ -39,19 +39,20 @@ def loads(deck: Deck, numbering: Numbering, prefix: str = "", kind: type = float
     moments, rows = [], []
     for s in block.get(f"{prefix}XF", ()):
         node, values = s.integer(0), s.real_values(1)
-        row = numbering.lnp[node - 1]
+        row = numbering.x_places[node]
         if len(values) == 3 and not numbering.planar and numbering.role(node) == "orientation":
             moments.append(values)
-            rows.append(row - 1)
+            rows.append(row)
         else:
             for place, value in zip(row.tolist(), values, strict=False):
-                if place:
-                    force[place - 1] += value
+                if place >= 0:
+                    force[place] += value
     for s in block.get("DELGRAV" if prefix else "GRAVITY", ()):
         given = s.values[:dimension]
         gravity[: len(given)] = given
     for s in block.get(f"{prefix}ESIG", ()):
-        preload[numbering.le[s.integer(0) - 1, : len(s.values) - 1] - 1] = s.real_values(1)
+        for place, value in zip(numbering.e_places[s.integer(0)].tolist(), s.real_values(1), strict=False):
+            preload[place] = value
     return Loads(
         force=force,
         moment=np.array(moments, kind).reshape(-1, 3),
@@ -74,22 +75,22 @@ def _flow(deck: Deck, numbering: Numbering, prefix: str) -> dict[int, float]:
 def drive(deck: Deck, numbering: Numbering, x0: Array) -> Drive:
     """Prescribed motion: the polynomials of INPUTX and INPUTE, overridden by USERINP for the inputs that it gives."""
     polynomial = Polynomial(*_given(deck, numbering, x0, "input", ("INPUTX", "INPUTE"), 3))
-    user = deck.last("USERINP", block=2)
-    if user is None:
+    given = deck.block(2).get("USERINP")
+    if not given:
         return polynomial
     from spacar.mechanism.user_functions import UserDrive
 
-    return UserDrive.load(deck, user, numbering, polynomial, settings(deck))
+    return UserDrive.load(deck, given[-1], numbering, polynomial, settings(deck))
 
 
 def user_signal(deck: Deck, numbering: Numbering) -> UserSignal | None:
     """The function of USERSIG, wrapped."""
-    statement = deck.last("USERSIG", block=2)
-    if statement is None:
+    given = deck.block(2).get("USERSIG")
+    if not given:
         return None
     from spacar.mechanism.user_functions import load_user_signal
 
-    return load_user_signal(deck, statement, numbering)
+    return load_user_signal(deck, given[-1], numbering)
 
 
 def start(deck: Deck, numbering: Numbering, x0: Array) -> Start:
@@ -111,17 +112,17 @@ def _given(
     e = np.zeros((of_e.stop - of_e.start, width), x0.dtype)
     if len(x):
         x[:, 0] = x0[of_x]
-        _fill(x, block.get(keywords[0], ()), numbering.lnp, of_x.start + 1)
+        _fill(x, block.get(keywords[0], ()), numbering.x_places, of_x.start)
     if len(e):
         e[:, 0] = e_value
-        _fill(e, block.get(keywords[1], ()), numbering.le, of_e.start + 1)
+        _fill(e, block.get(keywords[1], ()), numbering.e_places, of_e.start)
     return x, e
 
 
-def _fill(table: Array, statements: Sequence[Statement], numbers: Index, first: int) -> None:
-    """Values behind the two numbers of statements, in the rows of the table from the number `first` on."""
+def _fill(table: Array, statements: Sequence[Statement], places: Index, first: int) -> None:
+    """Values behind the two numbers of statements, in the rows of the table from the place `first` on."""
     for s in statements:
-        row = numbers.item(s.integer(0) - 1, s.integer(1) - 1) - first
+        row = places.item(s.integer(0), s.integer(1) - 1) - first
         if 0 <= row < len(table):
             values = s.values[2 : 2 + table.shape[1]]
             table[row, : len(values)] = values
@@ -129,12 +130,11 @@ def _fill(table: Array, statements: Sequence[Statement], numbers: Index, first: 
 
 def additional_drive(deck: Deck, numbering: Numbering, kind: type = float) -> DriveState | None:
     """Total increments of the start values (DELINPX, DELINPE), or None without any."""
-    statements = deck.of("DELINPX", "DELINPE", block=2)
-    if not statements:
+    if deck.block(2).keys().isdisjoint(("DELINPX", "DELINPE")):
         return None
     xr, er = numbering.x_class["input"], numbering.e_class["input"]
     x, e = np.zeros(xr.stop - xr.start, kind), np.zeros(er.stop - er.start, kind)
-    for s in statements:
+    for s in deck.of("DELINPX", "DELINPE", block=2):
         a, b, value = s.integer(0), s.integer(1), s.real(2)
         if s.keyword == "DELINPX":
             x[numbering.x_index(a, b) - xr.start] = value

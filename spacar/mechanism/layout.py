@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import prod
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,14 +20,13 @@ from spacar.elements.family import Family
 Place = tuple[int, slice, tuple[int, ...]]  # index of the batch, part of the flat array, shape
 
 
-@dataclass(frozen=True)
-class Batch:
+class Batch(NamedTuple):
     """A family with its place in the global vectors, and its place among the batches of its mechanism."""
 
     family: Family
     x: Index  # (n_coordinates, n) indices into x
     e: Index  # (n_deformations, n) indices into e
-    index: int = 0  # set by the Mechanism; arrays of an evaluation are kept under it
+    index: int = 0  # type: ignore[assignment]  # set by the Mechanism; arrays of an evaluation are kept under it
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -25,8 +25,9 @@ def lumped(deck: Deck, numbering: Numbering, batches: list[Batch]) -> list[tuple
     for s in block.get("XM", ()):
         node, values = s.integer(0), s.real_values(1)
         if numbering.planar or numbering.role(node) != "orientation":
-            for place in filter(None, numbering.lnp[node - 1].tolist()):
-                masses[place - 1] = node, values[0]
+            for place in numbering.x_places[node].tolist():
+                if place >= 0:
+                    masses[place] = node, values[0]
         else:
             tensors[node] = symmetric(np.array(values))
     for batch in batches:
@@ -53,13 +54,13 @@ def lumped(deck: Deck, numbering: Numbering, batches: list[Batch]) -> list[tuple
             if len(rotor) > 4 and int(rotor[4]) == 1:
                 extra = prescribed_rotor_tensor(rotor[None, :3], rotor[3:4])[0]
                 tensors[node] = tensors.get(node, np.zeros((3, 3))) + extra
-        result.append((GyrostatNode(nodes, h), numbering.lnp[nodes - 1].T - 1))
+        result.append((GyrostatNode(nodes, h), numbering.x_places.T.take(nodes, 1)))
     if tensors:
         from spacar.elements.node_inertia import RigidBodyNode
 
         nodes = np.array(sorted(tensors))
         J = np.array([tensors[int(n)] for n in nodes])
-        result.append((RigidBodyNode(nodes, J), numbering.lnp[nodes - 1].T - 1))
+        result.append((RigidBodyNode(nodes, J), numbering.x_places.T.take(nodes, 1)))
     return result
 
 

@@ -197,7 +197,7 @@ class Mechanism:
 
     def __post_init__(self) -> None:
         if any(b.index != k for k, b in enumerate(self.batches)):
-            numbered = tuple(replace(b, index=k) for k, b in enumerate(self.batches))
+            numbered = tuple(b._replace(index=k) for k, b in enumerate(self.batches))
             object.__setattr__(self, "batches", numbered)
 
     @cached_property
@@ -222,7 +222,7 @@ class Mechanism:
         for batch in self.batches:
             kind = ELEMENT_TYPES.get(batch.family.keyword)  # None of node inertia and normalizations
             if kind is not None and (modes := lengths_of(kind)):
-                found[batch.e[modes]] = True
+                found.put(batch.e.take(modes, 0), True)
         return found
 
     @cached_property

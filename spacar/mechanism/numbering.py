@@ -3,7 +3,9 @@
 x is ordered by class: fixed, calculable, input, dynamic, kinematic; inside a class by node, then coordinate.
 e is ordered by class: fixed (the normalizations of Euler parameters last, by node), input, dynamic, kinematic,
 calculable; inside a class by element, then mode. With this order every class is a slice.
-The tables lnp, le, ln hold the 1-based numbers that result files show; 0 means "does not exist".
+Here places count from 0 and -1 means "does not exist"; the rows of `x_places` and `e_places` are the numbers of nodes
+and elements, so that row 0 belongs to nobody. The tables lnp, le, ln hold the 1-based numbers that result files show,
+their first row is that of number 1, and 0 means "does not exist".
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Index
 from spacar.deck import ELEMENT_TYPES, Deck, coordinates_of
-from spacar.mechanism.class_codes import ABSENT, E_ORDER, ROLES, X_ORDER, e_codes, node_roles, x_codes
+from spacar.mechanism.class_codes import E_ORDER, ROLES, X_ORDER, e_codes, node_roles, x_codes
 from spacar.mechanism.element_rows import ElementRows
 
 CLASSES = X_ORDER
@@ -39,23 +41,41 @@ class Numbering:
 
     planar: bool
     types: tuple[ElementRows, ...]
-    roles: NDArray[np.uint8]  # (highest node,) place in ROLES of every node
+    roles: NDArray[np.uint8]  # (1 + highest node,) place in ROLES of every node
     nx: int
     ne: int
     x_class: dict[str, slice]
     e_class: dict[str, slice]
-    nxp: Index  # (5,) coordinates per class in the order of CLASSES
-    nep: Index  # (5,) deformations per class in the order of CLASSES
-    lnp: Index  # (highest node, 4)
-    le: Index  # (highest element, 6; 8 in a model with warping)
+    x_places: Index  # (1 + highest node, 4) places of the coordinates in x
+    e_places: Index  # (1 + highest element, 6; 8 in a model with warping) places of the deformations in e
     normalization: Index  # (n spatial orientation nodes, 2): node number, 0-based row of e
     slips: NDArray[np.bool_]  # (ne,) rows that exist as rates only
+
+    @cached_property
+    def nxp(self) -> Index:
+        """(5,) coordinates per class in the order of CLASSES."""
+        return np.array([_count(self.x_class[c]) for c in CLASSES], np.int64)
+
+    @cached_property
+    def nep(self) -> Index:
+        """(5,) deformations per class in the order of CLASSES."""
+        return np.array([_count(self.e_class[c]) for c in CLASSES], np.int64)
+
+    @cached_property
+    def lnp(self) -> Index:
+        """(highest node, 4) numbers of the coordinates."""
+        return self.x_places[1:] + 1
+
+    @cached_property
+    def le(self) -> Index:
+        """(highest element, 6; 8 in a model with warping) numbers of the deformations."""
+        return self.e_places[1:] + 1
 
     @cached_property
     def nodes(self) -> tuple[Node, ...]:
         """Sorted by number."""
         size = [coordinates_of(role, self.planar) if role else 0 for role in ROLES]
-        return tuple(Node(n, ROLES[r], size[r]) for n, r in enumerate(self.roles.tolist(), 1) if r)
+        return tuple(Node(n, ROLES[r], size[r]) for n, r in enumerate(self.roles.tolist()) if r)
 
     @cached_property
     def elements(self) -> tuple[tuple[int, str, tuple[int, ...]], ...]:
@@ -70,7 +90,7 @@ class Numbering:
     @cached_property
     def ln(self) -> Index:
         """(highest element, 4; 6 in a model with warping) node numbers."""
-        ln = np.zeros((len(self.le), max(4, *(len(rows.kind.nodes) for rows in self.types))), np.int64)
+        ln = np.zeros((len(self.e_places) - 1, max(4, *(len(rows.kind.nodes) for rows in self.types))), np.int64)
         for rows in self.types:
             ln[rows.numbers - 1, : len(rows.kind.nodes)] = rows.nodes
         return ln
@@ -78,7 +98,7 @@ class Numbering:
     @cached_property
     def it(self) -> Index:
         """(highest element,) type codes."""
-        it = np.zeros(len(self.le), np.int64)
+        it = np.zeros(len(self.e_places) - 1, np.int64)
         for rows in self.types:
             it[rows.numbers - 1] = rows.kind.code
         return it
@@ -86,19 +106,19 @@ class Numbering:
     @cached_property
     def _x_names(self) -> list[tuple[int, int]]:
         names = [(0, 0)] * self.nx
-        for number_, row in enumerate(self.lnp, 1):
+        for node, row in enumerate(self.x_places.tolist()):
             for coordinate, i in enumerate(row, 1):
-                if i:
-                    names[i - 1] = (number_, coordinate)
+                if i >= 0:
+                    names[i] = (node, coordinate)
         return names
 
     @cached_property
     def _e_names(self) -> list[tuple[int, int]]:
         names = [(0, 0)] * self.ne
-        for element, row in enumerate(self.le, 1):
+        for element, row in enumerate(self.e_places.tolist()):
             for mode, i in enumerate(row, 1):
-                if i:
-                    names[i - 1] = (element, mode)
+                if i >= 0:
+                    names[i] = (element, mode)
         for node, i in self.normalization:
             names[i] = (-int(node), 0)
         return names
@@ -109,11 +129,11 @@ class Numbering:
 
     @cached_property
     def kind(self) -> dict[int, str]:
-        return {number: ROLES[role] for number, role in enumerate(self.roles.tolist(), 1) if role}
+        return {number: ROLES[role] for number, role in enumerate(self.roles.tolist()) if role}
 
     def role(self, node: int) -> str:
         """Role of a node by its number: 'position', 'orientation' or 'warping'."""
-        return ROLES[self.roles.item(node - 1)]
+        return ROLES[self.roles.item(node)]
 
     def x_owner(self, i: int) -> tuple[int, int]:
         """(node, coordinate number) of the 0-based coordinate i."""
@@ -152,7 +172,7 @@ class Numbering:
     @cached_property
     def positions(self) -> Index:
         """0-based coordinates of the position nodes, (n, 2 or 3)."""
-        return self.lnp[self.roles == ROLES.index("position"), : 2 if self.planar else 3] - 1
+        return self.x_places[self.roles == ROLES.index("position"), : 2 if self.planar else 3]
 
     @cached_property
     def holonomic(self) -> bool:
@@ -184,15 +204,15 @@ class Numbering:
 
     @cached_property
     def ndof(self) -> int:
-        return int(self.nxp[2] + self.nxp[3] + self.nep[2] + self.nep[3])
+        return sum(_count(c["input"]) + _count(c["dynamic"]) for c in (self.x_class, self.e_class))
 
     @cached_property
     def nddof(self) -> int:
-        return int(self.nxp[3] + self.nep[3])
+        return _count(self.x_class["dynamic"]) + _count(self.e_class["dynamic"])
 
     @cached_property
     def nk(self) -> int:
-        return int(self.nxp[4] + self.nep[4])
+        return _count(self.x_class["kinematic"]) + _count(self.e_class["kinematic"])
 
     @cached_property
     def nkdof(self) -> int:
@@ -205,24 +225,23 @@ class Numbering:
     @cached_property
     def dynamic(self) -> Index:
         """Rows of q that are dynamic: x dynamic, then e dynamic (files.md section 3)."""
-        r, m, s = int(self.nxp[2]), int(self.nxp[3]), int(self.nep[2])
-        return _ranges((r, r + m), (r + m + s, self.ndof))
+        m = len(self.q_x)
+        return _ranges((_count(self.x_class["input"]), m), (m + _count(self.e_class["input"]), self.ndof))
 
     @cached_property
     def rheonomic(self) -> Index:
         """Rows of q that are prescribed: x input, then e input."""
-        r, m, s = int(self.nxp[2]), int(self.nxp[3]), int(self.nep[2])
-        return _ranges((0, r), (r + m, r + m + s))
+        m = len(self.q_x)
+        return _ranges((0, _count(self.x_class["input"])), (m, m + _count(self.e_class["input"])))
 
     @cached_property
     def all_dynamic(self) -> Numbering:
         """The same, with the degrees of freedom that are prescribed as dynamic ones; all keep their places."""
-        counts, classes = [], []
-        for count, places in ((self.nxp, self.x_class), (self.nep, self.e_class)):
+        classes = []
+        for places in (self.x_class, self.e_class):
             first, last = places["input"].start, places["dynamic"].stop
             classes.append(places | {"input": slice(first, first), "dynamic": slice(first, last)})
-            counts.append(count + count[2] * np.array([0, 0, -1, 1, 0]))
-        return replace(self, nxp=counts[0], nep=counts[1], x_class=classes[0], e_class=classes[1])
+        return replace(self, x_class=classes[0], e_class=classes[1])
 
     # Equations and unknowns of both levels (theory-system.md 1.1): what is given of e determines what depends on it.
     @cached_property
@@ -257,19 +276,25 @@ class Numbering:
 
     def x_index(self, node: int, coordinate: int) -> int:
         """0-based index of a coordinate; KeyError if it does not exist."""
-        if 1 <= node <= len(self.lnp) and 1 <= coordinate <= 4:
-            found = self.lnp.item(node - 1, coordinate - 1)
-            if found:
-                return found - 1
+        if 1 <= node < len(self.x_places) and 1 <= coordinate <= 4:
+            found = self.x_places.item(node, coordinate - 1)
+            if found >= 0:
+                return found
         raise KeyError((node, coordinate))
 
     def e_index(self, element: int, mode: int) -> int:
         """0-based index of a deformation; KeyError if it does not exist."""
-        if 1 <= element <= len(self.le) and 1 <= mode <= self.le.shape[1]:
-            found = self.le.item(element - 1, mode - 1)
-            if found:
-                return found - 1
+        if 1 <= element < len(self.e_places) and 1 <= mode <= self.e_places.shape[1]:
+            found = self.e_places.item(element, mode - 1)
+            if found >= 0:
+                return found
         raise KeyError((element, mode))
+
+
+def _count(places: slice) -> int:
+    """How many a class has."""
+    found: int = places.stop - places.start
+    return found
 
 
 def _ranges(*ranges: tuple[int, int]) -> Index:
@@ -288,17 +313,15 @@ def number(deck: Deck, types: Sequence[ElementRows], prescribed: bool = False) -
         x = x.replace(bytes([X_ORDER.index("dynamic")]), bytes([X_ORDER.index("input")]))
         e = e.replace(bytes([E_ORDER.index("dynamic")]), bytes([E_ORDER.index("input")]))
     # normalizations come after the other fixed deformations
-    lambdas = np.zeros(0, np.int64) if planar else np.flatnonzero(roles == ROLES.index("orientation"))
-    lnp, x_counts = _in_order(x, 0)
-    le, e_counts = _in_order(e, len(lambdas))
-    normalization = np.empty((len(lambdas), 2), np.int64)
-    normalization[:, 0] = lambdas + 1
-    normalization[:, 1] = np.arange(e_counts[0] - len(lambdas), e_counts[0])
-    le = le.reshape(-1, width)
+    turning = NONE if planar else (roles == ROLES.index("orientation")).nonzero()[0]
+    x_places, x_counts = _in_order(x, 0)
+    e_places, e_counts = _in_order(e, len(turning))
+    e_places = e_places.reshape(-1, width)
+    normalization = np.array((turning, np.arange(e_counts[0] - len(turning), e_counts[0]))).T
     slips = np.zeros(sum(e_counts), bool)
     for rows in types:
         for mode in rows.kind.slips:
-            slips[le[rows.numbers - 1, mode] - 1] = True
+            slips[e_places[rows.numbers, mode]] = True
     return Numbering(
         planar=planar,
         types=tuple(types),
@@ -307,16 +330,14 @@ def number(deck: Deck, types: Sequence[ElementRows], prescribed: bool = False) -
         ne=sum(e_counts),
         x_class=_slices(x_counts, X_ORDER),
         e_class=_slices(e_counts, E_ORDER),
-        nxp=np.array(x_counts, np.int64),
-        nep=np.array([e_counts[k] for k in _E_PLACES], np.int64),
-        lnp=lnp.reshape(-1, 4),
-        le=le,
+        x_places=x_places.reshape(-1, 4),
+        e_places=e_places,
         normalization=normalization,
         slips=slips,
     )
 
 
-_E_PLACES = [E_ORDER.index(c) for c in CLASSES]
+NONE = np.zeros(0, np.int64)
 
 
 def _slices(counts: Sequence[int], order: Sequence[str]) -> dict[str, slice]:
@@ -325,15 +346,14 @@ def _slices(counts: Sequence[int], order: Sequence[str]) -> dict[str, slice]:
 
 
 def _in_order(codes: bytearray, more: int) -> tuple[Index, list[int]]:
-    """1-based numbers of places, 0 where ABSENT, by class and then place; and how many each class has. `more` numbers
-    stay free behind those of the first class, and are counted there."""
+    """Places of what has these classes, by class and then as it stands, -1 where ABSENT; and how many places each class
+    has. `more` stay free behind those of the first class, and are counted there."""
     counts = [codes.count(k) for k in range(5)]
-    n, first = len(codes) - codes.count(ABSENT), counts[0]
-    places = np.frombuffer(codes, np.uint8).argsort(kind="stable")
-    numbers = np.zeros(len(codes), np.int64)
+    first, n = counts[0], sum(counts)
+    order = np.frombuffer(codes, np.uint8).argsort(kind="stable")
+    places, ascending = np.empty(len(codes), np.int64), np.arange(n)
+    places.fill(-1)
     if more:
-        numbers[places[:first]] = np.arange(1, first + 1)
-        numbers[places[first:n]] = np.arange(first + more + 1, n + more + 1)
-    else:
-        numbers[places[:n]] = np.arange(1, n + 1)
-    return numbers, [first + more, *counts[1:]]
+        ascending[first:] += more
+    places.put(order[:n], ascending)
+    return places, [first + more, *counts[1:]]

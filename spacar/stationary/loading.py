@@ -108,7 +108,7 @@ def with_flow(mechanism: Mechanism, loads: Loads) -> Mechanism:
         change = getattr(batch.family, "with_flow", None)
         if change is not None:
             flow = np.array([loads.flow.get(int(n), 0.0) for n in batch.family.numbers])
-            batch = replace(batch, family=change(flow))
+            batch = batch._replace(family=change(flow))
         batches.append(batch)
     return replace(mechanism, batches=tuple(batches))
 
