@@ -294,11 +294,11 @@ class Marching:
                 known, failed = counted.counts(), status in (TOO_SMALL, NOT_EVALUATED, INTERRUPTED)
                 if failed and (passage is None or not passage.c.done):
                     self._failed(status, method)
-                made = passage.made() if failed and passage is not None else (c.n_steps, c.n_rhs, c.n_rejected)
+                made = passage.made() if failed and passage is not None else (c.n_steps, c.n_rhs, 0, c.n_rejected)
                 c.n_steps = c.n_rhs = c.n_rejected = 0
                 counted.n_steps += made[0]
                 counted.n_rhs += made[1]
-                counted.n_rejected += made[2]
+                counted.n_rejected += made[3]
                 self.lookout.n = self.lookout.n + made[0] if passage is None else passage.c.since
                 self.lookout.passed(self._last)
                 passed = None if passage is None else passage.outputs(known)

@@ -14,7 +14,7 @@ typedef struct {
     State *shown;
     const double *t;           /* (n) times of the outputs to come */
     double *rows;              /* (n, width): x, xd, xdd, applied, gravity, total forces; e, ed, edd, sigma; y */
-    int *work;                 /* (n, 3) steps, derivatives, rejected steps of this call up to an output */
+    int *work;                 /* (n, 5) steps, derivatives, 0, rejected steps, 0 of this call up to an output: `Counts` of problem.py */
     const int *ground;         /* (n_ground) rows of sigma that may press but not pull */
     Value value;               /* NULL: that of Adams */
     double exact, jump, singular, guard, longest; /* limits of a position, a jump, 1/condition, guards of elements; seconds */
@@ -54,9 +54,9 @@ static int show(Model *m, Passage *p, int i)
     const double *of_x[] = {s->x, s->xd, s->xdd}, *of_e[] = {s->e, s->ed, s->edd, s->sigma};
     for (int k = 0; k < 3; k++) memcpy(x + k * nx, of_x[k], sizeof(double) * nx);
     for (int k = 0; k < 4; k++) memcpy(e + k * ne, of_e[k], sizeof(double) * ne);
-    p->last = harmless(m, p) ? HARMLESS : LOOKED_AT;
     const int told = m->s.user && m->s.ask(ASK_OUTPUT, 0, p->t[i]);
-    return p->last == HARMLESS && !told;
+    p->last = !told && harmless(m, p) ? HARMLESS : LOOKED_AT;
+    return p->last == HARMLESS;
 }
 
 /* Outputs of a motion that is all prescribed, n of them. */
@@ -95,8 +95,8 @@ static int pass(March *r, void *method, Go go, const double *end, Passage *p)
             if (p->t[i] == r->t) memcpy(y, end, sizeof(double) * r->n);
             else if (!p->value) spacar_adams_value(r, method, p->t[i], y);
             else if (p->value(p->t[i], y)) return INTERRUPTED;
-            const int work[] = {r->n_steps, r->n_rhs, r->n_rejected};
-            memcpy(p->work + 3 * i, work, sizeof work);
+            const int work[] = {r->n_steps, r->n_rhs, 0, r->n_rejected, 0};
+            memcpy(p->work + 5 * i, work, sizeof work);
             lead(r, p);
             if (!show(r->model, p, i) || p->done == p->n) return AT_OUTPUT;
         }

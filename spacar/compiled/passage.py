@@ -22,12 +22,13 @@ from spacar.arrays import Array, Index
 from spacar.compiled.compiled_model import EXACT, NOT_ANSWERED, WIDTH, CompiledModel, State
 from spacar.compiled.element_parameters import GUARD
 from spacar.compiled.library import DOUBLES, INTEGER, INTEGERS, NUMBER, POINTER
-from spacar.frame import Frame
+from spacar.frame import E_FIELDS, X_FIELDS, Frame, StoredFrames
 from spacar.integrators.problem import Counts, Passed
 from spacar.kinematics.kinematics import LARGEST_JUMP
 from spacar.mechanism.numbering import Numbering
 
 HARMLESS, LOOKED_AT, NOT_SHOWN = range(3)  # as in passage.c
+FIELDS = (*X_FIELDS, *E_FIELDS)  # in the order of a row
 LONGEST = 0.05  # s of one call, unless a single step takes longer
 ROOM = 50_000  # numbers in the rows of one array, so that a frame that is kept does not keep many others: 0.4 MB
 UNLIMITED = 2**31 - 1
@@ -85,7 +86,7 @@ class Passage:
         c.foreign = model.slots.has_limits
         self.address = ctypes.c_void_p(ctypes.addressof(c))
         self.first = self.used = self.end = 0  # output of the first row, rows that have one, rows
-        self.rows, self.t, self.work = np.zeros((0, self.width)), np.zeros(0), np.zeros((0, 3), np.int32)
+        self.rows, self.t, self.work = np.zeros((0, self.width)), np.zeros(0), np.zeros((0, 5), np.int32)
         self.at = 0, 0  # addresses of t and rows
 
     def begin(self, output: int, steps: float = UNLIMITED) -> None:
@@ -94,7 +95,7 @@ class Passage:
         if self.used == self.end or output != self.first + self.used:
             n = min(len(self.times) - output, max(1, ROOM // self.width))
             self.first, self.used, self.end = output, 0, n
-            self.rows, self.work = np.empty((n, self.width)), np.empty((n, 3), np.int32)
+            self.rows, self.work = np.empty((n, self.width)), np.empty((n, 5), np.int32)
             self.t = np.array(self.times[output : output + n])
             self.at = self.t.ctypes.data, self.rows.ctypes.data
             c.work = self.work.ctypes.data
@@ -103,38 +104,48 @@ class Passage:
         c.steps = int(min(max(steps, 0), UNLIMITED))
         self.shown.solver.slots.outputs.clear()
 
-    def outputs(self, before: Counts = (0, 0, 0, 0, 0)) -> Iterator[Passed]:
-        """Those of the last call; `before`: what the integrator had counted before it."""
-        c, shown, nx, ne = self.c, self.shown, self.nx, self.ne
-        used, n, lost = self.used, c.done, list(shown.solver.slots.outputs)
-        harmless = n if c.last == HARMLESS else n - 1
+    def outputs(self, before: Counts = (0, 0, 0, 0, 0)) -> list[Passed]:
+        """Those of the last call; `before`: what the integrator had counted before it. The last one is on its own when
+        it has to be looked at."""
+        first, n = self.used, self.c.done
         self.used += n
-        rows, times = self.rows[used : used + n], self.t[used : used + n].tolist()
-        of_x = rows[:, : 6 * nx].reshape(n, 6, nx).swapaxes(0, 1)
-        of_e = rows[:, 6 * nx : 6 * nx + 4 * ne].reshape(n, 4, ne).swapaxes(0, 1)
-        states, work = rows[:, 6 * nx + 4 * ne :], self.work[:n].tolist()
-        steps, rhs, jacobians, rejected, iterations = before
-        for k, (t, made, y, x, xd, xdd, applied, gravity, total, e, ed, edd, sigma) in enumerate(
-            zip(times, work, states, *of_x, *of_e, strict=True)
-        ):
-            frame = Frame(t, x, xd, xdd, e, ed, edd, sigma, applied, gravity, total)
-            if k < len(lost):
-                frame.lost = lost[k]
-            counts = steps + made[0], rhs + made[1], jacobians, rejected + made[2], iterations
-            yield Passed(t, y, counts, frame if k < harmless else partial(self._last, frame, y))
+        counts, lost = self.work[:n] + before, self.shown.solver.slots.outputs
+        harmless = n if self.c.last == HARMLESS else n - 1
+        found = []
+        if harmless:
+            block = self._block(first, first + harmless, lost[:harmless])
+            found.append(Passed(float(block.t[-1]), self._state(first + harmless - 1), counts[:harmless], block))
+        if harmless < n:
+            block, y = self._block(first + harmless, first + n, lost[harmless:]), self._state(first + harmless)
+            found.append(Passed(float(block.t[0]), y, counts[harmless:], partial(self._last, block, y)))
+        return found
 
-    def _last(self, frame: Frame, y: Array) -> Frame:
+    def _state(self, row: int) -> Array:
+        return self.rows[row, 6 * self.nx + 4 * self.ne :]
+
+    def _block(self, first: int, end: int, lost: list[dict[int, str]]) -> StoredFrames:
+        """The frames in some rows."""
+        rows, nx, ne = self.rows[first:end], self.nx, self.ne
+        of_x = rows[:, : 6 * nx].reshape(-1, 6, nx).swapaxes(0, 1)
+        of_e = rows[:, 6 * nx : 6 * nx + 4 * ne].reshape(-1, 4, ne).swapaxes(0, 1)
+        variables = dict(zip(FIELDS, (*of_x, *of_e), strict=True))
+        return StoredFrames(self.t[first:end], variables, {}, lost)
+
+    def _last(self, block: StoredFrames, y: Array) -> StoredFrames:
         """That of the last output of a call, at which Python looks; or what says why there is none."""
-        if self.c.last == LOOKED_AT:
-            return frame
-        if self.c.status == NOT_ANSWERED:
-            self.shown.solver.slots.raise_error()
-        return self.shown.frame_in_general(frame.t, y)
+        if self.c.last == NOT_SHOWN:
+            if self.c.status == NOT_ANSWERED:
+                self.shown.solver.slots.raise_error()
+            frame = self.shown.frame_in_general(float(block.t[0]), y)
+            for name, values in block.variables.items():
+                values[0] = getattr(frame, name)
+            block.lost = [frame.lost]
+        return block
 
-    def made(self) -> tuple[int, int, int]:
-        """Steps, derivatives and rejected steps of the last call up to its last output."""
-        steps, rhs, rejected = self.work[self.c.done - 1].tolist()
-        return steps, rhs, rejected
+    def made(self) -> list[int]:
+        """What was done in the last call up to its last output, as `Counts`."""
+        counts: list[int] = self.work[self.c.done - 1].tolist()
+        return counts
 
     def prescribed(self, y: Array) -> Iterator[Passed]:
         """The outputs of a motion without degrees of freedom, whose state `y` is empty or the same at all times."""

@@ -30,8 +30,8 @@ from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.mass_check import largest_mass
 from spacar.errors import AnalysisError, UsageError
 from spacar.forward.displaced import displaced
-from spacar.forward.driver import Tolerances, integrated, work
-from spacar.frame import StoredFrames
+from spacar.forward.driver import WORK, Tolerances, integrated
+from spacar.frame import E_FIELDS, X_FIELDS, StoredFrames
 from spacar.integrators import METHODS
 from spacar.mechanism import Mechanism, build
 from spacar.mechanism.inputs import settings as settings_of
@@ -44,8 +44,6 @@ if TYPE_CHECKING:
     from spacar.compiled.cases import InLanes
     from spacar.compiled.numbers import Numbers
 
-X_FIELDS = ("x", "xd", "xdd", "fx", "fxgrav", "fxtot")
-E_FIELDS = ("e", "ed", "edd", "sig")
 E_INDEX = {name: k for k, name in enumerate(E_FIELDS)}
 WITHOUT_LANES = (220, 225)  # methods that want a state of positions first, then velocities
 
@@ -85,7 +83,7 @@ class BlockMotions:
     t: Array
     x: Array
     e: Array
-    statistics: list[dict[str, int]]
+    statistics: dict[str, Array]
     said: list[tuple[str, ...]]
 
     @property
@@ -219,7 +217,7 @@ def _motion(
     settings, n, lanes = single.settings, single.numbering, block.by_case[2]
     each = None if g is None else np.broadcast_to(g[:, None], block.by_case[1:]).ravel()
     x, e = (np.empty((len(times), *shape, lanes)) for shape in ((len(X_FIELDS), n.nx), (len(E_FIELDS), n.ne)))
-    statistics: list[dict[str, int]] = []
+    counted = np.empty((len(times), len(WORK)), np.int64)
     outputs = integrated(
         block, block.y0, times, settings, Tolerances.of(settings, each),
         breaks=block.breaks, watch=block.watch, back=block.rejected, marching=block.marching,
@@ -230,8 +228,8 @@ def _motion(
         if block.solver.slots.laws:
             for lane, told in enumerate(lost):
                 told |= block.lost(lane) | told
-        statistics.append(work(out))
+        counted[step] = out.work
     of_cases = [
         (*said.get(k, ()), *block.warnings[lane].values(), *lost[lane].values()) for lane, k in enumerate(own)
     ]
-    return BlockMotions(single, tuple(own), times, x, e, statistics, of_cases)
+    return BlockMotions(single, tuple(own), times, x, e, dict(zip(WORK, counted.T, strict=True)), of_cases)
