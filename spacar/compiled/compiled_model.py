@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import weakref
 from collections.abc import Sequence
 from typing import Any
 
@@ -138,7 +137,10 @@ class CompiledModel:
         )
         if not self.handle:
             raise MemoryError("no memory for the compiled model")
-        weakref.finalize(self, self.engine.end, self.handle)
+
+    def __del__(self) -> None:
+        if getattr(self, "handle", None):  # without it nothing has begun
+            self.engine.end(self.handle)
 
     def _whole_numbers(self) -> NDArray[np.int32]:
         """Counts and lists, as `read_spec` of model.c reads them."""

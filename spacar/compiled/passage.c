@@ -7,14 +7,16 @@
 
 enum { HARMLESS, LOOKED_AT, NOT_SHOWN }; /* an output: done; Python looks at it; C cannot evaluate it. As in passage.py */
 
+/* In a row: time of the output, given; steps, derivatives, 0, rejected steps, 0 of this call up to there (`Counts` of
+   spacar/integrators/problem.py); x, xd, xdd, applied, gravity, total forces; e, ed, edd, sigma; y. */
+enum { TIME = 0, STEPS = 1, OF_X = 6 };
+
 /* The state y at a time in the last step: 0, or 2 when Python keeps an error. */
 typedef int (*Value)(double t, double *y);
 
 typedef struct {
     State *shown;
-    const double *t;           /* (n) times of the outputs to come */
-    double *rows;              /* (n, width): x, xd, xdd, applied, gravity, total forces; e, ed, edd, sigma; y */
-    int *work;                 /* (n, 5) steps, derivatives, 0, rejected steps, 0 of this call up to an output: `Counts` of problem.py */
+    double *rows;              /* (n, width), see above */
     const int *ground;         /* (n_ground) rows of sigma that may press but not pull */
     Value value;               /* NULL: that of Adams */
     double exact, jump, singular, guard, longest; /* limits of a position, a jump, 1/condition, guards of elements; seconds */
@@ -45,16 +47,16 @@ static int show(Model *m, Passage *p, int i)
 {
     State *s = p->shown;
     const int nx = m->s.nx, ne = m->s.ne;
-    double *x = row_of(p, i), *e = x + 6 * nx;
+    double *row = row_of(p, i), *x = row + OF_X, *e = x + 6 * nx;
     p->done = i + 1;
     p->last = NOT_SHOWN;
-    p->status = spacar_evaluate(m, s, p->t[i], e + 4 * ne, p->exact, p->jump, 1);
+    p->status = spacar_evaluate(m, s, row[TIME], e + 4 * ne, p->exact, p->jump, 1);
     if (p->status < 0) return 0;
     spacar_complete(m, s, x + 3 * nx, x + 4 * nx, x + 5 * nx);
     const double *of_x[] = {s->x, s->xd, s->xdd}, *of_e[] = {s->e, s->ed, s->edd, s->sigma};
     for (int k = 0; k < 3; k++) memcpy(x + k * nx, of_x[k], sizeof(double) * nx);
     for (int k = 0; k < 4; k++) memcpy(e + k * ne, of_e[k], sizeof(double) * ne);
-    const int told = m->s.user && m->s.ask(ASK_OUTPUT, 0, p->t[i]);
+    const int told = m->s.user && m->s.ask(ASK_OUTPUT, 0, row[TIME]);
     p->last = !told && harmless(m, p) ? HARMLESS : LOOKED_AT;
     return p->last == HARMLESS;
 }
@@ -85,25 +87,26 @@ typedef int (*Go)(March *r, void *method);
 static int pass(March *r, void *method, Go go, const double *end, Passage *p)
 {
     const double begin = seconds();
-    const size_t at = 6 * r->model->s.nx + 4 * r->model->s.ne;
+    const size_t at = OF_X + 6 * r->model->s.nx + 4 * r->model->s.ne;
     p->done = 0;
     p->last = HARMLESS;
     for (;;) {
-        while (p->t[p->done] <= r->t) {
-            const int i = p->done;
-            double *y = row_of(p, i) + at;
-            if (p->t[i] == r->t) memcpy(y, end, sizeof(double) * r->n);
-            else if (!p->value) spacar_adams_value(r, method, p->t[i], y);
-            else if (p->value(p->t[i], y)) return INTERRUPTED;
-            const int work[] = {r->n_steps, r->n_rhs, 0, r->n_rejected, 0};
-            memcpy(p->work + 5 * i, work, sizeof work);
+        double *row = row_of(p, p->done);
+        while (row[TIME] <= r->t) {
+            double *y = row + at;
+            if (row[TIME] == r->t) memcpy(y, end, sizeof(double) * r->n);
+            else if (!p->value) spacar_adams_value(r, method, row[TIME], y);
+            else if (p->value(row[TIME], y)) return INTERRUPTED;
+            const double counts[] = {r->n_steps, r->n_rhs, 0.0, r->n_rejected, 0.0};
+            memcpy(row + STEPS, counts, sizeof counts);
             lead(r, p);
-            if (!show(r->model, p, i) || p->done == p->n) return AT_OUTPUT;
+            if (!show(r->model, p, p->done) || p->done == p->n) return AT_OUTPUT;
+            row += p->width;
         }
         if (r->t >= r->t_end) return ARRIVED;
         if (p->done && (r->n_steps >= p->steps || seconds() - begin >= p->longest)) return AT_OUTPUT;
         const int before = r->n_steps;
-        r->until = p->t[p->done];
+        r->until = row[TIME];
         const int status = go(r, method);
         p->since += r->n_steps - before;
         if (status != ARRIVED && status != AT_OUTPUT) return status;

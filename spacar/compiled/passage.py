@@ -28,7 +28,8 @@ from spacar.kinematics.kinematics import LARGEST_JUMP
 from spacar.mechanism.numbering import Numbering
 
 HARMLESS, LOOKED_AT, NOT_SHOWN = range(3)  # as in passage.c
-FIELDS = (*X_FIELDS, *E_FIELDS)  # in the order of a row
+TIME, STEPS, OF_X = 0, 1, 6  # in a row, as there; behind OF_X these
+FIELDS = (*X_FIELDS, *E_FIELDS)
 LONGEST = 0.05  # s of one call, unless a single step takes longer
 ROOM = 50_000  # numbers in the rows of one array, so that a frame that is kept does not keep many others: 0.4 MB
 UNLIMITED = 2**31 - 1
@@ -40,8 +41,7 @@ class CPassage(ctypes.Structure):
     """`Passage` of passage.c."""
 
     _fields_ = [
-        ("shown", POINTER), ("t", DOUBLES), ("rows", DOUBLES), ("work", INTEGERS),
-        ("ground", INTEGERS), ("value", POINTER),
+        ("shown", POINTER), ("rows", DOUBLES), ("ground", INTEGERS), ("value", POINTER),
         *((name, NUMBER) for name in ("exact", "jump", "singular", "guard", "longest")),
         *((name, INTEGER) for name in (
             "n", "done", "width", "since", "far", "n_exact", "n_ground", "foreign", "steps", "last", "status",
@@ -76,8 +76,9 @@ class Passage:
         model, n = shown.solver, shown.numbering
         self.shown, self.times = shown, times
         self.nx, self.ne = n.nx, n.ne
-        self.n_y = shown.n_positions + n.nddof
-        self.width = 6 * n.nx + 4 * n.ne + self.n_y
+        self.of_e = OF_X + 6 * n.nx
+        self.of_y = self.of_e + 4 * n.ne
+        self.width = self.of_y + shown.n_positions + n.nddof
         self.ground = np.ascontiguousarray(ground, np.int32)  # C points at it
         self.c = c = CPassage(shown.state.address.value)
         c.ground = self.ground.ctypes.data
@@ -86,8 +87,7 @@ class Passage:
         c.foreign = model.slots.has_limits
         self.address = ctypes.c_void_p(ctypes.addressof(c))
         self.first = self.used = self.end = 0  # output of the first row, rows that have one, rows
-        self.rows, self.t, self.work = np.zeros((0, self.width)), np.zeros(0), np.zeros((0, 5), np.int32)
-        self.at = 0, 0  # addresses of t and rows
+        self.rows, self.at = np.zeros((0, self.width)), 0  # and its address
 
     def begin(self, output: int, steps: float = UNLIMITED) -> None:
         """The next call begins with this one of the outputs; it ends at the first one behind so many steps."""
@@ -95,11 +95,10 @@ class Passage:
         if self.used == self.end or output != self.first + self.used:
             n = min(len(self.times) - output, max(1, ROOM // self.width))
             self.first, self.used, self.end = output, 0, n
-            self.rows, self.work = np.empty((n, self.width)), np.empty((n, 5), np.int32)
-            self.t = np.array(self.times[output : output + n])
-            self.at = self.t.ctypes.data, self.rows.ctypes.data
-            c.work = self.work.ctypes.data
-        c.t, c.rows = self.at[0] + WIDTH * self.used, self.at[1] + WIDTH * self.width * self.used
+            self.rows = np.empty((n, self.width))
+            self.rows[:, TIME] = self.times[output : output + n]
+            self.at = self.rows.ctypes.data
+        c.rows = self.at + WIDTH * self.width * self.used
         c.n = self.end - self.used
         c.steps = int(min(max(steps, 0), UNLIMITED))
         self.shown.solver.slots.outputs.clear()
@@ -107,29 +106,25 @@ class Passage:
     def outputs(self, before: Counts = (0, 0, 0, 0, 0)) -> list[Passed]:
         """Those of the last call; `before`: what the integrator had counted before it. The last one is on its own when
         it has to be looked at."""
-        first, n = self.used, self.c.done
+        n, lost = self.c.done, self.shown.solver.slots.outputs
+        rows = self.rows[self.used : self.used + n]
         self.used += n
-        counts, lost = self.work[:n] + before, self.shown.solver.slots.outputs
         harmless = n if self.c.last == HARMLESS else n - 1
         found = []
         if harmless:
-            block = self._block(first, first + harmless, lost[:harmless])
-            found.append(Passed(float(block.t[-1]), self._state(first + harmless - 1), counts[:harmless], block))
+            found.append(self._passed(rows[:harmless], before, lost[:harmless]))
         if harmless < n:
-            block, y = self._block(first + harmless, first + n, lost[harmless:]), self._state(first + harmless)
-            found.append(Passed(float(block.t[0]), y, counts[harmless:], partial(self._last, block, y)))
+            last = self._passed(rows[harmless:], before, lost[harmless:])
+            found.append(last._replace(shown=partial(self._last, last.shown, last.y)))
         return found
 
-    def _state(self, row: int) -> Array:
-        return self.rows[row, 6 * self.nx + 4 * self.ne :]
-
-    def _block(self, first: int, end: int, lost: list[dict[int, str]]) -> StoredFrames:
-        """The frames in some rows."""
-        rows, nx, ne = self.rows[first:end], self.nx, self.ne
-        of_x = rows[:, : 6 * nx].reshape(-1, 6, nx).swapaxes(0, 1)
-        of_e = rows[:, 6 * nx : 6 * nx + 4 * ne].reshape(-1, 4, ne).swapaxes(0, 1)
-        variables = dict(zip(FIELDS, (*of_x, *of_e), strict=True))
-        return StoredFrames(self.t[first:end], variables, {}, lost)
+    def _passed(self, rows: Array, before: Counts, lost: list[dict[int, str]]) -> Passed:
+        """The outputs in some rows."""
+        of_x = rows[:, OF_X : self.of_e].reshape(-1, len(X_FIELDS), self.nx).swapaxes(0, 1)
+        of_e = rows[:, self.of_e : self.of_y].reshape(-1, len(E_FIELDS), self.ne).swapaxes(0, 1)
+        t, variables = rows[:, TIME], dict(zip(FIELDS, (*of_x, *of_e), strict=True))
+        shown = StoredFrames(t, variables, {}, lost)
+        return Passed(float(t[-1]), rows[-1, self.of_y :], rows[:, STEPS:OF_X] + before, shown)
 
     def _last(self, block: StoredFrames, y: Array) -> StoredFrames:
         """That of the last output of a call, at which Python looks; or what says why there is none."""
@@ -144,15 +139,15 @@ class Passage:
 
     def made(self) -> list[int]:
         """What was done in the last call up to its last output, as `Counts`."""
-        counts: list[int] = self.work[self.c.done - 1].tolist()
-        return counts
+        return [int(count) for count in self.rows[self.used + self.c.done - 1, STEPS:OF_X]]
 
     def prescribed(self, y: Array) -> Iterator[Passed]:
         """The outputs of a motion without degrees of freedom, whose state `y` is empty or the same at all times."""
         model, given = self.shown.solver, 0
         while given < len(self.times):
             self.begin(given)
-            self.rows[self.used :, 6 * self.nx + 4 * self.ne :] = y
+            self.rows[self.used :, STEPS:OF_X] = 0.0
+            self.rows[self.used :, self.of_y :] = y
             model.engine.show(model.handle, self.address)
             given += self.c.done
             yield from self.outputs()

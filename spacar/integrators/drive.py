@@ -7,7 +7,7 @@ integer number of them fits between two outputs (or breaks), so fixed-step codes
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from itertools import pairwise
 from math import ceil
@@ -157,16 +157,16 @@ def _outputs(
     step_start, limit = float(times[0]), max_steps
     for t, y, interpolate, _, passed in steps:
         for outputs in passed or ():
-            each, now = outputs.counts.copy(), tuple(outputs.counts[-1].tolist())
+            each, now = outputs.counts.copy(), _counts(outputs.counts[-1])
             each[1:] -= outputs.counts[:-1]
             each[0] -= before
-            yield Output(outputs.t, outputs.y, *_since(before, now), outputs._replace(counts=each))
+            yield Output(outputs.t, outputs.y, *_counts(map(sub, now, before)), outputs._replace(counts=each))
             before, limit = now, now[0] + max_steps
             i += len(each)
         while passed is None and i < n and (at := float(times[i])) <= t:
             result = y.copy() if at == t else interpolate(at)
             now = statistics.counts()
-            yield Output(at, result, *_since(before, now), None)
+            yield Output(at, result, *_counts(map(sub, now, before)), None)
             before, limit = now, now[0] + max_steps
             i += 1
         if i == n:
@@ -176,9 +176,9 @@ def _outputs(
         step_start = t
 
 
-def _since(before: Counts, now: Counts) -> Counts:
-    """What has been counted in between."""
-    steps, rhs, jacobians, rejected, iterations = map(sub, now, before)
+def _counts(numbers: Iterable[float]) -> Counts:
+    """Five whole numbers."""
+    steps, rhs, jacobians, rejected, iterations = map(int, numbers)
     return steps, rhs, jacobians, rejected, iterations
 
 
