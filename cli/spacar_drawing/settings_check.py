@@ -25,7 +25,7 @@ def check_settings(source: Path, deck: Deck | None, text: str | None = None) -> 
     text   of the file, where it need not be read
     """
     scanned = scan(source.read_text("utf-8", "replace") if text is None else text)
-    file, first = source.name, scanned.last_line + 2  # the line behind the word VISUALIZATION
+    file, first = source.name, len(scanned.lines) + 2  # the line behind the word VISUALIZATION
     lines: Sequence[str] = scanned.visualization or ()
     beside = source.with_suffix(".spv")
     if scanned.visualization is None and beside.is_file():

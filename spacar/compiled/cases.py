@@ -1,5 +1,5 @@
 """Several cases of one mechanism in C, as the driver integrates them: as many as a vector of the processor has lanes
-(2, 4 or 8).
+(2, 4 or 8). One model serves block after block of them, where Python has nothing to answer.
 
 The state has all components, each with its lanes, (components, lanes). The cases share the steps, each of which has the
 largest error of a case; codes 0, 135, 155 and 853 make them in C from output to output, without Python.
@@ -13,14 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.compiled.compiled_model import DOUBTFUL_MASS, EXACT, FAR_AWAY, CompiledModel
+from spacar.compiled.compiled_model import DOUBTFUL_MASS, FAR_AWAY, CompiledModel
 from spacar.compiled.library import lanes_of_processor
 from spacar.compiled.marching import Marching
 from spacar.compiled.numbers import Numbers
+from spacar.compiled.passage_of_cases import PassageOfCases, not_followed
 from spacar.dynamics.limits import Wheels
 from spacar.dynamics.loaded_mechanism import NEVER, Accepted, LoadedMechanism, Moving, unexplained
 from spacar.dynamics.mass_check import is_checked, is_doubtful
-from spacar.errors import AnalysisError
 from spacar.integrators.problem import Step
 from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS
 from spacar.kinematics.regularity import HALF_TURN, HalfTurns
@@ -47,8 +47,8 @@ class InLanes:
     look, back, half, inside, wide, far, capacity, n = NEVER, True, 0.0, 0.0, 0.0, 0.0, 2, 0
 
     def __init__(
-        self, model: LoadedMechanism, scale: Array, numbers: Numbers, start: Array, drives: Sequence[Drive],
-        users: Sequence[UserSignal],
+        self, model: LoadedMechanism, scale: Array, numbers: Numbers, start: Array, drives: Sequence[Drive] = (),
+        users: Sequence[UserSignal] = (),
     ) -> None:  # fmt: skip
         mechanism = model.mechanism
         self.model, self.numbering = model, mechanism.numbering
@@ -62,10 +62,16 @@ class InLanes:
         self.lambda0 = HalfTurns(self.numbering).lambda0
         self._scale = scale[:, None]
         self._seen: tuple[Moving, Array] | None = None  # last accepted state, signs of the determinants
-        self._accepted = self.state.x.copy(), self.state.e.copy()
+        self._accepted: tuple[Array, Array] | None = None  # its x and e
         self._out = np.zeros_like(self.y0)
-        self.wheels = Wheels(model, lanes)
-        self.warnings: list[dict[int, str]] = [{} for _ in range(lanes)]  # of wheels, by element
+        self.passage = PassageOfCases(self)
+
+    def renew(self, values: Array, start: Array) -> None:
+        """Other cases: `values` as for `CompiledModel.renew`. Not with functions of their own."""
+        self.solver.renew(values, self.state, self.shown)
+        self.y0.reshape(start.shape[::-1])[:] = start.T
+        self._seen = self._accepted = None
+        self.n = 0
 
     @property
     def failed(self) -> int | None:
@@ -73,8 +79,8 @@ class InLanes:
         return self.solver.slots.failed
 
     def lost(self, case: int) -> dict[int, str]:
-        """Sentences about stresses of the user function that cannot act at the last evaluated state, by row of e."""
-        found = self.solver.slots.lost
+        """Sentences about stresses of the user function that could not act at an output, by row of e."""
+        found = self.solver.slots.first_lost
         return found[case] if case < len(found) else {}
 
     def rhs(self, t: float, y: Array, within: float = CONVERGED) -> Array:
@@ -82,9 +88,9 @@ class InLanes:
         where, out = y.ctypes.data, self._out.ctypes.data
         if self.solver.rhs(self.state, t, where, out, within) < 0:
             # a stage of a step that is too long may have led far away: once more from the last accepted state
-            self.state.begin(*self._accepted)
+            self.state.begin(*(self._accepted or (self.solver.x0, np.zeros_like(self.state.e))))
             if self.solver.rhs(self.state, t, where, out, within) < 0:
-                raise _failed(t)
+                raise not_followed(t)
         return self._out.copy()
 
     def start(self, placed: PlacedStart, largest: float) -> bool:
@@ -100,13 +106,13 @@ class InLanes:
         if status >= 0 and status != FAR_AWAY:
             return checked and status != DOUBTFUL_MASS
         state, mechanism = self.state, self.model.mechanism
-        there = self.solver.numbers.x0 + (placed.x - mechanism.x0)[:, None]
+        there = self.solver.x0 + (placed.x - mechanism.x0)[:, None]
         state.begin(there, placed.e[:, None])
         y = np.repeat(placed.y, self.by_case[2])
         if self.solver.rhs(state, 0.0, y.ctypes.data, out, CONVERGED) < 0:
-            raise _failed(0.0)
+            raise not_followed(0.0)
         if (np.abs(state.x - there) / self._scale).max() > FARTHEST_GUESS:
-            raise _failed(0.0)
+            raise not_followed(0.0)
         self.rhs(0.0, self.y0)
         self.shown.resume(float(state.c.t), state.x, state.xd, state.xdd, state.e)
         M, condition = self.solver.reduced_mass() if checked else None, self.solver.condition()
@@ -121,8 +127,8 @@ class InLanes:
 
     # -- steps in C -----------------------------------------------------------------------------------------------
     def marching(self) -> Callable[..., Iterator[Step]]:
-        """Steps from output to output."""
-        return Marching(self, self).steps
+        """Steps through all outputs, each of which is evaluated."""
+        return Marching(self, self, self.passage).steps
 
     def closer(
         self, t: float, y: Array, peak: float, before: list[Accepted] | None
@@ -142,13 +148,13 @@ class InLanes:
         `spacar.forward.continuity`): it has to be followed alone."""
         state = self.state
         if (np.abs(state.x[self.lambda0]) < HALF_TURN).any():
-            raise _failed(t)
+            raise not_followed(t)
         sign = self.solver.determinant()[0].copy()
         place, xd, xdd = state.of_x[:3].copy()
         now = Moving(float(state.c.t), place, xd, xdd, state.e.copy())
         seen, self._seen = self._seen, (now, sign)
         if seen is not None and ((seen[1] != sign).any() or unexplained(seen[0], now, self._scale).any()):
-            raise _failed(t)
+            raise not_followed(t)
         self._accepted = place, now.e
 
     def rejected(self) -> None:
@@ -158,19 +164,20 @@ class InLanes:
             self.state.resume(at.t, at.x, at.xd, at.xdd, at.e)
 
     # -- outputs --------------------------------------------------------------------------------------------------
-    def variables(self, t: float, y: Array, of_x: Array, of_e: Array) -> None:
-        """Write x, xd, xdd, fx, fxgrav, fxtot (6, nx, lanes) and e, ed, edd, sig (4, ne, lanes) at a state.
+    def into(self, times: Array, rows: Array, block: int, far: int) -> None:
+        """See `PassageOfCases`."""
+        self.passage.into(times, rows, block, far)
 
-        Raises AnalysisError where a case cannot be evaluated, an element may be outside the range of its theory, or a
-        wheel leaves the ground: the single run says what it is.
-        """
-        shown = self.shown
-        if self.solver.evaluate(shown, t, y.ctypes.data, EXACT) < 0 or not self.solver.in_range(shown):
-            raise _failed(t)
-        if len(self.wheels.rows):
-            for lane, wheel, text in self.wheels.lifted(t, shown.sigma[self.wheels.rows]):
-                self.warnings[lane].setdefault(wheel, f"warning: {text}")
-        of_x[:], of_e[:] = shown.of_x, shown.of_e[:4]
+    def wheels_lifted(self, times: Array, rows: Array, block: int) -> list[dict[int, str]]:
+        """Warnings of every lane, by wheel, after all outputs (rows as for `into`)."""
+        wheels, lanes = Wheels(self.model, self.by_case[2]), self.by_case[2]
+        said: list[dict[int, str]] = [{} for _ in range(lanes)]
+        if len(wheels.rows):
+            stresses = rows[:, 6 * self.numbering.nx + 3 * self.numbering.ne + wheels.rows, block]
+            for t, normal in zip(times.tolist(), stresses, strict=True):
+                for lane, wheel, text in wheels.lifted(t, normal):
+                    said[lane].setdefault(wheel, f"warning: {text}")
+        return said
 
 
 def blocks(cases: int) -> Iterator[Sequence[int]]:
@@ -178,7 +185,3 @@ def blocks(cases: int) -> Iterator[Sequence[int]]:
     lanes = lanes_of_processor()
     for first in range(0, cases, lanes):
         yield [min(k, cases - 1) for k in range(first, first + lanes)]
-
-
-def _failed(t: float) -> AnalysisError:
-    return AnalysisError(f"a case of the batch could not be followed at t = {t:.9g}", "study.batch")

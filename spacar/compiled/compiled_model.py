@@ -98,7 +98,8 @@ class CompiledModel:
     with the `drives` and `users` of all cases.
 
     All that C reads lies in two arrays, in the order of `read_spec` of model.c: whole numbers, and numbers of the
-    cases. Of these force, preload and the motions that are no polynomials may change later.
+    cases with the sizes behind them. Of these force, preload and the motions that are no polynomials may change later,
+    and all of them at once (`renew`).
     """
 
     def __init__(
@@ -110,22 +111,15 @@ class CompiledModel:
         self.cases = cases = numbers.x0.shape[-1]
         self.engine = engine(cases)
         self.polynomial = all(isinstance(drive, Polynomial) for drive in drives)
-        entries = numbers.mass, numbers.stiffness, numbers.damping, numbers.moments, numbers.coupling
         self._whole = self._whole_numbers()
-        self._values = np.concatenate(
-            [
-                a.ravel() for a in (
-                    numbers.x_motion, numbers.e_motion, numbers.force, numbers.preload, numbers.x0, numbers.field,
-                    *scales, *(values for _, _, values in entries),
-                    *(b.parameters.swapaxes(0, 1) for b in numbers.elements),
-                )
-            ]
-        )  # fmt: skip
+        self._values = np.concatenate([*(a.ravel() for a in numbers.arrays()), *scales])
         x_end = 3 * cases * len(numbers.x_motion)
         e_end = x_end + 3 * cases * len(numbers.e_motion)
         force_end = e_end + cases * n.nx
         self.force = self._values[e_end:force_end].reshape(n.nx, cases)
-        self.preload = self._values[force_end : force_end + cases * n.ne].reshape(n.ne, cases)
+        preload_end = force_end + cases * n.ne
+        self.preload = self._values[force_end:preload_end].reshape(n.ne, cases)
+        self.x0 = self._values[preload_end : preload_end + cases * n.nx].reshape(n.nx, cases)
         motions = self._values[:x_end].reshape(-1, 3, cases), self._values[x_end:e_end].reshape(-1, 3, cases)
         self.slots = slots = Slots(numbers.elements, drives, motions, users, (n.nx, n.ne, cases))
         self._callback = slots.callback()
@@ -167,6 +161,14 @@ class CompiledModel:
     def state(self) -> State:
         """A new state, at the reference configuration."""
         return State(self)
+
+    def renew(self, values: Array, *states: State) -> None:
+        """Other cases: their numbers in the order of `Numbers.arrays`, (n, cases). `states` begin at their reference
+        configurations. Not where Python answers what a case asks."""
+        np.copyto(self._values[: values.size].reshape(values.shape), values)
+        self.engine.renew(self.handle)
+        for state in states:
+            self.engine.state(self.handle, state.address, state.x_address)
 
     def push(self, sigma: Array, force: Array) -> None:
         """Stresses (ne,) on active rows and forces (nx,) besides those of the model."""

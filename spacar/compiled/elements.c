@@ -87,6 +87,7 @@ typedef struct {
     int *v_place;                         /* (n_v) order of V's rows: place in `values` */
     int *m_start, *m_column, *m_place;    /* M by rows in the same way, for the reduced form */
     int *places; real *parameters;        /* of the batches */
+    const real *given_parameters;         /* the same as they are given */
 } Model;
 
 /* Add as many whole turns to e of one element as bring its first row closest to `near`. */

@@ -10,12 +10,7 @@
 #include "march.c"
 #include "adams.c"
 #include "runge_kutta.c"
-#if LANES == 1
 #include "passage.c"
-#define ALONE(function) function
-#else
-#define ALONE(function) NULL
-#endif
 #include "radau.c"
 #ifdef ELEMENTS /* the name of the table of what is needed of elements alone: two builds have it */
 #include "derivatives.c"
@@ -23,6 +18,8 @@
 #include "band.c"
 #include "equilibrium.c"
 #include "definite.c"
+#include "walk.c"
+#include "linearized.c"
 
 /* The kinds, then the functions in the order of `ELEMENT_FUNCTIONS` in library.py. */
 const void *const ELEMENTS[] = {
@@ -31,14 +28,15 @@ const void *const ELEMENTS[] = {
     spacar_elements_rates, spacar_elements_transport, spacar_elements_inertia_gradient, spacar_elements_guard,
     spacar_equilibrium_begin, spacar_equilibrium_end, spacar_equilibrium_newton, spacar_equilibrium_point,
     spacar_equilibrium_factor, spacar_equilibrium_sign, spacar_equilibrium_definite,
+    spacar_equilibrium_walk, spacar_equilibrium_linearize,
 };
 #endif
 
 /* The kinds of elements, then the functions in the order of `FUNCTIONS` in library.py. */
 const void *const BUILD[] = {
     KINDS,
-    spacar_begin, spacar_end, spacar_state, spacar_start, spacar_evaluate, spacar_rhs, spacar_stages, spacar_complete, spacar_gradient,
+    spacar_begin, spacar_end, spacar_renew, spacar_state, spacar_start, spacar_evaluate, spacar_rhs, spacar_stages, spacar_complete, spacar_gradient,
     spacar_determinant, spacar_reduced_mass, spacar_guard, spacar_rcond,
     spacar_adams_begin, spacar_adams, spacar_adams_value, spacar_runge_kutta, spacar_newton,
-    ALONE(spacar_show), ALONE(spacar_pass_adams), ALONE(spacar_pass_runge_kutta),
+    spacar_show, spacar_pass_adams, spacar_pass_runge_kutta,
 };

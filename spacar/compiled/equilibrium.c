@@ -29,8 +29,7 @@ typedef struct {
     int64_t widest_definite;
     /* what an iteration has to reach, from where, and what comes out */
     double forces, lengths, correction, tolerance;
-    const double *x, *sigma;
-    double *out, *sizes;                                                                  /* x, sigma, right, rounding; (limit) */
+    double *x, *sigma, *out, *sizes;                                                      /* out: x, sigma, right, rounding; (limit) */
     int64_t limit, iterations, quiet;
     double work_force, work, work_size, gap, noise, sign;
     void *own;
@@ -197,6 +196,21 @@ static void rest_elements(const Equilibrium *q, const Own *w, const double *x)
     }
 }
 
+/* Minus the gravity of the elements whose gravity depends on x, at the last evaluated elements. */
+static void rest_weight(const Equilibrium *q, const Own *w)
+{
+    memset(w->weight, 0, sizeof(double) * q->nx);
+    for (int k = 0; q->heavy && k < q->n_groups; k++) {
+        const Group *g = &q->groups[k];
+        const Piece *p = &w->pieces[k];
+        const int count = g->elements->nxe * g->elements->n;
+        if (!g->heavy) continue;
+        for (int i = 0; i < count; i++) p->H[i] = w->inertia[g->x[i]];
+        spacar_elements_inertia(g->elements, p->x, NULL, p->H, NULL, p->by_x);
+        for (int i = 0; i < count; i++) w->weight[g->x[i]] += p->by_x[i];
+    }
+}
+
 /* The residual at x, sigma, with what the criteria need, into `right`, `rounding`. */
 static void rest_residual(Equilibrium *q, const Own *w, const double *x, double *sigma)
 {
@@ -217,16 +231,7 @@ static void rest_residual(Equilibrium *q, const Own *w, const double *x, double 
         w->lengths[r] += fabs(V[k]) * (size > q->least[c] ? size : q->least[c]);
     }
     if (q->heavy) {
-        memset(w->weight, 0, sizeof(double) * nx);
-        for (int k = 0; k < q->n_groups; k++) {
-            const Group *g = &q->groups[k];
-            const Piece *p = &w->pieces[k];
-            const int count = g->elements->nxe * g->elements->n;
-            if (!g->heavy) continue;
-            for (int i = 0; i < count; i++) p->H[i] = w->inertia[g->x[i]];
-            spacar_elements_inertia(g->elements, p->x, NULL, p->H, NULL, p->by_x);
-            for (int i = 0; i < count; i++) w->weight[g->x[i]] += p->by_x[i];
-        }
+        rest_weight(q, w);
         for (int i = 0; i < nx; i++) { w->force[i] -= w->weight[i]; w->sizes[i] += fabs(w->weight[i]); }
     }
     if (q->held) for (int i = 0; i < nx; i++) w->force[i] -= q->hold * q->held[i];

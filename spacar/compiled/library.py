@@ -62,6 +62,7 @@ POINTER, NUMBER, INTEGER = ctypes.c_void_p, ctypes.c_double, ctypes.c_int
 FUNCTIONS: dict[str, tuple[Any, ...]] = {  # in the order of the table in engine.c: result, arguments
     "begin": (POINTER, POINTER, POINTER, POINTER, POINTER, POINTER),
     "end": (None, POINTER),
+    "renew": (None, POINTER),
     "state": (None, POINTER, POINTER, POINTER),
     "start": (INTEGER, POINTER, POINTER, POINTER, POINTER, NUMBER, NUMBER, NUMBER, INTEGER),
     "evaluate": (INTEGER, POINTER, POINTER, NUMBER, POINTER, NUMBER, NUMBER, INTEGER),
@@ -86,7 +87,8 @@ FUNCTIONS: dict[str, tuple[Any, ...]] = {  # in the order of the table in engine
     "pass_runge_kutta": (INTEGER, POINTER, POINTER, POINTER),
 }  # fmt: skip
 
-# in the order of the second table in engine.c: batches.c, equilibrium.c, definite.c
+# in the order of the second table in engine.c: batches.c, equilibrium.c, definite.c, walk.c,
+# linearized.c
 ELEMENT_FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "strain": (None, *[POINTER] * 5),
     "convective": (None, *[POINTER] * 4),
@@ -103,15 +105,15 @@ ELEMENT_FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "equilibrium_factor": (INTEGER, POINTER),
     "equilibrium_sign": (NUMBER, POINTER),
     "equilibrium_definite": (INTEGER, POINTER),
+    "equilibrium_walk": (None, POINTER, POINTER),
+    "equilibrium_linearize": (INTEGER, POINTER, POINTER),
 }
 
 
 def _bind(owner: object, functions: dict[str, tuple[Any, ...]], addresses: Any) -> None:
-    """Functions as attributes: their addresses stand behind the first one, in the order of the table; not those that a
-    build of several lanes does not have."""
+    """Functions as attributes: their addresses stand behind the first one, in the order of the table."""
     for k, (name, (result, *arguments)) in enumerate(functions.items(), 1):
-        if addresses[k]:
-            setattr(owner, name, ctypes.CFUNCTYPE(result, *arguments)(addresses[k]))
+        setattr(owner, name, ctypes.CFUNCTYPE(result, *arguments)(addresses[k]))
 
 
 class ElementFunctions:
@@ -142,6 +144,8 @@ class ElementFunctions:
     equilibrium_factor: Any
     equilibrium_sign: Any
     equilibrium_definite: Any
+    equilibrium_walk: Any
+    equilibrium_linearize: Any
 
 
 class Engine:
@@ -160,6 +164,7 @@ class Engine:
 
     begin: Any
     end: Any
+    renew: Any
     state: Any
     start: Any
     evaluate: Any

@@ -19,6 +19,7 @@ from spacar.arrays import Array
 from spacar.compiled.compiled_model import CompiledModel, State
 from spacar.compiled.library import DOUBLES, INTEGER, NUMBER, POINTER, Engine
 from spacar.compiled.passage import VALUE, Passage
+from spacar.compiled.passage_of_cases import PassageOfCases, not_followed
 from spacar.dynamics.loaded_mechanism import ALWAYS, NOISE, SHARE, STILL, Accepted, LoadedMechanism, Moving
 from spacar.errors import AnalysisError
 from spacar.integrators.adams import GAMMA_STAR, MAX_ORDER, PHI, Adams
@@ -143,7 +144,7 @@ class AdamsInC:
         status: int = self.engine.adams(self.to, self.at)
         return status
 
-    def march_through(self, passage: Passage) -> int:
+    def march_through(self, passage: Passage | PassageOfCases) -> int:
         """Steps through many outputs."""
         status: int = self.engine.pass_adams(self.to, self.at, passage.address)
         return status
@@ -191,7 +192,7 @@ class RungeKuttaInC:
         status: int = self.engine.runge_kutta(self.to, self.at)
         return status
 
-    def march_through(self, passage: Passage) -> int:
+    def march_through(self, passage: Passage | PassageOfCases) -> int:
         """Steps through many outputs."""
         call = VALUE(self._value)
         passage.c.value = address_of(call)
@@ -228,7 +229,7 @@ def vector(address: int, n: int) -> Array:
 class Marching:
     """The steps of one motion. `passage`: outputs that are passed many at a time; None: a call ends at each."""
 
-    def __init__(self, evaluator: InC, lookout: Lookout, passage: Passage | None = None) -> None:
+    def __init__(self, evaluator: InC, lookout: Lookout, passage: Passage | PassageOfCases | None = None) -> None:
         model = evaluator.solver
         self.lanes = lanes = model.cases
         nx, ne = evaluator.numbering.nx * lanes, evaluator.numbering.ne * lanes
@@ -324,7 +325,7 @@ class Marching:
             raise step_too_small(evaluation, c.t, c.h, c.error, worst)
         if error is None:  # of several cases
             self.evaluator.solver.slots.interrupted()
-            error = AnalysisError(f"a case of the batch could not be followed at t = {c.t:.9g}", "study.batch")
+            error = not_followed(c.t)
         if status == NOT_EVALUATED and started:
             assert isinstance(error, AnalysisError)
             raise not_evaluated(error, c.t, c.h, c.reductions) from error

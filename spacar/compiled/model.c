@@ -53,11 +53,11 @@ static int pairs(const Model *m, Entries *list, int source, int *first, int *sec
         const int r = m->s.coupled_rows[k], c = m->s.coupled_columns[k];
         for (int a = m->v_start[r]; a < m->v_start[r + 1]; a++)
             for (int b = m->v_start[c]; b < m->v_start[c + 1]; b++, n++) {
+                if (weight) weight[n] = m->s.coupled[k];
                 if (!list) continue;
                 add(list, m->v_column[a], m->v_column[b], source + n);
                 first[n] = m->v_place[a];
                 second[n] = m->v_place[b];
-                weight[n] = m->s.coupled[k];
             }
     }
     return n;
@@ -81,12 +81,29 @@ static int find_coupling(Model *m, int n_values)
     return OK;
 }
 
+/* V and M of the elements at the reference configuration, into `values`. */
+static void reference_values(Model *m)
+{
+    const Spec *s = &m->s;
+    real xe[MAX_X], ve[MAX_X], ee[MAX_E], he[MAX_X];
+    int element = 0;
+    for (int b = 0; b < s->n_batches; b++) {
+        const Batch *k = &s->batches[b];
+        for (int i = 0; i < k->n && !k->foreign; i++) {
+            const int *ix = k->x + i * k->nxe, at = element + i;
+            for (int j = 0; j < k->nxe; j++) { xe[j] = s->x0[ix[j]]; ve[j] = EVERY(0.0); }
+            if (k->nee) STRAIN[k->kind](xe, k->p + i * k->np, ee, m->values + m->v_offset[at]);
+            if (k->inertia) INERTIA[k->kind](xe, ve, k->p + i * k->np, m->values + m->m_offset[at], he);
+        }
+        element += k->n;
+    }
+}
+
 /* What the functions of an element write is an entry; the rest of the element matrix is structurally zero. They are called
    once with marked values in the matrices. The number of values, or NO_MEMORY. */
 static int find_entries(Model *m, Entries *V)
 {
     const Spec *s = &m->s;
-    real xe[MAX_X], ve[MAX_X], ee[MAX_E], he[MAX_X];
     int element = 0, at = 0;
     for (int b = 0; b < s->n_batches; b++) {
         const Batch *k = &s->batches[b];
@@ -108,6 +125,7 @@ static int find_entries(Model *m, Entries *V)
     m->values = cleared(n_values, sizeof(real));
     if (!m->values || entries_begin(V, n_v) || entries_begin(&m->mass, n_values - n_v)) return NO_MEMORY;
     for (int k = 0; k < n_values; k++) m->values[k] = untouched();
+    reference_values(m);
     element = 0;
     for (int b = 0; b < s->n_batches; b++) {
         const Batch *k = &s->batches[b];
@@ -119,15 +137,12 @@ static int find_entries(Model *m, Entries *V)
         }
         for (int i = 0; i < k->n; i++, element++) {
             const int *ix = k->x + i * k->nxe, *ie = k->e + i * k->nee;
-            real *v = m->values + m->v_offset[element], *M = m->values + m->m_offset[element];
-            for (int j = 0; j < k->nxe; j++) { xe[j] = s->x0[ix[j]]; ve[j] = EVERY(0.0); }
-            if (k->nee) STRAIN[k->kind](xe, k->p + i * k->np, ee, v);
+            const real *v = m->values + m->v_offset[element], *M = m->values + m->m_offset[element];
             for (int r = 0; r < k->nee; r++)
                 for (int j = 0; j < k->nxe; j++)
                     if (written(v[r * k->nxe + j]))
                         add(V, ie[r], ix[j], m->v_offset[element] + r * k->nxe + j);
             if (!k->inertia) continue;
-            INERTIA[k->kind](xe, ve, k->p + i * k->np, M, he);
             for (int r = 0; r < k->nxe; r++)
                 for (int j = 0; j < k->nxe; j++)
                     if (written(M[r * k->nxe + j]))
@@ -277,8 +292,20 @@ static int *turned(int *to, const int *list, int rows, int n)
     return to;
 }
 
+/* The parameters of the elements, those of an element together, from the numbers of `read_spec`. */
+static void take_parameters(Model *m)
+{
+    const real *p = m->given_parameters;
+    real *parameter = m->parameters;
+    for (int b = 0; b < m->s.n_batches; b++) {
+        const Batch *k = &m->s.batches[b];
+        for (int i = 0; i < k->n; i++) for (int j = 0; j < k->np; j++) *parameter++ = p[j * k->n + i];
+        p += k->n * k->np;
+    }
+}
+
 /* The spec from its two arrays, which must stay: whole numbers (counts in the order of Spec, those of each batch in the order of
-   Batch, lists) and numbers of the cases (lists). Those of batches have the elements last. `foreign`: of each batch, or NULL when there are none. OK or NO_MEMORY. */
+   Batch, lists) and numbers of the cases (lists), the sizes last. Those of batches have the elements last. `foreign`: of each batch, or NULL when there are none. OK or NO_MEMORY. */
 static int read_spec(Model *m, const int *whole, real *numbers, const Foreign *const *foreign)
 {
     Spec *s = &m->s;
@@ -304,8 +331,6 @@ static int read_spec(Model *m, const int *whole, real *numbers, const Foreign *c
     s->preload = next_numbers(&numbers, s->ne);
     s->x0 = next_numbers(&numbers, s->nx);
     s->field = next_numbers(&numbers, s->nx);
-    s->scale = next_sizes(&numbers, s->nx);
-    s->e_scale = next_sizes(&numbers, s->ne);
     s->position = next_whole(&whole, s->n_position);
     const struct { int n; const int **row, **column; const real **value; } entries[] = {
         { s->n_constant, &s->constant_row, &s->constant_column, &s->constant_mass },
@@ -327,6 +352,7 @@ static int read_spec(Model *m, const int *whole, real *numbers, const Foreign *c
     int *place = m->places = cleared(n_places, sizeof(int));
     real *parameter = m->parameters = cleared(n_parameters, sizeof(real));
     if (!place || !parameter) return NO_MEMORY;
+    m->given_parameters = next_numbers(&numbers, n_parameters);
     for (int b = 0; b < s->n_batches; b++) {
         Batch *k = &batches[b];
         k->x = place;
@@ -334,9 +360,11 @@ static int read_spec(Model *m, const int *whole, real *numbers, const Foreign *c
         k->e = place;
         place = turned(place, next_whole(&whole, k->n * k->nee), k->nee, k->n);
         k->p = parameter;
-        const real *p = next_numbers(&numbers, k->n * k->np);
-        for (int i = 0; i < k->n; i++) for (int j = 0; j < k->np; j++) *parameter++ = p[j * k->n + i];
+        parameter += k->n * k->np;
     }
+    s->scale = next_sizes(&numbers, s->nx);
+    s->e_scale = next_sizes(&numbers, s->ne);
+    take_parameters(m);
     return OK;
 }
 
@@ -384,6 +412,20 @@ static Model *spacar_begin(const int *whole, real *numbers, const Foreign *const
         m->small = m->weighted + nx * m->width;
     }
     return m;
+}
+
+/* Other numbers of the same cases stand in the array of `read_spec`, of a model without foreign batches: nothing is left of the
+   states that were evaluated with the old ones. GRAVITY is the same, as the lists depend on where it acts. */
+static void spacar_renew(Model *m)
+{
+    const Spec *s = &m->s;
+    take_parameters(m);
+    reference_values(m);
+    for (int k = 0; k < s->n_constant; k++) m->values[m->mass.source[m->mass.n - s->n_constant + k]] = s->constant_mass[k];
+    pairs(m, NULL, 0, NULL, NULL, m->coupling_weight);
+    m->factored = m->position.planned = m->velocity.planned = m->motion.planned = 0;
+    m->transfer_of = NULL;
+    for (int k = 0; k < 2; k++) { m->traces[k].of = NULL; m->traces[k].n = 0; }
 }
 
 /* The entries of V: rows, columns and values, each with room for all of them (n); their number. Only this when row is NULL. */

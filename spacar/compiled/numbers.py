@@ -5,6 +5,7 @@ Every array has the cases on its last axis. Rows and columns of sparse entries a
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -52,6 +53,14 @@ class Numbers:
     preload: Array  # (ne, cases)
     x_motion: Array  # (n, 3, cases) start, rate, acceleration; or what the motion is at a time
     e_motion: Array
+
+    def arrays(self) -> Iterator[Array]:
+        """All of them in the order in which C reads them (`read_spec` of model.c)."""
+        yield from (self.x_motion, self.e_motion, self.force, self.preload, self.x0, self.field)
+        for entries in (self.mass, self.stiffness, self.damping, self.moments, self.coupling):
+            yield entries[2]
+        for batch in self.elements:
+            yield batch.parameters.swapaxes(0, 1)
 
     def take(self, cases: slice | Index) -> Numbers:
         """Those of some cases."""

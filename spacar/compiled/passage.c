@@ -2,25 +2,26 @@
 
    A state of its own is evaluated at every output time, as the driver (spacar/forward/driver.py) does it one by one: from the
    output before, or from the begin of the last step when that was long ago. Its numbers go to a row. The call ends where
-   Python has to look at an output, and after some time, so that Ctrl-C is heard and outputs are handed on. */
+   Python has to look at an output, and after some time, so that Ctrl-C is heard and outputs are handed on.
+
+   Rows of several cases have all lanes of a number behind one another, and other cases of the same motion between them. */
 #include <time.h>
 
 enum { HARMLESS, LOOKED_AT, NOT_SHOWN }; /* an output: done; Python looks at it; C cannot evaluate it. As in passage.py */
-
-/* In a row: time of the output, given; steps, derivatives, 0, rejected steps, 0 of this call up to there (`Counts` of
-   spacar/integrators/problem.py); x, xd, xdd, applied, gravity, total forces; e, ed, edd, sigma; y. */
-enum { TIME = 0, STEPS = 1, OF_X = 6 };
 
 /* The state y at a time in the last step: 0, or 2 when Python keeps an error. */
 typedef int (*Value)(double t, double *y);
 
 typedef struct {
     State *shown;
-    double *rows;              /* (n, width), see above */
+    const double *t;           /* (n) times of the outputs to come */
+    double *rows;              /* (n, width): x, xd, xdd, applied, gravity, total forces; e, ed, edd, sigma; y where it has no place of its own */
+    int *work;                 /* (n, 5) steps, derivatives, 0, rejected steps, 0 of this call up to an output: `Counts` of problem.py */
     const int *ground;         /* (n_ground) rows of sigma that may press but not pull */
     Value value;               /* NULL: that of Adams */
+    double *y;                 /* of several cases: room for the state at an output */
     double exact, jump, singular, guard, longest; /* limits of a position, a jump, 1/condition, guards of elements; seconds */
-    int n, done, width, since, far, n_exact, n_ground, foreign, steps;
+    int n, done, width, apart, since, far, n_exact, n_ground, foreign, steps; /* apart: from one number of a row to the next, in vectors */
     int last, status;          /* how the last output came out, and its evaluation */
 } Passage;
 
@@ -34,29 +35,38 @@ static double seconds(void)
 /* Whether the checks of spacar/dynamics/limits.py surely find nothing at the last evaluated state. */
 static int harmless(Model *m, const Passage *p)
 {
-    if (!(spacar_rcond(m, p->singular, p->n_exact) > p->singular)) return 0;
+    if (p->singular > 0.0 && !(spacar_rcond(m, p->singular, p->n_exact) > p->singular)) return 0;
     if (p->foreign || !(spacar_guard(m, p->shown->x) > p->guard)) return 0;
-    for (int k = 0; k < p->n_ground; k++) if (!(p->shown->sigma[p->ground[k]] <= 0.0)) return 0;
+    for (int k = 0; k < p->n_ground; k++) if (!(largest_lane(p->shown->sigma[p->ground[k]]) <= 0.0)) return 0;
     return 1;
 }
 
 static double *row_of(const Passage *p, int i) { return p->rows + (size_t)i * p->width; }
 
-/* Evaluate the i-th output, whose y stands at the end of its row; whether the call goes on. */
+/* The state at the i-th output: at the end of its row, or for itself. */
+static double *state_of(const Model *m, const Passage *p, int i) { return p->y ? p->y : row_of(p, i) + 6 * m->s.nx + 4 * m->s.ne; }
+
+/* n numbers to a row. */
+static void to_row(const Passage *p, double *row, const real *from, int n)
+{
+    if (p->apart == 1) { memcpy(row, from, sizeof(real) * n); return; }
+    for (int i = 0; i < n; i++) memcpy(row + (size_t)i * p->apart * LANES, &from[i], sizeof(real));
+}
+
+/* Evaluate the i-th output, whose y stands at `state_of`; whether the call goes on. */
 static int show(Model *m, Passage *p, int i)
 {
     State *s = p->shown;
     const int nx = m->s.nx, ne = m->s.ne;
-    double *row = row_of(p, i), *x = row + OF_X, *e = x + 6 * nx;
+    double *row = row_of(p, i);
     p->done = i + 1;
     p->last = NOT_SHOWN;
-    p->status = spacar_evaluate(m, s, row[TIME], e + 4 * ne, p->exact, p->jump, 1);
+    p->status = spacar_evaluate(m, s, p->t[i], (const real *)state_of(m, p, i), p->exact, p->jump, 1);
     if (p->status < 0) return 0;
-    spacar_complete(m, s, x + 3 * nx, x + 4 * nx, x + 5 * nx);
-    const double *of_x[] = {s->x, s->xd, s->xdd}, *of_e[] = {s->e, s->ed, s->edd, s->sigma};
-    for (int k = 0; k < 3; k++) memcpy(x + k * nx, of_x[k], sizeof(double) * nx);
-    for (int k = 0; k < 4; k++) memcpy(e + k * ne, of_e[k], sizeof(double) * ne);
-    const int told = m->s.user && m->s.ask(ASK_OUTPUT, 0, row[TIME]);
+    real *forces = s->x + 3 * nx; /* as `spacar_state` has laid them out */
+    spacar_complete(m, s, forces, forces + nx, forces + 2 * nx);
+    to_row(p, row, s->x, 6 * nx + 4 * ne);
+    const int told = m->s.user && m->s.ask(ASK_OUTPUT, 0, p->t[i]);
     p->last = !told && harmless(m, p) ? HARMLESS : LOOKED_AT;
     return p->last == HARMLESS;
 }
@@ -87,26 +97,24 @@ typedef int (*Go)(March *r, void *method);
 static int pass(March *r, void *method, Go go, const double *end, Passage *p)
 {
     const double begin = seconds();
-    const size_t at = OF_X + 6 * r->model->s.nx + 4 * r->model->s.ne;
     p->done = 0;
     p->last = HARMLESS;
     for (;;) {
-        double *row = row_of(p, p->done);
-        while (row[TIME] <= r->t) {
-            double *y = row + at;
-            if (row[TIME] == r->t) memcpy(y, end, sizeof(double) * r->n);
-            else if (!p->value) spacar_adams_value(r, method, row[TIME], y);
-            else if (p->value(row[TIME], y)) return INTERRUPTED;
-            const double counts[] = {r->n_steps, r->n_rhs, 0.0, r->n_rejected, 0.0};
-            memcpy(row + STEPS, counts, sizeof counts);
+        while (p->t[p->done] <= r->t) {
+            const int i = p->done;
+            double *y = state_of(r->model, p, i);
+            if (p->t[i] == r->t) memcpy(y, end, sizeof(double) * r->n);
+            else if (!p->value) spacar_adams_value(r, method, p->t[i], y);
+            else if (p->value(p->t[i], y)) return INTERRUPTED;
+            const int work[] = {r->n_steps, r->n_rhs, 0, r->n_rejected, 0};
+            memcpy(p->work + 5 * i, work, sizeof work);
             lead(r, p);
-            if (!show(r->model, p, p->done) || p->done == p->n) return AT_OUTPUT;
-            row += p->width;
+            if (!show(r->model, p, i) || p->done == p->n) return AT_OUTPUT;
         }
         if (r->t >= r->t_end) return ARRIVED;
         if (p->done && (r->n_steps >= p->steps || seconds() - begin >= p->longest)) return AT_OUTPUT;
         const int before = r->n_steps;
-        r->until = row[TIME];
+        r->until = p->t[p->done];
         const int status = go(r, method);
         p->since += r->n_steps - before;
         if (status != ARRIVED && status != AT_OUTPUT) return status;

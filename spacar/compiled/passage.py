@@ -28,8 +28,7 @@ from spacar.kinematics.kinematics import LARGEST_JUMP
 from spacar.mechanism.numbering import Numbering
 
 HARMLESS, LOOKED_AT, NOT_SHOWN = range(3)  # as in passage.c
-TIME, STEPS, OF_X = 0, 1, 6  # in a row, as there; behind OF_X these
-FIELDS = (*X_FIELDS, *E_FIELDS)
+FIELDS = (*X_FIELDS, *E_FIELDS)  # in the order of a row
 LONGEST = 0.05  # s of one call, unless a single step takes longer
 ROOM = 50_000  # numbers in the rows of one array, so that a frame that is kept does not keep many others: 0.4 MB
 UNLIMITED = 2**31 - 1
@@ -41,10 +40,11 @@ class CPassage(ctypes.Structure):
     """`Passage` of passage.c."""
 
     _fields_ = [
-        ("shown", POINTER), ("rows", DOUBLES), ("ground", INTEGERS), ("value", POINTER),
+        ("shown", POINTER), ("t", DOUBLES), ("rows", DOUBLES), ("work", INTEGERS),
+        ("ground", INTEGERS), ("value", POINTER), ("y", DOUBLES),
         *((name, NUMBER) for name in ("exact", "jump", "singular", "guard", "longest")),
         *((name, INTEGER) for name in (
-            "n", "done", "width", "since", "far", "n_exact", "n_ground", "foreign", "steps", "last", "status",
+            "n", "done", "width", "apart", "since", "far", "n_exact", "n_ground", "foreign", "steps", "last", "status",
         )),
     ]  # fmt: skip
 
@@ -76,18 +76,18 @@ class Passage:
         model, n = shown.solver, shown.numbering
         self.shown, self.times = shown, times
         self.nx, self.ne = n.nx, n.ne
-        self.of_e = OF_X + 6 * n.nx
-        self.of_y = self.of_e + 4 * n.ne
+        self.of_e, self.of_y = 6 * n.nx, 6 * n.nx + 4 * n.ne  # where they begin in a row
         self.width = self.of_y + shown.n_positions + n.nddof
         self.ground = np.ascontiguousarray(ground, np.int32)  # C points at it
         self.c = c = CPassage(shown.state.address.value)
         c.ground = self.ground.ctypes.data
         c.exact, c.jump, c.singular, c.guard, c.longest = EXACT, LARGEST_JUMP, singular, GUARD, LONGEST
-        c.width, c.far, c.n_exact, c.n_ground = self.width, far, shown.largest_exact, len(ground)
+        c.apart, c.width, c.far, c.n_exact, c.n_ground = 1, self.width, far, shown.largest_exact, len(ground)
         c.foreign = model.slots.has_limits
         self.address = ctypes.c_void_p(ctypes.addressof(c))
         self.first = self.used = self.end = 0  # output of the first row, rows that have one, rows
-        self.rows, self.at = np.zeros((0, self.width)), 0  # and its address
+        self.rows, self.t, self.work = np.zeros((0, self.width)), np.zeros(0), np.zeros((0, 5), np.int32)
+        self.at = 0, 0  # addresses of t and rows
 
     def begin(self, output: int, steps: float = UNLIMITED) -> None:
         """The next call begins with this one of the outputs; it ends at the first one behind so many steps."""
@@ -95,10 +95,11 @@ class Passage:
         if self.used == self.end or output != self.first + self.used:
             n = min(len(self.times) - output, max(1, ROOM // self.width))
             self.first, self.used, self.end = output, 0, n
-            self.rows = np.empty((n, self.width))
-            self.rows[:, TIME] = self.times[output : output + n]
-            self.at = self.rows.ctypes.data
-        c.rows = self.at + WIDTH * self.width * self.used
+            self.rows, self.work = np.empty((n, self.width)), np.zeros((n, 5), np.int32)
+            self.t = np.array(self.times[output : output + n])
+            self.at = self.t.ctypes.data, self.rows.ctypes.data
+            c.work = self.work.ctypes.data
+        c.t, c.rows = self.at[0] + WIDTH * self.used, self.at[1] + WIDTH * self.width * self.used
         c.n = self.end - self.used
         c.steps = int(min(max(steps, 0), UNLIMITED))
         self.shown.solver.slots.outputs.clear()
@@ -106,25 +107,25 @@ class Passage:
     def outputs(self, before: Counts = (0, 0, 0, 0, 0)) -> list[Passed]:
         """Those of the last call; `before`: what the integrator had counted before it. The last one is on its own when
         it has to be looked at."""
-        n, lost = self.c.done, self.shown.solver.slots.outputs
-        rows = self.rows[self.used : self.used + n]
+        first, n = self.used, self.c.done
         self.used += n
         harmless = n if self.c.last == HARMLESS else n - 1
         found = []
         if harmless:
-            found.append(self._passed(rows[:harmless], before, lost[:harmless]))
+            found.append(self._passed(first, slice(harmless), before))
         if harmless < n:
-            last = self._passed(rows[harmless:], before, lost[harmless:])
+            last = self._passed(first, slice(harmless, n), before)
             found.append(last._replace(shown=partial(self._last, last.shown, last.y)))
         return found
 
-    def _passed(self, rows: Array, before: Counts, lost: list[dict[int, str]]) -> Passed:
-        """The outputs in some rows."""
-        of_x = rows[:, OF_X : self.of_e].reshape(-1, len(X_FIELDS), self.nx).swapaxes(0, 1)
+    def _passed(self, first: int, which: slice, before: Counts) -> Passed:
+        """Some outputs of the last call, whose rows begin with the `first`."""
+        rows, t = self.rows[first:][which], self.t[first:][which]
+        of_x = rows[:, : self.of_e].reshape(-1, len(X_FIELDS), self.nx).swapaxes(0, 1)
         of_e = rows[:, self.of_e : self.of_y].reshape(-1, len(E_FIELDS), self.ne).swapaxes(0, 1)
-        t, variables = rows[:, TIME], dict(zip(FIELDS, (*of_x, *of_e), strict=True))
-        shown = StoredFrames(t, variables, {}, lost)
-        return Passed(float(t[-1]), rows[-1, self.of_y :], rows[:, STEPS:OF_X] + before, shown)
+        variables = dict(zip(FIELDS, (*of_x, *of_e), strict=True))
+        shown = StoredFrames(t, variables, {}, self.shown.solver.slots.outputs[which])
+        return Passed(float(t[-1]), rows[-1, self.of_y :], self.work[which] + before, shown)
 
     def _last(self, block: StoredFrames, y: Array) -> StoredFrames:
         """That of the last output of a call, at which Python looks; or what says why there is none."""
@@ -139,14 +140,14 @@ class Passage:
 
     def made(self) -> list[int]:
         """What was done in the last call up to its last output, as `Counts`."""
-        return [int(count) for count in self.rows[self.used + self.c.done - 1, STEPS:OF_X]]
+        counts: list[int] = self.work[self.c.done - 1].tolist()
+        return counts
 
     def prescribed(self, y: Array) -> Iterator[Passed]:
         """The outputs of a motion without degrees of freedom, whose state `y` is empty or the same at all times."""
         model, given = self.shown.solver, 0
         while given < len(self.times):
             self.begin(given)
-            self.rows[self.used :, STEPS:OF_X] = 0.0
             self.rows[self.used :, self.of_y :] = y
             model.engine.show(model.handle, self.address)
             given += self.c.done

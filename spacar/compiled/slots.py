@@ -97,6 +97,7 @@ class Slots:
         self.error: BaseException | None = None
         self.failed: int | None = None  # the case whose function did not answer the last question
         self.lost: list[dict[int, str]] = [{}] * max(len(users), 1)  # sentences by row of e, of every case
+        self.first_lost: list[dict[int, str]] = [{} for _ in users]  # the first ones of all outputs of several cases
         self.outputs: list[dict[int, str]] = []  # those of the outputs of one call, see `spacar.compiled.passage`
         self.told: set[int] = set()  # rows of their sentences
         self.laws: tuple[Callable[[float], dict[int, str]], ...] = ()
@@ -146,6 +147,9 @@ class Slots:
                 self.foreign[batch].convective()
             elif what == INERTIA:
                 self.foreign[batch].inertia()
+            elif what == OUTPUT and self.lanes > 1:
+                for first, lost in zip(self.first_lost, self.lost, strict=True):
+                    first |= lost | first
             elif what == OUTPUT:
                 self.outputs.append(self.lost[0])
                 if not self.told.issuperset(self.lost[0]):

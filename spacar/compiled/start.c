@@ -69,7 +69,7 @@ static int spacar_start(Model *m, State *at, const real *y, real *out, double co
     return checked && is_mass_doubtful(m) ? DOUBTFUL_MASS : OK;
 }
 
-/* A new state at the reference configuration, in memory for x, xd, xdd and three forces (nx), e, ed, edd, sigma, given_e (ne). */
+/* A state at the reference configuration that nothing is known of, in memory for x, xd, xdd and three forces (nx), e, ed, edd, sigma, given_e (ne). */
 static void spacar_state(const Model *m, State *at, real *memory)
 {
     const int nx = m->s.nx, ne = m->s.ne;
@@ -81,5 +81,9 @@ static void spacar_state(const Model *m, State *at, real *memory)
     at->edd = at->ed + ne;
     at->sigma = at->edd + ne;
     at->given_e = at->sigma + ne;
+    memset(memory, 0, sizeof(real) * (6 * nx + 5 * ne));
+    at->known = 0;
+    at->t = 0.0;
+    clear_samples(at);
     memcpy(at->x, m->s.x0, sizeof(real) * nx);
 }

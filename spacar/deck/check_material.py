@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from spacar import modes
@@ -30,12 +30,16 @@ class CheckMaterial:
     findings: Findings
     coordinates: Classes = field(default_factory=dict)
     deformations: Classes = field(default_factory=dict)
+    analysis: modes.Mode | None = field(init=False)
+    """The row of the mode that the file is checked for, if it is checked for one."""
     _rows: dict[int, list[tuple[Keyword, Sequence[Statement]]]] = field(default_factory=dict)
 
-    @property
-    def analysis(self) -> modes.Mode | None:
-        """The row of the mode that the file is checked for, if it is checked for one."""
-        return facts(self.mode)
+    def __post_init__(self) -> None:
+        self.analysis = facts(self.mode)
+
+    def has(self, keywords: Iterable[str], block: int) -> bool:
+        """Whether there is a statement with one of these keywords in the block."""
+        return not self.index.keywords(block).isdisjoint(keywords)
 
     def of(self, *keywords: str, block: int | None = None) -> list[Statement]:
         """Statements with one of these keywords, in file order."""
@@ -59,6 +63,7 @@ class CheckMaterial:
         if what == "node":
             default = "dynamic" if self.outline.roles.get(number) == "warping" else "calculable"
             return self.coordinates.get((number, index), (default, None))
-        if number in self.outline.types and index in self.outline.types[number].released:
+        kind = self.outline.types.get(number)
+        if kind is not None and index in kind.released:
             return "calculable", None
         return self.deformations.get((number, index), ("fixed", None))

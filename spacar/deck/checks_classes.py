@@ -64,7 +64,7 @@ def _put(
             for index in indices or every(number):
                 classes[number, index] = this
                 count += 1
-    if len(classes) == count and not (noun == "mode" and any(kind.released for kind in scene.outline.kinds)):
+    if len(classes) == count and not (noun == "mode" and any([kind.released for kind in scene.outline.kinds])):
         return
     classes.clear()
     for s in scene.of(*names, block=1):
@@ -104,7 +104,7 @@ def _check_euler_parameters(scene: CheckMaterial) -> None:
     """At most three of the four Euler parameters of a node can be given: the normalization gives the fourth."""
     if scene.outline.space == "planar":
         return
-    with_fourth = {node for node, index in scene.coordinates if index == 4}
+    with_fourth = {node for node, index in scene.coordinates if index == 4 and (node, 1) in scene.coordinates}
     for node in filter(with_fourth.__contains__, scene.outline.roles if with_fourth else ()):
         by = [scene.coordinates[node, i][1] for i in (1, 2, 3, 4) if (node, i) in scene.coordinates]
         if len(by) == 4:
@@ -118,7 +118,7 @@ def _check_euler_parameters(scene: CheckMaterial) -> None:
 
 
 def _check_kinematic(scene: CheckMaterial) -> None:
-    if not scene.outline.complete or any(kind.slips for kind in scene.outline.kinds):
+    if not (scene.has(("KINX", "KINE"), 1) and scene.outline.complete) or any(k.slips for k in scene.outline.kinds):
         return
     for s in scene.of("KINX", "KINE"):
         wheels = ", ".join(t.keyword for t in ELEMENT_TYPES.values() if t.slips)

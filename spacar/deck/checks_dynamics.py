@@ -14,20 +14,26 @@ _ADDITIONAL = ("DELXF", "DELGRAV", "DELOMF", "DELESIG", "DELINPX", "DELINPE")
 
 
 def check_dynamics(scene: CheckMaterial) -> None:
-    """Everything that concerns the dynamics block beyond single statements."""
+    """Everything that concerns the dynamics block beyond single statements; only what it has is looked at."""
+    given, kinds = scene.index.keywords(2), scene.outline.kinds
     for group in scene.index.groups_of(*_SIGNS, block=2):
         if _may_have_signs(group):
             for s in group:
                 _check_signs(scene, s)
-    with_flow = any(kind.carries_flow for kind in scene.outline.kinds)
+    with_flow = any([kind.carries_flow for kind in kinds])
     for s in scene.of(*_SETTINGS, *(("EM",) if with_flow else ()), block=2):
         _check_settings(scene, s)
-    _check_stiffness(scene)
-    _check_warping(scene)
-    _check_preload(scene)
-    _check_moments(scene)
-    _check_additional(scene)
-    if scene.analysis is not None and scene.analysis.integrated:
+    if scene.has(("DYNE",), 1) and any([kind.axial for kind in kinds]):
+        _check_stiffness(scene)
+    if any([kind.warping for kind in kinds]):
+        _check_warping(scene)
+    if not given.isdisjoint(("ESIG", "DELESIG")):
+        _check_preload(scene)
+    if not given.isdisjoint(("XF", "DELXF")):
+        _check_moments(scene)
+    if not given.isdisjoint(("ITERSTEP", *_ADDITIONAL)):
+        _check_additional(scene)
+    if scene.has(("INPUTX", "INPUTE"), 1) and scene.analysis is not None and scene.analysis.integrated:
         _check_motion(scene)
 
 
@@ -108,8 +114,6 @@ def _check_settings(scene: CheckMaterial, s: Statement) -> None:
 def _check_stiffness(scene: CheckMaterial) -> None:
     """Dynamic deformations of beams and trusses without stiffness move freely: meant for measuring elements."""
     outline = scene.outline
-    if not any(kind.axial for kind in outline.kinds):
-        return
     stiff = {s.values[0]: s for s in scene.of("ESTIFF", block=2)}
     free: dict[int, list[int]] = {}
     for (element, mode), (name, _) in scene.deformations.items():
@@ -131,8 +135,6 @@ def _check_stiffness(scene: CheckMaterial) -> None:
 
 def _check_warping(scene: CheckMaterial) -> None:
     """A warping node that neither a stiffness nor a class holds makes the stiffness matrix singular."""
-    if not any(kind.warping for kind in scene.outline.kinds):
-        return
     given = {s.integer(0): s for s in scene.of("ESTIFF", block=2)}
     held: dict[int, bool] = {}
     for number, kind in scene.outline.types.items():
@@ -154,14 +156,14 @@ def _check_preload(scene: CheckMaterial) -> None:
     acts = scene.analysis is None or scene.analysis.takes_setpoints
     lost = ("fixed",) if acts else ("fixed", "prescribed")
     for s in scene.of("ESIG", "DELESIG", block=2):
-        element = s.integer(0)
-        if scene.doubtful("element", element):
-            continue
+        element, *stresses = s.real_values()
         found = [
-            (place, scene.class_of("element", element, place)[0])
-            for place in range(1, len(s.values))
-            if s.real(place) != 0.0
+            (place, scene.class_of("element", int(element), place)[0])
+            for place, stress in enumerate(stresses, 1)
+            if stress != 0.0
         ]
+        if not any([name in lost for _, name in found]) or scene.doubtful("element", int(element)):
+            continue
         for name in lost:
             modes = [place for place, given in found if given == name]
             if modes:

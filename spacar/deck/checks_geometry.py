@@ -30,10 +30,8 @@ def least_length(s: Statement) -> float:
 def check_geometry(scene: CheckMaterial) -> None:
     """Positions given once, elements with a length, directions that define a frame."""
     positions = _positions(scene)
-    places = [
-        positions.get(n, ORIGIN) for n, role in scene.outline.roles.items() if role == "position"
-    ]
-    size = max((max(axis) - min(axis) for axis in zip(*places, strict=True)), default=0.0)
+    places = [positions.get(n, ORIGIN) for n, role in scene.outline.roles.items() if role == "position"]
+    size = max([max(axis) - min(axis) for axis in zip(*places, strict=True)], default=0.0)
     elements = scene.outline.elements
     if scene.outline.regular:
         groups = [group for group in scene.index.groups if group[0].keyword in ELEMENT_TYPES]
@@ -44,6 +42,8 @@ def check_geometry(scene: CheckMaterial) -> None:
         if not _ordinary(group, kind, positions, size):
             for s in group:
                 _check_element(scene, s, kind, positions, size)
+    if not scene.has(("ORPINBOD", "ORTUBE"), 1):
+        return
     for s in scene.of("ORPINBOD"):
         _check_directions(scene, s)
     for s in scene.of("ORTUBE"):
@@ -69,11 +69,11 @@ def _add_positions(
     scene: CheckMaterial, group: list[Statement], given: dict[int, Statement], positions: dict[int, Vector]
 ) -> None:
     """Add the positions of X statements; positions of other nodes and repeated ones are reported."""
-    roles, new = scene.outline.roles, {s.integer(0): s for s in group}
+    roles, new = scene.outline.roles, cast("dict[int, Statement]", {s.values[0]: s for s in group})
     if _all_new(new, group, given) and all([roles.get(node) == "position" for node in new]):
         given.update(new)
-        places = [(*s.values[1:], 0.0, 0.0)[:3] for s in group]
-        positions.update(zip(new, cast("list[Vector]", places), strict=True))
+        zeros = (0.0,) * (4 - len(group[0].values))
+        positions.update(zip(new, cast("list[Vector]", [s.values[1:] + zeros for s in group]), strict=True))
         return
     for s in group:
         node, place = s.integer(0), s.reals(1, 3)
@@ -111,13 +111,13 @@ def _ordinary(group: list[Statement], kind: ElementType, positions: dict[int, Ve
     given, directions = kind.direction, cast("list[Vector]", [])
     if given is not None and len(group[0].values) >= given[0] - 1 + given[1]:
         start, end = given[0] - 1, given[0] - 1 + given[1]
-        directions = [cast("Vector", s.values[start:end]) for s in group]
+        directions = cast("list[Vector]", [s.values[start:end] for s in group])
         if not all(map(any, directions)):
             return False
     ends = [i for i, role in enumerate(kind.nodes, 1) if role == "position"]
     if len(ends) < 2:
         return True
-    starts, stops = ([positions.get(cast("int", s.values[i]), ORIGIN) for s in group] for i in ends)
+    starts, stops = [[positions.get(s.integer(i), ORIGIN) for s in group] for i in ends]
     if not min(map(dist, starts, stops)) > 2.0 * ZERO_LENGTH * size:
         return False
     return not directions or given is None or given[2] == "axis" or all(map(_oblique, starts, stops, directions))

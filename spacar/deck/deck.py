@@ -178,17 +178,18 @@ def read_deck(path: str | Path, mode: Purpose = None) -> Deck:
     `mode` is the mode that it shall be run in: what this mode does not use is checked less strictly; None: for all.
     Raises UsageError with the reason of the operating system, InputError with all errors of the file.
     """
-    file = Path(path)
-    stem, ending = splitext(file)
-    if ending.lower() != ".dat" and not file.is_file():
+    file = path if isinstance(path, Path) else Path(path)
+    name = str(file)
+    stem, ending = splitext(name)
+    if ending.lower() != ".dat" and not isfile(name):
         file = file.with_name(file.name + ".dat")
-        stem, _ = splitext(file)
-    data = _bytes(file)
+        stem, name = name, str(file)
+    data = _bytes(name)
     text = data.decode("utf-8", "surrogateescape")
     beside = f"{stem}.spv"
     visualization = None
     if isfile(beside):
-        visualization = visualization_of(_bytes(Path(beside)).decode("utf-8", "replace"))
+        visualization = visualization_of(_bytes(beside).decode("utf-8", "replace"))
     return parse(text, file.name, mode, path=file, data=data, visualization=visualization)
 
 
@@ -230,7 +231,7 @@ def parse(
         len(added),
     )
     if not contents.shorthand:
-        vars(deck)["index"] = contents.index  # the checks have made it
+        vars(deck)["index"] = contents.found  # the checks have made it
     return deck
 
 
@@ -239,7 +240,7 @@ def _drawn_already(lines: tuple[str, ...], visualization: tuple[str, ...]) -> bo
     return visualization[: len(lines)] == lines
 
 
-def _bytes(file: Path) -> bytes:
+def _bytes(file: str) -> bytes:
     try:
         with open(file, "rb", buffering=0) as stream:
             return stream.read()

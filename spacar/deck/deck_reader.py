@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from itertools import chain
 from operator import attrgetter
+from typing import NamedTuple
 
 from spacar.deck.arguments import read_statement
 from spacar.deck.deck_checks import check
 from spacar.deck.expansion import WORDS, Expansion
 from spacar.deck.findings import Findings
 from spacar.deck.keyword_table import KEYWORDS, BlockKind, Keyword, blocks_of
-from spacar.deck.lexer import LONGEST_LINE, PlainLines, SourceText, integer_of, scan
+from spacar.deck.lexer import LONGEST_LINE, SourceText, integer_of, scan
 from spacar.deck.mode_blocks import Purpose, third_block, uses
 from spacar.deck.outline import Outline
 from spacar.deck.plain_forms import plain_statements
-from spacar.deck.splitter import Raw, raws_of, split, third_kind
+from spacar.deck.splitter import PlainLines, Raw, raws_of, split, third_kind
 from spacar.deck.statement import Statement
 from spacar.deck.statement_index import Group, StatementIndex, grouped, in_file_order
 from spacar.deck.table_elements import ELEMENT_TYPES
@@ -28,11 +28,11 @@ Span = tuple[tuple[int, int], tuple[int, int]]
 _NAMES = {2: "dynamics block", 3: "third block"}
 
 
-@dataclass(frozen=True)
-class Contents:
+class Contents(NamedTuple):
     """What a text says. `visualization`: lines of that section, None without one; `third`: kind of the third block;
     `spans`: where each block begins and ends (line, column); `shorthand`: UNITS, SECTION, MATERIAL and BEAMSEC, which
-    `expansion` replaces; `given`: the statements before that, in SI, and their `outline`; `index`: of `statements`."""
+    `expansion` replaces; `given`: the statements before that, in SI, and their `outline`; `found`: the index of
+    `statements`."""
 
     statements: tuple[Statement, ...]
     visualization: tuple[str, ...] | None
@@ -43,7 +43,7 @@ class Contents:
     expansion: Expansion
     given: tuple[Statement, ...]
     outline: Outline
-    index: StatementIndex
+    found: StatementIndex
 
 
 def read_text(text: str, source: str, mode: Purpose = None) -> Contents:

@@ -1,17 +1,14 @@
-"""Text to words: lines, comments, columns, the visualization section, the number grammar.
+"""Text to lines and words: comments, columns, the visualization section, the number grammar.
 
-Lexical rules: reference/input-language.md section 1. Most lines of a real file are plain: a keyword with numbers of
-ordinary size. Those with the same keyword and as many numbers that follow each other become one `PlainLines`, whose
-numbers are read together; every other line is taken word by word.
+Lexical rules: reference/input-language.md section 1. Most lines of a real file are plain: a keyword with numbers, which
+`split` and `float` of Python read as this module does. The others are `odd`: they are taken word by word.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Container
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf
 from typing import NamedTuple
 
 LONGEST_LINE = 160
@@ -29,9 +26,9 @@ _NEWLINE = re.compile(r"\r\n|\r|\n")
 # A keyword and numbers that `float` reads as `number_of` does and that are not too small, whatever their exponents.
 _ORDINARY = r"[+-]?(?:[0-9]{1,15}(?:\.[0-9]{0,20})?|\.[0-9]{1,20})(?:[eE][+-]?[0-7]?[0-9])?"
 _PLAIN = re.compile(rf"[ \t]*[A-Za-z]+(?:[ \t]+{_ORDINARY})*[ \t]*\Z")
-# Without these signs and in lines shorter than SHORT what `float` reads is a number of the input language, infinite, no
-# number, or at least 1e-99: separators in numbers and blanks of Python, exponents below zero.
-_SUSPECT = ("_", "e-", "E-", "\x1c", "\x1d", "\x1e", "\x1f")
+# Without these signs (in capitals) and in lines shorter than SHORT what `float` reads is a number of the language,
+# infinite or not, and at least 1e-99: separators in numbers and blanks of Python, exponents below zero, words.
+_SUSPECT = ("_", "E-", "NAN", "INF", "\x1c", "\x1d", "\x1e", "\x1f")
 _SHORT = 100
 _VISUALIZATION = "VISUALIZATION"
 
@@ -45,65 +42,21 @@ class Word(NamedTuple):
     first: bool
 
 
-class PlainLines:
-    """Plain lines with one keyword (in capitals) and as many numbers in each, in the order of the file.
-
-    `columns`: the numbers, one list for every argument; `lines`: where the lines stand; `texts`: what they say, without
-    comments; `block`: set by who divides the file into blocks.
-    """
-
-    __slots__ = ("block", "columns", "keyword", "lines", "texts")
-
-    def __init__(self, keyword: str, columns: list[list[float]], lines: list[int], texts: list[str]) -> None:
-        self.keyword = keyword
-        self.columns = columns
-        self.lines = lines
-        self.texts = texts
-        self.block = 0
-
-    @property
-    def line(self) -> int:
-        """That of the first."""
-        return self.lines[0]
-
-    def append(self, more: PlainLines) -> None:
-        """Further lines with the same keyword and as many numbers."""
-        for column, its in zip(self.columns, more.columns, strict=True):
-            column += its
-        self.lines += more.lines
-        self.texts += more.texts
-
-    def part(self, start: int, end: int) -> PlainLines:
-        """Some of the lines."""
-        columns = [column[start:end] for column in self.columns]
-        found = PlainLines(self.keyword, columns, self.lines[start:end], self.texts[start:end])
-        found.block = self.block
-        return found
-
-    def words(self) -> list[list[Word]]:
-        """The words of every line."""
-        return list(map(words_of, self.texts, self.lines))
-
-
 @dataclass
 class SourceText:
-    """The lines of the analysis part, plain ones together and any other as its words; the raw lines of the
-    visualization section (None: there is none), the numbers of lines that are too long, and that of the last line
-    of the analysis part."""
+    """The analysis part of a text: its lines without comments, and the numbers of those that are `odd`, not to be read
+    by `split` and `float`; the raw lines of the visualization section (None: there is none), and the numbers of lines
+    that are too long."""
 
-    rows: list[PlainLines | list[Word]]
+    lines: list[str]
+    odd: set[int]
     visualization: tuple[str, ...] | None
     long_lines: list[int]
-    last_line: int
 
     @cached_property
     def words(self) -> list[Word]:
         """All words of the analysis part."""
-        found: list[Word] = []
-        for row in self.rows:
-            for words in row.words() if isinstance(row, PlainLines) else (row,):
-                found += words
-        return found
+        return [word for number, line in enumerate(self.lines, 1) for word in words_of(line, number)]
 
 
 def split_lines(text: str) -> list[str]:
@@ -131,64 +84,31 @@ def columns_of(line: str) -> tuple[int, ...]:
     return tuple([word.column for word in words_of(line, 0)])
 
 
-_Alike = tuple[list[str], int, list[int], list[str]]  # all words, how many a line has, numbers of the lines, texts
-
-
 def scan(text: str) -> SourceText:
-    """Split the text into lines and words; a leading byte order mark is ignored."""
+    """Split the text into lines; a leading byte order mark is ignored."""
     text = text.removeprefix("\ufeff")
     if "\r" in text:
         text = text.replace("\r\n", "\n").replace("\r", "\n")
     given = text.split("\n")
     bare = without_comments(text)
     lines = given if bare is text else bare.split("\n")
-    longest = max(map(len, given))
-    suspect = _suspects(bare, lines, longest)
-    found: list[_Alike | list[Word]] = []
-    visualization, last_line = None, len(given)
-    first, count = "", 0
-    words: list[str] = []
-    numbers: list[int] = []
-    alike: list[str] = []
-    for number, line in enumerate(lines, 1):
-        if number in suspect and _PLAIN.match(line) is None:
-            odd = words_of(line, number)
-            if odd and _is_visualization(odd[0].text):
-                first = _VISUALIZATION
-            elif odd:
-                found.append(odd)
-                first = ""
-                continue
-            else:
-                continue
-        else:
-            texts = line.split()
-            if not texts:
-                continue
-            if texts[0] == first and len(texts) == count:
-                words += texts
-                numbers.append(number)
-                alike.append(line)
-                continue
-            first, count, words, numbers, alike = texts[0], len(texts), texts, [number], [line]
-        if len(first) == len(_VISUALIZATION) and _is_visualization(first):
-            visualization, last_line = tuple(_without_last_blank(given[number:])), number - 1
-            break
-        found.append((words, count, numbers, alike))
-    rows: list[PlainLines | list[Word]] = []
-    for row in found:
-        if isinstance(row, tuple):
-            _add_rows(*row, rows)
-        else:
-            rows.append(row)
+    capitals = bare.upper()
+    visualization = None
+    if _VISUALIZATION in capitals:
+        for number, line in enumerate(lines, 1):
+            if _is_visualization(next(iter(words_of(line, number)), None)):
+                visualization = tuple(_without_last_blank(given[number:]))
+                lines, given = lines[: number - 1], given[: number - 1]
+                break
+    longest = max(map(len, given), default=0)
     long_lines = []
     if longest > LONGEST_LINE:
-        long_lines = [n for n, line in enumerate(given[:last_line], 1) if len(line) > LONGEST_LINE]
-    return SourceText(rows, visualization, long_lines, last_line)
+        long_lines = [n for n, line in enumerate(given, 1) if len(line) > LONGEST_LINE]
+    return SourceText(lines, _odd_lines(lines, capitals, longest), visualization, long_lines)
 
 
-def _is_visualization(word: str) -> bool:
-    return len(word) == len(_VISUALIZATION) and word.upper() == _VISUALIZATION
+def _is_visualization(word: Word | None) -> bool:
+    return word is not None and len(word.text) == len(_VISUALIZATION) and word.text.upper() == _VISUALIZATION
 
 
 def without_comments(text: str) -> str:
@@ -199,45 +119,39 @@ def without_comments(text: str) -> str:
     return text
 
 
-def _suspects(text: str, lines: list[str], longest: int) -> Container[int]:
-    """The numbers of lines that `split` and `float` of Python may read in another way than this module."""
-    found: set[int] = set()
+def _odd_lines(lines: list[str], capitals: str, longest: int) -> set[int]:
+    """The numbers of lines that `split` and `float` of Python may read in another way than this module; `capitals` is
+    what the lines, and perhaps others behind them, say in capitals, `longest` the longest line with its comment."""
+    suspect: set[int] = set()
     for sign in _SUSPECT:
-        line, since, at = 1, 0, text.find(sign)
+        line, since, at = 1, 0, capitals.find(sign)
         while at >= 0:
-            line += text.count("\n", since, at)
-            found.add(line)
-            since, at = at, text.find(sign, at + 1)
-    if longest >= _SHORT or not text.isascii():
-        found.update([n for n, line in enumerate(lines, 1) if len(line) >= _SHORT or not line.isascii()])
+            line += capitals.count("\n", since, at)
+            suspect.add(line)
+            since, at = at, capitals.find(sign, at + 1)
+    if longest >= _SHORT or not capitals.isascii():
+        suspect.update([n for n, line in enumerate(lines, 1) if len(line) >= _SHORT or not line.isascii()])
+    return {n for n in suspect if n <= len(lines) and _PLAIN.match(lines[n - 1]) is None}
+
+
+def lines_not_plain(lines: list[str]) -> set[int]:
+    """The numbers of lines with a word behind the first one that is no number of ordinary size."""
+    found = set()
+    for number, line in enumerate(lines, 1):
+        try:
+            numbers(line.split()[1:])
+        except ValueError:
+            found.add(number)
     return found
 
 
-def _add_rows(
-    words: list[str], count: int, numbers: list[int], texts: list[str], rows: list[PlainLines | list[Word]]
-) -> None:
-    """Add lines of `count` words each, the first of them the same in all: as plain lines, or else as their words."""
-    keyword = words[0]
-    del words[::count]
-    if not words and keyword.isalpha():
-        rows.append(PlainLines(keyword.upper(), [], numbers, texts))
-        return
-    try:
-        values = list(map(float, words))
-        good = max(values) <= LARGEST_INTEGER and min(values) >= -LARGEST_INTEGER and -inf < sum(values) < inf
-    except ValueError:
-        good = False
-    if good and keyword.isalpha():
-        count -= 1
-        columns = [values[i::count] for i in range(count)]
-        rows.append(PlainLines(keyword.upper(), columns, numbers, texts))
-    elif len(numbers) > 1 and keyword.isalpha():  # the lines around those that are not plain are
-        half = len(numbers) // 2
-        for part in (slice(half), slice(half, None)):
-            again = [word for text in texts[part] for word in text.split()]
-            _add_rows(again, count, numbers[part], texts[part], rows)
-    else:
-        rows += map(words_of, texts, numbers)
+def numbers(words: list[str]) -> list[float]:
+    """Words of lines that are not odd as numbers. Raises ValueError for a word that is none, and for numbers that are
+    infinite or so large that not every integer is one."""
+    values = list(map(float, words))
+    if values and not -LARGEST_INTEGER <= min(values) <= max(values) <= LARGEST_INTEGER:
+        raise ValueError
+    return values
 
 
 def _without_last_blank(lines: list[str]) -> list[str]:

@@ -76,7 +76,7 @@ class Outline:
 
     def add(self, statements: Sequence[Statement]) -> None:
         """Take in statements of one element type whose arguments are right; first definitions win."""
-        new = {s.integer(0): s for s in statements}
+        new = cast("dict[int, Statement]", {s.values[0]: s for s in statements})
         if len(new) < len(statements) or not self.elements.keys().isdisjoint(new):
             self.regular = False
             for s in statements:
@@ -91,12 +91,11 @@ class Outline:
         space = "planar" if kind.planar else "spatial"
         self.space = self.space or space
         self.regular &= self.space == space
-        end = 1 + len(kind.nodes)
-        nodes = cast("list[tuple[int, ...]]", [s.values[1:end] for s in statements])
+        _, *columns = zip(*[s.values[: 1 + len(kind.nodes)] for s in statements], strict=True)
         roles = self.roles
-        for node, role in zip(chain.from_iterable(nodes), cycle(kind.nodes), strict=False):
+        for node, role in zip(chain.from_iterable(zip(*columns, strict=True)), cycle(kind.nodes), strict=False):
             if roles.setdefault(node, role) != role:
                 self.regular = False
-        columns = list(zip(*nodes, strict=True))
-        if any(True in map(eq, columns[i], columns[j]) for i, j in twins_of(kind)):
-            self.regular = False
+        for i, j in twins_of(kind):
+            if True in map(eq, columns[i], columns[j]):
+                self.regular = False

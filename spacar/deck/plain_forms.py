@@ -14,8 +14,9 @@ from itertools import repeat
 from operator import le
 from typing import Any
 
-from spacar.deck.lexer import LARGEST_NUMBER, PlainLines
+from spacar.deck.lexer import LARGEST_NUMBER
 from spacar.deck.outline import Outline
+from spacar.deck.splitter import PlainLines
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.deck.table_types import COORDINATES, Keyword, Parameter, coordinates_of, subject_of
@@ -122,10 +123,9 @@ def _known(columns: Columns, form: _Form, outline: Outline) -> bool:
             if most and (min(numbers) < 1 or not all(map(le, numbers, most))):
                 return False
         elif what == ELEMENT:
-            kinds = list(map(outline.types.get, numbers))
-            if None in kinds:
+            if not all(map(outline.types.__contains__, numbers)):
                 return False
-            most = [len(kind.modes) for kind in kinds if kind] if with_part else ()
+            most = [len(outline.types[number].modes) for number in numbers] if with_part else ()
         else:
             roles = list(map(outline.roles.get, numbers))
             if None in roles or (wanted and roles.count(wanted) < len(roles)):

@@ -1,8 +1,8 @@
 """Lines and words to raw statements in blocks: END HALT and END END, unknown and misplaced keywords.
 
-Nothing is known about the model here; a word is judged by the keyword names of the block only. Plain lines with a
-keyword of their block are statements as they stand, those with the same keyword and count are put together, also where
-other plain lines stand between them; all others are taken word by word.
+Nothing is known about the model here; a word is judged by the keyword names of the block only. Plain lines, a keyword
+of their block and numbers, are statements as they stand; those with the same keyword and count are put together, also
+where other plain lines stand between them. All other lines are taken word by word.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from operator import attrgetter
 
 from spacar.deck.findings import Findings
 from spacar.deck.keyword_table import ALIASES, KEYWORDS, NAME_PLACES, NAMES, BlockKind, blocks_of
-from spacar.deck.lexer import PlainLines, SourceText, Word
+from spacar.deck.lexer import SourceText, Word, lines_not_plain, numbers, words_of
 
 _NOT_NUMBERS = ("NAN", "INF", "INFINITY")
 _SUGGESTIONS = 40
@@ -21,6 +21,17 @@ _SUGGESTIONS = 40
 # of five (TIMESTP, ESTIF, GRAVTY). SPRING and USERSIG share 0.62, which says nothing about a missing END HALT.
 MISSPELT = 0.8
 _BLOCK_NAMES = {1: "kinematics block", 2: "dynamics block", 3: "third block"}
+# For each block the keywords that may begin a plain line, also by their older names: those without a name among their
+# arguments.
+_PLAIN = {
+    block: {
+        word: name
+        for name in names
+        if name not in NAME_PLACES
+        for word in (name, *[alias for alias, of in ALIASES.items() if of == name])
+    }
+    for block, names in NAMES.items()
+}
 
 
 @dataclass(slots=True, eq=False)
@@ -33,10 +44,47 @@ class Raw:
     words: list[Word] = field(default_factory=list)
 
 
+class PlainLines:
+    """Plain lines with one keyword (its name) and as many words in each, in the order of the file.
+
+    `words`: all of them, until `Split.convert` makes numbers; `columns`: the numbers, one list for every argument;
+    `lines`: where the lines stand; `texts`: what they say, without comments.
+    """
+
+    __slots__ = ("block", "columns", "count", "keyword", "lines", "texts", "words")
+
+    def __init__(self, keyword: str, block: int, count: int) -> None:
+        self.keyword, self.block, self.count = keyword, block, count
+        self.words: list[str] = []
+        self.columns: list[list[float]] = []
+        self.lines: list[int] = []
+        self.texts: list[str] = []
+
+    @property
+    def line(self) -> int:
+        """That of the first."""
+        return self.lines[0]
+
+    def part(self, start: int, end: int) -> PlainLines:
+        """Some of the lines, of which the words are numbers already."""
+        found = PlainLines(self.keyword, self.block, self.count)
+        found.columns = [column[start:end] for column in self.columns]
+        found.lines, found.texts = self.lines[start:end], self.texts[start:end]
+        return found
+
+    def pop(self) -> Raw:
+        """Take the last line off: as a statement of its own. Raises ValueError where `numbers` does."""
+        first = len(self.words) - self.count
+        numbers(self.words[first + 1 :])
+        del self.words[first:]
+        line = self.lines.pop()
+        return Raw(self.keyword, self.block, line, words_of(self.texts.pop(), line)[1:])
+
+
 def raws_of(lines: PlainLines) -> Iterator[Raw]:
     """The statements of plain lines, one by one."""
-    for line, (_, *words) in zip(lines.lines, lines.words(), strict=True):
-        yield Raw(lines.keyword, lines.block, line, words)
+    for line, text in zip(lines.lines, lines.texts, strict=True):
+        yield Raw(lines.keyword, lines.block, line, words_of(text, line)[1:])
 
 
 @dataclass(slots=True, eq=False)
@@ -50,6 +98,18 @@ class Split:
     strangers: list[Raw] = field(default_factory=list)
     spans: dict[int, tuple[tuple[int, int], tuple[int, int]]] = field(default_factory=dict)
 
+    def convert(self) -> None:
+        """Make the words of all plain lines numbers. Raises ValueError where `numbers` does."""
+        words: list[str] = []
+        plain = [part for part in self.statements if isinstance(part, PlainLines)]
+        for part in plain:
+            del part.words[:: part.count]
+            words += part.words
+        values, end = numbers(words), 0
+        for part in plain:
+            start, end, count = end, end + len(part.words), part.count - 1
+            part.columns = [values[i:end:count] for i in range(start, start + count)]
+
     @property
     def raws(self) -> list[Raw]:
         """The statements with their words, in the order of the file."""
@@ -58,18 +118,25 @@ class Split:
 
 
 def split(source: SourceText, findings: Findings) -> Split:
-    """Divide the words into blocks and raw statements; structural errors go to the findings."""
-    return _Splitter(source, findings).run()
+    """Divide the text into blocks and statements; structural errors go to the findings."""
+    before = len(findings.messages)
+    try:
+        return _Splitter(source, findings).run()
+    except ValueError:  # some lines that begin like plain ones are none: once more, with those word by word
+        del findings.messages[before:]
+        source.odd |= lines_not_plain(source.lines)
+        return _Splitter(source, findings).run()
 
 
 class _Splitter:
     """State of one pass over the lines; `current` or the last of `lines` is the open statement, `alike` the plain lines
-    of each keyword since the last other line, `skipping` while the arguments of a refused keyword go by, `end` an END
-    whose next word has not come yet, `fresh` while no word of the block has come."""
+    of each keyword since the last other line, `names` the keywords that may begin a plain line now, `skipping` while
+    the arguments of a refused keyword go by, `end` an END whose next word has not come yet, `fresh` while no word of
+    the block has come."""
 
     def __init__(self, source: SourceText, findings: Findings) -> None:
         self.source = source
-        self.last_line = source.last_line
+        self.last_line = len(source.lines)
         self.findings = findings
         self.result = Split()
         self.block = 1
@@ -79,6 +146,7 @@ class _Splitter:
         self.current: Raw | None = None
         self.lines: PlainLines | None = None
         self.alike: dict[str, PlainLines] = {}
+        self.names = _PLAIN[1]
         self.misplaced: set[tuple[int, int]] = set()
         self.skipping = False
         self.end: Word | None = None
@@ -87,39 +155,49 @@ class _Splitter:
         self.findings.add("error", word.line, "", text, code)
 
     def run(self) -> Split:
-        for row in self.source.rows:
-            if isinstance(row, PlainLines):
-                if self._takes_lines(row):
-                    continue
-                rows = row.words()
-            else:
-                rows = [row]
-            self.alike.clear()
-            for words in rows:
-                for word in words:
-                    if self._take(word):
-                        return self.result
-        self._unfinished(" after a single END" if self.end is not None else "")
+        """All of it. Raises ValueError where a line that was taken as plain is none."""
+        if not self._lines():
+            self._unfinished(" after a single END" if self.end is not None else "")
+        self.result.convert()
         return self.result
 
-    def _takes_lines(self, row: PlainLines) -> bool:
-        """Take plain lines as statements if that is what they are here; no keyword that has a name begins one."""
-        name = ALIASES.get(row.keyword, row.keyword)
-        if name not in NAMES[self.block] or self.end is not None or name in NAME_PLACES or self._wants_first_name():
-            return False
-        if self.fresh:
-            self._open_since(row.line)
+    def _lines(self) -> bool:
+        """Take the lines; true at the end of the analysis part."""
+        odd, alike = self.source.odd, self.alike
+        for number, line in enumerate(self.source.lines, 1):
+            words = line.split()
+            if number in odd or not words or (name := self.names.get(words[0].upper())) is None:
+                if self._words(words_of(line, number)):
+                    return True
+                continue
+            lines = alike.get(name)
+            if lines is None or lines.count != len(words):
+                lines = alike[name] = self.lines = self._begin_lines(name, number, len(words))
+            elif lines is not self.lines:
+                self.lines, self.result.interleaved = lines, True
+            lines.words += words
+            lines.lines.append(number)
+            lines.texts.append(line)
+        return False
+
+    def _words(self, words: list[Word]) -> bool:
+        """Take the words of a line that is not plain; true at the end of the analysis part."""
+        if words:
+            self.alike.clear()
+        for word in words:
+            if self._take(word):
+                return True
+        # what follows a single END or stands where a name is due is no keyword
+        self.names = {} if self.end is not None or self._wants_first_name() else _PLAIN[self.block]
+        return False
+
+    def _begin_lines(self, name: str, line: int, count: int) -> PlainLines:
+        """Plain lines with another keyword or count than those before."""
+        self._open_since(line)
         self.current = None
-        before = self.alike.get(name)
-        if before is not None and len(before.columns) == len(row.columns):
-            before.append(row)
-            self.result.interleaved |= before is not self.lines
-            self.lines = before
-            return True
-        row.keyword, row.block = name, self.block
-        self.alike[name] = self.lines = row
-        self.result.statements.append(row)
-        return True
+        lines = PlainLines(name, self.block, count)
+        self.result.statements.append(lines)
+        return lines
 
     def _take(self, word: Word) -> bool:
         """Take the next word; true at the end of the analysis part."""
@@ -162,13 +240,10 @@ class _Splitter:
         """Make the last of plain lines a statement of its own, as words follow that it may take."""
         if self.lines is None:
             return
-        last = len(self.lines.lines) - 1
-        (self.current,) = raws_of(self.lines.part(last, last + 1))
         statements = self.result.statements
-        k = len(statements) - 1
-        while statements[k] is not self.lines:  # not many: those since the last line that was not plain
-            k -= 1
-        statements[k : k + 1] = [self.lines.part(0, last)] if last else []
+        self.current = self.lines.pop()
+        if not self.lines.lines:
+            statements.remove(self.lines)
         statements.append(self.current)
         self.lines = None
 

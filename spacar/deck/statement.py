@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 from spacar.deck.lexer import columns_of
 
@@ -59,11 +59,11 @@ class Statement(NamedTuple):
 
     def integers(self, start: int = 0) -> tuple[int, ...]:
         """The values from `start`, which the table declares integers."""
-        return cast("tuple[int, ...]", self.values[start:])
+        return self.values[start:]  # type: ignore[return-value]
 
     def real_values(self, start: int = 0) -> tuple[float, ...]:
         """The values from `start`, which the table declares real numbers."""
-        return cast("tuple[float, ...]", self.values[start:])
+        return self.values[start:]  # type: ignore[return-value]
 
     def reals(self, start: int, count: int, default: float = 0.0) -> tuple[float, ...]:
         """`count` values from `start`, missing ones replaced by `default`."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, KeysView, Mapping, Sequence
 from itertools import chain, groupby
 from operator import attrgetter
 
@@ -31,42 +31,38 @@ class StatementIndex:
 
     def __init__(self, groups: Sequence[Group], interleaved: bool = False) -> None:
         self.groups, self.interleaved = groups, interleaved
+        self._found: dict[int, dict[str, list[tuple[int, Group]]]] = {1: {}, 2: {}, 3: {}}  # groups with their places
         self._blocks: dict[int, dict[str, list[Statement]]] = {}
-        self._found: dict[str, list[tuple[int, int, Group]]] = {}  # place of the group, block, group
-        found = self._found
         for place, group in enumerate(groups):
-            first = group[0]
+            first, found = group[0], self._found[group[0].block]
             if first.keyword in found:
-                found[first.keyword].append((place, first.block, group))
+                found[first.keyword].append((place, group))
             else:
-                found[first.keyword] = [(place, first.block, group)]
+                found[first.keyword] = [(place, group)]
+
+    def keywords(self, block: int) -> KeysView[str]:
+        """Those that a block has statements of."""
+        return self._found[block].keys()
 
     def groups_of(self, *keywords: str, block: int | None = None) -> list[Group]:
         """All groups of one of the keywords (and in the block), in the order of their first statements."""
-        found = self._found
-        if found.keys().isdisjoint(keywords):
-            return []
-        if len(keywords) == 1:
-            entries = found[keywords[0]]
-        else:
-            entries = sorted([entry for keyword in keywords if keyword in found for entry in found[keyword]])
-        return [group for _, b, group in entries if block is None or b == block]
+        tables = self._found.values() if block is None else (self._found[block],)
+        entries = [entry for found in tables for keyword in keywords if keyword in found for entry in found[keyword]]
+        return [group for _, group in sorted(entries)] if len(entries) > 1 else [group for _, group in entries]
 
     def of(self, *keywords: str, block: int | None = None) -> list[Statement]:
         """All statements with one of the keywords (and in the block), in file order."""
-        found = chain.from_iterable(self.groups_of(*keywords, block=block))
+        groups = self.groups_of(*keywords, block=block)
+        if len(groups) < 2:
+            return groups[0].copy() if groups else []
+        found = chain.from_iterable(groups)
         return in_file_order(found) if self.interleaved and len(keywords) > 1 else list(found)
 
     def block(self, number: int) -> Mapping[str, Sequence[Statement]]:
         """Statements of a block by keyword, in file order; only keywords that have any."""
         if number not in self._blocks:
-            found = self._blocks[number] = {}
-            for group in self.groups:
-                keyword = group[0].keyword
-                if group[0].block != number:
-                    continue
-                if keyword in found:
-                    found[keyword] += group
-                else:
-                    found[keyword] = group.copy()
+            self._blocks[number] = {
+                keyword: entries[0][1] if len(entries) == 1 else [s for _, group in entries for s in group]
+                for keyword, entries in self._found[number].items()
+            }
         return self._blocks[number]

@@ -134,7 +134,6 @@ def stationary(
 
     mechanism, settings = mechanism_of(run), run.mechanism.settings
     n = mechanism.numbering
-    program = load_program(settings)
     run.n_frames = stored_levels(settings)
     solver = StationarySolver(mechanism, run.report)
     descriptor = store is not None and store.sparse
@@ -150,14 +149,10 @@ def stationary(
         )
     output = TransferOutput(run)
     limits: Limits | None = None
-    stored = iterations = 0
-    for level in program:
-        solver.solve(level)
-        iterations += solver.iterations
-        if not level.store:
-            continue
+    for stored, (level, iterations) in enumerate(solver.stored(load_program(settings))):
         dynamics, state = solver.dynamics, solver.solution
-        condition = Conditioning.of(dynamics.kinematics)
+        about = None if reduced or descriptor else solver.about()
+        condition = Conditioning.of(dynamics.kinematics) if about is None else about.condition
         if "condition" not in run.header:
             run.header.later("condition", partial(getattr, condition, "number"))
             if lost_digits(condition.at_most) > LOST:
@@ -170,7 +165,6 @@ def stationary(
         limits.check_elements(dynamics, frame)
         singular = not _is_surely_regular(solver, condition) and _is_dead_point(run, solver, level, frame.t, reducible)
         frame.statistics = {"iterations": iterations, "residual": state.norm}
-        stored, iterations = stored + 1, 0
         if store is not None and descriptor:
             if solver.sparse:
                 solver.sparse_tangent().sigma = state.sigma
@@ -185,7 +179,7 @@ def stationary(
                 frame.matrices.update(sparse_matrices(tangent))
             yield LinearizedSolution(frame, dynamics, None, tangent, wanted, reduced, condition)
             continue
-        L = linearize(dynamics, state.xdd, state.sigma)
+        L = linearize(dynamics, state.xdd, state.sigma) if about is None else about.linearization()
         _store_matrices(frame, L, dynamics)
         frame = output.add(frame, dynamics.kinematics, L)
         yield LinearizedSolution(frame, dynamics, L, None, wanted, reduced, condition)

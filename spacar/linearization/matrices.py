@@ -93,13 +93,16 @@ def linearize(
     The rows fixed, input and dynamic of sigma are replaced by the equilibrium values. `law` overrides which rows are
     elastic (mode 3 treats prescribed deformations as dynamic).
     """
-    k, n = dynamics.kinematics, dynamics.numbering
+    k = dynamics.kinematics
     c = coefficients(dynamics, xdd, sigma, law=law, t=t)
-    V, M, Me = c.V, c.M, c.deformation_inertia
     W = velocity_transfer(k)
-    G = configuration_transfer(k, W)
-    We = deformation_transfer(k, W, V)
-    Ge = We if G is W else V @ G
+    return reduced(dynamics, c, W, deformation_transfer(k, W, c.V), configuration_transfer(k, W))
+
+
+def reduced(dynamics: Dynamics, c: Coefficients, W: Array, We: Array, G: Array) -> Linearization:
+    """The linearized equations of these coefficients and transfer functions; G is W itself for holonomic systems."""
+    n, M, Me = dynamics.numbering, c.M, c.deformation_inertia
+    Ge = We if G is W else c.V @ G
     rates = _rates(dynamics, c, W, G) if c.moving else _no_rates(n.ne, n.nx, n.ndof, n.nkdof)
     Z, Ze, Y, Ye, Yv, Yev = rates
     ak0, bk0 = _kinematic(dynamics, W, We, Z, Ze)
@@ -114,7 +117,7 @@ def linearize(
         n0=n0,
         g0=_between((W, added(c.geometric, c.gravity_x), G)),
         ak0=ak0, bk0=bk0, W=W, We=We, G=G, Ge=Ge, Z=Z, Ze=Ze, Y=Y, Ye=Ye, Yv=Yv, Yev=Yev,
-        sigma=c.sigma, V=V, M=M, inertia_x=added(c.inertia_x, c.geometric), inertia_v=c.inertia_v,
+        sigma=c.sigma, V=c.V, M=M, inertia_x=added(c.inertia_x, c.geometric), inertia_v=c.inertia_v,
         load_x=added(c.gravity_x, c.user_x), load_v=c.user_v, S=c.S, Sd=c.Sd,
     )  # fmt: skip
 

@@ -107,6 +107,7 @@ class Equilibrium:
         fields = [gravity_field(m, loads) for loads in parts]
         curved = {b.index for b in sweep.curved}
         heavy = {b.index for b in sweep.moving} if any(f.any() for f in fields) else set()
+        self.heavy = bool(heavy)  # is there gravity that depends on the configuration?
         groups = [b for b in m.batches if b.family.n_deformations or b.index in heavy]
         self._groups = (CGroup * len(groups))()
         for group, b in zip(self._groups, groups, strict=True):
@@ -128,7 +129,7 @@ class Equilibrium:
         c.loose, c.passive = at(equations.loose), at(equations.passive.astype(float))
         c.scale, c.e_scale, c.least = at(equations.scale), at(equations.e_scale), at(equations.least)
         c.near, c.e = at(sweep.near), at(sweep.e)
-        c.nx, c.ne, c.nf, c.size, c.heavy = n.nx, n.ne, equations.nf, C.size, bool(heavy)
+        c.nx, c.ne, c.nf, c.size, c.heavy = n.nx, n.ne, equations.nf, C.size, self.heavy
         self._put_loads(d, parts, fields, equations)
         c.widest, c.dense, c.widest_definite = BAND_LIMIT, DENSE_LIMIT, WIDEST
         c.floor, c.singular, c.no_digits, c.spread = FLOOR, SINGULAR, NO_DIGITS, SPREAD
@@ -175,15 +176,24 @@ class Equilibrium:
         """As `spacar.stationary.newton.newton`. Raises Astray."""
         c = self.c
         self._from(x, sigma)
-        c.forces, c.lengths = demand.forces, demand.lengths
-        c.correction, c.tolerance = demand.correction, demand.tolerance
-        c.limit = min(demand.limit, len(self._sizes))
+        self._ask_for(demand)
         status = self._call.equilibrium_newton(self.address)
         if status == FOUND:
             return Converged(self._iterate(), c.iterations, c.noise, regular=c.iterations > 0)
         if status == ANOTHER_WAY:
             return None
         raise self._astray(status)
+
+    def _ask_for(self, demand: Demand) -> None:
+        c = self.c
+        c.forces, c.lengths = demand.forces, demand.lengths
+        c.correction, c.tolerance = demand.correction, demand.tolerance
+        c.limit = min(demand.limit, len(self._sizes))
+
+    def walk(self, passed: ctypes.Structure, demand: Demand) -> None:
+        """As `spacar.stationary.passed_levels` describes; other loads are taken."""
+        self._ask_for(demand)
+        self._call.equilibrium_walk(self.address, ctypes.addressof(passed))
 
     def _astray(self, status: int) -> Astray:
         sizes = self._sizes[: self.c.iterations].tolist()
@@ -214,6 +224,11 @@ class Equilibrium:
         """Is it proved that the tangent stiffness at a point has no negative eigenvalue?"""
         self._from(p.x, p.sigma)
         return bool(self._call.equilibrium_definite(self.address))
+
+    def linearize(self, x: Array, sigma: Array, into: ctypes.Structure) -> bool:
+        """What `spacar.stationary.about_rest` describes, at x (nx,), sigma (ne,). False where Python has to do it."""
+        self._from(x, sigma)
+        return self._call.equilibrium_linearize(self.address, ctypes.addressof(into)) == FOUND
 
     def _from(self, x: Array, sigma: Array) -> None:
         self._x[:], self._sigma[:] = x, sigma

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 
@@ -12,12 +13,14 @@ from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.loaded_mechanism import LoadedMechanism
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.mechanism.mechanism import Loads, Mechanism
+from spacar.stationary.about_rest import AboutRest
 from spacar.stationary.contract import Tangent
 from spacar.stationary.equilibrium import Equilibrium, NotCompiled
 from spacar.stationary.flexibility import Flexibility
 from spacar.stationary.loading import WITHOUT_N0, LoadLevel, SteadyDrive, loads_at, with_flow
 from spacar.stationary.moving_tangent import MovingTangent
 from spacar.stationary.newton import Converged, Demand, newton
+from spacar.stationary.passed_levels import Known, Passed, pass_levels
 from spacar.stationary.resting_tangent import RestingTangent
 from spacar.stationary.stability import CRITICAL, Stability, stability
 from spacar.stationary.stationary_equations import Given, Iterate, StationaryEquations
@@ -88,12 +91,14 @@ class LevelEvaluator:
         """Put the loads of a level on the evaluator. Where the flow in tubes changes, `dynamics`, `equations` and
         `tangent` are made anew."""
         self._level, self._loaded, self._given = level, False, None
-        if self.hold is not None:
-            self._held = max(0.0, 1.0 - level.path / self._hold_until)
+        self._held = self._held_at(level)
         if self._engine is None:
             self._settle()
         else:
             self._engine.load(level, self.hold, self._held)
+
+    def _held_at(self, level: LoadLevel) -> float:
+        return 0.0 if self.hold is None else max(0.0, 1.0 - level.path / self._hold_until)
 
     def _settle(self) -> None:
         """Loads and elements as Python needs them."""
@@ -172,6 +177,16 @@ class LevelEvaluator:
                 return found
         return newton(self.equations, self.tangent, x, sigma, self.given, demand)
 
+    def pass_levels(self, levels: Sequence[LoadLevel], path: Sequence[Known], limit: int) -> Passed | None:
+        """As `spacar.stationary.passed_levels`; stands at the last level that was passed. None where C cannot."""
+        if self._engine is None:
+            return None
+        table = np.array([(v.initial, v.additional, self._held_at(v), v.path) for v in levels])
+        before = self._level
+        passed = pass_levels(self._engine, table, path, limit)
+        self.load(before if passed is None else levels[passed.levels - 1])
+        return passed
+
     def point(self, x: Array, sigma: Array) -> Iterate:
         """Evaluate at x (nx,), sigma (ne,). Raises SingularMatrixError as `StationaryEquations.motion`."""
         if self._engine is None:
@@ -208,6 +223,10 @@ class LevelEvaluator:
                 return sign
             self.tangent.factor(p)
         return self.tangent.sign()
+
+    def about(self, x: Array, sigma: Array) -> AboutRest | None:
+        """The linearized equations at a state of this level, where C has them."""
+        return None if self._engine is None else AboutRest.of(self._engine, self.dynamics, x, sigma)
 
     def place(self) -> None:
         """A mechanism without dynamic degrees of freedom: the configuration of the prescribed values."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 
@@ -12,6 +13,7 @@ from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError, Report
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
+from spacar.stationary.about_rest import AboutRest
 from spacar.stationary.contract import Tangent
 from spacar.stationary.level_evaluator import LevelEvaluator
 from spacar.stationary.loading import LoadLevel
@@ -22,6 +24,7 @@ from spacar.stationary.stationary_equations import Iterate, Motion, StationaryEq
 from spacar.stationary.tangent import SparseTangent
 from spacar.stationary.walk import Walk
 
+MOST_PASSED = 64  # levels in one call of C: an interruption waits for no more
 SINGULAR_SLIP = 1e-8  # relative: the stress of a slip that its law does not give
 
 
@@ -90,6 +93,13 @@ class StationarySolver:
         tangent.factor(self._walk.point)
         return e.equations, tangent
 
+    def about(self) -> AboutRest | None:
+        """What the linearized equations at the solution that was stored last consist of, where C gives it. It has to
+        be used before the next level."""
+        if not self.solution.determined:
+            return None
+        return self._evaluator.about(self.dynamics.kinematics.x, self.solution.sigma)
+
     @property
     def moving(self) -> bool:
         """Does anything prescribed move?"""
@@ -100,6 +110,38 @@ class StationarySolver:
         """The dynamic degrees of freedom of the last solution, (nddof,)."""
         n, d = self.mechanism.numbering, self.dynamics
         return np.concatenate((d.kinematics.x[n.x_class["dynamic"]], d.sweep.e[n.e_class["dynamic"]]))
+
+    def stored(self, program: Iterable[LoadLevel]) -> Iterator[tuple[LoadLevel, int]]:
+        """The levels of a program that are stored, one after the other, each solved, with the iterations that led there
+        from the one before. Raises AnalysisError as the class says."""
+        levels, passing, iterations = iter(program), list[LoadLevel](), 0
+        for level in levels:
+            if not level.store:
+                passing.append(level)
+                if len(passing) < MOST_PASSED:
+                    continue
+            iterations += self._pass_by(passing)
+            passing.clear()
+            if level.store:
+                self.solve(level)
+                yield level, iterations + self.iterations
+                iterations = 0
+
+    def _pass_by(self, levels: list[LoadLevel]) -> int:
+        """Solve levels that are not stored, as many as possible in one call; the number of iterations."""
+        iterations = passed = 0
+        hopeful = not self._idle
+        while passed < len(levels):
+            walk = self._walk
+            many = walk.pass_by(levels[passed:]) if walk is not None and hopeful and walk.has_direction else 0
+            if walk is not None and many:
+                iterations += walk.iterations
+            else:  # where C passes none another trial would cost as much as the solution
+                hopeful = hopeful and (walk is None or not walk.has_direction)
+                self.solve(levels[passed])
+                iterations += self.iterations
+            passed += many or 1
+        return iterations
 
     def solve(self, target: LoadLevel) -> None:
         """Go to a load level. Raises AnalysisError as the class says."""

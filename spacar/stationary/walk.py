@@ -20,8 +20,7 @@ displacement alone it goes on, and says so: the state at the prescribed value is
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from math import prod
 
 import numpy as np
@@ -34,6 +33,7 @@ from spacar.stationary.contract import Astray, Tangent
 from spacar.stationary.level_evaluator import LevelEvaluator
 from spacar.stationary.loading import LoadLevel, loads_grow
 from spacar.stationary.newton import Converged, Demand
+from spacar.stationary.passed_levels import FARTHEST, FASTER, REMEMBERED, WIDE, Known
 from spacar.stationary.singular import FreeMotion
 from spacar.stationary.stability import Stability, critical_motion
 from spacar.stationary.stationary_equations import Given, Iterate, StationaryEquations
@@ -44,21 +44,8 @@ CRITICAL_PART = 1.0 / 256.0  # of a load step, in which a critical state is look
 STILL = 1e-6  # model lengths or rad: parts that move less (a straight column at its critical load) keep their branch
 LARGE = 600  # unknowns; above, the count costs more than an iteration: see `Walk._odd`
 EASY = 6  # iterations after which the next part of a step may be twice as large
-FARTHEST = 16.0  # weight of a state in the prediction: 6 for equal parts, more when the parts have grown
-FASTER = 2.0  # change of x over that of the loading, against the part before, from which a part is walked back
-WIDE = 0.01  # model lengths or rad: shorter parts are not walked back
 ELSEWHERE = 0.1  # of the motion of a part: states that differ by more are not the same
 RETURNED = 0.02  # of the motion of a part: last correction on the way back; it leaves an error of three times that
-REMEMBERED = 4  # states that the prediction uses: a cubic polynomial
-
-
-@dataclass(frozen=True)
-class Known:
-    """A state of the path: its place on the way (0 to 1 initial, 1 to 2 additional loading), x, sigma."""
-
-    path: float
-    x: Array
-    sigma: Array
 
 
 class Walk:
@@ -123,6 +110,26 @@ class Walk:
         if self._arbitrary or (target.additional == 0.0 and target.initial >= 1.0):
             self.path = self.path[-1:]  # from here on the path of the additional loading
         self._arbitrary = False
+
+    @property
+    def has_direction(self) -> bool:
+        """Are there states from which the next one can be predicted?"""
+        return len(self.path) > 1
+
+    def pass_by(self, levels: Sequence[LoadLevel]) -> int:
+        """Along levels that are not stored, as many as C passes in one call (`spacar.stationary.passed_levels`)."""
+        e = self.evaluator
+        ordinary = self.stable is not None and self.stable == Stability(0, 0, True)
+        if not ordinary or self._arbitrary or self._large or not e.mechanism.numbering.nddof:
+            return 0
+        passed = e.pass_levels(levels, self.path, self.limit)
+        if passed is None:
+            return 0
+        self.path, self.noise, self.iterations = passed.path, passed.noise, passed.iterations
+        self.point = e.point(self.path[-1].x, self.path[-1].sigma)
+        self._regular, self._factored = True, False
+        self.level = levels[passed.levels - 1]
+        return passed.levels
 
     # -- one part -------------------------------------------------------------------------------------------------
     def _advance(self, reached: LoadLevel, level: LoadLevel, stored: bool) -> int:

@@ -1,8 +1,8 @@
 """Cases of a sweep in batches (spacar.studies.ensemble), where that is possible.
 
-A batch is one piece of work for a process, or for threads on all cores of this one, as C lets go of Python's lock; its
-rows appear together. Where a case comes to a dead point or leaves the range of a theory, all cases in the lanes beside
-it are run alone, so that the row of each says what is wrong with that case.
+A chunk is one piece of work for a process, or for threads on all cores of this one, as C lets go of Python's lock. Its
+cases are followed in groups, whose rows appear together. Where a case comes to a dead point or leaves the range of a
+theory, all cases in the lanes beside it are run alone, so that the row of each says what is wrong with that case.
 """
 
 from __future__ import annotations
@@ -10,7 +10,8 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from itertools import chain, islice
 
 from spacar.deck import Deck
@@ -18,47 +19,48 @@ from spacar.errors import SpacarError
 from spacar.modes import find_mode
 from spacar.studies.affine_cases import affine_cases
 from spacar.studies.assignments import change
-from spacar.studies.ensemble import BlockMotions, motions, why_not
+from spacar.studies.ensemble import motions, why_not
+from spacar.studies.followers import GroupMotions
 from spacar.studies.rows import Row
-from spacar.studies.side_by_side import alike, side_by_side
+from spacar.studies.side_by_side import Cases, alike, side_by_side
 from spacar.studies.sweep import LOST, Case, Study, Values, row, run_case
 from spacar.studies.workers import Engine, Lost, cores
 
-SIZE = 64  # cases of a batch of a process: a killed one loses them
-QUICK, LARGEST = 0.5, 1024  # seconds of a batch in this process below which the next one is larger, up to so many cases
+SIZE = 64  # cases of a chunk of a process: a killed one loses them; and of cases that are built side by side
+LARGEST = 1024  # cases of a chunk in this process, whose numbers are made together
+Numbers = tuple[float | complex, ...]
 
 
 @dataclass(frozen=True)
 class Chunk:
-    """Cases that run as one batch."""
+    """Cases whose numbers are made together."""
 
     study: Study
     cases: tuple[Values, ...]
     threads: int = 1
 
 
-def in_batches(study: Study, cases: Iterable[Values], engine: Engine, jobs: int | None = 1) -> Iterator[Row]:
+def in_batches(study: Study, cases: Iterable[Values], engine: Engine, jobs: int | None = 1) -> Iterator[list[Row]]:
     """Rows of all cases. `engine` runs on `jobs` processes, 1: here; None: here, in threads on all cores."""
     coming = iter(cases)
     processes = jobs or 1
+    if processes == 1:
+        threads = cores() if jobs is None else 1
+        while batch := tuple(islice(coming, LARGEST)):
+            yield from groups_of_rows(Chunk(study, batch, threads))
+        return
     first = list(islice(coming, SIZE * processes))
     size = max(1, min(SIZE, -(-len(first) // processes)))
-    threads = cores() if jobs is None else 1
-    chunks = _chunks(study, chain(first, coming), size, threads, growing=processes == 1)
-    for chunk, outcome in engine(run_chunk, chunks) if processes > 1 else ((c, run_chunk(c)) for c in chunks):
+    for chunk, outcome in engine(run_chunk, _chunks(study, chain(first, coming), size)):
         if isinstance(outcome, Lost):
-            for values in chunk.cases:
-                yield {**row(study, values, {}, 0.0, outcome.reason), "status": LOST}
+            yield [{**row(study, values, {}, 0.0, outcome.reason), "status": LOST} for values in chunk.cases]
         else:
-            yield from outcome
+            yield outcome
 
 
-def _chunks(study: Study, cases: Iterator[Values], size: int, threads: int, growing: bool) -> Iterator[Chunk]:
+def _chunks(study: Study, cases: Iterator[Values], size: int) -> Iterator[Chunk]:
     while batch := tuple(islice(cases, size)):
-        begun = time.perf_counter()
-        yield Chunk(study, batch, threads)
-        if growing and time.perf_counter() - begun < QUICK:
-            size = min(4 * size, LARGEST)
+        yield Chunk(study, batch)
 
 
 def is_motion(study: Study) -> bool:
@@ -81,46 +83,60 @@ def reason(study: Study, values: Values) -> str:
 
 
 def run_chunk(chunk: Chunk) -> list[Row]:
+    """Rows of the cases of a chunk."""
+    return list(chain.from_iterable(groups_of_rows(chunk)))
+
+
+def groups_of_rows(chunk: Chunk) -> Iterator[list[Row]]:
     """Rows of the cases of a chunk, run together where they are alike and singly where not, or where one fails."""
     study = chunk.study
-    begun = time.perf_counter()
-    found: dict[int, tuple[float | complex, ...]] = {}
-    try:
-        _run_together(study, chunk, found)
-    except (SpacarError, ArithmeticError):
-        found.clear()
-    seconds = (time.perf_counter() - begun) / max(len(found), 1)
     names = [q.name for q in study.quantities]
-    together = [
-        row(study, chunk.cases[k], dict(zip(names, found[k], strict=True)), seconds, "") for k in sorted(found)
-    ]
-    alone = (values for k, values in enumerate(chunk.cases) if k not in found)
-    return together + [run_case(Case(study, values)) for values in alone]
+    done: set[int] = set()
+    begun = time.perf_counter()
+    try:
+        for found in _together(study, chunk):
+            now = time.perf_counter()
+            seconds, begun = (now - begun) / max(len(found), 1), now
+            done.update(found)
+            yield [
+                row(study, chunk.cases[k], dict(zip(names, numbers, strict=True)), seconds, "")
+                for k, numbers in found.items()
+            ]
+    except (SpacarError, ArithmeticError):
+        pass  # the run of a case says why
+    for k, values in enumerate(chunk.cases):
+        if k not in done:
+            yield [run_case(Case(study, values))]
 
 
-def _run_together(study: Study, chunk: Chunk, found: dict[int, tuple[float | complex, ...]]) -> None:
-    """Put the quantities of the cases that can be run together under their places."""
-    cases = affine_cases(study.deck, study.settings, chunk.cases, **study.options)
-    if cases is None:
-        chosen, decks = _alike(study, chunk.cases)
-        if not decks:
-            return
-        cases = side_by_side(decks, **study.options)
-    else:
-        chosen = list(cases.chosen)
+def _together(study: Study, chunk: Chunk) -> Iterator[dict[int, Numbers]]:
+    """The quantities of the cases that can be run together, by their places, group after group."""
+    for cases in _cases(study, chunk.cases):
+        numbers = partial(_numbers, study, cases.chosen)
+        yield from motions(cases, numbers, threads=chunk.threads, **study.options)
 
-    def keep(motion: BlockMotions) -> None:
-        columns = [q.numbers(motion, len(motion.own)) for q in study.quantities]
-        for lane, k in enumerate(motion.own):
-            if any(column is None for column in columns):
-                result = motion.result(lane)
-                found[chosen[k]] = tuple(q.number(result) for q in study.quantities)
-            else:
-                values = tuple(column[lane] for column in columns)  # type: ignore[index]
-                if None not in values:
-                    found[chosen[k]] = values  # type: ignore[assignment]
 
-    motions(cases, keep, threads=chunk.threads, **study.options)
+def _cases(study: Study, values: tuple[Values, ...]) -> Iterator[Cases]:
+    """Those that can be run together, with their places: all at once, or built side by side a few at a time."""
+    cases = affine_cases(study.deck, study.settings, values, **study.options)
+    if cases is not None:
+        yield cases
+        return
+    for first in range(0, len(values), SIZE):
+        chosen, decks = _alike(study, values[first : first + SIZE])
+        if decks:
+            yield replace(side_by_side(decks, **study.options), chosen=[first + k for k in chosen])
+
+
+def _numbers(study: Study, chosen: Sequence[int], group: GroupMotions) -> dict[int, Numbers]:
+    """The quantities of the cases of a group, by their places; without those whose run says what is wrong."""
+    if not group.own:
+        return {}
+    columns = [q.numbers(group, len(group.own)) for q in study.quantities]
+    if any(column is None for column in columns):
+        return {chosen[k]: tuple(q.number(result) for q in study.quantities) for k, result in group.results()}
+    rows = zip(*columns, strict=True)
+    return {chosen[k]: numbers for k, numbers in zip(group.own, rows, strict=True) if None not in numbers}
 
 
 def _alike(study: Study, cases: Sequence[Values]) -> tuple[list[int], list[Deck]]:

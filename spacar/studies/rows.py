@@ -1,9 +1,9 @@
 """Append-only rows of a study: one line for every finished case, complete or absent.
 
-Every row is written with a single call, so it survives the process; it is on the disk at most SYNC seconds later, as
-waiting for the disk costs more than a small case. A process that is killed leaves at most a piece of a last line; it
-is cut off when the file is opened again. JSON lines hold anything; csv has its columns fixed by the first row. Rows are
-told apart by the text `case`.
+Rows that came together are written with a single call, so they survive the process; they are on the disk at most SYNC
+seconds later, as waiting for the disk costs more than a small case. A process that is killed leaves at most a piece of
+a last line; it is cut off when the file is opened again. JSON lines hold anything; csv has its columns fixed by the
+first row. Rows are told apart by the text `case`.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import json
 import os
 import time
 from collections.abc import Sequence
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -26,13 +27,11 @@ SYNC = 0.1  # seconds
 class Rows:
     """The file of rows; use as a context. `done` holds the rows that were there, by `case`, the last of each.
 
-    durable   False: a file that nobody reads later, for which the disk is not waited for
-
     Raises UsageError when the file belongs to something else or another process is writing to it.
     """
 
-    def __init__(self, path: Path, columns: Sequence[str], durable: bool = True) -> None:
-        self.path, self.columns, self.durable = path, tuple(columns), durable
+    def __init__(self, path: Path, columns: Sequence[str]) -> None:
+        self.path, self.columns = path, tuple(columns)
         self.csv = path.suffix.lower() == ".csv"
         self.done: dict[str, Row] = {}
         self._synced = 0.0
@@ -60,13 +59,15 @@ class Rows:
         self._to_disk()
         self._file.close()
 
-    def add(self, row: Row) -> None:
-        """Append a row; it survives the process at once, and the machine after SYNC seconds."""
+    def add(self, *rows: Row) -> None:
+        """Append rows; they survive the process at once, and the machine after SYNC seconds."""
         if self.csv:
-            self._write(_csv_line([_cell(row.get(name)) for name in self.columns]))
+            lines = [_csv_line([_cell(row.get(name)) for name in self.columns]) for row in rows]
         else:
-            self._write(json.dumps(row, default=_parts) + "\n")
-        self.done[str(row["case"])] = row
+            lines = [json.dumps(row, default=_parts) + "\n" for row in rows]
+        self._write("".join(lines))
+        for row in rows:
+            self.done[str(row["case"])] = row
 
     def _write(self, line: str) -> None:
         self._file.write(line.encode("utf-8"))
@@ -75,8 +76,6 @@ class Rows:
             self._to_disk()
 
     def _to_disk(self) -> None:
-        if not self.durable:
-            return
         os.fsync(self._file.fileno())
         self._synced = time.monotonic()
 
@@ -112,8 +111,6 @@ def key_text(part: Any) -> str:
 
 def digest(text: str) -> str:
     """The key of the text of all parts."""
-    from hashlib import sha256
-
     return sha256(text.encode()).hexdigest()[:16]
 
 

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from spacar.arrays import Array
@@ -74,16 +73,15 @@ def sweep(
     study = Study(number, deck_of(source, number), settings, tuple(map(quantity, texts)), options)
     require_columns(study)
     engine: Engine = partial(run, jobs=jobs or 1)
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "rows.jsonl" if output is None else Path(output)
+    path = None if output is None else Path(output)
+    found: dict[str, Row] = {}
+    if path is not None:
         if path.suffix.lower() not in (".csv", ".jsonl"):
             raise UsageError(f"output {path}: the rows are written as .csv or .jsonl", "usage.sweep")
-        with Rows(path, study.columns, durable=output is not None) as rows:
-            earlier = {key: _typed(row) for key, row in rows.done.items()}
-        batches, _ = batches_of(study, cases, engine, jobs, batch, "batch")
-        found_now = swept(study, cases, path, engine, retry, batches, durable=output is not None)
-        new = {str(row["case"]): row for row in found_now}
-    found = earlier | new
+        with Rows(path, study.columns) as rows:
+            found = {key: _typed(row) for key, row in rows.done.items()}
+    batches, _ = batches_of(study, cases, engine, jobs, batch, "batch")
+    found.update((row["case"], row) for row in swept(study, cases, path, engine, retry, batches))
     return [found[study.key(case)] for case in cases]
 
 

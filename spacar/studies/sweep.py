@@ -8,10 +8,9 @@ is started again. Rows are append-only and finished cases are skipped, see `rows
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -47,9 +46,8 @@ class Study:
     def key(self, values: Sequence[float]) -> str:
         """What tells this case from every other one: model, mode, options, parameters, quantities."""
         before, after = self._around_values
-        if all(isinstance(v, float) and isfinite(v) for v in values):
-            own = f"[{', '.join(map(float.__repr__, values))}]"  # as JSON writes them
-        else:
+        own = repr([*values])  # of Python's numbers it is what JSON writes, but of inf and nan
+        if "n" in own:
             own = key_text(list(values))
         return digest(f"{before}{own}{after}")
 
@@ -61,7 +59,7 @@ class Study:
         return f"{before[:-1]}, ", f", {key_text([(q.name, q.text) for q in self.quantities])}]"
 
 
-Batch = Callable[[Study, Iterable[Values]], Iterator[Row]]
+Batch = Callable[[Study, Iterable[Values]], Iterator[list[Row]]]
 
 
 @dataclass(frozen=True)
@@ -75,43 +73,50 @@ class Case:
 def sweep(
     study: Study,
     cases: Iterable[Values],
-    output: Path,
+    output: Path | None,
     engine: Engine = run,
     retry: bool = False,
     batch: Batch | None = None,
-    durable: bool = True,
 ) -> Iterator[Row]:
-    """Rows of the cases that are not in `output` yet, each after it has been written there.
+    """Rows of the cases that are not in `output` yet, each after it has been written there; None: of all, without a
+    file.
 
     `cases` holds values in the order of study.settings; `engine` runs them (spacar.studies.workers); `retry` runs
-    failed cases again; `batch`, if given, runs them instead, many at once; `durable` as for `Rows`. Raises UsageError
-    for a file of another study.
+    failed cases again; `batch`, if given, runs them instead, many at once. Raises UsageError for a file of another
+    study.
     """
-    with Rows(output, study.columns, durable) as rows:
-        todo = _unfinished(study, cases, rows, retry)
-        outcomes = batch(study, todo) if batch is not None else singly(study, todo, engine)
-        for outcome in outcomes:
-            rows.add(outcome)
-            yield outcome
+
+    def outcomes(done: Mapping[str, Row]) -> Iterator[list[Row]]:
+        todo = _unfinished(study, cases, done, retry)
+        return batch(study, todo) if batch is not None else singly(study, todo, engine)
+
+    if output is None:
+        for group in outcomes({}):
+            yield from group
+        return
+    with Rows(output, study.columns) as rows:
+        for group in outcomes(rows.done):
+            rows.add(*group)
+            yield from group
 
 
-def _unfinished(study: Study, cases: Iterable[Values], rows: Rows, retry: bool) -> Iterator[Values]:
+def _unfinished(study: Study, cases: Iterable[Values], done: Mapping[str, Row], retry: bool) -> Iterator[Values]:
     """The cases that have to be run, each once, one after the other as they are asked for."""
     begun: set[str] = set()
     for values in cases:
         key = study.key(values)
-        if key not in begun and not finished(rows.done.get(key), retry):
+        if key not in begun and not finished(done.get(key), retry):
             begun.add(key)
             yield values
 
 
-def singly(study: Study, cases: Iterable[Values], engine: Engine = run) -> Iterator[Row]:
+def singly(study: Study, cases: Iterable[Values], engine: Engine = run) -> Iterator[list[Row]]:
     """Rows of cases that run one by one on an engine."""
     for case, outcome in engine(run_case, (Case(study, v) for v in cases)):
         if isinstance(outcome, Lost):
-            yield {**row(study, case.values, {}, 0.0, outcome.reason), "status": LOST}
+            yield [{**row(study, case.values, {}, 0.0, outcome.reason), "status": LOST}]
         else:
-            yield outcome
+            yield [outcome]
 
 
 def finished(found: Row | None, retry: bool) -> bool:

@@ -10,7 +10,8 @@ from spacar.compiled.library import why_off
 from spacar.deck import read_deck
 from spacar.errors import UsageError
 from spacar.studies.assignments import change, setting
-from spacar.studies.ensemble import E_FIELDS, X_FIELDS, ensemble, why_not
+from spacar.studies.ensemble import ensemble, why_not
+from spacar.studies.followers import E_FIELDS, X_FIELDS
 
 DATA = Path(__file__).parents[2] / "data"
 TOLERANCE = 1e-8

@@ -18,6 +18,7 @@ from spacar.deck import (
     lexer,
     outline,
     parse_deck,
+    splitter,
 )
 from spacar.errors import InputError
 
@@ -31,22 +32,26 @@ MISTAKES = [
 ]  # fmt: skip
 
 
+def words_of(line, number):
+    """The words of a line, found in another way than the lexer does."""
+    found = [lexer.Word(m[0], number, m.start() + 1, False) for m in re.finditer(r"[^ \t\v\f%#;]+|[%#;].*", line)]
+    return [w._replace(first=i == 0) for i, w in enumerate(found) if w.text[0] not in "%#;"]
+
+
 def by_words(text):
-    """The rows of a text without plain lines, for `lexer.scan`."""
+    """A text without plain lines, for `lexer.scan`."""
     given = re.split("\r\n|\r|\n", text.removeprefix("\ufeff"))
-    rows, count = [], len(given)
+    count = len(given)
     for number, line in enumerate(given, 1):
-        words = [lexer.Word(m[0], number, m.start() + 1, False) for m in re.finditer(r"[^ \t\v\f%#;]+|[%#;].*", line)]
-        words = [w._replace(first=i == 0) for i, w in enumerate(words) if w.text[0] not in "%#;"]
+        words = words_of(line, number)
         if words and words[0].text.upper() == "VISUALIZATION":
             count = number - 1
             break
-        rows += [words] if words else []
     rest = None if count == len(given) else given[count + 1 :]
     if rest and not rest[-1]:
         rest.pop()
     long = [number for number, line in enumerate(given[:count], 1) if len(line) > 160]
-    return lexer.SourceText(rows, rest if rest is None else tuple(rest), long, count)
+    return lexer.SourceText(given[:count], set(range(1, count + 1)), rest if rest is None else tuple(rest), long)
 
 
 @contextmanager
@@ -60,6 +65,8 @@ def one_by_one():
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(deck_reader, "scan", by_words)
+        patch.setattr(lexer, "words_of", words_of)
+        patch.setattr(splitter, "words_of", words_of)
         patch.setattr(outline.Outline, "add", irregular)
         patch.setattr(checks_geometry, "_ordinary", lambda *_: False)
         patch.setattr(checks_geometry, "_all_new", lambda *_: False)

@@ -12,7 +12,8 @@ import pytest
 import spacar
 from spacar.compiled.library import lanes_of_processor, why_off
 from spacar.deck import read_deck
-from spacar.studies import batched_cases, workers
+from spacar.studies import ensemble as studies_ensemble
+from spacar.studies import followers, workers
 from spacar.studies.assignments import change, setting
 from spacar.studies.ensemble import ensemble, why_not
 
@@ -50,6 +51,29 @@ def test_threads_change_nothing(decks):
         assert np.array_equal(a["x"], b["x"])
 
 
+@pytest.mark.parametrize("targets", [("XM.8",), ("X.8[coordinate x1]", "EM.4")])
+def test_a_block_knows_nothing_of_the_blocks_before_it(robot, targets):
+    """Numbers that go into a model in C leave nothing of the ones before: to the last digit."""
+    n = lanes_of_processor()
+    values = np.random.default_rng(3).uniform(0.95, 1.05, (2 * n, len(targets)))
+    sizes = {"XM.8": 30.0, "X.8[coordinate x1]": 0.5, "EM.4": 4.0}
+    settings = [setting(t) for t in targets]
+    decks = [change(robot, settings, [sizes[t] * v for t, v in zip(targets, row, strict=True)]) for row in values]
+    both, second = ensemble(decks, **OPTIONS)[n:], ensemble(decks[n:], **OPTIONS)
+    for a, b in zip(both, second, strict=True):
+        for name in ("x", "xdd", "sig", "fxtot"):
+            assert np.array_equal(a[name], b[name]), name
+
+
+def test_rows_without_a_file_touch_no_file(robot, monkeypatch):
+    def opened(*_, **__):
+        raise AssertionError("a file was opened")
+
+    monkeypatch.setattr(Path, "open", opened)
+    rows = spacar.sweep(robot, {"XM.8": [25.0, 30.0]}, "z: x[8,3]@end", **OPTIONS)
+    assert [row["status"] for row in rows] == 2 * ["done"]
+
+
 def test_only_the_block_of_a_case_that_fails_is_run_alone(robot):
     """A link of nearly no length makes one case too hard: the others of its block are run alone, all are right."""
     low = [setting("X.8[coordinate x1]"), setting("X.8[coordinate x3]")]
@@ -70,22 +94,22 @@ def test_only_the_block_of_a_case_that_fails_is_run_alone(robot):
 
 def test_rows_that_are_there_survive_an_interruption(robot, tmp_path, monkeypatch):
     begun = []
-    follow = batched_cases.run_chunk
+    follow = followers.Follower.follow
 
-    def interrupted(chunk):
-        begun.append(chunk)
+    def interrupted(self, group):
+        begun.append(group)
         if len(begun) > 1:
             raise KeyboardInterrupt
-        return follow(chunk)
+        return follow(self, group)
 
-    monkeypatch.setattr(batched_cases, "run_chunk", interrupted)
-    monkeypatch.setattr(batched_cases, "SIZE", 8)
+    monkeypatch.setattr(followers.Follower, "follow", interrupted)
+    monkeypatch.setattr(studies_ensemble, "LARGEST", 8)
     output = tmp_path / "rows.csv"
     ask = (robot, {"XM.8": list(np.linspace(20.0, 40.0, 20))}, "z: x[8,3]@end")
     with pytest.raises(KeyboardInterrupt):
-        spacar.sweep(*ask, output=output, **OPTIONS)
+        spacar.sweep(*ask, output=output, jobs=1, **OPTIONS)
     assert len(list(csv.DictReader(output.open()))) == 8
-    monkeypatch.setattr(batched_cases, "run_chunk", follow)
+    monkeypatch.setattr(followers.Follower, "follow", follow)
     rows = spacar.sweep(*ask, output=output, **OPTIONS)
     assert [row["status"] for row in rows] == 20 * ["done"]
     assert len(list(csv.DictReader(output.open()))) == 20

@@ -14,7 +14,8 @@ from spacar.deck import parse_deck, read_deck
 from spacar.errors import UsageError
 from spacar.studies.assignments import axis, change, setting
 from spacar.studies.batched_cases import reason
-from spacar.studies.ensemble import E_FIELDS, X_FIELDS, ensemble, why_not
+from spacar.studies.ensemble import ensemble, why_not
+from spacar.studies.followers import E_FIELDS, X_FIELDS
 from spacar.studies.quantities import quantity
 from spacar.studies.side_by_side import alike
 from spacar.studies.sweep import Study

@@ -1,0 +1,151 @@
+/* What the linearized equations about an equilibrium consist of: V, the transfer functions W and We, the stresses of the given
+   deformations, the geometric stiffness, the gradient of gravity. Formulas: spacar/linearization/coefficients.py, and
+   spacar/kinematics: transfer.py, constraint_condition.py. Dense, for small models without kinematic coordinates: the given rows E of V are
+   the first n, the unknowns U the n coordinates from `first` on, and the degrees of freedom follow each other in x and in e. */
+typedef struct {
+    const double *row, *column;                   /* sizes of the deformations E and of the coordinates U, (n) */
+    double *W, *We, *V, *geometric, *gravity;     /* (nx, ndof), (ne, ndof), (ne, nx), (nx, nx); gravity (nx, nx) or NULL; all zero */
+    double *sigma;                                /* (ne): those of the rows E come out */
+    int64_t n, first, q_x, n_q_x, q_e, n_q_e;     /* the first degree of freedom among x and e, and how many */
+    double bound, terms;                          /* of the condition number; sum over the elements of their largest scaled stiffness */
+} Linearized;
+
+/* LU in place with partial pivoting, rows one after the other; pivots[j]: the row that was exchanged with row j. */
+static int dense_factor(double *a, int n, int *pivots)
+{
+    for (int j = 0; j < n; j++) {
+        int p = j;
+        for (int i = j + 1; i < n; i++) if (fabs(a[i * n + j]) > fabs(a[p * n + j])) p = i;
+        pivots[j] = p;
+        if (a[p * n + j] == 0.0) return SINGULAR;
+        double *row = a + j * n;
+        if (p != j) for (int c = 0; c < n; c++) { const double kept = row[c]; row[c] = a[p * n + c]; a[p * n + c] = kept; }
+        for (int i = j + 1; i < n; i++) {
+            double *to = a + i * n;
+            if (to[j] == 0.0) continue;
+            const double l = to[j] /= row[j];
+            for (int c = j + 1; c < n; c++) to[c] -= l * row[c];
+        }
+    }
+    return OK;
+}
+
+/* k right-hand sides, (n, k), in their place. */
+static void dense_solve(const double *a, int n, const int *pivots, double *x, int k)
+{
+    for (int j = 0; j < n; j++) {
+        double *at = x + j * k, *other = x + pivots[j] * k;
+        if (other != at) for (int c = 0; c < k; c++) { const double kept = at[c]; at[c] = other[c]; other[c] = kept; }
+    }
+    for (int i = 1; i < n; i++)
+        for (int j = 0; j < i; j++) {
+            const double l = a[i * n + j];
+            if (l != 0.0) for (int c = 0; c < k; c++) x[i * k + c] -= l * x[j * k + c];
+        }
+    for (int i = n - 1; i >= 0; i--) {
+        for (int j = i + 1; j < n; j++) {
+            const double u = a[i * n + j];
+            if (u != 0.0) for (int c = 0; c < k; c++) x[i * k + c] -= u * x[j * k + c];
+        }
+        for (int c = 0; c < k; c++) x[i * k + c] /= a[i * n + i];
+    }
+}
+
+/* The transposed matrix and one right-hand side. */
+static void dense_solve_transposed(const double *a, int n, const int *pivots, double *x)
+{
+    for (int j = 0; j < n; j++) {
+        x[j] /= a[j * n + j];
+        for (int c = j + 1; c < n; c++) x[c] -= a[j * n + c] * x[j];
+    }
+    for (int j = n - 1; j > 0; j--) for (int c = 0; c < j; c++) x[c] -= a[j * n + c] * x[j];
+    for (int j = n - 1; j >= 0; j--) { const double kept = x[j]; x[j] = x[pivots[j]]; x[pivots[j]] = kept; }
+}
+
+/* (|D|_1 |D|_inf)^1/2 |D^-1|_F of the scaled matrix D of V[E, U] and its inverse: see constraint_condition.py. */
+static double condition_bound(const Linearized *l, const double *V, int nx, const double *inverse)
+{
+    const int n = (int)l->n;
+    double rows = 0.0, columns = 0.0, squares = 0.0;
+    for (int i = 0; i < n; i++) {
+        double row = 0.0, column = 0.0;
+        for (int j = 0; j < n; j++) {
+            row += fabs(V[i * nx + l->first + j] * l->column[j] / l->row[i]);
+            column += fabs(V[j * nx + l->first + i] * l->column[i] / l->row[j]);
+            const double entry = inverse[i * n + j] * l->row[j] / l->column[i];
+            squares += entry * entry;
+        }
+        rows = larger(rows, row);
+        columns = larger(columns, column);
+    }
+    const double bound = n ? sqrt(rows * columns) * sqrt(squares) : 1.0;
+    return isfinite(bound) ? bound : INFINITY;
+}
+
+/* At x with the stresses sigma. ANOTHER_WAY: singular, or the gradient of gravity is not symmetric. */
+static int spacar_equilibrium_linearize(Equilibrium *q, Linearized *l)
+{
+    Own *w = q->own;
+    const int n = (int)l->n, nx = (int)q->nx, ne = (int)q->ne, first = (int)l->first, k = (int)l->n_q_x, ndof = k + (int)l->n_q_e;
+    const double *V = q->V;
+    rest_loads(q, w);
+    rest_elements(q, w, q->x);
+    rest_weight(q, w);
+    for (int i = 0; i < nx; i++) w->force[i] = w->applied[i] - w->weight[i];
+    for (int i = 0; i < q->n_v; i++) {
+        const int r = (int)q->v_rows[i], c = (int)q->v_columns[i];
+        l->V[r * nx + c] += V[i];
+        if (r >= n) w->force[c] -= V[i] * l->sigma[r];
+    }
+    double *room = calloc(2 * (size_t)n * n + (size_t)n * k + 1, sizeof(double)), *inverse = room + n * n, *moved = inverse + n * n;
+    int *pivots = malloc((n + 1) * sizeof(int)), status = NO_MEMORY;
+    if (!room || !pivots) goto end;
+    for (int i = 0; i < n; i++) {
+        memcpy(room + i * n, l->V + i * nx + first, n * sizeof(double));
+        inverse[i * n + i] = 1.0;
+        for (int j = 0; j < k; j++) moved[i * k + j] = -l->V[i * nx + l->q_x + j];
+        l->sigma[i] = w->force[first + i];
+    }
+    status = ANOTHER_WAY;
+    if (dense_factor(room, n, pivots) != OK) goto end;
+    dense_solve(room, n, pivots, inverse, n);
+    dense_solve(room, n, pivots, moved, k);
+    dense_solve_transposed(room, n, pivots, l->sigma);
+    l->bound = condition_bound(l, l->V, nx, inverse);
+    for (int i = 0; i < n; i++) { /* unit rates of the degrees of freedom, one after the other */
+        double *W = l->W + (first + i) * ndof;
+        memcpy(W, moved + i * k, k * sizeof(double));
+        memcpy(W + k, inverse + i * n + l->q_e, (ndof - k) * sizeof(double));
+    }
+    for (int j = 0; j < k; j++) l->W[(l->q_x + j) * ndof + j] = 1.0;
+    for (int j = k; j < ndof; j++) l->We[(l->q_e + j - k) * ndof + j] = 1.0;
+    for (int i = 0; i < q->n_v; i++) {
+        const int r = (int)q->v_rows[i], c = (int)q->v_columns[i];
+        if (r >= n) for (int j = 0; j < ndof; j++) l->We[r * ndof + j] += V[i] * l->W[c * ndof + j];
+    }
+    if (!rest_blocks(q, w, l->sigma)) goto end;
+    l->terms = 0.0;
+    for (int g = 0; g < q->n_groups; g++) {
+        const Group *group = &q->groups[g];
+        const Piece *p = &w->pieces[g];
+        const int nxe = group->elements->nxe, m = group->elements->n;
+        for (int i = 0; i < m; i++) {
+            double largest = 0.0;
+            for (int a = 0; a < nxe; a++) for (int c = 0; c < nxe; c++) {
+                const int64_t r = group->x[a * m + i], s = group->x[c * m + i];
+                const int at = (a * nxe + c) * m + i;
+                if (group->curved) {
+                    l->geometric[r * nx + s] += p->H[at];
+                    largest = larger(largest, p->H[at] * q->scale[r] * q->scale[s]);
+                }
+                if (group->heavy) l->gravity[r * nx + s] += p->by_x[at];
+            }
+            l->terms += largest;
+        }
+    }
+    status = isfinite(l->bound) ? OK : ANOTHER_WAY;
+end:
+    free(room);
+    free(pivots);
+    return status;
+}

@@ -1,0 +1,98 @@
+"""Many outputs of several cases in one call of C (`passage.c`), into rows that hold other cases too.
+
+Outputs at which somebody has to look, or that C cannot evaluate, end the motion: a single run says what it is.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from typing import Protocol
+
+import numpy as np
+
+from spacar.arrays import Array
+from spacar.compiled.compiled_model import EXACT, NOT_ANSWERED, WIDTH, CompiledModel, State
+from spacar.compiled.element_parameters import GUARD
+from spacar.compiled.passage import HARMLESS, LONGEST, NOT_SHOWN, UNLIMITED, CPassage
+from spacar.errors import AnalysisError
+from spacar.integrators.problem import Counts, Passed
+from spacar.kinematics.kinematics import LARGEST_JUMP
+
+SHOWN = "shown"  # of outputs that stand in their rows
+COUNTS = 5 * ctypes.sizeof(ctypes.c_int)  # of an output
+
+
+class ShownInLanes(Protocol):
+    """What is asked of the cases."""
+
+    solver: CompiledModel
+    shown: State
+    y0: Array
+
+
+class PassageOfCases:
+    """Outputs of the lanes of a model at `times` (n,), into `rows` (n, 6 nx + 4 ne, blocks, lanes): those of one of the
+    blocks."""
+
+    def __init__(self, cases: ShownInLanes) -> None:
+        self.cases, model = cases, cases.solver
+        self.y = np.empty_like(cases.y0)
+        self.c = c = CPassage(cases.shown.address.value)
+        c.y, c.exact, c.jump, c.guard, c.longest = self.y.ctypes.data, EXACT, LARGEST_JUMP, GUARD, LONGEST
+        c.foreign = model.slots.has_limits
+        self.address = ctypes.c_void_p(ctypes.addressof(c))
+        self.times, self.work = np.zeros(0), np.zeros((0, 5), np.int32)
+        self.at, self.output = (0, 0, 0), 0
+
+    def into(self, times: Array, rows: Array, block: int, far: int) -> None:
+        """The outputs to come go there; behind more than `far` steps they are evaluated from the begin of a step."""
+        _, width, blocks, lanes = rows.shape
+        self.times, self.work = times, np.empty((len(times), 5), np.int32)
+        first = rows.ctypes.data + WIDTH * lanes * block
+        self.at = times.ctypes.data, first, self.work.ctypes.data
+        self.c.width, self.c.apart, self.c.far = width * blocks * lanes, blocks, far
+
+    def begin(self, output: int, steps: float = UNLIMITED) -> None:
+        """The next call begins with this one of the outputs; it ends at the first one behind so many steps."""
+        c, (t, rows, work) = self.c, self.at
+        self.output = output
+        c.t, c.rows, c.work = t + WIDTH * output, rows + WIDTH * c.width * output, work + COUNTS * output
+        c.n = len(self.times) - output
+        c.steps = int(min(max(steps, 0), UNLIMITED))
+
+    def outputs(self, before: Counts = (0, 0, 0, 0, 0)) -> list[Passed]:
+        """Those of the last call; `before`: what the integrator had counted before it. Raises AnalysisError, and what a
+        user function raised."""
+        self._check()
+        counts = self.work[self.output : self.output + self.c.done]
+        if not len(counts):
+            return []
+        return [Passed(float(self.times[self.output + len(counts) - 1]), self.y, counts + before, SHOWN)]
+
+    def made(self) -> list[int]:
+        """What was done in the last call up to its last output, as `Counts`."""
+        counts: list[int] = self.work[self.output + self.c.done - 1].tolist()
+        return counts
+
+    def show(self, output: int, y: Array) -> None:
+        """A single output, whose state is y. Raises as `outputs`."""
+        self.begin(output)
+        self.c.n = 1
+        self.y[:] = y
+        model = self.cases.solver
+        model.engine.show(model.handle, self.address)
+        self._check()
+
+    def _check(self) -> None:
+        """Raise what is wrong with the last output."""
+        c = self.c
+        if c.last == HARMLESS:
+            return
+        if c.last == NOT_SHOWN and c.status == NOT_ANSWERED:
+            self.cases.solver.slots.raise_error()
+        raise not_followed(float(self.times[self.output + c.done - 1]))
+
+
+def not_followed(t: float) -> AnalysisError:
+    """A case has to be run alone."""
+    return AnalysisError(f"a case of the batch could not be followed at t = {t:.9g}", "study.batch")

@@ -1,0 +1,77 @@
+/* Along the equilibrium path over levels that are passed through only, as long as nothing there needs a decision: spacar/stationary/walk.py,
+   which gives the constants and goes on where this ends. A level is passed when Newton's iteration finds the state from the prediction, the
+   path is not much faster than before, and the state is proved to be stable. */
+enum { REMEMBERED = 4 }; /* states that predict the next one, as in walk.py */
+
+typedef struct {
+    const double *levels;      /* (count, 4): fractions of both parts of the loading, part of the forces that are held, place on the way */
+    double *states, *places;   /* (REMEMBERED, nx + ne): x, sigma of the last states, (REMEMBERED): where they are; the last is the latest */
+    double *near;              /* (ne) of the sweep at the last state: room */
+    int64_t count, known, passed, iterations;
+    double wide, faster, farthest, critical, noise; /* noise: of the last state */
+} Passed;
+
+/* Lagrange's polynomial through the last states at a place, of fewer where they are close together. */
+static void predict(const Passed *p, int size, double place, double *x, int nx, double *sigma)
+{
+    double weights[REMEMBERED], most;
+    int n = (int)p->known;
+    const double *at;
+    for (;; n--) {
+        at = p->places + REMEMBERED - n;
+        most = 0.0;
+        for (int i = 0; i < n; i++) {
+            weights[i] = 1.0;
+            for (int j = 0; j < n; j++) if (j != i) weights[i] *= (place - at[j]) / (at[i] - at[j]);
+            most = larger(most, weights[i]);
+        }
+        if (n == 1 || most <= p->farthest) break;
+    }
+    const double *states = p->states + (size_t)(REMEMBERED - n) * size;
+    for (int c = 0; c < size; c++) {
+        double sum = 0.0;
+        for (int i = 0; i < n; i++) sum += weights[i] * states[(size_t)i * size + c];
+        *(c < nx ? x + c : sigma + c - nx) = sum;
+    }
+}
+
+static double way(const Equilibrium *q, const double *a, const double *b)
+{
+    double size = 0.0;
+    for (int i = 0; i < q->nx; i++) size = larger(size, (a[i] - b[i]) / q->scale[i]);
+    return size;
+}
+
+static void spacar_equilibrium_walk(Equilibrium *q, Passed *p)
+{
+    const Own *w = q->own;
+    const int nx = (int)q->nx, ne = (int)q->ne, size = nx + ne;
+    double *last = p->states + (size_t)(REMEMBERED - 1) * size, *at = p->places + REMEMBERED - 1;
+    double change = p->known > 1 ? way(q, last, last - size) : 0.0;
+    p->passed = p->iterations = 0;
+    for (const double *level = p->levels; p->passed < p->count; level += 4) {
+        memcpy(p->near, q->near, sizeof(double) * ne);
+        q->parts[0] = level[0]; q->parts[1] = level[1]; q->hold = level[2];
+        predict(p, size, level[3], q->x, nx, q->sigma);
+        if (spacar_equilibrium_newton(q) != FOUND || !q->iterations || !(q->noise <= p->critical)) break;
+        const double moved = way(q, w->x, last);
+        const int steady = p->known > 1 && moved * (at[0] - at[-1]) <= p->faster * change * (level[3] - at[0]);
+        if (!(moved < p->wide || steady)) break;
+        memcpy(q->x, w->x, sizeof(double) * nx);
+        memcpy(q->sigma, w->sigma, sizeof(double) * ne);
+        if (!spacar_equilibrium_definite(q)) break;
+        memmove(p->states, p->states + size, sizeof(double) * (REMEMBERED - 1) * size);
+        memmove(p->places, p->places + 1, sizeof(double) * (REMEMBERED - 1));
+        memcpy(last, q->x, sizeof(double) * nx);
+        memcpy(last + nx, q->sigma, sizeof(double) * ne);
+        *at = level[3];
+        if (p->known < REMEMBERED) p->known++;
+        memcpy(q->near, q->e, sizeof(double) * ne);
+        memcpy(p->near, q->near, sizeof(double) * ne);
+        change = moved;
+        p->iterations += q->iterations;
+        p->noise = q->noise;
+        p->passed++;
+    }
+    memcpy(q->near, p->near, sizeof(double) * ne);
+}

@@ -1,0 +1,95 @@
+"""What the linearized equations about a small equilibrium at rest consist of, in one call of C (compiled/linearized.c).
+
+The counterpart of `spacar.linearization.coefficients`, of the velocity transfer and of the bound of the condition
+number, for what `Equilibrium` takes; `spacar.linearization.matrices` makes the reduced equations of it. Dense, and for
+as many unknowns as are stored dense: from there on the band and LAPACK are faster.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from spacar.arrays import Array
+from spacar.dynamics.array_evaluator import Dynamics
+from spacar.kinematics.constraint_condition import Conditioning, of_entries
+from spacar.linear_systems import DENSE_LIMIT
+from spacar.linear_systems.matrix import DENSE_LIMIT as DENSE_MATRIX
+from spacar.linear_systems.matrix import matrix, zero_matrix
+from spacar.linearization.coefficients import Coefficients
+from spacar.linearization.contractions import mass_matrix
+from spacar.linearization.matrices import Linearization, reduced
+from spacar.stationary.equilibrium import DOUBLES, NUMBER, WHOLE, Equilibrium
+
+
+class CLinearized(ctypes.Structure):
+    """`Linearized` of linearized.c."""
+
+    _fields_ = [
+        *((name, DOUBLES) for name in ("row", "column", "W", "We", "V", "geometric", "gravity", "sigma")),
+        *((name, WHOLE) for name in ("n", "first", "q_x", "n_q_x", "q_e", "n_q_e")),
+        ("bound", NUMBER), ("terms", NUMBER),
+    ]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class AboutRest:
+    """W (nx, ndof), We (ne, ndof), V (ne, nx), the geometric stiffness and the gradient of gravity (nx, nx) and the
+    stresses (ne,) of a state at rest; `bound` of the condition number; `terms` of the geometric stiffness."""
+
+    dynamics: Dynamics
+    W: Array
+    We: Array
+    V: Array
+    geometric: Array
+    gravity: Array
+    sigma: Array
+    bound: float
+    terms: float
+
+    @classmethod
+    def of(cls, equations: Equilibrium, d: Dynamics, x: Array, sigma: Array) -> AboutRest | None:
+        """At x (nx,) with the stresses sigma (ne,), at the loads of the equations. None: for NumPy."""
+        n, m = d.numbering, d.mechanism
+        E, U = n.velocity_equations, n.velocity_unknowns
+        if len(U) > DENSE_LIMIT or n.nk or max(n.nx, n.ne) > DENSE_MATRIX:
+            return None
+        xs, es = n.x_class, n.e_class
+        square = (n.nx, n.nx)
+        W, We, stresses = np.zeros((n.nx, n.ndof)), np.zeros((n.ne, n.ndof)), sigma.copy()  # what frames keep
+        V, geometric = np.zeros((n.ne, n.nx)), np.zeros(square)
+        gravity = np.zeros(square) if equations.heavy else zero_matrix(square)
+        row, column = m.deformation_scale[: len(E)], m.scale[U]
+        c = CLinearized(*(A.ctypes.data for A in (row, column, W, We, V, geometric, gravity, stresses)))
+        if not equations.heavy:
+            c.gravity = None
+        c.n, c.first = len(U), xs["calculable"].start
+        c.q_x, c.n_q_x, c.q_e, c.n_q_e = xs["input"].start, len(n.q_x), es["input"].start, len(n.q_e)
+        if not equations.linearize(x, sigma, c):
+            return None
+        return cls(d, W, We, V, geometric, gravity, stresses, c.bound, c.terms)
+
+    @property
+    def condition(self) -> Conditioning:
+        """Of the choice of the degrees of freedom."""
+        s = self.dynamics.sweep
+        entries = s.v_rows, s.v_columns, s.v_entries.copy()
+        return Conditioning(self.bound, partial(of_entries, self.dynamics.mechanism, *entries))
+
+    def linearization(self) -> Linearization:
+        """The linearized equations, while the sweep of `dynamics` is at this state."""
+        d = self.dynamics
+        n, sweep, law = d.numbering, d.sweep, d.law
+        sweep.mass()
+        by_rates, by_x = zero_matrix((n.ne, n.nx)), zero_matrix((n.nx, n.nx))
+        S, Sd, Me = (matrix(*entries, (n.ne, n.ne))
+                     for entries in (law.stiffness, law.damping, d.mechanism.deformation_inertia))  # fmt: skip
+        c = Coefficients(
+            V=self.V, M=mass_matrix(sweep), rate_x=by_rates, second_v=by_rates, second_x=by_rates, inertia_x=by_x,
+            inertia_v=by_x, geometric=self.geometric, gravity_x=self.gravity, user_x=by_x, user_v=by_x, S=S, Sd=Sd,
+            deformation_inertia=Me, sigma=self.sigma, moving=False,
+        )  # fmt: skip
+        return reduced(d, c, self.W, self.We, self.W)

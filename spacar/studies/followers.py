@@ -1,0 +1,211 @@
+"""Motions of many cases, group after group: blocks of as many cases as C has lanes, one after the other, in one array.
+
+A follower has one model in C, into which the numbers of block after block go, and one array for the variables of a
+group, so that a case costs next to nothing but its evaluations. Every thread has a follower of its own. Cases with user
+functions have a model for each block, as the functions belong to it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacar.arrays import Array
+from spacar.dynamics.array_evaluator import Dynamics
+from spacar.dynamics.mass_check import largest_mass
+from spacar.errors import AnalysisError
+from spacar.forward.accepted_steps import FAR
+from spacar.forward.displaced import displaced
+from spacar.forward.driver import WORK, Tolerances, integrated
+from spacar.frame import E_FIELDS, X_FIELDS, StoredFrames
+from spacar.mechanism import Mechanism, build
+from spacar.mechanism.inputs import settings as settings_of
+from spacar.mechanism.inputs import user_signal
+from spacar.mechanism.mechanism import Drive, Polynomial
+from spacar.result import Result
+from spacar.studies.side_by_side import Cases
+
+if TYPE_CHECKING:
+    from spacar.compiled.cases import InLanes
+
+X_INDEX, E_INDEX = ({name: k for k, name in enumerate(of)} for of in (X_FIELDS, E_FIELDS))
+
+
+@dataclass(frozen=True)
+class GroupMotions:
+    """The motions of some cases; variables have the cases last, (steps, nx or ne, cases).
+
+    own      places of the cases;  lanes  where they are in the rows
+    rows     (steps, 6 nx + 4 ne, lanes): X_FIELDS, E_FIELDS. They are used again for other cases
+    counted  (steps, 5) the work of every output, of every case;  said  of every case
+    """
+
+    mechanism: Mechanism
+    own: list[int]
+    lanes: list[int]
+    t: Array
+    rows: Array
+    counted: list[Array]
+    said: list[tuple[str, ...]]
+
+    @property
+    def lnp(self) -> NDArray[np.int64]:
+        return self.mechanism.numbering.lnp
+
+    @property
+    def le(self) -> NDArray[np.int64]:
+        return self.mechanism.numbering.le
+
+    def __getitem__(self, name: str) -> Array:
+        """t, one of X_FIELDS or E_FIELDS. Raises KeyError for what only a result has."""
+        if name == "t":
+            return self.t
+        values, n = self._values(name), len(self.lanes)
+        return values[..., :n] if not n or self.lanes[-1] == n - 1 else values[..., self.lanes]
+
+    def _values(self, name: str) -> Array:
+        n = self.mechanism.numbering
+        first, size = (X_INDEX[name] * n.nx, n.nx) if name in X_INDEX else (6 * n.nx + E_INDEX[name] * n.ne, n.ne)
+        return self.rows[:, first : first + size]
+
+    def results(self) -> Iterator[tuple[int, Result]]:
+        """Place and everything of each case."""
+        for k, lane, counted, said in zip(self.own, self.lanes, self.counted, self.said, strict=True):
+            own = {name: self._values(name)[..., lane].copy() for name in (*X_FIELDS, *E_FIELDS)}
+            frames = StoredFrames(self.t, own, dict(zip(WORK, counted.T, strict=True)))
+            yield k, Result(self.mechanism, 1, frames, said, {})
+
+
+class Followers:
+    """Those of cases at `times` [s], with what they have in common; `width`: numbers of a step."""
+
+    def __init__(self, cases: Cases, times: Array, options: dict[str, Any]) -> None:
+        from spacar.compiled.cases import PlacedStart
+
+        self.cases, self.times, self.options = cases, times, options
+        self.single = single = cases.single
+        self.alone = alone = Dynamics(single)
+        self.placed = PlacedStart(alone.start(), alone.kinematics.x.copy(), alone.sweep.e.copy())
+        alone.sweep.mass()
+        self.largest = largest_mass(single, alone.sweep)
+        g, n = displaced(alone), len(cases.start)
+        self.g = None if g is None else g[:, None]
+        self.values = np.concatenate([a.reshape(-1, n) for a in cases.numbers.arrays()])
+        self.driven = single.deck.last("USERINP", block=2) is not None
+        self.own_functions = self.driven or single.user_signal is not None
+        self.width = 6 * single.numbering.nx + 4 * single.numbering.ne
+        self._spare: list[Follower] = []
+
+    @contextmanager
+    def one(self) -> Iterator[Follower]:
+        """A follower that nobody else has."""
+        try:
+            found = self._spare.pop()
+        except IndexError:
+            found = Follower(self)
+        yield found
+        self._spare.append(found)
+
+    def drives(self, own: Sequence[int]) -> list[Drive]:
+        """Prescribed motions of cases, with a function of its own each if there is one; none: polynomials."""
+        if not self.driven:
+            return []
+        from spacar.mechanism.user_functions import UserDrive
+
+        deck, n, numbers = self.single.deck, self.single.numbering, self.cases.numbers
+        statement = deck.last("USERINP", block=2)
+        assert statement is not None
+        found: list[Drive] = []
+        for k in own:
+            polynomial = Polynomial(numbers.x_motion[:, :, k], numbers.e_motion[:, :, k])
+            found.append(UserDrive.load(deck, statement, n, polynomial, settings_of(deck)))
+        return found
+
+
+class Follower:
+    """One model in C for block after block; `buffer` has the variables of a group."""
+
+    def __init__(self, of: Followers) -> None:
+        self.of = of
+        self.block: InLanes | None = None
+        self.buffer = np.empty(0)
+
+    def follow(self, group: Sequence[Sequence[int]]) -> GroupMotions:
+        """The motions of all cases of some blocks, without those of blocks that cannot be followed; a block whose last
+        cases are the same is filled up."""
+        of, lanes = self.of, len(group[0])
+        shape = len(of.times), of.width, len(group), lanes
+        size = int(np.prod(shape))
+        if len(self.buffer) < size:
+            self.buffer = np.empty(size)
+        rows = self.buffer[:size].reshape(shape)
+        motions = GroupMotions(of.single, [], [], of.times, rows.reshape(*shape[:2], -1), [], [])
+        for k, chosen in enumerate(group):
+            own = list(dict.fromkeys(chosen))
+            while own:
+                with suppress(AnalysisError):
+                    said, counted = self._followed([*own, *own[-1:] * (lanes - len(own))], own, rows, k)
+                    motions.own.extend(own)
+                    motions.lanes.extend(range(k * lanes, k * lanes + len(own)))
+                    motions.counted.extend([counted] * len(own))
+                    motions.said.extend(said)
+                    break
+                # a case whose user function fails has no motion, and the others begin again without it
+                failed = None if self.block is None else self.block.failed
+                if failed is None:
+                    break
+                del own[failed]
+        return motions
+
+    def _followed(
+        self, lanes: list[int], own: list[int], rows: Array, k: int
+    ) -> tuple[list[tuple[str, ...]], Array]:
+        """What is said of each case of a block, and its work at every output. Raises AnalysisError."""
+        of = self.of
+        self.block = block = self._lanes(lanes, own)
+        said: dict[int, tuple[str, ...]] = {}
+        if not block.start(of.placed, of.largest):
+            for case in own:
+                looked_at = Dynamics(build(of.cases.deck(case), 1, **of.options))
+                looked_at.start()  # raises where a mass matrix is singular
+                if looked_at.doubt:
+                    said[case] = (f"warning: {looked_at.doubt}",)
+        settings = of.single.settings
+        each = None if of.g is None else np.broadcast_to(of.g, block.by_case[1:]).ravel()
+        block.into(of.times, rows, k, FAR)
+        outputs = integrated(
+            block, block.y0, of.times, settings, Tolerances.of(settings, each),
+            breaks=block.breaks, watch=block.watch, back=block.rejected, marching=block.marching,
+        )  # fmt: skip
+        counted, step = np.empty((len(of.times), len(WORK))), 0
+        for out in outputs:
+            if out.passed is None:
+                block.passage.show(step, out.y)
+            made = 1 if out.passed is None else len(out.passed.counts)
+            counted[step : step + made] = out.work if out.passed is None else out.passed.counts
+            step += made
+        lifted = block.wheels_lifted(of.times, rows, k)
+        of_cases = [
+            (*said.get(case, ()), *lifted[lane].values(), *block.lost(lane).values()) for lane, case in enumerate(own)
+        ]
+        return of_cases, counted
+
+    def _lanes(self, lanes: list[int], own: list[int]) -> InLanes:
+        """The model with the numbers of these cases."""
+        of = self.of
+        start = of.cases.start[lanes]
+        if self.block is not None and not of.own_functions:
+            in_order = len(own) == len(lanes) == own[-1] - own[0] + 1
+            self.block.renew(of.values[:, own[0] : own[-1] + 1] if in_order else of.values[:, lanes], start)
+            return self.block
+        from spacar.compiled.cases import InLanes
+
+        deck, n = of.single.deck, of.single.numbering
+        users = [u for _ in own if (u := user_signal(deck, n)) is not None] if of.own_functions else []
+        numbers = of.cases.numbers.take(np.array(lanes))
+        return InLanes(of.alone.model, of.alone.kinematics.scale, numbers, start, of.drives(own), users)
