@@ -1,12 +1,23 @@
-"""What an analysis yields: one Frame per stored step. Sinks (log, result files, progress, plot) consume the stream."""
+"""What an analysis yields: blocks of frames, one Frame per stored step.
+
+A block holds the frames that became ready together: one, or of motions in C many (`StoredFrames`), whose numbers stay
+in columns. Sinks (log, result files, progress, plot) consume the stream frame by frame.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from bisect import bisect_right
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import accumulate, chain
 from typing import Any, overload
 
+import numpy as np
+
 from spacar.arrays import Array
+
+X_FIELDS = ("x", "xd", "xdd", "fx", "fxgrav", "fxtot")  # (nx,) of every frame
+E_FIELDS = ("e", "ed", "edd", "sig")  # (ne,)
 
 
 @dataclass(slots=True)
@@ -59,12 +70,31 @@ class Frame:
     statistics: dict[str, Any] = field(default_factory=dict)
     lost: dict[int, str] = field(default_factory=dict)
 
+    def value(self, name: str) -> Any:
+        """What is stored under a name, in whatever place; None where nothing is."""
+        if name in self.matrices:
+            return self.matrices[name]
+        if name in self.state_space:
+            return self.state_space[name]
+        return getattr(self, name, None)
+
 
 class StoredFrames(Sequence[Frame]):
-    """Frames of one run whose variables are kept as arrays, (steps, n) each by name; made when they are asked for."""
+    """Frames that became ready together, or all of a run: columns from which each is made when it is asked for.
 
-    def __init__(self, t: Array, variables: dict[str, Array], statistics: list[dict[str, Any]]) -> None:
-        self.t, self.variables, self.statistics = t, variables, statistics
+    t           (steps,) [s]
+    variables   (steps, n) each, by name
+    statistics  (steps,) each, by name; may be added later
+    lost        of every step, as in a frame; empty where no step has any
+    """
+
+    __slots__ = ("lost", "statistics", "t", "variables")
+
+    def __init__(
+        self, t: Array, variables: dict[str, Array], statistics: Mapping[str, Array],
+        lost: Sequence[dict[int, str]] = (),
+    ) -> None:  # fmt: skip
+        self.t, self.variables, self.statistics, self.lost = t, variables, statistics, lost
 
     def __len__(self) -> int:
         return len(self.t)
@@ -76,5 +106,57 @@ class StoredFrames(Sequence[Frame]):
     def __getitem__(self, i: int | slice) -> Frame | tuple[Frame, ...]:
         if isinstance(i, slice):
             return tuple(self[k] for k in range(*i.indices(len(self))))
-        values = {name: array[i] for name, array in self.variables.items()}
-        return Frame(t=float(self.t[i]), statistics=self.statistics[i], **values)
+        frame = Frame(t=float(self.t[i]), **{name: array[i] for name, array in self.variables.items()})
+        frame.statistics = {name: int(array[i]) for name, array in self.statistics.items()}
+        if self.lost:
+            frame.lost = self.lost[i]
+        return frame
+
+
+class JoinedFrames(Sequence[Frame]):
+    """All frames of a run, in the blocks in which they became ready."""
+
+    def __init__(self, blocks: Sequence[Sequence[Frame]]) -> None:
+        self.blocks = blocks
+        self._ends = list(accumulate(map(len, blocks)))
+
+    def __len__(self) -> int:
+        return self._ends[-1]
+
+    def __iter__(self) -> Iterator[Frame]:
+        return chain.from_iterable(self.blocks)
+
+    @overload
+    def __getitem__(self, i: int) -> Frame: ...
+    @overload
+    def __getitem__(self, i: slice) -> tuple[Frame, ...]: ...
+    def __getitem__(self, i: int | slice) -> Frame | tuple[Frame, ...]:
+        if isinstance(i, slice):
+            return tuple(self[k] for k in range(*i.indices(len(self))))
+        k = i + len(self) if i < 0 else i
+        if not 0 <= k < len(self):
+            raise IndexError(i)
+        block = bisect_right(self._ends, k)
+        return self.blocks[block][k - self._ends[block]]
+
+
+def joined(blocks: Sequence[Sequence[Frame]]) -> Sequence[Frame]:
+    """The frames of all blocks in one sequence; arrays that are kept stay where they are."""
+    if any(isinstance(block, StoredFrames) for block in blocks):
+        return JoinedFrames(blocks)
+    return tuple(chain.from_iterable(blocks))
+
+
+def column(frames: Sequence[Frame], name: str) -> Array | None:
+    """A variable of all frames, step first; None where one of them does not have it."""
+    if isinstance(frames, JoinedFrames):
+        parts = [column(block, name) for block in frames.blocks]
+        found = [part for part in parts if part is not None]
+        return np.concatenate(found) if len(found) == len(parts) else None
+    if isinstance(frames, StoredFrames):
+        if name == "t":
+            return frames.t
+        if name in frames.variables:
+            return frames.variables[name]
+    values = [frame.value(name) for frame in frames]
+    return None if any(value is None for value in values) else np.array(values)

@@ -14,7 +14,7 @@ from spacar.errors import UsageError
 class Mode:
     """One analysis.
 
-    analysis         "module:function" of a generator (run: Run) -> Iterator[Frame]
+    analysis         "module:function" of a generator (run: Run) -> Iterator[Sequence[Frame]]
     files            the result files that it fills, of "sbd", "sbm", "ltv"
     third            kind of its third block, "trajectory" or "linearization"; None: it uses none
     forces           uses the second block: masses, stiffness, loads

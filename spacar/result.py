@@ -16,15 +16,15 @@ from spacar.arrays import Array
 from spacar.errors import UsageError
 from spacar.expressions.frequencies import frequencies
 from spacar.expressions.result_places import ELEMENT, NODE, place
-from spacar.frame import Frame, StoredFrames
+from spacar.frame import E_FIELDS, X_FIELDS, Frame, column, joined
 from spacar.mechanism.result_tables import model_tables
 
 if TYPE_CHECKING:
     from spacar.mechanism import Mechanism
     from spacar.stream import Run
 
-X_VARIABLES = ("x", "xd", "xdd", "fx", "fxgrav", "fxtot", "xcompl", "xerr")
-E_VARIABLES = ("e", "ed", "edd", "sig")
+X_VARIABLES = (*X_FIELDS, "xcompl", "xerr")
+E_VARIABLES = E_FIELDS
 # Named, not imported: pictures and summaries lie above results.
 DRAWING, SUMMARY = "spacar_drawing", "spacar.summary"
 FILES, SAVING, TABLES = "spacar_formats.getss", "spacar_formats.saving", "spacar_formats.tables"
@@ -49,7 +49,7 @@ class Result:
     @classmethod
     def collect(cls, run: Run) -> Result:
         """Iterate over a run to its end."""
-        frames = tuple(run)
+        frames = joined(tuple(run.blocks()))
         return cls(run.mechanism, run.mode.number, frames, tuple(run.report.lines), run.header.copy(), run.nominal)
 
     def draw(self, path: str | Path | None = None, **options: Any) -> Any:
@@ -132,29 +132,16 @@ class Result:
 
     @property
     def t(self) -> Array:
-        return self.frames.t if isinstance(self.frames, StoredFrames) else np.array([f.t for f in self.frames])
+        return np.asarray(column(self.frames, "t"))
 
     def __getitem__(self, name: str) -> Any:
         """A variable of all steps, step first, or one of `tables`. Raises UsageError for a name that is neither."""
-        if name == "t":
-            return self.t
-        if isinstance(self.frames, StoredFrames) and name in self.frames.variables:
-            return self.frames.variables[name]
-        if len(self.frames) and self._value(self.frames[0], name) is not None:
-            values = [self._value(f, name) for f in self.frames]
-            if all(v is not None for v in values):
-                return np.array(values)
-        elif name in self.tables:  # made when somebody asks for one of them
+        found = column(self.frames, name) if len(self.frames) or name == "t" else None
+        if found is not None:
+            return found
+        if name in self.tables:  # made when somebody asks for one of them
             return self.tables[name]
         raise UsageError(f"the variable {name} was not computed in this run of mode {self.mode}", "result.missing")
-
-    @staticmethod
-    def _value(frame: Frame, name: str) -> Any:
-        if name in frame.matrices:
-            return frame.matrices[name]
-        if name in frame.state_space:
-            return frame.state_space[name]
-        return getattr(frame, name, None)
 
     def node(self, number: int, coordinate: int, variable: str = "x") -> Array:
         """(steps,) one coordinate (from 1) of the node of this number; variable: x, xd, xdd, fx, fxgrav, fxtot,

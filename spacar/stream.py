@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from spacar.errors import Report, SpacarError
-from spacar.frame import Frame
+from spacar.frame import Frame, StoredFrames
 from spacar.modes import Mode
 from spacar.stated import Stated
 
@@ -77,20 +77,28 @@ class Run:
     nominal: Any = None
     accuracy: AccuracyRequest | None = None
 
-    def __iter__(self) -> Iterator[Frame]:
+    def blocks(self) -> Iterator[Sequence[Frame]]:
+        """The frames, in blocks that became ready together. Stresses of a user function that cannot act are reported
+        with the first block that has them."""
         module, _, name = (ACCURATE if self.accuracy else self.mode.analysis).partition(":")
-        analysis: Callable[[Run], Iterator[Frame]] = getattr(import_module(module), name)
-        return self._told(_without_warnings(analysis(self)))
+        analysis: Callable[[Run], Iterator[Sequence[Frame]]] = getattr(import_module(module), name)
+        made, told = analysis(self), set[int]()
+        while True:
+            # What is infinite or undefined is found where it matters, and named.
+            with np.errstate(all="ignore"):
+                block = next(made, None)
+            if block is None:
+                return
+            for lost in block.lost if isinstance(block, StoredFrames) else [frame.lost for frame in block]:
+                for row, sentence in lost.items():
+                    if row not in told:
+                        told.add(row)
+                        self.report.add(sentence)
+            yield block
 
-    def _told(self, frames: Iterator[Frame]) -> Iterator[Frame]:
-        """The frames; stresses of a user function that cannot act are reported when the first frame has them."""
-        told: set[int] = set()
-        for frame in frames:
-            for row, sentence in frame.lost.items():
-                if row not in told:
-                    told.add(row)
-                    self.report.add(sentence)
-            yield frame
+    def __iter__(self) -> Iterator[Frame]:
+        for block in self.blocks():
+            yield from block
 
     def save(self, name: str | Path, wait: bool = False) -> tuple[Path, ...]:
         """Run, and write every frame to NAME.log, NAME.sbd ... as it comes: nothing is kept in memory. Their paths.
@@ -132,13 +140,3 @@ class Run:
                 outcome.error = outcome.error or error
         outcome.seconds = time.perf_counter() - begun
         return outcome
-
-
-def _without_warnings(frames: Iterator[Frame]) -> Iterator[Frame]:
-    """The frames, without NumPy's warnings: what is infinite or undefined is found where it matters, and named."""
-    while True:
-        with np.errstate(all="ignore"):
-            frame = next(frames, None)
-        if frame is None:
-            return
-        yield frame

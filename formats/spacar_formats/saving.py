@@ -28,8 +28,8 @@ class StoredRun(Run):
 
     frames: Sequence[Frame] = field(default=(), kw_only=True)
 
-    def __iter__(self) -> Iterator[Frame]:
-        return iter(self.frames)
+    def blocks(self) -> Iterator[Sequence[Frame]]:
+        return iter((self.frames,))
 
 
 def save_result(result: Result, name: str | Path, wait: bool = False) -> tuple[Path, ...]:

@@ -133,7 +133,7 @@ class CompiledModel:
             raise MemoryError("no memory for the compiled model")
 
     def __del__(self) -> None:
-        if "handle" in vars(self):
+        if getattr(self, "handle", None):  # without it nothing has begun
             self.engine.end(self.handle)
 
     def _whole_numbers(self) -> NDArray[np.int32]:

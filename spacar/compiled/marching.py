@@ -22,7 +22,7 @@ from spacar.compiled.passage import VALUE, Passage
 from spacar.compiled.passage_of_cases import PassageOfCases, not_followed
 from spacar.dynamics.loaded_mechanism import ALWAYS, NOISE, SHARE, STILL, Accepted, LoadedMechanism, Moving
 from spacar.errors import AnalysisError
-from spacar.integrators.adams import GAMMA_STAR, MAX_ORDER, Adams
+from spacar.integrators.adams import GAMMA_STAR, MAX_ORDER, PHI, Adams
 from spacar.integrators.failures import MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small
 from spacar.integrators.problem import Evaluation, IntegrationStatistics, Step
 from spacar.integrators.runge_kutta import TINY, ExplicitRungeKutta
@@ -31,6 +31,8 @@ from spacar.kinematics.regularity import HALF_TURN, HalfTurns
 from spacar.mechanism.numbering import Numbering
 
 ARRIVED, AT_OUTPUT, PAUSED, TOO_SMALL, NOT_EVALUATED, INTERRUPTED = range(6)  # as in march.c
+IN_MEMORY = 0, PHI, *range(2 * PHI, 2 * PHI + 5)  # rows where arrays of `Adams` begin, in the order of CAdams
+GAMMA = np.array(GAMMA_STAR)
 MOST, COMPONENTS = 1000, 20_000  # steps in one call, and steps times components of x and e, so that Ctrl-C is heard
 
 ASK = ctypes.CFUNCTYPE(INTEGER, NUMBER, POINTER, POINTER)
@@ -127,11 +129,9 @@ class AdamsInC:
     """Steps of code 0 with the arrays of its object, for a `March` at an address."""
 
     def __init__(self, engine: Engine, march: ctypes.c_void_p, method: Adams) -> None:
-        a = method
-        self.engine, self.to, self.method, self.y = engine, march, method, a.y
-        arrays = a.phi, a.expected, a.y, a.y_new, a.predicted, a.d, a.weight, np.array(GAMMA_STAR)
-        self.c = CAdams(*(v.ctypes.data for v in arrays))
-        self.kept = arrays  # what C points at
+        self.engine, self.to, self.method, self.y = engine, march, method, method.y
+        first, row = method.memory.ctypes.data, method.memory.strides[0]
+        self.c = CAdams(*(first + row * k for k in IN_MEMORY), GAMMA.ctypes.data)
         self.at = ctypes.c_void_p(ctypes.addressof(self.c))
 
     def begin(self) -> int:
@@ -237,14 +237,16 @@ class Marching:
         self.evaluator, self.lookout, self.passage = evaluator, lookout, passage
         self.engine = model.engine
         self.shape = n, nx
-        self.records = np.empty((lookout.capacity, 4 + n + 3 * nx + ne))  # a row is read after it is written
+        width = 4 + n + 3 * nx + ne
+        memory = np.empty(lookout.capacity * width + n)
+        self.records, self.atol = memory[:-n].reshape(-1, width), memory[-n:]  # a row is read after it is written
         self.scale = np.ascontiguousarray(evaluator.model.mechanism.scale)
-        self.atol = np.empty(n)  # absolute error of every component
+        first = memory.ctypes.data
         self.error: BaseException | None = None
         most = max(1, min(MOST, COMPONENTS // (nx + ne)))
         self.c = CMarch(
-            model.handle, evaluator.state.address, None, None, self.records.ctypes.data, self.scale.ctypes.data,
-            self.atol.ctypes.data, n, lookout.capacity, self.records.shape[1], lookout.look, lookout.back, most,
+            model.handle, evaluator.state.address, None, None, first, self.scale.ctypes.data,
+            first + self.records.nbytes, n, lookout.capacity, width, lookout.look, lookout.back, most,
             MAX_REDUCTIONS, REDUCTION,
         )  # fmt: skip
         self.c.jump, self.c.share, self.c.noise, self.c.still = LARGEST_JUMP, SHARE, NOISE, STILL
@@ -299,11 +301,11 @@ class Marching:
                 known, failed = counted.counts(), status in (TOO_SMALL, NOT_EVALUATED, INTERRUPTED)
                 if failed and (passage is None or not passage.c.done):
                     self._failed(status, method)
-                made = passage.made() if failed and passage is not None else (c.n_steps, c.n_rhs, c.n_rejected)
+                made = passage.made() if failed and passage is not None else (c.n_steps, c.n_rhs, 0, c.n_rejected)
                 c.n_steps = c.n_rhs = c.n_rejected = 0
                 counted.n_steps += made[0]
                 counted.n_rhs += made[1]
-                counted.n_rejected += made[2]
+                counted.n_rejected += made[3]
                 self.lookout.n = self.lookout.n + made[0] if passage is None else passage.c.since
                 self.lookout.passed(self._last)
                 passed = None if passage is None else passage.outputs(known)

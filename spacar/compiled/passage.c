@@ -16,7 +16,7 @@ typedef struct {
     State *shown;
     const double *t;           /* (n) times of the outputs to come */
     double *rows;              /* (n, width): x, xd, xdd, applied, gravity, total forces; e, ed, edd, sigma; y where it has no place of its own */
-    int *work;                 /* (n, 3) steps, derivatives, rejected steps of this call up to an output */
+    int *work;                 /* (n, 5) steps, derivatives, 0, rejected steps, 0 of this call up to an output: `Counts` of problem.py */
     const int *ground;         /* (n_ground) rows of sigma that may press but not pull */
     Value value;               /* NULL: that of Adams */
     double *y;                 /* of several cases: room for the state at an output */
@@ -66,9 +66,9 @@ static int show(Model *m, Passage *p, int i)
     real *forces = s->x + 3 * nx; /* as `spacar_state` has laid them out */
     spacar_complete(m, s, forces, forces + nx, forces + 2 * nx);
     to_row(p, row, s->x, 6 * nx + 4 * ne);
-    p->last = harmless(m, p) ? HARMLESS : LOOKED_AT;
     const int told = m->s.user && m->s.ask(ASK_OUTPUT, 0, p->t[i]);
-    return p->last == HARMLESS && !told;
+    p->last = !told && harmless(m, p) ? HARMLESS : LOOKED_AT;
+    return p->last == HARMLESS;
 }
 
 /* Outputs of a motion that is all prescribed, n of them. */
@@ -106,8 +106,8 @@ static int pass(March *r, void *method, Go go, const double *end, Passage *p)
             if (p->t[i] == r->t) memcpy(y, end, sizeof(double) * r->n);
             else if (!p->value) spacar_adams_value(r, method, p->t[i], y);
             else if (p->value(p->t[i], y)) return INTERRUPTED;
-            const int work[] = {r->n_steps, r->n_rhs, r->n_rejected};
-            memcpy(p->work + 3 * i, work, sizeof work);
+            const int work[] = {r->n_steps, r->n_rhs, 0, r->n_rejected, 0};
+            memcpy(p->work + 5 * i, work, sizeof work);
             lead(r, p);
             if (!show(r->model, p, i) || p->done == p->n) return AT_OUTPUT;
         }

@@ -22,12 +22,13 @@ from spacar.arrays import Array, Index
 from spacar.compiled.compiled_model import EXACT, NOT_ANSWERED, WIDTH, CompiledModel, State
 from spacar.compiled.element_parameters import GUARD
 from spacar.compiled.library import DOUBLES, INTEGER, INTEGERS, NUMBER, POINTER
-from spacar.frame import Frame
+from spacar.frame import E_FIELDS, X_FIELDS, Frame, StoredFrames
 from spacar.integrators.problem import Counts, Passed
 from spacar.kinematics.kinematics import LARGEST_JUMP
 from spacar.mechanism.numbering import Numbering
 
 HARMLESS, LOOKED_AT, NOT_SHOWN = range(3)  # as in passage.c
+FIELDS = (*X_FIELDS, *E_FIELDS)  # in the order of a row
 LONGEST = 0.05  # s of one call, unless a single step takes longer
 ROOM = 50_000  # numbers in the rows of one array, so that a frame that is kept does not keep many others: 0.4 MB
 UNLIMITED = 2**31 - 1
@@ -75,8 +76,8 @@ class Passage:
         model, n = shown.solver, shown.numbering
         self.shown, self.times = shown, times
         self.nx, self.ne = n.nx, n.ne
-        self.n_y = shown.n_positions + n.nddof
-        self.width = 6 * n.nx + 4 * n.ne + self.n_y
+        self.of_e, self.of_y = 6 * n.nx, 6 * n.nx + 4 * n.ne  # where they begin in a row
+        self.width = self.of_y + shown.n_positions + n.nddof
         self.ground = np.ascontiguousarray(ground, np.int32)  # C points at it
         self.c = c = CPassage(shown.state.address.value)
         c.ground = self.ground.ctypes.data
@@ -85,7 +86,7 @@ class Passage:
         c.foreign = model.slots.has_limits
         self.address = ctypes.c_void_p(ctypes.addressof(c))
         self.first = self.used = self.end = 0  # output of the first row, rows that have one, rows
-        self.rows, self.t, self.work = np.zeros((0, self.width)), np.zeros(0), np.zeros((0, 3), np.int32)
+        self.rows, self.t, self.work = np.zeros((0, self.width)), np.zeros(0), np.zeros((0, 5), np.int32)
         self.at = 0, 0  # addresses of t and rows
 
     def begin(self, output: int, steps: float = UNLIMITED) -> None:
@@ -94,7 +95,7 @@ class Passage:
         if self.used == self.end or output != self.first + self.used:
             n = min(len(self.times) - output, max(1, ROOM // self.width))
             self.first, self.used, self.end = output, 0, n
-            self.rows, self.work = np.empty((n, self.width)), np.empty((n, 3), np.int32)
+            self.rows, self.work = np.empty((n, self.width)), np.zeros((n, 5), np.int32)
             self.t = np.array(self.times[output : output + n])
             self.at = self.t.ctypes.data, self.rows.ctypes.data
             c.work = self.work.ctypes.data
@@ -103,45 +104,51 @@ class Passage:
         c.steps = int(min(max(steps, 0), UNLIMITED))
         self.shown.solver.slots.outputs.clear()
 
-    def outputs(self, before: Counts = (0, 0, 0, 0, 0)) -> Iterator[Passed]:
-        """Those of the last call; `before`: what the integrator had counted before it."""
-        c, shown, nx, ne = self.c, self.shown, self.nx, self.ne
-        used, n, lost = self.used, c.done, list(shown.solver.slots.outputs)
-        harmless = n if c.last == HARMLESS else n - 1
+    def outputs(self, before: Counts = (0, 0, 0, 0, 0)) -> list[Passed]:
+        """Those of the last call; `before`: what the integrator had counted before it. The last one is on its own when
+        it has to be looked at."""
+        first, n = self.used, self.c.done
         self.used += n
-        rows, times = self.rows[used : used + n], self.t[used : used + n].tolist()
-        of_x = rows[:, : 6 * nx].reshape(n, 6, nx).swapaxes(0, 1)
-        of_e = rows[:, 6 * nx : 6 * nx + 4 * ne].reshape(n, 4, ne).swapaxes(0, 1)
-        states, work = rows[:, 6 * nx + 4 * ne :], self.work[:n].tolist()
-        steps, rhs, jacobians, rejected, iterations = before
-        for k, (t, made, y, x, xd, xdd, applied, gravity, total, e, ed, edd, sigma) in enumerate(
-            zip(times, work, states, *of_x, *of_e, strict=True)
-        ):
-            frame = Frame(t, x, xd, xdd, e, ed, edd, sigma, applied, gravity, total)
-            if k < len(lost):
-                frame.lost = lost[k]
-            counts = steps + made[0], rhs + made[1], jacobians, rejected + made[2], iterations
-            yield Passed(t, y, counts, frame if k < harmless else partial(self._last, frame, y))
+        harmless = n if self.c.last == HARMLESS else n - 1
+        found = []
+        if harmless:
+            found.append(self._passed(first, slice(harmless), before))
+        if harmless < n:
+            last = self._passed(first, slice(harmless, n), before)
+            found.append(last._replace(shown=partial(self._last, last.shown, last.y)))
+        return found
 
-    def _last(self, frame: Frame, y: Array) -> Frame:
+    def _passed(self, first: int, which: slice, before: Counts) -> Passed:
+        """Some outputs of the last call, whose rows begin with the `first`."""
+        rows, t = self.rows[first:][which], self.t[first:][which]
+        of_x = rows[:, : self.of_e].reshape(-1, len(X_FIELDS), self.nx).swapaxes(0, 1)
+        of_e = rows[:, self.of_e : self.of_y].reshape(-1, len(E_FIELDS), self.ne).swapaxes(0, 1)
+        variables = dict(zip(FIELDS, (*of_x, *of_e), strict=True))
+        shown = StoredFrames(t, variables, {}, self.shown.solver.slots.outputs[which])
+        return Passed(float(t[-1]), rows[-1, self.of_y :], self.work[which] + before, shown)
+
+    def _last(self, block: StoredFrames, y: Array) -> StoredFrames:
         """That of the last output of a call, at which Python looks; or what says why there is none."""
-        if self.c.last == LOOKED_AT:
-            return frame
-        if self.c.status == NOT_ANSWERED:
-            self.shown.solver.slots.raise_error()
-        return self.shown.frame_in_general(frame.t, y)
+        if self.c.last == NOT_SHOWN:
+            if self.c.status == NOT_ANSWERED:
+                self.shown.solver.slots.raise_error()
+            frame = self.shown.frame_in_general(float(block.t[0]), y)
+            for name, values in block.variables.items():
+                values[0] = getattr(frame, name)
+            block.lost = [frame.lost]
+        return block
 
-    def made(self) -> tuple[int, int, int]:
-        """Steps, derivatives and rejected steps of the last call up to its last output."""
-        steps, rhs, rejected = self.work[self.c.done - 1].tolist()
-        return steps, rhs, rejected
+    def made(self) -> list[int]:
+        """What was done in the last call up to its last output, as `Counts`."""
+        counts: list[int] = self.work[self.c.done - 1].tolist()
+        return counts
 
     def prescribed(self, y: Array) -> Iterator[Passed]:
         """The outputs of a motion without degrees of freedom, whose state `y` is empty or the same at all times."""
         model, given = self.shown.solver, 0
         while given < len(self.times):
             self.begin(given)
-            self.rows[self.used :, 6 * self.nx + 4 * self.ne :] = y
+            self.rows[self.used :, self.of_y :] = y
             model.engine.show(model.handle, self.address)
             given += self.c.done
             yield from self.outputs()

@@ -6,7 +6,6 @@ Outputs at which somebody has to look, or that C cannot evaluate, end the motion
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Iterator
 
 import numpy as np
 
@@ -18,7 +17,8 @@ from spacar.errors import AnalysisError
 from spacar.integrators.problem import Counts, Passed
 from spacar.kinematics.kinematics import LARGEST_JUMP
 
-SHOWN = "shown"  # of an output that stands in its row
+SHOWN = "shown"  # of outputs that stand in their rows
+COUNTS = 5 * ctypes.sizeof(ctypes.c_int)  # of an output
 
 
 class PassageOfCases:
@@ -32,13 +32,13 @@ class PassageOfCases:
         c.y, c.exact, c.jump, c.guard, c.longest = self.y.ctypes.data, EXACT, LARGEST_JUMP, GUARD, LONGEST
         c.foreign = solver.slots.has_limits
         self.address = ctypes.c_void_p(ctypes.addressof(c))
-        self.times, self.work = np.zeros(0), np.zeros((0, 3), np.int32)
+        self.times, self.work = np.zeros(0), np.zeros((0, 5), np.int32)
         self.at, self.output = (0, 0, 0), 0
 
     def into(self, times: Array, rows: Array, block: int, far: int) -> None:
         """The outputs to come go there; behind more than `far` steps they are evaluated from the begin of a step."""
         _, width, blocks, lanes = rows.shape
-        self.times, self.work = times, np.empty((len(times), 3), np.int32)
+        self.times, self.work = times, np.empty((len(times), 5), np.int32)
         first = rows.ctypes.data + WIDTH * lanes * block
         self.at = times.ctypes.data, first, self.work.ctypes.data
         self.c.width, self.c.apart, self.c.far = width * blocks * lanes, blocks, far
@@ -47,25 +47,23 @@ class PassageOfCases:
         """The next call begins with this one of the outputs; it ends at the first one behind so many steps."""
         c, (t, rows, work) = self.c, self.at
         self.output = output
-        c.t, c.rows, c.work = t + WIDTH * output, rows + WIDTH * c.width * output, work + 12 * output
+        c.t, c.rows, c.work = t + WIDTH * output, rows + WIDTH * c.width * output, work + COUNTS * output
         c.n = len(self.times) - output
         c.steps = int(min(max(steps, 0), UNLIMITED))
 
-    def outputs(self, before: Counts = (0, 0, 0, 0, 0)) -> Iterator[Passed]:
+    def outputs(self, before: Counts = (0, 0, 0, 0, 0)) -> list[Passed]:
         """Those of the last call; `before`: what the integrator had counted before it. Raises AnalysisError, and what a
         user function raised."""
-        c, first = self.c, self.output
-        steps, rhs, jacobians, rejected, iterations = before
-        of_call = slice(first, first + c.done - (c.last != HARMLESS))
-        for t, made in zip(self.times[of_call].tolist(), self.work[of_call].tolist(), strict=True):
-            counts = steps + made[0], rhs + made[1], jacobians, rejected + made[2], iterations
-            yield Passed(t, self.y, counts, SHOWN)
         self._check()
+        counts = self.work[self.output : self.output + self.c.done]
+        if not len(counts):
+            return []
+        return [Passed(float(self.times[self.output + len(counts) - 1]), self.y, counts + before, SHOWN)]
 
-    def made(self) -> tuple[int, int, int]:
-        """Steps, derivatives and rejected steps of the last call up to its last output."""
-        steps, rhs, rejected = self.work[self.output + self.c.done - 1].tolist()
-        return steps, rhs, rejected
+    def made(self) -> list[int]:
+        """What was done in the last call up to its last output, as `Counts`."""
+        counts: list[int] = self.work[self.output + self.c.done - 1].tolist()
+        return counts
 
     def show(self, output: int, y: Array) -> None:
         """A single output, whose state is y. Raises as `outputs`."""

@@ -33,15 +33,16 @@ def place(table: NDArray[np.int64], number: int, k: int, words: tuple[str, str])
 
     table  (numbers, most entries), 1-based columns, 0 where there is none;  words  NODE or ELEMENT
     """
-    what, entry = words
     rows = np.asarray(table)
+    numbers, entries = (range(1, n + 1) for n in rows.shape)
+    if number in numbers and k in entries and rows[number - 1, k - 1]:
+        return int(rows[number - 1, k - 1]) - 1
+    what, entry = words
     there = np.flatnonzero(np.any(rows != 0, axis=1)) + 1
     if number not in there:
         known = f"{what}s are {listed(there)}" if len(there) else f"there are no {what}s"
         raise UsageError(f"{what} {number} does not exist; {known}", "expression.number")
     row = rows[number - 1]
-    if not (1 <= k <= len(row) and row[k - 1]):
-        has = listed(np.flatnonzero(row) + 1)
-        many = "s" * int(np.count_nonzero(row) > 1)
-        raise UsageError(f"{what} {number} has the {entry}{many} {has}, not {k}", "expression.number")
-    return int(row[k - 1]) - 1
+    has = listed(np.flatnonzero(row) + 1)
+    many = "s" * int(np.count_nonzero(row) > 1)
+    raise UsageError(f"{what} {number} has the {entry}{many} {has}, not {k}", "expression.number")

@@ -15,7 +15,7 @@ Transfer functions and linearized equations are those of the model's own degrees
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,12 +23,11 @@ import numpy as np
 from spacar.arrays import Array, Index
 from spacar.deck import Statement
 from spacar.dynamics.loaded_mechanism import Moving
-from spacar.frame import Frame
+from spacar.frame import X_FIELDS, Frame, StoredFrames
 from spacar.mechanism import Mechanism, build
 from spacar.mechanism.numbering import Numbering
 
 LEAST = 0.4  # of the dependent Euler parameter; the largest one is at least 0.5
-X_FIELDS = ("x", "xd", "xdd", "fx", "fxgrav", "fxtot")
 
 
 class ChartEnds(Exception):
@@ -78,6 +77,13 @@ class Chart:
     def view(self, frame: Frame) -> Frame:
         """A frame of this chart with the coordinates in the order of the model."""
         return replace(frame, **{name: getattr(frame, name)[self.at] for name in X_FIELDS})
+
+    def views(self, block: Sequence[Frame]) -> Sequence[Frame]:
+        """The same of a block of frames."""
+        if not isinstance(block, StoredFrames):
+            return [self.view(frame) for frame in block]
+        ordered = {name: block.variables[name][:, self.at] for name in X_FIELDS}
+        return StoredFrames(block.t, block.variables | ordered, block.statistics, block.lost)
 
     def state(self, frame: Frame, y: Array, n: Numbering) -> Array:
         """The state of this chart at a `frame` in the order of the model; y, n: state and numbering of another chart.

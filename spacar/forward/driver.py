@@ -25,9 +25,9 @@ from spacar.dynamics.loaded_mechanism import (
 from spacar.errors import AnalysisError, Report
 from spacar.forward.accepted_steps import FAR, Trail, Watched, at_time, timed
 from spacar.forward.displaced import displaced
-from spacar.frame import Frame
+from spacar.frame import Frame, StoredFrames
 from spacar.integrators import AUTOMATIC, METHODS, EvenTimes, integrate
-from spacar.integrators.problem import Jacobian, March, Output, Step
+from spacar.integrators.problem import Jacobian, March, Output, Passed, Step
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.mechanism.mechanism import SolverSettings
 
@@ -43,6 +43,8 @@ POSITION = 1e-5
 # stiff modes that no iteration can remove (16 elements with 595: 1 Jacobian instead of 16 with 1e-11; 1e-13 is not
 # better).
 ITERATED = 1e-12
+
+WORK = ("steps", "rhs", "jacobians", "rejected", "iterations")  # `Counts` of the integrators, as frames have them
 
 Times = Sequence[float] | EvenTimes | np.ndarray
 Watch = Callable[[float, Array], None]
@@ -176,9 +178,9 @@ def integrated(
 def frames(
     evaluator: Evaluator, y: Array, times: Times, settings: SolverSettings, report: Report, *,
     watch: Watched | None = None, standing: bool = True,
-) -> Iterator[tuple[Evaluator, Frame]]:  # fmt: skip
-    """Frames of the motion that starts with y, and the evaluator that stands there; where nobody needs it `standing`
-    there, many outputs may be passed at a time.
+) -> Iterator[tuple[Evaluator, Sequence[Frame]]]:  # fmt: skip
+    """Frames of the motion that starts with y, one by one, and the evaluator that stands there; where nobody needs it
+    `standing` there, in blocks of outputs that are passed together. The first one is always alone.
 
     Their `statistics` are the counters of the integrator since the last one. Raises AnalysisError.
     """
@@ -187,10 +189,10 @@ def frames(
         limits = Limits(evaluator, report)
         if not standing and evaluator.passage is not None:
             for at in evaluator.passage(times, limits.wheels.rows, limits.regularity.matrix.zero).prescribed(y):
-                yield evaluator, looked_at(evaluator, at.t, at.shown, limits)
+                yield evaluator, looked_at(evaluator, at, limits)
             return
         for t in times:
-            yield evaluator, checked(evaluator, float(t), y, limits)
+            yield evaluator, (checked(evaluator, float(t), y, limits),)
         return
     tolerances = Tolerances.of(settings, displaced(evaluator))
     jacobian: Jacobian | None = None
@@ -216,13 +218,15 @@ def frames(
     )  # fmt: skip
     try:
         for out in outputs:
-            if out.shown is None:
+            if out.passed is not None:
+                block = looked_at(shown, out.passed, limits)
+                block.statistics = dict(zip(WORK, out.passed.counts.T, strict=True))
+                yield shown, block
+            else:
                 trail.lead(shown)
                 frame = checked(shown, float(out.t), out.y, limits)
-            else:
-                frame = looked_at(shown, out.t, out.shown, limits)
-            frame.statistics = work(out)
-            yield shown, frame
+                frame.statistics = dict(zip(WORK, out.work, strict=True))
+                yield shown, (frame,)
     finally:
         trail.elsewhere = None
     if trail.continuity is not None:
@@ -235,14 +239,6 @@ def has_forces(model: LoadedMechanism) -> bool:
     return not model.law.passive or model.mechanism.user_signal is not None
 
 
-def work(out: Output) -> dict[str, int]:
-    """Counters of the integrator as frames have them."""
-    return {
-        "steps": out.n_steps, "rhs": out.n_rhs, "jacobians": out.n_jacobian,
-        "rejected": out.n_rejected, "iterations": out.newton_iterations,
-    }  # fmt: skip
-
-
 def checked(evaluator: Evaluator, t: float, y: Array, limits: Limits) -> Frame:
     """The frame of a state whose elements, wheels and position have been looked at."""
     frame = at_time(evaluator, t, y)
@@ -250,15 +246,16 @@ def checked(evaluator: Evaluator, t: float, y: Array, limits: Limits) -> Frame:
     return frame
 
 
-def looked_at(evaluator: Evaluator, t: float, shown: Frame | Callable[[], Frame], limits: Limits) -> Frame:
-    """The frame of an output that was passed with others: one that nobody has to look at, or what gives it."""
-    if isinstance(shown, Frame):
+def looked_at(evaluator: Evaluator, passed: Passed, limits: Limits) -> StoredFrames:
+    """The frames of outputs that were passed together: those that nobody has to look at, or what gives a single one."""
+    shown: StoredFrames | Callable[[], StoredFrames] = passed.shown
+    if isinstance(shown, StoredFrames):
         if len(limits.wheels.rows):
-            limits.wheels.press(shown.sig[limits.wheels.rows, None])
+            limits.wheels.press(shown.variables["sig"][:, limits.wheels.rows].min(axis=0)[:, None])
         return shown
     try:
-        frame = shown()
+        block = shown()
     except AnalysisError as error:
-        raise timed(error, t) from error
-    limits.check(evaluator, frame)
-    return frame
+        raise timed(error, passed.t) from error
+    limits.check(evaluator, block[0])
+    return block

@@ -28,18 +28,19 @@ OWN = 1e-6  # |lambda0| of a node below which its degrees of freedom have no dig
 DEGREES_LOSE = 1e-4  # below it what is linear in them is known to less than the usual ERROR, 2e-8
 
 
-def forward(run: Run) -> Iterator[Frame]:
+def forward(run: Run) -> Iterator[Sequence[Frame]]:
     """Frames of mode 1. Raises AnalysisError; frames that were computed before stay valid."""
     output = TransferOutput(run)
-    for evaluator, frame in motion(run, own=output.wanted):
-        yield output.add(frame, evaluator.settled().kinematics) if output.wanted else frame
+    for evaluator, block in motion(run, own=output.wanted):
+        yield [output.add(frame, evaluator.settled().kinematics) for frame in block] if output.wanted else block
 
 
-def motion(run: Run, own: bool = True) -> Iterator[tuple[Evaluator, Frame]]:
-    """Frames at the output times, and the evaluator that stands there.
+def motion(run: Run, own: bool = True) -> Iterator[tuple[Evaluator, Sequence[Frame]]]:
+    """Blocks of frames at the output times, and the evaluator that stands at the last of them.
 
     Euler parameters may pass half a turn. The evaluators are then those of other coordinates, unless whoever asks needs
-    the degrees of freedom of the model (transfer functions, linearization): with `own` they are of that model.
+    the degrees of freedom of the model (transfer functions, linearization): with `own` they are of that model, and
+    each block is one frame.
     """
     settings = run.mechanism.settings
     evaluator = chosen(run)
@@ -62,7 +63,7 @@ def motion(run: Run, own: bool = True) -> Iterator[tuple[Evaluator, Frame]]:
 
 def _tumbling(
     run: Run, evaluator: Evaluator, y: Array, times: EvenTimes, chart: Chart, own: bool
-) -> Iterator[tuple[Evaluator, Frame]]:
+) -> Iterator[tuple[Evaluator, Sequence[Frame]]]:
     """The motion in as many charts as it needs, with the coordinates of the model."""
     settings, given, t, told = run.mechanism.settings, 0, times[0], False
     better = chart.suited(evaluator.placement().x)
@@ -85,12 +86,12 @@ def _tumbling(
         ahead = RemainingTimes(times.start, times.end, times.n, t, given) if given else times
         try:
             looked = watched(evaluator, run.report, watch)
-            for i, (where, frame) in enumerate(
-                frames(evaluator, y, ahead, settings, run.report, watch=looked, standing=own)
-            ):
-                if i or not given:
-                    yield where, chart.view(frame)
-                    given += 1
+            again = bool(given)  # the first block is the start, which has been given
+            for where, block in frames(evaluator, y, ahead, settings, run.report, watch=looked, standing=own):
+                if not again:
+                    yield where, chart.views(block)
+                    given += len(block)
+                again = False
             return
         except ChartEnds:
             pass
@@ -101,9 +102,9 @@ def _tumbling(
 
 
 def _at_home(
-    run: Run, moved: Iterator[tuple[Evaluator, Frame]], nodes: Sequence[int]
-) -> Iterator[tuple[Evaluator, Frame]]:
-    """The frames with an evaluator of the model's own degrees of freedom at each of them, where these exist.
+    run: Run, moved: Iterator[tuple[Evaluator, Sequence[Frame]]], nodes: Sequence[int]
+) -> Iterator[tuple[Evaluator, Sequence[Frame]]]:
+    """The frames, one by one, each with an evaluator of the model's own degrees of freedom, where these exist.
 
     Raises AnalysisError 'position.singular' at an output within OWN of half a turn.
     """
@@ -112,10 +113,10 @@ def _at_home(
     home = chosen(replace(run, header=Stated()))
     home.start()
     told = False
-    for evaluator, frame in moved:
+    for evaluator, (frame,) in moved:
         least = np.abs(frame.x[rows]).min()
         if evaluator.model.mechanism is run.mechanism and least > DEGREES_LOSE:
-            yield evaluator, frame
+            yield evaluator, (frame,)
             continue
         node = nodes[int(np.argmin(np.abs(frame.x[rows])))]
         if least < OWN:
@@ -133,7 +134,7 @@ def _at_home(
             )
         home.resume(Moving(frame.t, frame.x.copy(), frame.xd.copy(), frame.xdd.copy(), frame.e.copy()))
         home.frame(frame.t, _state(n, frame))
-        yield home, frame
+        yield home, (frame,)
 
 
 def _state(n: Numbering, frame: Frame) -> Array:

@@ -21,6 +21,7 @@ from .failures import MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small
 from .problem import Evaluation, Step, Tolerance
 
 MAX_ORDER = 12
+PHI = MAX_ORDER + 1  # differences that are kept
 # |gamma*_i|, i = 0...13: error constants of the Adams methods in constant steps (index 0 is not used).
 GAMMA_STAR = (
     0.0, 0.5, 0.0833, 0.0417, 0.0264, 0.0188, 0.0143,
@@ -112,9 +113,9 @@ class Adams:
     def __init__(self, evaluation: Evaluation, n: int, tolerance: Tolerance) -> None:
         self.evaluation = evaluation
         self.tolerance = tolerance
-        self.phi = np.zeros((MAX_ORDER + 1, n))
-        self.expected = np.empty((MAX_ORDER + 1, n))
-        self.y, self.y_new, self.predicted, self.d, self.scaled, self.weight = np.empty((6, n))
+        self.memory = np.zeros((2 * PHI + 6, n))
+        self.phi, self.expected = self.memory[:PHI], self.memory[PHI : 2 * PHI]
+        self.y, self.y_new, self.predicted, self.d, self.weight, self.scaled = self.memory[2 * PHI :]
         self.psi = [0.0] * (MAX_ORDER + 1)
         self.t = 0.0
         self.k = 1

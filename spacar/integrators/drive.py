@@ -7,7 +7,7 @@ integer number of them fits between two outputs (or breaks), so fixed-step codes
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from itertools import pairwise
 from math import ceil
@@ -22,7 +22,7 @@ from .adams import Adams
 from .automatic import Automatic
 from .failures import MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small, too_many_steps
 from .methods import AUTOMATIC, METHODS, method
-from .problem import Evaluation, IntegrationStatistics, Output, Passed, Problem, Step, Tolerance
+from .problem import Counts, Evaluation, Output, Problem, Step, Tolerance
 from .runge_kutta import ExplicitRungeKutta
 from .times import EvenTimes
 
@@ -156,10 +156,17 @@ def _outputs(
     i, n = 1, len(times)
     step_start, limit = float(times[0]), max_steps
     for t, y, interpolate, _, passed in steps:
-        found = _interpolated(t, y, interpolate, times, i, statistics) if passed is None else passed
-        for at, result, now, shown in found:
-            made, rhs, jacobians, rejected, iterations = map(sub, now, before)
-            yield Output(at, result, made, rhs, jacobians, rejected, iterations, shown)
+        for outputs in passed or ():
+            each, now = outputs.counts.copy(), _counts(outputs.counts[-1])
+            each[1:] -= outputs.counts[:-1]
+            each[0] -= before
+            yield Output(outputs.t, outputs.y, *_counts(map(sub, now, before)), outputs._replace(counts=each))
+            before, limit = now, now[0] + max_steps
+            i += len(each)
+        while passed is None and i < n and (at := float(times[i])) <= t:
+            result = y.copy() if at == t else interpolate(at)
+            now = statistics.counts()
+            yield Output(at, result, *_counts(map(sub, now, before)), None)
             before, limit = now, now[0] + max_steps
             i += 1
         if i == n:
@@ -169,15 +176,10 @@ def _outputs(
         step_start = t
 
 
-def _interpolated(
-    t: float, y: np.ndarray, interpolate: Callable[[float], np.ndarray], times: np.ndarray | EvenTimes, i: int,
-    statistics: IntegrationStatistics,
-) -> Iterator[Passed]:  # fmt: skip
-    """Outputs from number i on in a step to (t, y)."""
-    while i < len(times) and (at := float(times[i])) <= t:
-        result = y.copy() if at == t else interpolate(at)
-        yield Passed(at, result, statistics.counts(), None)
-        i += 1
+def _counts(numbers: Iterable[float]) -> Counts:
+    """Five whole numbers."""
+    steps, rhs, jacobians, rejected, iterations = map(int, numbers)
+    return steps, rhs, jacobians, rejected, iterations
 
 
 def _variable(

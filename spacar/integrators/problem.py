@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from math import isfinite
 from typing import Any, NamedTuple, Protocol
@@ -66,9 +66,20 @@ class IntegrationStatistics:
         return self.n_steps, self.n_rhs, self.n_jacobian, self.n_rejected, self.newton_iterations
 
 
+class Passed(NamedTuple):
+    """Outputs that the problem has passed in steps of its own, the last one at `t` with the state `y`, shape (n,): what
+    had been counted at each, shape (outputs, 5) in the order of `Counts`, and what the problem has made of them."""
+
+    t: float
+    y: np.ndarray
+    counts: np.ndarray
+    shown: Any
+
+
 class Output(NamedTuple):
-    """State `y`, shape (n,), at the output time `t`, and the work done since the previous output. `shown`: what the
-    problem has made of this state already, see `Passed`."""
+    """State `y`, shape (n,), at the output time `t`, and the work done since the previous output. Or the last of many
+    outputs that were `passed` together, and the work since the one before them; the counts of each are then those since
+    the one before it."""
 
     t: float
     y: np.ndarray
@@ -77,17 +88,12 @@ class Output(NamedTuple):
     n_jacobian: int
     n_rejected: int
     newton_iterations: int
-    shown: Any
+    passed: Passed | None
 
-
-class Passed(NamedTuple):
-    """An output at `t` with the state `y`, (n,), which the problem has passed in a step of its own; what had been
-    counted when it came, and what the problem has made of it."""
-
-    t: float
-    y: np.ndarray
-    counts: Counts
-    shown: Any
+    @property
+    def work(self) -> Counts:
+        """The five counts."""
+        return self[2:7]
 
 
 class Step(NamedTuple):
@@ -99,7 +105,7 @@ class Step(NamedTuple):
     y: np.ndarray
     interpolate: Callable[[float], np.ndarray]
     sizes: tuple[float, float] | None = None
-    passed: Iterable[Passed] | None = None
+    passed: Sequence[Passed] | None = None
 
 
 class Tolerance(NamedTuple):

@@ -5,7 +5,7 @@ Theory: theory-system.md section 7.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -28,7 +28,7 @@ from spacar.stream import Run
 NO_STATE: Array = np.zeros(0)
 
 
-def inverse(run: Run) -> Iterator[Frame]:
+def inverse(run: Run) -> Iterator[Sequence[Frame]]:
     """Mode 2. Raises InputError (path, velocity profile) and UsageError (degrees of freedom that are not prescribed)
     before the first frame, AnalysisError while iterating.
     """
@@ -53,11 +53,11 @@ def inverse(run: Run) -> Iterator[Frame]:
         nominal.apply(dynamics, frame, u0)
         frame.state_space["u0"] = u0
         frame.state_space["y0"] = ports.reference(frame)
-        yield output.add(frame, dynamics.kinematics)
+        yield (output.add(frame, dynamics.kinematics),)
     nominal.finish()
 
 
-def along(run: Run) -> Iterator[Frame]:
+def along(run: Run) -> Iterator[Sequence[Frame]]:
     """Mode 3. Raises UsageError when the nominal motion is missing or of another mechanism, AnalysisError while
     iterating.
     """
@@ -82,7 +82,7 @@ def along(run: Run) -> Iterator[Frame]:
     for k in range(len(given.t)):
         frame = work.frame(k)
         limits.check(work.dynamics, frame)
-        yield output.add(frame, work.dynamics.kinematics)
+        yield (output.add(frame, work.dynamics.kinematics),)
         if k == 0:
             run.header["condition"] = condition_number(work.dynamics.kinematics)
     work.finish()

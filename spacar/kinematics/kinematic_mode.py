@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -20,7 +20,7 @@ DECOMPOSED = 400  # unknowns up to which all singular values are computed
 LARGEST_DENSE = 1_000_000  # numbers of bigd (8 MB); more are stored sparse
 
 
-def check(run: Run) -> Iterator[Frame]:
+def check(run: Run) -> Iterator[Sequence[Frame]]:
     """One frame with `bigd`; the diagnosis goes to the report and, as a record, to header['diagnosis']."""
     mechanism = run.mechanism
     n = mechanism.numbering
@@ -42,10 +42,11 @@ def check(run: Run) -> Iterator[Frame]:
             f" of the matrix `bigd` of {n.ne} x {n.nx}"
         )
     zero_x, zero_e = np.zeros(n.nx), np.zeros(n.ne)
-    yield Frame(
+    frame = Frame(
         t=0.0, x=mechanism.x0.copy(), xd=zero_x, xdd=zero_x, e=sweep.e.copy(), ed=zero_e, edd=zero_e,
         sig=zero_e, fx=zero_x, fxgrav=zero_x, fxtot=zero_x, bigd=V, bigds=entries,
     )  # fmt: skip
+    yield (frame,)
 
 
 def _large_and_regular(mechanism: Mechanism) -> Diagnosis | None:

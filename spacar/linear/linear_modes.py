@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -40,48 +40,48 @@ SHARE = 4  # all modes together cost less than the lowest ones if these are more
 LOST = 1e-6  # chosen: relative error of the matrices above which there is a warning
 
 
-def forward(run: Run) -> Iterator[Frame]:
+def forward(run: Run) -> Iterator[Sequence[Frame]]:
     """Mode 4: forward dynamics, linearized at every output step."""
     output = TransferOutput(run)
     store = _stored_system(run, may_move=True)
-    for evaluator, frame in motion(run):
+    for evaluator, (frame,) in motion(run):
         dynamics = evaluator.settled()
         if store.sparse:
             store.add_sparse(frame, dynamics, frame.xdd, frame.sig, frame.t)
-            yield frame
+            yield (frame,)
             continue
         L = linearize(dynamics, frame.xdd, frame.sig, t=frame.t)
         _store_matrices(frame, L, dynamics)
         store.add(frame, L, dynamics)
-        yield output.add(frame, dynamics.kinematics, L)
+        yield (output.add(frame, dynamics.kinematics, L),)
     run.report.lines.extend(store.idle.lines())
 
 
-def eigenvalues(run: Run) -> Iterator[Frame]:
+def eigenvalues(run: Run) -> Iterator[Sequence[Frame]]:
     """Mode 7: stationary solution, eigenvalues and eigenvectors."""
     for solution in stationary(run):
         _say_doubtful_inertia(run, solution)
         _store_vibration(run, solution)
-        yield solution.frame
+        yield (solution.frame,)
 
 
-def buckling(run: Run) -> Iterator[Frame]:
+def buckling(run: Run) -> Iterator[Sequence[Frame]]:
     """Mode 8: stationary solution, load multipliers, buckling modes, directional compliances."""
     for solution in stationary(run):
         _store_buckling(run, solution)
-        yield solution.frame
+        yield (solution.frame,)
 
 
-def vibration_and_buckling(run: Run) -> Iterator[Frame]:
+def vibration_and_buckling(run: Run) -> Iterator[Sequence[Frame]]:
     """Mode 10: modes 7 and 8 at every stored load step."""
     for solution in stationary(run):
         _say_doubtful_inertia(run, solution)
         _store_vibration(run, solution)
         _store_buckling(run, solution, required=False)
-        yield solution.frame
+        yield (solution.frame,)
 
 
-def state_space_matrices(run: Run) -> Iterator[Frame]:
+def state_space_matrices(run: Run) -> Iterator[Sequence[Frame]]:
     """Mode 9: stationary solution, state space matrices."""
     n = run.mechanism.numbering
     store = _stored_system(run, may_move=bool(n.nk or len(n.rheonomic)))
@@ -89,7 +89,7 @@ def state_space_matrices(run: Run) -> Iterator[Frame]:
         if solution.L is not None:
             _say_doubtful_inertia(run, solution)
             store.add(solution.frame, solution.L, solution.dynamics)
-        yield solution.frame
+        yield (solution.frame,)
     run.report.lines.extend(store.idle.lines())
 
 

@@ -6,7 +6,6 @@ What their functions are asked and answer is in `user_functions`. A missing file
 from __future__ import annotations
 
 import ast
-import importlib.util
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -25,13 +24,14 @@ def function_file(deck: Deck, statement: Statement) -> Path:
     """The file `name.py` in the directory of the input file; nothing of it is run. Raises InputError without one."""
     name = str(statement.values[0])
     folder = deck.path.parent if deck.path else Path.cwd()
-    candidates = [p for p in (folder / f"{name}.py", folder / f"{name.lower()}.py") if p.exists()]
-    if not candidates:
-        text = f"the function file {name}.py was not found in {folder.resolve()}"
-        if (folder / f"{name}.m").exists():
-            text += f"; {name}.m is there: write it in Python (`spacar keywords {statement.keyword}`)"
-        raise _refusal(deck, statement, text)
-    return candidates[0]
+    for spelled in (name, name.lower()):
+        path = folder / f"{spelled}.py"
+        if path.exists():
+            return path
+    text = f"the function file {name}.py was not found in {folder.resolve()}"
+    if (folder / f"{name}.m").exists():
+        text += f"; {name}.m is there: write it in Python (`spacar keywords {statement.keyword}`)"
+    raise _refusal(deck, statement, text)
 
 
 def listed_functions(deck: Deck) -> list[Message]:
@@ -107,7 +107,9 @@ def load_function(deck: Deck, statement: Statement) -> Loaded:
 
 def _breaks(module: ModuleType, path: Path, refuse: Callable[[str], Exception]) -> tuple[float, ...]:
     """The times of jumps that a module declares."""
-    given = getattr(module, "breaks", ())
+    if not hasattr(module, "breaks"):
+        return ()
+    given = module.breaks
     try:
         times = np.asarray(given, dtype=float)
     except (TypeError, ValueError):
@@ -124,13 +126,12 @@ def one_line_of(value: object) -> str:
 
 
 def import_file(path: Path, refuse: Callable[[str], Exception]) -> ModuleType:
-    """The module in a user's Python file; raises what `refuse` makes of the reason why it cannot be loaded."""
-    spec = importlib.util.spec_from_file_location(f"spacar_user_{path.stem}", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
+    """The module in a user's Python file, from its text as it stands now: no bytecode is kept beside a model. Raises
+    what `refuse` makes of the reason why it cannot be loaded."""
+    module = ModuleType(f"spacar_user_{path.stem}")
+    module.__file__ = str(path)
     try:
-        spec.loader.exec_module(module)
+        exec(compile(path.read_bytes(), module.__file__, "exec", dont_inherit=True), vars(module))
     except Exception as error:  # a user's file may fail in any way
         raise refuse(f"{path} cannot be loaded: {one_line(error)}") from error
     return module

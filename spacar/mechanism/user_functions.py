@@ -32,7 +32,7 @@ from spacar.modes import find_mode
 
 
 def call(function: Callable[..., Any], name: str, t: float, *arguments: Any) -> tuple[Any, Any]:
-    """Call a user function and return its second and third result."""
+    """Call a user function and return its second and third result. Raises AnalysisError."""
     try:
         _, first, second = function(t, *arguments)
     except Exception as error:  # a user's function may fail in any way
@@ -117,15 +117,12 @@ def _added(rows: Any, places: dict[tuple[Any, Any], int], values: Any) -> float:
     total = 0.0
     try:
         for row in rows:
-            if type(row) not in ROWS:
-                return nan
             a, b, value = row
-            i = places.get((a, b))
-            if i is None or type(value) not in NUMBERS:
+            if type(value) not in NUMBERS or type(row) not in ROWS:
                 return nan
-            values[i] += value
+            values[places[a, b]] += value
             total += value
-    except (TypeError, ValueError, OverflowError):
+    except (KeyError, TypeError, ValueError, OverflowError):
         return nan
     return total
 
@@ -154,7 +151,8 @@ class UserLaw:
 
     def __call__(self, t: float, e: Array, ed: Array, x: Array, xd: Array) -> UserForces:
         n = self.numbering
-        sig, f = self._bound(placed(e, "e"), placed(ed, "ep"), placed(x, "x"), placed(xd, "xp"))(t)
+        given = self._given(placed(e, "e"), placed(ed, "ep"), placed(x, "x"), placed(xd, "xp"))
+        sig, f = call(self._function, self.name, t, *given)
         (sigma, k_e, d_e), (force, k_x, d_x) = np.zeros((3, n.ne)), np.zeros((3, n.nx))
         if isfinite(_added(sig, self.stresses, sigma) + _added(f, self.forces, force)):
             return UserForces(sigma, force, k_e, d_e, k_x, d_x)
@@ -173,10 +171,14 @@ class UserLaw:
         """Gives what writes for a time what the function returns at the guarded vectors e, ed, x, xd into sigma and
         force, which are zero then, and returns the sentences of `UserForces.lost`.
         """
-        ask, stresses, forces = self._bound(*told), self.stresses, self.forces
+        stresses, forces = self.stresses, self.forces
+        function, (ne, le, e, ed, nx, lnp, x, xd) = self._function, self._given(*told)
 
         def answer(t: float) -> dict[int, str]:
-            sig, f = ask(t)
+            try:
+                _, sig, f = function(t, ne, le, e, ed, nx, lnp, x, xd)
+            except Exception as error:  # a user's function may fail in any way
+                raise _failed(self.name, t, error) from error
             if isfinite(_added(sig, stresses, sigma) + _added(f, forces, force)):
                 return {}
             *found, lost = self._rows(t, sig, f)
@@ -189,21 +191,13 @@ class UserLaw:
 
         return answer
 
-    def _bound(
-        self, e: PlacedVector, ed: PlacedVector, x: PlacedVector, xd: PlacedVector
-    ) -> Callable[[float], tuple[Any, Any]]:
-        """Gives the stresses and forces as the function returns them for a time."""
-        ne, le, nx, lnp = self.numbering.ne, self.le, self.numbering.nx, self.lnp
-        function = self.function.function if isinstance(self.function, Loaded) else self.function
+    @property
+    def _function(self) -> Callable[..., Any]:
+        return self.function.function if isinstance(self.function, Loaded) else self.function
 
-        def ask(t: float) -> tuple[Any, Any]:
-            try:
-                _, sig, f = function(t, ne, le, e, ed, nx, lnp, x, xd)
-            except Exception as error:  # a user's function may fail in any way
-                raise _failed(self.name, t, error) from error
-            return sig, f
-
-        return ask
+    def _given(self, e: PlacedVector, ed: PlacedVector, x: PlacedVector, xd: PlacedVector) -> tuple[Any, ...]:
+        """What the function is called with, behind the time."""
+        return self.numbering.ne, self.le, e, ed, self.numbering.nx, self.lnp, x, xd
 
     def _rows(self, t: float, sig: Any, f: Any) -> tuple[Rows, Rows, dict[int, str]]:
         """Rows of sig and f with their places in e and x, checked, and the sentences of `UserForces.lost`."""

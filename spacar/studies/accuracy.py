@@ -21,7 +21,7 @@ runs at least are demanded of them, over which the differences must fall.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -185,14 +185,14 @@ class Search:
         return d
 
 
-def forward(run: Run) -> Iterator[Frame]:
+def forward(run: Run) -> Iterator[Sequence[Frame]]:
     """Frames of mode 1 or 4 within the error that `run.accuracy` asks for, with its estimate in `xerr`. Raises as these
     modes do."""
     request, settings = run.accuracy or AccuracyRequest(), run.mechanism.settings
     plain = replace(run, accuracy=None, report=run.report, header=run.header)
     if settings.duration is None or not run.mechanism.numbering.nkddof:
         run.header["accuracy"] = Accuracy(request.target, 0.0, 1.0, "nothing is integrated")
-        yield from plain
+        yield from plain.blocks()
         return
     search = Search(run, tuple(quantity(v) for v in request.variables))
     methods = STIFF if stiff(run) else EXPLICIT
@@ -216,7 +216,7 @@ def forward(run: Run) -> Iterator[Frame]:
         frames = iter(shown.frames)
     for frame, bars in zip(frames, error, strict=True):
         frame.xerr = bars
-        yield frame
+        yield (frame,)
 
 
 def stiff(run: Run) -> bool:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from spacar.frame import Frame
 from spacar.stream import Run
 from spacar.studies import accuracy, mesh_accuracy
 
 
-def frames(run: Run) -> Iterator[Frame]:
+def frames(run: Run) -> Iterator[Sequence[Frame]]:
     """Frames with `xerr`, and `header["accuracy"]`: with the error of the mesh where there are beams to divide."""
     assert run.accuracy is not None
     if run.mode.stationary:

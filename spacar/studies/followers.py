@@ -21,9 +21,8 @@ from spacar.dynamics.mass_check import largest_mass
 from spacar.errors import AnalysisError
 from spacar.forward.accepted_steps import FAR
 from spacar.forward.displaced import displaced
-from spacar.forward.driver import Times, Tolerances, integrated, work
-from spacar.frame import StoredFrames
-from spacar.integrators.problem import Output
+from spacar.forward.driver import WORK, Times, Tolerances, integrated
+from spacar.frame import E_FIELDS, X_FIELDS, StoredFrames
 from spacar.mechanism import Mechanism, build
 from spacar.mechanism.inputs import settings as settings_of
 from spacar.mechanism.inputs import user_signal
@@ -35,8 +34,6 @@ if TYPE_CHECKING:
     from spacar.compiled.cases import InLanes
     from spacar.compiled.marching import Marching
 
-X_FIELDS = ("x", "xd", "xdd", "fx", "fxgrav", "fxtot")
-E_FIELDS = ("e", "ed", "edd", "sig")
 X_INDEX, E_INDEX = ({name: k for k, name in enumerate(of)} for of in (X_FIELDS, E_FIELDS))
 
 
@@ -46,7 +43,7 @@ class GroupMotions:
 
     own      places of the cases;  lanes  where they are in the rows
     rows     (steps, 6 nx + 4 ne, lanes): X_FIELDS, E_FIELDS. They are used again for other cases
-    counted  outputs with the work of each, of every case;  said  of every case
+    counted  (steps, 5) the work of every output, of every case;  said  of every case
     """
 
     mechanism: Mechanism
@@ -54,7 +51,7 @@ class GroupMotions:
     lanes: list[int]
     t: Array
     rows: Array
-    counted: list[list[Output]]
+    counted: list[Array]
     said: list[tuple[str, ...]]
 
     @property
@@ -81,7 +78,7 @@ class GroupMotions:
         """Place and everything of each case."""
         for k, lane, counted, said in zip(self.own, self.lanes, self.counted, self.said, strict=True):
             own = {name: self._values(name)[..., lane].copy() for name in (*X_FIELDS, *E_FIELDS)}
-            frames = StoredFrames(self.t, own, [work(out) for out in counted])
+            frames = StoredFrames(self.t, own, dict(zip(WORK, counted.T, strict=True)))
             yield k, Result(self.mechanism, 1, frames, said, {})
 
 
@@ -171,7 +168,7 @@ class Follower:
 
     def _followed(
         self, lanes: list[int], own: list[int], rows: Array, k: int
-    ) -> tuple[list[tuple[str, ...]], list[Output]]:
+    ) -> tuple[list[tuple[str, ...]], Array]:
         """What is said of each case of a block, and its work at every output. Raises AnalysisError."""
         of = self.of
         self.block = block = self._lanes(lanes, own)
@@ -195,11 +192,13 @@ class Follower:
             breaks=block.breaks, watch=block.watch, back=block.rejected,
             marching=lambda: steps,
         )  # fmt: skip
-        counted = []
-        for step, out in enumerate(outputs):
-            if out.shown is None:
+        counted, step = np.empty((len(of.times), len(WORK))), 0
+        for out in outputs:
+            if out.passed is None:
                 block.passage.show(step, out.y)
-            counted.append(out)
+            made = 1 if out.passed is None else len(out.passed.counts)
+            counted[step : step + made] = out.work if out.passed is None else out.passed.counts
+            step += made
         lifted = block.wheels_lifted(of.times, rows, k)
         of_cases = [
             (*said.get(case, ()), *lifted[lane].values(), *block.lost(lane).values()) for lane, case in enumerate(own)

@@ -164,7 +164,7 @@ class MeshResult:
     meshes: list[Mesh]  # all that were computed; the last one is the finest
 
 
-def stationary(run: Run) -> Iterator[Frame]:
+def stationary(run: Run) -> Iterator[Sequence[Frame]]:
     """Frames of modes 7 to 10 with the error of the mesh. Raises as these modes do."""
     request = run.accuracy or AccuracyRequest()
     beams, reasons = divisible(run)
@@ -173,13 +173,13 @@ def stationary(run: Run) -> Iterator[Frame]:
         run.header["accuracy"] = found = Accuracy(request.target, estimate, 1.0, way, runs=1)
         for line in found.lines():
             run.report.add(line)
-        yield from replace(run, accuracy=None, report=run.report, header=run.header)
+        yield from replace(run, accuracy=None, report=run.report, header=run.header).blocks()
         return
     search = MeshSearch(run, beams, _measure(run), variables=tuple(quantity(v) for v in request.variables))
     yield from _shown(run, search, _found(search, request.target), reasons)
 
 
-def motion(run: Run) -> Iterator[Frame]:
+def motion(run: Run) -> Iterator[Sequence[Frame]]:
     """Frames of modes 1 and 4 with the error of integration and mesh. Raises as these modes do."""
     request = run.accuracy or AccuracyRequest()
     beams, reasons = divisible(run)
@@ -359,7 +359,9 @@ def _measured(search: MeshSearch) -> MeshResult:
     return MeshResult(own.frames, bars, away + found.estimate, way, meshes)
 
 
-def _shown(run: Run, search: MeshSearch, found: MeshResult, reasons: dict[int, str]) -> Iterator[Frame]:
+def _shown(
+    run: Run, search: MeshSearch, found: MeshResult, reasons: dict[int, str]
+) -> Iterator[Sequence[Frame]]:
     """Report, header and frames of an outcome."""
     assert search.own is not None
     target = run.accuracy.target if run.accuracy else None
@@ -386,4 +388,4 @@ def _shown(run: Run, search: MeshSearch, found: MeshResult, reasons: dict[int, s
         frames = iter(replace(run, accuracy=None, mechanism=own.run.mechanism))
     for frame, bars in zip(frames, found.bars, strict=True):
         frame.xerr = bars
-        yield frame
+        yield (frame,)

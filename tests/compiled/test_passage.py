@@ -14,7 +14,7 @@ from spacar.compiled.compiled_evaluator import CompiledDynamics
 from spacar.compiled.library import why_off
 from spacar.deck import Deck, parse_deck
 from spacar.forward.motion import chosen, motion
-from spacar.frame import Frame
+from spacar.frame import Frame, StoredFrames
 
 DATA = Path(__file__).parents[2] / "data"
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
@@ -82,8 +82,8 @@ def followed(source, standing: bool, **options):
     frames, error = [], None
     with np.errstate(all="ignore"):
         try:
-            for _, frame in motion(run, own=standing):
-                frames.append([_bytes(getattr(frame, f.name)) for f in fields(Frame)])
+            for _, block in motion(run, own=standing):
+                frames.extend([_bytes(getattr(frame, f.name)) for f in fields(Frame)] for frame in block)
         except Exception as raised:
             error = type(raised), str(raised)
     return frames, run.report.lines, error
@@ -278,6 +278,6 @@ def test_the_bound_of_the_condition_never_lies_and_is_of_use(name):
         many = evaluator.passage(np.zeros(1), np.zeros(0, np.int64), singular)
         many.c.n_exact, many.c.guard = 0, -1.0
         (out,) = many.prescribed(y)
-        assert isinstance(out.shown, Frame) == (harmless and not many.c.foreign)
+        assert isinstance(out.shown, StoredFrames) == (harmless and not many.c.foreign)
 
 
