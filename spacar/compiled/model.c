@@ -272,6 +272,7 @@ static void spacar_end(Model *m)
     free(m->v_offset); free(m->m_offset); free(m->values);
     free(m->h); /* the start of all vectors */
     free(m->transfer);
+    tree_end(m->tree);
     free((void *)m->s.batches); free((void *)m->s.free); free(m->places); free(m->parameters);
     free(m);
 }
@@ -390,6 +391,7 @@ static Model *spacar_begin(const int *whole, real *numbers, const Foreign *const
     if (!status) status = find_coupling(m, n_values);
     entries_end(&V);
     if (!status) status = assemble(m);
+    if (!status) status = find_tree(m);
     const int q = spec->n_x_dynamic + spec->n_e_dynamic;
     real *work = status ? NULL : cleared(10 * (nx + ne) + 2 * nx + 2 * (3 * (STATES - 1) * nx + 3 * STATES * q), sizeof(real));
     if (!work) { spacar_end(m); return NULL; }
@@ -430,6 +432,9 @@ static void spacar_renew(Model *m)
     m->factored = 0;
     m->transfer_of = NULL;
     for (int k = 0; k < 2; k++) { m->traces[k].of = NULL; m->traces[k].n = 0; }
+    tree_end(m->tree);
+    m->tree = NULL;
+    if (find_tree(m)) { tree_end(m->tree); m->tree = NULL; } /* no memory: the general equations do */
 }
 
 /* The entries of V: rows, columns and values, each with room for all of them (n); their number. Only this when row is NULL. */

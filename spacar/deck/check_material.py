@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from spacar import modes
@@ -32,7 +32,6 @@ class CheckMaterial:
     deformations: Classes = field(default_factory=dict)
     analysis: modes.Mode | None = field(init=False)
     """The row of the mode that the file is checked for, if it is checked for one."""
-    _rows: dict[int, list[tuple[Keyword, Sequence[Statement]]]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.analysis = facts(self.mode)
@@ -45,13 +44,9 @@ class CheckMaterial:
         """Statements with one of these keywords, in file order."""
         return self.index.of(*keywords, block=block)
 
-    def keywords(self, block: int) -> list[tuple[Keyword, Sequence[Statement]]]:
-        """The rows of the table that statements of a block belong to, with these statements in file order."""
-        if block not in self._rows:
-            found = self.index.block(block)
-            kind = kind_of(block, self.third)
-            self._rows[block] = [(KEYWORDS[name, kind], found[name]) for name in found]
-        return self._rows[block]
+    def row(self, name: str, block: int) -> Keyword:
+        """The row of the table that statements with this keyword in a block belong to."""
+        return KEYWORDS[name, kind_of(block, self.third)]
 
     def doubtful(self, what: str, number: int) -> bool:
         """Whether a statement that gives a class to this node or element could not be read."""

@@ -114,13 +114,12 @@ def _check_settings(scene: CheckMaterial, s: Statement) -> None:
 def _check_stiffness(scene: CheckMaterial) -> None:
     """Dynamic deformations of beams and trusses without stiffness move freely: meant for measuring elements."""
     outline = scene.outline
-    stiff = {s.values[0]: s for s in scene.of("ESTIFF", block=2)}
+    moving = [key for key, (name, _) in scene.deformations.items() if name == "dynamic" and outline.types[key[0]].axial]
+    stiff = {s.values[0]: s for s in scene.of("ESTIFF", block=2)} if moving else {}
     free: dict[int, list[int]] = {}
-    for (element, mode), (name, _) in scene.deformations.items():
-        if name != "dynamic":
-            continue
+    for element, mode in moving:
         kind = outline.types[element]
-        if not kind.axial or ("ESTIFF", element) in outline.broken:
+        if ("ESTIFF", element) in outline.broken:
             continue
         given = stiff.get(element)
         if given is None or given.real(kind.stiffness[mode - 1] - 1) == 0.0:

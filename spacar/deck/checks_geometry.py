@@ -8,7 +8,7 @@ from typing import cast
 from spacar.deck.check_material import CheckMaterial
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
-from spacar.deck.table_types import ElementType
+from spacar.deck.table_types import ElementType, position_places
 
 ZERO_LENGTH = 1e-8
 """A length below this part of the size of the model is zero: a chosen bound, for the digits of a file."""
@@ -60,7 +60,7 @@ def _positions(scene: CheckMaterial) -> dict[int, Vector]:
     """Positions of the nodes with an X statement; nodes without X are at the origin."""
     positions: dict[int, Vector] = {}
     given: dict[int, Statement] = {}
-    for group in scene.index.groups_of("X"):
+    for group in scene.index.groups_of("X", block=1):
         _add_positions(scene, group, given, positions)
     return positions
 
@@ -114,7 +114,7 @@ def _ordinary(group: list[Statement], kind: ElementType, positions: dict[int, Ve
         directions = cast("list[Vector]", [s.values[start:end] for s in group])
         if not all(map(any, directions)):
             return False
-    ends = [i for i, role in enumerate(kind.nodes, 1) if role == "position"]
+    ends = position_places(kind)
     if len(ends) < 2:
         return True
     starts, stops = [[positions.get(s.integer(i), ORIGIN) for s in group] for i in ends]
@@ -142,7 +142,7 @@ def _check_element(
         direction = None
     if s.keyword in ("PLWHEEL", "TWHEEL"):
         _check_radii(scene, s)
-    ends = [s.integer(i) for i, role in enumerate(kind.nodes, 1) if role == "position"]
+    ends = [s.integer(i) for i in position_places(kind)]
     if len(ends) < 2 or ends[0] == ends[1] or any(("X", n) in scene.outline.broken for n in ends):
         return
     p, q = positions.get(ends[0], ORIGIN), positions.get(ends[1], ORIGIN)

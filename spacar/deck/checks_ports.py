@@ -10,7 +10,7 @@ from spacar.deck.statement import Statement
 def check_ports(scene: CheckMaterial) -> None:
     """The numbers are the positions in the vectors u and y, so there must be no gap and no second use."""
     used: dict[str, dict[int, Statement]] = {"input": {}, "output": {}}
-    nouns = {keyword.name: keyword.variants[0].parameters[0].of for keyword, _ in scene.keywords(3)}
+    nouns = {name: scene.row(name, 3).variants[0].parameters[0].of for name in scene.index.keywords(3)}
     for s in scene.of(*(name for name, noun in nouns.items() if noun in used), block=3):
         noun, number = nouns[s.keyword], s.integer(0)
         first = used[noun].setdefault(number, s)

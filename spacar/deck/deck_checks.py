@@ -45,7 +45,7 @@ def check(
 
 
 def _check_output_level(scene: CheckMaterial) -> None:
-    for s in scene.of("OUTLEVEL"):
+    for s in scene.of("OUTLEVEL", block=1):
         for i, most in enumerate((15, 3)[: len(s.values)]):
             if not -1 <= s.integer(i) <= most:
                 text = f"output level {s.values[i]} has flags without meaning; allowed: -1 to {most}"

@@ -66,10 +66,11 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
         if raw.block == 1 and _may_be_element(raw):
             _remember_broken(raw, outline)
     lost = []
+    kinds = {1: BlockKind.KINEMATICS, 2: BlockKind.DYNAMICS, 3: third}
+    told = {block: skipped.get(block, findings) for block in kinds}
     for part, groups in zip(parts.statements, read, strict=True):
         if part.keyword not in ELEMENT_TYPES:
-            kind = {1: BlockKind.KINEMATICS, 2: BlockKind.DYNAMICS}.get(part.block, third)
-            into = skipped.get(part.block, findings)
+            kind, into = kinds[part.block], told[part.block]
             keyword = KEYWORDS.get((part.keyword, kind)) if kind is not None else None
             if keyword is None:
                 _wrong_kind(part, kind, into)
@@ -89,7 +90,7 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
         expansion = Expansion(given, outline, (), ())
         index = StatementIndex(all_groups, parts.interleaved)
     statements, outline = expansion.statements, expansion.outline
-    check(index, outline, mode, third, {block: skipped.get(block, findings) for block in (1, 2, 3)})
+    check(index, outline, mode, third, told)
     for block, found in skipped.items():
         _report_skipped(block, parts.statements, mode, found, findings)
     findings.messages.sort(key=lambda m: m.line or 0)

@@ -7,10 +7,9 @@ them word by word.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, partial
-from itertools import repeat
+from functools import cache
 from operator import le
 from typing import Any
 
@@ -23,9 +22,6 @@ from spacar.deck.table_types import COORDINATES, Keyword, Parameter, coordinates
 
 NUMBERED_PARTS = ("coordinate", "mode")
 ELEMENT, NODE, PART = range(3)  # what a value refers to
-Columns = Sequence[Sequence[Any]]  # numbers of several statements, by argument; 3. finds what is known as 3
-
-_make: Callable[[Iterable[Any]], Statement] = partial(tuple.__new__, Statement)  # without a call of Python for each
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,46 +75,49 @@ def _references(parameters: Sequence[Parameter]) -> Iterator[tuple[int, int, str
 
 def plain_statements(lines: PlainLines, keyword: Keyword, outline: Outline) -> list[Statement] | None:
     """The statements of plain lines when nothing about any of them needs a message, else None."""
-    element = ELEMENT_TYPES.get(lines.keyword)
-    columns: list[Sequence[Any]] = [*lines.columns]
-    form = _same_form(keyword, "" if element else outline.space, len(columns)) or _form_of(columns, keyword, outline)
+    element, count, values = ELEMENT_TYPES.get(lines.keyword), lines.count - 1, lines.values.copy()
+    form = _same_form(keyword, "" if element else outline.space, count) or _form_of(lines, keyword, outline)
     if form is None:
         return None
+    integers: dict[int, list[int]] = {}  # of several statements, by argument
     for i in form.integers:
-        numbers = list(map(int, columns[i]))
-        if numbers != columns[i]:
+        given = values[i::count]
+        integers[i] = values[i::count] = numbers = list(map(int, given))
+        if numbers != given:
             return None
-        columns[i] = numbers
     if element is not None:
-        named = columns[: 1 + len(element.nodes)]
-        if min(map(min, named)) < 1 or max(map(max, named)) > LARGEST_NUMBER:
-            return None
-    elif form.references and not _known(columns, form, outline):
+        for i in range(1 + len(element.nodes)):
+            if min(integers[i]) < 1 or max(integers[i]) > LARGEST_NUMBER:
+                return None
+    elif form.references and not _known(integers, form, outline):
         return None
-    values = zip(*columns, strict=True) if columns else repeat(())
-    return list(map(_make, zip(repeat(lines.keyword), values, repeat(lines.block), lines.lines, lines.texts)))
+    new, name, block = tuple.__new__, lines.keyword, lines.block  # without a call of Python for each
+    rows = zip(*[iter(values)] * count, strict=True) if count else [()] * len(lines.lines)
+    places = zip(rows, lines.lines, lines.texts, strict=True)
+    return [new(Statement, (name, row, block, line, text)) for row, line, text in places]
 
 
-def _form_of(columns: Columns, keyword: Keyword, outline: Outline) -> _Form | None:
+def _form_of(lines: PlainLines, keyword: Keyword, outline: Outline) -> _Form | None:
     """The form of statements about nodes and elements that exist; None when it is not the same for all."""
     subject, of_element = subject_of(keyword)
-    count = len(columns)
+    count = lines.count - 1
     if subject is None or subject >= count:
         return _form(keyword, outline.space, "", "", count)
+    about: list[Any] = lines.values[subject::count]  # 3. finds what is known as 3
     if of_element:
-        kinds = set(map(outline.types.get, columns[subject]))
+        kinds = set(map(outline.types.get, about))
         forms = [_form(keyword, outline.space, "", kind.keyword, count) if kind else None for kind in kinds]
     else:
-        roles = set(map(outline.roles.get, columns[subject]))
+        roles = set(map(outline.roles.get, about))
         forms = [_form(keyword, outline.space, role, "", count) if role else None for role in roles]
     return forms[0] if len(forms) == 1 or all(form == forms[0] for form in forms) else None
 
 
-def _known(columns: Columns, form: _Form, outline: Outline) -> bool:
+def _known(integers: Mapping[int, Sequence[int]], form: _Form, outline: Outline) -> bool:
     """Whether everything that the values of plain lines refer to exists; `arguments` says what does not."""
     most: Sequence[int] = ()  # number of parts of what the value before refers to
     for i, what, wanted, with_part in form.references:
-        numbers = columns[i]
+        numbers = integers[i]
         if what == PART:
             if most and (min(numbers) < 1 or not all(map(le, numbers, most))):
                 return False

@@ -47,16 +47,16 @@ class Raw:
 class PlainLines:
     """Plain lines with one keyword (its name) and as many words in each, in the order of the file.
 
-    `words`: all of them, until `Split.convert` makes numbers; `columns`: the numbers, one list for every argument;
-    `lines`: where the lines stand; `texts`: what they say, without comments.
+    `words`: all of them, until `Split.convert` makes `values` of those behind the keywords; `lines`: where the lines
+    stand; `texts`: what they say, without comments.
     """
 
-    __slots__ = ("block", "columns", "count", "keyword", "lines", "texts", "words")
+    __slots__ = ("block", "count", "keyword", "lines", "texts", "values", "words")
 
     def __init__(self, keyword: str, block: int, count: int) -> None:
         self.keyword, self.block, self.count = keyword, block, count
         self.words: list[str] = []
-        self.columns: list[list[float]] = []
+        self.values: list[float] = []
         self.lines: list[int] = []
         self.texts: list[str] = []
 
@@ -67,8 +67,8 @@ class PlainLines:
 
     def part(self, start: int, end: int) -> PlainLines:
         """Some of the lines, of which the words are numbers already."""
-        found = PlainLines(self.keyword, self.block, self.count)
-        found.columns = [column[start:end] for column in self.columns]
+        found, count = PlainLines(self.keyword, self.block, self.count), self.count - 1
+        found.values = self.values[start * count : end * count]
         found.lines, found.texts = self.lines[start:end], self.texts[start:end]
         return found
 
@@ -107,8 +107,8 @@ class Split:
             words += part.words
         values, end = numbers(words), 0
         for part in plain:
-            start, end, count = end, end + len(part.words), part.count - 1
-            part.columns = [values[i:end:count] for i in range(start, start + count)]
+            start, end = end, end + len(part.words)
+            part.values, part.words = values[start:end], []
 
     @property
     def raws(self) -> list[Raw]:
@@ -163,22 +163,38 @@ class _Splitter:
 
     def _lines(self) -> bool:
         """Take the lines; true at the end of the analysis part."""
-        odd, alike = self.source.odd, self.alike
+        odd, first, lines = self.source.odd, "", PlainLines("", 0, 0)  # the lines before, and how they begin
         for number, line in enumerate(self.source.lines, 1):
             words = line.split()
-            if number in odd or not words or (name := self.names.get(words[0].upper())) is None:
-                if self._words(words_of(line, number)):
-                    return True
-                continue
-            lines = alike.get(name)
-            if lines is None or lines.count != len(words):
-                lines = alike[name] = self.lines = self._begin_lines(name, number, len(words))
-            elif lines is not self.lines:
-                self.lines, self.result.interleaved = lines, True
+            if not words or words[0] != first or len(words) != lines.count or number in odd:
+                plain = self._plain(words, number) if words and number not in odd else None
+                if plain is None:
+                    first = ""
+                    if self._words(words_of(line, number)):
+                        return True
+                    continue
+                first, lines = words[0], plain
             lines.words += words
             lines.lines.append(number)
             lines.texts.append(line)
         return False
+
+    def _plain(self, words: list[str], number: int) -> PlainLines | None:
+        """Those that a line with these words belongs to; None when no keyword begins it that may begin a plain line."""
+        name = self.names.get(words[0].upper())
+        if name is None:
+            return None
+        lines = self.alike.get(name)
+        if lines is None or lines.count != len(words):
+            if self.fresh:
+                self._open_since(number)
+            self.current = None
+            lines = self.alike[name] = PlainLines(name, self.block, len(words))
+            self.result.statements.append(lines)
+        elif lines is not self.lines:
+            self.result.interleaved = True
+        self.lines = lines
+        return lines
 
     def _words(self, words: list[Word]) -> bool:
         """Take the words of a line that is not plain; true at the end of the analysis part."""
@@ -190,14 +206,6 @@ class _Splitter:
         # what follows a single END or stands where a name is due is no keyword
         self.names = {} if self.end is not None or self._wants_first_name() else _PLAIN[self.block]
         return False
-
-    def _begin_lines(self, name: str, line: int, count: int) -> PlainLines:
-        """Plain lines with another keyword or count than those before."""
-        self._open_since(line)
-        self.current = None
-        lines = PlainLines(name, self.block, count)
-        self.result.statements.append(lines)
-        return lines
 
     def _take(self, word: Word) -> bool:
         """Take the next word; true at the end of the analysis part."""

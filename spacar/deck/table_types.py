@@ -130,6 +130,12 @@ def twins_of(kind: ElementType) -> list[tuple[int, int]]:
 
 
 @cache
+def position_places(kind: ElementType) -> list[int]:
+    """Arguments (from 0) of the statement of an element type that are position nodes."""
+    return [i for i, role in enumerate(kind.nodes, 1) if role == "position"]
+
+
+@cache
 def coordinates_used(kind: ElementType) -> list[int]:
     """Coordinates of an element type in the rows of its nodes, four places each, one after the other."""
     return [4 * k + i for k, role in enumerate(kind.nodes) for i in range(coordinates_of(role, kind.planar))]

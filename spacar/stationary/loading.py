@@ -86,7 +86,7 @@ def stored_levels(settings: SolverSettings) -> int:
 
 def loads_at(mechanism: Mechanism, level: LoadLevel) -> Loads:
     """Loads of a level."""
-    loads = mechanism.loads.scaled(level.initial)
+    loads = mechanism.loads if level.initial == 1.0 else mechanism.loads.scaled(level.initial)
     if level.additional and mechanism.additional is not None:
         loads = loads.plus(mechanism.additional.scaled(level.additional))
     return loads
