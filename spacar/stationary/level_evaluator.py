@@ -40,9 +40,9 @@ class LevelEvaluator:
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism
         level = LoadLevel(0.0, 0.0)
-        loads = loads_at(mechanism, level)
+        loads, drive = loads_at(mechanism, level), SteadyDrive.at_level(mechanism, level)
         self.whole = SteadyDrive.at_level(mechanism, LoadLevel(1.0, 0.0))  # prescribed values of the initial loading
-        self._dynamics = Dynamics(with_flow(mechanism, loads), loads=loads, drive=self._drive(level))
+        self._dynamics = Dynamics(with_flow(mechanism, loads), loads=loads, drive=drive)
         n = mechanism.numbering
         self.y = self._dynamics.start_values()
         if n.holonomic:
@@ -65,10 +65,6 @@ class LevelEvaluator:
         self._equations = StationaryEquations(self._dynamics, flexibility, self.moving, rates)
         self._sparse: SparseTangent | None = None
         self._tangent: Tangent | None = None
-
-    def _drive(self, level: LoadLevel) -> SteadyDrive:
-        """Prescribed values of a level; those of all levels where nothing is prescribed."""
-        return SteadyDrive.at_level(self.mechanism, level) if len(self.mechanism.numbering.rheonomic) else self.whole
 
     def _compiled(self) -> Equilibrium | None:
         """The equations in C where they have that form."""
@@ -101,7 +97,7 @@ class LevelEvaluator:
         """Loads and elements as Python needs them."""
         if not self._loaded:
             self._loaded = True
-            self._use(loads_at(self.mechanism, self._level), self._drive(self._level))
+            self._use(loads_at(self.mechanism, self._level), SteadyDrive.at_level(self.mechanism, self._level))
         if self._at is not None:
             x, self._at = self._at, None
             self._dynamics.sweep.strain(x)
