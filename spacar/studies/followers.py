@@ -209,6 +209,7 @@ class Follower:
         """The model with the numbers of these cases."""
         of = self.of
         if of.own_functions:
+            self.block = None  # it says which function failed
             deck, n = of.single.deck, of.single.numbering
             users = [u for _ in own if (u := user_signal(deck, n)) is not None]
             return self._model(lanes, of.drives(own), users)

@@ -11,7 +11,7 @@ import pytest
 
 import spacar
 from spacar.compiled.library import lanes_of_processor, why_off
-from spacar.deck import read_deck
+from spacar.deck import parse_deck, read_deck
 from spacar.studies import ensemble as studies_ensemble
 from spacar.studies import followers, workers
 from spacar.studies.assignments import change, setting
@@ -75,22 +75,35 @@ def test_rows_without_a_file_touch_no_file(robot, monkeypatch):
     assert [row["status"] for row in rows] == 2 * ["done"]
 
 
-def test_only_the_block_of_a_case_that_fails_is_run_alone(robot):
-    """A link of nearly no length makes one case too hard: the others of its block are run alone, all are right."""
-    low = [setting("X.8[coordinate x1]"), setting("X.8[coordinate x3]")]
-    places = [(0.5 + 0.01 * k, 0.1) for k in range(2 * lanes_of_processor())]
-    places[1] = (0.26806, 0.64675)
-    decks = [change(robot, low, p) for p in places]
-    options = OPTIONS | {"duration": 0.02, "n_steps": 1}
-    lanes = lanes_of_processor()
-    missing = [k for k, r in enumerate(ensemble(decks, **options)) if r is None]
+PENDULUM = """PLTRUSS 1 1 2
+X 2 0. -1.
+FIX 1
+DYNX 2 1
+END
+HALT
+XM 2 1.
+GRAVITY 0. -10.
+STARTDX 2 1 0. 0.5
+END
+END
+"""
+
+
+def test_only_the_block_of_a_case_that_fails_is_run_alone():
+    """A pendulum whose degree of freedom is x comes to the horizontal in one case, a dead point of x: the others of its
+    block are run alone, all are right."""
+    base, lanes, rate = parse_deck(PENDULUM, mode=1), lanes_of_processor(), "STARTDX.2.1[start rate]"
+    rates = [0.5 + 0.01 * k for k in range(2 * lanes)]
+    rates[1] = 20.0
+    decks = [change(base, [setting(rate)], [v]) for v in rates]
+    assert not why_not(decks[0], **OPTIONS)
+    missing = [k for k, r in enumerate(ensemble(decks, **OPTIONS)) if r is None]
     assert missing == [k for k in range(len(decks)) if k // lanes == 1 // lanes]
-    change_of = {"X.8[coordinate x1]": [p[0] for p in places], "X.8[coordinate x3]": [p[1] for p in places]}
-    rows = spacar.sweep(robot, change_of, "z: x[8,3]@end", together=True, **options)
+    rows = spacar.sweep(base, {rate: rates}, "x: x[2,1]@end", **OPTIONS)
     for k in (0, 2, lanes):
-        single = spacar.run(1, decks[k], **options)
+        single = spacar.run(1, decks[k], **OPTIONS)
         assert rows[k]["status"] == "done"
-        assert rows[k]["z"] == pytest.approx(single.node(8, 3)[-1], abs=1e-6)
+        assert rows[k]["x"] == pytest.approx(single.node(2, 1)[-1], abs=1e-6)
 
 
 def test_rows_that_are_there_survive_an_interruption(robot, tmp_path, monkeypatch):
