@@ -12,7 +12,7 @@ from spacar.deck.finer import refine_divisible
 from spacar.errors import UsageError
 from spacar.mechanism import build
 from spacar.modes import Mode, find_mode
-from spacar.options import checked_options
+from spacar.options import check_modes, checked_options
 from spacar.stream import AccuracyRequest, Run
 
 if TYPE_CHECKING:
@@ -43,6 +43,7 @@ def frames(
     """
     found = find_mode(mode)
     options, notes = checked_options(options)
+    check_modes(found, options.get("modes"))
     deck = deck_of(source, found.number)
     request = _accuracy(found, accuracy, variables, mesh)
     kept: dict[int, str] = {}

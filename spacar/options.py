@@ -10,6 +10,7 @@ from typing import Any
 from spacar.deck.table_solvers import INTEGRATOR_ALIASES, INTEGRATORS, alias_note
 from spacar.errors import UsageError
 from spacar.mechanism import SolverSettings
+from spacar.modes import Mode
 
 POSITIVE = ("atol", "rtol", "step", "duration", "n_steps")
 BEAMS = ("angle", "sine")  # measures of the deformations of beams and tubes
@@ -72,3 +73,10 @@ def integrator(code: int, subject: str = "integrator type") -> tuple[int, str | 
         known = ", ".join(map(str, INTEGRATORS))
         raise UsageError(f"{subject} {code} does not exist; the methods are {known}", "usage.integrator")
     return code, None
+
+
+def check_modes(mode: Mode, wanted: int | None) -> None:
+    """Raises UsageError when modes of vibration are asked for of a mode that stores only matrices along a motion."""
+    if mode.takes_setpoints and wanted:
+        text = f"mode {mode.number} computes no modes of vibration: the option modes = {wanted} can only be 0"
+        raise UsageError(f"{text} (A, B, C, D and reduced matrices of a model of any size)", "usage.option")

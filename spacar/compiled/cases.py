@@ -21,7 +21,6 @@ from spacar.compiled.passage_of_cases import PassageOfCases, not_followed
 from spacar.dynamics.limits import Wheels
 from spacar.dynamics.loaded_mechanism import NEVER, Accepted, LoadedMechanism, Moving, unexplained
 from spacar.dynamics.mass_check import is_checked, is_doubtful
-from spacar.integrators.problem import Step
 from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS
 from spacar.kinematics.regularity import HALF_TURN, HalfTurns
 from spacar.mechanism.mechanism import Drive, UserSignal
@@ -64,10 +63,11 @@ class InLanes:
         self._seen: tuple[Moving, Array] | None = None  # last accepted state, signs of the determinants
         self._accepted: tuple[Array, Array] | None = None  # its x and e
         self._out = np.zeros_like(self.y0)
-        self.passage = PassageOfCases(self)
+        self.passage = PassageOfCases(self.solver, self.shown, size * lanes)
+        self.has_wheels = bool(len(Wheels(model).rows))
 
     def renew(self, values: Array, start: Array) -> None:
-        """Other cases: `values` as for `CompiledModel.renew`. Not with functions of their own."""
+        """Other cases: see `CompiledModel.renew`. Not with functions of their own."""
         self.solver.renew(values, self.state, self.shown)
         self.y0.reshape(start.shape[::-1])[:] = start.T
         self._seen = self._accepted = None
@@ -126,9 +126,9 @@ class InLanes:
         return f"component {component} of case {lane + 1} of the block"
 
     # -- steps in C -----------------------------------------------------------------------------------------------
-    def marching(self) -> Callable[..., Iterator[Step]]:
-        """Steps through all outputs, each of which is evaluated."""
-        return Marching(self, self, self.passage).steps
+    def marching(self) -> Marching:
+        """Steps through all outputs, each of which is evaluated; of one block after the other."""
+        return Marching(self, self, self.passage)
 
     def closer(
         self, t: float, y: Array, peak: float, before: list[Accepted] | None
@@ -170,9 +170,10 @@ class InLanes:
 
     def wheels_lifted(self, times: Array, rows: Array, block: int) -> list[dict[int, str]]:
         """Warnings of every lane, by wheel, after all outputs (rows as for `into`)."""
-        wheels, lanes = Wheels(self.model, self.by_case[2]), self.by_case[2]
+        lanes = self.by_case[2]
         said: list[dict[int, str]] = [{} for _ in range(lanes)]
-        if len(wheels.rows):
+        if self.has_wheels:
+            wheels = Wheels(self.model, lanes)
             stresses = rows[:, 6 * self.numbering.nx + 3 * self.numbering.ne + wheels.rows, block]
             for t, normal in zip(times.tolist(), stresses, strict=True):
                 for lane, wheel, text in wheels.lifted(t, normal):

@@ -162,7 +162,7 @@ class CompiledModel:
 
     def renew(self, values: Array, *states: State) -> None:
         """Other cases: their numbers in the order of `Numbers.arrays`, (n, cases). `states` begin at their reference
-        configurations. Not where Python answers what a case asks."""
+        configurations. Orders of pivots are those of the first call. Not where Python answers what a case asks."""
         np.copyto(self._values[: values.size].reshape(values.shape), values)
         self.engine.renew(self.handle)
         for state in states:

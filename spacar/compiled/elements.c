@@ -88,6 +88,8 @@ typedef struct {
     int *m_start, *m_column, *m_place;    /* M by rows in the same way, for the reduced form */
     int *places; real *parameters;        /* of the batches */
     const real *given_parameters;         /* the same as they are given */
+    struct Tree *tree;                    /* NULL: not a rigid tree */
+    Sparse first[3];                      /* the systems with the orders of pivots that other numbers begin with */
 } Model;
 
 /* Add as many whole turns to e of one element as bring its first row closest to `near`. */

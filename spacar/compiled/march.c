@@ -116,6 +116,7 @@ static int seen(March *r, double t, const double *y)
     return has_to_be_alone(r, before, now) ? 2 : 0;
 #else
     if (!s->known) return r->tell(t, y);
+    if (m->tree) return 0; /* it has no dead points */
     if (r->look == LOOK_AT_DETERMINANTS) {
         const double low = logarithm(s->mantissa, s->exponent);
         position_determinant(m, &now[1], &now[2]);

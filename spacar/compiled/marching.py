@@ -254,6 +254,10 @@ class Marching:
             self.c.lambda0, self.c.n_lambda0, self.c.half_turn = self.near.ctypes.data, len(self.near), HALF_TURN
         self.address = ctypes.c_void_p(ctypes.addressof(self.c))
 
+    def anew(self) -> None:
+        """Another motion begins."""
+        self.c.recorded = self.c.entered = self.c.reductions = 0
+
     def steps(
         self, method: Adams | ExplicitRungeKutta, t: float, t_end: float, h: float, longest: float, within: float
     ) -> Iterator[Step]:

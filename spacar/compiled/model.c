@@ -260,9 +260,9 @@ static int assemble(Model *m)
 static void spacar_end(Model *m)
 {
     if (!m) return;
-    sparse_end(&m->position);
-    sparse_end(&m->velocity);
-    sparse_end(&m->motion);
+    sparse_end(&m->position, &m->first[0]);
+    sparse_end(&m->velocity, &m->first[1]);
+    sparse_end(&m->motion, &m->first[2]);
     entries_end(&m->coupling);
     free(m->coupling_first); free(m->coupling_second); free(m->coupling_weight);
     entries_end(&m->mass);
@@ -272,6 +272,7 @@ static void spacar_end(Model *m)
     free(m->v_offset); free(m->m_offset); free(m->values);
     free(m->h); /* the start of all vectors */
     free(m->transfer);
+    tree_end(m->tree);
     free((void *)m->s.batches); free((void *)m->s.free); free(m->places); free(m->parameters);
     free(m);
 }
@@ -390,6 +391,7 @@ static Model *spacar_begin(const int *whole, real *numbers, const Foreign *const
     if (!status) status = find_coupling(m, n_values);
     entries_end(&V);
     if (!status) status = assemble(m);
+    if (!status) status = find_tree(m);
     const int q = spec->n_x_dynamic + spec->n_e_dynamic;
     real *work = status ? NULL : cleared(10 * (nx + ne) + 2 * nx + 2 * (3 * (STATES - 1) * nx + 3 * STATES * q), sizeof(real));
     if (!work) { spacar_end(m); return NULL; }
@@ -414,8 +416,9 @@ static Model *spacar_begin(const int *whole, real *numbers, const Foreign *const
     return m;
 }
 
-/* Other numbers of the same cases stand in the array of `read_spec`, of a model without foreign batches: nothing is left of the
-   states that were evaluated with the old ones. GRAVITY is the same, as the lists depend on where it acts. */
+/* Other numbers of the same cases stand in the array of `read_spec`, of a model without foreign batches. GRAVITY is the same, as
+   the lists depend on where it acts. Nothing is left of the states that were evaluated with the old numbers but the orders of
+   pivots, which are those of the first call: rounding does not depend on the numbers in between. */
 static void spacar_renew(Model *m)
 {
     const Spec *s = &m->s;
@@ -423,9 +426,15 @@ static void spacar_renew(Model *m)
     reference_values(m);
     for (int k = 0; k < s->n_constant; k++) m->values[m->mass.source[m->mass.n - s->n_constant + k]] = s->constant_mass[k];
     pairs(m, NULL, 0, NULL, NULL, m->coupling_weight);
-    m->factored = m->position.planned = m->velocity.planned = m->motion.planned = 0;
+    first_order(&m->position, &m->first[0]);
+    first_order(&m->velocity, &m->first[1]);
+    first_order(&m->motion, &m->first[2]);
+    m->factored = 0;
     m->transfer_of = NULL;
     for (int k = 0; k < 2; k++) { m->traces[k].of = NULL; m->traces[k].n = 0; }
+    tree_end(m->tree);
+    m->tree = NULL;
+    if (find_tree(m)) { tree_end(m->tree); m->tree = NULL; } /* no memory: the general equations do */
 }
 
 /* The entries of V: rows, columns and values, each with room for all of them (n); their number. Only this when row is NULL. */

@@ -110,21 +110,21 @@ static int place(Model *m, real *x, real *xd, real *e, const real *near, const r
     return NO_CONVERGENCE;
 }
 
-/* Constitutive stresses, and the applied forces but gravity on moving elements. OK or NOT_ANSWERED. */
-static int stresses(const Model *m, double t, const real *x, const real *e, const real *xd, real *sigma)
+/* Constitutive stresses, and the applied forces but gravity on moving elements. ed: NULL where they are V xd. OK or NOT_ANSWERED. */
+static int stresses(const Model *m, double t, const real *x, const real *e, const real *xd, const real *ed, real *sigma)
 {
     const Spec *s = &m->s;
     memcpy(m->applied, s->force, sizeof(real) * s->nx);
     for (int k = 0; k < s->n_moments; k++) m->applied[s->moment_rows[k]] += s->moments[k] * x[s->moment_columns[k]];
     memcpy(sigma, s->preload, sizeof(real) * s->ne);
     for (int i = 0; i < s->n_stiffness; i++) sigma[s->s_rows[i]] += s->s_values[i] * e[s->s_columns[i]];
-    for (int i = 0; i < s->n_damping; i++) sigma[s->d_rows[i]] += s->d_values[i] * rate(m, s->d_columns[i], xd);
+    for (int i = 0; i < s->n_damping; i++) sigma[s->d_rows[i]] += s->d_values[i] * (ed ? ed[s->d_columns[i]] : rate(m, s->d_columns[i], xd));
     const User *user = s->user;
     if (!user) return OK;
     memcpy(user->x, x, sizeof(real) * s->nx);
     memcpy(user->xd, xd, sizeof(real) * s->nx);
     memcpy(user->e, e, sizeof(real) * s->ne);
-    for (int r = 0; r < s->ne; r++) user->ed[r] = rate(m, r, xd);
+    for (int r = 0; r < s->ne; r++) user->ed[r] = ed ? ed[r] : rate(m, r, xd);
     memset(user->force, 0, sizeof(real) * s->nx);
     memset(user->sigma, 0, sizeof(real) * s->ne);
     if (s->ask(ASK_STRESS, 0, t)) return NOT_ANSWERED;
@@ -206,6 +206,20 @@ static inline __attribute__((always_inline)) void projected(const real *x, const
     for (int p = 0; p < parts; p++) to[p] = sum[p];
 }
 
+/* The lower half of X^T MX: rows of A, one for each of the q columns behind the first; n rows of X. */
+static void project(const real *X, const real *MX, int width, int n, int q, real *A)
+{
+    for (int c = 0; c < q; c++) {
+        const real *x = X + 1 + c;
+        const int end = (1 + c + ROW) / ROW * ROW;
+        real *to = A + c * width;
+        int column = 0;
+        for (; column + 4 * ROW <= end; column += 4 * ROW) projected(x, MX + column, width, n, to + column, 4);
+        for (; column + 2 * ROW <= end; column += 2 * ROW) projected(x, MX + column, width, n, to + column, 2);
+        for (; column < end; column += ROW) projected(x, MX + column, width, n, to + column, 1);
+    }
+}
+
 /* Reduced form: columns of `transfer` (nx, width) are the acceleration without the degrees of freedom, less gravity, and the
    transfer functions of these q; zeros fill up the rows. `weighted` is M times them, without the rows of what is fixed, with the
    forces subtracted from its first column. xdd and, when wanted, sigma are completed from the given ones. */
@@ -240,14 +254,7 @@ static int reduced_form(Model *m, const real *edd_given, real *xdd, real *sigma,
     for (int i = 0; i < nx; i++) force[i] = m->applied[i] - m->convected[i];
     for (int r = s->n_rows; r < s->ne; r++) subtract_transposed(m, r, sigma[r], force);
     for (int i = first; i < nx; i++) MX[i * width] -= force[i];
-    for (int c = 0; c < q; c++) {
-        const real *x = X + first * width + 1 + c, *from = MX + first * width;
-        const int end = (1 + c + ROW) / ROW * ROW;
-        real *to = A + c * width;
-        for (column = 0; column + 4 * ROW <= end; column += 4 * ROW) projected(x, from + column, width, nx - first, to + column, 4);
-        for (; column + 2 * ROW <= end; column += 2 * ROW) projected(x, from + column, width, nx - first, to + column, 2);
-        for (; column < end; column += ROW) projected(x, from + column, width, nx - first, to + column, 1);
-    }
+    project(X + first * width, MX + first * width, width, nx - first, q, A);
     real *b = m->b + q;
     if (solve_positive(A, width, q, m->b, b)) return SINGULAR;
     for (int i = first; i < nx; i++)
@@ -272,7 +279,7 @@ static int accelerate(Model *m, double t, const real *x, const real *xd, const r
 {
     const Spec *s = &m->s;
     const int n = s->n_equations, nf = s->n_free, nr = s->n_rows;
-    if (inertia(m, x, xd) || stresses(m, t, x, e, xd, sigma)) return NOT_ANSWERED;
+    if (inertia(m, x, xd) || stresses(m, t, x, e, xd, NULL, sigma)) return NOT_ANSWERED;
     real *b = m->b, sum = EVERY(0.0);
     if (s->prescribed) { /* no dynamic degree of freedom: kinematics, then reactions from the transposed system */
         const int nc = s->n_position;

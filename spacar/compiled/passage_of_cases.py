@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Iterator
-from typing import Protocol
 
 import numpy as np
 
@@ -22,24 +21,16 @@ from spacar.kinematics.kinematics import LARGEST_JUMP
 SHOWN = "shown"  # of an output that stands in its row
 
 
-class ShownInLanes(Protocol):
-    """What is asked of the cases."""
-
-    solver: CompiledModel
-    shown: State
-    y0: Array
-
-
 class PassageOfCases:
-    """Outputs of the lanes of a model at `times` (n,), into `rows` (n, 6 nx + 4 ne, blocks, lanes): those of one of the
-    blocks."""
+    """Outputs of the lanes of a model at `times` (n,), evaluated by `shown`, into `rows` (n, 6 nx + 4 ne, blocks,
+    lanes): those of one of the blocks. `size`: numbers of a state of the integrators."""
 
-    def __init__(self, cases: ShownInLanes) -> None:
-        self.cases, model = cases, cases.solver
-        self.y = np.empty_like(cases.y0)
-        self.c = c = CPassage(cases.shown.address.value)
+    def __init__(self, solver: CompiledModel, shown: State, size: int) -> None:
+        self.solver = solver
+        self.y = np.empty(size)
+        self.c = c = CPassage(shown.address.value)
         c.y, c.exact, c.jump, c.guard, c.longest = self.y.ctypes.data, EXACT, LARGEST_JUMP, GUARD, LONGEST
-        c.foreign = model.slots.has_limits
+        c.foreign = solver.slots.has_limits
         self.address = ctypes.c_void_p(ctypes.addressof(c))
         self.times, self.work = np.zeros(0), np.zeros((0, 3), np.int32)
         self.at, self.output = (0, 0, 0), 0
@@ -81,8 +72,7 @@ class PassageOfCases:
         self.begin(output)
         self.c.n = 1
         self.y[:] = y
-        model = self.cases.solver
-        model.engine.show(model.handle, self.address)
+        self.solver.engine.show(self.solver.handle, self.address)
         self._check()
 
     def _check(self) -> None:
@@ -91,7 +81,7 @@ class PassageOfCases:
         if c.last == HARMLESS:
             return
         if c.last == NOT_SHOWN and c.status == NOT_ANSWERED:
-            self.cases.solver.slots.raise_error()
+            self.solver.slots.raise_error()
         raise not_followed(float(self.times[self.output + c.done - 1]))
 
 

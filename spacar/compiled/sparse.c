@@ -14,7 +14,7 @@ enum { OK = 0, NO_CONVERGENCE = -1, SINGULAR = -2, NOT_FINITE = -3, JUMP = -4, N
 static const double THRESHOLD = 0.1, GROWTH = 100.0;
 
 typedef struct {
-    int n, n_entries, planned, even; /* even: sign of the permutations */
+    int n, n_entries, planned, kept, even; /* kept: the order stays, another one is made beside it; even: sign of the permutations */
     int *row, *column, *source;         /* (n_entries) */
     double *weight;                     /* (n) row factors */
     int *row_order, *column_order;      /* (n) row and column of pivot k */
@@ -62,13 +62,10 @@ static void free_lists(List *lists, int n)
     free(lists);
 }
 
-static int sparse_begin(Sparse *s, int n, int n_entries)
+/* Room for an order of the pivots, whatever has been there. */
+static int order_begin(Sparse *s)
 {
-    s->n = n;
-    s->n_entries = n_entries;
-    s->row = cleared(n_entries, sizeof(int));
-    s->column = cleared(n_entries, sizeof(int));
-    s->source = cleared(n_entries, sizeof(int));
+    const int n = s->n, n_entries = s->n_entries;
     s->weight = cleared(n, sizeof(double));
     s->row_order = cleared(n, sizeof(int));
     s->column_order = cleared(n, sizeof(int));
@@ -77,10 +74,41 @@ static int sparse_begin(Sparse *s, int n, int n_entries)
     s->entry_weight = cleared(n_entries, sizeof(double));
     s->row_at = cleared(n + 1, sizeof(int));
     s->upper_at = cleared(n, sizeof(int));
+    s->factor_column = s->updates = NULL;
+    s->factors = NULL;
+    s->planned = s->kept = 0;
+    return s->weight && s->row_order && s->column_order && s->entry_place && s->entry_source && s->entry_weight && s->row_at
+        && s->upper_at ? OK : NO_MEMORY;
+}
+
+static void order_end(Sparse *s)
+{
+    free(s->weight); free(s->row_order); free(s->column_order); free(s->entry_place); free(s->entry_source);
+    free(s->entry_weight); free(s->row_at); free(s->upper_at); free(s->factor_column); free(s->updates); free(s->factors);
+}
+
+static int sparse_begin(Sparse *s, int n, int n_entries)
+{
+    s->n = n;
+    s->n_entries = n_entries;
+    s->row = cleared(n_entries, sizeof(int));
+    s->column = cleared(n_entries, sizeof(int));
+    s->source = cleared(n_entries, sizeof(int));
     s->inverse = cleared(n, sizeof(real));
     s->work = cleared(n, sizeof(real));
-    return s->row && s->column && s->source && s->weight && s->row_order && s->column_order && s->entry_place
-        && s->entry_source && s->entry_weight && s->row_at && s->upper_at && s->inverse && s->work ? OK : NO_MEMORY;
+    return !order_begin(s) && s->row && s->column && s->source && s->inverse && s->work ? OK : NO_MEMORY;
+}
+
+/* The order of the first call, which is kept; `first` has been cleared then. */
+static void first_order(Sparse *s, Sparse *first)
+{
+    if (first->row_order) {
+        if (!s->kept) order_end(s);
+        *s = *first;
+    } else if (s->row_order) {
+        s->kept = 1;
+        *first = *s;
+    }
 }
 
 /* Room for `width` right-hand sides at a time; one until then. */
@@ -91,11 +119,12 @@ static int sparse_widen(Sparse *s, int width)
     return s->work ? OK : NO_MEMORY;
 }
 
-static void sparse_end(Sparse *s)
+/* `first` as above. */
+static void sparse_end(Sparse *s, Sparse *first)
 {
-    free(s->row); free(s->column); free(s->source); free(s->weight); free(s->row_order); free(s->column_order);
-    free(s->entry_place); free(s->entry_source); free(s->entry_weight); free(s->row_at); free(s->upper_at);
-    free(s->factor_column); free(s->updates); free(s->factors); free(s->inverse); free(s->work);
+    if (!s->kept) order_end(first);
+    order_end(s);
+    free(s->row); free(s->column); free(s->source); free(s->inverse); free(s->work);
 }
 
 /* Row factors, so that after column factors too the largest entries of rows and columns are about 1. */
@@ -255,6 +284,7 @@ static int lay_out(Sparse *s, const List *lower, const List *upper, const int *s
 static int plan(Sparse *s, const real *values, int lane)
 {
     const int n = s->n;
+    if (s->kept && order_begin(s)) return NO_MEMORY;
     List *rows = cleared(n, sizeof(List)), *columns = cleared(n, sizeof(List));
     List *lower = cleared(n, sizeof(List)), *upper = cleared(n, sizeof(List));
     Counts counts = {0, NULL};

@@ -61,11 +61,11 @@ static int spacar_start(Model *m, State *at, const real *y, real *out, double co
 {
     const Spec *s = &m->s;
     const real *x0 = s->x0;
-    const int status = spacar_rhs(m, at, 0.0, y, out, converged, jump);
+    const int status = rates_of_elements(m, at, 0.0, y, out, converged, jump);
     if (status < 0) return status;
     real moved = EVERY(0.0);
     for (int i = 0; i < s->nx; i++) moved = lanes_larger(moved, (at->x[i] - x0[i]) / s->scale[i]);
-    if (!(largest_lane(moved) <= farthest)) return FAR_AWAY;
+    if (!m->tree && !(largest_lane(moved) <= farthest)) return FAR_AWAY;
     return checked && is_mass_doubtful(m) ? DOUBTFUL_MASS : OK;
 }
 

@@ -3,14 +3,6 @@
 static const double SMALLEST_PIECE = 1.0 / 64.0; /* of the way to a state that is a jump away */
 static const double MAGNIFIED = 1e4;             /* at most, by an extrapolation: errors of the positions from which it goes on */
 
-/* Value, rate and acceleration of a prescribed motion. */
-static void prescribed(const Spec *s, const real *row, double t, real *value, real *rate, real *acceleration)
-{
-    *value = s->polynomial ? row[0] + t * (row[1] + 0.5 * t * row[2]) : row[0];
-    *rate = s->polynomial ? row[1] + t * row[2] : row[1];
-    *acceleration = row[2];
-}
-
 /* The polynomial that has position, velocity and acceleration of n states at the times `at` (Hermite): at t it is the sum of
    c[k][0] x_k + c[k][1] v_k + c[k][2] a_k, one state being a parabola. Each term is G_k(t) = prod_j ((t - t_j)/(t_k - t_j))^3, whose two
    derivatives vanish at the other states, times the first three terms of a series of the motion over G_k. The largest c[k][0], by
@@ -152,40 +144,25 @@ static void leave_motion(Model *m) { m->traces[0].n = 0; }
 static int evaluate(Model *m, State *at, double t, const real *y, double converged, double jump, int want_stress)
 {
     const Spec *s = &m->s;
-    const int nx = s->nx, n = s->n_position, a = s->n_x_dynamic, q = a + s->n_e_dynamic;
-    const real *kinematic = y + q, *rates = kinematic + s->n_x_kinematic + s->n_e_kinematic;
+    const int nx = s->nx, n = s->n_position, q = s->n_x_dynamic + s->n_e_dynamic;
     real *x = m->next_x, *xd = m->next_xd, *xdd = m->next_xdd;
-    memcpy(x, s->x0, sizeof(real) * nx);
-    memset(xd, 0, sizeof(real) * nx);
-    memset(xdd, 0, sizeof(real) * nx);
-    if (guess(m, at, t, y, jump, x)) return JUMP;
+    if (!m->tree && guess(m, at, t, y, jump, x)) return JUMP;
     m->transfer_of = NULL;
-    if (!s->polynomial && s->ask(ASK_MOTION, 0, t)) return NOT_ANSWERED;
-    for (int i = 0; i < s->n_x_input; i++) {
-        const int k = s->x_input + i;
-        prescribed(s, s->x_motion + 3 * i, t, &x[k], &xd[k], &xdd[k]);
+    if (take_given(m, at, t, y, x, xd, xdd)) return NOT_ANSWERED;
+    if (m->tree) {
+        follow_tree(s, m->tree, x, xd, xdd, at->given_e, m->given_ed, m->given_edd);
+        memset(xd + s->n_fixed_x, 0, sizeof(real) * n);
     }
-    for (int i = 0; i < s->n_e_input; i++) {
-        const int k = s->e_input + i;
-        prescribed(s, s->e_motion + 3 * i, t, &at->given_e[k], &m->given_ed[k], &m->given_edd[k]);
-    }
-    for (int i = 0; i < a; i++) { x[s->x_dynamic + i] = y[i]; xd[s->x_dynamic + i] = rates[i]; }
-    for (int i = a; i < q; i++) {
-        at->given_e[s->e_dynamic + i - a] = y[i];
-        m->given_ed[s->e_dynamic + i - a] = rates[i];
-    }
-    memcpy(x + s->x_kinematic, kinematic, sizeof(real) * s->n_x_kinematic);
-    memcpy(at->given_e + s->e_kinematic, kinematic + s->n_x_kinematic, sizeof(real) * s->n_e_kinematic);
     memcpy(m->near, at->e, sizeof(real) * s->ne);
     for (int i = 0; i < n; i++) m->near[s->position[i]] = at->given_e[s->position[i]];
     const int iterations = place(m, x, xd, m->next_e, m->near, at->given_e, m->given_ed, converged);
     if (iterations < 0) return iterations;
     real moved = EVERY(0.0);
     for (int i = 0; i < nx; i++) moved = lanes_larger(moved, (x[i] - at->x[i]) / s->scale[i]);
-    if (!(largest_lane(moved) <= jump)) return JUMP;
+    if (!m->tree && !(largest_lane(moved) <= jump)) return JUMP; /* a tree has no other branches */
     const int status = accelerate(m, t, x, xd, m->next_e, m->given_edd, xdd, at->sigma, want_stress);
     if (status < 0) return status;
-    keep(m, at, t, y, rates);
+    keep(m, at, t, y, y + q + s->n_x_kinematic + s->n_e_kinematic);
     return iterations;
 }
 
@@ -244,8 +221,8 @@ static void clear_samples(State *at)
     at->mantissa = at->exponent = 0.0;
 }
 
-/* Time derivative of y. */
-static int spacar_rhs(Model *m, State *at, double t, const real *y, real *out, double converged, double jump)
+/* Time derivative of y, from the equations of all elements. */
+static int rates_of_elements(Model *m, State *at, double t, const real *y, real *out, double converged, double jump)
 {
     const Spec *s = &m->s;
     const int status = spacar_evaluate(m, at, t, y, converged, jump, 0);
@@ -257,6 +234,12 @@ static int spacar_rhs(Model *m, State *at, double t, const real *y, real *out, d
     memcpy(out + positions, m->traces[0].degrees[0] + 2 * q, sizeof(real) * q);
     if (LANES == 1 && at->watched) sample(m, at);
     return status;
+}
+
+/* Time derivative of y. */
+static int spacar_rhs(Model *m, State *at, double t, const real *y, real *out, double converged, double jump)
+{
+    return m->tree ? tree_rates(m, at, t, y, out) : rates_of_elements(m, at, t, y, out, converged, jump);
 }
 
 /* Stages `from` ... n - 1 of an explicit Runge-Kutta step from (t, y): K_i = F(t + c_i h, y + h sum_j a_ij K_j), at times not

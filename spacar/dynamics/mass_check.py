@@ -74,7 +74,7 @@ def is_doubtful(mechanism: Mechanism, M: Array, condition: float, largest: float
         return True
     scale = 1.0 / np.sqrt(diagonal)
     A = M * (scale[:, None] * scale)
-    A[np.diag_indices(len(A))] -= max(DOUBTFUL, rounding / mass.min())
+    A.reshape(-1)[:: len(A) + 1] -= max(DOUBTFUL, rounding / mass.min())
     try:  # an eigenvalue below that is a negative one now
         np.linalg.cholesky(A)
     except np.linalg.LinAlgError:
@@ -84,9 +84,8 @@ def is_doubtful(mechanism: Mechanism, M: Array, condition: float, largest: float
 
 def largest_mass(mechanism: Mechanism, sweep: ElementSweep) -> float:
     """Largest diagonal entry of M in the sizes of the coordinates, kg m^2, at the configuration of the sweep."""
-    diagonal = np.zeros(sweep.nx)
-    on = sweep.m_rows == sweep.m_columns
-    np.add.at(diagonal, sweep.m_rows[on], sweep.m_entries[on])
+    on = np.flatnonzero(sweep.m_rows == sweep.m_columns)
+    diagonal = np.bincount(sweep.m_rows[on], sweep.m_entries[on], sweep.nx)
     return float(np.max(diagonal * mechanism.scale**2, initial=0.0))
 
 

@@ -34,9 +34,14 @@ def rounding(n: int) -> float:
 
 def of_pencil(A: Array, B: Array, values: Array, vectors: Array, d: Array) -> Array:
     """eta of pairs A z = lambda B z (real), A and B scaled with d from both sides."""
-    residual = (A @ vectors - (B @ vectors) * values) * d[:, None]
-    size = _norm(A * np.outer(d, d)) + np.abs(values) * _norm(B * np.outer(d, d))
-    return _relative(residual, size, vectors / d[:, None])
+    scale = d[:, None] * d
+    return of_scaled_pencil(A * scale, B * scale, values, vectors / d[:, None])
+
+
+def of_scaled_pencil(A: Array, B: Array, values: Array, vectors: Array) -> Array:
+    """The same of matrices and vectors that have been scaled: D A D, D B D, D^-1 z."""
+    residual = A @ vectors - (B @ vectors) * values
+    return _relative(residual, _norm(A) + np.abs(values) * _norm(B), vectors)
 
 
 def of_matrix(A: Array, values: Complex, vectors: Complex) -> Array:

@@ -10,6 +10,7 @@ warning. The compliance of coordinate i is W_i K^-1 W_i^T with K = K0 + N0 + G0 
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +20,7 @@ from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
 from spacar.linear.eigen import is_symmetric
 from spacar.linearization.matrices import Linearization
+from spacar.linearization.state_matrix import selected, selected_columns
 
 NOTHING = 1e-13  # mu below this fraction of the largest is an infinite multiplier
 PAIR = 1e-6  # relative difference of moduli below which multipliers count as +- the same: loads are known to 1e-8
@@ -59,7 +61,8 @@ def buckling_modes(K0: Array, G0: Array, report: Report) -> BucklingModes:
     """Load multipliers of K0 + lambda G0, both (n, n)."""
     n = len(K0)
     scale = _scale(K0)
-    K, G = K0 * np.outer(scale, scale), G0 * np.outer(scale, scale)
+    product = scale[:, None] * scale
+    K, G = K0 * product, G0 * product
     if not G.any():
         report.add(NO_STRESS)
         return BucklingModes(np.full(n, np.inf), np.eye(n))
@@ -67,7 +70,7 @@ def buckling_modes(K0: Array, G0: Array, report: Report) -> BucklingModes:
     if is_symmetric(K) and is_symmetric(G):
         try:
             lower = np.linalg.cholesky(K)
-            if np.min(np.diag(lower)) ** 2 <= n * backward_error.EPS:  # a pivot that is rounding
+            if lower.diagonal().min() ** 2 <= n * backward_error.EPS:  # a pivot that is rounding
                 lower = None
         except np.linalg.LinAlgError:
             lower = None
@@ -77,15 +80,14 @@ def buckling_modes(K0: Array, G0: Array, report: Report) -> BucklingModes:
         modes = np.linalg.solve(lower.T, vectors)
     else:
         mu, modes = _general(K, G, report)
-    modes = modes * scale[:, None]
-    modes = modes / np.linalg.norm(modes, axis=0)
     infinite = np.abs(mu) <= NOTHING * np.max(np.abs(mu[np.isfinite(mu)]), initial=0.0)
     multipliers = np.where(infinite, np.inf, 1.0 / np.where(infinite, 1.0, mu))
     finite = np.isfinite(multipliers)
-    eta = backward_error.of_pencil(K0, -G0, multipliers[finite], modes[:, finite], scale)
+    eta = backward_error.of_scaled_pencil(K, -G, multipliers[finite], modes[:, finite])
     backward_error.warn(report, eta, multipliers[finite], "load multipliers")
     order = order_of(multipliers)
-    return BucklingModes(multipliers[order], modes[:, order])
+    modes = modes[:, order] * scale[:, None]
+    return BucklingModes(multipliers[order], modes / np.linalg.norm(modes, axis=0))
 
 
 def order_of(multipliers: Array) -> Index:
@@ -93,6 +95,8 @@ def order_of(multipliers: Array) -> Index:
     by_size = np.argsort(np.abs(multipliers), kind="stable")
     size = np.abs(multipliers[by_size])
     larger = size[:-1] < (1.0 - PAIR) * size[1:]
+    if larger.all():
+        return by_size
     group = np.concatenate(([0], np.cumsum(larger)))[: len(size)]
     return np.asarray(by_size[np.lexsort((multipliers[by_size] < 0.0, group))])
 
@@ -155,19 +159,24 @@ def _without(right: Array, left: Array, K: Array, G: Array, report: Report) -> t
 
 
 def _scale(K: Array) -> Array:
-    d = np.sqrt(np.abs(np.diag(K)))
+    d = np.sqrt(np.abs(K.diagonal()))
     largest = float(d.max(initial=0.0))
     return 1.0 / np.where(d > 1e-12 * largest, d, largest or 1.0)
 
 
 def directional_compliances(L: Linearization, dynamic: Index, report: Report) -> Array:
     """(nx,) diagonal of W K^-1 W^T; infinite where a singular K moves the coordinate."""
-    K = L.stiffness[np.ix_(dynamic, dynamic)]
-    W = L.W[:, dynamic]
+    K, W = selected(L.stiffness, dynamic, dynamic), selected_columns(L.W, dynamic)
     if not len(dynamic):
         return np.zeros(len(W))
     scale = _scale(K)
-    K, Ws = K * np.outer(scale, scale), W * scale
+    K, Ws = K * (scale[:, None] * scale), W * scale
+    n = len(K)
+    with suppress(np.linalg.LinAlgError):
+        found = np.linalg.solve(K, np.concatenate((np.eye(n), Ws.T), axis=1))
+        # at least s_1/s_n, of which rounding may take digits: where there is a doubt singular values decide
+        if np.linalg.norm(K) * np.linalg.norm(found[:, :n]) < 1e-2 / SINGULAR:
+            return np.asarray((Ws.T * found[:, n:]).sum(axis=0))
     s = np.linalg.svd(K, compute_uv=False)
     if s[-1] > SINGULAR * s[0]:
         return np.asarray((Ws.T * np.linalg.solve(K, Ws.T)).sum(axis=0))

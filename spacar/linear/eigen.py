@@ -198,7 +198,7 @@ def undamped_modes(K: Array, M: Array, report: Report, wanted: int | None = None
     if wanted is not None and wanted < len(squares):
         lowest = np.sort(np.argsort(np.abs(squares), kind="stable")[:wanted])
         squares, shapes = squares[lowest], shapes[:, lowest]
-    eta = backward_error.of_pencil(K, M, squares, shapes, 1.0 / np.sqrt(np.diag(M)))
+    eta = backward_error.of_pencil(K, M, squares, shapes, 1.0 / np.sqrt(M.diagonal()))
     backward_error.warn(report, eta, squares, "omega^2", backward_error.rounding(len(K)))
     root = np.sqrt(squares.astype(complex))  # omega, or i kappa for an unstable mode
     values = np.concatenate((1j * root, -1j * root))
@@ -216,7 +216,7 @@ def symmetric_pencil(K: Array, M: Array, wanted: int | None = None) -> tuple[Arr
             "singular mass matrix: a degree of freedom carries no mass; add XM or EM", "dynamics.singular-mass"
         )
     scale = 1.0 / np.sqrt(diagonal)
-    product = np.outer(scale, scale)
+    product = scale[:, None] * scale
     try:
         squares, vectors = _pencil(K * product, M * product, wanted)
     except np.linalg.LinAlgError:
@@ -273,7 +273,7 @@ def polished(K: Array, M: Array, squares: Array, shapes: Array) -> tuple[Array, 
     d = 1.0 / np.sqrt(np.maximum(np.abs(np.diag(K)) + s2 * np.diag(M), 1e-300))
     F = M @ shapes[:, low]
     try:
-        Y = np.linalg.solve(Q * np.outer(d, d), F * d[:, None]) * d[:, None]
+        Y = np.linalg.solve(Q * (d[:, None] * d), F * d[:, None]) * d[:, None]
         size = np.sqrt(np.abs(squares[low]) + s2)
         Y, F = Y * size, F * size
         energy, work = F.T @ Y, Y.T @ (M @ Y)
@@ -292,7 +292,10 @@ def polished(K: Array, M: Array, squares: Array, shapes: Array) -> tuple[Array, 
 
 def is_symmetric(A: Array) -> bool:
     """Symmetric to rounding, row and column scaled so that units do not matter."""
-    d = np.sqrt(np.abs(np.diag(A)))
+    d = np.sqrt(np.abs(A.diagonal()))
+    least = float(d.min(initial=np.inf))
+    if 0.0 < least < np.inf and float(np.abs(A - A.T).max()) <= SYMMETRIC * least**2:
+        return True  # a bound of what follows
     scale = np.where(d > 0.0, d, d.max(initial=0.0))
     if not scale.any():
         return not A.any() or bool(np.allclose(A, A.T, rtol=SYMMETRIC, atol=0.0))
@@ -322,9 +325,11 @@ def arranged(values: Complex, vectors: Complex, n_positions: int, motions: Compl
         phase = np.where(pivot != 0.0, np.abs(pivot) / np.where(pivot != 0.0, pivot, 1.0), 1.0)
         vectors = vectors * phase
         motions = motions * phase if motions is not None else None
-    vectors[:, np.isnan(values)] = np.nan
-    if motions is not None:
-        motions[:, np.isnan(values)] = np.nan
+    unknown = np.isnan(values)
+    if unknown.any():
+        vectors[:, unknown] = np.nan
+        if motions is not None:
+            motions[:, unknown] = np.nan
     modulus = np.abs(values)
     # conjugates have equal moduli up to rounding: compare with fewer digits, then by imaginary part
     size = 10.0 ** np.floor(np.log10(np.where(modulus > 0.0, modulus, 1.0)))

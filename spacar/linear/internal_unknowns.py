@@ -25,6 +25,9 @@ from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.linearization.contractions import geometric_rounding
 from spacar.linearization.matrices import Linearization
+from spacar.linearization.state_matrix import selected, selected_columns
+
+EPS = float(np.finfo(float).eps)
 
 
 class ElementUnknowns(NamedTuple):
@@ -59,9 +62,13 @@ def element_unknowns(dynamics: Dynamics, sigma: Array, other: Array | None = Non
 
 def internal_unknowns(dynamics: Dynamics, sigma: Array, other: Array | None = None) -> tuple[Array, Array, Array]:
     """Couplings (nx, m), stiffnesses, which are eliminated (m,) of `element_unknowns`."""
-    nx = dynamics.numbering.nx
+    return joined(element_unknowns(dynamics, sigma, other), dynamics.numbering.nx)
+
+
+def joined(unknowns: list[ElementUnknowns], nx: int) -> tuple[Array, Array, Array]:
+    """Those of several batches."""
     parts: list[tuple[Array, Array, Array]] = [(np.zeros((nx, 0)), np.zeros(0), np.zeros(0, bool))]
-    for u in element_unknowns(dynamics, sigma, other):
+    for u in unknowns:
         coupling = np.zeros((nx, len(u.stiffness)))
         np.add.at(coupling, (u.rows, np.arange(len(u.stiffness))), u.coupling)
         parts.append((coupling, u.stiffness, u.eliminated))
@@ -71,12 +78,18 @@ def internal_unknowns(dynamics: Dynamics, sigma: Array, other: Array | None = No
 
 def buckling_matrices(dynamics: Dynamics, L: Linearization, dynamic: Index) -> tuple[Array, Array]:
     """K0 and G0 of the dynamic degrees of freedom, then of the unknowns inside elements. A G0 of rounding is zero."""
-    block, W = np.ix_(dynamic, dynamic), L.W[:, dynamic]
-    coupling, k, eliminated = internal_unknowns(dynamics, L.sigma)
-    G0, scale = L.g0[block], dynamics.mechanism.scale
-    if (np.abs(G0) <= geometric_rounding(dynamics.sweep, L.sigma, scale, W)).all():
+    W, K0, G0 = selected_columns(L.W, dynamic), *(selected(A, dynamic, dynamic) for A in (L.k0, L.g0))
+    unknowns = element_unknowns(dynamics, L.sigma)
+    scale, size = dynamics.mechanism.scale, np.abs(G0)
+    most = 8.0 * EPS * L.geometric_terms * float(np.abs(W / scale[:, None]).max(initial=0.0)) ** 2
+    # the bound of the bounds is asked first
+    doubtful = not float(size.max(initial=0.0)) > most
+    if doubtful and (size <= geometric_rounding(dynamics.sweep, L.sigma, scale, W)).all():
         G0 = np.zeros_like(G0)
-    return bordered_pencil(L.k0[block], G0, W.T @ coupling, k, eliminated)
+    if not unknowns:
+        return K0, G0
+    coupling, k, eliminated = joined(unknowns, len(W))
+    return bordered_pencil(K0, G0, W.T @ coupling, k, eliminated)
 
 
 def bordered_pencil(K0: Array, G0: Array, c: Array, k: Array, eliminated: Array) -> tuple[Array, Array]:

@@ -158,7 +158,10 @@ def stationary(
             if lost_digits(condition.at_most) > LOST:
                 say_lost_digits(run, reduced or descriptor)
         limits = limits or Limits(dynamics, run.report)
-        convected = dynamics.forces.inertia(dynamics.sweep, dynamics.xd)
+        if about is None or dynamics.forces.heavy:
+            convected = dynamics.forces.inertia(dynamics.sweep, dynamics.xd)
+        else:
+            convected = np.zeros(n.nx)  # C takes no flow: nothing else has such forces at rest
         frame = dynamics.complete(
             float(stored), Accelerations(state.xdd, state.sigma, state.convective), convected
         )

@@ -41,6 +41,8 @@ class Linearization:
     inertia_x, inertia_v  (nx, nx) d(M a + h + V^T sigma)/dx at fixed sigma, dh/dv
     load_x, load_v        (nx, nx) -df/dx, -df/dv
     S, Sd   (ne, ne) constitutive matrices of the active rows, the stated ones of user functions included
+    geometric_terms  sum over the elements of the largest entry of their Hs in the sizes of the coordinates [N m];
+            infinite when it has not been asked for
 
     Those of type Matrix are sparse when the model is large (`spacar.linear_systems.matrix`), but Z to Yev only at rest,
     where they vanish; in motion these are dense.
@@ -73,6 +75,7 @@ class Linearization:
     load_v: Matrix
     S: Matrix
     Sd: Matrix
+    geometric_terms: float = np.inf
 
     @cached_property
     def stiffness(self) -> Array:
@@ -99,7 +102,9 @@ def linearize(
     return reduced(dynamics, c, W, deformation_transfer(k, W, c.V), configuration_transfer(k, W))
 
 
-def reduced(dynamics: Dynamics, c: Coefficients, W: Array, We: Array, G: Array) -> Linearization:
+def reduced(
+    dynamics: Dynamics, c: Coefficients, W: Array, We: Array, G: Array, geometric_terms: float = np.inf
+) -> Linearization:
     """The linearized equations of these coefficients and transfer functions; G is W itself for holonomic systems."""
     n, M, Me = dynamics.numbering, c.M, c.deformation_inertia
     Ge = We if G is W else c.V @ G
@@ -119,6 +124,7 @@ def reduced(dynamics: Dynamics, c: Coefficients, W: Array, We: Array, G: Array) 
         ak0=ak0, bk0=bk0, W=W, We=We, G=G, Ge=Ge, Z=Z, Ze=Ze, Y=Y, Ye=Ye, Yv=Yv, Yev=Yev,
         sigma=c.sigma, V=c.V, M=M, inertia_x=added(c.inertia_x, c.geometric), inertia_v=c.inertia_v,
         load_x=added(c.gravity_x, c.user_x), load_v=c.user_v, S=c.S, Sd=c.Sd,
+        geometric_terms=geometric_terms,
     )  # fmt: skip
 
 

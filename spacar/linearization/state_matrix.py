@@ -7,6 +7,8 @@ State z = (ds, dqd) with s = (q, k) and qd restricted to the chosen rows (dynami
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from spacar.arrays import Array, Index
@@ -19,7 +21,7 @@ def chosen_rows(L: Linearization, dynamics: Dynamics, everything: bool = False) 
     """Rows of q and of s that are states: the dynamic ones (and the kinematic ones), or all of them (mode 3)."""
     n = dynamics.numbering
     q = np.arange(n.ndof) if everything else n.dynamic
-    return q, np.concatenate((q, np.arange(n.ndof, n.nkdof)))
+    return q, np.concatenate((q, np.arange(n.ndof, n.nkdof))) if n.nk else q
 
 
 def selected(A: Array, rows: Index, columns: Index) -> Array:
@@ -27,8 +29,19 @@ def selected(A: Array, rows: Index, columns: Index) -> Array:
     return A if _is_all(rows, len(A)) and _is_all(columns, A.shape[1]) else A[rows[:, None], columns]
 
 
+def selected_columns(A: Array, columns: Index) -> Array:
+    """A at these columns; A itself where these are all of them in order."""
+    return A if _is_all(columns, A.shape[1]) else A[:, columns]
+
+
 def _is_all(places: Index, n: int) -> bool:
-    return len(places) == n and bool((places == np.arange(n)).all())
+    return len(places) == n and places.tobytes() == _in_order(n)
+
+
+@lru_cache(16)
+def _in_order(n: int) -> bytes:
+    """All places in order, in a form that is compared at once."""
+    return np.arange(n).tobytes()
 
 
 MASSLESS = "singular mass matrix: a degree of freedom carries no mass; add XM or EM"
@@ -41,7 +54,7 @@ def require_mass(L: Linearization, q: Index) -> None:
     Masses that overflow are not told here.
     """
     diagonal, size = L.m0.diagonal()[q], abs(L.M)
-    W = L.W if _is_all(q, L.W.shape[1]) else L.W[:, q]
+    W = selected_columns(L.W, q)
     rounding = np.finfo(float).eps * len(W)
     with np.errstate(over="ignore", invalid="ignore"):
         # 2 |w_i w_j| <= w_i^2 + w_j^2: a bound that costs little and tells what is known of ordinary masses

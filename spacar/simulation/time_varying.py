@@ -90,8 +90,9 @@ class TimeVarying:
                     "u0": "NOMS or NOMF statements and mode 2 or 3", "y0": "REF... statements and mode 2 or 3",
                     "sigma0": "mode 3 with deformations that are rigid in mode 2 and prescribed in mode 3",
                 }.get(name, "mode 3")  # fmt: skip
-                if self.A is not None and name in ("m0", "c0b", "k0b"):
-                    source = "modes 3, 4 and 9 of a large model with --modes 0 (MODES 0)"
+                if self.A is not None and name in ("m0", "c0b", "k0b"):  # sparse equations were stored
+                    size = f"a large model ({self.A.shape[1] // 2} degrees of freedom)"
+                    source = f"modes 3, 4 and 9 of {size} with --modes 0 (MODES 0): run it again with that"
                 raise UsageError(f"{self.name} has no {name}; it comes from {source}", "simulation.missing")
         return [getattr(self, name) for name in names]
 

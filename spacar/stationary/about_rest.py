@@ -1,8 +1,8 @@
 """What the linearized equations about a small equilibrium at rest consist of, in one call of C (compiled/linearized.c).
 
 The counterpart of `spacar.linearization.coefficients`, of the velocity transfer and of the bound of the condition
-number, for what `Equilibrium` takes; `spacar.linearization.matrices` makes the reduced equations of it. Dense, and for
-as many unknowns as are stored dense: from there on the band and LAPACK are faster.
+number, for what `Equilibrium` takes; `spacar.linearization.matrices` makes the reduced equations of it. Dense, up to
+the size to which all matrices of a linearization are; zeros in the factors are passed over.
 """
 
 from __future__ import annotations
@@ -16,9 +16,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.kinematics.constraint_condition import Conditioning, of_entries
-from spacar.linear_systems import DENSE_LIMIT
-from spacar.linear_systems.matrix import DENSE_LIMIT as DENSE_MATRIX
-from spacar.linear_systems.matrix import matrix, zero_matrix
+from spacar.linear_systems.matrix import DENSE_LIMIT, matrix, zero_matrix
 from spacar.linearization.coefficients import Coefficients
 from spacar.linearization.contractions import mass_matrix
 from spacar.linearization.matrices import Linearization, reduced
@@ -55,7 +53,7 @@ class AboutRest:
         """At x (nx,) with the stresses sigma (ne,), at the loads of the equations. None: for NumPy."""
         n, m = d.numbering, d.mechanism
         E, U = n.velocity_equations, n.velocity_unknowns
-        if len(U) > DENSE_LIMIT or n.nk or max(n.nx, n.ne) > DENSE_MATRIX:
+        if n.nk or max(n.nx, n.ne) > DENSE_LIMIT:
             return None
         xs, es = n.x_class, n.e_class
         square = (n.nx, n.nx)
@@ -92,4 +90,4 @@ class AboutRest:
             inertia_v=by_x, geometric=self.geometric, gravity_x=self.gravity, user_x=by_x, user_v=by_x, S=S, Sd=Sd,
             deformation_inertia=Me, sigma=self.sigma, moving=False,
         )  # fmt: skip
-        return reduced(d, c, self.W, self.We, self.W)
+        return reduced(d, c, self.W, self.We, self.W, self.terms)

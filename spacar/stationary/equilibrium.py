@@ -11,16 +11,16 @@ from __future__ import annotations
 
 import ctypes
 import weakref
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
-from spacar.dynamics.forces import AppliedForces, gravity_field
+from spacar.dynamics.forces import AppliedForces
 from spacar.kinematics.kinematics import LARGEST_JUMP
 from spacar.linear_systems import BAND_LIMIT, DENSE_LIMIT
-from spacar.mechanism.mechanism import Loads
 from spacar.stationary.contract import NO_DIGITS, SINGULAR, SPREAD, Astray
 from spacar.stationary.definite import SAFE, WEIGHT, WIDEST, largest_stiffness, stiffness_of
 from spacar.stationary.flexibility import is_tube
@@ -39,11 +39,11 @@ from spacar.stationary.newton import (
 )
 from spacar.stationary.resting_tangent import SYMMETRIC
 from spacar.stationary.stationary_equations import FLOOR, Iterate, StationaryEquations
-from spacar.stationary.tangent import SparseTangent
 
 FOUND, ANOTHER_WAY, NOT_A_NUMBER, TOO_LARGE, GROWING, NO_END = range(6)  # as in equilibrium.c
 POINTER, NUMBER, WHOLE = ctypes.c_void_p, ctypes.c_double, ctypes.c_int64
 DOUBLES = INTEGERS = POINTER
+Numbers = list[tuple[Any, str | int, Array]]  # a structure or array of pointers in C, its field, the numbers for it
 
 
 class CGroup(ctypes.Structure):
@@ -92,7 +92,7 @@ class Equilibrium:
     Raises NotCompiled where the engine does not take the mechanism.
     """
 
-    def __init__(self, equations: StationaryEquations, sparse: SparseTangent) -> None:
+    def __init__(self, equations: StationaryEquations) -> None:
         from spacar.compiled.library import element_functions
 
         d = equations.d
@@ -100,77 +100,89 @@ class Equilibrium:
         if not takes(d):
             raise NotCompiled
         self._call = element_functions()
-        self._keep: list[Array] = []
-        at = self._at
         self.nx, self.ne, self.nf = n.nx, n.ne, equations.nf
-        parts = [m.loads] if m.additional is None else [m.loads, m.additional]
-        fields = [gravity_field(m, loads) for loads in parts]
-        curved = {b.index for b in sweep.curved}
-        heavy = {b.index for b in sweep.moving} if any(f.any() for f in fields) else set()
+        self.c = c = CEquilibrium()
+        place = np.full(n.nx, -1)
+        place[equations.F] = np.arange(self.nf)
+        numbers: Numbers = [
+            (c, "v_rows", sweep.v_rows), (c, "v_columns", sweep.v_columns), (c, "place", place),
+            (c, "flexible_rows", C.rows), (c, "flexible_columns", C.columns), (c, "rigid", C.rigid),
+            (c, "flexible", C.values), (c, "rigid_diagonal", C.rigid_diagonal), (c, "coupled", C.coupled),
+            (c, "loose", equations.loose), (c, "passive", equations.passive.astype(float)),
+            (c, "scale", equations.scale), (c, "e_scale", equations.e_scale), (c, "least", equations.least),
+        ]  # fmt: skip
+        loads = [m.loads] if m.additional is None else [m.loads, m.additional]
+        applied = [AppliedForces(m, part, sweep) for part in loads]
+        heavy = {b.index for b in sweep.moving} if any(forces.heavy for forces in applied) else set()
         self.heavy = bool(heavy)  # is there gravity that depends on the configuration?
+        self._put_loads(d, applied, equations, numbers)
+        curved = {b.index for b in sweep.curved}
         groups = [b for b in m.batches if b.family.n_deformations or b.index in heavy]
         self._groups = (CGroup * len(groups))()
+        entries, gradients = sweep.entries.ctypes.data, {key: part.start for key, part, _ in sweep.layout.V}
         for group, b in zip(self._groups, groups, strict=True):
             family: Any = b.family
             group.elements = ctypes.addressof(family.elements)
-            group.x, group.e = at(b.x), at(b.e)
+            numbers += (group, "x", b.x), (group, "e", b.e)
             if b.family.n_deformations:
-                group.V = sweep.V[b.index].ctypes.data
+                group.V = entries + 8 * gradients[b.index]
                 S, held = stiffness_of(C, b, m.deformation_scale)
-                group.S, group.held = None if S is None else at(S), at(held)
+                numbers.append((group, "held", held))
+                if S is not None:
+                    numbers.append((group, "S", S))
             group.curved, group.heavy = b.index in curved, b.index in heavy
-        self.c = c = CEquilibrium()
+        sizes = n.nx, n.ne, n.nx + n.ne + 2 * (self.nf + n.ne), max(m.settings.max_iterations, 1)
+        self._x, self._sigma, self._out, self._sizes = _parts(np.zeros(sum(sizes)), sizes)
+        self._keep = [_put(numbers, np.int64), _put(numbers, np.float64)]
+        at = self._x.ctypes.data
+        c.x, c.sigma, c.out, c.sizes = (at + 8 * sum(sizes[:k]) for k in range(4))
+        c.near, c.e, c.V = sweep.near.ctypes.data, sweep.e.ctypes.data, entries
         c.groups, c.n_groups = ctypes.addressof(self._groups), len(groups)
-        c.v_rows, c.v_columns, c.n_v, c.V = at(sweep.v_rows), at(sweep.v_columns), len(sweep.v_rows), at(sweep.entries)
-        c.place = at(sparse.place)
-        c.flexible_rows, c.flexible_columns, c.n_flexible = at(C.rows), at(C.columns), len(C.rows)
-        c.rigid, c.n_rigid = at(C.rigid), len(C.rigid)
-        c.flexible, c.rigid_diagonal, c.coupled = at(C.values), at(C.rigid_diagonal), at(C.coupled)
-        c.loose, c.passive = at(equations.loose), at(equations.passive.astype(float))
-        c.scale, c.e_scale, c.least = at(equations.scale), at(equations.e_scale), at(equations.least)
-        c.near, c.e = at(sweep.near), at(sweep.e)
-        c.nx, c.ne, c.nf, c.size, c.heavy = n.nx, n.ne, equations.nf, C.size, self.heavy
-        self._put_loads(d, parts, fields, equations)
+        c.n_v, c.n_flexible, c.n_rigid = len(sweep.v_rows), len(C.rows), len(C.rigid)
+        c.nx, c.ne, c.nf, c.size, c.heavy = n.nx, n.ne, self.nf, C.size, self.heavy
         c.widest, c.dense, c.widest_definite = BAND_LIMIT, DENSE_LIMIT, WIDEST
         c.floor, c.singular, c.no_digits, c.spread = FLOOR, SINGULAR, NO_DIGITS, SPREAD
         c.first_ratio, c.later_ratio, c.jump, c.symmetric = FIRST_RATIO, LATER_RATIO, LARGEST_JUMP, SYMMETRIC
         c.guess_forces, c.guess_lengths, c.weight, c.safe = FORCES, LENGTHS, WEIGHT, SAFE
         c.elastic = largest_stiffness(C, m.deformation_scale)
-        self._sizes = np.zeros(max(m.settings.max_iterations, 1))
-        self._x, self._sigma, self._out = np.zeros(n.nx), np.zeros(n.ne), np.zeros(n.nx + n.ne + 2 * (self.nf + n.ne))
-        c.x, c.sigma, c.out, c.sizes = at(self._x), at(self._sigma), at(self._out), at(self._sizes)
         self.address = ctypes.c_void_p(ctypes.addressof(c))
         weakref.finalize(self, _end, self._call.equilibrium_end, c)
         if self._call.equilibrium_begin(self.address):
             raise NotCompiled
 
-    def _put_loads(self, d: Dynamics, parts: list[Loads], fields: list[Array], equations: StationaryEquations) -> None:
+    def _put_loads(
+        self, d: Dynamics, applied: list[AppliedForces], equations: StationaryEquations, numbers: Numbers
+    ) -> None:
         """Both parts of the loading, of which a level takes fractions."""
-        c, at, m, n = self.c, self._at, d.mechanism, d.numbering
-        nothing_x, nothing_e = at(np.zeros(n.nx)), at(np.zeros(n.ne))
-        c.force[:], c.gravity[:], c.preload[:] = [nothing_x] * 2, [nothing_x] * 2, [nothing_e] * 2
-        for k, (loads, field) in enumerate(zip(parts, fields, strict=True)):
-            c.force[k], c.gravity[k] = at(AppliedForces(m, loads, d.sweep).constant), at(field)
-            c.preload[k] = at(loads.preload * equations.active)
+        c, m, n = self.c, d.mechanism, d.numbering
+        nothing_x, nothing_e = np.zeros(n.nx), np.zeros(n.ne)
         xs, es = n.x_class["input"], n.e_class["input"]
         c.x_input, c.n_x_input, c.e_input, c.n_e_input = xs.start, xs.stop - xs.start, es.start, es.stop - es.start
-        start, more = m.drive.at(0.0), m.additional_drive
-        c.x_start = at(m.x0[xs])
-        c.x_step[:] = [at(start.x - m.x0[xs]), nothing_x if more is None else at(more.x)]
-        c.e_step[:] = [at(start.e), nothing_e if more is None else at(more.e)]
-
-    def _at(self, values: Array) -> int:
-        """The address of values that are kept, numbers of 64 bits."""
-        values = np.ascontiguousarray(values, np.int64 if values.dtype.kind == "i" else np.float64)
-        self._keep.append(values)
-        return int(values.ctypes.data)
+        x_start, more = m.x0[xs], m.additional_drive
+        numbers.append((c, "x_start", x_start))
+        x_steps, e_steps = [nothing_x, nothing_x], [nothing_e, nothing_e]
+        if len(n.rheonomic):
+            start = m.drive.at(0.0)
+            x_steps[0], e_steps[0] = start.x - x_start, start.e
+        if more is not None:
+            x_steps[1], e_steps[1] = more.x, more.e
+        force, gravity, preload, x_step, e_step = c.force, c.gravity, c.preload, c.x_step, c.e_step
+        for k in (0, 1):
+            part = applied[k] if k < len(applied) else None
+            numbers += (
+                (force, k, nothing_x if part is None else part.constant),
+                (gravity, k, nothing_x if part is None else part.field),
+                (preload, k, nothing_e if part is None else part.loads.preload * equations.active),
+                (x_step, k, x_steps[k]), (e_step, k, e_steps[k]),
+            )  # fmt: skip
 
     def load(self, level: LoadLevel, held: Array | None, hold: float) -> None:
         """Take the loads of a level; the force `held` (nx,) times `hold` is held back."""
         c = self.c
         c.parts[0], c.parts[1], c.hold = level.initial, level.additional, hold
         if held is not None and not c.held:
-            c.held = self._at(held)
+            self._keep.append(held)
+            c.held = held.ctypes.data
 
     def newton(self, x: Array, sigma: Array, demand: Demand) -> Converged | None:
         """As `spacar.stationary.newton.newton`. Raises Astray."""
@@ -255,6 +267,26 @@ def takes(d: Dynamics) -> bool:
     if any(loads.moment_rows.size or loads.flow for loads in parts) or any(map(is_tube, d.sweep.moving)):
         return False
     return all(b.family.compiled for b in (*d.sweep.strained, *d.sweep.moving))
+
+
+def _put(numbers: Numbers, kind: Any) -> Array:
+    """Those of a kind one after the other in an array, and the fields of C point there."""
+    mine = [(owner, name, v.ravel()) for owner, name, v in numbers if (v.dtype == np.int64) == (kind is np.int64)]
+    room = np.concatenate([values for _, _, values in mine], dtype=kind)
+    at = room.ctypes.data
+    for owner, name, values in mine:
+        if isinstance(name, str):
+            setattr(owner, name, at)
+        else:
+            owner[name] = at
+        at += 8 * len(values)
+    return room
+
+
+def _parts(room: Array, sizes: Sequence[int]) -> list[Array]:
+    """The parts of an array, one after the other."""
+    ends = [sum(sizes[: k + 1]) for k in range(len(sizes))]
+    return [room[end - size : end] for size, end in zip(sizes, ends, strict=True)]
 
 
 def _end(end: Any, c: CEquilibrium) -> None:

@@ -50,19 +50,19 @@ class Flexibility:
             S, Sd = b.family.stiffness()
             if stiffness != 1.0 or damping:
                 S = stiffness * S + damping * Sd
-            elastic = (np.einsum("iin->in", S) != 0.0) * self.active[b.index]
+            elastic = (_diagonal(S) != 0.0) * self.active[b.index]
             S = S * elastic[:, None] * elastic[None, :]
             coupled[b.e] = elastic
             blocks.append((b, S, elastic))
-        size = max((float(np.max(np.abs(S), initial=0.0)) for _, S, _ in blocks), default=1.0) or 1.0
+        size = max((float(np.abs(S).max()) for _, S, _ in blocks), default=1.0) or 1.0
         values = []
         for b, S, elastic in blocks:
             S = S / size
-            S_diagonal = np.einsum("iin->in", S)
-            S_diagonal += 1.0 - elastic  # decoupled rows: sigma alone, or the multiplier below
-            C = _inverted(S, b)
-            C_diagonal = np.einsum("iin->in", C)
-            C_diagonal -= self.constrained[b.e]
+            diagonal = _diagonal(S)
+            diagonal += 1.0 - elastic  # decoupled rows: sigma alone, or the multiplier below
+            C = np.ascontiguousarray(_inverted(S, b))
+            diagonal = _diagonal(C)
+            diagonal -= self.constrained[b.e]
             values.append(C.ravel())
         coupled[self.constrained] = 1.0
         return np.concatenate(values) if values else np.zeros(0), coupled, size
@@ -118,7 +118,12 @@ def _inverted(S: Array, batch: Batch) -> Array:
 def _squares(batches: list[Batch]) -> tuple[Index, Index]:
     """Rows and columns of square blocks over the deformations of elements."""
     empty = np.zeros(0, np.int64)
-    shapes = [(len(b.e), len(b.e), b.family.n) for b in batches]
-    rows = [np.broadcast_to(b.e[:, None, :], s).ravel() for b, s in zip(batches, shapes, strict=True)]
-    columns = [np.broadcast_to(b.e[None, :, :], s).ravel() for b, s in zip(batches, shapes, strict=True)]
+    rows = [b.e.repeat(len(b.e), axis=0).ravel() for b in batches]
+    columns = [np.concatenate([b.e] * len(b.e)).ravel() for b in batches]
     return np.concatenate([empty, *rows]), np.concatenate([empty, *columns])
+
+
+def _diagonal(S: Array) -> Array:
+    """The diagonals of blocks (n, n, elements) that lie one after the other, a view (n, elements)."""
+    n = len(S)
+    return S.reshape(n * n, -1)[:: n + 1]

@@ -40,15 +40,14 @@ class LevelEvaluator:
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism
         level = LoadLevel(0.0, 0.0)
-        loads = loads_at(mechanism, level)
-        drive = SteadyDrive.at_level(mechanism, level)
+        loads, drive = loads_at(mechanism, level), SteadyDrive.at_level(mechanism, level)
+        self.whole = SteadyDrive.at_level(mechanism, LoadLevel(1.0, 0.0))  # prescribed values of the initial loading
         self._dynamics = Dynamics(with_flow(mechanism, loads), loads=loads, drive=drive)
         n = mechanism.numbering
         self.y = self._dynamics.start_values()
         if n.holonomic:
             self.y[self._dynamics.n_positions :] = 0.0
         rates = self.y[self._dynamics.n_positions :]
-        self.whole = SteadyDrive.at_level(mechanism, LoadLevel(1.0, 0.0))  # prescribed values of the initial loading
         self.moving = self.whole.moving or bool(rates.any())
         self.plain = n.holonomic and not self.moving and mechanism.user_signal is None
         self.hold: Array | None = None
@@ -64,22 +63,16 @@ class LevelEvaluator:
         flexibility = Flexibility(self._dynamics)
         rates = self.y[self._dynamics.n_positions :]
         self._equations = StationaryEquations(self._dynamics, flexibility, self.moving, rates)
-        self.sparse: SparseTangent | None = None
-        self._tangent: Tangent
-        if self.plain:
-            self.sparse = SparseTangent(self._dynamics, flexibility)
-            self._tangent = RestingTangent(self.sparse)
-        else:
-            self._tangent = MovingTangent(self._equations, self.mechanism.settings.stationary_type in WITHOUT_N0)
+        self._sparse: SparseTangent | None = None
+        self._tangent: Tangent | None = None
 
     def _compiled(self) -> Equilibrium | None:
         """The equations in C where they have that form."""
         strained = self.mechanism.layout.strained
         if not self.plain or not strained or not all(b.family.compiled for b in strained):
             return None
-        assert self.sparse is not None
         with suppress(NotCompiled):
-            return Equilibrium(self._equations, self.sparse)
+            return Equilibrium(self._equations)
         return None
 
     # -- loads --------------------------------------------------------------------------------------------------
@@ -113,7 +106,8 @@ class LevelEvaluator:
         mechanism = with_flow(self.mechanism, loads)
         if mechanism is self.mechanism:
             law = self._dynamics.law  # the same, with another preload
-            preload = np.where(np.arange(law.ne) < law.first, 0.0, loads.preload)
+            preload = loads.preload.copy()
+            preload[: law.first] = 0.0
             self._dynamics.use(LoadedMechanism(mechanism, loads, drive, replace(law, preload=preload)))
         else:
             following = Dynamics(mechanism, loads=loads, drive=drive)
@@ -136,8 +130,21 @@ class LevelEvaluator:
         return self._equations
 
     @property
+    def sparse(self) -> SparseTangent:
+        """The sparse tangent, of what is `plain`."""
+        if self._sparse is None:
+            self._sparse = SparseTangent(self._dynamics, self._equations.flexibility)
+        return self._sparse
+
+    @property
     def tangent(self) -> Tangent:
         self._settle()
+        if self._tangent is None:
+            if self.plain:
+                self._tangent = RestingTangent(self.sparse)
+            else:
+                without_n0 = self.mechanism.settings.stationary_type in WITHOUT_N0
+                self._tangent = MovingTangent(self._equations, without_n0)
         return self._tangent
 
     @property
@@ -182,7 +189,7 @@ class LevelEvaluator:
         if self._engine is None:
             return None
         table = np.array([(v.initial, v.additional, self._held_at(v), v.path) for v in levels])
-        before = self._level
+        before, self._at = self._level, path[-1].x
         passed = pass_levels(self._engine, table, path, limit)
         self.load(before if passed is None else levels[passed.levels - 1])
         return passed

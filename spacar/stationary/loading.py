@@ -86,7 +86,7 @@ def stored_levels(settings: SolverSettings) -> int:
 
 def loads_at(mechanism: Mechanism, level: LoadLevel) -> Loads:
     """Loads of a level."""
-    loads = mechanism.loads.scaled(level.initial)
+    loads = mechanism.loads if level.initial == 1.0 else mechanism.loads.scaled(level.initial)
     if level.additional and mechanism.additional is not None:
         loads = loads.plus(mechanism.additional.scaled(level.additional))
     return loads
@@ -124,6 +124,8 @@ class SteadyDrive:
     def at_level(cls, mechanism: Mechanism, level: LoadLevel) -> SteadyDrive:
         """Values measured from the reference configuration and rates, both scaled with the level."""
         n = mechanism.numbering
+        if not len(n.rheonomic):
+            return cls(DriveState(*6 * (np.zeros(0),)))
         start = mechanism.drive.at(0.0)
         x_reference = mechanism.x0[n.x_class["input"]]
         x = x_reference + level.initial * (start.x - x_reference)

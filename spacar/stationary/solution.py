@@ -59,8 +59,8 @@ class StationarySolver:
 
     def __post_init__(self) -> None:
         m, n = self.mechanism, self.mechanism.numbering
-        start = m.drive.at(0.0)
-        if start.xdd.any() or start.edd.any():
+        start = m.drive.at(0.0) if len(n.rheonomic) else None
+        if start is not None and (start.xdd.any() or start.edd.any()):
             self.report.add("warning: prescribed accelerations are ignored in a stationary solution")
         self._evaluator = e = LevelEvaluator(m)
         self.dynamics = d = e.dynamics
@@ -79,7 +79,6 @@ class StationarySolver:
 
     def sparse_tangent(self) -> SparseTangent:
         """The sparse tangent of the present evaluator."""
-        assert self._evaluator.sparse is not None
         return self._evaluator.sparse
 
     def factorized(self) -> tuple[StationaryEquations, Tangent]:

@@ -28,6 +28,7 @@ from spacar.studies.workers import Engine, Lost, cores
 
 SIZE = 64  # cases of a chunk of a process: a killed one loses them; and of cases that are built side by side
 LARGEST = 1024  # cases of a chunk in this process, whose numbers are made together
+STATEMENTS = 100_000  # of all its cases, unless they are SIZE: with some 100 numbers each, 80 MB
 Numbers = tuple[float | complex, ...]
 
 
@@ -46,7 +47,8 @@ def in_batches(study: Study, cases: Iterable[Values], engine: Engine, jobs: int 
     processes = jobs or 1
     if processes == 1:
         threads = cores() if jobs is None else 1
-        while batch := tuple(islice(coming, LARGEST)):
+        size = min(LARGEST, max(SIZE, STATEMENTS // len(study.deck.statements)))
+        while batch := tuple(islice(coming, size)):
             yield from groups_of_rows(Chunk(study, batch, threads))
         return
     first = list(islice(coming, SIZE * processes))

@@ -23,7 +23,8 @@ import numpy as np
 
 from spacar.deck import Deck
 from spacar.errors import UsageError
-from spacar.integrators import METHODS
+from spacar.forward.driver import Times
+from spacar.integrators import METHODS, EvenTimes
 from spacar.mechanism import Mechanism, build
 from spacar.result import Result
 from spacar.studies.followers import Followers, GroupMotions
@@ -96,16 +97,14 @@ def motions(
     from spacar.compiled.cases import blocks
 
     settings = cases.single.settings
-    if times is None:
-        assert settings.duration is not None
-        times = np.linspace(0.0, settings.duration, settings.n_steps + 1)
-    followers = Followers(cases, np.ascontiguousarray(times, float), options)
+    at: Times = EvenTimes(0.0, settings.duration or 0.0, settings.n_steps) if times is None else times
+    followers = Followers(cases, at, options)
 
     def answer(group: Sequence[Sequence[int]]) -> Used:
         with followers.one() as follower:
             return use(follower.follow(group))
 
-    groups = _groups(list(blocks(len(cases.start))), len(times) * followers.width, threads)
+    groups = _groups(list(blocks(len(cases.start))), len(at) * followers.width, threads)
     if threads == 1:
         yield from map(answer, groups)
     else:

@@ -21,18 +21,19 @@ from spacar.dynamics.mass_check import largest_mass
 from spacar.errors import AnalysisError
 from spacar.forward.accepted_steps import FAR
 from spacar.forward.displaced import displaced
-from spacar.forward.driver import Tolerances, integrated, work
+from spacar.forward.driver import Times, Tolerances, integrated, work
 from spacar.frame import StoredFrames
 from spacar.integrators.problem import Output
 from spacar.mechanism import Mechanism, build
 from spacar.mechanism.inputs import settings as settings_of
 from spacar.mechanism.inputs import user_signal
-from spacar.mechanism.mechanism import Drive, Polynomial
+from spacar.mechanism.mechanism import Drive, Polynomial, UserSignal
 from spacar.result import Result
 from spacar.studies.side_by_side import Cases
 
 if TYPE_CHECKING:
     from spacar.compiled.cases import InLanes
+    from spacar.compiled.marching import Marching
 
 X_FIELDS = ("x", "xd", "xdd", "fx", "fxgrav", "fxtot")
 E_FIELDS = ("e", "ed", "edd", "sig")
@@ -87,10 +88,11 @@ class GroupMotions:
 class Followers:
     """Those of cases at `times` [s], with what they have in common; `width`: numbers of a step."""
 
-    def __init__(self, cases: Cases, times: Array, options: dict[str, Any]) -> None:
-        from spacar.compiled.cases import PlacedStart
+    def __init__(self, cases: Cases, times: Times, options: dict[str, Any]) -> None:
+        from spacar.compiled.cases import PlacedStart, blocks
 
-        self.cases, self.times, self.options = cases, times, options
+        self.cases, self.asked, self.options = cases, times, options
+        self.times = np.array(times, float)
         self.single = single = cases.single
         self.alone = alone = Dynamics(single)
         self.placed = PlacedStart(alone.start(), alone.kinematics.x.copy(), alone.sweep.e.copy())
@@ -100,6 +102,7 @@ class Followers:
         self.g = None if g is None else g[:, None]
         self.values = np.concatenate([a.reshape(-1, n) for a in cases.numbers.arrays()])
         self.driven = single.deck.last("USERINP", block=2) is not None
+        self.first = next(blocks(n))
         self.own_functions = self.driven or single.user_signal is not None
         self.width = 6 * single.numbering.nx + 4 * single.numbering.ne
         self._spare: list[Follower] = []
@@ -136,6 +139,7 @@ class Follower:
     def __init__(self, of: Followers) -> None:
         self.of = of
         self.block: InLanes | None = None
+        self.marching: Marching | None = None  # of that block
         self.buffer = np.empty(0)
 
     def follow(self, group: Sequence[Sequence[int]]) -> GroupMotions:
@@ -181,9 +185,15 @@ class Follower:
         settings = of.single.settings
         each = None if of.g is None else np.broadcast_to(of.g, block.by_case[1:]).ravel()
         block.into(of.times, rows, k, FAR)
+        marching = self.marching
+        if marching is None or marching.evaluator is not block:
+            self.marching = marching = block.marching()
+        marching.anew()
+        steps = marching.steps
         outputs = integrated(
-            block, block.y0, of.times, settings, Tolerances.of(settings, each),
-            breaks=block.breaks, watch=block.watch, back=block.rejected, marching=block.marching,
+            block, block.y0, of.asked, settings, Tolerances.of(settings, each),
+            breaks=block.breaks, watch=block.watch, back=block.rejected,
+            marching=lambda: steps,
         )  # fmt: skip
         counted = []
         for step, out in enumerate(outputs):
@@ -199,14 +209,28 @@ class Follower:
     def _lanes(self, lanes: list[int], own: list[int]) -> InLanes:
         """The model with the numbers of these cases."""
         of = self.of
-        start = of.cases.start[lanes]
-        if self.block is not None and not of.own_functions:
-            in_order = len(own) == len(lanes) == own[-1] - own[0] + 1
-            self.block.renew(of.values[:, own[0] : own[-1] + 1] if in_order else of.values[:, lanes], start)
-            return self.block
+        if of.own_functions:
+            deck, n = of.single.deck, of.single.numbering
+            users = [u for _ in own if (u := user_signal(deck, n)) is not None]
+            return self._model(lanes, of.drives(own), users)
+        in_order = len(own) == len(lanes) == own[-1] - own[0] + 1
+        chosen = slice(own[0], own[-1] + 1) if in_order else lanes
+        block = self.block or self._first()
+        block.renew(of.values[:, chosen], of.cases.start[chosen])
+        return block
+
+    def _first(self) -> InLanes:
+        """A model that has evaluated the start of the first block, from which orders of pivots come: those of every
+        follower, whatever it has followed."""
+        block = self._model(self.of.first)
+        with suppress(AnalysisError):
+            block.start(self.of.placed, self.of.largest)
+        return block
+
+    def _model(self, lanes: Sequence[int], drives: Sequence[Drive] = (), users: Sequence[UserSignal] = ()) -> InLanes:
         from spacar.compiled.cases import InLanes
 
-        deck, n = of.single.deck, of.single.numbering
-        users = [u for _ in own if (u := user_signal(deck, n)) is not None] if of.own_functions else []
-        numbers = of.cases.numbers.take(np.array(lanes))
-        return InLanes(of.alone.model, of.alone.kinematics.scale, numbers, start, of.drives(own), users)
+        of, cases = self.of, self.of.cases
+        numbers = cases.numbers.take(np.array(lanes))
+        scale, start = of.alone.kinematics.scale, cases.start[list(lanes)]
+        return InLanes(of.alone.model, scale, numbers, start, drives, users)

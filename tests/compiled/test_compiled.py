@@ -11,6 +11,7 @@ from spacar.compiled.library import unavailable
 from spacar.deck import parse_deck
 from spacar.dynamics import Dynamics
 from spacar.errors import AnalysisError
+from spacar.kinematics.kinematics import CONVERGED
 from spacar.mechanism import build
 
 DATA = Path(__file__).parents[2] / "data"
@@ -47,7 +48,8 @@ def test_frames_equal_those_of_the_general_path(name):
 
 @pytest.mark.parametrize("angle", [0.0, 0.5, 1.0, 3.0])
 def test_the_start_is_that_of_the_general_path(angle):
-    """Near starts are placed in C, far ones in the general path; two Newton iterations differ by rounding only."""
+    """Near starts, and those of a tree, are placed in C, others in the general path; they differ by rounding only.
+    Deformations of the general path are those before its last correction, which is below CONVERGED."""
     text = (DATA / "robotsim.dat").read_text().split("HALT")
     rows = f"STARTDE 1 1 {angle} 1.\nSTARTDE 2 1 {angle} 0.\nEND\nEND"
     mechanism = build(parse_deck(f"{text[0]}HALT{text[1].replace('END', rows)}", mode=1), 1)
@@ -55,7 +57,7 @@ def test_the_start_is_that_of_the_general_path(angle):
     np.testing.assert_array_equal(compiled.start(), general.start())
     for x in (compiled.state.x[:, 0], compiled.settled().kinematics.x):
         np.testing.assert_allclose(x, general.kinematics.x, atol=1e-14)
-    np.testing.assert_allclose(compiled.state.e[:, 0], general.sweep.e, atol=1e-14)
+    np.testing.assert_allclose(compiled.state.e[:, 0], general.sweep.e, atol=CONVERGED)
     np.testing.assert_allclose(compiled.placement().xd, general.xd, atol=1e-13)
     assert compiled.condition() == pytest.approx(general.condition(), rel=1e-12)
 

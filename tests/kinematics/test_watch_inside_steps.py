@@ -83,8 +83,13 @@ EQUAL = [
 def test_bifurcations_are_passed_on_the_right_branch(code: int, compiled: bool) -> None:
     """A parallelogram in line keeps its cranks parallel (uniform rotation: both masses on the cranks), and a slider
     whose rod is as long as the crank runs through the pivot: x = 2 l cos(phi), from the crank's energy
-    (J + 4 l^2 m sin^2 phi) phi'^2 = constant."""
-    for tolerance in (1e-3, 1e-7, 1e-11) if compiled and code == 0 else (1e-3, 1e-6):
+    (J + 4 l^2 m sin^2 phi) phi'^2 = constant.
+
+    A step of 225 has the tolerance w sqrt(w) (head of `spacar.integrators.nystrom`), which with ERROR 1e-6 is 1e-12:
+    accelerations beside the slider's bifurcation are not that exact, so that it depends on where a step ends whether
+    the motion passes. With 1e-5 a step may err by 3e-11."""
+    tight = 1e-5 if code == 225 else 1e-6
+    for tolerance in (1e-3, 1e-7, 1e-11) if compiled and code == 0 else (1e-3, tight):
         more = [("TIMESTEP", 2.0, 2), ("ERROR", tolerance, tolerance), ("INTEGRAT", code)]
         cranks = [("XM", 2, 1.0), ("XM", 5, 1.0), ("STARTDX", 2, 1, 0.0, 1.0)]
         text, r = said(Deck.build(PARALLELOGRAM, [*cranks, *more]), compiled)

@@ -13,7 +13,7 @@ from spacar_formats.sinks import ResultSink, begin, give_up, result_sinks
 from spacar.calls import frames
 from spacar.errors import SpacarError, UsageError
 from spacar.modes import Mode, find_mode
-from spacar.options import BEAMS, integrator
+from spacar.options import BEAMS, check_modes, integrator
 from spacar.stream import Outcome, Run, Sink
 from spacar_cli import accuracy_options
 from spacar_cli.environment import Environment
@@ -127,6 +127,7 @@ def run_mode(
     overrides = {field: value for field, value in options.items() if value is not None}
     if "integrator" in overrides:
         integrator(overrides["integrator"], "--integrator")
+    check_modes(mode, overrides.get("modes"))
     stem = result_stem(source, output_dir)
     results = result_sinks(stem, mode.files, wait)
     try:
