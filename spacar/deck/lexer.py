@@ -134,15 +134,17 @@ def _odd_lines(lines: list[str], capitals: str, longest: int) -> set[int]:
     return {n for n in suspect if n <= len(lines) and _PLAIN.match(lines[n - 1]) is None}
 
 
-def lines_not_plain(lines: list[str]) -> set[int]:
-    """The numbers of lines with a word behind the first one that is no number of ordinary size."""
-    found = set()
-    for number, line in enumerate(lines, 1):
-        try:
-            numbers(line.split()[1:])
-        except ValueError:
-            found.add(number)
-    return found
+def lines_not_plain(words: list[str], lines: list[int]) -> set[int]:
+    """Of `lines` with these words, as many in each, those whose words are not all numbers of ordinary size."""
+    try:
+        numbers(words)
+    except ValueError:
+        half = len(lines) // 2
+        middle = half * len(words) // len(lines)
+        if half == 0:
+            return {*lines}
+        return lines_not_plain(words[:middle], lines[:half]) | lines_not_plain(words[middle:], lines[half:])
+    return set()
 
 
 def numbers(words: list[str]) -> list[float]:

@@ -72,13 +72,12 @@ class PlainLines:
         found.lines, found.texts = self.lines[start:end], self.texts[start:end]
         return found
 
-    def pop(self) -> Raw:
-        """Take the last line off: as a statement of its own. Raises ValueError where `numbers` does."""
-        first = len(self.words) - self.count
-        numbers(self.words[first + 1 :])
+    def pop(self) -> tuple[Raw, set[int]]:
+        """Take the last line off: as a statement of its own, and its number if it is not plain."""
+        first, line = len(self.words) - self.count, self.lines.pop()
+        odd = lines_not_plain(self.words[first + 1 :], [line])
         del self.words[first:]
-        line = self.lines.pop()
-        return Raw(self.keyword, self.block, line, words_of(self.texts.pop(), line)[1:])
+        return Raw(self.keyword, self.block, line, words_of(self.texts.pop(), line)[1:]), odd
 
 
 def raws_of(lines: PlainLines) -> Iterator[Raw]:
@@ -91,21 +90,28 @@ def raws_of(lines: PlainLines) -> Iterator[Raw]:
 class Split:
     """All statements, as plain lines or with their words, and, for each block that was opened, where its text begins
     and ends (line, column); `strangers` are refused words with what follows them. Where plain lines are `interleaved`
-    the order of the file is that of the lines of the statements, and of those on one line the order here."""
+    the order of the file is that of the lines of the statements, and of those on one line the order here. `odd`: lines
+    that were taken as plain and are not."""
 
     statements: list[PlainLines | Raw] = field(default_factory=list)
     interleaved: bool = False
+    odd: set[int] = field(default_factory=set)
     strangers: list[Raw] = field(default_factory=list)
     spans: dict[int, tuple[tuple[int, int], tuple[int, int]]] = field(default_factory=dict)
 
     def convert(self) -> None:
-        """Make the words of all plain lines numbers. Raises ValueError where `numbers` does."""
+        """Make the words of all plain lines numbers; lines of which they are none are `odd` then."""
         words: list[str] = []
         plain = [part for part in self.statements if isinstance(part, PlainLines)]
         for part in plain:
             del part.words[:: part.count]
             words += part.words
-        values, end = numbers(words), 0
+        try:
+            values, end = numbers(words), 0
+        except ValueError:
+            for part in plain:
+                self.odd |= lines_not_plain(part.words, part.lines)
+            return
         for part in plain:
             start, end = end, end + len(part.words)
             part.values, part.words = values[start:end], []
@@ -120,12 +126,10 @@ class Split:
 def split(source: SourceText, findings: Findings) -> Split:
     """Divide the text into blocks and statements; structural errors go to the findings."""
     before = len(findings.messages)
-    try:
-        return _Splitter(source, findings).run()
-    except ValueError:  # some lines that begin like plain ones are none: once more, with those word by word
+    while (found := _Splitter(source, findings).run()).odd:  # once more, with those lines word by word
         del findings.messages[before:]
-        source.odd |= lines_not_plain(source.lines)
-        return _Splitter(source, findings).run()
+        source.odd |= found.odd
+    return found
 
 
 class _Splitter:
@@ -155,7 +159,7 @@ class _Splitter:
         self.findings.add("error", word.line, "", text, code)
 
     def run(self) -> Split:
-        """All of it. Raises ValueError where a line that was taken as plain is none."""
+        """All of it."""
         if not self._lines():
             self._unfinished(" after a single END" if self.end is not None else "")
         self.result.convert()
@@ -249,7 +253,8 @@ class _Splitter:
         if self.lines is None:
             return
         statements = self.result.statements
-        self.current = self.lines.pop()
+        self.current, odd = self.lines.pop()
+        self.result.odd |= odd
         if not self.lines.lines:
             statements.remove(self.lines)
         statements.append(self.current)
