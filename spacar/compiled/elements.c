@@ -88,7 +88,7 @@ typedef struct {
     int *m_start, *m_column, *m_place;    /* M by rows in the same way, for the reduced form */
     int *places; real *parameters;        /* of the batches */
     const real *given_parameters;         /* the same as they are given */
-    struct Tree *tree;                    /* NULL: not a rigid tree */
+    struct Tree *tree; int ahead;         /* NULL: not a rigid tree; ahead: V, M and factors are those of an older state */
     Sparse first[3];                      /* the systems with the orders of pivots that other numbers begin with */
 } Model;
 

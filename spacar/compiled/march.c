@@ -82,9 +82,9 @@ static int has_to_be_alone(March *r, const double *before, const double *now)
     double mantissa[LANES], exponent[LANES];
     int alone = !r->at->known;
     for (int i = 0; i < r->n_lambda0; i++) EACH_LANE alone |= fabs(LANE(r->at->x[r->lambda0[i]], w)) < r->half_turn;
-    determinant(of_rates(r->model), mantissa, exponent);
+    if (!r->model->tree) determinant(of_rates(r->model), mantissa, exponent); /* its sign is always the same there */
     EACH_LANE {
-        const double sign = mantissa[w] < 0.0 ? -1.0 : 1.0;
+        const double sign = !r->model->tree && mantissa[w] < 0.0 ? -1.0 : 1.0;
         alone |= before && sign != r->signs[w];
         r->signs[w] = sign;
     }

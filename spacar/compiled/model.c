@@ -431,6 +431,7 @@ static void spacar_renew(Model *m)
     first_order(&m->motion, &m->first[2]);
     m->factored = 0;
     m->transfer_of = NULL;
+    m->ahead = 0;
     for (int k = 0; k < 2; k++) { m->traces[k].of = NULL; m->traces[k].n = 0; }
     tree_end(m->tree);
     m->tree = NULL;
@@ -438,8 +439,9 @@ static void spacar_renew(Model *m)
 }
 
 /* The entries of V: rows, columns and values, each with room for all of them (n); their number. Only this when row is NULL. */
-static int spacar_gradient(const Model *m, int *row, int *column, real *value)
+static int spacar_gradient(Model *m, int *row, int *column, real *value)
 {
+    if (value) catch_up(m);
     for (int r = 0; row && r < m->s.ne; r++)
         for (int k = m->v_start[r]; k < m->v_start[r + 1]; k++) row[k] = r;
     const int n = m->v_start[m->s.ne];
@@ -450,8 +452,9 @@ static int spacar_gradient(const Model *m, int *row, int *column, real *value)
 
 
 /* Of the inverse of the matrix of the velocities at the last evaluated state: mantissa 2^exponent. */
-static void spacar_determinant(const Model *m, double *mantissa, double *exponent)
+static void spacar_determinant(Model *m, double *mantissa, double *exponent)
 {
+    catch_up(m);
     determinant(of_rates(m), mantissa, exponent);
 }
 
@@ -498,6 +501,7 @@ static double spacar_rcond(Model *m, double enough, int most)
     const Sparse *s = of_rates(m);
     const int n = s->n;
     if (!n) return 1.0;
+    if (catch_up(m)) return 0.0;
     real inverse;
     const real norm = norm_of_rates(m, &inverse);
     const double bound = 1.0 / largest_lane(norm * inverse);
@@ -521,6 +525,7 @@ static int spacar_reduced_mass(Model *m, real *out)
 {
     const Spec *s = &m->s;
     const int nx = s->nx, a = s->n_x_dynamic, q = a + s->n_e_dynamic, width = m->width;
+    if (catch_up(m)) return 0;
     if (m->reduced && m->transfer_of) {
         for (int i = 0; i < q; i++)
             for (int j = 0; j <= i; j++) {

@@ -148,6 +148,7 @@ static int evaluate(Model *m, State *at, double t, const real *y, double converg
     real *x = m->next_x, *xd = m->next_xd, *xdd = m->next_xdd;
     if (!m->tree && guess(m, at, t, y, jump, x)) return JUMP;
     m->transfer_of = NULL;
+    m->ahead = 0;
     if (take_given(m, at, t, y, x, xd, xdd)) return NOT_ANSWERED;
     if (m->tree) {
         follow_tree(s, m->tree, x, xd, xdd, at->given_e, m->given_ed, m->given_edd);

@@ -283,5 +283,19 @@ static int tree_rates(Model *m, State *at, double t, const real *y, real *out)
     memcpy(at->xdd, xdd, sizeof(real) * nx);
     at->t = t;
     at->known = 1;
+    m->transfer_of = NULL;
+    m->ahead = 1;
     return OK;
+}
+
+/* V, M and the factors of the position at the last evaluated state, which the steps of a tree do without. OK or a negative reason. */
+static int catch_up(Model *m)
+{
+    if (!m->ahead) return OK;
+    m->ahead = 0;
+    if (strain(m, m->next_x, m->near, m->next_e) || inertia(m, m->next_x, m->next_xd)) return NOT_ANSWERED;
+    const int status = factor(&m->position, m->values);
+    m->factored = !status;
+    memcpy(m->factored_x, m->next_x, sizeof(real) * m->s.nx);
+    return status;
 }

@@ -20,7 +20,7 @@ from spacar.stationary.flexibility import Flexibility
 from spacar.stationary.loading import WITHOUT_N0, LoadLevel, SteadyDrive, loads_at, with_flow
 from spacar.stationary.moving_tangent import MovingTangent
 from spacar.stationary.newton import Converged, Demand, newton
-from spacar.stationary.passed_levels import Known, Passed, pass_levels
+from spacar.stationary.passed_levels import Known, PassedLevels, pass_levels
 from spacar.stationary.resting_tangent import RestingTangent
 from spacar.stationary.stability import CRITICAL, Stability, stability
 from spacar.stationary.stationary_equations import Given, Iterate, StationaryEquations
@@ -184,7 +184,7 @@ class LevelEvaluator:
                 return found
         return newton(self.equations, self.tangent, x, sigma, self.given, demand)
 
-    def pass_levels(self, levels: Sequence[LoadLevel], path: Sequence[Known], limit: int) -> Passed | None:
+    def pass_levels(self, levels: Sequence[LoadLevel], path: Sequence[Known], limit: int) -> PassedLevels | None:
         """As `spacar.stationary.passed_levels`; stands at the last level that was passed. None where C cannot."""
         if self._engine is None:
             return None

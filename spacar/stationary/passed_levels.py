@@ -29,7 +29,7 @@ class Known:
 
 
 @dataclass(frozen=True)
-class Passed:
+class PassedLevels:
     """How many levels were passed, with how many iterations; the path there, what rounding is in its last state."""
 
     levels: int
@@ -48,7 +48,7 @@ class CPassed(ctypes.Structure):
     ]  # fmt: skip
 
 
-def pass_levels(equations: Equilibrium, levels: Array, path: Sequence[Known], limit: int) -> Passed | None:
+def pass_levels(equations: Equilibrium, levels: Array, path: Sequence[Known], limit: int) -> PassedLevels | None:
     """From the last state of the path over levels (n, 4): fractions of both parts of the loading, the part of the
     forces that are held, the place on the way. At most `limit` iterations each. None: not even the first one.
 
@@ -68,4 +68,4 @@ def pass_levels(equations: Equilibrium, levels: Array, path: Sequence[Known], li
         return None
     first = REMEMBERED - c.known
     kept = [Known(float(places[k]), states[k, :nx], states[k, nx:]) for k in range(first, REMEMBERED)]
-    return Passed(c.passed, c.iterations, kept, c.noise)
+    return PassedLevels(c.passed, c.iterations, kept, c.noise)
