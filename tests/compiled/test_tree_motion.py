@@ -117,7 +117,8 @@ def planar(seed: int, links: int) -> str:
             orientation = g.node()
             prescribed = link > 0 and g.chance(0.4)
             g.rows.append(row("INPUTX" if prescribed else "DYNX", orientation, 1))
-            g.dynamics.append(row("INPUTX" if prescribed else "STARTDX", orientation, 1, *g.vector(3 if prescribed else 2)))
+            motion = "INPUTX" if prescribed else "STARTDX"
+            g.dynamics.append(row(motion, orientation, 1, *g.vector(3 if prescribed else 2)))
         tip, k = g.node(), g.element()
         place[tip] = [a + b for a, b in zip(place[at], g.vector(2), strict=True)]
         if g.chance(0.5):
