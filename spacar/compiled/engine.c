@@ -9,6 +9,7 @@
 #include "tree_motion.c"
 #include "state.c"
 #include "model.c"
+#include "last_state.c"
 #include "start.c"
 #include "march.c"
 #include "adams.c"

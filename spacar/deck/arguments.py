@@ -19,7 +19,7 @@ from spacar.deck.lexer import (
 )
 from spacar.deck.outline import Outline
 from spacar.deck.plain_forms import NUMBERED_PARTS
-from spacar.deck.splitter import Raw
+from spacar.deck.raw_statements import Raw
 from spacar.deck.statement import Statement, Value
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.deck.table_types import Keyword, Parameter, Variant, subject_of

@@ -16,7 +16,8 @@ from spacar.deck.lexer import LONGEST_LINE, SourceText, integer_of, scan
 from spacar.deck.mode_blocks import Purpose, third_block, uses
 from spacar.deck.outline import Outline
 from spacar.deck.plain_forms import plain_statements
-from spacar.deck.splitter import PlainLines, Raw, raws_of, split, third_kind
+from spacar.deck.raw_statements import PlainLines, Raw, raws_of
+from spacar.deck.splitter import split, third_kind
 from spacar.deck.statement import Statement
 from spacar.deck.statement_index import Group, StatementIndex, grouped, in_file_order
 from spacar.deck.table_elements import ELEMENT_TYPES

@@ -33,7 +33,8 @@ from spacar.deck.mode_blocks import Purpose
 from spacar.deck.model_arguments import argument_name, in_common
 from spacar.deck.model_statements import ModelStatements, Vector
 from spacar.deck.outline import Outline
-from spacar.deck.splitter import Raw, split
+from spacar.deck.raw_statements import Raw
+from spacar.deck.splitter import split
 from spacar.deck.statement import Value
 from spacar.deck.table_types import Keyword, Parameter, Variant
 from spacar.errors import InputError, Message

@@ -15,7 +15,7 @@ from typing import Any
 
 from spacar.deck.lexer import LARGEST_NUMBER
 from spacar.deck.outline import Outline
-from spacar.deck.splitter import PlainLines
+from spacar.deck.raw_statements import PlainLines
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.deck.table_types import COORDINATES, Keyword, Parameter, coordinates_of, subject_of

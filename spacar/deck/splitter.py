@@ -7,13 +7,10 @@ where other plain lines stand between them. All other lines are taken word by wo
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
-from operator import attrgetter
-
 from spacar.deck.findings import Findings
 from spacar.deck.keyword_table import ALIASES, KEYWORDS, NAME_PLACES, NAMES, BlockKind, blocks_of
-from spacar.deck.lexer import SourceText, Word, lines_not_plain, numbers, words_of
+from spacar.deck.lexer import SourceText, Word, words_of
+from spacar.deck.raw_statements import PlainLines, Raw, Split
 
 _NOT_NUMBERS = ("NAN", "INF", "INFINITY")
 _SUGGESTIONS = 40
@@ -32,95 +29,6 @@ _PLAIN = {
     }
     for block, names in NAMES.items()
 }
-
-
-@dataclass(slots=True, eq=False)
-class Raw:
-    """A statement whose arguments are still words."""
-
-    keyword: str
-    block: int
-    line: int
-    words: list[Word] = field(default_factory=list)
-
-
-class PlainLines:
-    """Plain lines with one keyword (its name) and as many words in each, in the order of the file.
-
-    `words`: all of them, until `Split.convert` makes `values` of those behind the keywords; `lines`: where the lines
-    stand; `texts`: what they say, without comments.
-    """
-
-    __slots__ = ("block", "count", "keyword", "lines", "texts", "values", "words")
-
-    def __init__(self, keyword: str, block: int, count: int) -> None:
-        self.keyword, self.block, self.count = keyword, block, count
-        self.words: list[str] = []
-        self.values: list[float] = []
-        self.lines: list[int] = []
-        self.texts: list[str] = []
-
-    @property
-    def line(self) -> int:
-        """That of the first."""
-        return self.lines[0]
-
-    def part(self, start: int, end: int) -> PlainLines:
-        """Some of the lines, of which the words are numbers already."""
-        found, count = PlainLines(self.keyword, self.block, self.count), self.count - 1
-        found.values = self.values[start * count : end * count]
-        found.lines, found.texts = self.lines[start:end], self.texts[start:end]
-        return found
-
-    def pop(self) -> tuple[Raw, set[int]]:
-        """Take the last line off: as a statement of its own, and its number if it is not plain."""
-        first, line = len(self.words) - self.count, self.lines.pop()
-        odd = lines_not_plain(self.words[first + 1 :], [line])
-        del self.words[first:]
-        return Raw(self.keyword, self.block, line, words_of(self.texts.pop(), line)[1:]), odd
-
-
-def raws_of(lines: PlainLines) -> Iterator[Raw]:
-    """The statements of plain lines, one by one."""
-    for line, text in zip(lines.lines, lines.texts, strict=True):
-        yield Raw(lines.keyword, lines.block, line, words_of(text, line)[1:])
-
-
-@dataclass(slots=True, eq=False)
-class Split:
-    """All statements, as plain lines or with their words, and, for each block that was opened, where its text begins
-    and ends (line, column); `strangers` are refused words with what follows them. Where plain lines are `interleaved`
-    the order of the file is that of the lines of the statements, and of those on one line the order here. `odd`: lines
-    that were taken as plain and are not."""
-
-    statements: list[PlainLines | Raw] = field(default_factory=list)
-    interleaved: bool = False
-    odd: set[int] = field(default_factory=set)
-    strangers: list[Raw] = field(default_factory=list)
-    spans: dict[int, tuple[tuple[int, int], tuple[int, int]]] = field(default_factory=dict)
-
-    def convert(self) -> None:
-        """Make the words of all plain lines numbers; lines of which they are none are `odd` then."""
-        words: list[str] = []
-        plain = [part for part in self.statements if isinstance(part, PlainLines)]
-        for part in plain:
-            del part.words[:: part.count]
-            words += part.words
-        try:
-            values, end = numbers(words), 0
-        except ValueError:
-            for part in plain:
-                self.odd |= lines_not_plain(part.words, part.lines)
-            return
-        for part in plain:
-            start, end = end, end + len(part.words)
-            part.values, part.words = values[start:end], []
-
-    @property
-    def raws(self) -> list[Raw]:
-        """The statements with their words, in the order of the file."""
-        found = [raw for s in self.statements for raw in (raws_of(s) if isinstance(s, PlainLines) else (s,))]
-        return sorted(found, key=attrgetter("line"))
 
 
 def split(source: SourceText, findings: Findings) -> Split:
