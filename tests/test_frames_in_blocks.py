@@ -59,7 +59,6 @@ def test_a_column_of_a_result_is_its_own(crank):
     x = result["x"]
     x[:] = 0.0
     assert result["x"].any()
-    assert isinstance(result.frames, JoinedFrames)
 
 
 @pytest.fixture

@@ -44,7 +44,10 @@ def test_the_place_of_a_failure_is_that_in_the_file(tmp_path):
     )
     with pytest.raises(AnalysisError, match="ZeroDivisionError") as raised:
         spacar.run(1, tmp_path / "beam.dat")
-    trace, places = raised.value.__cause__.__traceback__, []
+    failure: BaseException = raised.value
+    while failure.__cause__ is not None:
+        failure = failure.__cause__
+    trace, places = failure.__traceback__, []
     while trace is not None:
         places.append((trace.tb_frame.f_code.co_filename, trace.tb_lineno))
         trace = trace.tb_next
