@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
+from typing import NoReturn
 
 import numpy as np
 
@@ -38,12 +39,14 @@ def at_time(evaluator: Evaluator, t: float, y: Array) -> Frame:
     try:
         return evaluator.frame(t, y)
     except AnalysisError as error:
-        raise timed(error, t) from error
+        fail_at(t, error)
 
 
-def timed(error: AnalysisError, t: float) -> AnalysisError:
-    """The failure with its time."""
-    return error if "t = " in str(error) else AnalysisError(f"at t = {t:.9g}: {error}", error.code, **error.data)
+def fail_at(t: float, error: AnalysisError) -> NoReturn:
+    """Raise the failure with its time; one that says it goes on with its own cause."""
+    if "t = " in str(error):
+        raise error
+    raise AnalysisError(f"at t = {t:.9g}: {error}", error.code, **error.data) from error
 
 
 class Watched:
@@ -66,7 +69,7 @@ class Watched:
                 # A beam that is bent too far for one element is the cause rather than the choice of coordinates.
                 Limits(self.evaluator, Report()).check(self.evaluator, at_time(self.evaluator, t, y))
                 self.half_turns.check(t, self.evaluator.placement().x, CAUSE)
-                raise timed(error, t) from error
+                fail_at(t, error)
 
     @property
     def look(self) -> int:

@@ -23,7 +23,7 @@ from spacar.dynamics.loaded_mechanism import (
     LoadedMechanism,
 )
 from spacar.errors import AnalysisError, Report
-from spacar.forward.accepted_steps import FAR, Trail, Watched, at_time, timed
+from spacar.forward.accepted_steps import FAR, Trail, Watched, at_time, fail_at
 from spacar.forward.displaced import displaced
 from spacar.frame import Frame, StoredFrames
 from spacar.integrators import AUTOMATIC, METHODS, EvenTimes, integrate
@@ -256,6 +256,6 @@ def looked_at(evaluator: Evaluator, passed: Passed, limits: Limits) -> StoredFra
     try:
         block = shown()
     except AnalysisError as error:
-        raise timed(error, passed.t) from error
+        fail_at(passed.t, error)
     limits.check(evaluator, block[0])
     return block
