@@ -11,7 +11,8 @@ evaluation. Here the same equations run in C:
     motion.c   Newton's iteration, accelerations from the saddle-point form or, with few degrees of freedom, from the
                reduced form
     rigid_tree.c, tree_motion.c  mechanisms without loops whose positions need no equations: found, and evaluated
-    state.c    states of the integrators: right-hand side, stages of a Runge-Kutta step, frames; given.c has what is given
+    state.c    states of the integrators: right-hand side, stages of a Runge-Kutta step, frames
+    given.c    what is given of a state
     model.c    which entries V and M have; last_state.c answers what Python asks of a state
     march.c    accepted steps from output to output, by adams.c and runge_kutta.c
     radau.c    Newton's iteration of the stages of a Radau step, whose control stays in Python
