@@ -183,14 +183,17 @@ static int is_whole(const Spec *s, const struct Tree *T)
     int n = 0;
     for (int i = 0; i < T->n_points; i++) {
         const Point *point = &T->points[i];
+        if (!point->reached) return 0;
         for (int c = 0; c < T->dimension; c++) {
             if (point->reached == 2 && !is_calculable(s, point->c[c])) return 0;
             n += is_calculable(s, point->c[c]) || point->degree[c];
         }
     }
-    for (int i = 0; i < T->n_orientations; i++)
-        for (int c = 0; c < T->orientations[i].n; c++)
-            n += is_calculable(s, T->orientations[i].c[c]) || degree_of(s, T->orientations[i].c[c]);
+    for (int i = 0; i < T->n_orientations; i++) {
+        const Orientation *node = &T->orientations[i];
+        if (node->frame < 0) return 0;
+        for (int c = 0; c < node->n; c++) n += is_calculable(s, node->c[c]) || degree_of(s, node->c[c]);
+    }
     return n == s->n_position + s->n_x_dynamic;
 }
 
