@@ -6,6 +6,7 @@ in columns. Sinks (log, result files, progress, plot) consume the stream frame b
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -79,7 +80,25 @@ class Frame:
         return getattr(self, name, None)
 
 
-class StoredFrames(Sequence[Frame]):
+class _Frames(Sequence[Frame]):
+    """Frames that are made, or found, when they are asked for; slices are tuples."""
+
+    __slots__ = ()
+
+    @abstractmethod
+    def _frame(self, i: int) -> Frame: ...
+
+    @overload
+    def __getitem__(self, i: int) -> Frame: ...
+    @overload
+    def __getitem__(self, i: slice) -> tuple[Frame, ...]: ...
+    def __getitem__(self, i: int | slice) -> Frame | tuple[Frame, ...]:
+        if isinstance(i, slice):
+            return tuple(self._frame(k) for k in range(*i.indices(len(self))))
+        return self._frame(i)
+
+
+class StoredFrames(_Frames):
     """Frames that became ready together, or all of a run: columns from which each is made when it is asked for.
 
     t           (steps,) [s]
@@ -99,13 +118,7 @@ class StoredFrames(Sequence[Frame]):
     def __len__(self) -> int:
         return len(self.t)
 
-    @overload
-    def __getitem__(self, i: int) -> Frame: ...
-    @overload
-    def __getitem__(self, i: slice) -> tuple[Frame, ...]: ...
-    def __getitem__(self, i: int | slice) -> Frame | tuple[Frame, ...]:
-        if isinstance(i, slice):
-            return tuple(self[k] for k in range(*i.indices(len(self))))
+    def _frame(self, i: int) -> Frame:
         frame = Frame(t=float(self.t[i]), **{name: array[i] for name, array in self.variables.items()})
         frame.statistics = {name: int(array[i]) for name, array in self.statistics.items()}
         if self.lost:
@@ -113,7 +126,7 @@ class StoredFrames(Sequence[Frame]):
         return frame
 
 
-class JoinedFrames(Sequence[Frame]):
+class JoinedFrames(_Frames):
     """All frames of a run, in the blocks in which they became ready."""
 
     def __init__(self, blocks: Sequence[Sequence[Frame]]) -> None:
@@ -126,13 +139,7 @@ class JoinedFrames(Sequence[Frame]):
     def __iter__(self) -> Iterator[Frame]:
         return chain.from_iterable(self.blocks)
 
-    @overload
-    def __getitem__(self, i: int) -> Frame: ...
-    @overload
-    def __getitem__(self, i: slice) -> tuple[Frame, ...]: ...
-    def __getitem__(self, i: int | slice) -> Frame | tuple[Frame, ...]:
-        if isinstance(i, slice):
-            return tuple(self[k] for k in range(*i.indices(len(self))))
+    def _frame(self, i: int) -> Frame:
         k = i + len(self) if i < 0 else i
         if not 0 <= k < len(self):
             raise IndexError(i)

@@ -86,7 +86,7 @@ static double condition_bound(const Linearized *l, const double *V, int nx, cons
 static int spacar_equilibrium_linearize(Equilibrium *q, Linearized *l)
 {
     Own *w = q->own;
-    const int n = (int)l->n, nx = (int)q->nx, ne = (int)q->ne, first = (int)l->first, k = (int)l->n_q_x, ndof = k + (int)l->n_q_e;
+    const int n = (int)l->n, nx = (int)q->nx, first = (int)l->first, k = (int)l->n_q_x, ndof = k + (int)l->n_q_e;
     const double *V = q->V;
     rest_loads(q, w);
     rest_elements(q, w, q->x);

@@ -79,14 +79,16 @@ static int goes_far(const March *r, const double *a, const double *b)
 /* Does one of the cases come to a dead point or half a turn, or do its velocities jump? */
 static int has_to_be_alone(March *r, const double *before, const double *now)
 {
-    double mantissa[LANES], exponent[LANES];
     int alone = !r->at->known;
     for (int i = 0; i < r->n_lambda0; i++) EACH_LANE alone |= fabs(LANE(r->at->x[r->lambda0[i]], w)) < r->half_turn;
-    if (!r->model->tree) determinant(of_rates(r->model), mantissa, exponent); /* its sign is always the same there */
-    EACH_LANE {
-        const double sign = !r->model->tree && mantissa[w] < 0.0 ? -1.0 : 1.0;
-        alone |= before && sign != r->signs[w];
-        r->signs[w] = sign;
+    if (!r->model->tree) { /* which has no dead points */
+        double mantissa[LANES], exponent[LANES];
+        determinant(of_rates(r->model), mantissa, exponent);
+        EACH_LANE {
+            const double sign = mantissa[w] < 0.0 ? -1.0 : 1.0;
+            alone |= before && sign != r->signs[w];
+            r->signs[w] = sign;
+        }
     }
     return alone || (before && unexplained(r, before, now));
 }

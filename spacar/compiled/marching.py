@@ -17,12 +17,13 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.compiled.compiled_model import CompiledModel, State
-from spacar.compiled.library import DOUBLES, INTEGER, NUMBER, POINTER, Engine
+from spacar.compiled.library import INTEGER, NUMBER, POINTER, Engine
+from spacar.compiled.march_structures import CAdams, CMarch, CRungeKutta
 from spacar.compiled.passage import VALUE, Passage
 from spacar.compiled.passage_of_cases import PassageOfCases, not_followed
 from spacar.dynamics.loaded_mechanism import ALWAYS, NOISE, SHARE, STILL, Accepted, LoadedMechanism, Moving
 from spacar.errors import AnalysisError
-from spacar.integrators.adams import GAMMA_STAR, MAX_ORDER, PHI, Adams
+from spacar.integrators.adams import GAMMA_STAR, PHI, Adams
 from spacar.integrators.failures import MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small
 from spacar.integrators.problem import Evaluation, IntegrationStatistics, Step
 from spacar.integrators.runge_kutta import TINY, ExplicitRungeKutta
@@ -37,43 +38,6 @@ MOST, COMPONENTS = 1000, 20_000  # steps in one call, and steps times components
 
 ASK = ctypes.CFUNCTYPE(INTEGER, NUMBER, POINTER, POINTER)
 TELL = ctypes.CFUNCTYPE(INTEGER, NUMBER, POINTER)
-
-
-class CMarch(ctypes.Structure):
-    """`March` of march.c."""
-
-    _fields_ = [
-        ("model", POINTER), ("at", POINTER), ("ask", POINTER), ("tell", POINTER), ("records", DOUBLES),
-        ("scale", DOUBLES), ("atol", DOUBLES),
-        *((name, INTEGER) for name in ("n", "capacity", "width", "look", "back", "most", "max_reductions")),
-        *((name, NUMBER) for name in (
-            "reduction", "rtol", "longest", "converged", "jump", "earliest", "latest", "half", "inside", "wide",
-            "far", "share", "noise", "still", "t", "t_end", "until", "h", "error", "peak", "begin",
-        )),
-        ("sizes", NUMBER * 2),
-        *((name, INTEGER) for name in ("recorded", "entered", "n_steps", "n_rhs", "n_rejected", "reductions")),
-        ("lambda0", POINTER), ("half_turn", NUMBER), ("signs", NUMBER * 8), ("n_lambda0", INTEGER),
-    ]  # fmt: skip
-
-
-class CAdams(ctypes.Structure):
-    """`Adams` of adams.c."""
-
-    _fields_ = [
-        *((name, DOUBLES) for name in ("phi", "expected", "y", "y_new", "predicted", "d", "weight", "gamma_star")),
-        ("psi", NUMBER * (MAX_ORDER + 1)), ("h_old", NUMBER), ("h_min", NUMBER),
-        *((name, INTEGER) for name in ("k", "order", "k_old", "equal", "starting", "rejections")),
-    ]  # fmt: skip
-
-
-class CRungeKutta(ctypes.Structure):
-    """`RungeKutta` of runge_kutta.c."""
-
-    _fields_ = [
-        *((name, DOUBLES) for name in ("c", "a", "b", "errors", "K", "y", "y_new", "scaled")),
-        *((name, NUMBER) for name in ("exponent", "smallest", "largest", "safety", "tiny", "h")),
-        *((name, INTEGER) for name in ("stages", "rows", "estimated", "two")),
-    ]  # fmt: skip
 
 
 class Lookout(Protocol):

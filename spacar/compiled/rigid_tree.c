@@ -10,12 +10,12 @@
 enum { MOST_PLANAR = 32, MOST_SPATIAL = 64 };
 enum { APART, RIGID, TURNING, OF_A_NODE };
 enum { AT_P, TURN_P, AT_Q, TURN_Q };
-typedef struct { signed char how, end[4]; } Joint; /* `end`: the first of its coordinates; -1: no such node */
+typedef struct { signed char how, dimension, end[4]; } Joint; /* `end`: the first of its coordinates; -1: no such node */
 static const Joint JOINT[N_KINDS] = {
-    [PLBEAM] = {RIGID, {0, 2, 3, 5}}, [PLBEAM_ANGLE] = {RIGID, {0, 2, 3, 5}}, [PLPINBOD] = {RIGID, {0, 2, 3, -1}},
-    [BEAM] = {RIGID, {0, 3, 7, 10}}, [BEAM_ANGLE] = {RIGID, {0, 3, 7, 10}}, [PINBODY] = {RIGID, {0, 3, 7, -1}},
-    [PLTOR] = {TURNING, {-1, 0, -1, 1}}, [HINGE] = {TURNING, {-1, 0, -1, 4}},
-    [NORMALIZATION] = {OF_A_NODE, {-1, 0, -1, -1}}, [BODY] = {OF_A_NODE, {-1, 0, -1, -1}},
+    [PLBEAM] = {RIGID, 2, {0, 2, 3, 5}}, [PLBEAM_ANGLE] = {RIGID, 2, {0, 2, 3, 5}}, [PLPINBOD] = {RIGID, 2, {0, 2, 3, -1}},
+    [BEAM] = {RIGID, 3, {0, 3, 7, 10}}, [BEAM_ANGLE] = {RIGID, 3, {0, 3, 7, 10}}, [PINBODY] = {RIGID, 3, {0, 3, 7, -1}},
+    [PLTOR] = {TURNING, 2, {-1, 0, -1, 1}}, [HINGE] = {TURNING, 3, {-1, 0, -1, 4}},
+    [NORMALIZATION] = {OF_A_NODE, 3, {-1, 0, -1, -1}}, [BODY] = {OF_A_NODE, 3, {-1, 0, -1, -1}},
 };
 
 typedef struct {
@@ -364,8 +364,8 @@ static int find_tree(Model *m)
     const Spec *s = &m->s;
     const int q = s->n_x_dynamic + s->n_e_dynamic;
     if (!m->holonomic || s->prescribed || s->n_x_kinematic || s->n_coupled || !s->n_batches) return OK;
-    const int kind = s->batches[0].kind, planar = kind == PLBEAM || kind == PLBEAM_ANGLE || kind == PLPINBOD || kind == PLTOR;
-    if (q > (planar ? MOST_PLANAR : MOST_SPATIAL)) return OK;
+    const int kind = s->batches[0].kind, dimension = kind < 0 ? 0 : JOINT[kind].dimension;
+    if (!dimension || q > (dimension == 2 ? MOST_PLANAR : MOST_SPATIAL)) return OK;
     int n = 0;
     for (int b = 0; b < s->n_batches; b++) n += s->batches[b].n;
     struct Tree *T = m->tree = cleared(1, sizeof(struct Tree));
@@ -381,8 +381,8 @@ static int find_tree(Model *m)
         if (!T->frames || !T->orientations || !T->points || !T->arms || !T->pairs || !T->parts || !T->mass) status = NO_MEMORY;
     }
     if (!status) {
-        T->dimension = planar ? 2 : 3;
-        T->turns = planar ? 1 : 3;
+        T->dimension = dimension;
+        T->turns = dimension == 2 ? 1 : 3;
         if (is_tree(s, T, of)) status = tree_rows(T, q);
         else { tree_end(T); m->tree = NULL; }
     }

@@ -6,6 +6,8 @@ of the largest value of each kind.
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -18,6 +20,7 @@ from spacar.mechanism import build
 from spacar.studies.assignments import change, setting
 from spacar.studies.ensemble import ensemble
 
+DATA = Path(__file__).parents[2] / "data"
 pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
 
 
@@ -69,6 +72,8 @@ class Grower:
         return new
 
     def text(self) -> str:
+        if self.chance(0.5):
+            self.rows.append("ADEFORM")
         gravity = row("GRAVITY", *self.vector(2 if self.rows[0].startswith("PL") else 3))
         return "\n".join([*self.rows, "END", "HALT", *self.dynamics, gravity, "TIMESTEP 0.5 5", "END", "END", ""])
 
@@ -99,7 +104,12 @@ def spatial(seed: int, links: int) -> str:
             if g.chance(chance) and not any(line.startswith(row(*words[:2]) + " ") for line in g.dynamics):
                 g.dynamics.append(row(*words))
     g.rows += [row("X", n, *where) for n, where in place.items()]
-    g.rows += [row("FIX", base), row("FIX", ground)]
+    if g.chance(0.3):
+        g.rows += [row("INPUTX", base, 2), row("FIX", base, 1, 3)]
+        g.dynamics.append(row("INPUTX", base, 2, place[base][1], 0.4, -0.7))
+    else:
+        g.rows.append(row("FIX", base))
+    g.rows.append(row("FIX", ground))
     return g.text()
 
 
@@ -197,3 +207,11 @@ def test_cases_side_by_side():
             want = alone[name]
             within = 1e-7 * max(1.0, np.abs(want).max())  # steps differ: some tolerances
             np.testing.assert_allclose(result[name], want, atol=within, rtol=0, err_msg=name)
+
+
+@pytest.mark.parametrize("name", ["crank2", "fourbar", "crankfl", "trike2"])
+def test_other_mechanisms_have_the_equations_of_all_elements(name):
+    """Loops, flexible elements, wheels: positions are iterated."""
+    compiled = CompiledDynamics(spacar.frames(1, DATA / f"{name}.dat").mechanism)
+    compiled._y[:] = compiled.start()
+    assert compiled.solver.rhs(compiled.state, 0.0, *compiled._addresses, 1e-12) >= 1
