@@ -187,7 +187,7 @@ def test_a_singular_matrix_is_left_to_python():
 
 
 def test_a_stiffness_that_is_singular_to_working_precision_is_left_to_python():
-    """2 x 2 of bending, [[4, 2 + Phi'], [2 + Phi', 4]]-like: a second mode that repeats the first to the last digits."""
+    """Bending of which the second mode repeats the first: to a thousandth, to the last digit, wholly."""
     text = TEXTS["cantilever"]
     m = with_compiled_elements(build(parse_deck(text, mode=7), 7))
     family = next(b.family for b in m.batches if b.family.n_deformations == 3)
