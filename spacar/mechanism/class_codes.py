@@ -49,7 +49,7 @@ class ClassCodes(NamedTuple):
     roles   (1 + highest node,) place in ROLES of every node
     """
 
-    codes: bytes
+    codes: bytearray
     of_nodes: int
     width: int
     roles: NDArray[np.uint8]
@@ -80,7 +80,7 @@ def class_codes(deck: Deck, types: Sequence[ElementRows], prescribed: bool) -> C
                     before = first + size * number
                     for k in which or every[of[number]]:
                         codes[before + k] = code
-    return ClassCodes(codes.translate(_AS_INPUT) if prescribed else bytes(codes), of_nodes, width, roles)
+    return ClassCodes(codes.translate(_AS_INPUT) if prescribed else codes, of_nodes, width, roles)
 
 
 @cache
@@ -100,8 +100,9 @@ def _coordinates(planar: bool) -> NDArray[np.uint8]:
 @cache
 def _independent(planar: bool) -> list[range]:
     """Coordinates that a statement without coordinate numbers is about: lambda0 follows from the normalization."""
-    counts = [coordinates_of(role, planar) if role else 0 for role in ROLES]
-    return [range(2 if role == "orientation" and not planar else 1, 1 + n) for role, n in zip(ROLES, counts, strict=True)]
+    firsts = [2 if role == "orientation" and not planar else 1 for role in ROLES[1:]]
+    ends = [1 + coordinates_of(role, planar) for role in ROLES[1:]]
+    return [range(0), *map(range, firsts, ends)]
 
 
 @cache

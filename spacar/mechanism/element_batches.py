@@ -74,7 +74,7 @@ def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "")
             keyword=kind.keyword,
             numbers=numbers,
             x0=x0.take(x),
-            geometry=tuple([s.values[first:] for s in statements]) if kind.geometry else ((),) * n,
+            geometry=tuple([s.real_values(first) for s in statements]) if kind.geometry else ((),) * n,
             nonlinear=np.isin(numbers, linear, invert=True) if linear else np.ones(n, bool),
             directions=tuple(map(directions.get, numbers.tolist())) if directions else (None,) * n,
             projections=tuple(map(projections.get, numbers.tolist())) if projections else (None,) * n,
