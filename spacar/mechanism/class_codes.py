@@ -59,7 +59,7 @@ def class_codes(deck: Deck, types: Sequence[ElementRows], prescribed: bool) -> C
     """The classes of everything in a deck with these elements. `prescribed`: what is dynamic is an input."""
     planar = types[0].kind.planar
     width = max([6, *[len(rows.kind.modes) for rows in types]])  # 8 in a model with warping
-    roles = np.zeros(1 + max([rows.nodes.max() for rows in types]), np.uint8)
+    roles = np.zeros(1 + max([np.maximum.reduce(rows.nodes, None) for rows in types]), np.uint8)
     elements = np.zeros(1 + max([rows.numbers.item(-1) for rows in types]), np.uint8)
     for rows in types:
         roles.put(rows.nodes, _roles_of(rows.kind))  # again for every element

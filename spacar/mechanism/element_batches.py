@@ -129,8 +129,12 @@ def by_angles(deck: Deck, beams: str = "") -> set[int]:
     """Numbers of the elements in the angle measure: those of ADEFORM, or with `beams` ("angle", "sine") all or none."""
     given = deck.block(1).get("ADEFORM", ())
     if beams == "angle" or (not beams and any(not s.values for s in given)):
-        return {int(s.values[0]) for s in deck.of(*(k for k, t in ELEMENT_TYPES.items() if t.angle_family), block=1)}
-    return {int(s.values[0]) for s in given} if not beams else set()
+        block = deck.block(1)
+        return {s.integer(0) for keyword in _WITH_ANGLES & block.keys() for s in block[keyword]}
+    return {s.integer(0) for s in given} if not beams else set()
+
+
+_WITH_ANGLES = {keyword for keyword, kind in ELEMENT_TYPES.items() if kind.angle_family}
 
 
 def node_batches(batches: list[Batch], numbering: Numbering, families: Iterable[tuple[Family, Array]]) -> None:
