@@ -12,7 +12,6 @@ import numpy as np
 
 from spacar.arrays import Array
 
-
 WHOLE = {int, np.int64}
 
 

@@ -124,8 +124,8 @@ def _form(rows: Any, places: dict[tuple[Any, Any], int]) -> Form:
 
 
 def _again(rows: Any, form: Form, values: Any) -> float:
-    """Write the values of rows that have the form of an earlier answer, and give their sum; else nan, when some may have
-    been written. Almost every call of a run comes here, and nothing else is asked than `_added` would."""
+    """Write the values of rows that have the form of an earlier answer, and give their sum; else nan, when some may
+    have been written. Almost every call of a run comes here, and nothing else is asked than `_added` would."""
     if type(rows) is not list or 3 * len(rows) != len(form):
         return nan
     total, k = 0.0, 0
@@ -239,6 +239,12 @@ class UserLaw:
 
         return answer
 
+    def anew(self) -> UserLaw:
+        """The same for another case: a function that remembers something remembers it for each. Raises InputError."""
+        function = self.function.anew() if isinstance(self.function, Loaded) else self.function
+        breaks = function.breaks if isinstance(function, Loaded) else self.breaks
+        return UserLaw(function, self.name, self.numbering, self.le, self.lnp, self.prescribed_act, breaks)
+
     @property
     def _function(self) -> Callable[..., Any]:
         return self.function.function if isinstance(self.function, Loaded) else self.function
@@ -311,6 +317,12 @@ class UserDrive:
         interval = settings.duration / settings.n_steps if settings.duration and settings.n_steps else 1.0
         function = load_function(deck, statement)
         return cls(function, str(statement.values[0]), numbering, base, interval, function.breaks)
+
+    def anew(self, base: Polynomial) -> UserDrive:
+        """The same for another case, see `UserLaw.anew`. Raises InputError."""
+        function = self.function.anew() if isinstance(self.function, Loaded) else self.function
+        breaks = function.breaks if isinstance(function, Loaded) else self.breaks
+        return UserDrive(function, self.name, self.numbering, base, self.interval, breaks)
 
     def at(self, t: float) -> DriveState:
         e_rows, x_rows = call(self.function, self.name, t, round(t / self.interval))

@@ -26,8 +26,6 @@ from spacar.forward.displaced import displaced
 from spacar.forward.driver import WORK, Times, Tolerances, integrated
 from spacar.frame import E_FIELDS, X_FIELDS, StoredFrames
 from spacar.mechanism import Mechanism, build
-from spacar.mechanism.inputs import settings as settings_of
-from spacar.mechanism.inputs import user_signal
 from spacar.mechanism.mechanism import Drive, Polynomial, UserSignal
 from spacar.result import Result
 from spacar.studies.side_by_side import Cases, start_of
@@ -35,6 +33,7 @@ from spacar.studies.side_by_side import Cases, start_of
 if TYPE_CHECKING:
     from spacar.compiled.cases import InLanes, PlacedStart
     from spacar.compiled.marching import Marching
+    from spacar.mechanism.user_functions import UserLaw
 
 X_INDEX, E_INDEX = ({name: k for k, name in enumerate(of)} for of in (X_FIELDS, E_FIELDS))
 
@@ -148,18 +147,19 @@ class Followers:
 
     def drives(self, own: Sequence[int]) -> list[Drive]:
         """Prescribed motions of cases, with a function of its own each if there is one; none: polynomials."""
-        if not self.driven:
-            return []
         from spacar.mechanism.user_functions import UserDrive
 
-        deck, n, numbers = self.single.deck, self.single.numbering, self.cases.numbers
-        statement = deck.last("USERINP", block=2)
-        assert statement is not None
-        found: list[Drive] = []
-        for k in own:
-            polynomial = Polynomial(numbers.x_motion[:, :, k], numbers.e_motion[:, :, k])
-            found.append(UserDrive.load(deck, statement, n, polynomial, settings_of(deck)))
-        return found
+        drive, numbers = self.single.drive, self.cases.numbers
+        if not isinstance(drive, UserDrive):
+            return []
+        return [drive.anew(Polynomial(numbers.x_motion[:, :, k], numbers.e_motion[:, :, k])) for k in own]
+
+    def users(self, own: Sequence[int]) -> list[UserLaw]:
+        """User functions of stresses of cases, one each if there is one."""
+        from spacar.mechanism.user_functions import UserLaw
+
+        law = self.single.user_signal
+        return [law.anew() for _ in own] if isinstance(law, UserLaw) else []
 
 
 class Follower:
@@ -240,9 +240,7 @@ class Follower:
         of = self.of
         if of.own_functions:
             self.block = None  # it says which function failed
-            deck, n = of.single.deck, of.single.numbering
-            users = [u for _ in own if (u := user_signal(deck, n)) is not None]
-            return self._model(lanes, of.drives(own), users)
+            return self._model(lanes, of.drives(own), of.users(own))
         in_order = len(own) == len(lanes) == own[-1] - own[0] + 1
         chosen = slice(own[0], own[-1] + 1) if in_order else lanes
         block = self.block or self._first()
