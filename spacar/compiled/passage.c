@@ -61,11 +61,9 @@ static int show(Model *m, Passage *p, int i)
     double *row = row_of(p, i);
     p->done = i + 1;
     p->last = NOT_SHOWN;
-    p->status = spacar_evaluate(m, s, p->t[i], (const real *)state_of(m, p, i), p->exact, p->jump, 1);
+    p->status = spacar_evaluate(m, s, p->t[i], (const real *)state_of(m, p, i), p->exact, p->jump);
     if (p->status < 0) return 0;
-    real *forces = s->x + 3 * nx; /* as `spacar_state` has laid them out */
-    spacar_complete(m, s, forces, forces + nx, forces + 2 * nx);
-    to_row(p, row, s->x, 6 * nx + 4 * ne);
+    to_row(p, row, s->x, 6 * nx + 4 * ne); /* as `spacar_state` has laid them out */
     const int told = m->s.user && m->s.ask(ASK_OUTPUT, 0, p->t[i]);
     p->last = !told && harmless(m, p) ? HARMLESS : LOOKED_AT;
     return p->last == HARMLESS;
