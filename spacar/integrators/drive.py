@@ -12,7 +12,7 @@ from functools import partial
 from itertools import pairwise
 from math import ceil, isfinite
 from operator import sub
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 
@@ -64,13 +64,13 @@ def integrate(
     row = method(code)
     state = np.array(y0, dtype=float)
     output_times = times if isinstance(times, EvenTimes) else np.asarray(times, dtype=float)
-    _check(state, output_times, atol, rtol, step)
+    absolute = np.array(atol, float) if np.ndim(atol) else float(atol)
+    _check(state, output_times, absolute, rtol, step)
     first, last = float(output_times[0]), float(output_times[-1])
     if row.needs_jacobian and getattr(problem, "jacobian", None) is None:
         raise UsageError(f"INTEGRAT: {row.name} needs the Jacobian of the problem", "integrator.jacobian")
     evaluation = Evaluation(problem, first, last)
     evaluation.times = output_times
-    absolute = np.array(atol, float) if np.ndim(atol) else float(atol)
     integrator = row.build(evaluation, len(state), Tolerance(absolute, float(rtol)))
     segments = _segments(first, last, breaks) if breaks else [(first, last, first, last)]
     loop = _variable if row.variable_step else _fixed
@@ -104,26 +104,22 @@ def _check(
     y0: np.ndarray, times: np.ndarray | EvenTimes, atol: float | np.ndarray, rtol: float, step: float | None
 ) -> None:
     """Raises UsageError that says what is wrong with the arguments of `integrate`."""
-
-    def wrong(text: str, code: str) -> NoReturn:
-        raise UsageError(text, code)
-
     if y0.ndim != 1 or not len(y0) or not (isfinite(y0.dot(y0)) or np.isfinite(y0).all()):
-        wrong("the initial state must be a non-empty vector of finite numbers", "integrator.state")
+        raise UsageError("the initial state must be a non-empty vector of finite numbers", "integrator.state")
     if not isinstance(times, EvenTimes):  # which has checked its times when it was made
         if times.ndim != 1 or len(times) < 2 or not np.isfinite(times).all():
-            wrong("the integration needs a start time and at least one later output time", "integrator.times")
+            text = "the integration needs a start time and at least one later output time"
+            raise UsageError(text, "integrator.times")
         bad = np.flatnonzero(np.diff(times) <= 0.0)
         if len(bad):
             a, b = times[bad[0]], times[bad[0] + 1]
-            wrong(f"output times must increase: {b:.9g} s follows {a:.9g} s", "integrator.times")
-    one = isinstance(atol, float)
-    positive = atol > 0.0 if one else np.shape(atol) in ((), y0.shape) and np.all(np.asarray(atol) > 0.0)
+            raise UsageError(f"output times must increase: {b:.9g} s follows {a:.9g} s", "integrator.times")
+    positive = atol > 0.0 if isinstance(atol, float) else atol.shape == y0.shape and (atol > 0.0).all()
     if not (positive and rtol >= 0.0):
         text = f"the absolute error must be positive and the relative one not negative, not {atol} and {rtol}"
-        wrong(f"ERROR: {text}", "integrator.tolerance")
+        raise UsageError(f"ERROR: {text}", "integrator.tolerance")
     if step is not None and not step > 0.0:
-        wrong(f"INTEGRAT: the step size must be positive, not {step}", "integrator.step")
+        raise UsageError(f"INTEGRAT: the step size must be positive, not {step}", "integrator.step")
 
 
 def _segments(first: float, last: float, breaks: Sequence[float]) -> list[tuple[float, float, float, float]]:

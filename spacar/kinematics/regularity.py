@@ -57,7 +57,7 @@ class PositionMatrix:
     @cached_property
     def zero(self) -> float:
         """A reciprocal condition below which the position is looked at."""
-        return ZERO * sqrt(float(np.abs(self._mechanism.x0 / self._mechanism.scale).max(initial=1.0)))
+        return ZERO * sqrt(np.maximum.reduce(np.abs(self._mechanism.x0 / self._mechanism.scale), initial=1.0))
 
     @property
     def kinematics(self) -> Kinematics:
