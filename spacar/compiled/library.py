@@ -97,8 +97,8 @@ FUNCTIONS: dict[str, tuple[Any, ...]] = {  # in the order of the table in engine
     "pass_runge_kutta": (INTEGER, POINTER, POINTER, POINTER),
 }  # fmt: skip
 
-# in the order of the second table in engine.c: batches.c, equilibrium.c, definite.c, walk.c,
-# linearized.c
+# in the order of the second table in engine.c: batches.c, equilibrium.c, rest_newton.c,
+# definite.c, walk.c, linearized.c
 ELEMENT_FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "strain": (None, *[POINTER] * 5),
     "convective": (None, *[POINTER] * 4),

@@ -53,16 +53,5 @@ def value_rows(statements: Iterable[Statement], kind: Any = float) -> Iterator[t
     """First values of statements (n,) and the values behind them (n, count), in file order: a pair of arrays for all
     that follow each other with equally many values."""
     for _, run in groupby([s.values for s in statements], len):
-        table = np.array(list(run), kind)
+        table = np.array([*run], kind)
         yield table[:, 0].real.astype(np.int64), table[:, 1:]
-
-
-def parameter_table(deck: Deck, keyword: str, rows: int, width: int, kind: Any = float) -> Array:
-    """(rows, width): the values of a dynamics statement behind its element or node number, which is the row; zero where
-    not given."""
-    table = np.zeros((rows, width), kind)
-    given = deck.block(2).get(keyword)
-    if given:
-        for numbers, values in value_rows(given, kind):
-            table[numbers, : values.shape[1]] = values[:, :width]
-    return table
