@@ -45,7 +45,7 @@ class CPassage(ctypes.Structure):
         ("ground", INTEGERS), ("value", POINTER), ("y", DOUBLES),
         *((name, NUMBER) for name in ("exact", "jump", "singular", "guard", "longest")),
         *((name, INTEGER) for name in (
-            "n", "done", "width", "apart", "since", "far", "n_exact", "n_ground", "foreign", "steps", "last", "status",
+            "n", "done", "width", "since", "far", "n_exact", "n_ground", "foreign", "steps", "last", "status",
         )),
     ]  # fmt: skip
 
@@ -84,7 +84,7 @@ class Passage:
             self.ground = np.ascontiguousarray(ground, np.int32)  # C points at it
             c.ground = address_of(self.ground)
         c.exact, c.jump, c.singular, c.guard, c.longest = EXACT, LARGEST_JUMP, singular, GUARD, LONGEST
-        c.apart, c.width, c.far, c.n_exact, c.n_ground = 1, self.width, far, shown.largest_exact, len(ground)
+        c.width, c.far, c.n_exact, c.n_ground = self.width, far, shown.largest_exact, len(ground)
         c.foreign = model.slots.has_limits
         self.address = ctypes.c_void_p(ctypes.addressof(c))
         self.first = self.used = self.end = 0  # output of the first row, rows that have been handed on, rows

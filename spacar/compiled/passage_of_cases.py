@@ -1,4 +1,4 @@
-"""Many outputs of several cases in one call of C (`passage.c`), into rows that hold other cases too.
+"""Many outputs of several cases in one call of C (`passage.c`), into rows that are given.
 
 Outputs at which somebody has to look, or that C cannot evaluate, end the motion: a single run says what it is.
 """
@@ -12,6 +12,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.compiled.compiled_model import EXACT, NOT_ANSWERED, WIDTH, CompiledModel, State
 from spacar.compiled.element_parameters import GUARD
+from spacar.compiled.library import address_of
 from spacar.compiled.passage import COUNTS, HARMLESS, LONGEST, NOT_SHOWN, UNLIMITED, CPassage
 from spacar.errors import AnalysisError
 from spacar.integrators.problem import Counts, Passed
@@ -21,8 +22,8 @@ SHOWN = "shown"  # of outputs that stand in their rows
 
 
 class PassageOfCases:
-    """Outputs of the lanes of a model at `times` (n,), evaluated by `shown`, into `rows` (n, 6 nx + 4 ne, blocks,
-    lanes): those of one of the blocks. `size`: numbers of a state of the integrators."""
+    """Outputs of the lanes of a model at `times` (n,), evaluated by `shown`, into `rows` (n, 6 nx + 4 ne, lanes).
+    `size`: numbers of a state of the integrators."""
 
     def __init__(self, solver: CompiledModel, shown: State, size: int) -> None:
         self.solver = solver
@@ -34,13 +35,11 @@ class PassageOfCases:
         self.times, self.work = np.zeros(0), np.zeros((0, 5), np.int32)
         self.at, self.output, self.held = (0, 0, 0), 0, 0
 
-    def into(self, times: Array, rows: Array, block: int, far: int) -> None:
+    def into(self, times: Array, rows: Array, far: int) -> None:
         """The outputs to come go there; behind more than `far` steps they are evaluated from the begin of a step."""
-        _, width, blocks, lanes = rows.shape
         self.times, self.work, self.held = times, np.empty((len(times), 5), np.int32), 0
-        first = rows.ctypes.data + WIDTH * lanes * block
-        self.at = times.ctypes.data, first, self.work.ctypes.data
-        self.c.width, self.c.apart, self.c.far = width * blocks * lanes, blocks, far
+        self.at = address_of(times), address_of(rows), address_of(self.work)
+        self.c.width, self.c.far = rows[0].size, far
 
     def begin(self, output: int, steps: float = UNLIMITED) -> None:
         """The next call begins with this one of the outputs; it ends at the first one behind so many steps."""
