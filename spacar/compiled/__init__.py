@@ -10,17 +10,20 @@ evaluation. Here the same equations run in C:
     elements.c what Python gives, the model, and its elements
     motion.c   Newton's iteration, accelerations from the saddle-point form or, with few degrees of freedom, from the
                reduced form
-    rigid_tree.c, tree_motion.c  mechanisms without loops whose positions need no equations: found, and evaluated
-    state.c    states of the integrators: right-hand side, stages of a Runge-Kutta step, frames
+    rigid_tree.c, tree_motion.c  mechanisms without loops whose positions need no equations: found, and evaluated;
+               tree_blocks.c has V of them by blocks, for stresses and the condition
+    state.c    states of the integrators: right-hand side, stages of a Runge-Kutta step
+    outputs.c  everything of a state, as frames have it
     given.c    what is given of a state
     model.c    which entries V and M have; last_state.c answers what Python asks of a state
     march.c    accepted steps from output to output, by adams.c and runge_kutta.c
     radau.c    Newton's iteration of the stages of a Radau step, whose control stays in Python
     batches.c  all elements of a batch at a state, as the families of `spacar.elements` give them: what statics and
                linearized equations need (`compiled_elements`), with derivatives.c, which is generated like kernels.c
-    equilibrium.c  states at rest: residual, tangent, Newton's iteration, for `spacar.stationary.equilibrium`;
-               definite.c proves their stability, band.c has the linear systems, walk.c passes load levels that nobody
-               looks at, linearized.c gives what the linearized equations consist of
+    equilibrium.c  states at rest, for `spacar.stationary.equilibrium`: structures, flexibility of the elements, places
+               in the band; rest_equations.c has residual and tangent, rest_newton.c Newton's iteration, definite.c
+               proves stability, band.c and dense.c have the linear systems, walk.c goes over load levels, linearized.c
+               gives what the linearized equations consist of
 
 What has no form in C (user functions, some elements, motions that are no polynomials) is asked of Python (`slots`). The
 engine is built with the package where there is a C compiler and used by default; --general, SPACAR_GENERAL=1 or

@@ -55,6 +55,9 @@ class CompiledPositionMatrix(PositionMatrix):
         sign, size = self.evaluator.solver.determinant()
         return float(sign[0]), float(size[0])
 
+    def regular_everywhere(self) -> bool:
+        return self.evaluator.solver.rcond_everywhere() > self.zero
+
     def rcond(self) -> float:
         return self._more_than(float("inf")) or super().rcond()
 
@@ -184,6 +187,8 @@ class CompiledDynamics:
             vars(other).update(vars(self))
             other.state = self.solver.state()
             other._iterating = None
+            other.state.follow(self.state)
+            return other
         other.stand(self.placement())
         return other
 

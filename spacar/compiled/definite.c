@@ -8,7 +8,7 @@ static int definite_pattern(const Equilibrium *q, Own *w)
     int *rows = malloc((squares + 1) * sizeof(int)), *columns = malloc((squares + 1) * sizeof(int)), count = 0, status = NO_MEMORY;
     int *rank = malloc((q->nf + 1) * sizeof(int));
     Graph graph = {0};
-    for (int k = 0; rows && columns && k < q->n_groups; k++) pairs_of(q, &q->groups[k], rows, columns, &count);
+    for (int k = 0; rows && columns && k < q->n_groups; k++) pairs_of(w, &q->groups[k], rows, columns, &count);
     if (rows && columns && rank) status = graph_of(&graph, (int)q->nf, rows, columns, count);
     if (status == OK) status = band_order(&graph, rank);
     if (status == OK) {
@@ -41,7 +41,7 @@ static int spacar_equilibrium_definite(Equilibrium *q)
     rest_elements(q, w, q->x);
     if (!rest_blocks(q, w, q->sigma)) return 0;
     const int n = (int)q->nf, b = w->definite_b;
-    double size = q->elastic, most = 1.0;
+    double size = w->elastic, most = 1.0;
     for (int k = 0; k < q->n_groups; k++) { /* what is left of gravity and stresses in H */
         const Group *g = &q->groups[k];
         const Piece *p = &w->pieces[k];
@@ -50,7 +50,7 @@ static int spacar_equilibrium_definite(Equilibrium *q)
         if (!g->curved && !g->heavy) continue;
         for (int a = 0; a < nxe; a++) for (int c = 0; c < nxe; c++) for (int i = 0; i < m; i++) {
             const int64_t x = g->x[a * m + i], y = g->x[c * m + i];
-            if (q->place[x] >= 0 && q->place[y] >= 0) size = larger(size, p->H[(a * nxe + c) * m + i] * q->scale[x] * q->scale[y]);
+            if (w->place[x] >= 0 && w->place[y] >= 0) size = larger(size, p->H[(a * nxe + c) * m + i] * q->scale[x] * q->scale[y]);
         }
     }
     if (!(size > 0.0 && size < INFINITY)) return 0;
@@ -63,8 +63,10 @@ static int spacar_equilibrium_definite(Equilibrium *q)
         double *P = p->by_x + (size_t)nxe * nxe * m;
         memset(P, 0, sizeof(double) * nxe * nxe * m);
         for (int r = 0; r < nee; r++) for (int c = 0; c < nee; c++) for (int i = 0; i < m; i++) {
-            double stiffness = g->S ? g->S[(r * nee + c) * m + i] : 0.0;
-            if (r == c) stiffness += q->weight * size * g->held[r * m + i];
+            const int64_t e = g->e[r * m + i], f = g->e[c * m + i];
+            const int given = prescribes(q, e), both = !given && !prescribes(q, f) && w->coupled[e] != 0.0 && w->coupled[f] != 0.0;
+            double stiffness = both && g->S ? g->S[(r * nee + c) * m + i] : 0.0;
+            if (r == c && given) stiffness = q->weight * size / (q->e_scale[e] * q->e_scale[e]);
             if (stiffness == 0.0) continue;
             for (int a = 0; a < nxe; a++) {
                 const double force = stiffness * g->V[(r * nxe + a) * m + i];

@@ -10,58 +10,6 @@ typedef struct {
     double bound, terms;                          /* of the condition number; sum over the elements of their largest scaled stiffness */
 } Linearized;
 
-/* LU in place with partial pivoting, rows one after the other; pivots[j]: the row that was exchanged with row j. */
-static int dense_factor(double *a, int n, int *pivots)
-{
-    for (int j = 0; j < n; j++) {
-        int p = j;
-        for (int i = j + 1; i < n; i++) if (fabs(a[i * n + j]) > fabs(a[p * n + j])) p = i;
-        pivots[j] = p;
-        if (a[p * n + j] == 0.0) return SINGULAR;
-        double *row = a + j * n;
-        if (p != j) for (int c = 0; c < n; c++) { const double kept = row[c]; row[c] = a[p * n + c]; a[p * n + c] = kept; }
-        for (int i = j + 1; i < n; i++) {
-            double *to = a + i * n;
-            if (to[j] == 0.0) continue;
-            const double l = to[j] /= row[j];
-            for (int c = j + 1; c < n; c++) to[c] -= l * row[c];
-        }
-    }
-    return OK;
-}
-
-/* k right-hand sides, (n, k), in their place. */
-static void dense_solve(const double *a, int n, const int *pivots, double *x, int k)
-{
-    for (int j = 0; j < n; j++) {
-        double *at = x + j * k, *other = x + pivots[j] * k;
-        if (other != at) for (int c = 0; c < k; c++) { const double kept = at[c]; at[c] = other[c]; other[c] = kept; }
-    }
-    for (int i = 1; i < n; i++)
-        for (int j = 0; j < i; j++) {
-            const double l = a[i * n + j];
-            if (l != 0.0) for (int c = 0; c < k; c++) x[i * k + c] -= l * x[j * k + c];
-        }
-    for (int i = n - 1; i >= 0; i--) {
-        for (int j = i + 1; j < n; j++) {
-            const double u = a[i * n + j];
-            if (u != 0.0) for (int c = 0; c < k; c++) x[i * k + c] -= u * x[j * k + c];
-        }
-        for (int c = 0; c < k; c++) x[i * k + c] /= a[i * n + i];
-    }
-}
-
-/* The transposed matrix and one right-hand side. */
-static void dense_solve_transposed(const double *a, int n, const int *pivots, double *x)
-{
-    for (int j = 0; j < n; j++) {
-        x[j] /= a[j * n + j];
-        for (int c = j + 1; c < n; c++) x[c] -= a[j * n + c] * x[j];
-    }
-    for (int j = n - 1; j > 0; j--) for (int c = 0; c < j; c++) x[c] -= a[j * n + c] * x[j];
-    for (int j = n - 1; j >= 0; j--) { const double kept = x[j]; x[j] = x[pivots[j]]; x[pivots[j]] = kept; }
-}
-
 /* (|D|_1 |D|_inf)^1/2 |D^-1|_F of the scaled matrix D of V[E, U] and its inverse: see constraint_condition.py. */
 static double condition_bound(const Linearized *l, const double *V, int nx, const double *inverse)
 {
@@ -87,15 +35,19 @@ static int spacar_equilibrium_linearize(Equilibrium *q, Linearized *l)
 {
     Own *w = q->own;
     const int n = (int)l->n, nx = (int)q->nx, first = (int)l->first, k = (int)l->n_q_x, ndof = k + (int)l->n_q_e;
-    const double *V = q->V;
     rest_loads(q, w);
     rest_elements(q, w, q->x);
     rest_weight(q, w);
     for (int i = 0; i < nx; i++) w->force[i] = w->applied[i] - w->weight[i];
-    for (int i = 0; i < q->n_v; i++) {
-        const int r = (int)q->v_rows[i], c = (int)q->v_columns[i];
-        l->V[r * nx + c] += V[i];
-        if (r >= n) w->force[c] -= V[i] * l->sigma[r];
+    for (int g = 0; g < q->n_groups; g++) {
+        const Group *group = &q->groups[g];
+        const double *V = group->V;
+        const int nxe = group->elements->nxe, m = group->elements->n;
+        for (int r = 0; r < group->elements->nee; r++) for (int c = 0; c < nxe; c++) for (int i = 0; i < m; i++, V++) {
+            const int64_t e = group->e[r * m + i], x = group->x[c * m + i];
+            l->V[e * nx + x] += *V;
+            if (e >= n) w->force[x] -= *V * l->sigma[e];
+        }
     }
     double *room = calloc(2 * (size_t)n * n + (size_t)n * k + 1, sizeof(double)), *inverse = room + n * n, *moved = inverse + n * n;
     int *pivots = malloc((n + 1) * sizeof(int)), status = NO_MEMORY;
@@ -119,9 +71,9 @@ static int spacar_equilibrium_linearize(Equilibrium *q, Linearized *l)
     }
     for (int j = 0; j < k; j++) l->W[(l->q_x + j) * ndof + j] = 1.0;
     for (int j = k; j < ndof; j++) l->We[(l->q_e + j - k) * ndof + j] = 1.0;
-    for (int i = 0; i < q->n_v; i++) {
-        const int r = (int)q->v_rows[i], c = (int)q->v_columns[i];
-        if (r >= n) for (int j = 0; j < ndof; j++) l->We[r * ndof + j] += V[i] * l->W[c * ndof + j];
+    for (int r = n; r < q->ne; r++) for (int c = 0; c < nx; c++) {
+        const double V = l->V[r * nx + c];
+        if (V != 0.0) for (int j = 0; j < ndof; j++) l->We[r * ndof + j] += V * l->W[c * ndof + j];
     }
     if (!rest_blocks(q, w, l->sigma)) goto end;
     l->terms = 0.0;

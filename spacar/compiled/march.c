@@ -155,6 +155,7 @@ static void stand_at(const March *r, const double *record, State *s, int known)
     memcpy(s->e, x + 3 * nx, sizeof(real) * r->model->s.ne);
     s->t = record[0];
     s->known = known;
+    s->whole = 0;
 }
 
 /* After a rejected step: its stages may have led the state far away. */

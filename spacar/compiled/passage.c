@@ -53,11 +53,9 @@ static int show(Model *m, Passage *p, int i)
     const int nx = m->s.nx, ne = m->s.ne;
     p->done = i + 1;
     p->last = NOT_SHOWN;
-    p->status = spacar_evaluate(m, s, p->t[i], (const real *)state_of(m, p, i), p->exact, p->jump, 1);
+    p->status = spacar_evaluate(m, s, p->t[i], (const real *)state_of(m, p, i), p->exact, p->jump);
     if (p->status < 0) return 0;
-    real *forces = s->x + 3 * nx; /* as `spacar_state` has laid them out */
-    spacar_complete(m, s, forces, forces + nx, forces + 2 * nx);
-    memcpy(row_of(p, i), s->x, sizeof(real) * (6 * nx + 4 * ne));
+    memcpy(row_of(p, i), s->x, sizeof(real) * (6 * nx + 4 * ne)); /* as `spacar_state` has laid them out */
     const int told = m->s.user && m->s.ask(ASK_OUTPUT, 0, p->t[i]);
     p->last = !told && harmless(m, p) ? HARMLESS : LOOKED_AT;
     return p->last == HARMLESS;

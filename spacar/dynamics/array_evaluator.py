@@ -25,7 +25,7 @@ from spacar.dynamics.saddle_point import SaddlePoint
 from spacar.frame import Frame
 from spacar.kinematics.constraint_condition import condition_number
 from spacar.kinematics.regularity import PositionMatrix
-from spacar.linear_systems.dense import DenseSystem
+from spacar.linear_systems import is_dense
 from spacar.mechanism.mechanism import Drive, Loads, Mechanism
 from spacar.mechanism.numbering import Numbering
 
@@ -163,7 +163,7 @@ class Dynamics(EquationsOfMotion):
 
     def position_matrix(self) -> PositionMatrix:
         k = self.kinematics
-        return PositionMatrix(k.mechanism, lambda: k, isinstance(k.velocity_system, DenseSystem))
+        return PositionMatrix(k.mechanism, lambda: k, k.kind == "dense" or (k.kind is None and is_dense(len(k.E))))
 
     def in_range(self) -> bool:
         return False  # not known: the elements have to be asked

@@ -33,7 +33,7 @@ def unit(v: Sequence[float] | Array, index: int, what: str) -> Array:
     """v / |v| (3, n). Raises GeometryError for a zero or non-finite vector; `what` names it in the message."""
     a = np.asarray(v)
     size = np.maximum.reduce(np.abs(a))
-    if not 0.0 < size.min() <= size.max() < np.inf:
+    if not (np.minimum.reduce(size, None) > 0.0 and np.maximum.reduce(size, None) < np.inf):
         k = index + int(np.flatnonzero(~((size > 0.0) & (size < np.inf)))[0])
         raise GeometryError(k, f"the {what} is the zero vector; give a vector with a direction")
     return normalized(a / size)
@@ -41,22 +41,18 @@ def unit(v: Sequence[float] | Array, index: int, what: str) -> Array:
 
 def normalized(a: Array) -> Array:
     """a / |a| of vectors (3, n) with components of about 1."""
-    return np.asarray(a / np.sqrt(np.add.reduce(a * a)))
+    return a / np.sqrt(np.add.reduce(a * a))
 
 
-def supplemented(ex: Array, g: Array, index: int, what: str) -> Array:
+def supplemented(ex: Array, g: Sequence[float] | Array, index: int, what: str) -> Array:
     """Frames (3, 3, n) with the given unit x' and y' in the plane of x' and g, both (3, n).
 
     Raises GeometryError where g is parallel to x' within `PARALLEL`; `what` names g.
     """
-    return _in_plane(ex, unit(g, index, what), index, what)
-
-
-def _in_plane(ex: Array, g: Array, index: int, what: str) -> Array:
-    """`supplemented` for unit vectors g (3, n)."""
+    g = unit(g, index, what)
     ey = g - np.add.reduce(g * ex) * ex
     sine = np.sqrt(np.add.reduce(ey * ey))
-    if sine.min() < PARALLEL:
+    if np.minimum.reduce(sine, None) < PARALLEL:
         k = int(np.flatnonzero(sine < PARALLEL)[0])
         angle = np.degrees(sine.flat[k])
         raise GeometryError(
@@ -73,18 +69,16 @@ def completed(ex: Array, ey: Array) -> Array:
 
 def cross(a: Array, b: Array) -> Array:
     """a x b of vectors (3, n): np.cross takes ten times as long, and models are built often."""
-    return a.take(_NEXT, 0) * b.take(_LAST, 0) - a.take(_LAST, 0) * b.take(_NEXT, 0)
+    products = a.take(_LEFT, 0) * b.take(_RIGHT, 0)
+    return products[:3] - products[3:]
 
 
-_NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
+_LEFT, _RIGHT = np.array([1, 2, 0, 2, 0, 1]), np.array([2, 0, 1, 1, 2, 0])
 
 
 def chord_frame(ex: Array, direction: Sequence[float] | Array | None, index: int) -> Array:
     """Frames (3, 3, n) of BEAMs: x' given, y' from directions (3, n) or, where there are none, from `pick`."""
-    what = "direction of the local y' axis"
-    if direction is None:
-        return _in_plane(ex, pick(ex), index, what)
-    return supplemented(ex, np.asarray(direction), index, what)
+    return supplemented(ex, pick(ex) if direction is None else direction, index, "direction of the local y' axis")
 
 
 def chord_frames(ex: Array, directions: Sequence[Sequence[float] | None]) -> Array:
@@ -110,13 +104,12 @@ def chords(d: Array, x: Array) -> tuple[Array, Array]:
     Raises GeometryError for an element shorter than `SHORT` times the extent of the group.
     """
     l = np.sqrt(np.add.reduce(d * d))
-    points = x.real.reshape(2, 3, -1)
-    shortest = SHORT * (np.maximum.reduce(points, (0, 2)) - np.minimum.reduce(points, (0, 2))).max()
-    if not l.min() > shortest:
-        k = int(np.flatnonzero(~(l > shortest))[0])
-        raise GeometryError(
-            k, f"the length {l[k]:.3g} m between its nodes p and q is zero; check their coordinates"
-        )
+    if not np.minimum.reduce(l) > 2.0 * SHORT * np.maximum.reduce(np.abs(x), None):  # which is more than the extent
+        points = x.real.reshape(2, 3, -1)
+        shortest = SHORT * (points.max((0, 2)) - points.min((0, 2))).max()
+        for k in np.flatnonzero(~(l > shortest)).tolist():
+            text = f"the length {l[k]:.3g} m between its nodes p and q is zero; check their coordinates"
+            raise GeometryError(k, text)
     return l, d / l
 
 

@@ -36,7 +36,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -91,21 +91,42 @@ class Kinematics:
             from spacar.kinematics.failure import count_failure
 
             raise count_failure(self)
-        self.velocity_system: LinearSystem
-        self.velocity_system, self.velocity_take = self._system(self.E, self.U, kind)
+        self.kind = kind
         self.velocity_map_is_position_map = bool(n.holonomic)
-        if self.velocity_map_is_position_map:
-            self.position_system, self._position_take = self.velocity_system, self.velocity_take
-        else:
-            self.position_system, self._position_take = self._system(self.h, self.c, kind)
         self.scale: Array = mechanism.scale
         self.h_scale = mechanism.deformation_scale[self.h]
         self.x = mechanism.x0.copy()
         self.e_given = np.zeros(n.ne)
         self.iterations = 0  # Newton iterations of the last position
-        self._factored = False
+        self._factored = self._waiting = False
 
-    def _system(self, rows: Index, columns: Index, kind: str | None) -> tuple[LinearSystem, Index]:
+    # -- linear systems, made and factored when they are asked for ----------------------------------------------
+    @property
+    def velocity_system(self) -> LinearSystem:
+        """V[E, U], factored where the position was found."""
+        self._factor_waiting()
+        return self._velocity[0]
+
+    @property
+    def position_system(self) -> LinearSystem:
+        """D_h by the calculable coordinates, likewise."""
+        self._factor_waiting()
+        return self._position[0]
+
+    @property
+    def velocity_take(self) -> Index:
+        """Where the entries of V[E, U] are in the sweep."""
+        return self._velocity[1]
+
+    @cached_property
+    def _velocity(self) -> tuple[LinearSystem, Index]:
+        return self._system(self.E, self.U)
+
+    @cached_property
+    def _position(self) -> tuple[LinearSystem, Index]:
+        return self._velocity if self.velocity_map_is_position_map else self._system(self.h, self.c)
+
+    def _system(self, rows: Index, columns: Index) -> tuple[LinearSystem, Index]:
         """The part of V with these rows and columns as a linear system, and where its entries are in the sweep."""
         row_of = np.full(self.numbering.ne, -1)
         row_of[rows] = np.arange(len(rows))
@@ -113,7 +134,7 @@ class Kinematics:
         column_of[columns] = np.arange(len(columns))
         r, c = row_of[self.sweep.v_rows], column_of[self.sweep.v_columns]
         take = np.flatnonzero((r >= 0) & (c >= 0))
-        return assemble(len(rows), r[take], c[take], kind), take
+        return assemble(len(rows), r[take], c[take], self.kind), take
 
     # -- position -----------------------------------------------------------------------------------------------
     def move(self, x_given: Array, e_given: Array) -> None:
@@ -130,7 +151,7 @@ class Kinematics:
 
         These need not be the wanted ones in the reference configuration (DRPINBOD).
         """
-        if self._factored:
+        if self.is_factored:
             return
         self.sweep.strain(self.x)
         self.e_given = self.sweep.e.copy()
@@ -175,7 +196,7 @@ class Kinematics:
             guess = None
         x[c] = x_old[c] if guess is None else guess[c]
         near[self.h] = e_given[self.h]
-        if self._factored and guess is None:
+        if self.is_factored and guess is None:
             residual = self.sweep.rate(x - x_old)[self.h] - (e_given - e_old)[self.h]
             if residual.any():
                 with suppress(SingularMatrixError):
@@ -185,7 +206,7 @@ class Kinematics:
                 near[:] = near_old
                 self._approach(x_given, e_given, within, int(np.ceil(ahead / LARGEST_JUMP)), 1)
                 return self._solve(x_given, e_given, v_given, e_rate, None, within, 1)
-        self._factored = False
+        self._factored = self._waiting = False
         way: float | None = None
         try:
             velocity = self._newton(x, e_given, v_given, e_rate, within)
@@ -273,7 +294,7 @@ class Kinematics:
                 self.x = x
                 self.iterations = iteration
                 if not self.velocity_map_is_position_map:
-                    self.velocity_system.factor(sweep.entries[self.velocity_take])
+                    self._factor_velocity()
                 self._factored = True
                 if not together:
                     return None
@@ -288,7 +309,7 @@ class Kinematics:
 
     def _determined(self, rounding: float) -> bool:
         """Is the root that was found to rounding a single one? See the head of the module."""
-        c, take = self.c, self._position_take
+        c, take = self.c, self._position[1]
         rows, columns = self.sweep.v_rows[take], self.sweep.v_columns[take]
         weight = np.abs(self.sweep.entries[take]) * self.scale[columns] / self.mechanism.deformation_scale[rows]
         norm = largest(np.bincount(columns, weight))
@@ -304,8 +325,25 @@ class Kinematics:
         """V was changed from outside: factor it."""
         self._factor_position()
         if not self.velocity_map_is_position_map:
-            self.velocity_system.factor(self.sweep.entries[self.velocity_take])
+            self._factor_velocity()
         self._factored = True
+
+    def stand_at(self, x: Array, e: Array) -> None:
+        """x (nx,), e (ne,), where the sweep is, were found elsewhere: V there is factored when its factors are asked
+        for."""
+        self.start_at(x, e)
+        self._waiting = True
+
+    @property
+    def is_factored(self) -> bool:
+        """Have the linear systems factors at x? Not where they are singular."""
+        self._factor_waiting()
+        return self._factored
+
+    def _factor_waiting(self) -> None:
+        if self._waiting:
+            with suppress(SingularMatrixError):
+                self.refactor()
 
     def start_from(self, other: Kinematics) -> None:
         """Take over the configuration of another evaluator of the same mechanism."""
@@ -316,10 +354,16 @@ class Kinematics:
         """Begin the next Newton iteration at x (nx,) with angles near those of e (ne,), without a prediction."""
         self.x, self.e_given = x.copy(), e.copy()
         self.sweep.near[:] = e
-        self._factored = False
+        self._factored = self._waiting = False
 
     def _factor_position(self) -> None:
-        self.position_system.factor(self.sweep.entries[self._position_take])
+        self._waiting = False
+        system, take = self._position
+        system.factor(self.sweep.entries[take])
+
+    def _factor_velocity(self) -> None:
+        system, take = self._velocity
+        system.factor(self.sweep.entries[take])
 
     # -- velocity and acceleration ------------------------------------------------------------------------------
     def dependent(self, given: Array, e_rate: Array) -> Array:

@@ -78,6 +78,10 @@ class PositionMatrix:
         """Is the reciprocal condition surely above `zero`?"""
         return self.rcond() > self.zero
 
+    def regular_everywhere(self) -> bool:
+        """Is it known that this holds at all configurations? Then there are no dead points."""
+        return False
+
     def determined(self) -> bool:
         """Is the position a single root? Worth its cost only where `rcond` is below `zero`."""
         k = self.kinematics

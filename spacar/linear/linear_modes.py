@@ -223,7 +223,7 @@ def _say_doubtful_inertia(run: Run, solution: LinearizedSolution) -> None:
 def _is_surely_regular(solver: StationarySolver, condition: Conditioning) -> bool:
     """Does the bound tell that the reciprocal condition, which is that of the 1-norm, is above zero?"""
     matrix = solver.dynamics.position_matrix()
-    return solver.solution.determined and len(matrix.columns) * condition.at_most * matrix.zero < 1.0
+    return solver.determined and len(matrix.columns) * condition.at_most * matrix.zero < 1.0
 
 
 def _is_dead_point(run: Run, solver: StationarySolver, level: LoadLevel, t: float, reducible: bool) -> bool:
@@ -231,7 +231,7 @@ def _is_dead_point(run: Run, solver: StationarySolver, level: LoadLevel, t: floa
     do not depend on them and are computed all the same. Raises AnalysisError where the sparse tangent does not apply.
     """
     matrix = solver.dynamics.position_matrix()
-    if not len(matrix.columns) or (solver.solution.determined and matrix.rcond() > matrix.zero):
+    if not len(matrix.columns) or (solver.determined and matrix.rcond() > matrix.zero):
         return False
     if not (reducible and solver.sparse):
         Regularity(matrix).check(t)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,12 +13,12 @@ from spacar.deck import ELEMENT_TYPES, Deck, Statement
 from spacar.deck.table_types import ElementType, coordinates_used
 from spacar.elements import ElementGroup, Family, GeometryError, family_of
 from spacar.errors import InputError, Message
-from spacar.mechanism.element_rows import ElementRows, parameter_table
+from spacar.mechanism.element_rows import ElementRows, value_rows
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.numbering import Numbering
 
-PARAMETERS = {"EM": 9, "ESTIFF": 7, "EDAMP": 7}
-SHAPE_FACTOR = 3  # column of EM with the flow shape factor of tubes, 1 unless given
+PARAMETERS = {"EM": slice(0, 9), "ESTIFF": slice(9, 16), "EDAMP": slice(16, 23)}  # rows of one table
+SHAPE_FACTOR = 3  # place in EM with the flow shape factor of tubes, 1 unless given
 
 
 class PlacedGroup(NamedTuple):
@@ -55,38 +55,51 @@ def element_batches(deck: Deck, numbering: Numbering, x0: Array, beams: str = ""
 def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "") -> Iterator[PlacedGroup]:
     """What the constructors of the families get, in the order of `element_batches`."""
     block, x_places, e_places = deck.block(1), numbering.x_places, numbering.e_places
-    highest = len(e_places)  # tables have a row for every number
-    parameters = [parameter_table(deck, name, highest, width, x0.dtype) for name, width in PARAMETERS.items()]
-    nonlinear = np.ones(highest, bool)
-    for s in block.get("LDEFORM", ()):
-        nonlinear[s.integer(0)] = False
+    parameters = parameter_table(deck, len(e_places), x0.dtype)
+    linear = [s.values[0] for s in block.get("LDEFORM", ())]
+    directions = _vectors(block, "ORPINBOD", "ORTUBE")
+    projections = _vectors(block, "DRPINBOD")
     angles = by_angles(deck, beams)
     first_elastic = numbering.e_class["input"].stop
-    directions = {s.integer(0): s.real_values(1) for s in deck.of("ORPINBOD", "ORTUBE", block=1)}
-    projections = {s.integer(0): s.real_values(1) for s in block.get("DRPINBOD", ())}
     for rows, angle in _by_measure(numbering.types, angles):
         kind, statements, numbers, nodes = rows
         n, first = len(numbers), 1 + len(kind.nodes)
         x = x_places.take(nodes, 0).reshape(n, -1).T.take(used(kind), 0)
         e = e_places.T[: len(kind.modes)].take(numbers, 1)
-        em, estiff, edamp = [table.take(numbers, 0) for table in parameters]
+        values = parameters.take(numbers, 1)
         if kind.carries_flow:
             given = {s.values[0] for s in deck.block(2).get("EM", ()) if len(s.values) > 1 + SHAPE_FACTOR}
-            em[[number not in given for number in numbers.tolist()], SHAPE_FACTOR] = 1.0
+            values[SHAPE_FACTOR, [number not in given for number in numbers.tolist()]] = 1.0
         group = ElementGroup(
             keyword=kind.keyword,
             numbers=numbers,
-            x0=x0[x],
+            x0=x0.take(x),
             geometry=tuple([s.real_values(first) for s in statements]) if kind.geometry else ((),) * n,
-            nonlinear=nonlinear.take(numbers),
+            nonlinear=np.isin(numbers, linear, invert=True) if linear else np.ones(n, bool),
             directions=tuple(map(directions.get, numbers.tolist())) if directions else (None,) * n,
             projections=tuple(map(projections.get, numbers.tolist())) if projections else (None,) * n,
-            em=em,
-            estiff=estiff,
-            edamp=edamp,
-            elastic=e >= first_elastic,
+            em=values[PARAMETERS["EM"]].T,
+            estiff=values[PARAMETERS["ESTIFF"]].T,
+            edamp=values[PARAMETERS["EDAMP"]].T,
+            elastic=e >= first_elastic if angle else None,
         )
         yield PlacedGroup(family_of(kind.angle_family if angle else kind.family), group, x, e, statements)
+
+
+def _vectors(block: Mapping[str, Sequence[Statement]], *keywords: str) -> dict[int, tuple[float, ...]]:
+    """Values behind the element numbers."""
+    return {s.values[0]: s.values[1:] for keyword in keywords for s in block.get(keyword, ())}  # type: ignore[misc]
+
+
+def parameter_table(deck: Deck, n: int, kind: Any = float) -> Array:
+    """(23, n): values of EM, ESTIFF and EDAMP behind the element number, which is the column; zero where not given."""
+    block = deck.block(2)
+    table = np.zeros((PARAMETERS["EDAMP"].stop, n), kind)
+    for keyword, place in PARAMETERS.items():
+        for numbers, values in value_rows(block.get(keyword, ()), kind):
+            own = table[place]
+            own[: values.shape[1], numbers] = values.T[: len(own)]
+    return table
 
 
 def _by_measure(types: Iterable[ElementRows], angles: set[int]) -> Iterator[tuple[ElementRows, bool]]:
@@ -116,8 +129,12 @@ def by_angles(deck: Deck, beams: str = "") -> set[int]:
     """Numbers of the elements in the angle measure: those of ADEFORM, or with `beams` ("angle", "sine") all or none."""
     given = deck.block(1).get("ADEFORM", ())
     if beams == "angle" or (not beams and any(not s.values for s in given)):
-        return {int(s.values[0]) for s in deck.of(*(k for k, t in ELEMENT_TYPES.items() if t.angle_family), block=1)}
-    return {int(s.values[0]) for s in given} if not beams else set()
+        block = deck.block(1)
+        return {s.integer(0) for keyword in _WITH_ANGLES & block.keys() for s in block[keyword]}
+    return {s.integer(0) for s in given} if not beams else set()
+
+
+_WITH_ANGLES = {keyword for keyword, kind in ELEMENT_TYPES.items() if kind.angle_family}
 
 
 def node_batches(batches: list[Batch], numbering: Numbering, families: Iterable[tuple[Family, Array]]) -> None:

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Index
 from spacar.deck import ELEMENT_TYPES, Deck, coordinates_of
-from spacar.mechanism.class_codes import E_ORDER, ROLES, X_ORDER, e_codes, node_roles, x_codes
+from spacar.mechanism.class_codes import E_ORDER, ROLES, X_ORDER, class_codes
 from spacar.mechanism.element_rows import ElementRows
 
 CLASSES = X_ORDER
@@ -104,6 +104,14 @@ class Numbering:
         return it
 
     @cached_property
+    def x_node(self) -> Index:
+        """(nx,) number of the node that a coordinate belongs to."""
+        nodes, coordinates = (self.x_places >= 0).nonzero()
+        found = np.empty(self.nx, np.int64)
+        found.put(self.x_places[nodes, coordinates], nodes)
+        return found
+
+    @cached_property
     def _x_names(self) -> list[tuple[int, int]]:
         names = [(0, 0)] * self.nx
         for node, row in enumerate(self.x_places.tolist()):
@@ -172,7 +180,7 @@ class Numbering:
     @cached_property
     def positions(self) -> Index:
         """0-based coordinates of the position nodes, (n, 2 or 3)."""
-        return self.x_places[self.roles == ROLES.index("position"), : 2 if self.planar else 3]
+        return self.x_places.take(_with_role(self.roles, "position"), 0)[:, : 2 if self.planar else 3]
 
     @cached_property
     def holonomic(self) -> bool:
@@ -306,19 +314,22 @@ def number(deck: Deck, types: Sequence[ElementRows], prescribed: bool = False) -
     """Number the mechanism of a deck with these elements. `prescribed`: every dynamic coordinate and deformation is an
     input (modes that follow a nominal motion)."""
     planar = types[0].kind.planar
-    roles = node_roles(types)
-    x = x_codes(deck, roles, planar)
-    e, width = e_codes(deck, types)
-    if prescribed:
-        x = x.replace(bytes([X_ORDER.index("dynamic")]), bytes([X_ORDER.index("input")]))
-        e = e.replace(bytes([E_ORDER.index("dynamic")]), bytes([E_ORDER.index("input")]))
-    # normalizations come after the other fixed deformations
-    turning = NONE if planar else (roles == ROLES.index("orientation")).nonzero()[0]
-    x_places, x_counts = _in_order(x, 0)
-    e_places, e_counts = _in_order(e, len(turning))
-    e_places = e_places.reshape(-1, width)
-    normalization = np.array((turning, np.arange(e_counts[0] - len(turning), e_counts[0]))).T
-    slips = np.zeros(sum(e_counts), bool)
+    codes, of_nodes, width, roles = class_codes(deck, types, prescribed)
+    turning = NONE if planar else _with_role(roles, "orientation")
+    x_counts = [codes.count(code, 0, of_nodes) for code in range(5)]
+    e_counts = [codes.count(code, of_nodes) for code in range(5, 10)]
+    nx, ne = sum(x_counts), sum(e_counts)
+    # places in x, and again from 0 in e, by class and then as the codes stand; -1 where ABSENT
+    order = np.frombuffer(codes, np.uint8).argsort(kind="stable")
+    places, ascending = np.empty(len(codes), np.int64), np.arange(nx + ne)
+    places.fill(-1)
+    ascending[nx:] -= nx
+    first, more = e_counts[0], len(turning)  # normalizations come after the other fixed deformations
+    ascending[nx + first :] += more
+    places.put(order[: nx + ne], ascending)
+    e_counts[0] += more
+    x_places, e_places = places[:of_nodes].reshape(-1, 4), places[of_nodes:].reshape(-1, width)
+    slips = np.zeros(ne + more, bool)
     for rows in types:
         for mode in rows.kind.slips:
             slips[e_places[rows.numbers, mode]] = True
@@ -326,13 +337,13 @@ def number(deck: Deck, types: Sequence[ElementRows], prescribed: bool = False) -
         planar=planar,
         types=tuple(types),
         roles=roles,
-        nx=sum(x_counts),
-        ne=sum(e_counts),
+        nx=nx,
+        ne=ne + more,
         x_class=_slices(x_counts, X_ORDER),
         e_class=_slices(e_counts, E_ORDER),
-        x_places=x_places.reshape(-1, 4),
+        x_places=x_places,
         e_places=e_places,
-        normalization=normalization,
+        normalization=np.array((turning, np.arange(first, first + more))).T,
         slips=slips,
     )
 
@@ -345,15 +356,6 @@ def _slices(counts: Sequence[int], order: Sequence[str]) -> dict[str, slice]:
     return dict(zip(order, map(slice, edges, edges[1:]), strict=True))
 
 
-def _in_order(codes: bytearray, more: int) -> tuple[Index, list[int]]:
-    """Places of what has these classes, by class and then as it stands, -1 where ABSENT; and how many places each class
-    has. `more` stay free behind those of the first class, and are counted there."""
-    counts = [codes.count(k) for k in range(5)]
-    first, n = counts[0], sum(counts)
-    order = np.frombuffer(codes, np.uint8).argsort(kind="stable")
-    places, ascending = np.empty(len(codes), np.int64), np.arange(n)
-    places.fill(-1)
-    if more:
-        ascending[first:] += more
-    places.put(order[:n], ascending)
-    return places, [first + more, *counts[1:]]
+def _with_role(roles: NDArray[np.uint8], role: str) -> Index:
+    """Numbers of the nodes with a role."""
+    return (roles == ROLES.index(role)).nonzero()[0]

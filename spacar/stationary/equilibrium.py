@@ -1,5 +1,5 @@
 """Newton's iteration of a level at rest and the proof of stability in one call of C each (compiled/equilibrium.c,
-definite.c).
+rest_equations.c, rest_newton.c, definite.c).
 
 The equations, the criteria and the constants are those of `StationaryEquations`, `newton` and `DefiniteStiffness`; both
 ways give the same states to rounding (tests/stationary/test_equilibrium.py). The engine takes what most models are:
@@ -10,19 +10,19 @@ narrow band. It answers None where something is unusual: a singular matrix, a gr
 from __future__ import annotations
 
 import ctypes
-import weakref
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.forces import AppliedForces
+from spacar.kinematics.element_sweep import ElementSweep
 from spacar.kinematics.kinematics import LARGEST_JUMP
 from spacar.linear_systems import BAND_LIMIT, DENSE_LIMIT
+from spacar.mechanism.mechanism import Mechanism
 from spacar.stationary.contract import NO_DIGITS, SINGULAR, SPREAD, Astray
-from spacar.stationary.definite import SAFE, WEIGHT, WIDEST, largest_stiffness, stiffness_of
+from spacar.stationary.definite import SAFE, WEIGHT, WIDEST
 from spacar.stationary.flexibility import is_tube
 from spacar.stationary.loading import LoadLevel
 from spacar.stationary.newton import (
@@ -38,20 +38,19 @@ from spacar.stationary.newton import (
     too_large,
 )
 from spacar.stationary.resting_tangent import SYMMETRIC
-from spacar.stationary.stationary_equations import FLOOR, Iterate, StationaryEquations
+from spacar.stationary.stationary_equations import FLOOR, Iterate
 
 FOUND, ANOTHER_WAY, NOT_A_NUMBER, TOO_LARGE, GROWING, NO_END = range(6)  # as in equilibrium.c
 POINTER, NUMBER, WHOLE = ctypes.c_void_p, ctypes.c_double, ctypes.c_int64
 DOUBLES = INTEGERS = POINTER
-Numbers = list[tuple[Any, str | int, Array]]  # a structure or array of pointers in C, its field, the numbers for it
 
 
 class CGroup(ctypes.Structure):
     """`Group` of equilibrium.c."""
 
     _fields_ = [
-        ("elements", POINTER), ("x", INTEGERS), ("e", INTEGERS), ("V", DOUBLES), ("S", DOUBLES), ("held", DOUBLES),
-        ("curved", WHOLE), ("heavy", WHOLE),
+        ("elements", POINTER), ("x", INTEGERS), ("e", INTEGERS), ("V", DOUBLES), ("S", DOUBLES), ("curved", WHOLE),
+        ("heavy", WHOLE),
     ]  # fmt: skip
 
 
@@ -60,21 +59,15 @@ class CEquilibrium(ctypes.Structure):
 
     _fields_ = [
         ("groups", POINTER),
-        *((name, INTEGERS) for name in ("v_rows", "v_columns", "place", "flexible_rows", "flexible_columns", "rigid")),
-        *((name, DOUBLES) for name in (
-            "flexible", "rigid_diagonal", "coupled", "loose", "passive", "scale", "e_scale", "least",
-        )),
-        *((name, DOUBLES * 2) for name in ("force", "preload", "gravity")),
-        ("x_start", DOUBLES), ("x_step", DOUBLES * 2), ("e_step", DOUBLES * 2), ("held", DOUBLES),
-        ("near", DOUBLES), ("e", DOUBLES), ("V", DOUBLES),
+        *((name, DOUBLES) for name in ("x0", "scale", "e_scale", "least", "loads", "held", "near", "e")),
         *((name, WHOLE) for name in (
-            "nx", "ne", "nf", "n_groups", "n_v", "n_flexible", "n_rigid", "x_input", "n_x_input", "e_input",
-            "n_e_input", "heavy", "widest", "dense",
+            "nx", "ne", "nf", "n_groups", "x_free", "x_input", "n_x_input", "e_input", "n_e_input", "heavy", "widest",
+            "dense",
         )),
         ("size", NUMBER), ("parts", NUMBER * 2), ("hold", NUMBER),
         *((name, NUMBER) for name in (
             "floor", "singular", "no_digits", "spread", "first_ratio", "later_ratio", "jump", "symmetric",
-            "guess_forces", "guess_lengths", "weight", "safe", "elastic",
+            "guess_forces", "guess_lengths", "weight", "safe",
         )),
         ("widest_definite", WHOLE),
         *((name, NUMBER) for name in ("forces", "lengths", "correction", "tolerance")),
@@ -86,95 +79,48 @@ class CEquilibrium(ctypes.Structure):
 
 
 class Equilibrium:
-    """The equations of one mechanism in C. They share `near`, `e` and V with its sweep, whose configurations they leave
-    as they were.
+    """The equations of one mechanism in C. They share `near`, `e` and V with the sweep, whose configurations they leave
+    as they were, and keep its arrays alive.
 
-    Raises NotCompiled where the engine does not take the mechanism.
+    Raises NotCompiled where the engine does not take the mechanism, or a stiffness is singular.
     """
 
-    def __init__(self, equations: StationaryEquations) -> None:
+    def __init__(self, m: Mechanism, sweep: ElementSweep) -> None:
         from spacar.compiled.library import element_functions
 
-        d = equations.d
-        m, n, sweep, C = d.mechanism, d.numbering, d.sweep, equations.flexibility
-        if not takes(d):
+        if not takes(m):
             raise NotCompiled
-        self._call = element_functions()
-        self.nx, self.ne, self.nf = n.nx, n.ne, equations.nf
-        self.c = c = CEquilibrium()
-        place = np.full(n.nx, -1)
-        place[equations.F] = np.arange(self.nf)
-        numbers: Numbers = [
-            (c, "v_rows", sweep.v_rows), (c, "v_columns", sweep.v_columns), (c, "place", place),
-            (c, "flexible_rows", C.rows), (c, "flexible_columns", C.columns), (c, "rigid", C.rigid),
-            (c, "flexible", C.values), (c, "rigid_diagonal", C.rigid_diagonal), (c, "coupled", C.coupled),
-            (c, "loose", equations.loose), (c, "passive", equations.passive.astype(float)),
-            (c, "scale", equations.scale), (c, "e_scale", equations.e_scale), (c, "least", equations.least),
-        ]  # fmt: skip
-        loads = [m.loads] if m.additional is None else [m.loads, m.additional]
-        applied = [AppliedForces(m, part, sweep) for part in loads]
-        heavy = {b.index for b in sweep.moving} if any(forces.heavy for forces in applied) else set()
-        self.heavy = bool(heavy)  # is there gravity that depends on the configuration?
-        self._put_loads(d, applied, equations, numbers)
-        curved = {b.index for b in sweep.curved}
-        groups = [b for b in m.batches if b.family.n_deformations or b.index in heavy]
-        self._groups = (CGroup * len(groups))()
-        entries, gradients = sweep.entries.ctypes.data, {key: part.start for key, part, _ in sweep.layout.V}
-        for group, b in zip(self._groups, groups, strict=True):
-            family: Any = b.family
-            group.elements = ctypes.addressof(family.elements)
-            numbers += (group, "x", b.x), (group, "e", b.e)
-            if b.family.n_deformations:
-                group.V = entries + 8 * gradients[b.index]
-                S, held = stiffness_of(C, b, m.deformation_scale)
-                numbers.append((group, "held", held))
-                if S is not None:
-                    numbers.append((group, "S", S))
-            group.curved, group.heavy = b.index in curved, b.index in heavy
-        sizes = n.nx, n.ne, n.nx + n.ne + 2 * (self.nf + n.ne), max(m.settings.max_iterations, 1)
-        self._x, self._sigma, self._out, self._sizes = _parts(np.zeros(sum(sizes)), sizes)
-        self._keep = [_put(numbers, np.int64), _put(numbers, np.float64)]
+        self._call, n = element_functions(), m.numbering
+        xs, es = n.x_class["input"], n.e_class["input"]
+        first, count = n.x_class["calculable"].start, xs.stop - xs.start
+        self.nx, self.ne, self.nf = n.nx, n.ne, n.nx - first - count
+        limit = max(m.settings.max_iterations, 1)
+        loads, self.heavy = _loads(m, sweep)
+        least = np.ones(n.nx)
+        least[n.positions] = 0.0
+        sizes = n.nx, n.ne, n.nx + n.ne + 2 * (self.nf + n.ne), limit
+        self._x, self._sigma, self._out, self._sizes = _parts(np.empty(sum(sizes)), sizes)
+        self._keep: list[Any] = [m.x0, m.scale, m.deformation_scale, least, loads, sweep]
+        groups = _groups(m, sweep, self.heavy, self._keep)
+        self.c = c = CEquilibrium(
+            ctypes.addressof(groups), *(A.ctypes.data for A in self._keep[:5]), None, sweep.near.ctypes.data,
+            sweep.e.ctypes.data, n.nx, n.ne, self.nf, len(groups), first, xs.start, count, es.start, es.stop - es.start,
+            self.heavy, BAND_LIMIT, DENSE_LIMIT,
+        )  # fmt: skip
         at = self._x.ctypes.data
         c.x, c.sigma, c.out, c.sizes = (at + 8 * sum(sizes[:k]) for k in range(4))
-        c.near, c.e, c.V = sweep.near.ctypes.data, sweep.e.ctypes.data, entries
-        c.groups, c.n_groups = ctypes.addressof(self._groups), len(groups)
-        c.n_v, c.n_flexible, c.n_rigid = len(sweep.v_rows), len(C.rows), len(C.rigid)
-        c.nx, c.ne, c.nf, c.size, c.heavy = n.nx, n.ne, self.nf, C.size, self.heavy
-        c.widest, c.dense, c.widest_definite = BAND_LIMIT, DENSE_LIMIT, WIDEST
         c.floor, c.singular, c.no_digits, c.spread = FLOOR, SINGULAR, NO_DIGITS, SPREAD
         c.first_ratio, c.later_ratio, c.jump, c.symmetric = FIRST_RATIO, LATER_RATIO, LARGEST_JUMP, SYMMETRIC
         c.guess_forces, c.guess_lengths, c.weight, c.safe = FORCES, LENGTHS, WEIGHT, SAFE
-        c.elastic = largest_stiffness(C, m.deformation_scale)
+        c.widest_definite = WIDEST
         self.address = ctypes.c_void_p(ctypes.addressof(c))
-        weakref.finalize(self, _end, self._call.equilibrium_end, c)
         if self._call.equilibrium_begin(self.address):
             raise NotCompiled
 
-    def _put_loads(
-        self, d: Dynamics, applied: list[AppliedForces], equations: StationaryEquations, numbers: Numbers
-    ) -> None:
-        """Both parts of the loading, of which a level takes fractions."""
-        c, m, n = self.c, d.mechanism, d.numbering
-        nothing_x, nothing_e = np.zeros(n.nx), np.zeros(n.ne)
-        xs, es = n.x_class["input"], n.e_class["input"]
-        c.x_input, c.n_x_input, c.e_input, c.n_e_input = xs.start, xs.stop - xs.start, es.start, es.stop - es.start
-        x_start, more = m.x0[xs], m.additional_drive
-        numbers.append((c, "x_start", x_start))
-        x_steps, e_steps = [nothing_x, nothing_x], [nothing_e, nothing_e]
-        if len(n.rheonomic):
-            start = m.drive.at(0.0)
-            x_steps[0], e_steps[0] = start.x - x_start, start.e
-        if more is not None:
-            x_steps[1], e_steps[1] = more.x, more.e
-        force, gravity, preload, x_step, e_step = c.force, c.gravity, c.preload, c.x_step, c.e_step
-        for k in (0, 1):
-            part = applied[k] if k < len(applied) else None
-            numbers += (
-                (force, k, nothing_x if part is None else part.constant),
-                (gravity, k, nothing_x if part is None else part.field),
-                (preload, k, nothing_e if part is None else part.loads.preload * equations.active),
-                (x_step, k, x_steps[k]), (e_step, k, e_steps[k]),
-            )  # fmt: skip
+    def __del__(self) -> None:
+        address = getattr(self, "address", None)
+        if address is not None:
+            self._call.equilibrium_end(address)
 
     def load(self, level: LoadLevel, held: Array | None, hold: float) -> None:
         """Take the loads of a level; the force `held` (nx,) times `hold` is held back."""
@@ -188,7 +134,8 @@ class Equilibrium:
         """As `spacar.stationary.newton.newton`. Raises Astray."""
         c = self.c
         self._from(x, sigma)
-        self._ask_for(demand)
+        c.forces, c.lengths, c.correction, c.tolerance = demand.sizes
+        c.limit = min(demand.limit, len(self._sizes))
         status = self._call.equilibrium_newton(self.address)
         if status == FOUND:
             return Converged(self._iterate(), c.iterations, c.noise, regular=c.iterations > 0)
@@ -196,16 +143,11 @@ class Equilibrium:
             return None
         raise self._astray(status)
 
-    def _ask_for(self, demand: Demand) -> None:
-        c = self.c
-        c.forces, c.lengths = demand.forces, demand.lengths
-        c.correction, c.tolerance = demand.correction, demand.tolerance
-        c.limit = min(demand.limit, len(self._sizes))
-
-    def walk(self, passed: ctypes.Structure, demand: Demand) -> None:
-        """As `spacar.stationary.passed_levels` describes; other loads are taken."""
-        self._ask_for(demand)
+    def walk(self, passed: ctypes.Structure, limit: int) -> Iterate:
+        """As `spacar.stationary.passed_levels` describes; the state of the last level that was passed."""
+        self.c.limit = min(limit, len(self._sizes))
         self._call.equilibrium_walk(self.address, ctypes.addressof(passed))
+        return self._iterate()
 
     def _astray(self, status: int) -> Astray:
         sizes = self._sizes[: self.c.iterations].tolist()
@@ -258,36 +200,60 @@ class NotCompiled(Exception):
     """The engine does not take this mechanism."""
 
 
-def takes(d: Dynamics) -> bool:
+def takes(m: Mechanism) -> bool:
     """Does the engine take a mechanism at rest without user functions?"""
-    m = d.mechanism
     if m.x0.dtype != float or m.x0.ndim > 1:  # complex steps, cases side by side
         return False
     parts = [m.loads] if m.additional is None else [m.loads, m.additional]
-    if any(loads.moment_rows.size or loads.flow for loads in parts) or any(map(is_tube, d.sweep.moving)):
+    if any(loads.moment_rows.size or loads.flow for loads in parts) or any(map(is_tube, m.layout.moving)):
         return False
-    return all(b.family.compiled for b in (*d.sweep.strained, *d.sweep.moving))
+    return all(b.family.compiled for b in (*m.layout.strained, *m.layout.moving))
 
 
-def _put(numbers: Numbers, kind: Any) -> Array:
-    """Those of a kind one after the other in an array, and the fields of C point there."""
-    mine = [(owner, name, v.ravel()) for owner, name, v in numbers if (v.dtype == np.int64) == (kind is np.int64)]
-    room = np.concatenate([values for _, _, values in mine], dtype=kind)
-    at = room.ctypes.data
-    for owner, name, values in mine:
-        if isinstance(name, str):
-            setattr(owner, name, at)
-        else:
-            owner[name] = at
-        at += 8 * len(values)
-    return room
+def _loads(m: Mechanism, sweep: ElementSweep) -> tuple[Array, bool]:
+    """Both parts of the loading, of which a level takes fractions: forces (nx,), gravity (nx,), stresses (ne,), steps
+    of the prescribed coordinates and deformations. And does any gravity depend on the configuration?"""
+    n, more = m.numbering, m.additional_drive
+    xs, es = n.x_class["input"], n.e_class["input"]
+    a, b, c = n.nx, 2 * n.nx, 2 * n.nx + n.ne
+    d = c + xs.stop - xs.start
+    table, heavy = np.zeros((2, d + es.stop - es.start)), False
+    for row, loads in zip(table, (m.loads, m.additional), strict=True):
+        if loads is not None:
+            forces = AppliedForces(m, loads, sweep)
+            row[:a], row[a:b], row[b:c] = forces.constant, forces.field, loads.preload
+            heavy = heavy or forces.heavy
+    if d > c or len(table[0]) > d:
+        start = m.drive.at(0.0)
+        table[0, c:d], table[0, d:] = start.x - m.x0[xs], start.e
+        if more is not None:
+            table[1, c:d], table[1, d:] = more.x, more.e
+    return table, heavy and bool(sweep.moving)
+
+
+def _groups(m: Mechanism, sweep: ElementSweep, heavy: bool, keep: list[Any]) -> Any:
+    """What C needs of the batches; `keep` holds the arrays that it reads."""
+    moving, curved = ({b.index for b in some} for some in (sweep.moving if heavy else (), sweep.curved))
+    batches = [b for b in m.batches if b.family.n_deformations or b.index in moving]
+    groups = (CGroup * len(batches))()
+    keep.append(groups)
+    entries, gradients = sweep.entries.ctypes.data, {key: part.start for key, part, _ in sweep.layout.V}
+    for group, b in zip(groups, batches, strict=True):
+        family: Any = b.family
+        x, e = np.ascontiguousarray(b.x), np.ascontiguousarray(b.e)
+        keep += family, x, e
+        group.elements, group.x, group.e = ctypes.addressof(family.elements), x.ctypes.data, e.ctypes.data
+        group.curved, group.heavy = b.index in curved, b.index in moving
+        if family.n_deformations:
+            group.V = entries + 8 * gradients[b.index]
+            S = np.ascontiguousarray(family.stiffness()[0])
+            if S.any():
+                keep.append(S)
+                group.S = S.ctypes.data
+    return groups
 
 
 def _parts(room: Array, sizes: Sequence[int]) -> list[Array]:
     """The parts of an array, one after the other."""
     ends = [sum(sizes[: k + 1]) for k in range(len(sizes))]
     return [room[end - size : end] for size, end in zip(sizes, ends, strict=True)]
-
-
-def _end(end: Any, c: CEquilibrium) -> None:
-    end(ctypes.addressof(c))

@@ -54,26 +54,27 @@ class LevelEvaluator:
         self._hold_until, self._held = 1.0, 0.0  # the part of `hold` that acts at the present level
         self._level, self._loaded = level, True
         self._given: Given | None = None
-        self._at: Array | None = None  # where C has left the sweep
+        self._at: Array | None = None  # where the sweep has to be
         self._factored_in_c = False
-        self._renew()
-        self._engine = self._compiled()
+        self._forget()
+        self._engine: Equilibrium | None = None
+        if self.plain and mechanism.layout.strained:
+            with suppress(NotCompiled):
+                self._engine = Equilibrium(mechanism, self._dynamics.sweep)
 
-    def _renew(self) -> None:
-        flexibility = Flexibility(self._dynamics)
-        rates = self.y[self._dynamics.n_positions :]
-        self._equations = StationaryEquations(self._dynamics, flexibility, self.moving, rates)
+    def _forget(self) -> None:
+        """What NumPy evaluates is made when it is asked for."""
+        self._equations_made: StationaryEquations | None = None
         self._sparse: SparseTangent | None = None
         self._tangent: Tangent | None = None
 
-    def _compiled(self) -> Equilibrium | None:
-        """The equations in C where they have that form."""
-        strained = self.mechanism.layout.strained
-        if not self.plain or not strained or not all(b.family.compiled for b in strained):
-            return None
-        with suppress(NotCompiled):
-            return Equilibrium(self._equations)
-        return None
+    @property
+    def _equations(self) -> StationaryEquations:
+        if self._equations_made is None:
+            d = self._dynamics
+            rates = self.y[d.n_positions :]
+            self._equations_made = StationaryEquations(d, Flexibility(d), self.moving, rates)
+        return self._equations_made
 
     # -- loads --------------------------------------------------------------------------------------------------
     def held_by(self, force: Array, until: float) -> None:
@@ -113,11 +114,7 @@ class LevelEvaluator:
             following = Dynamics(mechanism, loads=loads, drive=drive)
             following.kinematics.start_from(self._dynamics.kinematics)
             self._dynamics = following
-            self._renew()
-        if self.hold is not None and self._held:
-            self._equations.held = self._held * self.hold
-        else:
-            self._equations.held = None
+            self._forget()
 
     @property
     def dynamics(self) -> Dynamics:
@@ -127,7 +124,9 @@ class LevelEvaluator:
     @property
     def equations(self) -> StationaryEquations:
         self._settle()
-        return self._equations
+        q = self._equations
+        q.held = self._held * self.hold if self.hold is not None and self._held else None
+        return q
 
     @property
     def sparse(self) -> SparseTangent:
@@ -138,20 +137,23 @@ class LevelEvaluator:
 
     @property
     def tangent(self) -> Tangent:
-        self._settle()
+        q = self.equations
         if self._tangent is None:
             if self.plain:
                 self._tangent = RestingTangent(self.sparse)
             else:
                 without_n0 = self.mechanism.settings.stationary_type in WITHOUT_N0
-                self._tangent = MovingTangent(self._equations, without_n0)
+                self._tangent = MovingTangent(q, without_n0)
         return self._tangent
 
     @property
     def given(self) -> Given:
         """Prescribed values of the level."""
         if self._given is None:
-            self._given = self.equations.given(self.y)
+            d = self.dynamics
+            x, e = d.given(d.drive.at(0.0), self.y)  # y holds the kinematic ones
+            e[d.es["dynamic"]] = 0.0
+            self._given = Given(x, e)
         return self._given
 
     # -- what stays the same --------------------------------------------------------------------------------------
@@ -163,11 +165,18 @@ class LevelEvaluator:
     @property
     def scale(self) -> Array:
         """Sizes of the coordinates, (nx,)."""
-        return self._equations.scale
+        return self.mechanism.scale
 
     @property
     def unknowns(self) -> int:
-        return self._equations.nf + self._equations.ne
+        n = self.mechanism.numbering
+        prescribed = n.x_class["input"]
+        return n.nx - n.x_class["calculable"].start - (prescribed.stop - prescribed.start) + n.ne
+
+    def at(self, x: Array) -> Dynamics:
+        """`dynamics` under the loads of the level, its sweep at x (nx,)."""
+        self._at = x
+        return self.dynamics
 
     # -- states of the level --------------------------------------------------------------------------------------
     def newton(self, x: Array, sigma: Array, demand: Demand) -> Converged:
@@ -184,14 +193,17 @@ class LevelEvaluator:
                 return found
         return newton(self.equations, self.tangent, x, sigma, self.given, demand)
 
-    def pass_levels(self, levels: Sequence[LoadLevel], path: Sequence[Known], limit: int) -> PassedLevels | None:
+    def pass_levels(
+        self, levels: Sequence[LoadLevel], path: Sequence[Known], limit: int, tolerance: float
+    ) -> PassedLevels | None:
         """As `spacar.stationary.passed_levels`; stands at the last level that was passed. None where C cannot."""
         if self._engine is None:
             return None
-        table = np.array([(v.initial, v.additional, self._held_at(v), v.path) for v in levels])
-        before, self._at = self._level, path[-1].x
-        passed = pass_levels(self._engine, table, path, limit)
-        self.load(before if passed is None else levels[passed.levels - 1])
+        table = np.array([(v.initial, v.additional, self._held_at(v), v.path, v.store) for v in levels])
+        passed = pass_levels(self._engine, table, path, limit, tolerance)
+        self._at = (path[-1] if passed is None else passed.point).x
+        if passed is not None:
+            self.load(levels[passed.levels - 1])
         return passed
 
     def point(self, x: Array, sigma: Array) -> Iterate:

@@ -62,6 +62,11 @@ class Demand:
         """Of an iteration that is to tell where it leads only, up to about `near` [model lengths or rad]."""
         return cls(limit, np.inf, np.inf, np.inf, near)
 
+    @property
+    def sizes(self) -> tuple[float, float, float, float]:
+        """Of forces, lengths and the last correction, and the force: as C takes them."""
+        return self.forces, self.lengths, self.correction, self.tolerance
+
     def met_by_guess(self, p: Iterate) -> bool:
         """Is no correction needed? At a state that is no result it is not, where forces and lengths are as small as at
         one that is: the error of such a prediction is of the size that a result may have in these."""

@@ -1,4 +1,4 @@
-"""Levels that are passed through only, many in one call of C (compiled/walk.c), as long as nothing needs a decision."""
+"""Many load levels in one call of C (compiled/walk.c), as long as nothing needs a decision."""
 
 from __future__ import annotations
 
@@ -12,10 +12,13 @@ from spacar.arrays import Array
 from spacar.stationary.equilibrium import DOUBLES, NUMBER, WHOLE, Equilibrium
 from spacar.stationary.newton import Demand
 from spacar.stationary.stability import CRITICAL
+from spacar.stationary.stationary_equations import Iterate
 
 REMEMBERED = 4  # states that the prediction uses: a cubic polynomial
 FARTHEST = 16.0  # weight of a state in the prediction: 6 for equal parts, more when the parts have grown
 FASTER = 2.0  # change of x over that of the loading, against the part before, from which a part is walked back
+ELSEWHERE = 0.1  # of the motion of a part: states that differ by more are not the same
+RETURNED = 0.02  # of the motion of a part: last correction on the way back; it leaves an error of three times that
 WIDE = 0.01  # model lengths or rad: shorter parts are not walked back
 
 
@@ -30,11 +33,12 @@ class Known:
 
 @dataclass(frozen=True)
 class PassedLevels:
-    """How many levels were passed, with how many iterations; the path there, what rounding is in its last state."""
+    """How many levels were passed, with how many iterations; the path there, its last state, what rounding is in it."""
 
     levels: int
     iterations: int
     path: list[Known]
+    point: Iterate
     noise: float
 
 
@@ -42,30 +46,37 @@ class CPassed(ctypes.Structure):
     """`Passed` of walk.c."""
 
     _fields_ = [
-        *((name, DOUBLES) for name in ("levels", "states", "places", "near")),
+        *((name, DOUBLES) for name in ("levels", "states", "places", "near", "trial")),
         *((name, WHOLE) for name in ("count", "known", "passed", "iterations")),
-        *((name, NUMBER) for name in ("wide", "faster", "farthest", "critical", "noise")),
+        *((name, NUMBER) for name in (
+            "wide", "faster", "farthest", "critical", "returned", "elsewhere", "noise",
+        )),
+        ("demands", NUMBER * 8),
     ]  # fmt: skip
 
 
-def pass_levels(equations: Equilibrium, levels: Array, path: Sequence[Known], limit: int) -> PassedLevels | None:
-    """From the last state of the path over levels (n, 4): fractions of both parts of the loading, the part of the
-    forces that are held, the place on the way. At most `limit` iterations each. None: not even the first one.
+def pass_levels(
+    equations: Equilibrium, levels: Array, path: Sequence[Known], limit: int, tolerance: float
+) -> PassedLevels | None:
+    """From the last state of the path, at whose level the equations stand, over levels (n, 5): fractions of both parts
+    of the loading, the part of the forces that are held, the place on the way, 1 for levels that are stored. At most
+    `limit` iterations each; `tolerance` of those that are stored. None: not even the first one.
 
-    The sweep's `near` is that of the last level that was passed; its deformations may be those of a trial.
+    The equations and the sweep's `near` are those of the last level that was passed.
     """
-    nx, known = equations.nx, len(path)
-    states, places = np.zeros((REMEMBERED, nx + equations.ne)), np.zeros(REMEMBERED)
+    nx, ne, known = equations.nx, equations.ne, len(path)
+    states, places = np.zeros((REMEMBERED, nx + ne)), np.zeros(REMEMBERED)
     for k, state in enumerate(path, REMEMBERED - known):
         states[k, :nx], states[k, nx:], places[k] = state.x, state.sigma, state.path
-    near = np.empty(equations.ne)
+    room = np.empty((2, ne))
+    at = room.ctypes.data
     c = CPassed(
-        *(A.ctypes.data for A in (levels, states, places, near)), len(levels), known, 0, 0,
-        WIDE, FASTER, FARTHEST, CRITICAL, 0.0,
+        *(A.ctypes.data for A in (levels, states, places)), at, at + 8 * ne, len(levels), known, 0, 0,
+        WIDE, FASTER, FARTHEST, CRITICAL, RETURNED, ELSEWHERE, 0.0,
+        (*Demand.of(limit, tolerance, False).sizes, *Demand.of(limit, tolerance, True).sizes),
     )  # fmt: skip
-    equations.walk(c, Demand(limit))
+    point = equations.walk(c, limit)
     if not c.passed:
         return None
-    first = REMEMBERED - c.known
-    kept = [Known(float(places[k]), states[k, :nx], states[k, nx:]) for k in range(first, REMEMBERED)]
-    return PassedLevels(c.passed, c.iterations, kept, c.noise)
+    kept = [Known(places.item(k), states[k, :nx], states[k, nx:]) for k in range(REMEMBERED - c.known, REMEMBERED)]
+    return PassedLevels(c.passed, c.iterations, kept, point, c.noise)

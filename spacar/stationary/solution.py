@@ -34,14 +34,12 @@ class StationarySolution:
 
     xdd (nx,), convective (ne,)   of steady motion;  sigma  (ne,) all stresses
     norm         largest out-of-balance force [N, N m]
-    determined   do the degrees of freedom determine the configuration?
     """
 
     xdd: Array
     convective: Array
     sigma: Array
     norm: float
-    determined: bool
 
 
 @dataclass
@@ -71,6 +69,7 @@ class StationarySolver:
         self.iterations = 0
         self._said: Stability | None = None
         self._walk: Walk | None = None
+        self._determined = False  # does C say so?
 
     @property
     def sparse(self) -> bool:
@@ -95,9 +94,14 @@ class StationarySolver:
     def about(self) -> AboutRest | None:
         """What the linearized equations at the solution that was stored last consist of, where C gives it. It has to
         be used before the next level."""
-        if not self.solution.determined:
-            return None
-        return self._evaluator.about(self.dynamics.kinematics.x, self.solution.sigma)
+        found = self._evaluator.about(self.dynamics.kinematics.x, self.solution.sigma)
+        self._determined = found is not None
+        return found
+
+    @property
+    def determined(self) -> bool:
+        """Do the degrees of freedom determine the configuration of the solution that was stored last?"""
+        return self._determined or self.dynamics.kinematics.is_factored
 
     @property
     def moving(self) -> bool:
@@ -113,30 +117,30 @@ class StationarySolver:
     def stored(self, program: Iterable[LoadLevel]) -> Iterator[tuple[LoadLevel, int]]:
         """The levels of a program that are stored, one after the other, each solved, with the iterations that led there
         from the one before. Raises AnalysisError as the class says."""
-        levels, passing, iterations = iter(program), list[LoadLevel](), 0
-        for level in levels:
-            if not level.store:
-                passing.append(level)
-                if len(passing) < MOST_PASSED:
-                    continue
-            iterations += self._pass_by(passing)
-            passing.clear()
+        ahead, iterations = list[LoadLevel](), 0
+        for level in program:
+            ahead.append(level)
+            if len(ahead) < MOST_PASSED and not level.store:
+                continue
+            iterations += self._go_along(ahead)
+            ahead.clear()
             if level.store:
-                self.solve(level)
-                yield level, iterations + self.iterations
+                yield level, iterations
                 iterations = 0
 
-    def _pass_by(self, levels: list[LoadLevel]) -> int:
-        """Solve levels that are not stored, as many as possible in one call; the number of iterations."""
+    def _go_along(self, levels: list[LoadLevel]) -> int:
+        """Solve levels, as many as possible in one call; the number of iterations. Only the last one may be stored."""
         iterations = passed = 0
         hopeful = not self._idle
         while passed < len(levels):
-            walk = self._walk
-            many = walk.pass_by(levels[passed:]) if walk is not None and hopeful and walk.has_direction else 0
-            if walk is not None and many:
+            walk = self._begun(levels[passed])
+            many, directed = walk.pass_by(levels[passed:]) if hopeful else 0, walk.has_direction
+            if many:
                 iterations += walk.iterations
+                if passed + many == len(levels) and levels[-1].store:
+                    self._place(walk.point, levels[-1])
             else:  # where C passes none another trial would cost as much as the solution
-                hopeful = hopeful and (walk is None or not walk.has_direction)
+                hopeful = hopeful and not directed
                 self.solve(levels[passed])
                 iterations += self.iterations
             passed += many or 1
@@ -144,20 +148,22 @@ class StationarySolver:
 
     def solve(self, target: LoadLevel) -> None:
         """Go to a load level. Raises AnalysisError as the class says."""
-        if self._walk is None:
-            self._walk = self._begin(target)
-        idle = self._idle and target.additional == 0.0 and self._walk.level.path > 0.0
+        walk = self._begun(target)
+        idle = self._idle and target.additional == 0.0 and walk.level.path > 0.0
         if idle and not target.store:
             self.iterations = 0
             return
         if not self.mechanism.numbering.nddof and not target.store:
             return  # `Kinematics` itself divides the way to the prescribed values
-        self._walk.go(target)
-        self.iterations = self._walk.iterations
+        walk.go(target)
+        self.iterations = walk.iterations
         if target.store:
-            self.dynamics = self._evaluator.dynamics
-            self._place(self._walk.point, target)
-            self._say_stability(target)
+            self._place(walk.point, target)
+
+    def _begun(self, first: LoadLevel) -> Walk:
+        if self._walk is None:
+            self._walk = self._begin(first)
+        return self._walk
 
     def _begin(self, first: LoadLevel) -> Walk:
         """A walk from the start values. Where these are no equilibrium, forces hold them that fade out on the way to
@@ -190,34 +196,33 @@ class StationarySolver:
         reference = m.x0[m.numbering.x_class["dynamic"]]
         if e.moving or (e.y[: d.n_xm] - reference).any() or e.y[d.n_xm : m.numbering.nddof].any():
             return None
-        d.kinematics.begin()
+        if not m.numbering.nddof:
+            d.kinematics.begin()  # it finds the positions of all levels
         p = e.point(m.x0.copy(), d.law.preload.copy())
+        d.sweep.near[:] = d.sweep.e
         return p if p.gap <= LENGTHS else None
 
     def _place(self, p: Iterate, level: LoadLevel) -> None:
         """The evaluator at the point, in terms of the degrees of freedom as far as they determine it."""
-        d, n, q = self.dynamics, self.mechanism.numbering, self._evaluator.equations
-        k = d.kinematics
-        d.sweep.strain(p.x)
+        e, n = self._evaluator, self.mechanism.numbering
+        self.dynamics = d = e.at(p.x)
         d.sweep.mass()
-        given = self._evaluator.given
-        fixed = q.constrained & ~n.slips
-        d.sweep.e[fixed] = given.e[fixed]  # exact, while S times the rounding of e is not small
-        k.start_at(p.x, d.sweep.e)
-        k.e_given = d.sweep.e.copy()
-        determined = True
-        try:
-            k.refactor()
-        except SingularMatrixError:
-            determined = False
+        fixed = ~n.slips
+        fixed[n.e_class["input"].stop :] = False
+        d.sweep.e[fixed] = e.given.e[fixed]  # exact, while S times the rounding of e is not small
+        d.kinematics.stand_at(p.x, d.sweep.e)
+        if not n.nddof:
+            _ = d.kinematics.is_factored  # for the prediction of the next position
+        self._determined = False
         still = np.zeros(n.nx)
         m = p.motion or Motion(still, still, np.zeros(n.ne), np.zeros(n.ne), np.zeros(n.ne))
         d.xd, d.ed = m.v, m.ed
         sigma = p.sigma - (d.coupling.stress(m.edd) if d.coupling.present else 0.0)
-        self.solution = StationarySolution(m.a, m.convective, sigma, p.force, determined)
+        self.solution = StationarySolution(m.a, m.convective, sigma, p.force)
         if p.slip > SINGULAR_SLIP * p.work_size:
             text = f"no stationary solution at {level}: a slip that is a degree of freedom is not in equilibrium"
             raise AnalysisError(f"{text} with its rate", "statics.no-solution")
+        self._say_stability(level)
 
     def _say_stability(self, level: LoadLevel) -> None:
         """Report where stored states become unstable, critical, or stable again."""

@@ -158,13 +158,6 @@ class StationaryEquations:
         ek = self.d.numbering.e_class["kinematic"]
         return np.arange(ek.start, ek.stop)
 
-    def given(self, y: Array) -> Given:
-        """Prescribed values of the present drive; y holds the kinematic ones."""
-        d, n = self.d, self.d.numbering
-        x, e = d.given(d.drive.at(0.0), y)
-        e[n.e_class["dynamic"]] = 0.0
-        return Given(x, e)
-
     def motion(self, x: Array) -> Motion | None:
         """v and a at the configuration of the sweep. Raises SingularMatrixError where they are not determined."""
         if not self.moving:

@@ -33,7 +33,7 @@ from spacar.stationary.contract import Astray, Tangent
 from spacar.stationary.level_evaluator import LevelEvaluator
 from spacar.stationary.loading import LoadLevel, loads_grow
 from spacar.stationary.newton import Converged, Demand
-from spacar.stationary.passed_levels import FARTHEST, FASTER, REMEMBERED, WIDE, Known
+from spacar.stationary.passed_levels import ELSEWHERE, FARTHEST, FASTER, REMEMBERED, RETURNED, WIDE, Known
 from spacar.stationary.singular import FreeMotion
 from spacar.stationary.stability import Stability, critical_motion
 from spacar.stationary.stationary_equations import Given, Iterate, StationaryEquations
@@ -44,8 +44,6 @@ CRITICAL_PART = 1.0 / 256.0  # of a load step, in which a critical state is look
 STILL = 1e-6  # model lengths or rad: parts that move less (a straight column at its critical load) keep their branch
 LARGE = 600  # unknowns; above, the count costs more than an iteration: see `Walk._odd`
 EASY = 6  # iterations after which the next part of a step may be twice as large
-ELSEWHERE = 0.1  # of the motion of a part: states that differ by more are not the same
-RETURNED = 0.02  # of the motion of a part: last correction on the way back; it leaves an error of three times that
 
 
 class Walk:
@@ -106,10 +104,7 @@ class Walk:
             self.iterations += steps
             place = following
             part = min(2.0 * part if steps <= EASY else part, 1.0)
-        self.level = target
-        if self._arbitrary or (target.additional == 0.0 and target.initial >= 1.0):
-            self.path = self.path[-1:]  # from here on the path of the additional loading
-        self._arbitrary = False
+        self._reach(target)
 
     @property
     def has_direction(self) -> bool:
@@ -117,19 +112,26 @@ class Walk:
         return len(self.path) > 1
 
     def pass_by(self, levels: Sequence[LoadLevel]) -> int:
-        """Along levels that are not stored, as many as C passes in one call (`spacar.stationary.passed_levels`)."""
+        """Along levels, of which the last one may be stored, as many as C passes in one call
+        (`spacar.stationary.passed_levels`)."""
         e = self.evaluator
         ordinary = self.stable is not None and self.stable == Stability(0, 0, True)
         if not ordinary or self._arbitrary or self._large or not e.mechanism.numbering.nddof:
             return 0
-        passed = e.pass_levels(levels, self.path, self.limit)
+        passed = e.pass_levels(levels, self.path, self.limit, self.tolerance)
         if passed is None:
             return 0
-        self.path, self.noise, self.iterations = passed.path, passed.noise, passed.iterations
-        self.point = e.point(self.path[-1].x, self.path[-1].sigma)
+        self.path, self.point, self.noise = passed.path, passed.point, passed.noise
+        self.iterations = passed.iterations
         self._regular, self._factored = True, False
-        self.level = levels[passed.levels - 1]
+        self._reach(levels[passed.levels - 1])
         return passed.levels
+
+    def _reach(self, level: LoadLevel) -> None:
+        self.level = level
+        if self._arbitrary or (level.additional == 0.0 and level.initial >= 1.0):
+            self.path = self.path[-1:]  # from here on the path of the additional loading
+        self._arbitrary = False
 
     # -- one part -------------------------------------------------------------------------------------------------
     def _advance(self, reached: LoadLevel, level: LoadLevel, stored: bool) -> int:

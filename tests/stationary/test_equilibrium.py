@@ -11,7 +11,7 @@ import pytest
 from spacar.compiled.compiled_elements import with_compiled_elements
 from spacar.compiled.library import why_off
 from spacar.deck import parse_deck, read_deck
-from spacar.errors import Report
+from spacar.errors import AnalysisError, Report
 from spacar.mechanism import build
 from spacar.stationary import LoadLevel, StationarySolver, equilibrium, load_program
 from spacar.stationary.contract import Astray
@@ -184,6 +184,21 @@ def test_a_singular_matrix_is_left_to_python():
     found = e.newton(e.mechanism.x0.copy(), np.zeros(n.ne), Demand.of(20, 1e-8, True))
     assert found.point.x == pytest.approx([0.0, 0.0, 1.03, 0.0], abs=1e-12)
     assert found.point.sigma == pytest.approx([3.0])
+
+
+def test_a_stiffness_that_is_singular_to_working_precision_is_left_to_python():
+    """Bending of which the second mode repeats the first: to a thousandth, to the last digit, wholly."""
+    text = TEXTS["cantilever"]
+    m = with_compiled_elements(build(parse_deck(text, mode=7), 7))
+    family = next(b.family for b in m.batches if b.family.n_deformations == 3)
+    S, damping = (part.copy() for part in family.stiffness())
+    for part, taken in ((1e-3, True), (1e-15, False), (0.0, False)):
+        S[1, 2] = S[2, 1] = S[1, 1] = 1.0
+        S[2, 2] = 1.0 + part
+        family.__dict__["_stiffness"] = S, damping
+        assert (LevelEvaluator(m)._engine is not None) == taken
+    with pytest.raises(AnalysisError, match="singular to working precision"):
+        _ = LevelEvaluator(m).equations
 
 
 def test_what_has_no_form_in_c_is_left_to_python(monkeypatch):

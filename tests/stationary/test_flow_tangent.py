@@ -24,7 +24,7 @@ def test_tangent_of_a_discharging_tube(word: str) -> None:
     solver.solve(LoadLevel(1.0, 0.0, True, 1, 1))
     q, tangent = solver.factorized()
     x, sigma = solver.dynamics.kinematics.x.copy(), solver.solution.sigma
-    given = q.given(solver._evaluator.y)
+    given = solver._evaluator.given
     matrix = tangent.dense()[: q.nf, : q.nf]
     for column, i in enumerate(q.F):
         h = 1e-6
