@@ -6,7 +6,7 @@
 
    Several cases share their steps: n, and every array of the state, counts all lanes, a step has the largest error of a case,
    and where one of them would have to be asked or told about, the call ends: Python follows them alone. */
-enum { ARRIVED = 0, AT_OUTPUT = 1, PAUSED = 2, TOO_SMALL = 3, NOT_EVALUATED = 4, INTERRUPTED = 5 }; /* as in marching.py */
+enum { ARRIVED = 0, AT_OUTPUT = 1, PAUSED = 2, TOO_SMALL = 3, NOT_EVALUATED = 4, INTERRUPTED = 5 }; /* as in methods_in_c.py */
 enum { LOOK_NEVER, LOOK_AT_DETERMINANTS, LOOK_AT_VELOCITIES, LOOK_ALWAYS };
 
 /* 0; 1 when the state cannot be evaluated; 2 when all has to end: Python keeps the error. */
@@ -94,15 +94,11 @@ static int has_to_be_alone(March *r, const double *before, const double *now)
 }
 #endif
 
-/* Record the accepted step that the state stands at, and tell of it if it has to be looked at; 0, or 2 when all has to end. */
-static int seen(March *r, double t, const double *y)
+/* Record the step that the state stands at. */
+static double *recorded(March *r, const double *y)
 {
-    const Model *m = r->model;
     const State *s = r->at;
-    const int nx = m->s.nx * LANES;
-    r->n_steps++;
-    if (r->recorded && !(s->t > record(r, r->recorded - 1)[0])) r->recorded = 0;
-    const double *before = r->recorded ? record(r, r->recorded - 1) : NULL;
+    const int nx = r->model->s.nx * LANES;
     double *now = record(r, r->recorded++);
     now[0] = s->t;
     now[1] = 1.0;
@@ -113,7 +109,31 @@ static int seen(March *r, double t, const double *y)
     memcpy(x, s->x, sizeof(double) * nx);
     memcpy(x + nx, s->xd, sizeof(double) * nx);
     memcpy(x + 2 * nx, s->xdd, sizeof(double) * nx);
-    memcpy(x + 3 * nx, s->e, sizeof(real) * m->s.ne);
+    memcpy(x + 3 * nx, s->e, sizeof(real) * r->model->s.ne);
+    return now;
+}
+
+/* Record the start of a motion where it stands; Python does where it remembers the steps itself, or knows the state alone. */
+static void started(March *r, const double *y)
+{
+    if (LANES > 1 || r->recorded || r->look == LOOK_ALWAYS || !r->at->known) return;
+    double *now = recorded(r, y);
+    if (r->look == LOOK_AT_DETERMINANTS && !r->model->tree) {
+        position_determinant(r->model, &now[1], &now[2]);
+        r->peak = now[2];
+    }
+    clear_samples(r->at);
+}
+
+/* Record the accepted step that the state stands at, and tell of it if it has to be looked at; 0, or 2 when all has to end. */
+static int seen(March *r, double t, const double *y)
+{
+    const Model *m = r->model;
+    const State *s = r->at;
+    r->n_steps++;
+    if (r->recorded && !(s->t > record(r, r->recorded - 1)[0])) r->recorded = 0;
+    const double *before = r->recorded ? record(r, r->recorded - 1) : NULL;
+    double *now = recorded(r, y);
 #if LANES > 1
     return has_to_be_alone(r, before, now) ? 2 : 0;
 #else

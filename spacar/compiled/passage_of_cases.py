@@ -13,13 +13,12 @@ from spacar.arrays import Array
 from spacar.compiled.compiled_model import EXACT, NOT_ANSWERED, WIDTH, CompiledModel, State
 from spacar.compiled.element_parameters import GUARD
 from spacar.compiled.library import address_of
-from spacar.compiled.passage import HARMLESS, LONGEST, NOT_SHOWN, UNLIMITED, CPassage
+from spacar.compiled.passage import COUNTS, HARMLESS, LONGEST, NOT_SHOWN, UNLIMITED, CPassage
 from spacar.errors import AnalysisError
 from spacar.integrators.problem import Counts, Passed
 from spacar.kinematics.kinematics import LARGEST_JUMP
 
 SHOWN = "shown"  # of outputs that stand in their rows
-COUNTS = 5 * ctypes.sizeof(ctypes.c_int)  # of an output
 
 
 class PassageOfCases:
@@ -34,11 +33,11 @@ class PassageOfCases:
         c.foreign = solver.slots.has_limits
         self.address = ctypes.c_void_p(ctypes.addressof(c))
         self.times, self.work = np.zeros(0), np.zeros((0, 5), np.int32)
-        self.at, self.output = (0, 0, 0), 0
+        self.at, self.output, self.held = (0, 0, 0), 0, 0
 
     def into(self, times: Array, rows: Array, far: int) -> None:
         """The outputs to come go there; behind more than `far` steps they are evaluated from the begin of a step."""
-        self.times, self.work = times, np.empty((len(times), 5), np.int32)
+        self.times, self.work, self.held = times, np.empty((len(times), 5), np.int32), 0
         self.at = address_of(times), address_of(rows), address_of(self.work)
         self.c.width, self.c.far = rows[0].size, far
 
@@ -54,15 +53,26 @@ class PassageOfCases:
         """Those of the last call; `before`: what the integrator had counted before it. Raises AnalysisError, and what a
         user function raised."""
         self._check()
-        counts = self.work[self.output : self.output + self.c.done]
-        if not len(counts):
+        first, end = self.output - self.held, self.output + self.c.done
+        self.held = 0
+        if first == end:
             return []
-        return [Passed(float(self.times[self.output + len(counts) - 1]), self.y, counts + before, SHOWN)]
+        counts = self.work[first:end] + before
+        if first == 0:
+            counts[0] = 0  # what starting has taken is the work of the output behind it
+        return [Passed(float(self.times[end - 1]), self.y, counts, SHOWN)]
 
     def made(self) -> list[int]:
         """What was done in the last call up to its last output, as `Counts`."""
         counts: list[int] = self.work[self.output + self.c.done - 1].tolist()
         return counts
+
+    def start(self, y: Array) -> list[Passed]:
+        """The first output, whose state is y; it is handed on with those behind it. Raises as `outputs`."""
+        self.show(0, y)
+        self.work[0] = 0
+        self.held = 1
+        return []
 
     def show(self, output: int, y: Array) -> None:
         """A single output, whose state is y. Raises as `outputs`."""

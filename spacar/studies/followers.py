@@ -216,11 +216,10 @@ class Follower:
         if marching is None or marching.evaluator is not block:
             self.marching = marching = block.marching()
         marching.anew()
-        steps = marching.steps
         outputs = integrated(
             block, block.y0, of.asked, settings, Tolerances.of(settings, each),
             breaks=block.breaks, watch=block.watch, back=block.rejected,
-            marching=lambda: steps,
+            marching=marching,
         )  # fmt: skip
         counted, step = np.empty((len(of.times), len(WORK))), 0
         for out in outputs:
