@@ -14,7 +14,7 @@ fixed or prescribed deformation cannot act, because equilibrium alone determines
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import isfinite, nan
 from typing import Any
@@ -210,9 +210,10 @@ class UserLaw:
         function, (ne, le, e, ed, nx, lnp, x, xd) = self._function, self._given(*told)
         of_sig: Form = []
         of_f: Form = []
+        first = True
 
         def answer(t: float) -> dict[int, str]:
-            nonlocal of_sig, of_f
+            nonlocal of_sig, of_f, first
             try:
                 _, sig, f = function(t, ne, le, e, ed, nx, lnp, x, xd)
             except Exception as error:  # a user's function may fail in any way
@@ -225,14 +226,17 @@ class UserLaw:
             for form, values in (of_sig, sigma), (of_f, force):  # a part may have been written
                 for i in form[2::3]:
                     values[i] = 0.0
-            if isfinite(_added(sig, self.stresses, sigma) + _added(f, self.forces, force)):
-                return {}
-            *found, lost = self._rows(t, sig, f)
-            for rows, values in zip(found, (sigma, force), strict=True):
-                for i in range(len(values)):
-                    values[i] = 0.0
-                for i, row in rows:
-                    values[i] += row[2]
+            lost: dict[int, str] = {}
+            if not isfinite(_added(sig, self.stresses, sigma) + _added(f, self.forces, force)):
+                *found, lost = self._rows(t, sig, f)
+                for rows, values in zip(found, (sigma, force), strict=True):
+                    for i in range(len(values)):
+                        values[i] = 0.0
+                    for i, row in rows:
+                        values[i] += row[2]
+            elif not first:
+                return lost
+            first = False
             if not lost:
                 of_sig, of_f = _form(sig, self.stresses), _form(f, self.forces)
             return lost
@@ -243,7 +247,7 @@ class UserLaw:
         """The same for another case: a function that remembers something remembers it for each. Raises InputError."""
         function = self.function.anew() if isinstance(self.function, Loaded) else self.function
         breaks = function.breaks if isinstance(function, Loaded) else self.breaks
-        return UserLaw(function, self.name, self.numbering, self.le, self.lnp, self.prescribed_act, breaks)
+        return replace(self, function=function, breaks=breaks)  # places that were looked up are those of all
 
     @property
     def _function(self) -> Callable[..., Any]:
