@@ -10,8 +10,10 @@ evaluation. Here the same equations run in C:
     elements.c what Python gives, the model, and its elements
     motion.c   Newton's iteration, accelerations from the saddle-point form or, with few degrees of freedom, from the
                reduced form
-    rigid_tree.c, tree_motion.c  mechanisms without loops whose positions need no equations: found, and evaluated
-    state.c    states of the integrators: right-hand side, stages of a Runge-Kutta step, frames
+    rigid_tree.c, tree_motion.c  mechanisms without loops whose positions need no equations: found, and evaluated;
+               tree_blocks.c has V of them by blocks, for stresses and the condition
+    state.c    states of the integrators: right-hand side, stages of a Runge-Kutta step
+    outputs.c  everything of a state, as frames have it
     given.c    what is given of a state
     model.c    which entries V and M have; last_state.c answers what Python asks of a state
     march.c    accepted steps from output to output, by adams.c and runge_kutta.c

@@ -14,7 +14,7 @@ from spacar.compiled.element_parameters import GUARD
 from spacar.compiled.library import CState, address_of, engine, why_off
 from spacar.compiled.numbers import Numbers, without_form
 from spacar.compiled.slots import Slots
-from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS, LARGEST_JUMP
+from spacar.kinematics.kinematics import FARTHEST_GUESS, LARGEST_JUMP
 from spacar.mechanism.mechanism import Drive, Mechanism, Polynomial, UserSignal
 from spacar.mechanism.numbering import Numbering
 
@@ -44,19 +44,17 @@ NOT_ANSWERED = -6  # of sparse.c: Python could not answer, and keeps the error
 class State:
     """The last evaluated state, shared with C: x, xd, xdd (nx, cases), e, ed, edd, sigma, given_e (ne, cases).
 
-    Behind xdd there is room for applied, gravity and total forces (nx, cases), as `evaluate` gives them. It begins at
-    the reference configuration of the model.
+    Behind xdd there are applied, gravity and total forces (nx, cases), behind given_e is the y that all belongs to, as
+    `evaluate` gives them. It begins at the reference configuration of the model.
     """
 
     def __init__(self, model: CompiledModel) -> None:
         nx, ne, cases = model.numbering.nx, model.numbering.ne, model.cases
-        split = 6 * nx
-        self._together = together = np.zeros((split + 5 * ne, cases))
-        self.of_x, self.of_e = together[:split].reshape(6, nx, cases), together[split:].reshape(5, ne, cases)
+        split, end = 6 * nx, 6 * nx + 5 * ne
+        self._together = together = np.empty((end + 2 * model.numbering.nddof + model.numbering.nk, cases))
+        self.of_x, self.of_e = together[:split].reshape(6, nx, cases), together[split:end].reshape(5, ne, cases)
         self.x, self.xd, self.e, self.given_e = self.of_x[0], self.of_x[1], self.of_e[0], self.of_e[4]
         self.x_address = first = address_of(together)
-        width = WIDTH * cases * nx
-        self.forces_at = first + 3 * width, first + 4 * width, first + 5 * width
         self.c = CState()
         self.address = ctypes.c_void_p(ctypes.addressof(self.c))
         model.engine.state(model.handle, self.address, first)
@@ -85,12 +83,18 @@ class State:
     def begin(self, x: Array, e: Array) -> None:
         """Positions and deformations that the next guess starts from."""
         self.x[:], self.e[:] = x, e
-        self.c.known = 0
+        self.c.known = self.c.whole = 0
 
     def resume(self, t: float, x: Array, xd: Array, xdd: Array, e: Array) -> None:
         """The state at t with x, xd, xdd (nx, cases) and e (ne, cases) is the last evaluated one again."""
         self.x[:], self.xd[:], self.xdd[:], self.e[:] = x, xd, xdd, e
-        self.c.t, self.c.known = t, PLACED
+        self.c.t, self.c.known, self.c.whole = t, PLACED, 0
+
+    def follow(self, other: State) -> None:
+        """Stand where another state of the same model stands, with everything that has been evaluated there."""
+        self._together[:] = other._together
+        c, of = self.c, other.c
+        c.t, c.known, c.whole = of.t, of.known and PLACED, of.whole
 
 
 class CompiledModel:
@@ -175,6 +179,7 @@ class CompiledModel:
         first = self.numbering.e_class["input"].stop
         self.force[:] = self.numbers.force + force[:, None]
         self.preload[first:] = self.numbers.preload[first:] + sigma[first:, None]
+        self.engine.forget(self.handle)
 
     # -- calls; y, out, K are C-contiguous with the cases last ----------------------------------------------------
     def rhs(self, state: State, t: float, y: int, out: int, converged: float) -> int:
@@ -194,7 +199,7 @@ class CompiledModel:
         mass matrix is `checked` and has to be looked at closely. Raises what a user function raised.
         """
         status: int = self.engine.start(
-            self.handle, state.address, y, out, CONVERGED, LARGEST_JUMP, FARTHEST_GUESS, checked
+            self.handle, state.address, y, out, EXACT, LARGEST_JUMP, FARTHEST_GUESS, checked
         )
         if status == NOT_ANSWERED:
             self.slots.raise_error()
@@ -205,10 +210,8 @@ class CompiledModel:
 
         Negative when that is not possible.
         """
-        status: int = self.engine.evaluate(self.handle, state.address, t, y, converged, LARGEST_JUMP, 1)
-        if status >= 0:
-            self.engine.complete(self.handle, state.address, *state.forces_at)
-        elif status == NOT_ANSWERED:
+        status: int = self.engine.evaluate(self.handle, state.address, t, y, converged, LARGEST_JUMP)
+        if status == NOT_ANSWERED:
             self.slots.raise_error()
         return status
 
@@ -249,6 +252,10 @@ class CompiledModel:
         solutions as there are unknowns, or 0 when these are more than `most`.
         """
         return float(self.engine.rcond(self.handle, enough, most))
+
+    def rcond_everywhere(self) -> float:
+        """A bound from below for `rcond` at all states, where the engine knows one (rigid trees); else 0."""
+        return float(self.engine.rcond_everywhere(self.handle))
 
     def condition(self) -> float:
         """Largest condition of the cases' scaled V[E, U] at the last evaluated state, 1-norm."""

@@ -56,6 +56,8 @@ typedef struct {
     int known;                            /* rates and accelerations too, at t; 2: placed from outside, with no transfer functions */
     double t;
     real *x, *xd, *xdd, *e, *ed, *edd, *sigma, *given_e;
+    real *applied, *gravity, *total, *y;  /* forces (nx) and the state that belong to it where it is whole */
+    int whole;                            /* number of the evaluation that gave all of it; Python sets it to 0 when it writes here */
     int watched, signs;                   /* watched: derivatives keep the two below; 1: det V[E, U] was positive, 2: negative */
     double mantissa, exponent;            /* of the inverse of its smallest size since these were cleared: mantissa 2^exponent */
 } State;
@@ -68,6 +70,7 @@ typedef struct { const State *of; int n; double t[STATES]; real *degrees[STATES]
 
 typedef struct {
     Spec s;
+    int evaluations;                      /* how many there were; also told of numbers that have changed (`spacar_forget`) */
     int factored;                         /* the matrix of the position is that of some state before */
     int holonomic;                        /* positions and velocities have the same matrix */
     int *v_start, *v_column; /* V by rows: the places in `values` are those of v_column */
@@ -88,7 +91,8 @@ typedef struct {
     int *m_start, *m_column, *m_place;    /* M by rows in the same way, for the reduced form */
     int *places; real *parameters;        /* of the batches */
     const real *given_parameters;         /* the same as they are given */
-    struct Tree *tree; int ahead;         /* NULL: not a rigid tree; ahead: V, M and factors are those of an older state */
+    struct Tree *tree; int of_tree;       /* NULL: not a rigid tree; of_tree: the last state was evaluated as one */
+    int matrices_behind, factors_behind;  /* V and M, the factors of the position are those of an older state */
     Sparse first[3];                      /* the systems with the orders of pivots that other numbers begin with */
 } Model;
 
@@ -140,8 +144,8 @@ static void couple(const Model *m)
 
 static inline void subtract_transposed(const Model *m, int r, real sigma, real *out);
 
-/* H(v,v), and M into `values` with h of the moving elements. OK or NOT_ANSWERED. */
-static int inertia(const Model *m, const real *x, const real *v)
+/* H(v,v) when wanted, and M into `values` with h of the moving elements. OK or NOT_ANSWERED. */
+static int inertia(const Model *m, const real *x, const real *v, int want_convective)
 {
     real xe[MAX_X], ve[MAX_X], he[MAX_X];
     const int *offset = m->m_offset;
@@ -170,10 +174,11 @@ static int inertia(const Model *m, const real *x, const real *v)
             continue;
         }
         for (int i = 0; i < n; i++, offset++) {
+            if (!k->inertia && !(k->nee && want_convective)) continue;
             const int *ix = k->x + i * k->nxe;
             const real *p = k->p + i * k->np;
             for (int j = 0; j < k->nxe; j++) { xe[j] = x[ix[j]]; ve[j] = v[ix[j]]; }
-            if (k->nee) {
+            if (k->nee && want_convective) {
                 real rates[MAX_E];
                 CONVECTIVE[k->kind](xe, ve, p, rates);
                 for (int r = 0; r < k->nee; r++) m->h[k->e[i * k->nee + r]] = rates[r];

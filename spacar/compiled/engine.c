@@ -5,9 +5,11 @@
 #include "elements.c"
 #include "motion.c"
 #include "given.c"
+#include "tree_blocks.c"
 #include "rigid_tree.c"
 #include "tree_motion.c"
 #include "state.c"
+#include "outputs.c"
 #include "model.c"
 #include "last_state.c"
 #include "start.c"
@@ -42,8 +44,8 @@ const void *const ELEMENTS[] = {
 /* The kinds of elements, then the functions in the order of `FUNCTIONS` in library.py. */
 const void *const BUILD[] = {
     KINDS,
-    spacar_begin, spacar_end, spacar_renew, spacar_state, spacar_start, spacar_evaluate, spacar_rhs, spacar_stages, spacar_complete, spacar_gradient,
-    spacar_determinant, spacar_reduced_mass, spacar_guard, spacar_rcond,
+    spacar_begin, spacar_end, spacar_renew, spacar_state, spacar_start, spacar_evaluate, spacar_rhs, spacar_stages, spacar_forget, spacar_gradient,
+    spacar_determinant, spacar_reduced_mass, spacar_guard, spacar_rcond, spacar_rcond_everywhere,
     spacar_adams_begin, spacar_adams, spacar_adams_value, spacar_runge_kutta, spacar_newton,
     spacar_show, spacar_pass_adams, spacar_pass_runge_kutta,
 };

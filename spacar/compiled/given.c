@@ -14,6 +14,7 @@ static int take_given(Model *m, State *at, double t, const real *y, real *x, rea
     const Spec *s = &m->s;
     const int nx = s->nx, a = s->n_x_dynamic, q = a + s->n_e_dynamic;
     const real *kinematic = y + q, *rates = kinematic + s->n_x_kinematic + s->n_e_kinematic;
+    m->evaluations++;
     memcpy(x, s->x0, sizeof(real) * s->n_fixed_x);
     memset(xd, 0, sizeof(real) * nx);
     memset(xdd, 0, sizeof(real) * nx);

@@ -3,7 +3,7 @@
 /* The entries of V: rows, columns and values, each with room for all of them (n); their number. Only this when row is NULL. */
 static int spacar_gradient(Model *m, int *row, int *column, real *value)
 {
-    if (value) catch_up(m);
+    if (value) catch_up_matrices(m);
     for (int r = 0; row && r < m->s.ne; r++)
         for (int k = m->v_start[r]; k < m->v_start[r + 1]; k++) row[k] = r;
     const int n = m->v_start[m->s.ne];
@@ -19,6 +19,9 @@ static void spacar_determinant(Model *m, double *mantissa, double *exponent)
     catch_up(m);
     determinant(of_rates(m), mantissa, exponent);
 }
+
+/* A bound from below for the reciprocal condition of the matrix of the velocities at all states, 0: unknown. */
+static double spacar_rcond_everywhere(const Model *m) { return m->tree ? m->tree->rcond : 0.0; }
 
 /* The coordinate of an unknown of the velocities; their equations are the first deformations. */
 static int unknown(const Model *m, int j)
@@ -63,6 +66,7 @@ static double spacar_rcond(Model *m, double enough, int most)
     const Sparse *s = of_rates(m);
     const int n = s->n;
     if (!n) return 1.0;
+    if (m->tree && m->tree->rcond > enough) return m->tree->rcond;
     if (catch_up(m)) return 0.0;
     real inverse;
     const real norm = norm_of_rates(m, &inverse);
@@ -86,14 +90,15 @@ static double spacar_rcond(Model *m, double enough, int most)
 static int spacar_reduced_mass(Model *m, real *out)
 {
     const Spec *s = &m->s;
-    const int nx = s->nx, a = s->n_x_dynamic, q = a + s->n_e_dynamic, width = m->width;
-    if (catch_up(m)) return 0;
-    if (m->reduced && m->transfer_of) {
+    const int nx = s->nx, a = s->n_x_dynamic, q = a + s->n_e_dynamic;
+    const real *A = m->of_tree ? m->tree->A : m->reduced && m->transfer_of ? m->small : NULL;
+    if (A) {
+        const int width = m->of_tree ? m->tree->width : m->width;
         for (int i = 0; i < q; i++)
             for (int j = 0; j <= i; j++) {
-                real sum = m->small[i * width + 1 + j];
+                real sum = A[i * width + 1 + j];
                 for (int k = i + 1; k < q; k++) {
-                    const real *row = m->small + k * width + 1;
+                    const real *row = A + k * width + 1;
                     sum += row[i] * row[j] / row[k];
                 }
                 out[i * q + j] = out[j * q + i] = sum;

@@ -53,8 +53,10 @@ class CState(ctypes.Structure):
 
     _fields_ = [
         ("known", ctypes.c_int), ("t", ctypes.c_double),
-        *((name, DOUBLES) for name in ("x", "xd", "xdd", "e", "ed", "edd", "sigma", "given_e")),
-        ("watched", ctypes.c_int), ("signs", ctypes.c_int),
+        *((name, DOUBLES) for name in (
+            "x", "xd", "xdd", "e", "ed", "edd", "sigma", "given_e", "applied", "gravity", "total", "y",
+        )),
+        ("whole", ctypes.c_int), ("watched", ctypes.c_int), ("signs", ctypes.c_int),
         ("mantissa", ctypes.c_double), ("exponent", ctypes.c_double),
     ]  # fmt: skip
 
@@ -75,18 +77,19 @@ FUNCTIONS: dict[str, tuple[Any, ...]] = {  # in the order of the table in engine
     "renew": (None, POINTER),
     "state": (None, POINTER, POINTER, POINTER),
     "start": (INTEGER, POINTER, POINTER, POINTER, POINTER, NUMBER, NUMBER, NUMBER, INTEGER),
-    "evaluate": (INTEGER, POINTER, POINTER, NUMBER, POINTER, NUMBER, NUMBER, INTEGER),
+    "evaluate": (INTEGER, POINTER, POINTER, NUMBER, POINTER, NUMBER, NUMBER),
     "rhs": (INTEGER, POINTER, POINTER, NUMBER, POINTER, POINTER, NUMBER, NUMBER),
     "stages": (
         INTEGER, POINTER, POINTER, INTEGER, INTEGER, POINTER, POINTER, NUMBER, NUMBER, NUMBER, NUMBER, POINTER, POINTER,
         INTEGER, NUMBER, NUMBER,
     ),
-    "complete": (None, POINTER, POINTER, POINTER, POINTER, POINTER),
+    "forget": (None, POINTER),
     "gradient": (INTEGER, POINTER, POINTER, POINTER, POINTER),
     "determinant": (None, POINTER, POINTER, POINTER),
     "reduced_mass": (INTEGER, POINTER, POINTER),
     "guard": (NUMBER, POINTER, POINTER),
     "rcond": (NUMBER, POINTER, NUMBER, INTEGER),
+    "rcond_everywhere": (NUMBER, POINTER),
     "adams_begin": (INTEGER, POINTER, POINTER),
     "adams": (INTEGER, POINTER, POINTER),
     "adams_value": (INTEGER, POINTER, POINTER, NUMBER, POINTER),
@@ -180,13 +183,14 @@ class Engine:
     evaluate: Any
     rhs: Any
     stages: Any
-    complete: Any
+    forget: Any
     gradient: Any
     determinant: Any
     newton: Any
     reduced_mass: Any
     guard: Any
     rcond: Any
+    rcond_everywhere: Any
     adams_begin: Any
     adams: Any
     adams_value: Any

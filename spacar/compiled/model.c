@@ -149,6 +149,7 @@ static int find_entries(Model *m, Entries *V)
                         add(&m->mass, ix[r], ix[j], m->m_offset[element] + r * k->nxe + j);
         }
     }
+    for (int k = 0; k < at; k++) if (!written(m->values[k])) m->values[k] = EVERY(0.0);
     for (int k = 0; k < s->n_constant; k++) {
         m->values[at + k] = s->constant_mass[k];
         add(&m->mass, s->constant_row[k], s->constant_column[k], at + k);
@@ -207,7 +208,8 @@ static int assemble(Model *m)
     if (!status) status = sparse_begin(&m->position, nc, entries);
     if (!status && !m->holonomic) status = sparse_begin(&m->velocity, n, entries);
     if (!status) status = entries_begin(&m->dynamic, entries);
-    if (!status && !s->prescribed) status = sparse_begin(&m->motion, nf + nr, m->mass.n + m->coupling.n + 2 * entries);
+    const int with_motion = !s->prescribed && !m->tree;
+    if (!status && with_motion) status = sparse_begin(&m->motion, nf + nr, m->mass.n + m->coupling.n + 2 * entries);
     if (!status) status = entries_begin(&m->given, m->mass.n);
     if (!status) {
         for (int k = 0; k < m->mass.n; k++) {
@@ -231,7 +233,7 @@ static int assemble(Model *m)
                 if (u >= 0 && u < s->n_x_kinematic) put(&m->velocity, r, nc + u, m->v_place[k]);
             }
     }
-    if (!status && !s->prescribed) {
+    if (!status && with_motion) {
         for (int i = 0; i < s->nx; i++) place[i] = -1;
         for (int i = 0; i < nf; i++) place[s->free[i]] = i;
         for (int k = 0; k < m->mass.n; k++) {
@@ -251,7 +253,7 @@ static int assemble(Model *m)
             }
     }
     free(place);
-    if (!status && m->holonomic && !s->prescribed) m->reduced = takes_reduced_form(m, q);
+    if (!status && m->holonomic && !s->prescribed) m->reduced = m->tree || takes_reduced_form(m, q);
     if (!status && m->reduced) status = sparse_widen(&m->position, m->width);
     if (!status && m->reduced) status = sort_rows(&m->mass, s->nx, &m->m_start, &m->m_column, &m->m_place);
     return status;
@@ -390,8 +392,8 @@ static Model *spacar_begin(const int *whole, real *numbers, const Foreign *const
     int status = n_values < 0 ? NO_MEMORY : sort_rows(&V, ne, &m->v_start, &m->v_column, &m->v_place);
     if (!status) status = find_coupling(m, n_values);
     entries_end(&V);
-    if (!status) status = assemble(m);
     if (!status) status = find_tree(m);
+    if (!status) status = assemble(m);
     const int q = spec->n_x_dynamic + spec->n_e_dynamic;
     real *work = status ? NULL : cleared(10 * (nx + ne) + 2 * nx + 2 * (3 * (STATES - 1) * nx + 3 * STATES * q), sizeof(real));
     if (!work) { spacar_end(m); return NULL; }
@@ -431,7 +433,8 @@ static void spacar_renew(Model *m)
     first_order(&m->motion, &m->first[2]);
     m->factored = 0;
     m->transfer_of = NULL;
-    m->ahead = 0;
+    m->evaluations++;
+    m->of_tree = m->matrices_behind = m->factors_behind = 0;
     for (int k = 0; k < 2; k++) { m->traces[k].of = NULL; m->traces[k].n = 0; }
     tree_end(m->tree);
     m->tree = NULL;

@@ -279,7 +279,7 @@ static int accelerate(Model *m, double t, const real *x, const real *xd, const r
 {
     const Spec *s = &m->s;
     const int n = s->n_equations, nf = s->n_free, nr = s->n_rows;
-    if (inertia(m, x, xd) || stresses(m, t, x, e, xd, NULL, sigma)) return NOT_ANSWERED;
+    if (inertia(m, x, xd, 1) || stresses(m, t, x, e, xd, NULL, sigma)) return NOT_ANSWERED;
     real *b = m->b, sum = EVERY(0.0);
     if (s->prescribed) { /* no dynamic degree of freedom: kinematics, then reactions from the transposed system */
         const int nc = s->n_position;

@@ -1,51 +1,16 @@
 /* Rigid trees: mechanisms that open out from the ground without loops, through rigid elements, hinges and given coordinates.
-   Here they are found; tree_motion.c evaluates them without equations for the positions (theory-system.md section 13).
+   Here they are found; tree_motion.c evaluates them without equations for the positions, outputs.c what outputs
+   have besides (theory-system.md section 13).
 
    Frames are orientations: fixed, the given angle of a planar node, or turned against another frame by the first deformation of a
    hinge. Arms carry points: x_q = x_p + R r of a frame. The inertia of a rigid element is that of masses at its ends and a rest J
    about p, which a rod does not have:
        T = (w_pp v_p.v_p + 2 w_pq v_p.v_q + w_qq v_q.v_q + w.J w)/2,
    so that its mass is w_pp + 2 w_pq + w_qq, its first moment (w_pq + w_qq) d with d = x_q - x_p, its inertia w_qq (d.d I - d d^T) + J. */
-/* Degrees of freedom up to which it pays against the saddle-point form: the rows of X are full (docs/performance.md, rigid trees). */
-enum { MOST_PLANAR = 32, MOST_SPATIAL = 64 };
-enum { APART, RIGID, TURNING, OF_A_NODE };
-enum { AT_P, TURN_P, AT_Q, TURN_Q };
-typedef struct { signed char how, dimension, end[4]; } Joint; /* `end`: the first of its coordinates; -1: no such node */
-static const Joint JOINT[N_KINDS] = {
-    [PLBEAM] = {RIGID, 2, {0, 2, 3, 5}}, [PLBEAM_ANGLE] = {RIGID, 2, {0, 2, 3, 5}}, [PLPINBOD] = {RIGID, 2, {0, 2, 3, -1}},
-    [BEAM] = {RIGID, 3, {0, 3, 7, 10}}, [BEAM_ANGLE] = {RIGID, 3, {0, 3, 7, 10}}, [PINBODY] = {RIGID, 3, {0, 3, 7, -1}},
-    [PLTOR] = {TURNING, 2, {-1, 0, -1, 1}}, [HINGE] = {TURNING, 3, {-1, 0, -1, 4}},
-    [NORMALIZATION] = {OF_A_NODE, 3, {-1, 0, -1, -1}}, [BODY] = {OF_A_NODE, 3, {-1, 0, -1, -1}},
-};
-
-typedef struct {
-    int from, row, degree, place; /* frame it turns against, or -1; row of e that is the angle; its column, 0: none; -1 or the given angle */
-    double sign;
-    real axis[3], angle;          /* the angle at the reference (planar) */
-    real J[6];                    /* xx, xy, xz, yy, yz, zz; planar: one number */
-    int heavy, at_row;            /* J is not 0; then its first row of X */
-} Frame;
-typedef struct { int c[4], n, frame; real shift; } Orientation; /* frame -1: not reached; shift: angle less that of the frame (planar) */
-typedef struct { int c[3], reached, degree[3]; } Point;         /* reached: 1 given, 2 by an arm; columns of its coordinates */
-typedef struct { int p, q, frame; real r[3]; } Arm;
-typedef struct { int row, column; real mass; } Pair;           /* an entry of M off its diagonal */
-typedef struct { const Batch *batch; int i, node[4], reached; } Part; /* an element, and the nodes at its ends */
-
-struct Tree {
-    int dimension, turns;         /* of a point: 2 or 3; rows of an angular velocity: 1 or 3 */
-    int n_frames, n_orientations, n_points, n_arms, n_pairs, n_parts, n_rows, width;
-    Frame *frames; Orientation *orientations; Point *points; Arm *arms; Pair *pairs; Part *parts;
-    real *attitude, *spin;        /* of the frames: R (9), or cos and sin; angular velocity (3), or (1) */
-    real *lambda;                 /* (4) Euler parameters, or the angle */
-    real *turning;                /* rows (turns, width) of the frames, as X */
-    real *mass;                   /* diagonal of M in the rows of points */
-    real *X, *MX, *A;             /* (n_rows, width) of points, then of heavy frames; M X less the forces; (q, width) */
-};
-
 static void tree_end(struct Tree *T)
 {
     if (!T) return;
-    free(T->frames); free(T->orientations); free(T->points); free(T->arms); free(T->pairs); free(T->parts); free(T->mass);
+    free(T->frames); free(T->orientations); free(T->points); free(T->arms); free(T->pairs); free(T->parts); free(T->links); free(T->mass);
     free(T->attitude);
     free(T);
 }
@@ -139,6 +104,16 @@ static int begin_tree(const Spec *s, struct Tree *T)
     return 1;
 }
 
+/* The outer end of a part is reached; the orientation there may be NULL. */
+static void add_link(struct Tree *T, const Part *part, int point, const Orientation *node, int frame)
+{
+    Link *link = &T->links[T->n_links++];
+    link->part = (int)(part - T->parts);
+    link->point = point;
+    link->node = node ? (int)(node - T->orientations) : -1;
+    link->frame = frame;
+}
+
 /* Reach the other end of a part: 1; 0 when none of its ends is reached yet, -1 when both are: a loop. */
 static int reach(const Spec *s, struct Tree *T, Part *part)
 {
@@ -158,6 +133,7 @@ static int reach(const Spec *s, struct Tree *T, Part *part)
         frame->sign = known == p ? 1.0 : -1.0;
         frame->angle = s->x0[next->c[0]];
         for (int c = 0; c < 3 && T->dimension == 3; c++) frame->axis[c] = k->p[part->i * k->np + c];
+        add_link(T, part, -1, next, p->frame);
         return 1;
     }
     const int from_p = T->points[part->node[AT_P]].reached, from_q = T->points[part->node[AT_Q]].reached;
@@ -174,6 +150,7 @@ static int reach(const Spec *s, struct Tree *T, Part *part)
     Point *end = &T->points[arm->q];
     for (int c = 0; c < T->dimension; c++) arm->r[c] = s->x0[end->c[c]] - s->x0[T->points[arm->p].c[c]];
     end->reached = 2;
+    add_link(T, part, arm->q, next, arm->frame);
     return 1;
 }
 
@@ -306,8 +283,9 @@ static int has_one_field(const Spec *s, const struct Tree *T)
 }
 
 /* Is the mechanism a rigid tree? */
-static int is_tree(const Spec *s, struct Tree *T, int *of)
+static int is_tree(const Model *m, struct Tree *T, int *of)
 {
+    const Spec *s = &m->s;
     for (int i = 0; i < s->nx; i++) of[i] = -1;
     if (!find_parts(s, T, of) || !begin_tree(s, T)) return 0;
     int left = 0, found = 1;
@@ -323,7 +301,7 @@ static int is_tree(const Spec *s, struct Tree *T, int *of)
         }
         left -= found;
     }
-    return !left && is_whole(s, T) && has_one_field(s, T) && add_masses(s, T, of);
+    return !left && is_whole(s, T) && has_one_field(s, T) && add_masses(s, T, of) && add_blocks(m, T);
 }
 
 /* Room for the rows of X: of the points, then of heavy frames. OK or NO_MEMORY. */
@@ -377,13 +355,14 @@ static int find_tree(Model *m)
         T->arms = cleared(n, sizeof(Arm));
         T->pairs = cleared(6 * n + s->n_constant, sizeof(Pair));
         T->parts = cleared(n, sizeof(Part));
+        T->links = cleared(n, sizeof(Link));
         T->mass = cleared(6 * n, sizeof(real));
-        if (!T->frames || !T->orientations || !T->points || !T->arms || !T->pairs || !T->parts || !T->mass) status = NO_MEMORY;
+        if (!T->links || !T->frames || !T->orientations || !T->points || !T->arms || !T->pairs || !T->parts || !T->mass) status = NO_MEMORY;
     }
     if (!status) {
         T->dimension = dimension;
         T->turns = dimension == 2 ? 1 : 3;
-        if (is_tree(s, T, of)) status = tree_rows(T, q);
+        if (is_tree(m, T, of)) { status = tree_rows(T, q); T->rcond = bound_of_condition(m, T); }
         else { tree_end(T); m->tree = NULL; }
     }
     free(of);

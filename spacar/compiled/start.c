@@ -61,15 +61,17 @@ static int spacar_start(Model *m, State *at, const real *y, real *out, double co
 {
     const Spec *s = &m->s;
     const real *x0 = s->x0;
-    const int status = rates_of_elements(m, at, 0.0, y, out, converged, jump);
+    const int status = spacar_evaluate(m, at, 0.0, y, converged, jump);
     if (status < 0) return status;
+    rates_of_whole(m, at, out);
     real moved = EVERY(0.0);
     for (int i = 0; i < s->nx; i++) moved = lanes_larger(moved, (at->x[i] - x0[i]) / s->scale[i]);
     if (!m->tree && !(largest_lane(moved) <= farthest)) return FAR_AWAY;
     return checked && is_mass_doubtful(m) ? DOUBTFUL_MASS : OK;
 }
 
-/* A state at the reference configuration that nothing is known of, in memory for x, xd, xdd and three forces (nx), e, ed, edd, sigma, given_e (ne). */
+/* A state at the reference configuration that nothing is known of, in memory for x, xd, xdd and three forces (nx), e, ed, edd, sigma,
+   given_e (ne), y. */
 static void spacar_state(const Model *m, State *at, real *memory)
 {
     const int nx = m->s.nx, ne = m->s.ne;
@@ -81,8 +83,12 @@ static void spacar_state(const Model *m, State *at, real *memory)
     at->edd = at->ed + ne;
     at->sigma = at->edd + ne;
     at->given_e = at->sigma + ne;
-    memset(memory, 0, sizeof(real) * (6 * nx + 5 * ne));
-    at->known = 0;
+    at->applied = at->xdd + nx;
+    at->gravity = at->applied + nx;
+    at->total = at->gravity + nx;
+    at->y = at->given_e + ne;
+    memset(memory, 0, sizeof(real) * (6 * nx + 5 * ne + n_of_state(&m->s)));
+    at->known = at->whole = 0;
     at->t = 0.0;
     clear_samples(at);
     memcpy(at->x, m->s.x0, sizeof(real) * nx);

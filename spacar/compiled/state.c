@@ -1,4 +1,4 @@
-/* Evaluation of a state of the integrators: right-hand side, stages of a step, what frames have besides. */
+/* Evaluation of a state of the integrators: right-hand side, stages of a step. */
 
 static const double SMALLEST_PIECE = 1.0 / 64.0; /* of the way to a state that is a jump away */
 static const double MAGNIFIED = 1e4;             /* at most, by an extrapolation: errors of the positions from which it goes on */
@@ -148,7 +148,7 @@ static int evaluate(Model *m, State *at, double t, const real *y, double converg
     real *x = m->next_x, *xd = m->next_xd, *xdd = m->next_xdd;
     if (!m->tree && guess(m, at, t, y, jump, x)) return JUMP;
     m->transfer_of = NULL;
-    m->ahead = 0;
+    m->of_tree = m->matrices_behind = m->factors_behind = 0;
     if (take_given(m, at, t, y, x, xd, xdd)) return NOT_ANSWERED;
     if (m->tree) {
         follow_tree(s, m->tree, x, xd, xdd, at->given_e, m->given_ed, m->given_edd);
@@ -168,7 +168,7 @@ static int evaluate(Model *m, State *at, double t, const real *y, double converg
 }
 
 /* The same; a state that is a jump away is reached in pieces, so that the mechanism stays on its branch. */
-static int spacar_evaluate(Model *m, State *at, double t, const real *y, double converged, double jump, int want_stress)
+static int evaluate_in_pieces(Model *m, State *at, double t, const real *y, double converged, double jump, int want_stress)
 {
     const Spec *s = &m->s;
     const int a = s->n_x_dynamic, q = a + s->n_e_dynamic, k = q + s->n_x_kinematic, positions = k + s->n_e_kinematic;
@@ -226,7 +226,7 @@ static void clear_samples(State *at)
 static int rates_of_elements(Model *m, State *at, double t, const real *y, real *out, double converged, double jump)
 {
     const Spec *s = &m->s;
-    const int status = spacar_evaluate(m, at, t, y, converged, jump, 0);
+    const int status = evaluate_in_pieces(m, at, t, y, converged, jump, 0);
     if (status < 0) return status;
     const int q = s->n_x_dynamic + s->n_e_dynamic, k = q + s->n_x_kinematic, positions = k + s->n_e_kinematic;
     memcpy(out, y + positions, sizeof(real) * q);
@@ -237,9 +237,34 @@ static int rates_of_elements(Model *m, State *at, double t, const real *y, real 
     return status;
 }
 
+static int n_of_state(const Spec *s) { return 2 * (s->n_x_dynamic + s->n_e_dynamic) + s->n_x_kinematic + s->n_e_kinematic; }
+
+/* Whether the state holds everything of y at t, and nothing has been evaluated since. */
+static int is_evaluated(const Model *m, const State *at, double t, const real *y)
+{
+    return at->whole && at->whole == m->evaluations && at->t == t && !memcmp(at->y, y, sizeof(real) * n_of_state(&m->s));
+}
+
+/* Time derivative of the y that the state holds everything of. */
+static void rates_of_whole(const Model *m, const State *at, real *out)
+{
+    const Spec *s = &m->s;
+    const int a = s->n_x_dynamic, b = s->n_e_dynamic, k = s->n_x_kinematic, l = s->n_e_kinematic;
+    memcpy(out, at->y + a + b + k + l, sizeof(real) * (a + b));
+    memcpy(out += a + b, at->xd + s->x_kinematic, sizeof(real) * k);
+    memcpy(out += k, at->ed + s->e_kinematic, sizeof(real) * l);
+    memcpy(out += l, at->xdd + s->x_dynamic, sizeof(real) * a);
+    memcpy(out + a, at->edd + s->e_dynamic, sizeof(real) * b);
+}
+
 /* Time derivative of y. */
 static int spacar_rhs(Model *m, State *at, double t, const real *y, real *out, double converged, double jump)
 {
+    if (is_evaluated(m, at, t, y)) {
+        rates_of_whole(m, at, out);
+        if (LANES == 1 && at->watched && !m->tree) sample(m, at);
+        return OK;
+    }
     return m->tree ? tree_rates(m, at, t, y, out) : rates_of_elements(m, at, t, y, out, converged, jump);
 }
 
@@ -249,7 +274,7 @@ static int spacar_rhs(Model *m, State *at, double t, const real *y, real *out, d
 static int spacar_stages(Model *m, State *at, int from, int n, const double *c, const double *a, double t, double h, double earliest,
                   double latest, const real *y, real *K, int stride, double converged, double jump)
 {
-    const int size = 2 * (m->s.n_x_dynamic + m->s.n_e_dynamic) + m->s.n_x_kinematic + m->s.n_e_kinematic;
+    const int size = n_of_state(&m->s);
     for (int i = from; i < n; i++) {
         real *stage = m->stage;
         memset(stage, 0, sizeof(real) * size);
@@ -262,26 +287,4 @@ static int spacar_stages(Model *m, State *at, int from, int n, const double *c, 
         leave_motion(m);
     }
     return n;
-}
-
-/* What frames have besides: rates of all deformations, applied forces, gravity M g and total forces M xdd + h + V^T sigma. */
-static void spacar_complete(Model *m, State *at, real *applied, real *gravity, real *total)
-{
-    const Spec *s = &m->s;
-    memcpy(applied, m->applied, sizeof(real) * s->nx);
-    for (int r = 0; r < s->ne; r++) {
-        at->ed[r] = rate(m, r, at->xd);
-        at->edd[r] = rate(m, r, at->xdd) + m->h[r];
-    }
-    memset(gravity, 0, sizeof(real) * s->nx);
-    memcpy(total, m->convected, sizeof(real) * s->nx);
-    for (int k = 0; k < m->mass.n; k++) {
-        const real value = m->values[m->mass.source[k]];
-        const int i = m->mass.row[k], j = m->mass.column[k];
-        gravity[i] += value * s->field[j];
-        total[i] += value * at->xdd[j];
-    }
-    for (int k = 0; k < m->coupling.n; k++)
-        total[m->coupling.row[k]] += m->values[m->coupling.source[k]] * at->xdd[m->coupling.column[k]];
-    for (int r = 0; r < s->ne; r++) subtract_transposed(m, r, -at->sigma[r], total);
 }

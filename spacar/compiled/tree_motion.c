@@ -196,7 +196,16 @@ static void weigh(struct Tree *T)
     }
 }
 
-/* Moments at orientations, subtracted from the first column of A: of forces on lambda, as lambda'.f = w.moment. */
+/* The moment of forces on the Euler parameters with the coordinates c: lambda'.f = w.moment. */
+static void moment_of(const real *x, const real *f, const int *c, real *moment)
+{
+    const real l0 = 0.5 * x[c[0]], l1 = 0.5 * x[c[1]], l2 = 0.5 * x[c[2]], l3 = 0.5 * x[c[3]];
+    moment[0] = -l1 * f[c[0]] + l0 * f[c[1]] - l3 * f[c[2]] + l2 * f[c[3]];
+    moment[1] = -l2 * f[c[0]] + l3 * f[c[1]] + l0 * f[c[2]] - l1 * f[c[3]];
+    moment[2] = -l3 * f[c[0]] - l2 * f[c[1]] + l1 * f[c[2]] + l0 * f[c[3]];
+}
+
+/* Moments of forces at orientations, subtracted from the first column of A. */
 static void load_orientations(const struct Tree *T, const real *x, const real *f, int q, real *A)
 {
     const int width = T->width;
@@ -206,12 +215,7 @@ static void load_orientations(const struct Tree *T, const real *x, const real *f
         for (int k = 0; k < T->orientations[i].n; k++) EACH_LANE loaded |= LANE(f[c[k]], w) != 0.0;
         if (!loaded) continue;
         real moment[3] = {f[c[0]]};
-        if (T->turns == 3) {
-            const real l0 = 0.5 * x[c[0]], l1 = 0.5 * x[c[1]], l2 = 0.5 * x[c[2]], l3 = 0.5 * x[c[3]];
-            moment[0] = -l1 * f[c[0]] + l0 * f[c[1]] - l3 * f[c[2]] + l2 * f[c[3]];
-            moment[1] = -l2 * f[c[0]] + l3 * f[c[1]] + l0 * f[c[2]] - l1 * f[c[3]];
-            moment[2] = -l3 * f[c[0]] - l2 * f[c[1]] + l1 * f[c[2]] + l0 * f[c[3]];
-        }
+        if (T->turns == 3) moment_of(x, f, c, moment);
         const real *turning = T->turning + T->turns * frame * width;
         for (int k = 0; k < q; k++)
             for (int r = 0; r < T->turns; r++) A[k * width] -= moment[r] * turning[r * width + 1 + k];
@@ -284,16 +288,24 @@ static int tree_rates(Model *m, State *at, double t, const real *y, real *out)
     at->t = t;
     at->known = 1;
     m->transfer_of = NULL;
-    m->ahead = 1;
+    m->of_tree = m->matrices_behind = m->factors_behind = 1;
     return OK;
 }
 
-/* V, M and the factors of the position at the last evaluated state, which the steps of a tree do without. OK or a negative reason. */
+/* V and M at the last evaluated state, which the steps of a tree do without, and h. OK or NOT_ANSWERED. */
+static int catch_up_matrices(Model *m)
+{
+    if (!m->matrices_behind) return OK;
+    m->matrices_behind = 0;
+    return strain(m, m->next_x, m->near, m->next_e) || inertia(m, m->next_x, m->next_xd, 0) ? NOT_ANSWERED : OK;
+}
+
+/* The factors of the position too, which trees do without. OK or a negative reason. */
 static int catch_up(Model *m)
 {
-    if (!m->ahead) return OK;
-    m->ahead = 0;
-    if (strain(m, m->next_x, m->near, m->next_e) || inertia(m, m->next_x, m->next_xd)) return NOT_ANSWERED;
+    if (catch_up_matrices(m)) return NOT_ANSWERED;
+    if (!m->factors_behind) return OK;
+    m->factors_behind = 0;
     const int status = factor(&m->position, m->values);
     m->factored = !status;
     memcpy(m->factored_x, m->next_x, sizeof(real) * m->s.nx);

@@ -101,7 +101,9 @@ def watched(evaluator: Evaluator, report: Report, charts: ChartWatch | None = No
     settings = mechanism.settings
     resolved = not METHODS[settings.integrator].needs_jacobian
     errors = settings.atol, settings.rtol
-    continuity = Continuity(evaluator, matrix, report, errors, resolved) if not matrix.is_empty else None
+    continuity = None
+    if not (matrix.is_empty or matrix.regular_everywhere()):
+        continuity = Continuity(evaluator, matrix, report, errors, resolved)
     if not half_turns.nodes and continuity is None and charts is None:
         return None
     return Watched(evaluator, half_turns, continuity, charts)
