@@ -31,7 +31,7 @@ def check_geometry(scene: CheckMaterial) -> None:
     """Positions given once, elements with a length, directions that define a frame."""
     positions = _positions(scene)
     places = [positions.get(n, ORIGIN) for n, role in scene.outline.roles.items() if role == "position"]
-    size = max([max(axis) - min(axis) for axis in zip(*places, strict=True)], default=0.0)
+    size = max([max(axis) - min(axis) for axis in zip(*places)], default=0.0)  # noqa: B905 (three in each)
     elements = scene.outline.elements
     if scene.outline.regular:
         groups = scene.index.groups_of(*[kind.keyword for kind in scene.outline.kinds], block=1)
@@ -73,7 +73,7 @@ def _add_positions(
     if _all_new(new, group, given) and all([roles.get(node) == "position" for node in new]):
         given.update(new)
         zeros = (0.0,) * (4 - len(group[0].values))
-        positions.update(zip(new, cast("list[Vector]", [s.values[1:] + zeros for s in group]), strict=True))
+        positions.update(cast("dict[int, Vector]", {s.values[0]: s.values[1:] + zeros for s in group}))
         return
     for s in group:
         node, place = s.integer(0), s.reals(1, 3)

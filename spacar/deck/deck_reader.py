@@ -62,7 +62,7 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
     kinds = {1: BlockKind.KINEMATICS, 2: BlockKind.DYNAMICS, 3: third}
     lost: list[Raw] = []
     others = []
-    for part, groups in zip(parts.statements, read, strict=True):
+    for part, groups in zip(parts.statements, read):  # noqa: B905 (a list for each)
         if part.keyword in ELEMENT_TYPES:
             _read(part, KEYWORDS[part.keyword, BlockKind.KINEMATICS], outline, findings, groups, lost)
         else:

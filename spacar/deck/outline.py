@@ -77,8 +77,8 @@ class Outline:
         """Take in statements of one element type whose arguments are right; first definitions win."""
         kind = ELEMENT_TYPES[statements[0].keyword]
         width = 1 + len(kind.nodes)
-        numbers, *columns = cast("Iterable[tuple[int, ...]]", zip(*[s.values[:width] for s in statements], strict=True))
-        new = dict(zip(numbers, statements, strict=True))
+        numbers, *columns = cast("Iterable[tuple[int, ...]]", zip(*[s.values[:width] for s in statements]))  # noqa: B905
+        new = dict(zip(numbers, statements))  # noqa: B905 (of equal lengths; `strict` doubles the time of a call)
         if len(new) < len(statements) or not self.elements.keys().isdisjoint(new):
             self.regular = False
             for s in statements:
@@ -93,7 +93,7 @@ class Outline:
         self.space = self.space or space
         self.regular &= self.space == space
         roles = self.roles
-        for node, role in zip(chain.from_iterable(zip(*columns, strict=True)), cycle(kind.nodes), strict=False):
+        for node, role in zip(chain.from_iterable(zip(*columns)), cycle(kind.nodes)):  # noqa: B905
             if roles.setdefault(node, role) != role:
                 self.regular = False
         for i, j in twins_of(kind):
