@@ -118,12 +118,7 @@ class CompiledModel:
         self._whole = self._whole_numbers()
         self._values = np.concatenate([*(a.ravel() for a in numbers.arrays()), *scales])
         x_end = 3 * cases * len(numbers.x_motion)
-        e_end = x_end + 3 * cases * len(numbers.e_motion)
-        force_end = e_end + cases * n.nx
-        self.force = self._values[e_end:force_end].reshape(n.nx, cases)
-        preload_end = force_end + cases * n.ne
-        self.preload = self._values[force_end:preload_end].reshape(n.ne, cases)
-        self.x0 = self._values[preload_end : preload_end + cases * n.nx].reshape(n.nx, cases)
+        self._e_end = e_end = x_end + 3 * cases * len(numbers.e_motion)
         motions = self._values[:x_end].reshape(-1, 3, cases), self._values[x_end:e_end].reshape(-1, 3, cases)
         self.slots = slots = Slots(numbers.elements, drives, motions, users, (n.nx, n.ne, cases))
         self._callback = slots.callback()
@@ -139,6 +134,26 @@ class CompiledModel:
     def __del__(self) -> None:
         if getattr(self, "handle", None):  # without it nothing has begun
             self.engine.end(self.handle)
+
+    def _rows(self, begin: int, n: int) -> Array:
+        """The n rows (n, cases) of the numbers from row `begin` behind the motions on."""
+        first = self._e_end + self.cases * begin
+        return self._values[first : first + self.cases * n].reshape(n, self.cases)
+
+    @property
+    def force(self) -> Array:
+        """(nx, cases) constant nodal forces, which may change."""
+        return self._rows(0, self.numbering.nx)
+
+    @property
+    def preload(self) -> Array:
+        """(ne, cases), which may change."""
+        return self._rows(self.numbering.nx, self.numbering.ne)
+
+    @property
+    def x0(self) -> Array:
+        """(nx, cases) reference configurations."""
+        return self._rows(self.numbering.nx + self.numbering.ne, self.numbering.nx)
 
     def _whole_numbers(self) -> NDArray[np.int32]:
         """Counts and lists, as `read_spec` of model.c reads them."""

@@ -239,10 +239,10 @@ static int rates_of_elements(Model *m, State *at, double t, const real *y, real 
 
 static int n_of_state(const Spec *s) { return 2 * (s->n_x_dynamic + s->n_e_dynamic) + s->n_x_kinematic + s->n_e_kinematic; }
 
-/* Whether the state holds everything of y at t, and nothing has been evaluated since. */
+/* Whether the state holds everything of y at t, and nothing has been evaluated since. A user function is asked again: it may count. */
 static int is_evaluated(const Model *m, const State *at, double t, const real *y)
 {
-    return at->whole && at->whole == m->evaluations && at->t == t && !memcmp(at->y, y, sizeof(real) * n_of_state(&m->s));
+    return !m->s.user && at->whole && at->whole == m->evaluations && at->t == t && !memcmp(at->y, y, sizeof(real) * n_of_state(&m->s));
 }
 
 /* Time derivative of the y that the state holds everything of. */

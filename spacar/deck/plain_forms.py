@@ -94,7 +94,7 @@ def plain_statements(lines: PlainLines, keyword: Keyword, outline: Outline) -> l
     elif form.references and not _known(columns, form, outline):
         return None
     rows = zip(*columns, strict=True) if count else repeat(())
-    parts = zip(repeat(lines.keyword), rows, repeat(lines.block), lines.lines, lines.texts)  # noqa: B905 (of repeat)
+    parts = zip(repeat(lines.keyword), rows, repeat(lines.block), lines.lines, lines.texts)
     return list(map(_STATEMENT, parts))
 
 

@@ -25,7 +25,7 @@ X_ORDER = ("fixed", "calculable", "input", "dynamic", "kinematic")
 E_ORDER = ("fixed", "input", "dynamic", "kinematic", "calculable")
 X_STATEMENTS = {"FIX": "fixed", "INPUTX": "input", "DYNX": "dynamic", "KINX": "kinematic"}
 E_STATEMENTS = {"RLSE": "calculable", "INPUTE": "input", "DYNE": "dynamic", "KINE": "kinematic"}
-ABSENT = 255
+ABSENT = len(X_ORDER) + len(E_ORDER)
 ROLES = ("", "position", "orientation", "warping")  # of nodes; their places are the codes of `ClassCodes.roles`
 
 

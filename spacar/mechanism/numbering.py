@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Index
 from spacar.deck import ELEMENT_TYPES, Deck, coordinates_of
-from spacar.mechanism.class_codes import E_ORDER, ROLES, X_ORDER, class_codes
+from spacar.mechanism.class_codes import ABSENT, E_ORDER, ROLES, X_ORDER, class_codes
 from spacar.mechanism.element_rows import ElementRows
 
 CLASSES = X_ORDER
@@ -316,11 +316,12 @@ def number(deck: Deck, types: Sequence[ElementRows], prescribed: bool = False) -
     planar = types[0].kind.planar
     codes, of_nodes, width, roles = class_codes(deck, types, prescribed)
     turning = NONE if planar else _with_role(roles, "orientation")
-    x_counts = [codes.count(code, 0, of_nodes) for code in range(5)]
-    e_counts = [codes.count(code, of_nodes) for code in range(5, 10)]
+    table = np.frombuffer(codes, np.uint8)
+    counts = np.bincount(table, minlength=ABSENT).tolist()
+    x_counts, e_counts = counts[: len(X_ORDER)], counts[len(X_ORDER) : ABSENT]
     nx, ne = sum(x_counts), sum(e_counts)
     # places in x, and again from 0 in e, by class and then as the codes stand; -1 where ABSENT
-    order = np.frombuffer(codes, np.uint8).argsort(kind="stable")
+    order = table.argsort(kind="stable")
     places, ascending = np.empty(len(codes), np.int64), np.arange(nx + ne)
     places.fill(-1)
     ascending[nx:] -= nx

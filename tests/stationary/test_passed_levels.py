@@ -108,3 +108,13 @@ def test_what_needs_a_decision_is_left():
     critical = 2.467 / 4.0 * len(levels)  # pi^2/4 EI/l^2
     assert 1 + done <= critical
     assert walk.level == levels[done]
+
+
+def test_the_first_and_the_stored_level_are_passed_too(monkeypatch):
+    """A smooth path: Python solves no level, also where the first part is walked back, and makes no equations."""
+    from spacar.stationary.level_evaluator import LevelEvaluator, StationaryEquations
+
+    monkeypatch.setattr(LevelEvaluator, "newton", lambda *_: pytest.fail("an iteration of Python"))
+    monkeypatch.setattr(StationaryEquations, "__init__", lambda *_: pytest.fail("equations of NumPy"))
+    found, lines, error = states(TEXTS["cantilever"])
+    assert (len(found), lines, error) == (1, [], "")
