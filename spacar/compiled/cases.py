@@ -168,6 +168,19 @@ class InLanes:
         """See `PassageOfCases`."""
         self.passage.into(times, rows, far)
 
+    def show(self, output: int, y: Array) -> None:
+        """A single output, whose state is y. The first one is the start, which has been evaluated."""
+        if output:
+            self.passage.show(output, y)
+            return
+        at, shown = self.state, self.passage.c.shown
+        self.passage.c.shown = at.address
+        try:
+            self.passage.show(output, y)
+        finally:
+            self.passage.c.shown = shown
+        self.shown.resume(float(at.c.t), at.x, at.xd, at.xdd, at.e)
+
     def wheels_lifted(self, times: Array, rows: Array) -> list[dict[int, str]]:
         """Warnings of every lane, by wheel, after all outputs (rows as for `into`)."""
         lanes = self.by_case[2]
