@@ -76,6 +76,7 @@ static int spacar_adams_begin(March *r, Adams *a)
     a->k_old = a->equal = a->rejections = r->reductions = 0;
     a->h_old = 0.0;
     a->starting = 1;
+    started(r, a->y);
     return 0;
 }
 

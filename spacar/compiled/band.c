@@ -107,7 +107,7 @@ static int band_factor(double *a, int n, int b, int *pivots)
     const int top = 2 * b, height = 3 * b + 1;
     int last = 0;
     for (int j = 0; j < n; j++) {
-        double *column = a + (size_t)j * height + top;
+        double *restrict column = a + (size_t)j * height + top;
         const int below = b < n - 1 - j ? b : n - 1 - j;
         int p = 0;
         for (int i = 1; i <= below; i++) if (fabs(column[i]) > fabs(column[p])) p = i;
@@ -124,7 +124,7 @@ static int band_factor(double *a, int n, int b, int *pivots)
         const double inverse = 1.0 / column[0];
         for (int i = 1; i <= below; i++) column[i] *= inverse;
         for (int c = j + 1; c <= last; c++) {
-            double *to = a + (size_t)c * height + top + j - c;
+            double *restrict to = a + (size_t)c * height + top + j - c;
             const double u = to[0];
             if (u == 0.0) continue;
             for (int i = 1; i <= below; i++) to[i] -= u * column[i];
@@ -165,13 +165,13 @@ static double band_sign(const double *a, int n, int b, const int *pivots)
 static int band_positive(double *a, int n, int w)
 {
     for (int j = 0; j < n; j++) {
-        double *column = a + (size_t)j * (w + 1);
+        double *restrict column = a + (size_t)j * (w + 1);
         const int below = w < n - 1 - j ? w : n - 1 - j;
         if (!(column[0] > 0.0)) return 0;
         const double inverse = 1.0 / sqrt(column[0]);
         for (int i = 1; i <= below; i++) column[i] *= inverse;
         for (int k = 1; k <= below; k++) {
-            double *to = a + (size_t)(j + k) * (w + 1) - k;
+            double *restrict to = a + (size_t)(j + k) * (w + 1) - k;
             const double l = column[k];
             if (l == 0.0) continue;
             for (int i = k; i <= below; i++) to[i] -= l * column[i];

@@ -28,11 +28,12 @@ from spacar.mechanism.mechanism import Drive, UserSignal
 
 @dataclass(frozen=True)
 class PlacedStart:
-    """Start state y of a case, where it was placed: x (nx,), e (ne,)."""
+    """Start state y of a case, where it was placed: x (nx,), e (ne,); its `largest_mass`, kg m^2."""
 
     y: Array
     x: Array
     e: Array
+    largest: float
 
 
 class InLanes:
@@ -93,19 +94,18 @@ class InLanes:
                 raise not_followed(t)
         return self._out.copy()
 
-    def start(self, placed: PlacedStart, largest: float) -> bool:
+    def start(self, find_placed: Callable[[], PlacedStart]) -> bool:
         """Place the start state. Are the mass matrices regular? Where C leaves a doubt they are to be looked at alone.
 
-        A start that is far from the reference configuration is reached over that of one of the cases, which has been
-        `placed`.
-        largest: `largest_mass` of that case, kg m^2, for the size of all; it refuses and accepts nothing.
+        A start that is far from the reference configuration is reached over that of one of the cases, which is asked
+        for then; its `largest_mass` is for the size of all and refuses and accepts nothing.
         Raises AnalysisError where the start of a case cannot be reached from there.
         """
         out, y0, checked = self._out.ctypes.data, self.y0.ctypes.data, is_checked(self.numbering)
         status = self.solver.start(self.state, y0, out, checked)
         if status >= 0 and status != FAR_AWAY:
             return checked and status != DOUBTFUL_MASS
-        state, mechanism = self.state, self.model.mechanism
+        state, mechanism, placed = self.state, self.model.mechanism, find_placed()
         there = self.solver.x0 + (placed.x - mechanism.x0)[:, None]
         state.begin(there, placed.e[:, None])
         y = np.repeat(placed.y, self.by_case[2])
@@ -117,7 +117,7 @@ class InLanes:
         self.shown.resume(float(state.c.t), state.x, state.xd, state.xdd, state.e)
         M, condition = self.solver.reduced_mass() if checked else None, self.solver.condition()
         return M is not None and not any(
-            is_doubtful(mechanism, M[:, :, lane], condition, largest) for lane in range(self.by_case[2])
+            is_doubtful(mechanism, M[:, :, lane], condition, placed.largest) for lane in range(self.by_case[2])
         )
 
     def component_name(self, i: int) -> str:
@@ -164,17 +164,17 @@ class InLanes:
             self.state.resume(at.t, at.x, at.xd, at.xdd, at.e)
 
     # -- outputs --------------------------------------------------------------------------------------------------
-    def into(self, times: Array, rows: Array, block: int, far: int) -> None:
+    def into(self, times: Array, rows: Array, far: int) -> None:
         """See `PassageOfCases`."""
-        self.passage.into(times, rows, block, far)
+        self.passage.into(times, rows, far)
 
-    def wheels_lifted(self, times: Array, rows: Array, block: int) -> list[dict[int, str]]:
+    def wheels_lifted(self, times: Array, rows: Array) -> list[dict[int, str]]:
         """Warnings of every lane, by wheel, after all outputs (rows as for `into`)."""
         lanes = self.by_case[2]
         said: list[dict[int, str]] = [{} for _ in range(lanes)]
         if self.has_wheels:
             wheels = Wheels(self.model, lanes)
-            stresses = rows[:, 6 * self.numbering.nx + 3 * self.numbering.ne + wheels.rows, block]
+            stresses = rows[:, 6 * self.numbering.nx + 3 * self.numbering.ne + wheels.rows]
             for t, normal in zip(times.tolist(), stresses, strict=True):
                 for lane, wheel, text in wheels.lifted(t, normal):
                     said[lane].setdefault(wheel, f"warning: {text}")

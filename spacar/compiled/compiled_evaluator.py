@@ -7,7 +7,7 @@ shared between both: a `Placement` goes from the state in C to the general evalu
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property, partial
 from math import log
 from typing import TypeVar
@@ -26,7 +26,6 @@ from spacar.dynamics.array_evaluator import Dynamics, component_name
 from spacar.dynamics.loaded_mechanism import LoadedMechanism, Moving, Placement
 from spacar.dynamics.mass_check import is_checked
 from spacar.frame import Frame
-from spacar.integrators.problem import Step
 from spacar.integrators.radau import Radau
 from spacar.kinematics.constraint_condition import of_entries
 from spacar.kinematics.kinematics import CONVERGED
@@ -245,9 +244,9 @@ class CompiledDynamics:
     def component_name(self, i: int) -> str:
         return component_name(self.numbering, i)
 
-    def marching(self, lookout: Lookout, passage: Passage | None = None) -> Callable[..., Iterator[Step]]:
+    def marching(self, lookout: Lookout, passage: Passage | None = None) -> Marching:
         """Steps from output to output, or through those of a passage, looked at by `lookout`."""
-        return Marching(self, lookout, passage).steps
+        return Marching(self, lookout, passage)
 
     def passage(self, times: Sequence[float] | Array, ground: Index, singular: float, far: int = 0) -> Passage:
         """Outputs at `times`, evaluated here many at a time; arguments as `Passage`."""

@@ -22,7 +22,8 @@ static int definite_pattern(const Equilibrium *q, Own *w)
             const int s = q->groups[k].elements->nxe * q->groups[k].elements->nxe * q->groups[k].elements->n;
             for (int i = 0; i < s; i++, count++) { /* the lower half */
                 const int r = rows[count] < 0 ? -1 : rank[rows[count]], c = columns[count] < 0 ? -1 : rank[columns[count]];
-                w->pieces[k].definite_at[i] = r < c || c < 0 ? -1 : c * (b + 1) + r - c;
+                w->pieces[k].definite_row[i] = r < c || c < 0 ? -1 : r;
+                w->pieces[k].definite_column[i] = c;
             }
         }
     }
@@ -62,20 +63,25 @@ static int spacar_equilibrium_definite(Equilibrium *q)
         const int nxe = g->elements->nxe, nee = g->elements->nee, m = g->elements->n;
         double *P = p->by_x + (size_t)nxe * nxe * m;
         memset(P, 0, sizeof(double) * nxe * nxe * m);
-        for (int r = 0; r < nee; r++) for (int c = 0; c < nee; c++) for (int i = 0; i < m; i++) {
-            const int64_t e = g->e[r * m + i], f = g->e[c * m + i];
-            const int given = prescribes(q, e), both = !given && !prescribes(q, f) && w->coupled[e] != 0.0 && w->coupled[f] != 0.0;
-            double stiffness = both && g->S ? g->S[(r * nee + c) * m + i] : 0.0;
-            if (r == c && given) stiffness = q->weight * size / (q->e_scale[e] * q->e_scale[e]);
-            if (stiffness == 0.0) continue;
-            for (int a = 0; a < nxe; a++) {
-                const double force = stiffness * g->V[(r * nxe + a) * m + i];
-                if (force != 0.0) for (int d = 0; d < nxe; d++) P[(a * nxe + d) * m + i] += force * g->V[(c * nxe + d) * m + i];
+        for (int r = 0; r < nee; r++) for (int c = 0; c < nee; c++) {
+            double *restrict stiffness = p->sigma, most_stiff = 0.0; /* of all elements */
+            for (int i = 0; i < m; i++) {
+                const int64_t e = g->e[r * m + i], f = g->e[c * m + i];
+                const int given = prescribes(q, e), both = !given && !prescribes(q, f) && w->coupled[e] != 0.0 && w->coupled[f] != 0.0;
+                stiffness[i] = both && g->S ? g->S[(r * nee + c) * m + i] : 0.0;
+                if (r == c && given) stiffness[i] = q->weight * size / (q->e_scale[e] * q->e_scale[e]);
+                most_stiff = larger(most_stiff, stiffness[i]);
+            }
+            if (most_stiff == 0.0) continue;
+            for (int a = 0; a < nxe; a++) for (int d = 0; d < nxe; d++) {
+                const double *left = g->V + (r * nxe + a) * m, *right = g->V + (c * nxe + d) * m;
+                double *restrict to = P + (a * nxe + d) * m;
+                for (int i = 0; i < m; i++) to[i] += stiffness[i] * left[i] * right[i];
             }
         }
-        for (int j = 0; j < nxe * nxe * m; j++) {
-            const int at = p->definite_at[j];
-            if (at >= 0 && at % (b + 1) == 0) w->definite_size[at / (b + 1)] += fabs(P[j]) + fabs(p->H[j]);
+        for (int j = 0; j < p->square; j++) {
+            const int row = p->definite_row[j];
+            if (row >= 0 && row == p->definite_column[j]) w->definite_size[row] += fabs(P[j]) + fabs(p->H[j]);
         }
     }
     for (int i = 0; i < n; i++) {
@@ -84,14 +90,12 @@ static int spacar_equilibrium_definite(Equilibrium *q)
     }
     for (int k = 0; k < q->n_groups; k++) {
         const Piece *p = &w->pieces[k];
-        const Elements *t = q->groups[k].elements;
-        const double *P = p->by_x + (size_t)t->nxe * t->nxe * t->n;
-        for (int j = 0; j < t->nxe * t->nxe * t->n; j++) {
-            const int at = p->definite_at[j];
-            if (at < 0) continue;
-            const int column = at / (b + 1), row = column + at % (b + 1);
+        const double *P = p->by_x + p->square;
+        for (int j = 0; j < p->square; j++) {
+            const int row = p->definite_row[j], column = p->definite_column[j];
+            if (row < 0) continue;
             const double scale = w->definite_size[column] * w->definite_size[row];
-            w->definite_band[at] += scale * (p->H[j] + P[j]);
+            w->definite_band[(size_t)column * b + row] += scale * (p->H[j] + P[j]);
             most = larger(larger(most, scale * p->H[j]), scale * P[j]);
         }
     }

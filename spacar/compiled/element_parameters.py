@@ -16,8 +16,10 @@ GUARD, LEFT = 0.71, 0.7
 def _plbeam(f: Family) -> Array:
     start = getattr(f, "start", np.zeros((3, f.n)))  # of tubes
     rotation = getattr(f, "rotary", f.lumped)  # type: ignore[attr-defined]  # of the angle measure the whole
-    own = [0.5 * f.A2, f.B, *start, f.unit, rotation]  # type: ignore[attr-defined]
-    return np.stack([f.length, *f.angle, *own])  # type: ignore[attr-defined]
+    own = f.length, f.angle, 0.5 * f.A2, f.B, start, f.unit, rotation  # type: ignore[attr-defined]
+    rows = np.empty((10, f.n), np.result_type(*own))
+    rows[0], rows[1:3], rows[3], rows[4], rows[5:8], rows[8], rows[9] = own
+    return rows
 
 
 def _flow(f: Family) -> Array:

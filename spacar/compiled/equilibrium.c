@@ -37,10 +37,10 @@ typedef struct {
 } Equilibrium;
 
 /* Of a group: room for its elements, the flexibility (nee, nee, n) times `size`; places in the band of the geometric stiffness and
-   the gradient of gravity, of V and its transpose, of the flexibility, -1 for what is left out; places in the band of the proof. */
+   the gradient of gravity, of V and its transpose, of the flexibility, -1 for what is left out; places in the matrix of the proof. */
 typedef struct {
     double *x, *near, *e, *H, *by_x, *sigma, *C;
-    int *at, *v_at, *turned_at, *c_at, *definite_at;
+    int *at, *v_at, *turned_at, *c_at, *definite_row, *definite_column;
     int square, v, c; /* how many entries these have */
 } Piece;
 
@@ -202,21 +202,21 @@ static int spacar_equilibrium_begin(Equilibrium *q)
         squares += p->square;
         pairs += (size_t)p->square + p->v + p->c;
     }
-    int *rows = room_of(w, 4 * pairs + squares, sizeof(int));
+    int *rows = room_of(w, 4 * pairs + 2 * squares, sizeof(int));
     w->place = room_of(w, q->nx, sizeof(int));
     w->rank = room_of(w, n, sizeof(int));
     w->pivots = room_of(w, n, sizeof(int));
     w->z = room_of(w, n, sizeof(quad));
     double *d = room_of(w, numbers, sizeof(double));
     if (!rows || !w->place || !w->rank || !w->pivots || !w->z || !d) return NO_MEMORY;
-    int *definite_at = rows + 4 * pairs, free_coordinates = 0;
+    int *definite = rows + 4 * pairs, free_coordinates = 0;
     for (int k = 0; k < q->n_groups; k++) {
         const Elements *t = q->groups[k].elements;
         const size_t e = (size_t)t->nee * t->n, x = (size_t)t->nxe * t->n;
         Piece *p = &w->pieces[k];
         p->x = d; p->near = d + x; p->e = p->near + e; p->sigma = p->e + e; p->C = p->sigma + e;
         p->H = p->C + p->c; p->by_x = p->H + p->square; d = p->by_x + 2 * p->square;
-        p->definite_at = definite_at; definite_at += p->square;
+        p->definite_row = definite; p->definite_column = definite + p->square; definite += 2 * p->square;
     }
     double **vectors[] = { &w->applied, &w->given_x, &w->force, &w->sizes, &w->x, &w->dx, &w->inertia, &w->weight };
     for (int k = 0; k < 8; k++, d += q->nx) *vectors[k] = d;

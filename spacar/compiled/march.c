@@ -6,7 +6,7 @@
 
    Several cases share their steps: n, and every array of the state, counts all lanes, a step has the largest error of a case,
    and where one of them would have to be asked or told about, the call ends: Python follows them alone. */
-enum { ARRIVED = 0, AT_OUTPUT = 1, PAUSED = 2, TOO_SMALL = 3, NOT_EVALUATED = 4, INTERRUPTED = 5 }; /* as in marching.py */
+enum { ARRIVED = 0, AT_OUTPUT = 1, PAUSED = 2, TOO_SMALL = 3, NOT_EVALUATED = 4, INTERRUPTED = 5 }; /* as in methods_in_c.py */
 enum { LOOK_NEVER, LOOK_AT_DETERMINANTS, LOOK_AT_VELOCITIES, LOOK_ALWAYS };
 
 /* 0; 1 when the state cannot be evaluated; 2 when all has to end: Python keeps the error. */
@@ -46,23 +46,24 @@ static int derivative(March *r, double t, const double *y, double *f)
     return r->ask ? r->ask(t, y, f) : 1;
 }
 
-/* `unexplained` of spacar/dynamics/loaded_mechanism.py, of any coordinate. */
+static inline real size_of(real a) { return lanes_larger(EVERY(0.0), a); }
+
+/* `unexplained` of spacar/dynamics/loaded_mechanism.py, of any coordinate of a case. */
 static int unexplained(const March *r, const double *a, const double *b)
 {
     const int nx = r->model->s.nx;
-    const double h = b[0] - a[0], *va = a + 4 + r->n + nx * LANES, *vb = b + 4 + r->n + nx * LANES;
-    const double *aa = va + nx * LANES, *ab = vb + nx * LANES;
-    EACH_LANE {
-        double fastest = 0.0;
-        for (int i = 0, k = w; i < nx; i++, k += LANES) fastest = fmax(fastest, fmax(fabs(va[k]), fabs(vb[k])) / r->scale[i]);
-        if (fastest * fabs(h) <= r->still) continue;
-        for (int i = 0, k = w; i < nx; i++, k += LANES) {
-            const double change = fabs(vb[k] - va[k] - 0.5 * h * (aa[k] + ab[k]));
-            const double v = fmax(fabs(va[k]), fabs(vb[k])), acceleration = fmax(fabs(aa[k]), fabs(ab[k]));
-            if (change > fabs(h) * acceleration + r->share * v + fastest * r->scale[i] * r->noise) return 1;
-        }
+    const double h = b[0] - a[0];
+    const real *va = (const real *)(a + 4 + r->n) + nx, *vb = (const real *)(b + 4 + r->n) + nx, *aa = va + nx, *ab = vb + nx;
+    real fastest = EVERY(0.0), most = EVERY(0.0);
+    for (int i = 0; i < nx; i++) fastest = lanes_larger(fastest, lanes_larger(size_of(va[i]), vb[i]) / r->scale[i]);
+    EACH_LANE if (!(LANE(fastest, w) * fabs(h) > r->still)) LANE(fastest, w) = INFINITY; /* of a case that stands, all is explained */
+    for (int i = 0; i < nx; i++) {
+        const real v = lanes_larger(size_of(va[i]), vb[i]), acceleration = lanes_larger(size_of(aa[i]), ab[i]);
+        const real change = size_of(vb[i] - va[i] - 0.5 * h * (aa[i] + ab[i]));
+        const real beyond = change - (fabs(h) * acceleration + r->share * v + fastest * (r->scale[i] * r->noise));
+        most = lanes_larger(most, beyond + size_of(beyond)); /* zero where it is negative */
     }
-    return 0;
+    return largest_lane(most) > 0.0;
 }
 
 /* Does a coordinate go farther in the step than the watch sees with the states inside alone? */
@@ -81,28 +82,23 @@ static int has_to_be_alone(March *r, const double *before, const double *now)
 {
     int alone = !r->at->known;
     for (int i = 0; i < r->n_lambda0; i++) EACH_LANE alone |= fabs(LANE(r->at->x[r->lambda0[i]], w)) < r->half_turn;
-    if (!r->model->tree) { /* which has no dead points */
-        double mantissa[LANES], exponent[LANES];
-        determinant(of_rates(r->model), mantissa, exponent);
-        EACH_LANE {
-            const double sign = mantissa[w] < 0.0 ? -1.0 : 1.0;
-            alone |= before && sign != r->signs[w];
-            r->signs[w] = sign;
-        }
+    if (r->model->tree) return alone; /* it has no dead points */
+    double mantissa[LANES], exponent[LANES];
+    determinant(of_rates(r->model), mantissa, exponent);
+    EACH_LANE {
+        const double sign = mantissa[w] < 0.0 ? -1.0 : 1.0;
+        alone |= before && sign != r->signs[w];
+        r->signs[w] = sign;
     }
     return alone || (before && unexplained(r, before, now));
 }
 #endif
 
-/* Record the accepted step that the state stands at, and tell of it if it has to be looked at; 0, or 2 when all has to end. */
-static int seen(March *r, double t, const double *y)
+/* Record the step that the state stands at. */
+static double *recorded(March *r, const double *y)
 {
-    const Model *m = r->model;
     const State *s = r->at;
-    const int nx = m->s.nx * LANES;
-    r->n_steps++;
-    if (r->recorded && !(s->t > record(r, r->recorded - 1)[0])) r->recorded = 0;
-    const double *before = r->recorded ? record(r, r->recorded - 1) : NULL;
+    const int nx = r->model->s.nx * LANES;
     double *now = record(r, r->recorded++);
     now[0] = s->t;
     now[1] = 1.0;
@@ -113,7 +109,31 @@ static int seen(March *r, double t, const double *y)
     memcpy(x, s->x, sizeof(double) * nx);
     memcpy(x + nx, s->xd, sizeof(double) * nx);
     memcpy(x + 2 * nx, s->xdd, sizeof(double) * nx);
-    memcpy(x + 3 * nx, s->e, sizeof(real) * m->s.ne);
+    memcpy(x + 3 * nx, s->e, sizeof(real) * r->model->s.ne);
+    return now;
+}
+
+/* Record the start of a motion where it stands; Python does where it remembers the steps itself, or knows the state alone. */
+static void started(March *r, const double *y)
+{
+    if (LANES > 1 || r->recorded || r->look == LOOK_ALWAYS || !r->at->known) return;
+    double *now = recorded(r, y);
+    if (r->look == LOOK_AT_DETERMINANTS && !r->model->tree) {
+        position_determinant(r->model, &now[1], &now[2]);
+        r->peak = now[2];
+    }
+    clear_samples(r->at);
+}
+
+/* Record the accepted step that the state stands at, and tell of it if it has to be looked at; 0, or 2 when all has to end. */
+static int seen(March *r, double t, const double *y)
+{
+    const Model *m = r->model;
+    const State *s = r->at;
+    r->n_steps++;
+    if (r->recorded && !(s->t > record(r, r->recorded - 1)[0])) r->recorded = 0;
+    const double *before = r->recorded ? record(r, r->recorded - 1) : NULL;
+    double *now = recorded(r, y);
 #if LANES > 1
     return has_to_be_alone(r, before, now) ? 2 : 0;
 #else

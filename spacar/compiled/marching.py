@@ -1,5 +1,4 @@
-"""Steps of an integrator in C, from output to output, or through many of them (`Passage`): Adams (code 0) and explicit
-Runge-Kutta (135, 155, 853).
+"""Steps of an integrator in C, from output to output, or through many of them (`Passage`).
 
 The methods stay those of `spacar.integrators`: C works on the arrays of their objects and with their coefficients, so
 that interpolation, failures and messages are theirs too. Python is called back where C cannot give a derivative, and
@@ -16,24 +15,32 @@ from typing import Any, Protocol
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.compiled.compiled_model import CompiledModel, State
-from spacar.compiled.library import INTEGER, NUMBER, POINTER, Engine
-from spacar.compiled.march_structures import CAdams, CMarch, CRungeKutta
-from spacar.compiled.passage import VALUE, Passage
+from spacar.compiled.compiled_model import WIDTH, CompiledModel, State
+from spacar.compiled.library import INTEGER, NUMBER, POINTER, address_of
+from spacar.compiled.march_structures import CMarch
+from spacar.compiled.methods_in_c import (
+    ARRIVED,
+    INTERRUPTED,
+    NOT_EVALUATED,
+    PAUSED,
+    TOO_SMALL,
+    AdamsInC,
+    RungeKuttaInC,
+    address_of_call,
+    vector,
+)
+from spacar.compiled.passage import Passage
 from spacar.compiled.passage_of_cases import PassageOfCases, not_followed
 from spacar.dynamics.loaded_mechanism import ALWAYS, NOISE, SHARE, STILL, Accepted, LoadedMechanism, Moving
 from spacar.errors import AnalysisError
-from spacar.integrators.adams import GAMMA_STAR, PHI, Adams
+from spacar.integrators.adams import Adams
 from spacar.integrators.failures import MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small
 from spacar.integrators.problem import Evaluation, IntegrationStatistics, Step
-from spacar.integrators.runge_kutta import TINY, ExplicitRungeKutta
+from spacar.integrators.runge_kutta import ExplicitRungeKutta
 from spacar.kinematics.kinematics import LARGEST_JUMP
 from spacar.kinematics.regularity import HALF_TURN, HalfTurns
 from spacar.mechanism.numbering import Numbering
 
-ARRIVED, AT_OUTPUT, PAUSED, TOO_SMALL, NOT_EVALUATED, INTERRUPTED = range(6)  # as in march.c
-IN_MEMORY = 0, PHI, *range(2 * PHI, 2 * PHI + 5)  # rows where arrays of `Adams` begin, in the order of CAdams
-GAMMA = np.array(GAMMA_STAR)
 MOST, COMPONENTS = 1000, 20_000  # steps in one call, and steps times components of x and e, so that Ctrl-C is heard
 
 ASK = ctypes.CFUNCTYPE(INTEGER, NUMBER, POINTER, POINTER)
@@ -89,107 +96,6 @@ class InC(Protocol):
     def model(self) -> LoadedMechanism: ...
 
 
-class AdamsInC:
-    """Steps of code 0 with the arrays of its object, for a `March` at an address."""
-
-    def __init__(self, engine: Engine, march: ctypes.c_void_p, method: Adams) -> None:
-        self.engine, self.to, self.method, self.y = engine, march, method, method.y
-        first, row = method.memory.ctypes.data, method.memory.strides[0]
-        self.c = CAdams(*(first + row * k for k in IN_MEMORY), GAMMA.ctypes.data)
-        self.at = ctypes.c_void_p(ctypes.addressof(self.c))
-
-    def begin(self) -> int:
-        """0; 1 when F at the start could not be evaluated, 2 when all has to end."""
-        status: int = self.engine.adams_begin(self.to, self.at)
-        return status
-
-    def march(self) -> int:
-        """Steps up to the next output."""
-        status: int = self.engine.adams(self.to, self.at)
-        return status
-
-    def march_through(self, passage: Passage | PassageOfCases) -> int:
-        """Steps through many outputs."""
-        status: int = self.engine.pass_adams(self.to, self.at, passage.address)
-        return status
-
-    def taken(self, status: int) -> None:
-        """After a call: what the object has to know of it."""
-        if status == TOO_SMALL:
-            np.multiply(self.method.d, self.method.weight, out=self.method.scaled)
-
-    def value(self, t: float) -> Array:
-        """y(t) in the last step."""
-        found = np.empty_like(self.y)
-        self.engine.adams_value(self.to, self.at, t, found.ctypes.data)
-        return found
-
-
-class RungeKuttaInC:
-    """The same of codes 135, 155 and 853; states inside a step come from the object. `answered` lets a question of C be
-    answered."""
-
-    def __init__(
-        self, engine: Engine, march: CMarch, method: ExplicitRungeKutta, answered: Callable[..., int]
-    ) -> None:
-        m = method
-        self.engine, self.of, self.method, self.y = engine, march, method, m.y_new
-        self.to, self.answered = ctypes.c_void_p(ctypes.addressof(march)), answered
-        c, a, errors, safety = m.coefficients()
-        tableau = m.tableau
-        self.kept = c, a, errors  # what C points at
-        self.c = CRungeKutta(
-            c.ctypes.data, a.ctypes.data, tableau.b.ctypes.data, errors.ctypes.data, m.stages.ctypes.data,
-            m.y.ctypes.data, m.y_new.ctypes.data, m.scaled.ctypes.data, *m.controller, safety, TINY, 0.0,
-            len(tableau.c), len(c), errors.shape[1], len(errors) - 1,
-        )  # fmt: skip
-        self.at = ctypes.c_void_p(ctypes.addressof(self.c))
-        self.value = m.interpolate
-        self.known: tuple[float, float] | None = None  # the step that the object knows of
-
-    def begin(self) -> int:
-        """Nothing is left to do: the object has been started."""
-        return 0
-
-    def march(self) -> int:
-        """Steps up to the next output."""
-        status: int = self.engine.runge_kutta(self.to, self.at)
-        return status
-
-    def march_through(self, passage: Passage | PassageOfCases) -> int:
-        """Steps through many outputs."""
-        call = VALUE(self._value)
-        passage.c.value = address_of(call)
-        status: int = self.engine.pass_runge_kutta(self.to, self.at, passage.address)
-        passage.c.value = None
-        return status
-
-    def taken(self, status: int) -> None:
-        """After a step: what the object has to know of it."""
-        step = self.of.begin, self.of.t
-        if step != self.known:
-            self.known = step
-            self.method.taken(self.of.begin, self.c.h)
-
-    def _value(self, t: float, y: int) -> int:
-        """Answer C with the state inside the last step."""
-        return self.answered(self._interpolated, t, y)
-
-    def _interpolated(self, t: float, y: int) -> None:
-        self.taken(ARRIVED)
-        vector(y, len(self.y))[:] = self.method.interpolate(t)
-
-
-def address_of(call: Any) -> int | None:
-    """Of a function of Python that C calls (`ctypes.cast` would leave a circle of references behind)."""
-    return ctypes.c_void_p.from_buffer(call).value
-
-
-def vector(address: int, n: int) -> Array:
-    """The n numbers that stand there."""
-    return np.ctypeslib.as_array((ctypes.c_double * n).from_address(address))
-
-
 class Marching:
     """The steps of one motion. `passage`: outputs that are passed many at a time; None: a call ends at each."""
 
@@ -204,13 +110,13 @@ class Marching:
         width = 4 + n + 3 * nx + ne
         memory = np.empty(lookout.capacity * width + n)
         self.records, self.atol = memory[:-n].reshape(-1, width), memory[-n:]  # a row is read after it is written
-        self.scale = np.ascontiguousarray(evaluator.model.mechanism.scale)
-        first = memory.ctypes.data
+        self.scale = evaluator.model.mechanism.scale
+        first = address_of(memory)
         self.error: BaseException | None = None
         most = max(1, min(MOST, COMPONENTS // (nx + ne)))
         self.c = CMarch(
-            model.handle, evaluator.state.address, None, None, first, self.scale.ctypes.data,
-            first + self.records.nbytes, n, lookout.capacity, width, lookout.look, lookout.back, most,
+            model.handle, evaluator.state.address, None, None, first, address_of(self.scale),
+            first + WIDTH * lookout.capacity * width, n, lookout.capacity, width, lookout.look, lookout.back, most,
             MAX_REDUCTIONS, REDUCTION,
         )  # fmt: skip
         self.c.jump, self.c.share, self.c.noise, self.c.still = LARGEST_JUMP, SHARE, NOISE, STILL
@@ -233,25 +139,29 @@ class Marching:
         self.atol[:], c.rtol = method.tolerance
         c.t, c.t_end, c.h, c.longest = t, t_end, h, longest
         c.earliest, c.latest = evaluation.first, evaluation.last
-        c.sizes[:] = 0.0, 0.0
+        c.sizes[0] = c.sizes[1] = 0.0
         c.n_steps = c.n_rhs = c.n_rejected = 0
         # C points at these while this goes on; they hold this object, and are let go at its end
         calls = (ASK(partial(self._ask, evaluation)), TELL(self._tell)) if self.lanes == 1 else ()
-        c.ask, c.tell = map(address_of, calls) if calls else (None, None)
+        c.ask, c.tell = map(address_of_call, calls) if calls else (None, None)
         answered = partial(self._answered, evaluation.statistics)
         by = (
             AdamsInC(self.engine, self.address, method) if isinstance(method, Adams)
             else RungeKuttaInC(self.engine, c, method, answered)
         )  # fmt: skip
         counted = evaluation.statistics
-        output, status = evaluation.next_output(t), PAUSED
+        output, status, first = evaluation.next_output(t), PAUSED, not c.recorded
+        if passage is not None and by.starts and not counted.n_steps and (alone := passage.start(by.y)):
+            yield Step(t, by.y, by.value, None, alone)
         try:
-            self._begun(by.begin(), method)  # the start of the motion is solved to rounding
-            c.converged = within
-            before = self.lookout.started(t, by.y)
-            if before is not None and not (c.recorded and self._seen(c.recorded - 1).at.t >= before.at.t):
-                self._record(0, before)  # the start, or the last of steps that were made elsewhere
-                c.recorded, c.peak = 1, before.size
+            begun = by.begin()
+            if begun:
+                if passage is not None and passage.held:
+                    yield Step(t, by.y, by.value, None, passage.outputs())
+                self._failed(NOT_EVALUATED if begun == 1 else INTERRUPTED, method, started=False)
+            c.converged = within  # the start of the motion is solved to rounding
+            if not (first and c.recorded):
+                self._go_on(self.lookout.started(t, by.y))
             while status != ARRIVED:
                 if passage is None:
                     c.until = float(evaluation.times[evaluation.next_output(c.t)])
@@ -263,7 +173,7 @@ class Marching:
                     output += passage.c.done
                 by.taken(status)
                 known, failed = counted.counts(), status in (TOO_SMALL, NOT_EVALUATED, INTERRUPTED)
-                if failed and (passage is None or not passage.c.done):
+                if failed and (passage is None or not passage.held + passage.c.done):
                     self._failed(status, method)
                 made = passage.made() if failed and passage is not None else (c.n_steps, c.n_rhs, 0, c.n_rejected)
                 c.n_steps = c.n_rhs = c.n_rejected = 0
@@ -279,10 +189,12 @@ class Marching:
         finally:
             c.ask = c.tell = None
 
-    def _begun(self, status: int, method: Any) -> None:
-        """Raise what made a start fail."""
-        if status:
-            self._failed(NOT_EVALUATED if status == 1 else INTERRUPTED, method, started=False)
+    def _go_on(self, before: Accepted | None) -> None:
+        """Go on behind the start, or the last of steps that were made elsewhere, if these are the last ones."""
+        c = self.c
+        if before is not None and not (c.recorded and self._seen(c.recorded - 1).at.t >= before.at.t):
+            self._record(0, before)
+            c.recorded, c.peak = 1, before.size
 
     def _failed(self, status: int, method: Any, started: bool = True) -> None:
         """Raise what ended a call."""

@@ -4,7 +4,7 @@
    output before, or from the begin of the last step when that was long ago. Its numbers go to a row. The call ends where
    Python has to look at an output, and after some time, so that Ctrl-C is heard and outputs are handed on.
 
-   Rows of several cases have all lanes of a number behind one another, and other cases of the same motion between them. */
+   Rows of several cases have all lanes of a number behind one another. */
 #include <time.h>
 
 enum { HARMLESS, LOOKED_AT, NOT_SHOWN }; /* an output: done; Python looks at it; C cannot evaluate it. As in passage.py */
@@ -21,7 +21,7 @@ typedef struct {
     Value value;               /* NULL: that of Adams */
     double *y;                 /* of several cases: room for the state at an output */
     double exact, jump, singular, guard, longest; /* limits of a position, a jump, 1/condition, guards of elements; seconds */
-    int n, done, width, apart, since, far, n_exact, n_ground, foreign, steps; /* apart: from one number of a row to the next, in vectors */
+    int n, done, width, since, far, n_exact, n_ground, foreign, steps;
     int last, status;          /* how the last output came out, and its evaluation */
 } Passage;
 
@@ -46,24 +46,16 @@ static double *row_of(const Passage *p, int i) { return p->rows + (size_t)i * p-
 /* The state at the i-th output: at the end of its row, or for itself. */
 static double *state_of(const Model *m, const Passage *p, int i) { return p->y ? p->y : row_of(p, i) + 6 * m->s.nx + 4 * m->s.ne; }
 
-/* n numbers to a row. */
-static void to_row(const Passage *p, double *row, const real *from, int n)
-{
-    if (p->apart == 1) { memcpy(row, from, sizeof(real) * n); return; }
-    for (int i = 0; i < n; i++) memcpy(row + (size_t)i * p->apart * LANES, &from[i], sizeof(real));
-}
-
 /* Evaluate the i-th output, whose y stands at `state_of`; whether the call goes on. */
 static int show(Model *m, Passage *p, int i)
 {
     State *s = p->shown;
     const int nx = m->s.nx, ne = m->s.ne;
-    double *row = row_of(p, i);
     p->done = i + 1;
     p->last = NOT_SHOWN;
     p->status = spacar_evaluate(m, s, p->t[i], (const real *)state_of(m, p, i), p->exact, p->jump);
     if (p->status < 0) return 0;
-    to_row(p, row, s->x, 6 * nx + 4 * ne); /* as `spacar_state` has laid them out */
+    memcpy(row_of(p, i), s->x, sizeof(real) * (6 * nx + 4 * ne)); /* as `spacar_state` has laid them out */
     const int told = m->s.user && m->s.ask(ASK_OUTPUT, 0, p->t[i]);
     p->last = !told && harmless(m, p) ? HARMLESS : LOOKED_AT;
     return p->last == HARMLESS;

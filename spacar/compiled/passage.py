@@ -21,7 +21,7 @@ import numpy as np
 from spacar.arrays import Array, Index
 from spacar.compiled.compiled_model import EXACT, NOT_ANSWERED, WIDTH, CompiledModel, State
 from spacar.compiled.element_parameters import GUARD
-from spacar.compiled.library import DOUBLES, INTEGER, INTEGERS, NUMBER, POINTER
+from spacar.compiled.library import DOUBLES, INTEGER, INTEGERS, NUMBER, POINTER, address_of
 from spacar.frame import E_FIELDS, X_FIELDS, Frame, StoredFrames
 from spacar.integrators.problem import Counts, Passed
 from spacar.kinematics.kinematics import LARGEST_JUMP
@@ -32,6 +32,7 @@ FIELDS = (*X_FIELDS, *E_FIELDS)  # in the order of a row
 LONGEST = 0.05  # s of one call, unless a single step takes longer
 ROOM = 50_000  # numbers in the rows of one array, so that a frame that is kept does not keep many others: 0.4 MB
 UNLIMITED = 2**31 - 1
+COUNTS = 5 * ctypes.sizeof(ctypes.c_int)  # of an output
 
 VALUE = ctypes.CFUNCTYPE(INTEGER, NUMBER, POINTER)
 
@@ -44,7 +45,7 @@ class CPassage(ctypes.Structure):
         ("ground", INTEGERS), ("value", POINTER), ("y", DOUBLES),
         *((name, NUMBER) for name in ("exact", "jump", "singular", "guard", "longest")),
         *((name, INTEGER) for name in (
-            "n", "done", "width", "apart", "since", "far", "n_exact", "n_ground", "foreign", "steps", "last", "status",
+            "n", "done", "width", "since", "far", "n_exact", "n_ground", "foreign", "steps", "last", "status",
         )),
     ]  # fmt: skip
 
@@ -78,41 +79,55 @@ class Passage:
         self.nx, self.ne = n.nx, n.ne
         self.of_e, self.of_y = 6 * n.nx, 6 * n.nx + 4 * n.ne  # where they begin in a row
         self.width = self.of_y + shown.n_positions + n.nddof
-        self.ground = np.ascontiguousarray(ground, np.int32)  # C points at it
         self.c = c = CPassage(shown.state.address.value)
-        c.ground = self.ground.ctypes.data
+        if len(ground):
+            self.ground = np.ascontiguousarray(ground, np.int32)  # C points at it
+            c.ground = address_of(self.ground)
         c.exact, c.jump, c.singular, c.guard, c.longest = EXACT, LARGEST_JUMP, singular, GUARD, LONGEST
-        c.apart, c.width, c.far, c.n_exact, c.n_ground = 1, self.width, far, shown.largest_exact, len(ground)
+        c.width, c.far, c.n_exact, c.n_ground = self.width, far, shown.largest_exact, len(ground)
         c.foreign = model.slots.has_limits
         self.address = ctypes.c_void_p(ctypes.addressof(c))
-        self.first = self.used = self.end = 0  # output of the first row, rows that have one, rows
-        self.rows, self.t, self.work = np.zeros((0, self.width)), np.zeros(0), np.zeros((0, 5), np.int32)
-        self.at = 0, 0  # addresses of t and rows
+        self.first = self.used = self.end = 0  # output of the first row, rows that have been handed on, rows
+        self.held = 0  # outputs of earlier calls that are handed on with those of the next one
 
     def begin(self, output: int, steps: float = UNLIMITED) -> None:
         """The next call begins with this one of the outputs; it ends at the first one behind so many steps."""
-        c = self.c
-        if self.used == self.end or output != self.first + self.used:
+        c, begun = self.c, self.used + self.held
+        if begun == self.end or output != self.first + begun:
             n = min(len(self.times) - output, max(1, ROOM // self.width))
             self.first, self.used, self.end = output, 0, n
+            begun = 0
             self.rows, self.work = np.empty((n, self.width)), np.zeros((n, 5), np.int32)
             self.t = np.array(self.times[output : output + n])
-            self.at = self.t.ctypes.data, self.rows.ctypes.data
-            c.work = self.work.ctypes.data
-        c.t, c.rows = self.at[0] + WIDTH * self.used, self.at[1] + WIDTH * self.width * self.used
-        c.n = self.end - self.used
+            self.at = address_of(self.t), address_of(self.rows), address_of(self.work)
+        (t, rows, work) = self.at
+        c.t, c.rows, c.work = t + WIDTH * begun, rows + WIDTH * self.width * begun, work + COUNTS * self.held
+        c.n = self.end - begun
         c.steps = int(min(max(steps, 0), UNLIMITED))
-        self.shown.solver.slots.outputs.clear()
+        if not self.held:
+            self.shown.solver.slots.outputs.clear()
+
+    def start(self, y: Array) -> list[Passed]:
+        """Evaluate the first output, whose state is y: it goes on with those behind it, if these have room and nobody
+        has to look at it."""
+        self.begin(0)
+        self.c.n = 1
+        self.rows[0, self.of_y :] = y
+        self.shown.solver.engine.show(self.shown.solver.handle, self.address)
+        if self.c.last != HARMLESS or self.end == 1:
+            return self.outputs()
+        self.held, self.c.done = 1, 0
+        return []
 
     def outputs(self, before: Counts = (0, 0, 0, 0, 0)) -> list[Passed]:
         """Those of the last call; `before`: what the integrator had counted before it. The last one is on its own when
         it has to be looked at."""
-        first, n = self.used, self.c.done
-        self.used += n
+        first, n = self.used, self.held + self.c.done
+        self.used, self.held = first + n, 0
         harmless = n if self.c.last == HARMLESS else n - 1
         found = []
         if harmless:
-            found.append(self._passed(first, slice(harmless), before))
+            found.append(self._passed(first, slice(0, harmless), before))
         if harmless < n:
             last = self._passed(first, slice(harmless, n), before)
             found.append(last._replace(shown=partial(self._last, last.shown, last.y)))
@@ -120,12 +135,14 @@ class Passage:
 
     def _passed(self, first: int, which: slice, before: Counts) -> Passed:
         """Some outputs of the last call, whose rows begin with the `first`."""
-        rows, t = self.rows[first:][which], self.t[first:][which]
+        rows, t, counts = self.rows[first:][which], self.t[first:][which], self.work[which] + before
+        if self.first == first == which.start == 0:
+            counts[0] = 0  # what starting has taken is the work of the output behind it
         of_x = rows[:, : self.of_e].reshape(-1, len(X_FIELDS), self.nx).swapaxes(0, 1)
         of_e = rows[:, self.of_e : self.of_y].reshape(-1, len(E_FIELDS), self.ne).swapaxes(0, 1)
         variables = dict(zip(FIELDS, (*of_x, *of_e), strict=True))
         shown = StoredFrames(t, variables, {}, self.shown.solver.slots.outputs[which])
-        return Passed(float(t[-1]), rows[-1, self.of_y :], self.work[which] + before, shown)
+        return Passed(float(t[-1]), rows[-1, self.of_y :], counts, shown)
 
     def _last(self, block: StoredFrames, y: Array) -> StoredFrames:
         """That of the last output of a call, at which Python looks; or what says why there is none."""
@@ -140,7 +157,7 @@ class Passage:
 
     def made(self) -> list[int]:
         """What was done in the last call up to its last output, as `Counts`."""
-        counts: list[int] = self.work[self.c.done - 1].tolist()
+        counts: list[int] = self.work[self.held + self.c.done - 1].tolist()
         return counts
 
     def prescribed(self, y: Array) -> Iterator[Passed]:

@@ -1,4 +1,4 @@
-"""Many outputs of several cases in one call of C (`passage.c`), into rows that hold other cases too.
+"""Many outputs of several cases in one call of C (`passage.c`), into rows that are given.
 
 Outputs at which somebody has to look, or that C cannot evaluate, end the motion: a single run says what it is.
 """
@@ -12,18 +12,18 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.compiled.compiled_model import EXACT, NOT_ANSWERED, WIDTH, CompiledModel, State
 from spacar.compiled.element_parameters import GUARD
-from spacar.compiled.passage import HARMLESS, LONGEST, NOT_SHOWN, UNLIMITED, CPassage
+from spacar.compiled.library import address_of
+from spacar.compiled.passage import COUNTS, HARMLESS, LONGEST, NOT_SHOWN, UNLIMITED, CPassage
 from spacar.errors import AnalysisError
 from spacar.integrators.problem import Counts, Passed
 from spacar.kinematics.kinematics import LARGEST_JUMP
 
 SHOWN = "shown"  # of outputs that stand in their rows
-COUNTS = 5 * ctypes.sizeof(ctypes.c_int)  # of an output
 
 
 class PassageOfCases:
-    """Outputs of the lanes of a model at `times` (n,), evaluated by `shown`, into `rows` (n, 6 nx + 4 ne, blocks,
-    lanes): those of one of the blocks. `size`: numbers of a state of the integrators."""
+    """Outputs of the lanes of a model at `times` (n,), evaluated by `shown`, into `rows` (n, 6 nx + 4 ne, lanes).
+    `size`: numbers of a state of the integrators."""
 
     def __init__(self, solver: CompiledModel, shown: State, size: int) -> None:
         self.solver = solver
@@ -33,15 +33,13 @@ class PassageOfCases:
         c.foreign = solver.slots.has_limits
         self.address = ctypes.c_void_p(ctypes.addressof(c))
         self.times, self.work = np.zeros(0), np.zeros((0, 5), np.int32)
-        self.at, self.output = (0, 0, 0), 0
+        self.at, self.output, self.held = (0, 0, 0), 0, 0
 
-    def into(self, times: Array, rows: Array, block: int, far: int) -> None:
+    def into(self, times: Array, rows: Array, far: int) -> None:
         """The outputs to come go there; behind more than `far` steps they are evaluated from the begin of a step."""
-        _, width, blocks, lanes = rows.shape
-        self.times, self.work = times, np.empty((len(times), 5), np.int32)
-        first = rows.ctypes.data + WIDTH * lanes * block
-        self.at = times.ctypes.data, first, self.work.ctypes.data
-        self.c.width, self.c.apart, self.c.far = width * blocks * lanes, blocks, far
+        self.times, self.work, self.held = times, np.empty((len(times), 5), np.int32), 0
+        self.at = address_of(times), address_of(rows), address_of(self.work)
+        self.c.width, self.c.far = rows[0].size, far
 
     def begin(self, output: int, steps: float = UNLIMITED) -> None:
         """The next call begins with this one of the outputs; it ends at the first one behind so many steps."""
@@ -55,15 +53,26 @@ class PassageOfCases:
         """Those of the last call; `before`: what the integrator had counted before it. Raises AnalysisError, and what a
         user function raised."""
         self._check()
-        counts = self.work[self.output : self.output + self.c.done]
-        if not len(counts):
+        first, end = self.output - self.held, self.output + self.c.done
+        self.held = 0
+        if first == end:
             return []
-        return [Passed(float(self.times[self.output + len(counts) - 1]), self.y, counts + before, SHOWN)]
+        counts = self.work[first:end] + before
+        if first == 0:
+            counts[0] = 0  # what starting has taken is the work of the output behind it
+        return [Passed(float(self.times[end - 1]), self.y, counts, SHOWN)]
 
     def made(self) -> list[int]:
         """What was done in the last call up to its last output, as `Counts`."""
         counts: list[int] = self.work[self.output + self.c.done - 1].tolist()
         return counts
+
+    def start(self, y: Array) -> list[Passed]:
+        """The first output, whose state is y; it is handed on with those behind it. Raises as `outputs`."""
+        self.show(0, y)
+        self.work[0] = 0
+        self.held = 1
+        return []
 
     def show(self, output: int, y: Array) -> None:
         """A single output, whose state is y. Raises as `outputs`."""

@@ -59,9 +59,9 @@ def _put(
     for group in scene.index.groups_of(*names, block=1):
         name = names[group[0].keyword]
         for s in group:
-            this = name, s
-            number, *indices = s.integers()
-            for index in indices or every(number):
+            this, indices = (name, s), s.integers()
+            number = indices[0]
+            for index in indices[1:] or every(number):
                 classes[number, index] = this
                 count += 1
     if len(classes) == count and not (noun == "mode" and any([kind.released for kind in scene.outline.kinds])):

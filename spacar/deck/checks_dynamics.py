@@ -15,17 +15,21 @@ _ADDITIONAL = ("DELXF", "DELGRAV", "DELOMF", "DELESIG", "DELINPX", "DELINPE")
 
 def check_dynamics(scene: CheckMaterial) -> None:
     """Everything that concerns the dynamics block beyond single statements; only what it has is looked at."""
-    given, kinds = scene.index.keywords(2), scene.outline.kinds
+    given, classed, kinds = scene.index.keywords(2), scene.index.keywords(1), scene.outline.kinds
+    axial = flow = warping = False
+    for kind in kinds:
+        axial, flow, warping = axial or kind.axial, flow or kind.carries_flow, warping or bool(kind.warping)
     for group in scene.index.groups_of(*_SIGNS, block=2):
         if _may_have_signs(group):
             for s in group:
                 _check_signs(scene, s)
-    with_flow = any([kind.carries_flow for kind in kinds])
-    for s in scene.of(*_SETTINGS, *(("EM",) if with_flow else ()), block=2):
-        _check_settings(scene, s)
-    if scene.has(("DYNE",), 1) and any([kind.axial for kind in kinds]):
+    settings = (*_SETTINGS, "EM") if flow else _SETTINGS
+    if not given.isdisjoint(settings):
+        for s in scene.of(*settings, block=2):
+            _check_settings(scene, s)
+    if axial and "DYNE" in classed:
         _check_stiffness(scene)
-    if any([kind.warping for kind in kinds]):
+    if warping:
         _check_warping(scene)
     if not given.isdisjoint(("ESIG", "DELESIG")):
         _check_preload(scene)
@@ -33,7 +37,7 @@ def check_dynamics(scene: CheckMaterial) -> None:
         _check_moments(scene)
     if not given.isdisjoint(("ITERSTEP", *_ADDITIONAL)):
         _check_additional(scene)
-    if scene.has(("INPUTX", "INPUTE"), 1) and scene.analysis is not None and scene.analysis.integrated:
+    if not classed.isdisjoint(("INPUTX", "INPUTE")) and scene.analysis is not None and scene.analysis.integrated:
         _check_motion(scene)
 
 
@@ -155,13 +159,13 @@ def _check_preload(scene: CheckMaterial) -> None:
     acts = scene.analysis is None or scene.analysis.takes_setpoints
     lost = ("fixed",) if acts else ("fixed", "prescribed")
     for s in scene.of("ESIG", "DELESIG", block=2):
-        element, *stresses = s.real_values()
+        element = s.integer(0)
         found = [
-            (place, scene.class_of("element", int(element), place)[0])
-            for place, stress in enumerate(stresses, 1)
+            (place, scene.class_of("element", element, place)[0])
+            for place, stress in enumerate(s.values[1:], 1)
             if stress != 0.0
         ]
-        if not any([name in lost for _, name in found]) or scene.doubtful("element", int(element)):
+        if not any([name in lost for _, name in found]) or scene.doubtful("element", element):
             continue
         for name in lost:
             modes = [place for place, given in found if given == name]

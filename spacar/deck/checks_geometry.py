@@ -34,7 +34,7 @@ def check_geometry(scene: CheckMaterial) -> None:
     size = max([max(axis) - min(axis) for axis in zip(*places, strict=True)], default=0.0)
     elements = scene.outline.elements
     if scene.outline.regular:
-        groups = [group for group in scene.index.groups if group[0].keyword in ELEMENT_TYPES]
+        groups = scene.index.groups_of(*[kind.keyword for kind in scene.outline.kinds], block=1)
     else:
         groups = [[elements[number]] for number in scene.outline.types]
     for group in groups:
@@ -117,7 +117,9 @@ def _ordinary(group: list[Statement], kind: ElementType, positions: dict[int, Ve
     ends = position_places(kind)
     if len(ends) < 2:
         return True
-    starts, stops = [[positions.get(s.integer(i), ORIGIN) for s in group] for i in ends]
+    p, q = ends
+    starts = [positions.get(s.integer(p), ORIGIN) for s in group]
+    stops = [positions.get(s.integer(q), ORIGIN) for s in group]
     if not min(map(dist, starts, stops)) > 2.0 * ZERO_LENGTH * size:
         return False
     return not directions or given is None or given[2] == "axis" or all(map(_oblique, starts, stops, directions))

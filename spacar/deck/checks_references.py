@@ -4,23 +4,22 @@ from __future__ import annotations
 
 from spacar.deck.check_material import CheckMaterial
 from spacar.deck.findings import Findings, alternatives
-from spacar.deck.keyword_table import KEYWORDS
+from spacar.deck.keyword_table import KEYWORDS, BlockKind, kind_of
 from spacar.deck.statement import Statement
 from spacar.deck.table_types import Keyword, subject_of
 
 OF_A_CLASS = {name for (name, block), row in KEYWORDS.items() if block.number > 1 and (row.classes or row.holonomic)}
 """Keywords that refer to coordinates or deformations of certain classes, in some kind of block."""
+_ONCE = {block: {row.name: row.unique for row in KEYWORDS.values() if row.block is block} for block in BlockKind}
 _STARTS = ("STARTDX", "STARTDE")  # generators write zero start values for everything
 
 
 def check_once(scene: CheckMaterial, block: int) -> None:
     """The same thing stated twice is an error: replace or add, the input does not say which."""
+    once = _ONCE[kind_of(block, scene.third)]
     for name, statements in scene.index.block(block).items():
         many = len(statements)
-        if many == 1:
-            continue
-        count = scene.row(name, block).unique
-        if count is None or len({s.values[:count] for s in statements}) == many:
+        if many == 1 or (count := once[name]) is None or len({s.values[:count] for s in statements}) == many:
             continue
         given: dict[tuple[object, ...], Statement] = {}
         for s in statements:
@@ -35,17 +34,17 @@ def check_once(scene: CheckMaterial, block: int) -> None:
 def check_classes(scene: CheckMaterial, block: int) -> None:
     """A time function needs a prescribed coordinate, a start value a dynamic one, an output no fixed one, ..."""
     for name, statements in scene.index.block(block).items():
-        if name in OF_A_CLASS:
-            keyword = scene.row(name, block)
+        if name not in OF_A_CLASS:
+            continue
+        keyword = scene.row(name, block)
+        subject, of_element = subject_of(keyword)
+        if subject is not None and (keyword.classes or keyword.holonomic):
+            what = "element" if of_element else "node"
             for s in statements:
-                _check_class(scene, block, keyword, s)
+                _check_class(scene, block, keyword, s, what, subject)
 
 
-def _check_class(scene: CheckMaterial, block: int, keyword: Keyword, s: Statement) -> None:
-    subject, of_element = subject_of(keyword)
-    if subject is None or not (keyword.classes or keyword.holonomic):
-        return
-    what = "element" if of_element else "node"
+def _check_class(scene: CheckMaterial, block: int, keyword: Keyword, s: Statement, what: str, subject: int) -> None:
     number, index = s.integer(subject), s.integer(subject + 1)
     found, by = scene.class_of(what, number, index)
     along = scene.analysis is not None and scene.analysis.takes_setpoints

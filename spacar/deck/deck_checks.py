@@ -30,10 +30,12 @@ def check(
     check_geometry(scene)
     classify(scene)
     check_once(scene, 1)
-    _check_output_level(scene)
+    if scene.has(("OUTLEVEL",), 1):
+        _check_output_level(scene)
     scene.findings = findings[2]
-    check_once(scene, 2)
-    check_classes(scene, 2)
+    if statements.keywords(2):
+        check_once(scene, 2)
+        check_classes(scene, 2)
     check_dynamics(scene)
     scene.findings = findings[3]
     if third is BlockKind.TRAJECTORY:

@@ -58,27 +58,30 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
     outline = Outline(metre=_metre(parts.statements, findings) if by_geometry else 1.0)
     read: list[list[Group]] = [[] for _ in parts.statements]
     skipped = {block: Findings(source) for block in (2, 3) if not uses(mode, block)}
+    told = {1: findings, 2: findings, 3: findings, **skipped}
+    kinds = {1: BlockKind.KINEMATICS, 2: BlockKind.DYNAMICS, 3: third}
     lost: list[Raw] = []
+    others = []
     for part, groups in zip(parts.statements, read, strict=True):
         if part.keyword in ELEMENT_TYPES:
             _read(part, KEYWORDS[part.keyword, BlockKind.KINEMATICS], outline, findings, groups, lost)
+        else:
+            others.append((part, groups))
     outline = _with_elements(outline, list(chain.from_iterable(read)), lost)
     for raw in parts.strangers:
         if raw.block == 1 and _may_be_element(raw):
             _remember_broken(raw, outline)
     lost = []
-    kinds = {1: BlockKind.KINEMATICS, 2: BlockKind.DYNAMICS, 3: third}
-    told = {block: skipped.get(block, findings) for block in kinds}
-    for part, groups in zip(parts.statements, read, strict=True):
-        if part.keyword not in ELEMENT_TYPES:
-            kind, into = kinds[part.block], told[part.block]
-            keyword = KEYWORDS.get((part.keyword, kind)) if kind is not None else None
-            if keyword is None:
-                _wrong_kind(part, kind, into)
-            else:
-                _read(part, keyword, outline, into, groups, lost)
-    outline.broken.update([(raw.keyword, _number(raw)) for raw in lost])
-    outline.broken_blocks.update([raw.block for raw in lost])
+    for part, groups in others:
+        kind, into = kinds[part.block], told[part.block]
+        keyword = KEYWORDS.get((part.keyword, kind)) if kind is not None else None
+        if keyword is None:
+            _wrong_kind(part, kind, into)
+        else:
+            _read(part, keyword, outline, into, groups, lost)
+    for raw in lost:
+        outline.broken.add((raw.keyword, _number(raw)))
+        outline.broken_blocks.add(raw.block)
     for found in skipped.values():
         found.messages.sort(key=lambda m: m.line or 0)  # the first one is told
     all_groups, before = list(chain.from_iterable(read)), outline

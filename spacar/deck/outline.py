@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import chain, cycle
 from operator import eq
@@ -11,7 +11,7 @@ from typing import cast
 from spacar.deck.findings import ranges
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
-from spacar.deck.table_types import ElementType, coordinates_of, twins_of
+from spacar.deck.table_types import ElementType, coordinates_of, independent_of, twins_of
 
 
 @dataclass(slots=True, eq=False)
@@ -51,8 +51,7 @@ class Outline:
 
     def independent(self, node: int) -> tuple[int, ...]:
         """Coordinates that a statement without coordinate numbers means: all, but of Euler parameters not lambda0."""
-        count = self.coordinates(node)
-        return (2, 3, 4) if count == 4 else tuple(range(1, count + 1))
+        return independent_of(self.roles[node], self.space == "planar")
 
     def missing_element(self, number: int) -> str:
         """Sentence about an element that does not exist."""
@@ -76,14 +75,16 @@ class Outline:
 
     def add(self, statements: Sequence[Statement]) -> None:
         """Take in statements of one element type whose arguments are right; first definitions win."""
-        new = cast("dict[int, Statement]", {s.values[0]: s for s in statements})
+        kind = ELEMENT_TYPES[statements[0].keyword]
+        width = 1 + len(kind.nodes)
+        numbers, *columns = cast("Iterable[tuple[int, ...]]", zip(*[s.values[:width] for s in statements], strict=True))
+        new = dict(zip(numbers, statements, strict=True))
         if len(new) < len(statements) or not self.elements.keys().isdisjoint(new):
             self.regular = False
             for s in statements:
                 if s.values[0] not in self.elements:
                     self.add([s])
             return
-        kind = ELEMENT_TYPES[statements[0].keyword]
         self._users.clear()
         self.elements.update(new)
         self.types.update(dict.fromkeys(new, kind))
@@ -91,7 +92,6 @@ class Outline:
         space = "planar" if kind.planar else "spatial"
         self.space = self.space or space
         self.regular &= self.space == space
-        _, *columns = zip(*[s.values[: 1 + len(kind.nodes)] for s in statements], strict=True)
         roles = self.roles
         for node, role in zip(chain.from_iterable(zip(*columns, strict=True)), cycle(kind.nodes), strict=False):
             if roles.setdefault(node, role) != role:

@@ -7,9 +7,10 @@ them word by word.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
+from itertools import repeat
 from operator import le
 from typing import Any
 
@@ -22,6 +23,7 @@ from spacar.deck.table_types import COORDINATES, Keyword, Parameter, coordinates
 
 NUMBERED_PARTS = ("coordinate", "mode")
 ELEMENT, NODE, PART = range(3)  # what a value refers to
+_STATEMENT = partial(tuple.__new__, Statement)  # of its five fields, without a call of Python for each
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,26 +77,25 @@ def _references(parameters: Sequence[Parameter]) -> Iterator[tuple[int, int, str
 
 def plain_statements(lines: PlainLines, keyword: Keyword, outline: Outline) -> list[Statement] | None:
     """The statements of plain lines when nothing about any of them needs a message, else None."""
-    element, count, values = ELEMENT_TYPES.get(lines.keyword), lines.count - 1, lines.values.copy()
+    element, count, values = ELEMENT_TYPES.get(lines.keyword), lines.count - 1, lines.values
     form = _same_form(keyword, "" if element else outline.space, count) or _form_of(lines, keyword, outline)
     if form is None:
         return None
-    integers: dict[int, list[int]] = {}  # of several statements, by argument
+    columns: list[Any] = [values[i::count] for i in range(count)]  # of several statements, by argument
     for i in form.integers:
-        given = values[i::count]
-        integers[i] = values[i::count] = numbers = list(map(int, given))
+        given = columns[i]
+        columns[i] = numbers = list(map(int, given))
         if numbers != given:
             return None
     if element is not None:
-        for i in range(1 + len(element.nodes)):
-            if min(integers[i]) < 1 or max(integers[i]) > LARGEST_NUMBER:
+        for numbers in columns[: 1 + len(element.nodes)]:
+            if min(numbers) < 1 or max(numbers) > LARGEST_NUMBER:
                 return None
-    elif form.references and not _known(integers, form, outline):
+    elif form.references and not _known(columns, form, outline):
         return None
-    new, name, block = tuple.__new__, lines.keyword, lines.block  # without a call of Python for each
-    rows = zip(*[iter(values)] * count, strict=True) if count else [()] * len(lines.lines)
-    places = zip(rows, lines.lines, lines.texts, strict=True)
-    return [new(Statement, (name, row, block, line, text)) for row, line, text in places]
+    rows = zip(*columns, strict=True) if count else repeat(())
+    parts = zip(repeat(lines.keyword), rows, repeat(lines.block), lines.lines, lines.texts)
+    return list(map(_STATEMENT, parts))
 
 
 def _form_of(lines: PlainLines, keyword: Keyword, outline: Outline) -> _Form | None:
@@ -113,22 +114,26 @@ def _form_of(lines: PlainLines, keyword: Keyword, outline: Outline) -> _Form | N
     return forms[0] if len(forms) == 1 or all(form == forms[0] for form in forms) else None
 
 
-def _known(integers: Mapping[int, Sequence[int]], form: _Form, outline: Outline) -> bool:
+def _known(columns: Sequence[Sequence[int]], form: _Form, outline: Outline) -> bool:
     """Whether everything that the values of plain lines refer to exists; `arguments` says what does not."""
     most: Sequence[int] = ()  # number of parts of what the value before refers to
     for i, what, wanted, with_part in form.references:
-        numbers = integers[i]
+        numbers = columns[i]
         if what == PART:
             if most and (min(numbers) < 1 or not all(map(le, numbers, most))):
                 return False
         elif what == ELEMENT:
-            if not all(map(outline.types.__contains__, numbers)):
+            kinds = list(map(outline.types.get, numbers))
+            if None in kinds:
                 return False
-            most = [len(outline.types[number].modes) for number in numbers] if with_part else ()
+            most = [len(kind.modes) for kind in kinds if kind] if with_part else ()
         else:
             roles = list(map(outline.roles.get, numbers))
             if None in roles or (wanted and roles.count(wanted) < len(roles)):
                 return False
-            planar = outline.space == "planar"
-            most = [coordinates_of(role, planar) for role in roles if role] if with_part else ()
+            if with_part:
+                planar = outline.space == "planar"
+                most = [coordinates_of(role, planar) for role in roles if role]
+            else:
+                most = ()
     return True

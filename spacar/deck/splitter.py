@@ -75,17 +75,23 @@ class _Splitter:
 
     def _lines(self) -> bool:
         """Take the lines; true at the end of the analysis part."""
-        odd, first, lines = self.source.odd, "", PlainLines("", 0, 0)  # the lines before, and how they begin
+        odd, alike = self.source.odd, self.alike
         for number, line in enumerate(self.source.lines, 1):
             words = line.split()
-            if not words or words[0] != first or len(words) != lines.count or number in odd:
-                plain = self._plain(words, number) if words and number not in odd else None
-                if plain is None:
-                    first = ""
-                    if self._words(words_of(line, number)):
-                        return True
-                    continue
-                first, lines = words[0], plain
+            if number in odd:
+                lines = None
+            elif not words:
+                continue
+            else:
+                lines = alike.get(words[0])
+                if lines is None or lines.count != len(words):
+                    lines = self._plain(words, number)
+            if lines is None:
+                if self._words(words_of(line, number)):
+                    return True
+                continue
+            if lines is not self.lines:
+                self.lines, self.result.interleaved = lines, True
             lines.words += words
             lines.lines.append(number)
             lines.texts.append(line)
@@ -101,11 +107,9 @@ class _Splitter:
             if self.fresh:
                 self._open_since(number)
             self.current = None
-            lines = self.alike[name] = PlainLines(name, self.block, len(words))
+            lines = self.lines = PlainLines(name, self.block, len(words))
             self.result.statements.append(lines)
-        elif lines is not self.lines:
-            self.result.interleaved = True
-        self.lines = lines
+        self.alike[words[0]] = self.alike[name] = lines
         return lines
 
     def _words(self, words: list[Word]) -> bool:

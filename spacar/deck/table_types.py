@@ -16,6 +16,14 @@ def coordinates_of(role: str, planar: bool) -> int:
     return COORDINATES[role][0 if planar else 1]
 
 
+@cache
+def independent_of(role: str, planar: bool) -> tuple[int, ...]:
+    """Coordinates of a node with this role that a statement without coordinate numbers means: all, but of Euler
+    parameters not lambda0."""
+    count = coordinates_of(role, planar)
+    return (2, 3, 4) if count == 4 else tuple(range(1, count + 1))
+
+
 class BlockKind(Enum):
     """A kind of input block. The third block of a file has one of the last three kinds."""
 

@@ -114,8 +114,8 @@ class Evaluator(Integrable, Protocol):
 
     @property
     def marching(self) -> Callable[..., Any] | None:
-        """`marching(lookout, passage)` gives `march` of `spacar.integrators.problem.Problem`, which takes the tolerance
-        of positions too."""
+        """`marching(lookout, passage)` gives an object with `passage`, and with `steps`: `march` of
+        `spacar.integrators.problem.Problem`, which takes the tolerance of positions too."""
 
     @property
     def passage(self) -> Callable[..., Any] | None:

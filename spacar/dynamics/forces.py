@@ -41,7 +41,7 @@ class StressLaw:
     @cached_property
     def passive(self) -> bool:
         """No element carries a constitutive stress."""
-        return not (len(self.stiffness[0]) or len(self.damping[0]) or self.preload.any())
+        return not (len(self.stiffness[0]) or len(self.damping[0]) or np.count_nonzero(self.preload))
 
     def __call__(self, e: Array, ed: Array) -> Array:
         sigma = self.preload.copy()

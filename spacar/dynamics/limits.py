@@ -80,7 +80,7 @@ class Wheels:
         normal = {rows.kind.keyword: rows.kind.normal_mode for rows in rolling}
         self.rows = np.array([n.e_index(w, normal[keyword]) for w, keyword in self.found], np.int64)
         self.compression = np.zeros((len(self.found), cases))
-        self.pressed = bool(model.loads.gravity.any())
+        self.gravity = model.loads.gravity
 
     def press(self, normal: Array) -> None:
         """Remember how they were pressed on the ground; normal: (wheels, cases)."""
@@ -103,7 +103,7 @@ class Wheels:
                 f" its normal force would be a pull of {normal[k, case]:.6g} N; reduce speed or steering,"
                 " or release its normal mode"
             )
-            if self.pressed or self.compression[k, case] > LIFTED * size[case]:
+            if self.gravity.any() or self.compression[k, case] > LIFTED * size[case]:
                 raise AnalysisError(text, "element.lift-off", element=wheel)
             # without gravity nothing in the model presses wheels on the ground: the lift-off may be meant
             yield int(case), wheel, f"{text} (the model has no gravity)"

@@ -80,7 +80,7 @@ def start_chord(x_p: Array, x_q: Array, keyword: str) -> tuple[Array, Array]:
     d = x_q - x_p
     l0 = distance(d)
     size = np.maximum(np.abs(x_p), np.abs(x_q)).max(initial=0.0)
-    for k in np.flatnonzero(l0 <= 1e-12 * size).tolist():
+    for k in (l0 <= 1e-12 * size).nonzero()[0].tolist():
         raise GeometryError(
             k,
             f"{keyword} has length {l0[k]:.3g} m: both end nodes are at ({x_p[0, k]:.9g}, {x_p[1, k]:.9g}); "

@@ -45,8 +45,8 @@ class ElementGroup(NamedTuple):
     projections  per element the DRPINBOD values, or None
     em, estiff, edamp   (n, 9), (n, 7), (n, 7): values of EM, ESTIFF, EDAMP from position 2 on, zero where not given
                  (EM position 5 of tubes, the flow shape factor, is already 1 by default)
-    elastic      (n_deformations, n) bool, False where a deformation is fixed or prescribed; None: all True. Of the angle
-                 measure only, no other family asks for it
+    elastic      (n_deformations, n) bool, False where a deformation is fixed or prescribed; None: all True. Only
+                 for the angle measure, no other family asks for it
     """
 
     keyword: str

@@ -99,8 +99,8 @@ class PlanarBeam(Family):
         self._set_mass(m, J)
 
     def _set_mass(self, m: Array, J: Array) -> None:
-        self.has_mass = bool(m.any() or J.any())
         self.constant_mass = not m.any()
+        self.has_mass = not self.constant_mass or bool(J.any())
         self.unit = m * self.length / 420.0  # factor of CUBIC_MASS
         self.lumped = 0.5 * J * self.length
 
@@ -251,6 +251,8 @@ class PlanarBeam(Family):
 
     def _stiffness(self, EA: Array, EI: Array) -> Array:
         S = np.zeros((3, 3, self.n), EI.dtype)
+        if not (EA.any() or EI.any()):  # rigid beams, or no damping
+            return S
         S[0, 0] = EA / self.length
         bend = EI / (self.length**3 * (1.0 + self.Phi))
         S[1, 1] = S[2, 2] = (4.0 + self.Phi) * bend

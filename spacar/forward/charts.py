@@ -36,10 +36,10 @@ class ChartEnds(Exception):
 
 def tumbling_nodes(mechanism: Mechanism) -> tuple[int, ...]:
     """Nodes whose lambda1, lambda2 and lambda3 are all dynamic, where charts may change."""
-    n = mechanism.numbering
-    if n.planar or mechanism.user_signal is not None:
+    n, where = mechanism.numbering, mechanism.numbering.x_class["dynamic"]
+    if n.planar or where.start == where.stop or mechanism.user_signal is not None:
         return ()
-    dynamic = {n.x_owner(i) for i in range(n.x_class["dynamic"].start, n.x_class["dynamic"].stop)}
+    dynamic = {n.x_owner(i) for i in range(where.start, where.stop)}
     free = {node for node, c in dynamic if n.kind[node] == "orientation"}
     return tuple(sorted(node for node in free if all((node, c) in dynamic for c in (2, 3, 4))))
 

@@ -36,7 +36,7 @@ PROBES, SAMPLE, ROUNDS, SHARE, SHORT = 12, 8, 12, 0.7, 3.0  # see above
 def displaced(evaluator: Evaluator) -> Array | None:
     """g of every component of the state (n,); None where all are 1. The evaluator stands at the start state."""
     mechanism = evaluator.model.mechanism
-    if not mechanism.is_length[mechanism.numbering.e_class["dynamic"]].any():
+    if not np.count_nonzero(mechanism.is_length[mechanism.numbering.e_class["dynamic"]]):
         return None
     most = _most(mechanism)
     columns = np.flatnonzero(most > 1.0)

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -49,7 +49,14 @@ WORK = ("steps", "rhs", "jacobians", "rejected", "iterations")  # `Counts` of th
 Times = Sequence[float] | EvenTimes | np.ndarray
 Watch = Callable[[float, Array], None]
 
-Marches = Callable[[], Callable[..., Iterator[Step]]]  # gives `march`, which takes the tolerance of positions too
+class Marches(Protocol):
+    """Makes many steps at a time, and passes outputs where it has a `passage`."""
+
+    @property
+    def passage(self) -> Any: ...
+
+    def steps(self, method: Any, t: float, t_end: float, h: float, longest: float, within: float) -> Iterator[Step]:
+        """`march` of `spacar.integrators.problem.Problem`, which takes the tolerance of positions too."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +105,8 @@ class Integrand:
         self.trail = self.starting = trail
         self.continuity = None if trail is None else trail.continuity
         self._iterates: bool = getattr(evaluator, "newton", None) is not None
-        self._steps = None if marching is None else marching()
+        self._steps = None if marching is None else marching.steps
+        self.passes = marching is not None and marching.passage is not None
 
     # Nothing here may hold this object: what a run leaves behind goes away with it, without a search for circles.
     @property
@@ -180,7 +188,7 @@ def frames(
     watch: Watched | None = None, standing: bool = True,
 ) -> Iterator[tuple[Evaluator, Sequence[Frame]]]:  # fmt: skip
     """Frames of the motion that starts with y, one by one, and the evaluator that stands there; where nobody needs it
-    `standing` there, in blocks of outputs that are passed together. The first one is always alone.
+    `standing` there, in blocks of outputs that are passed together.
 
     Their `statistics` are the counters of the integrator since the last one. Raises AnalysisError.
     """
@@ -210,7 +218,7 @@ def frames(
     if evaluator.marching is not None:
         together = None if standing else shown.passage
         passage = None if together is None else together(times, limits.wheels.rows, limits.regularity.matrix.zero, FAR)
-        marching = partial(evaluator.marching, trail, passage)
+        marching = evaluator.marching(trail, passage)
     outputs = integrated(
         evaluator, y, times, settings, tolerances,
         breaks=breaks, watch=trail.accepted, jacobian=jacobian,

@@ -86,12 +86,13 @@ def _tumbling(
         ahead = RemainingTimes(times.start, times.end, times.n, t, given) if given else times
         try:
             looked = watched(evaluator, run.report, watch)
-            again = bool(given)  # the first block is the start, which has been given
+            again = bool(given)  # the first frame is the start, which has been given
             for where, block in frames(evaluator, y, ahead, settings, run.report, watch=looked, standing=own):
-                if not again:
-                    yield where, chart.views(block)
-                    given += len(block)
+                new = block[1:] if again else block
                 again = False
+                if len(new):
+                    yield where, chart.views(new)
+                    given += len(new)
             return
         except ChartEnds:
             pass

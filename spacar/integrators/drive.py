@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from itertools import pairwise
-from math import ceil
+from math import ceil, isfinite
 from operator import sub
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 
@@ -64,17 +64,19 @@ def integrate(
     row = method(code)
     state = np.array(y0, dtype=float)
     output_times = times if isinstance(times, EvenTimes) else np.asarray(times, dtype=float)
-    _check(state, output_times, atol, rtol, step)
+    absolute = np.array(atol, float) if np.ndim(atol) else float(atol)
+    _check(state, output_times, absolute, rtol, step)
     first, last = float(output_times[0]), float(output_times[-1])
     if row.needs_jacobian and getattr(problem, "jacobian", None) is None:
         raise UsageError(f"INTEGRAT: {row.name} needs the Jacobian of the problem", "integrator.jacobian")
     evaluation = Evaluation(problem, first, last)
     evaluation.times = output_times
-    integrator = row.build(evaluation, len(state), Tolerance(_one_or_each(atol), float(rtol)))
-    segments = _segments(first, last, breaks)
+    integrator = row.build(evaluation, len(state), Tolerance(absolute, float(rtol)))
+    segments = _segments(first, last, breaks) if breaks else [(first, last, first, last)]
     loop = _variable if row.variable_step else _fixed
     steps = loop(integrator, evaluation, state, output_times, segments, step)
-    return _outputs(steps, state, output_times, evaluation, max_steps)
+    passes = evaluation.passes and isinstance(integrator, Adams | Automatic)
+    return _outputs(steps, None if passes else state, output_times, evaluation, max_steps)
 
 
 def steps(
@@ -98,33 +100,26 @@ def steps(
     return _one_step(integrator, first is None, longest)(start, y, end, size)
 
 
-def _one_or_each(atol: float | np.ndarray) -> float | np.ndarray:
-    return np.array(atol, float) if np.ndim(atol) else float(atol)
-
-
 def _check(
     y0: np.ndarray, times: np.ndarray | EvenTimes, atol: float | np.ndarray, rtol: float, step: float | None
 ) -> None:
     """Raises UsageError that says what is wrong with the arguments of `integrate`."""
-
-    def wrong(text: str, code: str) -> NoReturn:
-        raise UsageError(text, code)
-
-    if y0.ndim != 1 or not len(y0) or not np.isfinite(y0).all():
-        wrong("the initial state must be a non-empty vector of finite numbers", "integrator.state")
+    if y0.ndim != 1 or not len(y0) or not (isfinite(y0.dot(y0)) or np.isfinite(y0).all()):
+        raise UsageError("the initial state must be a non-empty vector of finite numbers", "integrator.state")
     if not isinstance(times, EvenTimes):  # which has checked its times when it was made
         if times.ndim != 1 or len(times) < 2 or not np.isfinite(times).all():
-            wrong("the integration needs a start time and at least one later output time", "integrator.times")
+            text = "the integration needs a start time and at least one later output time"
+            raise UsageError(text, "integrator.times")
         bad = np.flatnonzero(np.diff(times) <= 0.0)
         if len(bad):
             a, b = times[bad[0]], times[bad[0] + 1]
-            wrong(f"output times must increase: {b:.9g} s follows {a:.9g} s", "integrator.times")
-    positive = atol > 0.0 if isinstance(atol, float) else np.all(np.asarray(atol) > 0.0)
-    if not (positive and np.shape(atol) in ((), y0.shape) and rtol >= 0.0):
+            raise UsageError(f"output times must increase: {b:.9g} s follows {a:.9g} s", "integrator.times")
+    positive = atol > 0.0 if isinstance(atol, float) else atol.shape == y0.shape and (atol > 0.0).all()
+    if not (positive and rtol >= 0.0):
         text = f"the absolute error must be positive and the relative one not negative, not {atol} and {rtol}"
-        wrong(f"ERROR: {text}", "integrator.tolerance")
+        raise UsageError(f"ERROR: {text}", "integrator.tolerance")
     if step is not None and not step > 0.0:
-        wrong(f"INTEGRAT: the step size must be positive, not {step}", "integrator.step")
+        raise UsageError(f"INTEGRAT: the step size must be positive, not {step}", "integrator.step")
 
 
 def _segments(first: float, last: float, breaks: Sequence[float]) -> list[tuple[float, float, float, float]]:
@@ -147,13 +142,15 @@ def _segments(first: float, last: float, breaks: Sequence[float]) -> list[tuple[
 
 
 def _outputs(
-    steps: Iterator[Step], y0: np.ndarray, times: np.ndarray | EvenTimes, evaluation: Evaluation, max_steps: int
+    steps: Iterator[Step], y0: np.ndarray | None, times: np.ndarray | EvenTimes, evaluation: Evaluation, max_steps: int
 ) -> Iterator[Output]:
-    """Dense output at `times` from a stream of steps."""
+    """Dense output at `times` from a stream of steps; y0 (n,): state at the first one, None: the steps pass it."""
     statistics = evaluation.statistics
-    yield Output(float(times[0]), y0.copy(), 0, 0, 0, 0, 0, None)
+    i, n = 0, len(times)
+    if y0 is not None:
+        yield Output(float(times[0]), y0.copy(), 0, 0, 0, 0, 0, None)
+        i = 1
     before = statistics.counts()
-    i, n = 1, len(times)
     step_start, limit = float(times[0]), max_steps
     for t, y, interpolate, _, passed in steps:
         for outputs in passed or ():

@@ -24,7 +24,7 @@ class Problem(Protocol):
     need `len(y) == 2 * n_positions`. `rhs` may return the same array at every call: integrators copy what
     they keep. It must neither change nor keep the `y` it is given.
 
-    Eight optional members are used when they are present (`Automatic` knows two more):
+    Nine optional members are used when they are present (`Automatic` knows two more):
 
     jacobian(t, y)     (dF/dy, dF/dt) with shapes (n, n) and (n,); the linearly implicit and implicit codes need it
     accepted(t, y)     called after each accepted step, so that a problem can update its branch memory
@@ -40,7 +40,8 @@ class Problem(Protocol):
                        (Runge-Kutta codes)
     march(method, t, t_end, h, longest)
                        takes the steps of codes 0, 135, 155 and 853 itself, with what `accepted` and `rejected` do, and
-                       yields those with an output, or the last of many with the outputs in all of them
+                       yields those with an output, or, where it `passes` outputs, the last of many with the outputs in
+                       all of them, with code 0 also the start
     """
 
     @property
@@ -135,6 +136,7 @@ class Evaluation:
         "last",
         "march",
         "newton",
+        "passes",
         "problem",
         "rejected",
         "stages",
@@ -155,6 +157,7 @@ class Evaluation:
         self.newton: Callable[..., tuple[bool, float, float] | None] | None = getattr(problem, "newton", None)
         self.by_case: tuple[int, int, int] | None = getattr(problem, "by_case", None)
         self.march: March | None = getattr(problem, "march", None)
+        self.passes: bool = getattr(problem, "passes", False)
         self.times: Sequence[float] | np.ndarray = (first, last)
         # Accepted steps after which `march` gives way at the next output, to whoever looks at the steps.
         self.halt = float("inf")

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import overload
 
+import numpy as np
+
 from spacar.errors import UsageError
 
 MOST_STEPS = 10**15
@@ -45,8 +47,8 @@ class EvenTimes(Sequence[float]):
     def __getitem__(self, i: slice) -> list[float]: ...
     def __getitem__(self, i: int | slice) -> float | list[float]:
         if isinstance(i, slice):
-            start, step = self.start, self.step
-            return [self.end if k == self.n else k * step + start for k in range(*i.indices(self.n + 1))]
+            numbers = np.arange(*i.indices(self.n + 1))
+            return np.where(numbers == self.n, self.end, numbers * self.step + self.start).tolist()
         k = i + self.n + 1 if i < 0 else i
         if not 0 <= k <= self.n:
             raise IndexError(i)

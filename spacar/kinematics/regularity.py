@@ -57,7 +57,7 @@ class PositionMatrix:
     @cached_property
     def zero(self) -> float:
         """A reciprocal condition below which the position is looked at."""
-        return ZERO * sqrt(float(np.abs(self._mechanism.x0 / self._mechanism.scale).max(initial=1.0)))
+        return ZERO * sqrt(np.maximum.reduce(np.abs(self._mechanism.x0 / self._mechanism.scale), initial=1.0))
 
     @property
     def kinematics(self) -> Kinematics:
@@ -141,14 +141,11 @@ class HalfTurns:
     nodes `without`, which may pass half a turn."""
 
     def __init__(self, n: Numbering, without: Collection[int] = ()) -> None:
-        nodes: set[int] = set()
-        self.some: set[int] = set()
-        if not n.planar and n.nxp[3]:
-            owners = (n.x_owner(i) for i in range(n.x_class["dynamic"].start, n.x_class["dynamic"].stop))
-            dynamic = [node for node, _ in owners if n.kind[node] == "orientation"]
-            nodes = set(dynamic)
-            self.some = {node for node in nodes if dynamic.count(node) < 3}  # of three only one or two
-        self.nodes = sorted(nodes.difference(without))
+        where = n.x_class["dynamic"]
+        owners = [] if n.planar else [n.x_owner(i)[0] for i in range(where.start, where.stop)]
+        dynamic = [node for node in owners if n.kind[node] == "orientation"]
+        self.some = {node for node in dynamic if dynamic.count(node) < 3}  # of three only one or two
+        self.nodes = sorted(set(dynamic).difference(without))
         self.lambda0 = np.array([n.x_index(node, 1) for node in self.nodes], np.int64)
 
     def check(self, t: float, x: Array, within: float = HALF_TURN) -> None:

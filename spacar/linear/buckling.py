@@ -10,7 +10,6 @@ warning. The compliance of coordinate i is W_i K^-1 W_i^T with K = K0 + N0 + G0 
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -74,26 +73,29 @@ def buckling_modes(K0: Array, G0: Array, report: Report) -> BucklingModes:
                 lower = None
         except np.linalg.LinAlgError:
             lower = None
+    load = -G
     if lower is not None:
-        reduced = np.linalg.solve(lower, np.linalg.solve(lower, -G).T)
+        reduced = np.linalg.solve(lower, np.linalg.solve(lower, load).T)
         mu, vectors = np.linalg.eigh((reduced + reduced.T) / 2)
         modes = np.linalg.solve(lower.T, vectors)
     else:
         mu, modes = _general(K, G, report)
-    infinite = np.abs(mu) <= NOTHING * np.max(np.abs(mu[np.isfinite(mu)]), initial=0.0)
+    size = np.abs(mu)
+    infinite = size <= NOTHING * size[size < np.inf].max(initial=0.0)
     multipliers = np.where(infinite, np.inf, 1.0 / np.where(infinite, 1.0, mu))
     finite = np.isfinite(multipliers)
-    eta = backward_error.of_scaled_pencil(K, -G, multipliers[finite], modes[:, finite])
-    backward_error.warn(report, eta, multipliers[finite], "load multipliers")
+    pairs = (multipliers, modes) if finite.all() else (multipliers[finite], modes[:, finite])
+    backward_error.warn(report, backward_error.of_scaled_pencil(K, load, *pairs), pairs[0], "load multipliers")
     order = order_of(multipliers)
     modes = modes[:, order] * scale[:, None]
-    return BucklingModes(multipliers[order], modes / np.linalg.norm(modes, axis=0))
+    return BucklingModes(multipliers[order], modes / backward_error.lengths(modes))
 
 
 def order_of(multipliers: Array) -> Index:
     """Increasing modulus; where moduli agree to PAIR, positive before negative, so that rounding decides nothing."""
-    by_size = np.argsort(np.abs(multipliers), kind="stable")
-    size = np.abs(multipliers[by_size])
+    size = np.abs(multipliers)
+    by_size = size.argsort(kind="stable")
+    size = size[by_size]
     larger = size[:-1] < (1.0 - PAIR) * size[1:]
     if larger.all():
         return by_size
@@ -172,11 +174,16 @@ def directional_compliances(L: Linearization, dynamic: Index, report: Report) ->
     scale = _scale(K)
     K, Ws = K * (scale[:, None] * scale), W * scale
     n = len(K)
-    with suppress(np.linalg.LinAlgError):
-        found = np.linalg.solve(K, np.concatenate((np.eye(n), Ws.T), axis=1))
-        # at least s_1/s_n, of which rounding may take digits: where there is a doubt singular values decide
-        if np.linalg.norm(K) * np.linalg.norm(found[:, :n]) < 1e-2 / SINGULAR:
-            return np.asarray((Ws.T * found[:, n:]).sum(axis=0))
+    right = np.zeros((n, n + len(W)))  # the unit matrix, then Ws
+    right.reshape(-1)[:: n + len(W) + 1] = 1.0
+    right[:, n:] = Ws.T
+    try:
+        found = np.linalg.solve(K, right)
+    except np.linalg.LinAlgError:
+        found = np.full_like(right, np.inf)
+    # at least s_1/s_n, of which rounding may take digits: where there is a doubt singular values decide
+    if backward_error.norm(K) * backward_error.norm(found[:, :n]) < 1e-2 / SINGULAR:
+        return np.asarray(np.add.reduce(right[:, n:] * found[:, n:]))
     s = np.linalg.svd(K, compute_uv=False)
     if s[-1] > SINGULAR * s[0]:
         return np.asarray((Ws.T * np.linalg.solve(K, Ws.T)).sum(axis=0))

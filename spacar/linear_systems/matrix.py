@@ -56,7 +56,7 @@ def is_zero_matrix(A: Matrix) -> bool:
 
 
 def _is_nothing(A: Matrix) -> bool:
-    return not A.nnz if not isinstance(A, np.ndarray) else A.strides == (0, 0) and not A[:1, :1].any()
+    return A.base is ZERO if isinstance(A, np.ndarray) else not A.nnz
 
 
 def dense(A: Matrix) -> Array:

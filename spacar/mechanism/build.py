@@ -103,7 +103,7 @@ def _constitutive(batches: list[Batch]) -> list[tuple[Index, Index, Array]]:
     for batch in batches:
         if batch.family.n_deformations:
             for parts, S in zip(found, batch.family.stiffness(), strict=True):
-                i, j, k = np.nonzero(S)
+                i, j, k = S.nonzero()
                 if len(i):
                     parts.append((batch.e[i, k], batch.e[j, k], S[i, j, k]))
     return [tuple(map(np.concatenate, zip(*parts, strict=True))) if parts else NO_ENTRIES for parts in found]  # type: ignore

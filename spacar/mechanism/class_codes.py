@@ -49,7 +49,7 @@ class ClassCodes(NamedTuple):
     roles   (1 + highest node,) place in ROLES of every node
     """
 
-    codes: bytes
+    codes: bytearray
     of_nodes: int
     width: int
     roles: NDArray[np.uint8]
@@ -59,7 +59,7 @@ def class_codes(deck: Deck, types: Sequence[ElementRows], prescribed: bool) -> C
     """The classes of everything in a deck with these elements. `prescribed`: what is dynamic is an input."""
     planar = types[0].kind.planar
     width = max([6, *[len(rows.kind.modes) for rows in types]])  # 8 in a model with warping
-    roles = np.zeros(1 + max([rows.nodes.max() for rows in types]), np.uint8)
+    roles = np.zeros(1 + max([np.maximum.reduce(rows.nodes, None) for rows in types]), np.uint8)
     elements = np.zeros(1 + max([rows.numbers.item(-1) for rows in types]), np.uint8)
     for rows in types:
         roles.put(rows.nodes, _roles_of(rows.kind))  # again for every element
@@ -80,7 +80,7 @@ def class_codes(deck: Deck, types: Sequence[ElementRows], prescribed: bool) -> C
                     before = first + size * number
                     for k in which or every[of[number]]:
                         codes[before + k] = code
-    return ClassCodes(codes.translate(_AS_INPUT) if prescribed else bytes(codes), of_nodes, width, roles)
+    return ClassCodes(codes.translate(_AS_INPUT) if prescribed else codes, of_nodes, width, roles)
 
 
 @cache
@@ -100,8 +100,9 @@ def _coordinates(planar: bool) -> NDArray[np.uint8]:
 @cache
 def _independent(planar: bool) -> list[range]:
     """Coordinates that a statement without coordinate numbers is about: lambda0 follows from the normalization."""
-    counts = [coordinates_of(role, planar) if role else 0 for role in ROLES]
-    return [range(2 if role == "orientation" and not planar else 1, 1 + n) for role, n in zip(ROLES, counts, strict=True)]
+    firsts = [2 if role == "orientation" and not planar else 1 for role in ROLES[1:]]
+    ends = [1 + coordinates_of(role, planar) for role in ROLES[1:]]
+    return [range(0), *map(range, firsts, ends)]
 
 
 @cache

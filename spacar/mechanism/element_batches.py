@@ -74,7 +74,7 @@ def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "")
             keyword=kind.keyword,
             numbers=numbers,
             x0=x0.take(x),
-            geometry=tuple([s.values[first:] for s in statements]) if kind.geometry else ((),) * n,
+            geometry=tuple([s.real_values(first) for s in statements]) if kind.geometry else ((),) * n,
             nonlinear=np.isin(numbers, linear, invert=True) if linear else np.ones(n, bool),
             directions=tuple(map(directions.get, numbers.tolist())) if directions else (None,) * n,
             projections=tuple(map(projections.get, numbers.tolist())) if projections else (None,) * n,
@@ -129,8 +129,12 @@ def by_angles(deck: Deck, beams: str = "") -> set[int]:
     """Numbers of the elements in the angle measure: those of ADEFORM, or with `beams` ("angle", "sine") all or none."""
     given = deck.block(1).get("ADEFORM", ())
     if beams == "angle" or (not beams and any(not s.values for s in given)):
-        return {int(s.values[0]) for s in deck.of(*(k for k, t in ELEMENT_TYPES.items() if t.angle_family), block=1)}
-    return {int(s.values[0]) for s in given} if not beams else set()
+        block = deck.block(1)
+        return {s.integer(0) for keyword in _WITH_ANGLES & block.keys() for s in block[keyword]}
+    return {s.integer(0) for s in given} if not beams else set()
+
+
+_WITH_ANGLES = {keyword for keyword, kind in ELEMENT_TYPES.items() if kind.angle_family}
 
 
 def node_batches(batches: list[Batch], numbering: Numbering, families: Iterable[tuple[Family, Array]]) -> None:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from itertools import groupby
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain, groupby
 from operator import attrgetter
 from typing import Any, NamedTuple
 
@@ -33,7 +33,7 @@ def element_rows(deck: Deck) -> list[ElementRows]:
         kind = ELEMENT_TYPES[keyword]
         statements = sorted(block[keyword], key=ELEMENT_NUMBER)
         first = 1 + len(kind.nodes)
-        table = np.array([s.values[:first] for s in statements], np.int64)
+        table = _table([s.values[:first] for s in statements], np.int64)
         found.append(ElementRows(kind, statements, table[:, 0], table[:, 1:]))
     return found
 
@@ -49,9 +49,14 @@ def element_list(deck: Deck) -> list[tuple[int, str, tuple[int, ...]]]:
     ]
 
 
+def _table(rows: Sequence[Sequence[Any]], kind: Any) -> Array:
+    """Rows with equally many numbers as an array."""
+    return np.fromiter(chain.from_iterable(rows), kind, len(rows) * len(rows[0])).reshape(len(rows), -1)
+
+
 def value_rows(statements: Iterable[Statement], kind: Any = float) -> Iterator[tuple[Index, Array]]:
     """First values of statements (n,) and the values behind them (n, count), in file order: a pair of arrays for all
     that follow each other with equally many values."""
     for _, run in groupby([s.values for s in statements], len):
-        table = np.array([*run], kind)
+        table = _table([*run], kind)
         yield table[:, 0].real.astype(np.int64), table[:, 1:]

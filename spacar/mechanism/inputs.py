@@ -149,11 +149,9 @@ def settings(deck: Deck, **options: Any) -> SolverSettings:
     options   fields that replace them; None: none
     """
     found: dict[str, Any] = {}
-    for number in (1, 2):
-        block = deck.block(number)
-        for keyword, fields in SETTINGS.items():
-            if keyword in block:
-                found.update(zip(fields, block[keyword][-1].values, strict=False))
+    for block in (deck.block(1), deck.block(2)):
+        for keyword in SETTINGS.keys() & block.keys():
+            found.update(zip(SETTINGS[keyword], block[keyword][-1].values, strict=False))
     if "integrator" in found:
         found["integrator"] = INTEGRATOR_ALIASES.get(found["integrator"], found["integrator"])
     found.update((name, value) for name, value in options.items() if value is not None)

@@ -6,6 +6,8 @@ section 1).
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from spacar.arrays import Array, Index
@@ -20,7 +22,7 @@ from spacar.mechanism.numbering import Numbering
 def lumped(deck: Deck, numbering: Numbering, batches: list[Batch]) -> list[tuple[Family, Index]]:
     """Families of node inertia with their indices into x."""
     masses: dict[int, tuple[int, float]] = {}  # coordinate: node, mass
-    tensors: dict[int, Array] = {}
+    tensors: list[tuple[Any, Array]] = []  # nodes (n,) and what they get (n, 3, 3)
     block = deck.block(2)
     for s in block.get("XM", ()):
         node, values = s.integer(0), s.real_values(1)
@@ -29,22 +31,20 @@ def lumped(deck: Deck, numbering: Numbering, batches: list[Batch]) -> list[tuple
                 if place >= 0:
                     masses[place] = node, values[0]
         else:
-            tensors[node] = symmetric(np.array(values))
+            tensors.append(([node], symmetric(np.array(values))[None]))
     for batch in batches:
         for row, J in batch.family.orientation_inertia():
-            for k in range(batch.family.n):
-                node, _ = numbering.x_owner(int(batch.x[row, k]))
-                tensors[node] = tensors.get(node, np.zeros((3, 3))) + J[k]
+            tensors.append((numbering.x_node.take(batch.x[row]), J))
         for row, J in batch.family.lumped_inertia():
             for place, value in zip(batch.x[row].tolist(), J.tolist(), strict=True):
-                node, mass = masses.get(place, (numbering.x_owner(place)[0], 0.0))
+                node, mass = masses.get(place, (numbering.x_node.item(place), 0.0))
                 masses[place] = node, mass + value
-    rotors = [(s.integer(0), np.array(s.values[1:])) for s in block.get("XGYRO", ())]
     result: list[tuple[Family, Index]] = []
     if masses:
         places = sorted(masses)
-        owners, sizes = (np.array(column) for column in zip(*(masses[i] for i in places), strict=True))
+        owners, sizes = map(np.array, zip(*[masses[i] for i in places], strict=True))
         result.append((LumpedMass(owners, sizes), np.array([places], np.int64)))
+    rotors = [(s.integer(0), np.array(s.values[1:])) for s in block.get("XGYRO", ())]
     if rotors:
         from spacar.elements.node_inertia import GyrostatNode, prescribed_rotor_tensor
 
@@ -52,15 +52,16 @@ def lumped(deck: Deck, numbering: Numbering, batches: list[Batch]) -> list[tuple
         h = np.array([rotor[3] * rotor[:3] for _, rotor in rotors])
         for node, rotor in rotors:
             if len(rotor) > 4 and int(rotor[4]) == 1:
-                extra = prescribed_rotor_tensor(rotor[None, :3], rotor[3:4])[0]
-                tensors[node] = tensors.get(node, np.zeros((3, 3))) + extra
+                tensors.append(([node], prescribed_rotor_tensor(rotor[None, :3], rotor[3:4])))
         result.append((GyrostatNode(nodes, h), numbering.x_places.T.take(nodes, 1)))
     if tensors:
         from spacar.elements.node_inertia import RigidBodyNode
 
-        nodes = np.array(sorted(tensors))
-        J = np.array([tensors[int(n)] for n in nodes])
-        result.append((RigidBodyNode(nodes, J), numbering.x_places.T.take(nodes, 1)))
+        nodes, which = np.unique(np.concatenate([of for of, _ in tensors]), return_inverse=True)
+        parts = np.concatenate([J for _, J in tensors])
+        total = np.zeros((len(nodes), 3, 3), parts.dtype)
+        np.add.at(total, which, parts)
+        result.append((RigidBodyNode(nodes, total), numbering.x_places.T.take(nodes, 1)))
     return result
 
 

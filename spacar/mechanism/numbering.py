@@ -104,6 +104,14 @@ class Numbering:
         return it
 
     @cached_property
+    def x_node(self) -> Index:
+        """(nx,) number of the node that a coordinate belongs to."""
+        nodes, coordinates = (self.x_places >= 0).nonzero()
+        found = np.empty(self.nx, np.int64)
+        found.put(self.x_places[nodes, coordinates], nodes)
+        return found
+
+    @cached_property
     def _x_names(self) -> list[tuple[int, int]]:
         names = [(0, 0)] * self.nx
         for node, row in enumerate(self.x_places.tolist()):

@@ -12,6 +12,8 @@ import numpy as np
 
 from spacar.arrays import Array
 
+WHOLE = {int, np.int64}
+
 
 class PlacedVector(np.ndarray):
     """A vector whose entries are read by places from 0 on. Raises IndexError for a negative place."""
@@ -22,6 +24,9 @@ class PlacedVector(np.ndarray):
         self.name = getattr(obj, "name", "")
 
     def __getitem__(self, key: Any) -> Any:
+        if type(key) in WHOLE and key >= 0:  # the usual question, without a further view of the vector
+            entry = np.ndarray.__getitem__(self, key)
+            return np.asarray(entry) if type(entry) is PlacedVector else entry
         if _negative(key):
             raise IndexError(
                 f"a place in {self.name} is negative: le and lnp hold -1 for a mode or coordinate that does not exist"

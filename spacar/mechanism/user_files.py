@@ -9,7 +9,7 @@ import ast
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from types import ModuleType
+from types import CodeType, ModuleType
 from typing import Any
 
 import numpy as np
@@ -76,12 +76,16 @@ def _refusal(deck: Deck, statement: Statement, reason: str) -> InputError:
 class Loaded:
     """A function made from a user's file. No module is known under its name, so it travels (pickle, copy) as the way
     in which it was made, and is loaded again where it arrives.
+
+    breaks  times at which it jumps [s], from `breaks` of its module
+    anew    gives it once more, from the text that was read, in a module of its own. Raises as `load`
     """
 
     function: Callable[..., Any]
     load: Callable[..., Loaded]
     arguments: tuple[Any, ...]
-    breaks: tuple[float, ...] = ()  # times at which it jumps [s], from `breaks` of its module
+    breaks: tuple[float, ...]
+    anew: Callable[[], Loaded]
 
     def __call__(self, *arguments: Any) -> Any:
         return self.function(*arguments)
@@ -98,11 +102,16 @@ def load_function(deck: Deck, statement: Statement) -> Loaded:
         return _refusal(deck, statement, reason)
 
     path = function_file(deck, statement)
-    module = import_file(path, refuse)
-    function = getattr(module, path.stem, None) or getattr(module, name, None)
-    if not callable(function):
-        raise refuse(f"{path} does not define a function {name}")
-    return Loaded(function, load_function, (deck, statement), _breaks(module, path, refuse))
+    code = _compiled(path, refuse)
+
+    def anew() -> Loaded:
+        module = _executed(code, path, refuse)
+        function = getattr(module, path.stem, None) or getattr(module, name, None)
+        if not callable(function):
+            raise refuse(f"{path} does not define a function {name}")
+        return Loaded(function, load_function, (deck, statement), _breaks(module, path, refuse), anew)
+
+    return anew()
 
 
 def _breaks(module: ModuleType, path: Path, refuse: Callable[[str], Exception]) -> tuple[float, ...]:
@@ -128,11 +137,22 @@ def one_line_of(value: object) -> str:
 def import_file(path: Path, refuse: Callable[[str], Exception]) -> ModuleType:
     """The module in a user's Python file, from its text as it stands now: no bytecode is kept beside a model. Raises
     what `refuse` makes of the reason why it cannot be loaded."""
+    return _executed(_compiled(path, refuse), path, refuse)
+
+
+def _compiled(path: Path, refuse: Callable[[str], Exception]) -> CodeType:
+    try:
+        return compile(path.read_bytes(), str(path), "exec", dont_inherit=True)
+    except Exception as error:  # a user's file may fail in any way
+        raise refuse(f"{path} cannot be loaded: {one_line(error)}") from error
+
+
+def _executed(code: CodeType, path: Path, refuse: Callable[[str], Exception]) -> ModuleType:
     module = ModuleType(f"spacar_user_{path.stem}")
     module.__file__ = str(path)
     try:
-        exec(compile(path.read_bytes(), module.__file__, "exec", dont_inherit=True), vars(module))
-    except Exception as error:  # a user's file may fail in any way
+        exec(code, vars(module))
+    except Exception as error:
         raise refuse(f"{path} cannot be loaded: {one_line(error)}") from error
     return module
 

@@ -97,6 +97,7 @@ def checked_rows(name: str, what: str, rows: Any, widths: tuple[int, ...], t: fl
 FEW = 20  # rows above which an array is read faster
 NUMBERS = {int, float, np.float64}
 ROWS = {list, tuple}
+Form = list[Any]  # of rows: two numbers and a place each
 ZEROS = (0.0,) * 5
 
 
@@ -108,10 +109,45 @@ def whole(row: Sequence[float]) -> tuple[int, int]:
     return int(a), int(b)
 
 
+def _form(rows: Any, places: dict[tuple[Any, Any], int]) -> Form:
+    """The numbers and the place of every row of an answer that was read, one after the other; none of an answer that is
+    no list of a few rows of three, each with a place of its own."""
+    if type(rows) is not list or len(rows) > FEW:
+        return []
+    form: Form = []
+    for row in rows:
+        if type(row) not in ROWS or len(row) != 3 or not {type(row[0]), type(row[1])} <= NUMBERS:
+            return []
+        form += row[0], row[1], places.get((row[0], row[1]))
+    own = set(form[2::3])
+    return form if len(own) == len(rows) and None not in own else []
+
+
+def _again(rows: Any, form: Form, values: Any) -> float:
+    """Write the values of rows that have the form of an earlier answer, and give their sum; else nan, when some may
+    have been written. Almost every call of a run comes here, and nothing else is asked than `_added` would."""
+    if type(rows) is not list or 3 * len(rows) != len(form):
+        return nan
+    total, k = 0.0, 0
+    try:
+        for row in rows:
+            a, b, value = row
+            # the same objects, as the small whole numbers of a program are; equal ones are looked up by `_added`
+            if a is not form[k] or b is not form[k + 1] or (type(row) is not list and type(row) is not tuple):
+                return nan
+            if type(value) is not float and type(value) not in NUMBERS:
+                return nan
+            values[form[k + 2]] = value
+            total += value
+            k += 3
+    except (TypeError, ValueError, OverflowError):
+        return nan
+    return total
+
+
 def _added(rows: Any, places: dict[tuple[Any, Any], int], values: Any) -> float:
     """Add rows to values, when they are a short list of three numbers each whose places were looked up before, and give
-    the sum of the numbers. Else nan: then `UserLaw._rows` reads them, and what was added is of no use. Every call of a
-    run but the first comes here."""
+    the sum of the numbers. Else nan: then `UserLaw._rows` reads them, and what was added is of no use."""
     if type(rows) is not list or len(rows) > FEW:
         return nan
     total = 0.0
@@ -171,15 +207,25 @@ class UserLaw:
         """Gives what writes for a time what the function returns at the guarded vectors e, ed, x, xd into sigma and
         force, which are zero then, and returns the sentences of `UserForces.lost`.
         """
-        stresses, forces = self.stresses, self.forces
         function, (ne, le, e, ed, nx, lnp, x, xd) = self._function, self._given(*told)
+        of_sig: Form = []
+        of_f: Form = []
 
         def answer(t: float) -> dict[int, str]:
+            nonlocal of_sig, of_f
             try:
                 _, sig, f = function(t, ne, le, e, ed, nx, lnp, x, xd)
             except Exception as error:  # a user's function may fail in any way
                 raise _failed(self.name, t, error) from error
-            if isfinite(_added(sig, stresses, sigma) + _added(f, forces, force)):
+            total = _again(sig, of_sig, sigma)
+            if of_f or type(f) is not list or f:
+                total += _again(f, of_f, force)
+            if isfinite(total):
+                return {}
+            for form, values in (of_sig, sigma), (of_f, force):  # a part may have been written
+                for i in form[2::3]:
+                    values[i] = 0.0
+            if isfinite(_added(sig, self.stresses, sigma) + _added(f, self.forces, force)):
                 return {}
             *found, lost = self._rows(t, sig, f)
             for rows, values in zip(found, (sigma, force), strict=True):
@@ -187,9 +233,17 @@ class UserLaw:
                     values[i] = 0.0
                 for i, row in rows:
                     values[i] += row[2]
+            if not lost:
+                of_sig, of_f = _form(sig, self.stresses), _form(f, self.forces)
             return lost
 
         return answer
+
+    def anew(self) -> UserLaw:
+        """The same for another case: a function that remembers something remembers it for each. Raises InputError."""
+        function = self.function.anew() if isinstance(self.function, Loaded) else self.function
+        breaks = function.breaks if isinstance(function, Loaded) else self.breaks
+        return UserLaw(function, self.name, self.numbering, self.le, self.lnp, self.prescribed_act, breaks)
 
     @property
     def _function(self) -> Callable[..., Any]:
@@ -263,6 +317,12 @@ class UserDrive:
         interval = settings.duration / settings.n_steps if settings.duration and settings.n_steps else 1.0
         function = load_function(deck, statement)
         return cls(function, str(statement.values[0]), numbering, base, interval, function.breaks)
+
+    def anew(self, base: Polynomial) -> UserDrive:
+        """The same for another case, see `UserLaw.anew`. Raises InputError."""
+        function = self.function.anew() if isinstance(self.function, Loaded) else self.function
+        breaks = function.breaks if isinstance(function, Loaded) else self.breaks
+        return UserDrive(function, self.name, self.numbering, base, self.interval, breaks)
 
     def at(self, t: float) -> DriveState:
         e_rows, x_rows = call(self.function, self.name, t, round(t / self.interval))

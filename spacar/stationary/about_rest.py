@@ -20,7 +20,7 @@ from spacar.linear_systems.matrix import DENSE_LIMIT, matrix, zero_matrix
 from spacar.linearization.coefficients import Coefficients
 from spacar.linearization.contractions import mass_matrix
 from spacar.linearization.matrices import Linearization, reduced
-from spacar.stationary.equilibrium import DOUBLES, NUMBER, WHOLE, Equilibrium
+from spacar.stationary.equilibrium import DOUBLES, NUMBER, WHOLE, Equilibrium, parts
 
 
 class CLinearized(ctypes.Structure):
@@ -56,19 +56,20 @@ class AboutRest:
         if n.nk or max(n.nx, n.ne) > DENSE_LIMIT:
             return None
         xs, es = n.x_class, n.e_class
-        square = (n.nx, n.nx)
-        W, We, stresses = np.zeros((n.nx, n.ndof)), np.zeros((n.ne, n.ndof)), sigma.copy()  # what frames keep
-        V, geometric = np.zeros((n.ne, n.nx)), np.zeros(square)
-        gravity = np.zeros(square) if equations.heavy else zero_matrix(square)
-        row, column = m.deformation_scale[: len(E)], m.scale[U]
-        c = CLinearized(*(A.ctypes.data for A in (row, column, W, We, V, geometric, gravity, stresses)))
-        if not equations.heavy:
-            c.gravity = None
+        square, heavy = n.nx * n.nx, n.nx * n.nx if equations.heavy else 0
+        sizes = n.ne * n.nx, square, heavy, n.ne, len(E), len(E)
+        room, W, We = np.zeros(sum(sizes)), np.zeros((n.nx, n.ndof)), np.zeros((n.ne, n.ndof))  # frames keep W and We
+        V, geometric, gravity, stresses, row, column = parts(room, sizes)
+        stresses[:], row[:], column[:] = sigma, m.deformation_scale[: len(E)], m.scale[U]
+        at = [room.ctypes.data + 8 * sum(sizes[:k]) for k in range(6)]
+        c = CLinearized(at[4], at[5], W.ctypes.data, We.ctypes.data, *at[:2], at[2] if heavy else None, at[3])
         c.n, c.first = len(U), xs["calculable"].start
         c.q_x, c.n_q_x, c.q_e, c.n_q_e = xs["input"].start, len(n.q_x), es["input"].start, len(n.q_e)
         if not equations.linearize(x, sigma, c):
             return None
-        return cls(d, W, We, V, geometric, gravity, stresses, c.bound, c.terms)
+        V, geometric = V.reshape(n.ne, n.nx), geometric.reshape(n.nx, n.nx)
+        gravity = gravity.reshape(n.nx, n.nx) if heavy else zero_matrix((n.nx, n.nx))
+        return cls(d, W, We, V, geometric, gravity, stresses.copy(), c.bound, c.terms)
 
     @property
     def condition(self) -> Conditioning:

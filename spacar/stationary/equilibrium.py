@@ -86,7 +86,7 @@ class Equilibrium:
     """
 
     def __init__(self, m: Mechanism, sweep: ElementSweep) -> None:
-        from spacar.compiled.library import element_functions
+        from spacar.compiled.library import address_of, element_functions
 
         if not takes(m):
             raise NotCompiled
@@ -99,16 +99,16 @@ class Equilibrium:
         least = np.ones(n.nx)
         least[n.positions] = 0.0
         sizes = n.nx, n.ne, n.nx + n.ne + 2 * (self.nf + n.ne), limit
-        self._x, self._sigma, self._out, self._sizes = _parts(np.empty(sum(sizes)), sizes)
+        room = np.empty(sum(sizes))
+        self._x, self._sigma, self._out, self._sizes = parts(room, sizes)
         self._keep: list[Any] = [m.x0, m.scale, m.deformation_scale, least, loads, sweep]
         groups = _groups(m, sweep, self.heavy, self._keep)
         self.c = c = CEquilibrium(
-            ctypes.addressof(groups), *(A.ctypes.data for A in self._keep[:5]), None, sweep.near.ctypes.data,
-            sweep.e.ctypes.data, n.nx, n.ne, self.nf, len(groups), first, xs.start, count, es.start, es.stop - es.start,
+            ctypes.addressof(groups), m.x0.ctypes.data, *map(address_of, self._keep[1:5]), None, address_of(sweep.near),
+            address_of(sweep.e), n.nx, n.ne, self.nf, len(groups), first, xs.start, count, es.start, es.stop - es.start,
             self.heavy, BAND_LIMIT, DENSE_LIMIT,
         )  # fmt: skip
-        at = self._x.ctypes.data
-        c.x, c.sigma, c.out, c.sizes = (at + 8 * sum(sizes[:k]) for k in range(4))
+        c.x, c.sigma, c.out, c.sizes = (address_of(room) + 8 * sum(sizes[:k]) for k in range(4))
         c.floor, c.singular, c.no_digits, c.spread = FLOOR, SINGULAR, NO_DIGITS, SPREAD
         c.first_ratio, c.later_ratio, c.jump, c.symmetric = FIRST_RATIO, LATER_RATIO, LARGEST_JUMP, SYMMETRIC
         c.guess_forces, c.guess_lengths, c.weight, c.safe = FORCES, LENGTHS, WEIGHT, SAFE
@@ -253,7 +253,7 @@ def _groups(m: Mechanism, sweep: ElementSweep, heavy: bool, keep: list[Any]) -> 
     return groups
 
 
-def _parts(room: Array, sizes: Sequence[int]) -> list[Array]:
+def parts(room: Array, sizes: Sequence[int]) -> list[Array]:
     """The parts of an array, one after the other."""
     ends = [sum(sizes[: k + 1]) for k in range(len(sizes))]
     return [room[end - size : end] for size, end in zip(sizes, ends, strict=True)]

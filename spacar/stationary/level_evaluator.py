@@ -39,20 +39,20 @@ class LevelEvaluator:
 
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism
-        level = LoadLevel(0.0, 0.0)
-        loads, drive = loads_at(mechanism, level), SteadyDrive.at_level(mechanism, level)
+        self._level = LoadLevel(0.0, 0.0)
+        self._in_place = 1.0, 0.0  # fractions of both parts of the loading that `_dynamics` has
         self.whole = SteadyDrive.at_level(mechanism, LoadLevel(1.0, 0.0))  # prescribed values of the initial loading
-        self._dynamics = Dynamics(with_flow(mechanism, loads), loads=loads, drive=drive)
+        self._dynamics = Dynamics(with_flow(mechanism, mechanism.loads), drive=self.whole)
         n = mechanism.numbering
         self.y = self._dynamics.start_values()
-        if n.holonomic:
-            self.y[self._dynamics.n_positions :] = 0.0
         rates = self.y[self._dynamics.n_positions :]
+        self.leaves_rates = bool(n.holonomic and rates.any())  # those of degrees of freedom, which do not move then
+        if self.leaves_rates:
+            rates[:] = 0.0
         self.moving = self.whole.moving or bool(rates.any())
         self.plain = n.holonomic and not self.moving and mechanism.user_signal is None
         self.hold: Array | None = None
         self._hold_until, self._held = 1.0, 0.0  # the part of `hold` that acts at the present level
-        self._level, self._loaded = level, True
         self._given: Given | None = None
         self._at: Array | None = None  # where the sweep has to be
         self._factored_in_c = False
@@ -84,7 +84,7 @@ class LevelEvaluator:
     def load(self, level: LoadLevel) -> None:
         """Put the loads of a level on the evaluator. Where the flow in tubes changes, `dynamics`, `equations` and
         `tangent` are made anew."""
-        self._level, self._loaded, self._given = level, False, None
+        self._level, self._given = level, None
         self._held = self._held_at(level)
         if self._engine is None:
             self._settle()
@@ -96,8 +96,9 @@ class LevelEvaluator:
 
     def _settle(self) -> None:
         """Loads and elements as Python needs them."""
-        if not self._loaded:
-            self._loaded = True
+        level = self._level.initial, self._level.additional
+        if level != self._in_place:
+            self._in_place = level
             self._use(loads_at(self.mechanism, self._level), SteadyDrive.at_level(self.mechanism, self._level))
         if self._at is not None:
             x, self._at = self._at, None

@@ -52,7 +52,6 @@ class StationarySolver:
 
     mechanism: Mechanism
     report: Report
-    dynamics: Dynamics = field(init=False)
     solution: StationarySolution = field(init=False)
 
     def __post_init__(self) -> None:
@@ -61,8 +60,7 @@ class StationarySolver:
         if start is not None and (start.xdd.any() or start.edd.any()):
             self.report.add("warning: prescribed accelerations are ignored in a stationary solution")
         self._evaluator = e = LevelEvaluator(m)
-        self.dynamics = d = e.dynamics
-        if n.holonomic and d.start_values()[d.n_positions :].any():
+        if e.leaves_rates:
             self.report.add("warning: start rates of dynamic degrees of freedom are ignored in a stationary solution")
         # When the loading does nothing, all levels have the solution of the first one.
         self._idle = e.plain and not m.loads.present and not e.whole.shift(m)
@@ -72,9 +70,14 @@ class StationarySolver:
         self._determined = False  # does C say so?
 
     @property
+    def dynamics(self) -> Dynamics:
+        """The evaluator under the loads of the last level."""
+        return self._evaluator.dynamics
+
+    @property
     def sparse(self) -> bool:
         """Does the sparse tangent hold everything that the linearized equations contain?"""
-        return self._evaluator.plain and not self._evaluator.dynamics.coupling.present
+        return self._evaluator.plain and not self.dynamics.coupling.present
 
     def sparse_tangent(self) -> SparseTangent:
         """The sparse tangent of the present evaluator."""
@@ -168,13 +171,14 @@ class StationarySolver:
     def _begin(self, first: LoadLevel) -> Walk:
         """A walk from the start values. Where these are no equilibrium, forces hold them that fade out on the way to
         the first level."""
-        e, d = self._evaluator, self.dynamics
+        e, n = self._evaluator, self.mechanism.numbering
         e.load(LoadLevel(0.0, 0.0))
         p = self._reference()
         if p is None:
+            d = e.dynamics
             d.kinematics.begin()
             d.place(0.0, e.y)
-            sigma = d.law(d.sweep.e, np.zeros(d.numbering.ne))
+            sigma = d.law(d.sweep.e, np.zeros(n.ne))
             d.sweep.near[:] = d.sweep.e
             p = e.point(d.kinematics.x, sigma)
         if not p.quiet:
@@ -182,7 +186,7 @@ class StationarySolver:
                 p = e.point(p.x, e.equations.balanced(p))
         known = p.quiet
         if not known:
-            force = np.zeros(d.numbering.nx)
+            force = np.zeros(n.nx)
             force[e.equations.F] = p.right[: e.equations.nf]
             e.held_by(force, first.path)
         try:
@@ -192,20 +196,20 @@ class StationarySolver:
 
     def _reference(self) -> Iterate | None:
         """The reference configuration, if it is the start and its deformations are those wanted."""
-        e, d, m = self._evaluator, self.dynamics, self.mechanism
-        reference = m.x0[m.numbering.x_class["dynamic"]]
-        if e.moving or (e.y[: d.n_xm] - reference).any() or e.y[d.n_xm : m.numbering.nddof].any():
+        e, m, n = self._evaluator, self.mechanism, self.mechanism.numbering
+        reference = m.x0[n.x_class["dynamic"]]
+        if e.moving or (e.y[: len(reference)] - reference).any() or e.y[len(reference) : n.nddof].any():
             return None
-        if not m.numbering.nddof:
-            d.kinematics.begin()  # it finds the positions of all levels
-        p = e.point(m.x0.copy(), d.law.preload.copy())
-        d.sweep.near[:] = d.sweep.e
+        if not n.nddof:
+            e.dynamics.kinematics.begin()  # it finds the positions of all levels
+        p = e.point(m.x0.copy(), np.zeros(n.ne))
+        e.sweep.near[:] = e.sweep.e
         return p if p.gap <= LENGTHS else None
 
     def _place(self, p: Iterate, level: LoadLevel) -> None:
         """The evaluator at the point, in terms of the degrees of freedom as far as they determine it."""
         e, n = self._evaluator, self.mechanism.numbering
-        self.dynamics = d = e.at(p.x)
+        d = e.at(p.x)
         d.sweep.mass()
         fixed = ~n.slips
         fixed[n.e_class["input"].stop :] = False

@@ -43,9 +43,11 @@ MOST_PLACES = 64  # positions that differ: one deck each
 
 
 def affine_cases(
-    deck: Deck, settings: tuple[Setting, ...], values: Sequence[Sequence[float]], **options: Any
-) -> Cases | None:
-    """The cases that pass their checks, or None where they have to be made from decks of their own."""
+    deck: Deck, settings: tuple[Setting, ...], values: Sequence[Sequence[float]], built: Mechanism | None = None,
+    **options: Any,
+) -> Cases | None:  # fmt: skip
+    """The cases that pass their checks, or None where they have to be made from decks of their own. `built`: a
+    mechanism that may be that of one of them."""
     if len(values) < FEWEST or not settings or deck.of("USERINP", block=2):
         return None
     keywords = [changed_statements(deck, (s,)) for s in settings]
@@ -57,7 +59,8 @@ def affine_cases(
     if not varied.any() or (varied & ~moved).sum() > MOST or moved.sum() > MOST_PLACES:
         return None
     try:
-        return _Table(deck, settings, table, np.flatnonzero(varied & ~moved), np.flatnonzero(moved), options).cases()
+        given, places = np.flatnonzero(varied & ~moved), np.flatnonzero(moved)
+        return _Table(deck, settings, table, given, places, options, built).cases()
     except SpacarError:
         return None  # the run of a case says why
 
@@ -67,10 +70,12 @@ class _Table:
     differ."""
 
     def __init__(
-        self, deck: Deck, settings: tuple[Setting, ...], table: Array, given: Array, moved: Array, options: Any
-    ) -> None:
+        self, deck: Deck, settings: tuple[Setting, ...], table: Array, given: Array, moved: Array, options: Any,
+        built: Mechanism | None,
+    ) -> None:  # fmt: skip
         self.deck, self.settings, self.table, self.options = deck, settings, table, options
         self.given, self.moved, self.varied = given, moved, np.concatenate((given, moved))
+        self.built = built
 
     def cases(self) -> Cases | None:
         kept = self._kept() if len(self.moved) else np.arange(len(self.table))
@@ -80,7 +85,8 @@ class _Table:
         self.base, self.far = passed.min(axis=0), passed.max(axis=0)
         self.base[self.moved] = passed[0, self.moved]
         decks = [self._changed(self._towards(chosen)) for chosen in _subsets(self.given)]
-        mechanisms = [build(decks[0], 1, **self.options)]
+        known = self.built is not None and self.built.deck.text == decks[0].text
+        mechanisms = [self.built if known and self.built else build(decks[0], 1, **self.options)]
         if why_not_of(mechanisms[0]) or not alike(*decks):
             return None
         mechanisms += [build(decks[1 << k], 1, **self.options) for k in range(len(self.given))]
@@ -96,7 +102,7 @@ class _Table:
 
     def _kept(self) -> Array:
         """Cases whose positions pass the checks."""
-        mechanism = build(self.deck, 1, **self.options)
+        mechanism = self.built or build(self.deck, 1, **self.options)
         n, x0 = mechanism.numbering, np.repeat(mechanism.x0[:, None], len(self.table), axis=1)
         for k, given in enumerate(self.settings):
             for keyword, node, argument in changed_arguments(self.deck, given):

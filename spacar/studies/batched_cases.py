@@ -16,14 +16,15 @@ from itertools import chain, islice
 
 from spacar.deck import Deck
 from spacar.errors import SpacarError
+from spacar.mechanism import Mechanism, build
 from spacar.modes import find_mode
 from spacar.studies.affine_cases import affine_cases
 from spacar.studies.assignments import change
-from spacar.studies.ensemble import motions, why_not
+from spacar.studies.ensemble import motions, why_not, why_not_of
 from spacar.studies.followers import GroupMotions
 from spacar.studies.rows import Row
 from spacar.studies.side_by_side import Cases, alike, side_by_side
-from spacar.studies.sweep import LOST, Case, Study, Values, row, run_case
+from spacar.studies.sweep import LOST, Case, Study, Values, done_row, failed_row, run_case
 from spacar.studies.workers import Engine, Lost, cores
 
 SIZE = 64  # cases of a chunk of a process: a killed one loses them; and of cases that are built side by side
@@ -37,30 +38,34 @@ class Chunk:
     """Cases whose numbers are made together."""
 
     study: Study
-    cases: tuple[Values, ...]
+    cases: tuple[Case, ...]
     threads: int = 1
+    built: Mechanism | None = None
 
 
-def in_batches(study: Study, cases: Iterable[Values], engine: Engine, jobs: int | None = 1) -> Iterator[list[Row]]:
-    """Rows of all cases. `engine` runs on `jobs` processes, 1: here; None: here, in threads on all cores."""
+def in_batches(
+    study: Study, cases: Iterable[Case], engine: Engine, jobs: int | None = 1, built: Mechanism | None = None
+) -> Iterator[list[Row]]:
+    """Rows of all cases. `engine` runs on `jobs` processes, 1: here; None: here, in threads on all cores. `built`: the
+    mechanism of one of them, where there is one."""
     coming = iter(cases)
     processes = jobs or 1
     if processes == 1:
         threads = cores() if jobs is None else 1
         size = min(LARGEST, max(SIZE, STATEMENTS // len(study.deck.statements)))
         while batch := tuple(islice(coming, size)):
-            yield from groups_of_rows(Chunk(study, batch, threads))
+            yield from groups_of_rows(Chunk(study, batch, threads, built))
         return
     first = list(islice(coming, SIZE * processes))
     size = max(1, min(SIZE, -(-len(first) // processes)))
     for chunk, outcome in engine(run_chunk, _chunks(study, chain(first, coming), size)):
         if isinstance(outcome, Lost):
-            yield [{**row(study, values, {}, 0.0, outcome.reason), "status": LOST} for values in chunk.cases]
+            yield [failed_row(case, 0.0, outcome.reason, LOST) for case in chunk.cases]
         else:
             yield outcome
 
 
-def _chunks(study: Study, cases: Iterator[Values], size: int) -> Iterator[Chunk]:
+def _chunks(study: Study, cases: Iterator[Case], size: int) -> Iterator[Chunk]:
     while batch := tuple(islice(cases, size)):
         yield Chunk(study, batch)
 
@@ -71,17 +76,19 @@ def is_motion(study: Study) -> bool:
     return mode.integrated and not mode.linearized
 
 
-def reason(study: Study, values: Values) -> str:
-    """Why the cases of a study, the first of which has these values, cannot run together; empty when they can.
+def reason(study: Study, values: Values) -> tuple[str, Mechanism | None]:
+    """Why the cases of a study, the first of which has these values, cannot run together; empty when they can. And the
+    mechanism that was built to see it.
 
     Raises SpacarError where the model itself cannot be built.
     """
     if not is_motion(study):
-        return "only mode 1 runs in batches"
+        return "only mode 1 runs in batches", None
     try:
-        return why_not(change(study.deck, study.settings, values), **study.options)
+        built = build(change(study.deck, study.settings, values), 1, **study.options)
     except SpacarError:  # this case cannot be; the others may
-        return why_not(study.deck, **study.options)
+        built = build(study.deck, 1, **study.options)
+    return why_not_of(built), built
 
 
 def run_chunk(chunk: Chunk) -> list[Row]:
@@ -92,7 +99,6 @@ def run_chunk(chunk: Chunk) -> list[Row]:
 def groups_of_rows(chunk: Chunk) -> Iterator[list[Row]]:
     """Rows of the cases of a chunk, run together where they are alike and singly where not, or where one fails."""
     study = chunk.study
-    names = [q.name for q in study.quantities]
     done: set[int] = set()
     begun = time.perf_counter()
     try:
@@ -100,27 +106,24 @@ def groups_of_rows(chunk: Chunk) -> Iterator[list[Row]]:
             now = time.perf_counter()
             seconds, begun = (now - begun) / max(len(found), 1), now
             done.update(found)
-            yield [
-                row(study, chunk.cases[k], dict(zip(names, numbers, strict=True)), seconds, "")
-                for k, numbers in found.items()
-            ]
+            yield [done_row(chunk.cases[k], numbers, seconds) for k, numbers in found.items()]
     except (SpacarError, ArithmeticError):
         pass  # the run of a case says why
-    for k, values in enumerate(chunk.cases):
+    for k, case in enumerate(chunk.cases):
         if k not in done:
-            yield [run_case(Case(study, values))]
+            yield [run_case(case)]
 
 
 def _together(study: Study, chunk: Chunk) -> Iterator[dict[int, Numbers]]:
     """The quantities of the cases that can be run together, by their places, group after group."""
-    for cases in _cases(study, chunk.cases):
+    for cases in _cases(study, tuple(case.values for case in chunk.cases), chunk.built):
         numbers = partial(_numbers, study, cases.chosen)
         yield from motions(cases, numbers, threads=chunk.threads, **study.options)
 
 
-def _cases(study: Study, values: tuple[Values, ...]) -> Iterator[Cases]:
+def _cases(study: Study, values: tuple[Values, ...], built: Mechanism | None) -> Iterator[Cases]:
     """Those that can be run together, with their places: all at once, or built side by side a few at a time."""
-    cases = affine_cases(study.deck, study.settings, values, **study.options)
+    cases = affine_cases(study.deck, study.settings, values, built, **study.options)
     if cases is not None:
         yield cases
         return

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
+from spacar.dynamics.loaded_mechanism import LoadedMechanism
 from spacar.dynamics.mass_check import largest_mass
 from spacar.errors import AnalysisError
 from spacar.forward.accepted_steps import FAR
@@ -24,25 +26,40 @@ from spacar.forward.displaced import displaced
 from spacar.forward.driver import WORK, Times, Tolerances, integrated
 from spacar.frame import E_FIELDS, X_FIELDS, StoredFrames
 from spacar.mechanism import Mechanism, build
-from spacar.mechanism.inputs import settings as settings_of
-from spacar.mechanism.inputs import user_signal
 from spacar.mechanism.mechanism import Drive, Polynomial, UserSignal
 from spacar.result import Result
-from spacar.studies.side_by_side import Cases
+from spacar.studies.side_by_side import Cases, start_of
 
 if TYPE_CHECKING:
-    from spacar.compiled.cases import InLanes
+    from spacar.compiled.cases import InLanes, PlacedStart
     from spacar.compiled.marching import Marching
+    from spacar.mechanism.user_functions import UserLaw
 
 X_INDEX, E_INDEX = ({name: k for k, name in enumerate(of)} for of in (X_FIELDS, E_FIELDS))
 
 
 @dataclass(frozen=True)
+class OfCases:
+    """A variable of some cases: `[:, column]` is what a case has of it, with the cases last, (steps, ..., cases).
+
+    rows (blocks, steps, nx or ne, lanes);  chosen  which of all lanes
+    """
+
+    rows: Array
+    chosen: Sequence[int]
+
+    def __getitem__(self, place: Any) -> Array:
+        found = np.moveaxis(self.rows, 0, -2)[place]
+        values, n = found.reshape(*found.shape[:-2], -1), len(self.chosen)
+        return values[..., :n] if not n or self.chosen[-1] == n - 1 else values[..., self.chosen]
+
+
+@dataclass(frozen=True)
 class GroupMotions:
-    """The motions of some cases; variables have the cases last, (steps, nx or ne, cases).
+    """The motions of some cases.
 
     own      places of the cases;  lanes  where they are in the rows
-    rows     (steps, 6 nx + 4 ne, lanes): X_FIELDS, E_FIELDS. They are used again for other cases
+    rows     (blocks, steps, 6 nx + 4 ne, lanes): X_FIELDS, E_FIELDS. They are used again for other cases
     counted  (steps, 5) the work of every output, of every case;  said  of every case
     """
 
@@ -62,22 +79,20 @@ class GroupMotions:
     def le(self) -> NDArray[np.int64]:
         return self.mechanism.numbering.le
 
-    def __getitem__(self, name: str) -> Array:
-        """t, one of X_FIELDS or E_FIELDS. Raises KeyError for what only a result has."""
-        if name == "t":
-            return self.t
-        values, n = self._values(name), len(self.lanes)
-        return values[..., :n] if not n or self.lanes[-1] == n - 1 else values[..., self.lanes]
+    def __getitem__(self, name: str) -> Any:
+        """t, or one of X_FIELDS or E_FIELDS, `OfCases`. Raises KeyError for what only a result has."""
+        return self.t if name == "t" else OfCases(self._values(name), self.lanes)
 
     def _values(self, name: str) -> Array:
         n = self.mechanism.numbering
         first, size = (X_INDEX[name] * n.nx, n.nx) if name in X_INDEX else (6 * n.nx + E_INDEX[name] * n.ne, n.ne)
-        return self.rows[:, first : first + size]
+        return self.rows[:, :, first : first + size]
 
     def results(self) -> Iterator[tuple[int, Result]]:
         """Place and everything of each case."""
-        for k, lane, counted, said in zip(self.own, self.lanes, self.counted, self.said, strict=True):
-            own = {name: self._values(name)[..., lane].copy() for name in (*X_FIELDS, *E_FIELDS)}
+        for k, place, counted, said in zip(self.own, self.lanes, self.counted, self.said, strict=True):
+            block, lane = divmod(place, self.rows.shape[-1])
+            own = {name: self._values(name)[block, ..., lane].copy() for name in (*X_FIELDS, *E_FIELDS)}
             frames = StoredFrames(self.t, own, dict(zip(WORK, counted.T, strict=True)))
             yield k, Result(self.mechanism, 1, frames, said, {})
 
@@ -86,23 +101,39 @@ class Followers:
     """Those of cases at `times` [s], with what they have in common; `width`: numbers of a step."""
 
     def __init__(self, cases: Cases, times: Times, options: dict[str, Any]) -> None:
-        from spacar.compiled.cases import PlacedStart, blocks
+        from spacar.compiled.cases import blocks
 
         self.cases, self.asked, self.options = cases, times, options
         self.times = np.array(times, float)
         self.single = single = cases.single
-        self.alone = alone = Dynamics(single)
-        self.placed = PlacedStart(alone.start(), alone.kinematics.x.copy(), alone.sweep.e.copy())
-        alone.sweep.mass()
-        self.largest = largest_mass(single, alone.sweep)
-        g, n = displaced(alone), len(cases.start)
+        n = len(cases.start)
+        # without lengths among the degrees of freedom there is none: the first case need not be placed
+        lengths = single.is_length[single.numbering.e_class["dynamic"]].any()
+        g = displaced(self.alone) if lengths else None
         self.g = None if g is None else g[:, None]
+        self.model = LoadedMechanism.of(single)
         self.values = np.concatenate([a.reshape(-1, n) for a in cases.numbers.arrays()])
         self.driven = single.deck.last("USERINP", block=2) is not None
         self.first = next(blocks(n))
         self.own_functions = self.driven or single.user_signal is not None
         self.width = 6 * single.numbering.nx + 4 * single.numbering.ne
         self._spare: list[Follower] = []
+
+    @cached_property
+    def alone(self) -> Dynamics:
+        """The evaluator of the first case, at its start. Raises AnalysisError where it cannot be placed."""
+        alone = Dynamics(self.single)
+        alone.start()
+        return alone
+
+    def placed(self) -> PlacedStart:
+        """The start of the first case, from which a start that is far away is reached."""
+        from spacar.compiled.cases import PlacedStart
+
+        alone = self.alone
+        alone.sweep.mass()
+        largest = largest_mass(self.single, alone.sweep)
+        return PlacedStart(start_of(self.single), alone.kinematics.x, alone.sweep.e, largest)
 
     @contextmanager
     def one(self) -> Iterator[Follower]:
@@ -116,18 +147,19 @@ class Followers:
 
     def drives(self, own: Sequence[int]) -> list[Drive]:
         """Prescribed motions of cases, with a function of its own each if there is one; none: polynomials."""
-        if not self.driven:
-            return []
         from spacar.mechanism.user_functions import UserDrive
 
-        deck, n, numbers = self.single.deck, self.single.numbering, self.cases.numbers
-        statement = deck.last("USERINP", block=2)
-        assert statement is not None
-        found: list[Drive] = []
-        for k in own:
-            polynomial = Polynomial(numbers.x_motion[:, :, k], numbers.e_motion[:, :, k])
-            found.append(UserDrive.load(deck, statement, n, polynomial, settings_of(deck)))
-        return found
+        drive, numbers = self.single.drive, self.cases.numbers
+        if not isinstance(drive, UserDrive):
+            return []
+        return [drive.anew(Polynomial(numbers.x_motion[:, :, k], numbers.e_motion[:, :, k])) for k in own]
+
+    def users(self, own: Sequence[int]) -> list[UserLaw]:
+        """User functions of stresses of cases, one each if there is one."""
+        from spacar.mechanism.user_functions import UserLaw
+
+        law = self.single.user_signal
+        return [law.anew() for _ in own] if isinstance(law, UserLaw) else []
 
 
 class Follower:
@@ -143,17 +175,17 @@ class Follower:
         """The motions of all cases of some blocks, without those of blocks that cannot be followed; a block whose last
         cases are the same is filled up."""
         of, lanes = self.of, len(group[0])
-        shape = len(of.times), of.width, len(group), lanes
+        shape = len(group), len(of.times), of.width, lanes
         size = int(np.prod(shape))
         if len(self.buffer) < size:
             self.buffer = np.empty(size)
         rows = self.buffer[:size].reshape(shape)
-        motions = GroupMotions(of.single, [], [], of.times, rows.reshape(*shape[:2], -1), [], [])
+        motions = GroupMotions(of.single, [], [], of.times, rows, [], [])
         for k, chosen in enumerate(group):
             own = list(dict.fromkeys(chosen))
             while own:
                 with suppress(AnalysisError):
-                    said, counted = self._followed([*own, *own[-1:] * (lanes - len(own))], own, rows, k)
+                    said, counted = self._followed([*own, *own[-1:] * (lanes - len(own))], own, rows[k])
                     motions.own.extend(own)
                     motions.lanes.extend(range(k * lanes, k * lanes + len(own)))
                     motions.counted.extend([counted] * len(own))
@@ -166,14 +198,12 @@ class Follower:
                 del own[failed]
         return motions
 
-    def _followed(
-        self, lanes: list[int], own: list[int], rows: Array, k: int
-    ) -> tuple[list[tuple[str, ...]], Array]:
+    def _followed(self, lanes: list[int], own: list[int], rows: Array) -> tuple[list[tuple[str, ...]], Array]:
         """What is said of each case of a block, and its work at every output. Raises AnalysisError."""
         of = self.of
         self.block = block = self._lanes(lanes, own)
         said: dict[int, tuple[str, ...]] = {}
-        if not block.start(of.placed, of.largest):
+        if not block.start(of.placed):
             for case in own:
                 looked_at = Dynamics(build(of.cases.deck(case), 1, **of.options))
                 looked_at.start()  # raises where a mass matrix is singular
@@ -181,16 +211,15 @@ class Follower:
                     said[case] = (f"warning: {looked_at.doubt}",)
         settings = of.single.settings
         each = None if of.g is None else np.broadcast_to(of.g, block.by_case[1:]).ravel()
-        block.into(of.times, rows, k, FAR)
+        block.into(of.times, rows, FAR)
         marching = self.marching
         if marching is None or marching.evaluator is not block:
             self.marching = marching = block.marching()
         marching.anew()
-        steps = marching.steps
         outputs = integrated(
             block, block.y0, of.asked, settings, Tolerances.of(settings, each),
             breaks=block.breaks, watch=block.watch, back=block.rejected,
-            marching=lambda: steps,
+            marching=marching,
         )  # fmt: skip
         counted, step = np.empty((len(of.times), len(WORK))), 0
         for out in outputs:
@@ -199,7 +228,7 @@ class Follower:
             made = 1 if out.passed is None else len(out.passed.counts)
             counted[step : step + made] = out.work if out.passed is None else out.passed.counts
             step += made
-        lifted = block.wheels_lifted(of.times, rows, k)
+        lifted = block.wheels_lifted(of.times, rows)
         of_cases = [
             (*said.get(case, ()), *lifted[lane].values(), *block.lost(lane).values()) for lane, case in enumerate(own)
         ]
@@ -210,9 +239,7 @@ class Follower:
         of = self.of
         if of.own_functions:
             self.block = None  # it says which function failed
-            deck, n = of.single.deck, of.single.numbering
-            users = [u for _ in own if (u := user_signal(deck, n)) is not None]
-            return self._model(lanes, of.drives(own), users)
+            return self._model(lanes, of.drives(own), of.users(own))
         in_order = len(own) == len(lanes) == own[-1] - own[0] + 1
         chosen = slice(own[0], own[-1] + 1) if in_order else lanes
         block = self.block or self._first()
@@ -224,7 +251,7 @@ class Follower:
         follower, whatever it has followed."""
         block = self._model(self.of.first)
         with suppress(AnalysisError):
-            block.start(self.of.placed, self.of.largest)
+            block.start(self.of.placed)
         return block
 
     def _model(self, lanes: Sequence[int], drives: Sequence[Drive] = (), users: Sequence[UserSignal] = ()) -> InLanes:
@@ -232,5 +259,5 @@ class Follower:
 
         of, cases = self.of, self.of.cases
         numbers = cases.numbers.take(np.array(lanes))
-        scale, start = of.alone.kinematics.scale, cases.start[list(lanes)]
-        return InLanes(of.alone.model, scale, numbers, start, drives, users)
+        scale, start = of.single.scale, cases.start[list(lanes)]
+        return InLanes(of.model, scale, numbers, start, drives, users)

@@ -81,8 +81,9 @@ def sweep(
         with Rows(path, study.columns) as rows:
             found = {key: _typed(row) for key, row in rows.done.items()}
     batches, _ = batches_of(study, cases, engine, jobs, batch, "batch")
-    found.update((row["case"], row) for row in swept(study, cases, path, engine, retry, batches))
-    return [found[study.key(case)] for case in cases]
+    keys = [study.key(case) for case in cases]
+    found.update((row["case"], row) for row in swept(study, cases, path, engine, retry, batches, keys))
+    return [found[key] for key in keys]
 
 
 @dataclass(frozen=True)
@@ -197,12 +198,12 @@ def batches_of(
     """
     if wanted is False or not (wanted or is_motion(study)):
         return None, ""
-    why = reason(study, cases[0])
+    why, built = reason(study, cases[0])
     if why and wanted:
         raise UsageError(f"{option}: {why}", "usage.sweep")
     if why:
         return None, why
-    return partial(in_batches, engine=engine, jobs=jobs), ""
+    return partial(in_batches, engine=engine, jobs=jobs, built=built), ""
 
 
 def _numbers(target: str, given: Sequence[float] | Array | str) -> tuple[float, ...]:

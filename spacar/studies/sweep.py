@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from spacar.calls import frames
 from spacar.deck import Deck
@@ -37,7 +37,7 @@ class Study:
     quantities: tuple[Quantity, ...]
     options: dict[str, Any] = field(default_factory=dict)
 
-    @property
+    @cached_property
     def columns(self) -> tuple[str, ...]:
         """Names of the columns of a row."""
         names = (s.name for s in self.settings), (q.name for q in self.quantities)
@@ -59,15 +59,15 @@ class Study:
         return f"{before[:-1]}, ", f", {key_text([(q.name, q.text) for q in self.quantities])}]"
 
 
-Batch = Callable[[Study, Iterable[Values]], Iterator[list[Row]]]
-
-
-@dataclass(frozen=True)
-class Case:
-    """One set of values of a study, on its way to a process."""
+class Case(NamedTuple):
+    """One set of values of a study, on its way to a process; `key` as `Study.key`."""
 
     study: Study
     values: Values
+    key: str
+
+
+Batch = Callable[[Study, Iterable[Case]], Iterator[list[Row]]]
 
 
 def sweep(
@@ -77,18 +77,19 @@ def sweep(
     engine: Engine = run,
     retry: bool = False,
     batch: Batch | None = None,
+    keys: Sequence[str] | None = None,
 ) -> Iterator[Row]:
     """Rows of the cases that are not in `output` yet, each after it has been written there; None: of all, without a
     file.
 
     `cases` holds values in the order of study.settings; `engine` runs them (spacar.studies.workers); `retry` runs
-    failed cases again; `batch`, if given, runs them instead, many at once. Raises UsageError for a file of another
-    study.
+    failed cases again; `batch`, if given, runs them instead, many at once; `keys`: those of the cases, where they
+    are known. Raises UsageError for a file of another study.
     """
 
     def outcomes(done: Mapping[str, Row]) -> Iterator[list[Row]]:
-        todo = _unfinished(study, cases, done, retry)
-        return batch(study, todo) if batch is not None else singly(study, todo, engine)
+        todo = _unfinished(study, cases, done, retry, keys)
+        return batch(study, todo) if batch is not None else singly(todo, engine)
 
     if output is None:
         for group in outcomes({}):
@@ -100,21 +101,23 @@ def sweep(
             yield from group
 
 
-def _unfinished(study: Study, cases: Iterable[Values], done: Mapping[str, Row], retry: bool) -> Iterator[Values]:
+def _unfinished(
+    study: Study, cases: Iterable[Values], done: Mapping[str, Row], retry: bool, keys: Sequence[str] | None
+) -> Iterator[Case]:
     """The cases that have to be run, each once, one after the other as they are asked for."""
     begun: set[str] = set()
-    for values in cases:
-        key = study.key(values)
+    for k, values in enumerate(cases):
+        key = study.key(values) if keys is None else keys[k]
         if key not in begun and not finished(done.get(key), retry):
             begun.add(key)
-            yield values
+            yield Case(study, values, key)
 
 
-def singly(study: Study, cases: Iterable[Values], engine: Engine = run) -> Iterator[list[Row]]:
+def singly(cases: Iterable[Case], engine: Engine = run) -> Iterator[list[Row]]:
     """Rows of cases that run one by one on an engine."""
-    for case, outcome in engine(run_case, (Case(study, v) for v in cases)):
+    for case, outcome in engine(run_case, cases):
         if isinstance(outcome, Lost):
-            yield [{**row(study, case.values, {}, 0.0, outcome.reason), "status": LOST}]
+            yield [failed_row(case, 0.0, outcome.reason, LOST)]
         else:
             yield [outcome]
 
@@ -128,15 +131,16 @@ def run_case(case: Case) -> Row:
     """Run one case to a row; a failure is a row with its reason."""
     study = case.study
     begun = time.perf_counter()
-    results: dict[str, float | complex] = {}
+    numbers: list[float | complex] = []
     reason = ""
     try:
         deck = change(study.deck, study.settings, case.values)
         result = Result.collect(frames(study.mode, deck, **study.options))
-        results = {q.name: q.number(result) for q in study.quantities}
+        numbers = [q.number(result) for q in study.quantities]
     except Exception as error:
         reason = explain(error)
-    return row(study, case.values, results, time.perf_counter() - begun, reason)
+    seconds = time.perf_counter() - begun
+    return failed_row(case, seconds, reason) if reason else done_row(case, numbers, seconds)
 
 
 def explain(error: Exception) -> str:
@@ -145,14 +149,13 @@ def explain(error: Exception) -> str:
     return text if isinstance(error, SpacarError) and text else f"{type(error).__name__}: {text}"
 
 
-def row(study: Study, values: Sequence[float], results: dict[str, Any], seconds: float, reason: str) -> Row:
-    """The row of a case; it failed when there is a reason."""
-    names = [s.name for s in study.settings]
-    return {
-        "case": study.key(values),
-        **dict(zip(names, values, strict=True)),
-        **results,
-        "status": FAILED if reason else DONE,
-        "seconds": round(seconds, 6),
-        "reason": reason,
-    }
+def done_row(case: Case, numbers: Iterable[float | complex], seconds: float) -> Row:
+    """The row of a case with its quantities."""
+    return dict(zip(case.study.columns, (case.key, *case.values, *numbers, DONE, round(seconds, 6), ""), strict=True))
+
+
+def failed_row(case: Case, seconds: float, reason: str, status: str = FAILED) -> Row:
+    """The row of a case that has none."""
+    names = (s.name for s in case.study.settings)
+    given = dict(zip(names, case.values, strict=True))
+    return {"case": case.key, **given, "status": status, "seconds": round(seconds, 6), "reason": reason}

@@ -1,6 +1,5 @@
 """Steps in C, from output to output: they are those of the integrators in Python, with all that these look at."""
 
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -123,7 +122,7 @@ def problem_of(text, trailed):
     evaluator = CompiledDynamics(spacar.frames(1, parse_deck(text, mode=1)).mechanism)
     y = evaluator.start()
     trail = accepted_steps.Trail(evaluator, None) if trailed else None
-    marching = partial(evaluator.marching, trail) if trailed else None
+    marching = evaluator.marching(trail) if trailed else None
     return driver.Integrand(evaluator, 1e-11, None, None, Report(), trail=trail, marching=marching), y
 
 

@@ -232,8 +232,8 @@ def test_frames_are_handed_on_while_the_run_lasts(tmp_path):
         now = time.perf_counter()
         waits.append(now - last)
         last = now
-    assert sum(waits[1:]) > 0.25  # s: several calls
-    assert sum(wait > 0.01 for wait in waits[1:]) >= 3
+    assert sum(waits) > 0.25  # s: several calls
+    assert sum(wait > 0.01 for wait in waits) >= 3
 
 
 def test_a_frame_keeps_few_others():

@@ -156,4 +156,4 @@ def test_batch_that_is_not_possible(call):
 
 def test_reason_of_another_mode(deck):
     study = Study(7, deck("plbeam5", 7), (axis("XF.11[Fy]=1").setting,), (quantity("x[11,2]@end"),))
-    assert "mode 1" in reason(study, (1.0,))
+    assert "mode 1" in reason(study, (1.0,))[0]

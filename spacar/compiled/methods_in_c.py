@@ -1,0 +1,131 @@
+"""The integrators whose steps are made in C (`spacar.compiled.marching`): their arrays and coefficients as C has them.
+
+Adams (code 0) and explicit Runge-Kutta (135, 155, 853). C works on the arrays of the objects of `spacar.integrators`.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from spacar.arrays import Array
+from spacar.compiled.library import Engine, address_of
+from spacar.compiled.march_structures import CAdams, CMarch, CRungeKutta
+from spacar.compiled.passage import VALUE, Passage
+from spacar.compiled.passage_of_cases import PassageOfCases
+from spacar.integrators.adams import GAMMA_STAR, PHI, Adams
+from spacar.integrators.runge_kutta import TINY, ExplicitRungeKutta
+
+ARRIVED, AT_OUTPUT, PAUSED, TOO_SMALL, NOT_EVALUATED, INTERRUPTED = range(6)  # as in march.c
+IN_MEMORY = 0, PHI, *range(2 * PHI, 2 * PHI + 5)  # rows where arrays of `Adams` begin, in the order of CAdams
+GAMMA = np.array(GAMMA_STAR)
+GAMMA_AT = address_of(GAMMA)
+
+
+class AdamsInC:
+    """Steps of code 0 with the arrays of its object, for a `March` at an address. C makes the start too, which is the
+    first output that is passed."""
+
+    starts = True
+
+    def __init__(self, engine: Engine, march: ctypes.c_void_p, method: Adams) -> None:
+        self.engine, self.to, self.method, self.y = engine, march, method, method.y
+        first, row = address_of(method.memory), method.memory.strides[0]
+        self.c = CAdams(*(first + row * k for k in IN_MEMORY), GAMMA_AT)
+        self.at = ctypes.c_void_p(ctypes.addressof(self.c))
+
+    def begin(self) -> int:
+        """0; 1 when F at the start could not be evaluated, 2 when all has to end."""
+        status: int = self.engine.adams_begin(self.to, self.at)
+        return status
+
+    def march(self) -> int:
+        """Steps up to the next output."""
+        status: int = self.engine.adams(self.to, self.at)
+        return status
+
+    def march_through(self, passage: Passage | PassageOfCases) -> int:
+        """Steps through many outputs."""
+        status: int = self.engine.pass_adams(self.to, self.at, passage.address)
+        return status
+
+    def taken(self, status: int) -> None:
+        """After a call: what the object has to know of it."""
+        if status == TOO_SMALL:
+            np.multiply(self.method.d, self.method.weight, out=self.method.scaled)
+
+    def value(self, t: float) -> Array:
+        """y(t) in the last step."""
+        found = np.empty_like(self.y)
+        self.engine.adams_value(self.to, self.at, t, found.ctypes.data)
+        return found
+
+
+class RungeKuttaInC:
+    """The same of codes 135, 155 and 853; states inside a step come from the object. `answered` lets a question of C be
+    answered."""
+
+    starts = False  # the object has been started, and has tried a step to know its size
+
+    def __init__(
+        self, engine: Engine, march: CMarch, method: ExplicitRungeKutta, answered: Callable[..., int]
+    ) -> None:
+        m = method
+        self.engine, self.of, self.method, self.y = engine, march, method, m.y_new
+        self.to, self.answered = ctypes.c_void_p(ctypes.addressof(march)), answered
+        c, a, errors, safety = m.coefficients()
+        tableau = m.tableau
+        self.kept = c, a, errors  # what C points at
+        self.c = CRungeKutta(
+            c.ctypes.data, a.ctypes.data, tableau.b.ctypes.data, errors.ctypes.data, m.stages.ctypes.data,
+            m.y.ctypes.data, m.y_new.ctypes.data, m.scaled.ctypes.data, *m.controller, safety, TINY, 0.0,
+            len(tableau.c), len(c), errors.shape[1], len(errors) - 1,
+        )  # fmt: skip
+        self.at = ctypes.c_void_p(ctypes.addressof(self.c))
+        self.value = m.interpolate
+        self.known: tuple[float, float] | None = None  # the step that the object knows of
+
+    def begin(self) -> int:
+        """Nothing is left to do."""
+        return 0
+
+    def march(self) -> int:
+        """Steps up to the next output."""
+        status: int = self.engine.runge_kutta(self.to, self.at)
+        return status
+
+    def march_through(self, passage: Passage | PassageOfCases) -> int:
+        """Steps through many outputs."""
+        call = VALUE(self._value)
+        passage.c.value = address_of_call(call)
+        status: int = self.engine.pass_runge_kutta(self.to, self.at, passage.address)
+        passage.c.value = None
+        return status
+
+    def taken(self, status: int) -> None:
+        """After a step: what the object has to know of it."""
+        step = self.of.begin, self.of.t
+        if step != self.known:
+            self.known = step
+            self.method.taken(self.of.begin, self.c.h)
+
+    def _value(self, t: float, y: int) -> int:
+        """Answer C with the state inside the last step."""
+        return self.answered(self._interpolated, t, y)
+
+    def _interpolated(self, t: float, y: int) -> None:
+        self.taken(ARRIVED)
+        vector(y, len(self.y))[:] = self.method.interpolate(t)
+
+
+def address_of_call(call: Any) -> int | None:
+    """Of a function of Python that C calls (`ctypes.cast` would leave a circle of references behind)."""
+    return ctypes.c_void_p.from_buffer(call).value
+
+
+def vector(address: int, n: int) -> Array:
+    """The n numbers that stand there."""
+    return np.ctypeslib.as_array((ctypes.c_double * n).from_address(address))
