@@ -193,11 +193,12 @@ static void rigid_inertia(const struct Tree *T, const Batch *k, const real *x, c
         B[at_q + c][3 + last] = -r[next];
         B[end[TURN_P] + 1 + c][3 + c] = B[end[TURN_Q] + 1 + c][3 + c] = EVERY(0.5);
     }
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) {
-            I[i][j] = EVERY(0.0);
-            for (int a = 0; a < nxe; a++) for (int b = 0; b < nxe; b++) I[i][j] += B[a][i] * M[a * nxe + b] * B[b][j];
-        }
+    memset(I, 0, 6 * sizeof *I);
+    for (int a = 0; a < nxe; a++) {
+        real MB[6] = {0};
+        for (int b = 0; b < nxe; b++) for (int j = 0; j < n; j++) MB[j] += M[a * nxe + b] * B[b][j];
+        for (int i = 0; i < n; i++) for (int j = 0; j < n; j++) I[i][j] += B[a][i] * MB[j];
+    }
 }
 
 /* The masses of a rigid element with mass M(x). 0: they do not lie on the line of its nodes. */
