@@ -171,7 +171,8 @@ class CompiledModel:
         entries = numbers.mass, numbers.stiffness, numbers.damping, numbers.moments, numbers.coupling
         lists = [np.array(counts), position]
         for rows, columns, _ in entries:
-            lists += rows, columns
+            if len(rows):
+                lists += rows, columns
         for b in batches:
             lists += b.x.T, b.e.T
         return np.concatenate(lists, axis=None).astype(np.int32)
