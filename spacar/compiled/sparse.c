@@ -87,7 +87,7 @@ static int sparse_begin(Memory *memory, Sparse *s, int n, int n_entries)
     return s->row && s->column && s->source && s->inverse && s->work ? OK : NO_MEMORY;
 }
 
-/* The order of the first call, if it has chosen one, which is kept; `first` has been cleared then. */
+/* The order of the first call, or that it chose none, which is kept; `first` has been cleared then. */
 static void first_order(Sparse *s, Sparse *first)
 {
     if (first->n) {
@@ -216,8 +216,8 @@ static int parity(Memory *work, const int *order, int n)
     return sign;
 }
 
-/* The places of all numbers of the factors, and which of them are changed when. `step` (n): the pivot of a column; `place` (n) is
-   for `work`. OK or NO_MEMORY. */
+/* The places of all numbers of the factors, and which of them are changed when. `step` (n): the pivot of a column; `place` (n) and
+   `work` are for work. OK or NO_MEMORY. */
 static int lay_out(Memory *work, Sparse *s, const List *lower, const List *upper, const int *step, int *place)
 {
     const int n = s->n;
