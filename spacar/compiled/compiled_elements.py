@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -158,14 +157,7 @@ class CompiledElements(Family):
         return self.general.internal(self._general(c), sigma)
 
     def stiffness(self) -> tuple[Array, Array]:
-        return self._stiffness
-
-    @cached_property
-    def _stiffness(self) -> tuple[Array, Array]:
-        found = self.general.stiffness()
-        for S in found:  # every asker gets the same
-            S.flags.writeable = False
-        return found
+        return self.general.constitutive
 
     # -- inertia ------------------------------------------------------------------------------------------------
     def mass(self, c: Configuration, out: Array) -> None:
