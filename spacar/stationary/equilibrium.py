@@ -10,7 +10,6 @@ narrow band. It answers None where something is unusual: a singular matrix, a gr
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -99,16 +98,15 @@ class Equilibrium:
         least = np.ones(n.nx)
         least[n.positions] = 0.0
         sizes = n.nx, n.ne, n.nx + n.ne + 2 * (self.nf + n.ne), limit
-        room = np.empty(sum(sizes))
-        self._x, self._sigma, self._out, self._sizes = parts(room, sizes)
+        own = self._x, self._sigma, self._out, self._sizes = [np.empty(size) for size in sizes]
         self._keep: list[Any] = [m.x0, m.scale, m.deformation_scale, least, loads, sweep]
         groups = _groups(m, sweep, self.heavy, self._keep)
         self.c = c = CEquilibrium(
-            ctypes.addressof(groups), *map(address_of, self._keep[:5]), None, address_of(sweep.near), address_of(sweep.e),
-            n.nx, n.ne, self.nf, len(groups), first, xs.start, count, es.start, es.stop - es.start,
+            ctypes.addressof(groups), *map(address_of, self._keep[:5]), None, address_of(sweep.near),
+            address_of(sweep.e), n.nx, n.ne, self.nf, len(groups), first, xs.start, count, es.start, es.stop - es.start,
             self.heavy, BAND_LIMIT, DENSE_LIMIT,
         )  # fmt: skip
-        c.x, c.sigma, c.out, c.sizes = addresses(room, sizes)
+        c.x, c.sigma, c.out, c.sizes = map(address_of, own)
         c.floor, c.singular, c.no_digits, c.spread = FLOOR, SINGULAR, NO_DIGITS, SPREAD
         c.first_ratio, c.later_ratio, c.jump, c.symmetric = FIRST_RATIO, LATER_RATIO, LARGEST_JUMP, SYMMETRIC
         c.guess_forces, c.guess_lengths, c.weight, c.safe = FORCES, LENGTHS, WEIGHT, SAFE
@@ -253,17 +251,3 @@ def _groups(m: Mechanism, sweep: ElementSweep, heavy: bool, keep: list[Any]) -> 
                 keep.append(S)
                 group.S = S.ctypes.data
     return groups
-
-
-def addresses(room: Array, sizes: Sequence[int]) -> list[int]:
-    """Where the parts of an array begin."""
-    from spacar.compiled.library import address_of
-
-    start = address_of(room)
-    return [start + 8 * sum(sizes[:k]) for k in range(len(sizes))]
-
-
-def parts(room: Array, sizes: Sequence[int]) -> list[Array]:
-    """The parts of an array, one after the other."""
-    ends = [sum(sizes[: k + 1]) for k in range(len(sizes))]
-    return [room[end - size : end] for size, end in zip(sizes, ends, strict=True)]
