@@ -49,6 +49,7 @@ WORK = ("steps", "rhs", "jacobians", "rejected", "iterations")  # `Counts` of th
 Times = Sequence[float] | EvenTimes | np.ndarray
 Watch = Callable[[float, Array], None]
 
+
 class Marches(Protocol):
     """Makes many steps at a time, and passes outputs where it has a `passage`."""
 
