@@ -4,6 +4,7 @@ NumPy spends about a microsecond per call however small the arrays are; a slider
 evaluation. Here the same equations run in C:
 
     lanes.c    the number type: one double, or eight of as many cases that differ in numbers only
+    memory.c   memory that is cut piece by piece and given back as a whole
     kernels.c  the element functions, generated from the definitions of the deformations in `definitions`, which share
                nothing with the hand-written element families
     sparse.c   sparse LU in an order of the pivots that is chosen from numbers and kept as long as it is good

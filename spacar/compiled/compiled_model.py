@@ -15,7 +15,7 @@ from spacar.compiled.library import CState, address_of, engine, why_off
 from spacar.compiled.numbers import Numbers, without_form
 from spacar.compiled.slots import Slots
 from spacar.kinematics.kinematics import FARTHEST_GUESS, LARGEST_JUMP
-from spacar.mechanism.mechanism import Drive, Mechanism, Polynomial, UserSignal
+from spacar.mechanism.mechanism import Drive, Mechanism, UserSignal
 from spacar.mechanism.numbering import Numbering
 
 
@@ -114,14 +114,13 @@ class CompiledModel:
         self.numbers = numbers
         self.cases = cases = numbers.x0.shape[-1]
         self.engine = engine(cases)
-        self.polynomial = all(isinstance(drive, Polynomial) for drive in drives)
-        self._whole = self._whole_numbers()
-        self._values = np.concatenate([*(a.ravel() for a in numbers.arrays()), *scales])
+        self._values = np.concatenate([*numbers.arrays(), *scales], axis=None)
         x_end = 3 * cases * len(numbers.x_motion)
         self._e_end = e_end = x_end + 3 * cases * len(numbers.e_motion)
         motions = self._values[:x_end].reshape(-1, 3, cases), self._values[x_end:e_end].reshape(-1, 3, cases)
         self.slots = slots = Slots(numbers.elements, drives, motions, users, (n.nx, n.ne, cases))
         self._callback = slots.callback()
+        self._whole = self._whole_numbers()
         self.handle = ctypes.c_void_p(
             self.engine.begin(
                 address_of(self._whole), address_of(self._values), _at(slots.foreign_c), _at(slots.user_c),
@@ -165,17 +164,18 @@ class CompiledModel:
             n.nx, n.ne, xs["calculable"].start, es["input"].stop, of_dynamic, len(batches),
             len(numbers.stiffness[0]), len(numbers.damping[0]), n.nddof == 0, len(numbers.mass[0]),
             *(number for first, last in classes for number in (first, last - first)),
-            self.polynomial, len(position), len(numbers.moments[0]), len(numbers.coupling[0]),
+            self.slots.polynomial, len(position), len(numbers.moments[0]), len(numbers.coupling[0]),
         ]  # fmt: skip
         for b in batches:
             counts += [b.kind, len(b.x), b.x.shape[1], b.e.shape[1], b.parameters.shape[1], b.moving]
         entries = numbers.mass, numbers.stiffness, numbers.damping, numbers.moments, numbers.coupling
-        lists = [position]
+        lists = [np.array(counts), position]
         for rows, columns, _ in entries:
-            lists += [rows, columns]
+            if len(rows):
+                lists += rows, columns
         for b in batches:
-            lists += [b.x.T.ravel(), b.e.T.ravel()]  # views of the arrays of the batch
-        return np.concatenate([counts, *lists], dtype=np.int32, casting="unsafe")
+            lists += b.x.T, b.e.T
+        return np.concatenate(lists, axis=None).astype(np.int32)
 
     def state(self) -> State:
         """A new state, at the reference configuration."""

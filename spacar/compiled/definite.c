@@ -14,8 +14,8 @@ static int definite_pattern(const Equilibrium *q, Own *w)
     if (status == OK) {
         const int b = w->definite_b = band_width(&graph, rank);
         w->definite_known = b < q->widest_definite || q->nf <= q->dense ? 1 : -1;
-        w->definite_band = room_of(w, (size_t)q->nf * (b + 1), sizeof(double));
-        w->definite_size = room_of(w, q->nf, sizeof(double));
+        w->definite_band = cleared(&w->memory, (size_t)q->nf * (b + 1), sizeof(double));
+        w->definite_size = cleared(&w->memory, q->nf, sizeof(double));
         if (!w->definite_band || !w->definite_size) status = NO_MEMORY;
         count = 0;
         for (int k = 0; k < q->n_groups; k++) {

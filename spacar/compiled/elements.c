@@ -69,6 +69,7 @@ enum { STATES = 3 }; /* from which a guess goes on */
 typedef struct { const State *of; int n; double t[STATES]; real *degrees[STATES], *before[STATES - 1]; } Trace;
 
 typedef struct {
+    Memory memory, tree_memory;           /* of what stays with the model; of the tree, which other numbers may change */
     Spec s;
     int evaluations;                      /* how many there were; also told of numbers that have changed (`spacar_forget`) */
     int factored;                         /* the matrix of the position is that of some state before */

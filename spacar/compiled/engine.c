@@ -1,5 +1,6 @@
 /* One build of the engine, -DBUILD=name -DLANES=n: the table of its functions under that name. levels.c knows all builds. */
 #include "lanes.c"
+#include "memory.c"
 #include "kernels.c"
 #include "sparse.c"
 #include "elements.c"

@@ -53,16 +53,8 @@ typedef struct {
     double *applied, *given_x, *given_e, *preload, *x, *sigma, *force, *sizes, *gap, *lengths, *right, *rounding, *dx, *inertia, *weight, *still, *before;
     int definite_b, definite_known;
     double elastic, *definite_band, *definite_size;
-    void *memory[64];
-    int n_memory;
+    Memory memory;
 } Own;
-
-static void *room_of(Own *w, size_t count, size_t size)
-{
-    void *memory = cleared(count ? count : 1, size);
-    if (memory) w->memory[w->n_memory++] = memory;
-    return memory;
-}
 
 static double larger(double m, double a) /* that is not a number when one of them is not */
 {
@@ -76,7 +68,7 @@ static void spacar_equilibrium_end(Equilibrium *q)
 {
     Own *w = q->own;
     if (!w) return;
-    for (int k = 0; k < w->n_memory; k++) free(w->memory[k]);
+    give_back(&w->memory);
     free(w);
     q->own = NULL;
 }
@@ -181,7 +173,7 @@ static int band_pattern(const Equilibrium *q, Own *w, int *rows, int *columns, i
         places[k] = where(w->rank, w->b, rows[k], columns[k]);
         turned[k] = where(w->rank, w->b, columns[k], rows[k]);
     }
-    w->band = room_of(w, (size_t)n * (3 * w->b + 1), sizeof(double));
+    w->band = cleared(&w->memory, (size_t)n * (3 * w->b + 1), sizeof(double));
     return w->band ? OK : NO_MEMORY;
 }
 
@@ -191,7 +183,7 @@ static int spacar_equilibrium_begin(Equilibrium *q)
     Own *w = q->own = calloc(1, sizeof *w);
     if (!w) return NO_MEMORY;
     const int n = w->n = (int)(q->nf + q->ne);
-    w->pieces = room_of(w, q->n_groups, sizeof(Piece));
+    w->pieces = cleared(&w->memory, q->n_groups, sizeof(Piece));
     if (!w->pieces) return NO_MEMORY;
     size_t numbers = 8 * (size_t)q->nx + 7 * (size_t)q->ne + 2 * (size_t)n, squares = 0, pairs = 0;
     for (int k = 0; k < q->n_groups; k++) {
@@ -202,12 +194,12 @@ static int spacar_equilibrium_begin(Equilibrium *q)
         squares += p->square;
         pairs += (size_t)p->square + p->v + p->c;
     }
-    int *rows = room_of(w, 4 * pairs + 2 * squares, sizeof(int));
-    w->place = room_of(w, q->nx, sizeof(int));
-    w->rank = room_of(w, n, sizeof(int));
-    w->pivots = room_of(w, n, sizeof(int));
-    w->z = room_of(w, n, sizeof(quad));
-    double *d = room_of(w, numbers, sizeof(double));
+    int *rows = cleared(&w->memory, 4 * pairs + 2 * squares, sizeof(int));
+    w->place = cleared(&w->memory, q->nx, sizeof(int));
+    w->rank = cleared(&w->memory, n, sizeof(int));
+    w->pivots = cleared(&w->memory, n, sizeof(int));
+    w->z = cleared(&w->memory, n, sizeof(quad));
+    double *d = cleared(&w->memory, numbers, sizeof(double));
     if (!rows || !w->place || !w->rank || !w->pivots || !w->z || !d) return NO_MEMORY;
     int *definite = rows + 4 * pairs, free_coordinates = 0;
     for (int k = 0; k < q->n_groups; k++) {

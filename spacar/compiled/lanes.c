@@ -99,16 +99,3 @@ static inline double largest_lane(real a)
     EACH_LANE if (!(LANE(a, w) <= m)) m = LANE(a, w);
     return m;
 }
-
-/* Zeros, at the start of a line of the cache: a vector is one line. */
-static void *cleared(size_t count, size_t size)
-{
-    const size_t bytes = (count * size / 64 + 1) * 64;
-#ifdef _WIN32
-    void *memory = malloc(bytes); /* there, what is aligned cannot be freed like the rest; only time depends on it */
-#else
-    void *memory = aligned_alloc(64, bytes);
-#endif
-    if (memory) memset(memory, 0, bytes);
-    return memory;
-}

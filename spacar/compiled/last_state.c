@@ -105,7 +105,9 @@ static int spacar_reduced_mass(Model *m, real *out)
             }
         return 1;
     }
-    real *W = s->prescribed ? NULL : cleared((size_t)nx * q, sizeof(real)), *e_rate = m->near, *force = m->force;
+    if (s->prescribed) return 0;
+    Memory work = {0};
+    real *W = cleared(&work, (size_t)nx * q, sizeof(real)), *e_rate = m->near, *force = m->force;
     if (!W) return 0;
     for (int c = 0; c < q; c++) {
         real *w = W + (size_t)c * nx;
@@ -124,6 +126,6 @@ static int spacar_reduced_mass(Model *m, real *out)
             out[c * q + d] = out[d * q + c] = sum;
         }
     }
-    free(W);
+    give_back(&work);
     return 1;
 }

@@ -1,17 +1,12 @@
 /* The lists behind a model: which entries of V and M there are, and where they go in the two systems. */
 
-static int entries_begin(Entries *list, int capacity)
+static int entries_begin(Memory *memory, Entries *list, int capacity)
 {
     list->n = 0;
-    list->row = cleared(capacity, sizeof(int));
-    list->column = cleared(capacity, sizeof(int));
-    list->source = cleared(capacity, sizeof(int));
+    list->row = cleared(memory, capacity, sizeof(int));
+    list->column = cleared(memory, capacity, sizeof(int));
+    list->source = cleared(memory, capacity, sizeof(int));
     return list->row && list->column && list->source ? OK : NO_MEMORY;
-}
-
-static void entries_end(Entries *list)
-{
-    free(list->row); free(list->column); free(list->source);
 }
 
 static void add(Entries *list, int row, int column, int source)
@@ -67,15 +62,14 @@ static int pairs(const Model *m, Entries *list, int source, int *first, int *sec
 static int find_coupling(Model *m, int n_values)
 {
     const int n = pairs(m, NULL, 0, NULL, NULL, NULL);
-    if (entries_begin(&m->coupling, n)) return NO_MEMORY;
+    if (entries_begin(&m->memory, &m->coupling, n)) return NO_MEMORY;
     if (!n) return OK;
-    m->coupling_first = cleared(n, sizeof(int));
-    m->coupling_second = cleared(n, sizeof(int));
-    m->coupling_weight = cleared(n, sizeof(real));
-    real *values = cleared(n_values + n, sizeof(real));
-    if (!m->coupling_first || !m->coupling_second || !m->coupling_weight || !values) { free(values); return NO_MEMORY; }
+    m->coupling_first = cleared(&m->memory, n, sizeof(int));
+    m->coupling_second = cleared(&m->memory, n, sizeof(int));
+    m->coupling_weight = cleared(&m->memory, n, sizeof(real));
+    real *values = cleared(&m->memory, n_values + n, sizeof(real));
+    if (!m->coupling_first || !m->coupling_second || !m->coupling_weight || !values) return NO_MEMORY;
     memcpy(values, m->values, sizeof(real) * n_values);
-    free(m->values);
     m->values = values;
     pairs(m, &m->coupling, n_values, m->coupling_first, m->coupling_second, m->coupling_weight);
     return OK;
@@ -101,7 +95,7 @@ static void reference_values(Model *m)
 
 /* What the functions of an element write is an entry; the rest of the element matrix is structurally zero. They are called
    once with marked values in the matrices. The number of values, or NO_MEMORY. */
-static int find_entries(Model *m, Entries *V)
+static int find_entries(Model *m, Memory *work, Entries *V)
 {
     const Spec *s = &m->s;
     int element = 0, at = 0;
@@ -122,8 +116,8 @@ static int find_entries(Model *m, Entries *V)
         }
     }
     const int n_values = at + s->n_constant;
-    m->values = cleared(n_values, sizeof(real));
-    if (!m->values || entries_begin(V, n_v) || entries_begin(&m->mass, n_values - n_v)) return NO_MEMORY;
+    m->values = cleared(&m->memory, n_values, sizeof(real));
+    if (!m->values || entries_begin(work, V, n_v) || entries_begin(&m->memory, &m->mass, n_values - n_v)) return NO_MEMORY;
     for (int k = 0; k < n_values; k++) m->values[k] = untouched();
     reference_values(m);
     element = 0;
@@ -158,11 +152,11 @@ static int find_entries(Model *m, Entries *V)
 }
 
 /* A list by rows: row r from start[r] on. */
-static int sort_rows(const Entries *list, int n_rows, int **start, int **column, int **place)
+static int sort_rows(Memory *memory, const Entries *list, int n_rows, int **start, int **column, int **place)
 {
-    *start = cleared(n_rows + 2, sizeof(int));
-    *column = cleared(list->n, sizeof(int));
-    *place = cleared(list->n, sizeof(int));
+    *start = cleared(memory, n_rows + 2, sizeof(int));
+    *column = cleared(memory, list->n, sizeof(int));
+    *place = cleared(memory, list->n, sizeof(int));
     if (!*start || !*column || !*place) return NO_MEMORY;
     for (int k = 0; k < list->n; k++) (*start)[list->row[k] + 2]++;
     for (int r = 0; r < n_rows; r++) (*start)[r + 2] += (*start)[r + 1];
@@ -204,13 +198,13 @@ static int assemble(Model *m)
     const int entries = m->v_start[s->ne];
     const int q = s->n_x_dynamic + s->n_e_dynamic;
     m->width = (q + ROW) / ROW * ROW;
-    int *place = cleared(s->nx, sizeof(int)), status = place ? OK : NO_MEMORY;
-    if (!status) status = sparse_begin(&m->position, nc, entries);
-    if (!status && !m->holonomic) status = sparse_begin(&m->velocity, n, entries);
-    if (!status) status = entries_begin(&m->dynamic, entries);
+    int *place = cleared(&m->memory, s->nx, sizeof(int)), status = place ? OK : NO_MEMORY;
+    if (!status) status = sparse_begin(&m->memory, &m->position, nc, entries);
+    if (!status && !m->holonomic) status = sparse_begin(&m->memory, &m->velocity, n, entries);
+    if (!status) status = entries_begin(&m->memory, &m->dynamic, entries);
     const int with_motion = !s->prescribed && !m->tree;
-    if (!status && with_motion) status = sparse_begin(&m->motion, nf + nr, m->mass.n + m->coupling.n + 2 * entries);
-    if (!status) status = entries_begin(&m->given, m->mass.n);
+    if (!status && with_motion) status = sparse_begin(&m->memory, &m->motion, nf + nr, m->mass.n + m->coupling.n + 2 * entries);
+    if (!status) status = entries_begin(&m->memory, &m->given, m->mass.n);
     if (!status) {
         for (int k = 0; k < m->mass.n; k++) {
             const int j = m->mass.column[k];
@@ -252,10 +246,9 @@ static int assemble(Model *m)
                 put(&m->motion, j, nf + r, m->v_place[k]);
             }
     }
-    free(place);
     if (!status && m->holonomic && !s->prescribed) m->reduced = m->tree || takes_reduced_form(m, q);
-    if (!status && m->reduced) status = sparse_widen(&m->position, m->width);
-    if (!status && m->reduced) status = sort_rows(&m->mass, s->nx, &m->m_start, &m->m_column, &m->m_place);
+    if (!status && m->reduced) status = sparse_widen(&m->memory, &m->position, m->width);
+    if (!status && m->reduced) status = sort_rows(&m->memory, &m->mass, s->nx, &m->m_start, &m->m_column, &m->m_place);
     return status;
 }
 
@@ -265,18 +258,9 @@ static void spacar_end(Model *m)
     sparse_end(&m->position, &m->first[0]);
     sparse_end(&m->velocity, &m->first[1]);
     sparse_end(&m->motion, &m->first[2]);
-    entries_end(&m->coupling);
-    free(m->coupling_first); free(m->coupling_second); free(m->coupling_weight);
-    entries_end(&m->mass);
-    entries_end(&m->given);
-    entries_end(&m->dynamic);
-    free(m->v_start); free(m->v_column); free(m->v_place); free(m->m_start); free(m->m_column); free(m->m_place);
-    free(m->v_offset); free(m->m_offset); free(m->values);
-    free(m->h); /* the start of all vectors */
-    free(m->transfer);
-    tree_end(m->tree);
-    free((void *)m->s.batches); free((void *)m->s.free); free(m->places); free(m->parameters);
-    free(m);
+    tree_end(m);
+    Memory memory = m->memory;
+    give_back(&memory);
 }
 
 static const int *next_whole(const int **at, int n) { *at += n; return *at - n; }
@@ -314,10 +298,10 @@ static int read_spec(Model *m, const int *whole, real *numbers, const Foreign *c
     Spec *s = &m->s;
     const int counts = (int)(offsetof(Spec, n_coupled) / sizeof(int)) + 1, of_batch = (int)(offsetof(Batch, inertia) / sizeof(int)) + 1;
     memcpy(s, next_whole(&whole, counts), counts * sizeof(int));
-    Batch *batches = cleared(s->n_batches, sizeof(Batch));
+    Batch *batches = cleared(&m->memory, s->n_batches, sizeof(Batch));
     const int n_calculable = s->x_input - s->n_fixed_x;
     s->n_free = n_calculable + s->n_x_dynamic + s->n_x_kinematic;
-    int *free_x = cleared(s->n_free, sizeof(int));
+    int *free_x = cleared(&m->memory, s->n_free, sizeof(int));
     s->batches = batches;
     s->free = free_x;
     if (!batches || !free_x) return NO_MEMORY;
@@ -352,8 +336,8 @@ static int read_spec(Model *m, const int *whole, real *numbers, const Foreign *c
         n_places += batches[b].n * (batches[b].nxe + batches[b].nee);
         n_parameters += batches[b].n * batches[b].np;
     }
-    int *place = m->places = cleared(n_places, sizeof(int));
-    real *parameter = m->parameters = cleared(n_parameters, sizeof(real));
+    int *place = m->places = cleared(&m->memory, n_places, sizeof(int));
+    real *parameter = m->parameters = cleared(&m->memory, n_parameters, sizeof(real));
     if (!place || !parameter) return NO_MEMORY;
     m->given_parameters = next_numbers(&numbers, n_parameters);
     for (int b = 0; b < s->n_batches; b++) {
@@ -374,8 +358,10 @@ static int read_spec(Model *m, const int *whole, real *numbers, const Foreign *c
 /* A model of the arrays of `read_spec`; NULL when there is no memory. */
 static Model *spacar_begin(const int *whole, real *numbers, const Foreign *const *foreign, const User *user, Ask ask)
 {
-    Model *m = cleared(1, sizeof(Model));
+    Memory memory = {0};
+    Model *m = cleared(&memory, 1, sizeof(Model));
     if (!m) return NULL;
+    m->memory = memory; /* which the model is in */
     const Spec *spec = &m->s;
     if (read_spec(m, whole, numbers, foreign)) { spacar_end(m); return NULL; }
     m->s.user = user;
@@ -383,34 +369,35 @@ static Model *spacar_begin(const int *whole, real *numbers, const Foreign *const
     const int nx = spec->nx, ne = spec->ne;
     int elements = 0;
     for (int b = 0; b < spec->n_batches; b++) elements += spec->batches[b].n;
-    m->v_offset = cleared(elements, sizeof(int));
-    m->m_offset = cleared(elements, sizeof(int));
+    m->v_offset = cleared(&m->memory, elements, sizeof(int));
+    m->m_offset = cleared(&m->memory, elements, sizeof(int));
     m->holonomic = spec->n_position == spec->n_equations && !spec->n_e_kinematic;
     for (int i = 0; i < spec->n_position; i++) if (spec->position[i] != i) m->holonomic = 0;
+    Memory work = {0};
     Entries V = {0};
-    const int n_values = m->v_offset && m->m_offset ? find_entries(m, &V) : NO_MEMORY;
-    int status = n_values < 0 ? NO_MEMORY : sort_rows(&V, ne, &m->v_start, &m->v_column, &m->v_place);
+    const int n_values = m->v_offset && m->m_offset ? find_entries(m, &work, &V) : NO_MEMORY;
+    int status = n_values < 0 ? NO_MEMORY : sort_rows(&m->memory, &V, ne, &m->v_start, &m->v_column, &m->v_place);
     if (!status) status = find_coupling(m, n_values);
-    entries_end(&V);
+    give_back(&work);
     if (!status) status = find_tree(m);
     if (!status) status = assemble(m);
     const int q = spec->n_x_dynamic + spec->n_e_dynamic;
-    real *work = status ? NULL : cleared(10 * (nx + ne) + 2 * nx + 2 * (3 * (STATES - 1) * nx + 3 * STATES * q), sizeof(real));
-    if (!work) { spacar_end(m); return NULL; }
+    real *vector = status ? NULL : cleared(&m->memory, 10 * (nx + ne) + 2 * nx + 2 * (3 * (STATES - 1) * nx + 3 * STATES * q), sizeof(real));
+    if (!vector) { spacar_end(m); return NULL; }
     real **vectors[] = {&m->h, &m->near, &m->next_e, &m->given_ed, &m->given_edd};
-    for (int k = 0; k < 5; k++, work += ne) *vectors[k] = work;
+    for (int k = 0; k < 5; k++, vector += ne) *vectors[k] = vector;
     real **coordinates[] = {&m->convected, &m->applied, &m->force, &m->next_x, &m->next_xd, &m->next_xdd, &m->factored_x};
-    for (int k = 0; k < 7; k++, work += nx) *coordinates[k] = work;
-    m->b = work;
+    for (int k = 0; k < 7; k++, vector += nx) *coordinates[k] = vector;
+    m->b = vector;
     m->stage = m->b + nx + ne;
     m->piece = m->stage + 2 * (nx + ne);
-    work = m->piece + 2 * (nx + ne);
+    vector = m->piece + 2 * (nx + ne);
     for (int k = 0; k < 2; k++) {
-        for (int l = 0; l < STATES; l++, work += 3 * q) m->traces[k].degrees[l] = work;
-        for (int l = 0; l < STATES - 1; l++, work += 3 * nx) m->traces[k].before[l] = work;
+        for (int l = 0; l < STATES; l++, vector += 3 * q) m->traces[k].degrees[l] = vector;
+        for (int l = 0; l < STATES - 1; l++, vector += 3 * nx) m->traces[k].before[l] = vector;
     }
     if (m->reduced) {
-        m->transfer = cleared((2 * nx + q) * m->width, sizeof(real));
+        m->transfer = cleared(&m->memory, (2 * nx + q) * m->width, sizeof(real));
         if (!m->transfer) { spacar_end(m); return NULL; }
         m->weighted = m->transfer + nx * m->width;
         m->small = m->weighted + nx * m->width;
@@ -436,7 +423,6 @@ static void spacar_renew(Model *m)
     m->evaluations++;
     m->of_tree = m->matrices_behind = m->factors_behind = 0;
     for (int k = 0; k < 2; k++) { m->traces[k].of = NULL; m->traces[k].n = 0; }
-    tree_end(m->tree);
-    m->tree = NULL;
-    if (find_tree(m)) { tree_end(m->tree); m->tree = NULL; } /* no memory: the general equations do */
+    tree_end(m);
+    if (find_tree(m)) tree_end(m); /* no memory: the general equations do */
 }

@@ -135,7 +135,8 @@ class Passage:
 
     def _passed(self, first: int, which: slice, before: Counts) -> Passed:
         """Some outputs of the last call, whose rows begin with the `first`."""
-        rows, t, counts = self.rows[first:][which], self.t[first:][which], self.work[which] + before
+        at = slice(first + which.start, first + which.stop)
+        rows, t, counts = self.rows[at], self.t[at], self.work[which] + before
         if self.first == first == which.start == 0:
             counts[0] = 0  # what starting has taken is the work of the output behind it
         of_x = rows[:, : self.of_e].reshape(-1, len(X_FIELDS), self.nx).swapaxes(0, 1)

@@ -7,12 +7,10 @@
    about p, which a rod does not have:
        T = (w_pp v_p.v_p + 2 w_pq v_p.v_q + w_qq v_q.v_q + w.J w)/2,
    so that its mass is w_pp + 2 w_pq + w_qq, its first moment (w_pq + w_qq) d with d = x_q - x_p, its inertia w_qq (d.d I - d d^T) + J. */
-static void tree_end(struct Tree *T)
+static void tree_end(Model *m)
 {
-    if (!T) return;
-    free(T->frames); free(T->orientations); free(T->points); free(T->arms); free(T->pairs); free(T->parts); free(T->links); free(T->mass);
-    free(T->attitude);
-    free(T);
+    give_back(&m->tree_memory);
+    m->tree = NULL;
 }
 
 static int is_calculable(const Spec *s, int i) { return i >= s->n_fixed_x && i < s->n_fixed_x + s->n_position; }
@@ -195,11 +193,12 @@ static void rigid_inertia(const struct Tree *T, const Batch *k, const real *x, c
         B[at_q + c][3 + last] = -r[next];
         B[end[TURN_P] + 1 + c][3 + c] = B[end[TURN_Q] + 1 + c][3 + c] = EVERY(0.5);
     }
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) {
-            I[i][j] = EVERY(0.0);
-            for (int a = 0; a < nxe; a++) for (int b = 0; b < nxe; b++) I[i][j] += B[a][i] * M[a * nxe + b] * B[b][j];
-        }
+    memset(I, 0, 6 * sizeof *I);
+    for (int a = 0; a < nxe; a++) {
+        real MB[6] = {0};
+        for (int b = 0; b < nxe; b++) for (int j = 0; j < n; j++) MB[j] += M[a * nxe + b] * B[b][j];
+        for (int i = 0; i < n; i++) for (int j = 0; j < n; j++) I[i][j] += B[a][i] * MB[j];
+    }
 }
 
 /* The masses of a rigid element with mass M(x). 0: they do not lie on the line of its nodes. */
@@ -305,7 +304,7 @@ static int is_tree(const Model *m, struct Tree *T, int *of)
 }
 
 /* Room for the rows of X: of the points, then of heavy frames. OK or NO_MEMORY. */
-static int tree_rows(struct Tree *T, int q)
+static int tree_rows(Memory *memory, struct Tree *T, int q)
 {
     T->width = (q + ROW) / ROW * ROW;
     T->n_rows = T->dimension * T->n_points;
@@ -315,7 +314,7 @@ static int tree_rows(struct Tree *T, int q)
         T->n_rows += T->turns;
     }
     const size_t of_frames = T->n_frames * (9 + 3 + 4 + T->turns * (size_t)T->width);
-    T->attitude = cleared(of_frames + (2 * (size_t)T->n_rows + q) * T->width, sizeof(real));
+    T->attitude = cleared(memory, of_frames + (2 * (size_t)T->n_rows + q) * T->width, sizeof(real));
     if (!T->attitude) return NO_MEMORY;
     T->spin = T->attitude + 9 * T->n_frames;
     T->lambda = T->spin + 3 * T->n_frames;
@@ -346,25 +345,25 @@ static int find_tree(Model *m)
     if (!dimension || q > (dimension == 2 ? MOST_PLANAR : MOST_SPATIAL)) return OK;
     int n = 0;
     for (int b = 0; b < s->n_batches; b++) n += s->batches[b].n;
-    struct Tree *T = m->tree = cleared(1, sizeof(struct Tree));
-    int *of = cleared(s->nx, sizeof(int)), status = T && of ? OK : NO_MEMORY;
+    Memory *memory = &m->tree_memory;
+    struct Tree *T = m->tree = cleared(memory, 1, sizeof(struct Tree));
+    int *of = cleared(memory, s->nx, sizeof(int)), status = T && of ? OK : NO_MEMORY;
     if (!status) {
-        T->frames = cleared(2 * n, sizeof(Frame));
-        T->orientations = cleared(2 * n, sizeof(Orientation));
-        T->points = cleared(2 * n, sizeof(Point));
-        T->arms = cleared(n, sizeof(Arm));
-        T->pairs = cleared(6 * n + s->n_constant, sizeof(Pair));
-        T->parts = cleared(n, sizeof(Part));
-        T->links = cleared(n, sizeof(Link));
-        T->mass = cleared(6 * n, sizeof(real));
+        T->frames = cleared(memory, 2 * n, sizeof(Frame));
+        T->orientations = cleared(memory, 2 * n, sizeof(Orientation));
+        T->points = cleared(memory, 2 * n, sizeof(Point));
+        T->arms = cleared(memory, n, sizeof(Arm));
+        T->pairs = cleared(memory, 6 * n + s->n_constant, sizeof(Pair));
+        T->parts = cleared(memory, n, sizeof(Part));
+        T->links = cleared(memory, n, sizeof(Link));
+        T->mass = cleared(memory, 6 * n, sizeof(real));
         if (!T->links || !T->frames || !T->orientations || !T->points || !T->arms || !T->pairs || !T->parts || !T->mass) status = NO_MEMORY;
     }
     if (!status) {
         T->dimension = dimension;
         T->turns = dimension == 2 ? 1 : 3;
-        if (is_tree(m, T, of)) { status = tree_rows(T, q); T->rcond = bound_of_condition(m, T); }
-        else { tree_end(T); m->tree = NULL; }
+        if (is_tree(m, T, of)) { status = tree_rows(memory, T, q); T->rcond = bound_of_condition(m, T); }
+        else tree_end(m);
     }
-    free(of);
     return status;
 }

@@ -90,6 +90,7 @@ class Slots:
         nx, ne, lanes = sizes
         self.lanes = lanes
         self.drives = drives
+        self.polynomial = all([isinstance(drive, Polynomial) for drive in drives])
         self.x_motion, self.e_motion = motions
         self.foreign = {b: ForeignBatch(e.family) for b, e in enumerate(elements) if e.family is not None}
         # whether a family here may find its elements outside the range of their theory
@@ -125,8 +126,7 @@ class Slots:
 
     def callback(self) -> Any:
         """What C calls, for the model to keep (kept here it would be a circle of references); None: C asks nothing."""
-        polynomial = all(isinstance(drive, Polynomial) for drive in self.drives)
-        return None if polynomial and not (self.foreign or self.laws) else ASK(self._answer)
+        return None if self.polynomial and not (self.foreign or self.laws) else ASK(self._answer)
 
     def _answer(self, what: int, batch: int, t: float) -> int:
         if self.error is not None and not isinstance(self.error, Exception):

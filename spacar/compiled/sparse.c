@@ -20,6 +20,7 @@ typedef struct {
     int *row_order, *column_order;      /* (n) row and column of pivot k */
     int *entry_place, *entry_source;    /* (n_entries) by pivot row: where they go in the factors, where they come from */
     double *entry_weight;
+    Memory order;                       /* what has the order, and the factors in it */
     int *row_at, *upper_at;             /* (n + 1), (n) */
     int *factor_column, *updates;       /* columns of the factors, as pivots; places in them */
     real *factors, *inverse, *work;     /* `inverse` of the pivots */
@@ -27,16 +28,15 @@ typedef struct {
 
 typedef struct { int n, capacity, *index; double *value; } List;
 
-static int append(List *list, int index, double value)
+static int append(Memory *work, List *list, int index, double value)
 {
     if (list->n == list->capacity) {
         const int capacity = 2 * list->capacity + 8;
-        int *indices = realloc(list->index, capacity * sizeof(int));
-        if (indices) list->index = indices;
-        double *values = realloc(list->value, capacity * sizeof(double));
-        if (values) list->value = values;
-        if (!indices || !values) return NO_MEMORY;
-        list->capacity = capacity;
+        double *values = cleared(work, capacity, sizeof(double) + sizeof(int));
+        if (!values) return NO_MEMORY;
+        int *indices = (int *)(values + capacity);
+        for (int k = 0; k < list->n; k++) { indices[k] = list->index[k]; values[k] = list->value[k]; }
+        *list = (List){list->n, capacity, indices, values};
     }
     list->index[list->n] = index;
     list->value[list->n++] = value;
@@ -56,82 +56,68 @@ static void drop(List *list, int k)
     list->value[k] = list->value[list->n];
 }
 
-static void free_lists(List *lists, int n)
-{
-    if (lists) for (int i = 0; i < n; i++) { free(lists[i].index); free(lists[i].value); }
-    free(lists);
-}
-
-/* Room for an order of the pivots, whatever has been there. */
+/* Room for another order of the pivots. */
 static int order_begin(Sparse *s)
 {
     const int n = s->n, n_entries = s->n_entries;
-    s->weight = cleared(n, sizeof(double));
-    s->row_order = cleared(n, sizeof(int));
-    s->column_order = cleared(n, sizeof(int));
-    s->entry_place = cleared(n_entries, sizeof(int));
-    s->entry_source = cleared(n_entries, sizeof(int));
-    s->entry_weight = cleared(n_entries, sizeof(double));
-    s->row_at = cleared(n + 1, sizeof(int));
-    s->upper_at = cleared(n, sizeof(int));
-    s->factor_column = s->updates = NULL;
-    s->factors = NULL;
+    if (s->kept) s->order = (Memory){0};
+    give_back(&s->order);
     s->planned = s->kept = 0;
+    s->weight = cleared(&s->order, n, sizeof(double));
+    s->row_order = cleared(&s->order, n, sizeof(int));
+    s->column_order = cleared(&s->order, n, sizeof(int));
+    s->entry_place = cleared(&s->order, n_entries, sizeof(int));
+    s->entry_source = cleared(&s->order, n_entries, sizeof(int));
+    s->entry_weight = cleared(&s->order, n_entries, sizeof(double));
+    s->row_at = cleared(&s->order, n + 1, sizeof(int));
+    s->upper_at = cleared(&s->order, n, sizeof(int));
     return s->weight && s->row_order && s->column_order && s->entry_place && s->entry_source && s->entry_weight && s->row_at
         && s->upper_at ? OK : NO_MEMORY;
 }
 
-static void order_end(Sparse *s)
-{
-    free(s->weight); free(s->row_order); free(s->column_order); free(s->entry_place); free(s->entry_source);
-    free(s->entry_weight); free(s->row_at); free(s->upper_at); free(s->factor_column); free(s->updates); free(s->factors);
-}
-
-static int sparse_begin(Sparse *s, int n, int n_entries)
+static int sparse_begin(Memory *memory, Sparse *s, int n, int n_entries)
 {
     s->n = n;
     s->n_entries = n_entries;
-    s->row = cleared(n_entries, sizeof(int));
-    s->column = cleared(n_entries, sizeof(int));
-    s->source = cleared(n_entries, sizeof(int));
-    s->inverse = cleared(n, sizeof(real));
-    s->work = cleared(n, sizeof(real));
-    return !order_begin(s) && s->row && s->column && s->source && s->inverse && s->work ? OK : NO_MEMORY;
+    s->row = cleared(memory, n_entries, sizeof(int));
+    s->column = cleared(memory, n_entries, sizeof(int));
+    s->source = cleared(memory, n_entries, sizeof(int));
+    s->inverse = cleared(memory, n, sizeof(real));
+    s->work = cleared(memory, n, sizeof(real));
+    return s->row && s->column && s->source && s->inverse && s->work ? OK : NO_MEMORY;
 }
 
-/* The order of the first call, which is kept; `first` has been cleared then. */
+/* The order of the first call, if it has chosen one, which is kept; `first` has been cleared then. */
 static void first_order(Sparse *s, Sparse *first)
 {
-    if (first->row_order) {
-        if (!s->kept) order_end(s);
+    if (first->n) {
+        if (!s->kept) give_back(&s->order);
         *s = *first;
-    } else if (s->row_order) {
+    } else if (s->n) {
         s->kept = 1;
         *first = *s;
     }
 }
 
 /* Room for `width` right-hand sides at a time; one until then. */
-static int sparse_widen(Sparse *s, int width)
+static int sparse_widen(Memory *memory, Sparse *s, int width)
 {
-    free(s->work);
-    s->work = cleared((size_t)s->n * width, sizeof(real));
+    s->work = cleared(memory, (size_t)s->n * width, sizeof(real));
     return s->work ? OK : NO_MEMORY;
 }
 
-/* `first` as above. */
+/* `first` as above. What `sparse_begin` has taken is not given back here. */
 static void sparse_end(Sparse *s, Sparse *first)
 {
-    if (!s->kept) order_end(first);
-    order_end(s);
-    free(s->row); free(s->column); free(s->source); free(s->inverse); free(s->work);
+    if (!s->kept) give_back(&first->order);
+    give_back(&s->order);
 }
 
 /* Row factors, so that after column factors too the largest entries of rows and columns are about 1. */
-static int equilibrate(Sparse *s, const real *values, int lane)
+static int equilibrate(Memory *work, Sparse *s, const real *values, int lane)
 {
     const int n = s->n;
-    double *column = malloc(3 * n * sizeof(double)), *r = column + n, *c = column + 2 * n;
+    double *column = cleared(work, 3 * (size_t)n, sizeof(double)), *r = column + n, *c = column + 2 * n;
     if (!column) return NO_MEMORY;
     for (int i = 0; i < n; i++) s->weight[i] = column[i] = 1.0;
     for (int pass = 0; pass < 4; pass++) {
@@ -147,7 +133,6 @@ static int equilibrate(Sparse *s, const real *values, int lane)
             if (c[i] > 0.0) column[i] /= sqrt(c[i]);
         }
     }
-    free(column);
     return OK;
 }
 
@@ -155,10 +140,10 @@ static int equilibrate(Sparse *s, const real *values, int lane)
    columns: `fewest` of node k is the smaller one of its children 2 k and 2 k + 1, column j is node leaves + j. */
 typedef struct { int leaves, *fewest; } Counts;
 
-static int counts_begin(Counts *counts, const List *columns, int n)
+static int counts_begin(Memory *work, Counts *counts, const List *columns, int n)
 {
     for (counts->leaves = 1; counts->leaves < n; ) counts->leaves *= 2;
-    counts->fewest = malloc(2 * counts->leaves * sizeof(int));
+    counts->fewest = cleared(work, 2 * (size_t)counts->leaves, sizeof(int));
     if (!counts->fewest) return NO_MEMORY;
     for (int j = 0; j < counts->leaves; j++) counts->fewest[counts->leaves + j] = j < n ? columns[j].n : INT_MAX;
     for (int k = counts->leaves - 1; k > 0; k--) {
@@ -220,21 +205,20 @@ static int choose(const List *rows, const List *columns, const Counts *counts, i
 }
 
 /* +1 or -1: an even or odd permutation. */
-static int parity(const int *order, int n)
+static int parity(Memory *work, const int *order, int n)
 {
     int sign = 1;
-    char *seen = cleared(n, 1);
+    char *seen = cleared(work, n, 1);
     for (int i = 0; seen && i < n; i++) {
         if (seen[i]) continue;
         for (int j = order[i]; j != i; j = order[j]) { seen[j] = 1; sign = -sign; }
     }
-    free(seen);
     return sign;
 }
 
 /* The places of all numbers of the factors, and which of them are changed when. `step` (n): the pivot of a column; `place` (n) is
-   for work. OK or NO_MEMORY. */
-static int lay_out(Sparse *s, const List *lower, const List *upper, const int *step, int *place)
+   for `work`. OK or NO_MEMORY. */
+static int lay_out(Memory *work, Sparse *s, const List *lower, const List *upper, const int *step, int *place)
 {
     const int n = s->n;
     int at = 0;
@@ -247,12 +231,11 @@ static int lay_out(Sparse *s, const List *lower, const List *upper, const int *s
         for (int j = 0; j < low->n; j++) changes += upper[low->index[j]].n;
     }
     s->row_at[n] = at;
-    free(s->factor_column); free(s->factors); free(s->updates);
-    s->factor_column = cleared(at, sizeof(int));
-    s->factors = cleared(at, sizeof(real));
-    s->updates = cleared(changes, sizeof(int));
-    int *first = cleared(n + s->n_entries, sizeof(int)), *next = first + n; /* entries of a row, and one behind another */
-    if (!s->factor_column || !s->factors || !s->updates || !first) { free(first); return NO_MEMORY; }
+    s->factor_column = cleared(&s->order, at, sizeof(int));
+    s->factors = cleared(&s->order, at, sizeof(real));
+    s->updates = cleared(&s->order, changes, sizeof(int));
+    int *first = cleared(work, n + s->n_entries, sizeof(int)), *next = first + n; /* entries of a row, and one behind another */
+    if (!s->factor_column || !s->factors || !s->updates || !first) return NO_MEMORY;
     for (int i = 0; i < n; i++) first[i] = -1;
     for (int k = s->n_entries - 1; k >= 0; k--) { next[k] = first[s->row[k]]; first[s->row[k]] = k; }
     int *update = s->updates, entry = 0;
@@ -274,9 +257,8 @@ static int lay_out(Sparse *s, const List *lower, const List *upper, const int *s
             s->entry_weight[entry] = s->weight[i];
         }
     }
-    free(first);
     s->planned = 1;
-    s->even = parity(s->row_order, n) * parity(s->column_order, n);
+    s->even = parity(work, s->row_order, n) * parity(work, s->column_order, n);
     return OK;
 }
 
@@ -284,20 +266,19 @@ static int lay_out(Sparse *s, const List *lower, const List *upper, const int *s
 static int plan(Sparse *s, const real *values, int lane)
 {
     const int n = s->n;
-    if (s->kept && order_begin(s)) return NO_MEMORY;
-    List *rows = cleared(n, sizeof(List)), *columns = cleared(n, sizeof(List));
-    List *lower = cleared(n, sizeof(List)), *upper = cleared(n, sizeof(List));
+    if (order_begin(s)) return NO_MEMORY;
+    Memory work = {0};
+    List *rows = cleared(&work, 4 * (size_t)n, sizeof(List)), *columns = rows + n, *lower = columns + n, *upper = lower + n;
     Counts counts = {0, NULL};
-    int *step = cleared(2 * n, sizeof(int)), *place = step + n;
-    int status = rows && columns && lower && upper && step ? equilibrate(s, values, lane) : NO_MEMORY;
-    s->planned = 0;
+    int *step = cleared(&work, 2 * (size_t)n, sizeof(int)), *place = step + n;
+    int status = rows && step ? equilibrate(&work, s, values, lane) : NO_MEMORY;
     for (int k = 0; k < s->n_entries && !status; k++) {
         const int i = s->row[k], j = s->column[k], at = place_of(&rows[i], j);
         const double value = LANE(values[s->source[k]], lane) * s->weight[i];
         if (at >= 0) rows[i].value[at] += value;
-        else { status = append(&rows[i], j, value); if (!status) status = append(&columns[j], i, 0.0); }
+        else { status = append(&work, &rows[i], j, value); if (!status) status = append(&work, &columns[j], i, 0.0); }
     }
-    if (!status) status = counts_begin(&counts, columns, n);
+    if (!status) status = counts_begin(&work, &counts, columns, n);
     for (int k = 0; k < n && !status; k++) {
         int p = 0, q = 0;
         status = choose(rows, columns, &counts, n, &p, &q);
@@ -311,7 +292,7 @@ static int plan(Sparse *s, const real *values, int lane)
         for (int j = 0; j < row->n; j++) {
             List *column = &columns[row->index[j]];
             drop(column, place_of(column, p));
-            if (!status) status = append(&upper[k], row->index[j], 0.0);
+            if (!status) status = append(&work, &upper[k], row->index[j], 0.0);
         }
         for (int m = 0; m < columns[q].n && !status; m++) {
             const int i = columns[q].index[m];
@@ -320,13 +301,13 @@ static int plan(Sparse *s, const real *values, int lane)
             const int at = place_of(below, q);
             const double l = below->value[at] / pivot;
             drop(below, at);
-            status = append(&lower[i], k, 0.0);
+            status = append(&work, &lower[i], k, 0.0);
             for (int j = 0; j < row->n && !status; j++) {
                 const int c = row->index[j], there = place_of(below, c);
                 if (there >= 0) below->value[there] -= l * row->value[j];
                 else {
-                    status = append(below, c, -l * row->value[j]);
-                    if (!status) status = append(&columns[c], i, 0.0);
+                    status = append(&work, below, c, -l * row->value[j]);
+                    if (!status) status = append(&work, &columns[c], i, 0.0);
                 }
             }
         }
@@ -334,10 +315,9 @@ static int plan(Sparse *s, const real *values, int lane)
     }
     if (!status) {
         for (int k = 0; k < n; k++) step[s->column_order[k]] = k;
-        status = lay_out(s, lower, upper, step, place);
+        status = lay_out(&work, s, lower, upper, step, place);
     }
-    free_lists(rows, n); free_lists(columns, n); free_lists(lower, n); free_lists(upper, n);
-    free(counts.fewest); free(step);
+    give_back(&work);
     return status;
 }
 

@@ -32,8 +32,9 @@ static int is_mass_doubtful(Model *m)
 {
     const Spec *s = &m->s;
     const int q = s->n_x_dynamic + s->n_e_dynamic;
-    real *M = cleared((size_t)q * q + s->nx, sizeof(real)), *diagonal = M + q * q;
-    double *d = cleared((size_t)q * q + q, sizeof(double));
+    Memory work = {0};
+    real *M = cleared(&work, (size_t)q * q + s->nx, sizeof(real)), *diagonal = M + q * q;
+    double *d = cleared(&work, (size_t)q * q + q, sizeof(double));
     int doubt = !M || !d || !spacar_reduced_mass(m, M);
     if (!doubt) {
         for (int k = 0; k < m->mass.n; k++)
@@ -49,8 +50,7 @@ static int is_mass_doubtful(Model *m)
             if (!doubt) break;
         }
     }
-    free(M);
-    free(d);
+    give_back(&work);
     return doubt;
 }
 

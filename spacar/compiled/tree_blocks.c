@@ -115,12 +115,12 @@ static real way_of(const struct Tree *T, const Link *link, int r, real reach, do
 /* Reciprocal condition of diag(1/e_scale) V[E, U] diag(scale) in the 1-norm, or less, of all configurations and lanes. Blocks of V that
    belong to a node keep the lengths of their rows when it turns. A unit of a normalization makes Euler parameters longer by a half, which
    the deformations at their node undo. */
-static double bound_of_condition(const Model *m, const struct Tree *T)
+static double bound_of_condition(Model *m, const struct Tree *T)
 {
     const Spec *s = &m->s;
     const int d = T->dimension, turns = d == 2 ? 1 : 4;
     real norm = EVERY(0.0), inverse = EVERY(0.0), reach = EVERY(0.0);
-    real *column = cleared(2 * (T->n_points + T->n_orientations), sizeof(real)), *longer = column + T->n_points + T->n_orientations;
+    real *column = cleared(&m->tree_memory, 2 * (T->n_points + T->n_orientations), sizeof(real)), *longer = column + T->n_points + T->n_orientations;
     if (!column) return 0.0;
     double shortest = INFINITY, widest = 0.0;
     for (int i = 0; i < T->n_arms; i++) reach += norm_of(T->arms[i].r, d);
@@ -153,7 +153,6 @@ static double bound_of_condition(const Model *m, const struct Tree *T)
         inverse = lanes_larger(inverse, size * (longer[part->node[TURN_P]] + 1.0 / shortest));
     }
     for (int i = 0; i < T->n_points + T->n_orientations; i++) norm = lanes_larger(norm, column[i] * widest);
-    free(column);
     const double bound = 1.0 / largest_lane(norm * inverse);
     return bound > 0.0 ? bound : 0.0;
 }

@@ -48,7 +48,10 @@ class EvenTimes(Sequence[float]):
     def __getitem__(self, i: int | slice) -> float | list[float]:
         if isinstance(i, slice):
             numbers = np.arange(*i.indices(self.n + 1))
-            return np.where(numbers == self.n, self.end, numbers * self.step + self.start).tolist()
+            times = numbers * self.step + self.start
+            times[numbers == self.n] = self.end
+            found: list[float] = times.tolist()
+            return found
         k = i + self.n + 1 if i < 0 else i
         if not 0 <= k <= self.n:
             raise IndexError(i)

@@ -200,7 +200,7 @@ def test_prescribed_motion_of_a_user_function(tmp_path: Path) -> None:
     klass, more = "INPUTX 2 1\nDYNE 1 2", "INPUTX 2 1\nESTIFF 1 0. 40.\nXM 4 0.1\nUSERINP push"
     path = written(tmp_path, PENDULUM.format(klass=klass, more=more), function)
     compiled = same(spacar.frames(1, path).mechanism)
-    assert not compiled.solver.polynomial
+    assert not compiled.solver.slots.polynomial
     runs = [spacar.run(1, path, rtol=1e-8, atol=1e-8, integrator=853, compiled=c) for c in (True, False)]
     np.testing.assert_allclose(runs[0]["x"], runs[1]["x"], atol=1e-7)
 

@@ -1,0 +1,34 @@
+/* Memory of one owner: cut piece by piece from blocks, given back as a whole. */
+enum { LINE = 64, BLOCK = 1 << 15 };
+
+typedef struct Block { struct Block *before; } Block;
+typedef struct { Block *last; char *next; size_t left; } Memory; /* zeros: nothing yet */
+
+/* Zeros, at the start of a line of the cache: a vector is one line. NULL when there is no memory. */
+static void *cleared(Memory *of, size_t count, size_t size)
+{
+    const size_t bytes = (count * size + LINE - 1) / LINE * LINE;
+    if (!of->last || bytes > of->left) {
+        const size_t room = bytes > BLOCK ? bytes : BLOCK;
+        Block *block = malloc(sizeof(Block) + LINE + room);
+        if (!block) return NULL;
+        block->before = of->last;
+        of->last = block;
+        of->next = (char *)(((uintptr_t)(block + 1) + LINE - 1) / LINE * LINE);
+        of->left = room;
+    }
+    void *piece = of->next;
+    of->next += bytes;
+    of->left -= bytes;
+    return memset(piece, 0, bytes);
+}
+
+static void give_back(Memory *of)
+{
+    while (of->last) {
+        Block *before = of->last->before;
+        free(of->last);
+        of->last = before;
+    }
+    *of = (Memory){0};
+}
