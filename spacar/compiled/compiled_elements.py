@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.compiled.compiled_model import why_general
 from spacar.compiled.element_parameters import GUARD, SUPPORTED
-from spacar.compiled.library import CElements, element_functions, engine, level
+from spacar.compiled.library import CElements, address_of, element_functions, engine, level
 from spacar.elements.family import Configuration, Family, Internal, Trouble
 from spacar.mechanism.mechanism import Mechanism
 from spacar.stream import Run
@@ -86,7 +85,7 @@ class CompiledElements(Family):
         self.general = general
         self._parameters = np.ascontiguousarray(parameters)
         sizes = general.n, general.n_coordinates, general.n_deformations, len(parameters)
-        self.elements = CElements(kind, *sizes, self._parameters.ctypes.data)
+        self.elements = CElements(kind, *sizes, address_of(self._parameters))
         self._at = ctypes.c_void_p(ctypes.addressof(self.elements))
         self._shape = (general.n_coordinates, general.n)
         self._call = element_functions()
@@ -158,14 +157,7 @@ class CompiledElements(Family):
         return self.general.internal(self._general(c), sigma)
 
     def stiffness(self) -> tuple[Array, Array]:
-        return self._stiffness
-
-    @cached_property
-    def _stiffness(self) -> tuple[Array, Array]:
-        found = self.general.stiffness()
-        for S in found:  # every asker gets the same
-            S.flags.writeable = False
-        return found
+        return self.general.constitutive
 
     # -- inertia ------------------------------------------------------------------------------------------------
     def mass(self, c: Configuration, out: Array) -> None:

@@ -23,6 +23,7 @@ Duties of a family
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -119,6 +120,14 @@ class Family:
     def form(self) -> str:
         """Keyword and measure: what the elements of the family have in common."""
         return f"{self.keyword} {self.measure}".strip()
+
+    @cached_property
+    def constitutive(self) -> tuple[Array, Array]:
+        """`stiffness`, evaluated once; every asker gets the same arrays, which cannot be written to."""
+        found = self.stiffness()
+        for S in found:
+            S.flags.writeable = False
+        return found
 
     # -- deformations -------------------------------------------------------------------------------------------
     def strain(self, x: Array, near: Array, e: Array, V: Array) -> Configuration:

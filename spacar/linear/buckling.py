@@ -173,17 +173,13 @@ def directional_compliances(L: Linearization, dynamic: Index, report: Report) ->
         return np.zeros(len(W))
     scale = _scale(K)
     K, Ws = K * (scale[:, None] * scale), W * scale
-    n = len(K)
-    right = np.zeros((n, n + len(W)))  # the unit matrix, then Ws
-    right.reshape(-1)[:: n + len(W) + 1] = 1.0
-    right[:, n:] = Ws.T
     try:
-        found = np.linalg.solve(K, right)
+        own = np.linalg.solve(K, np.eye(len(K)))  # the compliances of the degrees of freedom
     except np.linalg.LinAlgError:
-        found = np.full_like(right, np.inf)
+        own = np.full_like(K, np.inf)
     # at least s_1/s_n, of which rounding may take digits: where there is a doubt singular values decide
-    if backward_error.norm(K) * backward_error.norm(found[:, :n]) < 1e-2 / SINGULAR:
-        return np.asarray(np.add.reduce(right[:, n:] * found[:, n:]))
+    if backward_error.norm(K) * backward_error.norm(own) < 1e-2 / SINGULAR:
+        return np.asarray(np.add.reduce((Ws @ own) * Ws, axis=1))
     s = np.linalg.svd(K, compute_uv=False)
     if s[-1] > SINGULAR * s[0]:
         return np.asarray((Ws.T * np.linalg.solve(K, Ws.T)).sum(axis=0))

@@ -138,7 +138,7 @@ def stationary(
     solver = StationarySolver(mechanism, run.report)
     descriptor = store is not None and store.sparse
     reducible = reducible and store is None
-    reduced = reducible and solver.sparse and n.nddof > LARGE and settings.sbd_level is None
+    reduced = reducible and n.nddof > LARGE and settings.sbd_level is None and solver.sparse
     wanted = n.nddof if settings.modes == 0 else settings.modes or (WANTED if reduced else n.nddof)
     reduced = reduced and (settings.modes is None or wanted * SHARE <= n.nddof)
     if reduced:

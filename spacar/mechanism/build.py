@@ -102,7 +102,7 @@ def _constitutive(batches: list[Batch]) -> list[tuple[Index, Index, Array]]:
     found: tuple[list[Any], list[Any]] = ([], [])
     for batch in batches:
         if batch.family.n_deformations:
-            for parts, S in zip(found, batch.family.stiffness(), strict=True):
+            for parts, S in zip(found, batch.family.constitutive, strict=True):
                 i, j, k = S.nonzero()
                 if len(i):
                     parts.append((batch.e[i, k], batch.e[j, k], S[i, j, k]))

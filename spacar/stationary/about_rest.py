@@ -20,7 +20,7 @@ from spacar.linear_systems.matrix import DENSE_LIMIT, matrix, zero_matrix
 from spacar.linearization.coefficients import Coefficients
 from spacar.linearization.contractions import mass_matrix
 from spacar.linearization.matrices import Linearization, reduced
-from spacar.stationary.equilibrium import DOUBLES, NUMBER, WHOLE, Equilibrium, parts
+from spacar.stationary.equilibrium import DOUBLES, NUMBER, WHOLE, Equilibrium
 
 
 class CLinearized(ctypes.Structure):
@@ -51,25 +51,26 @@ class AboutRest:
     @classmethod
     def of(cls, equations: Equilibrium, d: Dynamics, x: Array, sigma: Array) -> AboutRest | None:
         """At x (nx,) with the stresses sigma (ne,), at the loads of the equations. None: for NumPy."""
+        from spacar.compiled.library import address_of
+
         n, m = d.numbering, d.mechanism
-        E, U = n.velocity_equations, n.velocity_unknowns
+        U = n.velocity_unknowns
         if n.nk or max(n.nx, n.ne) > DENSE_LIMIT:
             return None
         xs, es = n.x_class, n.e_class
-        square, heavy = n.nx * n.nx, n.nx * n.nx if equations.heavy else 0
-        sizes = n.ne * n.nx, square, heavy, n.ne, len(E), len(E)
-        room, W, We = np.zeros(sum(sizes)), np.zeros((n.nx, n.ndof)), np.zeros((n.ne, n.ndof))  # frames keep W and We
-        V, geometric, gravity, stresses, row, column = parts(room, sizes)
-        stresses[:], row[:], column[:] = sigma, m.deformation_scale[: len(E)], m.scale[U]
-        at = [room.ctypes.data + 8 * sum(sizes[:k]) for k in range(6)]
-        c = CLinearized(at[4], at[5], W.ctypes.data, We.ctypes.data, *at[:2], at[2] if heavy else None, at[3])
+        W, We, V = np.zeros((n.nx, n.ndof)), np.zeros((n.ne, n.ndof)), np.zeros((n.ne, n.nx))
+        geometric, stresses, column = np.zeros((n.nx, n.nx)), sigma.copy(), m.scale[U]
+        gravity = np.zeros((n.nx, n.nx)) if equations.heavy else None
+        c = CLinearized(
+            *map(address_of, (m.deformation_scale, column, W, We, V, geometric)),
+            None if gravity is None else address_of(gravity), address_of(stresses),
+        )  # fmt: skip
         c.n, c.first = len(U), xs["calculable"].start
         c.q_x, c.n_q_x, c.q_e, c.n_q_e = xs["input"].start, len(n.q_x), es["input"].start, len(n.q_e)
         if not equations.linearize(x, sigma, c):
             return None
-        V, geometric = V.reshape(n.ne, n.nx), geometric.reshape(n.nx, n.nx)
-        gravity = gravity.reshape(n.nx, n.nx) if heavy else zero_matrix((n.nx, n.nx))
-        return cls(d, W, We, V, geometric, gravity, stresses.copy(), c.bound, c.terms)
+        gravity = zero_matrix((n.nx, n.nx)) if gravity is None else gravity
+        return cls(d, W, We, V, geometric, gravity, stresses, c.bound, c.terms)
 
     @property
     def condition(self) -> Conditioning:
@@ -79,10 +80,9 @@ class AboutRest:
         return Conditioning(self.bound, partial(of_entries, self.dynamics.mechanism, *entries))
 
     def linearization(self) -> Linearization:
-        """The linearized equations, while the sweep of `dynamics` is at this state."""
+        """The linearized equations, while the sweep of `dynamics` is at this state, with its mass matrices."""
         d = self.dynamics
         n, sweep, law = d.numbering, d.sweep, d.law
-        sweep.mass()
         by_rates, by_x = zero_matrix((n.ne, n.nx)), zero_matrix((n.nx, n.nx))
         S, Sd, Me = (matrix(*entries, (n.ne, n.ne))
                      for entries in (law.stiffness, law.damping, d.mechanism.deformation_inertia))  # fmt: skip

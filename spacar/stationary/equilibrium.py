@@ -10,7 +10,6 @@ narrow band. It answers None where something is unusual: a singular matrix, a gr
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -99,16 +98,15 @@ class Equilibrium:
         least = np.ones(n.nx)
         least[n.positions] = 0.0
         sizes = n.nx, n.ne, n.nx + n.ne + 2 * (self.nf + n.ne), limit
-        room = np.empty(sum(sizes))
-        self._x, self._sigma, self._out, self._sizes = parts(room, sizes)
+        own = self._x, self._sigma, self._out, self._sizes = [np.empty(size) for size in sizes]
         self._keep: list[Any] = [m.x0, m.scale, m.deformation_scale, least, loads, sweep]
         groups = _groups(m, sweep, self.heavy, self._keep)
         self.c = c = CEquilibrium(
-            ctypes.addressof(groups), m.x0.ctypes.data, *map(address_of, self._keep[1:5]), None, address_of(sweep.near),
+            ctypes.addressof(groups), *map(address_of, self._keep[:5]), None, address_of(sweep.near),
             address_of(sweep.e), n.nx, n.ne, self.nf, len(groups), first, xs.start, count, es.start, es.stop - es.start,
             self.heavy, BAND_LIMIT, DENSE_LIMIT,
         )  # fmt: skip
-        c.x, c.sigma, c.out, c.sizes = (address_of(room) + 8 * sum(sizes[:k]) for k in range(4))
+        c.x, c.sigma, c.out, c.sizes = map(address_of, own)
         c.floor, c.singular, c.no_digits, c.spread = FLOOR, SINGULAR, NO_DIGITS, SPREAD
         c.first_ratio, c.later_ratio, c.jump, c.symmetric = FIRST_RATIO, LATER_RATIO, LARGEST_JUMP, SYMMETRIC
         c.guess_forces, c.guess_lengths, c.weight, c.safe = FORCES, LENGTHS, WEIGHT, SAFE
@@ -233,16 +231,18 @@ def _loads(m: Mechanism, sweep: ElementSweep) -> tuple[Array, bool]:
 
 def _groups(m: Mechanism, sweep: ElementSweep, heavy: bool, keep: list[Any]) -> Any:
     """What C needs of the batches; `keep` holds the arrays that it reads."""
+    from spacar.compiled.library import address_of
+
     moving, curved = ({b.index for b in some} for some in (sweep.moving if heavy else (), sweep.curved))
     batches = [b for b in m.batches if b.family.n_deformations or b.index in moving]
     groups = (CGroup * len(batches))()
     keep.append(groups)
-    entries, gradients = sweep.entries.ctypes.data, {key: part.start for key, part, _ in sweep.layout.V}
+    entries, gradients = address_of(sweep.entries), {key: part.start for key, part, _ in sweep.layout.V}
     for group, b in zip(groups, batches, strict=True):
         family: Any = b.family
         x, e = np.ascontiguousarray(b.x), np.ascontiguousarray(b.e)
         keep += family, x, e
-        group.elements, group.x, group.e = ctypes.addressof(family.elements), x.ctypes.data, e.ctypes.data
+        group.elements, group.x, group.e = ctypes.addressof(family.elements), address_of(x), address_of(e)
         group.curved, group.heavy = b.index in curved, b.index in moving
         if family.n_deformations:
             group.V = entries + 8 * gradients[b.index]
@@ -251,9 +251,3 @@ def _groups(m: Mechanism, sweep: ElementSweep, heavy: bool, keep: list[Any]) -> 
                 keep.append(S)
                 group.S = S.ctypes.data
     return groups
-
-
-def parts(room: Array, sizes: Sequence[int]) -> list[Array]:
-    """The parts of an array, one after the other."""
-    ends = [sum(sizes[: k + 1]) for k in range(len(sizes))]
-    return [room[end - size : end] for size, end in zip(sizes, ends, strict=True)]

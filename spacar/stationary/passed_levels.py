@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.stationary.equilibrium import DOUBLES, NUMBER, WHOLE, Equilibrium, parts
+from spacar.stationary.equilibrium import DOUBLES, NUMBER, WHOLE, Equilibrium
 from spacar.stationary.newton import Demand
 from spacar.stationary.stability import CRITICAL
 from spacar.stationary.stationary_equations import Iterate
@@ -64,16 +64,14 @@ def pass_levels(
 
     The equations and the sweep's `near` are those of the last level that was passed.
     """
+    from spacar.compiled.library import address_of
+
     nx, ne, known = equations.nx, equations.ne, len(path)
-    sizes = REMEMBERED * (nx + ne), REMEMBERED, 2 * ne
-    room = np.zeros(sum(sizes))
-    flat, places, _ = parts(room, sizes)
-    states, at = flat.reshape(REMEMBERED, -1), room.ctypes.data
+    states, places, near, trial = np.zeros((REMEMBERED, nx + ne)), np.zeros(REMEMBERED), np.zeros(ne), np.zeros(ne)
     for k, state in enumerate(path, REMEMBERED - known):
         states[k, :nx], states[k, nx:], places[k] = state.x, state.sigma, state.path
-    near = at + 8 * (sizes[0] + sizes[1])
     c = CPassed(
-        levels.ctypes.data, at, at + 8 * sizes[0], near, near + 8 * ne, len(levels), known, 0, 0,
+        *map(address_of, (levels, states, places, near, trial)), len(levels), known, 0, 0,
         WIDE, FASTER, FARTHEST, CRITICAL, RETURNED, ELSEWHERE, 0.0,
         (*Demand.of(limit, tolerance, False).sizes, *Demand.of(limit, tolerance, True).sizes),
     )  # fmt: skip

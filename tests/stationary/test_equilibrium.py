@@ -195,7 +195,7 @@ def test_a_stiffness_that_is_singular_to_working_precision_is_left_to_python():
     for part, taken in ((1e-3, True), (1e-15, False), (0.0, False)):
         S[1, 2] = S[2, 1] = S[1, 1] = 1.0
         S[2, 2] = 1.0 + part
-        family.__dict__["_stiffness"] = S, damping
+        family.general.__dict__["constitutive"] = S, damping
         assert (LevelEvaluator(m)._engine is not None) == taken
     with pytest.raises(AnalysisError, match="singular to working precision"):
         _ = LevelEvaluator(m).equations
