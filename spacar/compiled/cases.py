@@ -64,7 +64,7 @@ class InLanes:
         self._seen: tuple[Moving, Array] | None = None  # last accepted state, signs of the determinants
         self._accepted: tuple[Array, Array] | None = None  # its x and e
         self._out = np.zeros_like(self.y0)
-        self.passage = PassageOfCases(self.solver, self.shown, size * lanes)
+        self.passage = PassageOfCases(self.solver, self.state, self.shown, size * lanes)
         self.has_wheels = bool(len(Wheels(model).rows))
 
     def renew(self, values: Array, start: Array) -> None:
@@ -167,19 +167,6 @@ class InLanes:
     def into(self, times: Array, rows: Array, far: int) -> None:
         """See `PassageOfCases`."""
         self.passage.into(times, rows, far)
-
-    def show(self, output: int, y: Array) -> None:
-        """A single output, whose state is y. The first one is the start, which has been evaluated."""
-        if output:
-            self.passage.show(output, y)
-            return
-        at, shown = self.state, self.passage.c.shown
-        self.passage.c.shown = at.address
-        try:
-            self.passage.show(output, y)
-        finally:
-            self.passage.c.shown = shown
-        self.shown.resume(float(at.c.t), at.x, at.xd, at.xdd, at.e)
 
     def wheels_lifted(self, times: Array, rows: Array) -> list[dict[int, str]]:
         """Warnings of every lane, by wheel, after all outputs (rows as for `into`)."""

@@ -57,7 +57,7 @@ typedef struct {
     double t;
     real *x, *xd, *xdd, *e, *ed, *edd, *sigma, *given_e;
     real *applied, *gravity, *total, *y;  /* forces (nx) and the state that belong to it where it is whole */
-    int whole;                            /* number of the evaluation that gave all of it; Python sets it to 0 when it writes here */
+    int64_t whole;                        /* number of the evaluation that gave all of it; Python sets it to 0 when it writes here */
     int watched, signs;                   /* watched: derivatives keep the two below; 1: det V[E, U] was positive, 2: negative */
     double mantissa, exponent;            /* of the inverse of its smallest size since these were cleared: mantissa 2^exponent */
 } State;
@@ -71,7 +71,7 @@ typedef struct { const State *of; int n; double t[STATES]; real *degrees[STATES]
 typedef struct {
     Memory memory, tree_memory;           /* of what stays with the model; of the tree, which other numbers may change */
     Spec s;
-    int evaluations;                      /* how many there were; also told of numbers that have changed (`spacar_forget`) */
+    int64_t evaluations;                  /* how many there were; also told of numbers that have changed (`spacar_forget`) */
     int factored;                         /* the matrix of the position is that of some state before */
     int holonomic;                        /* positions and velocities have the same matrix */
     int *v_start, *v_column; /* V by rows: the places in `values` are those of v_column */

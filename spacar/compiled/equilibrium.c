@@ -73,7 +73,8 @@ static void spacar_equilibrium_end(Equilibrium *q)
     q->own = NULL;
 }
 
-/* The flexibility of every element, `coupled`, `size`, as flexibility.py. ANOTHER_WAY where a stiffness is singular to working precision. */
+/* The flexibility of every element, `coupled`, `size`, as flexibility.py. ANOTHER_WAY where less than six
+   of its binary digits are left (more than 2^-6 of the inverse may be rounding): flexibility.py decides what is singular. */
 static int flexibility_of(Equilibrium *q, Own *w)
 {
     double size = 0.0, longest = 0.0;

@@ -56,7 +56,7 @@ class CState(ctypes.Structure):
         *((name, DOUBLES) for name in (
             "x", "xd", "xdd", "e", "ed", "edd", "sigma", "given_e", "applied", "gravity", "total", "y",
         )),
-        ("whole", ctypes.c_int), ("watched", ctypes.c_int), ("signs", ctypes.c_int),
+        ("whole", ctypes.c_int64), ("watched", ctypes.c_int), ("signs", ctypes.c_int),
         ("mantissa", ctypes.c_double), ("exponent", ctypes.c_double),
     ]  # fmt: skip
 

@@ -61,7 +61,7 @@ static int unexplained(const March *r, const double *a, const double *b)
         const real v = lanes_larger(size_of(va[i]), vb[i]), acceleration = lanes_larger(size_of(aa[i]), ab[i]);
         const real change = size_of(vb[i] - va[i] - 0.5 * h * (aa[i] + ab[i]));
         const real beyond = change - (fabs(h) * acceleration + r->share * v + fastest * (r->scale[i] * r->noise));
-        most = lanes_larger(most, beyond + size_of(beyond)); /* zero where it is negative */
+        most = lanes_larger(most, beyond + size_of(beyond)); /* zero where it is negative; what is not a number counts as none */
     }
     return largest_lane(most) > 0.0;
 }

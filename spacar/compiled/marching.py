@@ -151,7 +151,7 @@ class Marching:
         )  # fmt: skip
         counted = evaluation.statistics
         output, status, first = evaluation.next_output(t), PAUSED, not c.recorded
-        if passage is not None and by.starts and not counted.n_steps and (alone := passage.start(by.y)):
+        if passage is not None and method.passes_start and not counted.n_steps and (alone := passage.start(by.y)):
             yield Step(t, by.y, by.value, None, alone)
         try:
             begun = by.begin()

@@ -26,10 +26,7 @@ GAMMA_AT = address_of(GAMMA)
 
 
 class AdamsInC:
-    """Steps of code 0 with the arrays of its object, for a `March` at an address. C makes the start too, which is the
-    first output that is passed."""
-
-    starts = True
+    """Steps of code 0 with the arrays of its object, for a `March` at an address. C makes the start too."""
 
     def __init__(self, engine: Engine, march: ctypes.c_void_p, method: Adams) -> None:
         self.engine, self.to, self.method, self.y = engine, march, method, method.y
@@ -68,8 +65,6 @@ class RungeKuttaInC:
     """The same of codes 135, 155 and 853; states inside a step come from the object. `answered` lets a question of C be
     answered."""
 
-    starts = False  # the object has been started, and has tried a step to know its size
-
     def __init__(
         self, engine: Engine, march: CMarch, method: ExplicitRungeKutta, answered: Callable[..., int]
     ) -> None:
@@ -89,7 +84,7 @@ class RungeKuttaInC:
         self.known: tuple[float, float] | None = None  # the step that the object knows of
 
     def begin(self) -> int:
-        """Nothing is left to do."""
+        """Nothing is left to do: the object has been started."""
         return 0
 
     def march(self) -> int:

@@ -22,11 +22,11 @@ SHOWN = "shown"  # of outputs that stand in their rows
 
 
 class PassageOfCases:
-    """Outputs of the lanes of a model at `times` (n,), evaluated by `shown`, into `rows` (n, 6 nx + 4 ne, lanes).
-    `size`: numbers of a state of the integrators."""
+    """Outputs of the lanes of a model at `times` (n,), evaluated by `shown`, into `rows` (n, 6 nx + 4 ne, lanes);
+    the first one is the start, which stands in `begun`. `size`: numbers of a state of the integrators."""
 
-    def __init__(self, solver: CompiledModel, shown: State, size: int) -> None:
-        self.solver = solver
+    def __init__(self, solver: CompiledModel, begun: State, shown: State, size: int) -> None:
+        self.solver, self.begun, self.shown = solver, begun, shown
         self.y = np.empty(size)
         self.c = c = CPassage(shown.address.value)
         c.y, c.exact, c.jump, c.guard, c.longest = self.y.ctypes.data, EXACT, LARGEST_JUMP, GUARD, LONGEST
@@ -70,7 +70,6 @@ class PassageOfCases:
     def start(self, y: Array) -> list[Passed]:
         """The first output, whose state is y; it is handed on with those behind it. Raises as `outputs`."""
         self.show(0, y)
-        self.work[0] = 0
         self.held = 1
         return []
 
@@ -79,8 +78,13 @@ class PassageOfCases:
         self.begin(output)
         self.c.n = 1
         self.y[:] = y
+        at = self.shown if output else self.begun
+        self.c.shown = at.address
         self.solver.engine.show(self.solver.handle, self.address)
+        self.c.shown = self.shown.address
         self._check()
+        if at is not self.shown:
+            self.shown.resume(float(at.c.t), at.x, at.xd, at.xdd, at.e)
 
     def _check(self) -> None:
         """Raise what is wrong with the last output."""

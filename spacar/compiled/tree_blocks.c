@@ -49,8 +49,7 @@ struct Tree {
 };
 
 /* L and Q of the links from V at the reference configuration (Gram-Schmidt on its rows, twice: as exact as Householder's reflections,
-   L. Giraud and others, "Rounding error analysis of the classical Gram-Schmidt orthogonalization process", 2005). 0: an element does
-   not hold what it carries. */
+   L. Giraud and others, docs/reference/bibliography.md). 0: an element does not hold what it carries. */
 static int add_blocks(const Model *m, struct Tree *T)
 {
     for (int l = 0; l < T->n_links; l++) {

@@ -42,7 +42,7 @@ class PlanarAngleBeam(PlanarBeam):
 
     def _set_mass(self, m: Array, J: Array) -> None:
         super()._set_mass(m, J)
-        self.rotary, self.lumped = 2.0 * self.lumped, 0.0 * self.lumped
+        self.rotary, self.lumped = J * self.length, 0.0 * self.lumped
         self._rotates = bool(J.any())
         self.constant_mass = self.constant_mass and not self._rotates
 

@@ -110,6 +110,8 @@ def next_step_size(h: float, k: int, error: float) -> float:
 class Adams:
     """Work arrays and history for a state of n components."""
 
+    passes_start = True  # where `march` passes outputs, the start is one of them
+
     def __init__(self, evaluation: Evaluation, n: int, tolerance: Tolerance) -> None:
         self.evaluation = evaluation
         self.tolerance = tolerance

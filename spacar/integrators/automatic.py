@@ -63,6 +63,8 @@ class Automatic:
     kept.
     """
 
+    passes_start = Adams.passes_start
+
     def __init__(self, evaluation: Evaluation, n: int, tolerance: Tolerance) -> None:
         self.evaluation, self.n, self.tolerance = evaluation, n, tolerance
         self.explicit = Adams(evaluation, n, tolerance)

@@ -75,8 +75,8 @@ def integrate(
     segments = _segments(first, last, breaks) if breaks else [(first, last, first, last)]
     loop = _variable if row.variable_step else _fixed
     steps = loop(integrator, evaluation, state, output_times, segments, step)
-    passes = evaluation.passes and isinstance(integrator, Adams | Automatic)
-    return _outputs(steps, None if passes else state, output_times, evaluation, max_steps)
+    passed = evaluation.passes and getattr(integrator, "passes_start", False)
+    return _outputs(steps, None if passed else state, output_times, evaluation, max_steps)
 
 
 def steps(

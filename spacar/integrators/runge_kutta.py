@@ -38,6 +38,8 @@ def _largest(value: float | np.ndarray) -> float:
 class ExplicitRungeKutta:
     """Fixed and variable steps with a tableau. `attempt` leaves y_new; `finish` leaves F(t + h, y_new)."""
 
+    passes_start = False  # it tries a step to know its size before it marches
+
     def __init__(self, tableau: Tableau, evaluation: Evaluation, n: int, tolerance: Tolerance) -> None:
         self.tableau, self.evaluation, self.tolerance = tableau, evaluation, tolerance
         self.controller = tableau.controller

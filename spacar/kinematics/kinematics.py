@@ -36,16 +36,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from functools import cached_property, partial
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from spacar.arrays import Array, Index
+from spacar.arrays import Array
 from spacar.errors import AnalysisError
-from spacar.kinematics.element_sweep import ElementSweep
+from spacar.kinematics.constraint_matrices import ConstraintMatrices
 from spacar.kinematics.fold import is_single_root
-from spacar.linear_systems import LinearSystem, SingularMatrixError, assemble
+from spacar.linear_systems import SingularMatrixError
 from spacar.linear_systems.matrix import DENSE_LIMIT, matrix
 from spacar.mechanism.mechanism import Mechanism
 
@@ -75,66 +75,24 @@ class Unplaced(Exception):
         self.explain = explain
 
 
-class Kinematics:
+class Kinematics(ConstraintMatrices):
     """Mutable state of one mechanism: configuration x, deformations and factorizations at x.
 
     Raises AnalysisError 'mechanism.count' when the numbers of unknowns and equations differ.
     """
 
     def __init__(self, mechanism: Mechanism, kind: str | None = None) -> None:
-        self.mechanism = mechanism
-        n = self.numbering = mechanism.numbering
-        self.sweep = ElementSweep(mechanism)
-        self.E, self.U = n.velocity_equations, n.velocity_unknowns
-        self.h, self.c = n.position_equations, n.position_unknowns
+        super().__init__(mechanism, kind)
+        n = self.numbering
         if not n.is_square:
             from spacar.kinematics.failure import count_failure
 
             raise count_failure(self)
-        self.kind = kind
-        self.velocity_map_is_position_map = bool(n.holonomic)
         self.scale: Array = mechanism.scale
         self.h_scale = mechanism.deformation_scale[self.h]
         self.x = mechanism.x0.copy()
         self.e_given = np.zeros(n.ne)
         self.iterations = 0  # Newton iterations of the last position
-        self._factored = self._waiting = False
-
-    # -- linear systems, made and factored when they are asked for ----------------------------------------------
-    @property
-    def velocity_system(self) -> LinearSystem:
-        """V[E, U], factored where the position was found."""
-        self._factor_waiting()
-        return self._velocity[0]
-
-    @property
-    def position_system(self) -> LinearSystem:
-        """D_h by the calculable coordinates, likewise."""
-        self._factor_waiting()
-        return self._position[0]
-
-    @property
-    def velocity_take(self) -> Index:
-        """Where the entries of V[E, U] are in the sweep."""
-        return self._velocity[1]
-
-    @cached_property
-    def _velocity(self) -> tuple[LinearSystem, Index]:
-        return self._system(self.E, self.U)
-
-    @cached_property
-    def _position(self) -> tuple[LinearSystem, Index]:
-        return self._velocity if self.velocity_map_is_position_map else self._system(self.h, self.c)
-
-    def _system(self, rows: Index, columns: Index) -> tuple[LinearSystem, Index]:
-        """The part of V with these rows and columns as a linear system, and where its entries are in the sweep."""
-        row_of = np.full(self.numbering.ne, -1)
-        row_of[rows] = np.arange(len(rows))
-        column_of = np.full(self.numbering.nx, -1)
-        column_of[columns] = np.arange(len(columns))
-        r, c = row_of[self.sweep.v_rows], column_of[self.sweep.v_columns]
-        take = np.flatnonzero((r >= 0) & (c >= 0))
-        return assemble(len(rows), r[take], c[take], self.kind), take
 
     # -- position -----------------------------------------------------------------------------------------------
     def move(self, x_given: Array, e_given: Array) -> None:
@@ -309,7 +267,7 @@ class Kinematics:
 
     def _determined(self, rounding: float) -> bool:
         """Is the root that was found to rounding a single one? See the head of the module."""
-        c, take = self.c, self._position[1]
+        c, take = self.c, self.position_take
         rows, columns = self.sweep.v_rows[take], self.sweep.v_columns[take]
         weight = np.abs(self.sweep.entries[take]) * self.scale[columns] / self.mechanism.deformation_scale[rows]
         norm = largest(np.bincount(columns, weight))
@@ -321,29 +279,11 @@ class Kinematics:
         self.sweep.strain(self.x)
         self.refactor()
 
-    def refactor(self) -> None:
-        """V was changed from outside: factor it."""
-        self._factor_position()
-        if not self.velocity_map_is_position_map:
-            self._factor_velocity()
-        self._factored = True
-
     def stand_at(self, x: Array, e: Array) -> None:
         """x (nx,), e (ne,), where the sweep is, were found elsewhere: V there is factored when its factors are asked
         for."""
         self.start_at(x, e)
         self._waiting = True
-
-    @property
-    def is_factored(self) -> bool:
-        """Have the linear systems factors at x? Not where they are singular."""
-        self._factor_waiting()
-        return self._factored
-
-    def _factor_waiting(self) -> None:
-        if self._waiting:
-            with suppress(SingularMatrixError):
-                self.refactor()
 
     def start_from(self, other: Kinematics) -> None:
         """Take over the configuration of another evaluator of the same mechanism."""
@@ -355,15 +295,6 @@ class Kinematics:
         self.x, self.e_given = x.copy(), e.copy()
         self.sweep.near[:] = e
         self._factored = self._waiting = False
-
-    def _factor_position(self) -> None:
-        self._waiting = False
-        system, take = self._position
-        system.factor(self.sweep.entries[take])
-
-    def _factor_velocity(self) -> None:
-        system, take = self._velocity
-        system.factor(self.sweep.entries[take])
 
     # -- velocity and acceleration ------------------------------------------------------------------------------
     def dependent(self, given: Array, e_rate: Array) -> Array:

@@ -216,7 +216,7 @@ class StationarySolver:
         d.sweep.e[fixed] = e.given.e[fixed]  # exact, while S times the rounding of e is not small
         d.kinematics.stand_at(p.x, d.sweep.e)
         if not n.nddof:
-            _ = d.kinematics.is_factored  # for the prediction of the next position
+            d.kinematics.factor_waiting()  # for the prediction of the next position
         self._determined = False
         still = np.zeros(n.nx)
         m = p.motion or Motion(still, still, np.zeros(n.ne), np.zeros(n.ne), np.zeros(n.ne))

@@ -224,7 +224,7 @@ class Follower:
         counted, step = np.empty((len(of.times), len(WORK))), 0
         for out in outputs:
             if out.passed is None:
-                block.show(step, out.y)
+                block.passage.show(step, out.y)
             made = 1 if out.passed is None else len(out.passed.counts)
             counted[step : step + made] = out.work if out.passed is None else out.passed.counts
             step += made
