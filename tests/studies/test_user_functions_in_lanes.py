@@ -73,6 +73,17 @@ def test_a_batch_is_its_single_runs_to_rounding(tmp_path, counted):
     compare(variants(written(tmp_path, SPRING), lanes_of_processor() + 2), FIXED_STEPS)
 
 
+@pytest.mark.parametrize("integrator", [-1, 0, 155])
+def test_a_block_of_one_asks_what_a_run_alone_asks(integrator, tmp_path, counted):
+    """At the same times, each as often: the start is evaluated and shown once."""
+    deck = written(tmp_path, "    counted.calls.append(t)\n    return t, [], [[3, 2, -0.01]]\n", "DYNX 2 1")
+    spacar.run(1, deck, integrator=integrator)
+    alone = counted.calls[:]
+    counted.calls.clear()
+    assert None not in ensemble([deck], integrator=integrator)
+    assert counted.calls == alone
+
+
 def test_every_case_has_a_function_of_its_own(tmp_path, counted):
     """One that remembers how often it was called would mix the cases up."""
     law = "    push.calls = getattr(push, 'calls', 0) + 1\n    return t, [], [[3, 2, -0.01 * push.calls]]\n"
