@@ -74,7 +74,7 @@ class SpatialBeam(Family):
     def _set_mass(self, mass: Array, section: Array) -> None:
         """Mass (n,) and inertia of the section (n, 4) per length [kg/m, kg m]."""
         self._mass, self._section = mass, section
-        self.has_mass = bool(mass.any())
+        self.has_mass = bool(np.count_nonzero(mass))
 
     # Of the functions below; the engine has its own, and a compiled run does not make them.
     @cached_property
@@ -167,7 +167,7 @@ class SpatialBeam(Family):
         return line_gradient(_line(c), v, a)
 
     def orientation_inertia(self) -> tuple[tuple[int, Array], ...]:
-        if not self._section.any():
+        if not np.count_nonzero(self._section):
             return ()
         half = 0.5 * self.length
         return tuple(
@@ -210,10 +210,10 @@ def _line(c: SpatialBeamConfiguration) -> LineState:
 
 def statement_values(group: ElementGroup) -> tuple[list[tuple[float, ...] | None], Array]:
     """Direction vectors (or None) and torsion-elongation parameters f1 (n,) [m^2] of the statements."""
-    counts = list(map(len, group.geometry))
-    for k, count in enumerate(counts):
-        if count not in (0, 1, 3, 4):
-            raise GeometryError(k, f"{count} values behind the nodes: give a direction (3), a coupling (1) or both")
+    counts = set(map(len, group.geometry))
+    if not counts <= {0, 1, 3, 4}:
+        k, count = next((k, len(v)) for k, v in enumerate(group.geometry) if len(v) not in (0, 1, 3, 4))
+        raise GeometryError(k, f"{count} values behind the nodes: give a direction (3), a coupling (1) or both")
     directions = [values[:3] if len(values) >= 3 else None for values in group.geometry]
     f1 = np.zeros(group.n, group.x0.dtype)
     if 1 in counts or 4 in counts:
@@ -224,7 +224,7 @@ def statement_values(group: ElementGroup) -> tuple[list[tuple[float, ...] | None
 def _beam_matrix(rigidity: Array, shear: Array, l0: Array) -> Array:
     """(6, 6, n) from EA, GIt, EIy, EIz (n, >=4) and the shear numbers Phi_z, Phi_y (n, 2)."""
     S = np.zeros((6, 6, len(l0)), rigidity.dtype)
-    if not rigidity.any():  # rigid beams, or no damping
+    if not np.count_nonzero(rigidity):  # rigid beams, or no damping
         return S
     S[0, 0] = rigidity[:, 0] / l0
     S[1, 1] = rigidity[:, 1] / l0**3

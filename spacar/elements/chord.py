@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from spacar.arrays import Array
+from spacar.arrays import Array, largest, smallest
 
 from .family import GeometryError, Trouble
 
@@ -79,8 +79,9 @@ def start_chord(x_p: Array, x_q: Array, keyword: str) -> tuple[Array, Array]:
     """
     d = x_q - x_p
     l0 = distance(d)
-    size = np.maximum(np.abs(x_p), np.abs(x_q)).max(initial=0.0)
-    for k in (l0 <= 1e-12 * size).nonzero()[0].tolist():
+    shortest = 1e-12 * max(largest(np.abs(x_p)), largest(np.abs(x_q)))
+    if not smallest(l0.real) > shortest:
+        k = int((l0.real <= shortest).argmax())
         raise GeometryError(
             k,
             f"{keyword} has length {l0[k]:.3g} m: both end nodes are at ({x_p[0, k]:.9g}, {x_p[1, k]:.9g}); "

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from spacar.arrays import Array
+from spacar.arrays import Array, largest, smallest
 from spacar.elements.family import GeometryError
 
 # The first is a chosen bound (the reference refuses the same angle): digits of a file, not rounding.
@@ -19,6 +19,7 @@ PARALLEL = 1e-5  # smallest sine of the angle between a direction vector and the
 SHORT = 1e-10  # smallest element length as a fraction of the extent of all elements of the group
 # Components of unit vectors are known to a few eps; eps d/l for elements of the length l at the distance d.
 EQUAL = 1e-12  # components within this count as equal in `pick`
+MODERATE = 1e-140, 1e140  # lengths of vectors whose squares are known to all digits
 
 
 def pick(ex: Array) -> Array:
@@ -32,6 +33,10 @@ _BASIS, _PREFERENCE = np.eye(3), EQUAL * np.arange(3)
 def unit(v: Sequence[float] | Array, index: int, what: str) -> Array:
     """v / |v| (3, n). Raises GeometryError for a zero or non-finite vector; `what` names it in the message."""
     a = np.asarray(v)
+    size = np.sqrt(np.add.reduce(a * a))
+    least, most = MODERATE
+    if least < smallest(size.real) and largest(size.real) < most:
+        return a / size
     size = np.maximum.reduce(np.abs(a))
     if not (np.minimum.reduce(size, None) > 0.0 and np.maximum.reduce(size, None) < np.inf):
         k = index + int(np.flatnonzero(~((size > 0.0) & (size < np.inf)))[0])
@@ -50,9 +55,9 @@ def supplemented(ex: Array, g: Sequence[float] | Array, index: int, what: str) -
     Raises GeometryError where g is parallel to x' within `PARALLEL`; `what` names g.
     """
     g = unit(g, index, what)
-    ey = g - np.add.reduce(g * ex) * ex
+    ey = _across(ex, g)
     sine = np.sqrt(np.add.reduce(ey * ey))
-    if np.minimum.reduce(sine, None) < PARALLEL:
+    if smallest(sine.real) < PARALLEL:
         k = int(np.flatnonzero(sine < PARALLEL)[0])
         angle = np.degrees(sine.flat[k])
         raise GeometryError(
@@ -60,6 +65,11 @@ def supplemented(ex: Array, g: Sequence[float] | Array, index: int, what: str) -
             f"the {what} is parallel to the local x' axis (angle {angle:.3g} degrees); choose another direction",
         )
     return completed(ex, ey / sine)
+
+
+def _across(ex: Array, g: Array) -> Array:
+    """The part of vectors g (3, n) across the unit vectors ex (3, n)."""
+    return g - np.add.reduce(g * ex) * ex
 
 
 def completed(ex: Array, ey: Array) -> Array:
@@ -78,7 +88,9 @@ _LEFT, _RIGHT = np.array([1, 2, 0, 2, 0, 1]), np.array([2, 0, 1, 1, 2, 0])
 
 def chord_frame(ex: Array, direction: Sequence[float] | Array | None, index: int) -> Array:
     """Frames (3, 3, n) of BEAMs: x' given, y' from directions (3, n) or, where there are none, from `pick`."""
-    return supplemented(ex, pick(ex) if direction is None else direction, index, "direction of the local y' axis")
+    if direction is None:
+        return completed(ex, normalized(_across(ex, pick(ex))))
+    return supplemented(ex, direction, index, "direction of the local y' axis")
 
 
 def chord_frames(ex: Array, directions: Sequence[Sequence[float] | None]) -> Array:
@@ -104,7 +116,7 @@ def chords(d: Array, x: Array) -> tuple[Array, Array]:
     Raises GeometryError for an element shorter than `SHORT` times the extent of the group.
     """
     l = np.sqrt(np.add.reduce(d * d))
-    if not np.minimum.reduce(l) > 2.0 * SHORT * np.maximum.reduce(np.abs(x), None):  # which is more than the extent
+    if not smallest(l.real) > 2.0 * SHORT * largest(np.abs(x)):  # which is more than the extent
         points = x.real.reshape(2, 3, -1)
         shortest = SHORT * (points.max((0, 2)) - points.min((0, 2))).max()
         for k in np.flatnonzero(~(l > shortest)).tolist():

@@ -8,7 +8,9 @@ chord (beta_k its start direction), signed lengths L = (l0, -l0), s, c = sin, co
 
 Q is the shortening of the chord by bending (0 with LDEFORM); with shear flexibility Phi = 12 EI/(GAk l0^2)
 
-    A = (4 + 5 Phi + 2.5 Phi^2)/(60 l0 (1 + Phi)^2),  B = (2 + 10 Phi + 5 Phi^2)/(60 l0 (1 + Phi)^2)
+    A = (4 + 5 Phi + 2.5 Phi^2)/(60 l0 (1 + Phi)^2),  B = (2 + 10 Phi + 5 Phi^2)/(60 l0 (1 + Phi)^2),
+
+that is 2 A, B = (5 +- 3/(1 + Phi)^2)/(60 l0).
 
 Derivatives (6), (7): with the row alpha_k = (1 at phi_k) - D beta and b1, b2, b3 = db/da, ..., both ends at once
 
@@ -91,16 +93,15 @@ class PlanarBeam(Family):
         self.angle = angle
         EA, EI, shear = group.estiff[:, 0:3].T
         self.rigidity, self.viscosity = (EA, EI), (group.edamp[:, 0], group.edamp[:, 1])
-        self.Phi = Phi = 12.0 * shear / l0**2
-        scale = group.nonlinear / (60.0 * l0 * (1.0 + Phi) ** 2)
-        first, second = 10.0 * Phi, 5.0 * Phi**2
-        self.A2 = (8.0 + first + second) * scale
-        self.B = (2.0 + first + second) * scale
+        self.Phi = 12.0 * shear / (l0 * l0)
+        scale, sheared = group.nonlinear / (60.0 * l0), 1.0 + self.Phi
+        rest = 3.0 / (sheared * sheared)
+        self.A2, self.B = (5.0 + rest) * scale, (5.0 - rest) * scale
         self._set_mass(m, J)
 
     def _set_mass(self, m: Array, J: Array) -> None:
-        self.constant_mass = not m.any()
-        self.has_mass = not self.constant_mass or bool(J.any())
+        self.constant_mass = not np.count_nonzero(m)
+        self.has_mass = not self.constant_mass or bool(np.count_nonzero(J))
         self.unit = m * self.length / 420.0  # factor of CUBIC_MASS
         self.lumped = 0.5 * J * self.length
 
@@ -251,7 +252,7 @@ class PlanarBeam(Family):
 
     def _stiffness(self, EA: Array, EI: Array) -> Array:
         S = np.zeros((3, 3, self.n), EI.dtype)
-        if not (EA.any() or EI.any()):  # rigid beams, or no damping
+        if not (np.count_nonzero(EA) or np.count_nonzero(EI)):  # rigid beams, or no damping
             return S
         S[0, 0] = EA / self.length
         bend = EI / (self.length**3 * (1.0 + self.Phi))

@@ -43,7 +43,7 @@ class PlanarAngleBeam(PlanarBeam):
     def _set_mass(self, m: Array, J: Array) -> None:
         super()._set_mass(m, J)
         self.rotary, self.lumped = J * self.length, 0.0 * self.lumped
-        self._rotates = bool(J.any())
+        self._rotates = bool(np.count_nonzero(J))
         self.constant_mass = self.constant_mass and not self._rotates
 
     # -- rotary inertia ------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from spacar.arrays import Array, Index
+from spacar.arrays import Array, Index, largest, smallest
 from spacar.deck import Deck
 from spacar.errors import InputError, Message
 from spacar.mechanism import inputs, lumped_inertia
@@ -82,7 +82,8 @@ def along(mechanism: Mechanism, deck: Deck) -> Mechanism:
 def reference_configuration(deck: Deck, numbering: Numbering, kind: type = float) -> Array:
     """Positions of X, zero angles, Euler parameters (1, 0, 0, 0)."""
     x0: Array = np.zeros(numbering.nx, kind)
-    x0.put(numbering.x_places[:, 0].take(numbering.normalization[:, 0]), 1.0)
+    if len(numbering.normalization):
+        x0[numbering.x_places[:, 0].take(numbering.normalization[:, 0])] = 1.0
     for nodes, values in value_rows(deck.block(1).get("X", ()), kind):
         x0.put(numbering.x_places.take(nodes, 0)[:, : values.shape[1]], values)
     return x0
@@ -92,18 +93,26 @@ def _size(numbering: Numbering, x0: Array) -> float:
     """Diagonal of the box around all position nodes; 1 when there are none."""
     if len(numbering.positions) < 2:
         return 1.0
-    places = x0.take(numbering.positions).real
-    extent = hypot(*(np.maximum.reduce(places) - np.minimum.reduce(places)))
+    places = x0.real.take(numbering.positions.T)
+    extent = hypot(*[largest(along) - smallest(along) for along in places])
     return extent if extent > 0.0 else 1.0
 
 
 def _constitutive(batches: list[Batch]) -> list[tuple[Index, Index, Array]]:
     """Non-zero entries of S and of S_d of all elements as rows, columns, values."""
-    found: tuple[list[Any], list[Any]] = ([], [])
+    found: tuple[list[tuple[Index, Index, Array]], ...] = ([], [])
     for batch in batches:
         if batch.family.n_deformations:
             for parts, S in zip(found, batch.family.constitutive, strict=True):
-                i, j, k = S.nonzero()
-                if len(i):
+                if np.count_nonzero(S):
+                    i, j, k = S.nonzero()
                     parts.append((batch.e[i, k], batch.e[j, k], S[i, j, k]))
-    return [tuple(map(np.concatenate, zip(*parts, strict=True))) if parts else NO_ENTRIES for parts in found]  # type: ignore
+    return [_joined(parts) for parts in found]
+
+
+def _joined(parts: list[tuple[Index, Index, Array]]) -> tuple[Index, Index, Array]:
+    """Rows, columns and values of all parts."""
+    if len(parts) < 2:
+        return parts[0] if parts else NO_ENTRIES
+    rows, columns, values = map(np.concatenate, zip(*parts, strict=True))
+    return rows, columns, values

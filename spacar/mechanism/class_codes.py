@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from spacar.arrays import largest
 from spacar.deck import ELEMENT_TYPES, Deck, coordinates_of
 from spacar.deck.table_types import ElementType
 from spacar.mechanism.element_rows import ElementRows
@@ -59,11 +60,11 @@ def class_codes(deck: Deck, types: Sequence[ElementRows], prescribed: bool) -> C
     """The classes of everything in a deck with these elements. `prescribed`: what is dynamic is an input."""
     planar = types[0].kind.planar
     width = max([6, *[len(rows.kind.modes) for rows in types]])  # 8 in a model with warping
-    roles = np.zeros(1 + max([np.maximum.reduce(rows.nodes, None) for rows in types]), np.uint8)
+    roles = np.zeros(1 + max([largest(rows.nodes) for rows in types]), np.uint8)
     elements = np.zeros(1 + max([rows.numbers.item(-1) for rows in types]), np.uint8)
     for rows in types:
         roles.put(rows.nodes, _roles_of(rows.kind))  # again for every element
-        elements.put(rows.numbers, _TYPE_CODE[rows.kind.keyword])
+        elements[rows.numbers] = _TYPE_CODE[rows.kind.keyword]
     codes = bytearray(_coordinates(planar).take(roles, 0))
     of_nodes = len(codes)
     codes += _deformations(width).take(elements, 0).tobytes()

@@ -56,7 +56,9 @@ def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "")
     """What the constructors of the families get, in the order of `element_batches`."""
     block, x_places, e_places = deck.block(1), numbering.x_places, numbering.e_places
     parameters = parameter_table(deck, len(e_places), x0.dtype)
-    linear = [s.values[0] for s in block.get("LDEFORM", ())]
+    linear = np.zeros(len(e_places), bool)
+    for s in block.get("LDEFORM", ()):
+        linear[s.integer(0)] = True
     directions = _vectors(block, "ORPINBOD", "ORTUBE")
     projections = _vectors(block, "DRPINBOD")
     angles = by_angles(deck, beams)
@@ -75,7 +77,7 @@ def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "")
             numbers=numbers,
             x0=x0.take(x),
             geometry=tuple([s.real_values(first) for s in statements]) if kind.geometry else ((),) * n,
-            nonlinear=np.isin(numbers, linear, invert=True) if linear else np.ones(n, bool),
+            nonlinear=~linear.take(numbers),
             directions=tuple(map(directions.get, numbers.tolist())) if directions else (None,) * n,
             projections=tuple(map(projections.get, numbers.tolist())) if projections else (None,) * n,
             em=values[PARAMETERS["EM"]].T,

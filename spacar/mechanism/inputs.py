@@ -55,8 +55,8 @@ def loads(deck: Deck, numbering: Numbering, prefix: str = "", kind: type = float
             preload[place] = value
     return Loads(
         force=force,
-        moment=np.array(moments, kind).reshape(-1, 3),
-        moment_rows=np.array(rows, np.int64).reshape(-1, 4).T,
+        moment=np.array(moments, kind) if moments else np.zeros((0, 3), kind),
+        moment_rows=np.array(rows).T if rows else np.zeros((4, 0), np.int64),
         gravity=gravity,
         preload=preload,
         flow=_flow(deck, numbering, prefix),

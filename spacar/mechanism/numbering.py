@@ -315,20 +315,21 @@ def number(deck: Deck, types: Sequence[ElementRows], prescribed: bool = False) -
     input (modes that follow a nominal motion)."""
     planar = types[0].kind.planar
     codes, of_nodes, width, roles = class_codes(deck, types, prescribed)
-    turning = NONE if planar else _with_role(roles, "orientation")
+    turning = () if planar else _with_role(roles, "orientation")
     table = np.frombuffer(codes, np.uint8)
     counts = np.bincount(table, minlength=ABSENT).tolist()
     x_counts, e_counts = counts[: len(X_ORDER)], counts[len(X_ORDER) : ABSENT]
     nx, ne = sum(x_counts), sum(e_counts)
     # places in x, and again from 0 in e, by class and then as the codes stand; -1 where ABSENT
-    order = table.argsort(kind="stable")
-    places, ascending = np.empty(len(codes), np.int64), np.arange(nx + ne)
-    places.fill(-1)
+    ascending = np.arange(len(codes))
     ascending[nx:] -= nx
     first, more = e_counts[0], len(turning)  # normalizations come after the other fixed deformations
-    ascending[nx + first :] += more
-    places.put(order[: nx + ne], ascending)
-    e_counts[0] += more
+    if more:
+        ascending[nx + first :] += more
+        e_counts[0] += more
+    ascending[nx + ne :] = -1
+    places = np.empty(len(codes), np.int64)
+    places[table.argsort(kind="stable")] = ascending
     x_places, e_places = places[:of_nodes].reshape(-1, 4), places[of_nodes:].reshape(-1, width)
     slips = np.zeros(ne + more, bool)
     for rows in types:
@@ -344,12 +345,13 @@ def number(deck: Deck, types: Sequence[ElementRows], prescribed: bool = False) -
         e_class=_slices(e_counts, E_ORDER),
         x_places=x_places,
         e_places=e_places,
-        normalization=np.array((turning, np.arange(first, first + more))).T,
+        normalization=np.array((turning, np.arange(first, first + more))).T if more else NO_NODES,
         slips=slips,
     )
 
 
-NONE = np.zeros(0, np.int64)
+NO_NODES = np.zeros((0, 2), np.int64)
+NO_NODES.setflags(write=False)
 
 
 def _slices(counts: Sequence[int], order: Sequence[str]) -> dict[str, slice]:
