@@ -126,7 +126,7 @@ class Family:
         """`stiffness`, evaluated once; every asker gets the same arrays, which cannot be written to."""
         found = self.stiffness()
         for S in found:
-            S.flags.writeable = False
+            S.setflags(write=False)
         return found
 
     # -- deformations -------------------------------------------------------------------------------------------

@@ -255,7 +255,7 @@ class PlanarBeam(Family):
         if not (np.count_nonzero(EA) or np.count_nonzero(EI)):  # rigid beams, or no damping
             return S
         S[0, 0] = EA / self.length
-        bend = EI / (self.length**3 * (1.0 + self.Phi))
+        bend = EI / (self.length * self.length * self.length * (1.0 + self.Phi))
         S[1, 1] = S[2, 2] = (4.0 + self.Phi) * bend
         S[1, 2] = S[2, 1] = (-2.0 + self.Phi) * bend
         return S

@@ -105,8 +105,9 @@ def _constitutive(batches: list[Batch]) -> list[tuple[Index, Index, Array]]:
         if batch.family.n_deformations:
             for parts, S in zip(found, batch.family.constitutive, strict=True):
                 if np.count_nonzero(S):
-                    i, j, k = S.nonzero()
-                    parts.append((batch.e[i, k], batch.e[j, k], S[i, j, k]))
+                    places, m = S.ravel().nonzero()[0], len(S)
+                    rows, columns = batch.e.repeat(m, 0), batch.e[None].repeat(m, 0)
+                    parts.append((rows.take(places), columns.take(places), S.take(places)))
     return [_joined(parts) for parts in found]
 
 

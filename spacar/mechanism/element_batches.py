@@ -97,9 +97,9 @@ def parameter_table(deck: Deck, n: int, kind: Any = float) -> Array:
     """(23, n): values of EM, ESTIFF and EDAMP behind the element number, which is the column; zero where not given."""
     block = deck.block(2)
     table = np.zeros((PARAMETERS["EDAMP"].stop, n), kind)
-    for keyword, place in PARAMETERS.items():
-        for numbers, values in value_rows(block.get(keyword, ()), kind):
-            own = table[place]
+    for keyword in PARAMETERS.keys() & block.keys():
+        own = table[PARAMETERS[keyword]]
+        for numbers, values in value_rows(block[keyword], kind):
             own[: values.shape[1], numbers] = values.T[: len(own)]
     return table
 
@@ -145,8 +145,6 @@ def node_batches(batches: list[Batch], numbering: Numbering, families: Iterable[
     for family, x in families:
         batches.append(Batch(family, x, np.zeros((0, family.n), np.int64), len(batches)))
     if len(numbering.normalization):
-        from spacar.elements.normalization import Normalization
-
         nodes, rows = numbering.normalization.T
-        x = numbering.x_places.T.take(nodes, 1)
-        batches.append(Batch(Normalization(nodes), x, rows[None, :], len(batches)))
+        family = family_of("normalization:Normalization")(nodes)  # type: ignore[call-arg]
+        batches.append(Batch(family, numbering.x_places.T.take(nodes, 1), rows[None, :], len(batches)))

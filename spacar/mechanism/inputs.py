@@ -108,15 +108,19 @@ def _given(
     Without a statement: the reference configuration, deformations `e_value`, zero rates.
     """
     block, of_x, of_e = deck.block(2), numbering.x_class[name], numbering.e_class[name]
-    x = np.zeros((of_x.stop - of_x.start, width), x0.dtype)
-    e = np.zeros((of_e.stop - of_e.start, width), x0.dtype)
-    if len(x):
+    x = e = _NOTHING[width]
+    if of_x.stop > of_x.start:
+        x = np.zeros((of_x.stop - of_x.start, width), x0.dtype)
         x[:, 0] = x0[of_x]
         _fill(x, block.get(keywords[0], ()), numbering.x_places, of_x.start)
-    if len(e):
+    if of_e.stop > of_e.start:
+        e = np.zeros((of_e.stop - of_e.start, width), x0.dtype)
         e[:, 0] = e_value
         _fill(e, block.get(keywords[1], ()), numbering.e_places, of_e.start)
     return x, e
+
+
+_NOTHING = {width: np.zeros((0, width)) for width in (1, 2, 3)}
 
 
 def _fill(table: Array, statements: Sequence[Statement], places: Index, first: int) -> None:

@@ -202,7 +202,7 @@ class Mechanism:
     length: float  # largest distance between two nodes of the reference configuration [m]; 1 without positions
 
     def __post_init__(self) -> None:
-        if any(b.index != k for k, b in enumerate(self.batches)):
+        if [b.index for b in self.batches] != list(range(len(self.batches))):
             numbered = tuple(b._replace(index=k) for k, b in enumerate(self.batches))
             object.__setattr__(self, "batches", numbered)
 
