@@ -33,7 +33,7 @@ _BASIS, _PREFERENCE = np.eye(3), EQUAL * np.arange(3)
 def unit(v: Sequence[float] | Array, index: int, what: str) -> Array:
     """v / |v| (3, n). Raises GeometryError for a zero or non-finite vector; `what` names it in the message."""
     a = np.asarray(v)
-    size = np.sqrt(np.add.reduce(a * a))
+    size = np.sqrt(inner(a, a))
     least, most = MODERATE
     if least < smallest(size.real) and largest(size.real) < most:
         return a / size
@@ -46,7 +46,7 @@ def unit(v: Sequence[float] | Array, index: int, what: str) -> Array:
 
 def normalized(a: Array) -> Array:
     """a / |a| of vectors (3, n) with components of about 1."""
-    return a / np.sqrt(np.add.reduce(a * a))
+    return a / np.sqrt(inner(a, a))
 
 
 def supplemented(ex: Array, g: Sequence[float] | Array, index: int, what: str) -> Array:
@@ -56,7 +56,7 @@ def supplemented(ex: Array, g: Sequence[float] | Array, index: int, what: str) -
     """
     g = unit(g, index, what)
     ey = _across(ex, g)
-    sine = np.sqrt(np.add.reduce(ey * ey))
+    sine = np.sqrt(inner(ey, ey))
     if smallest(sine.real) < PARALLEL:
         k = int(np.flatnonzero(sine < PARALLEL)[0])
         angle = np.degrees(sine.flat[k])
@@ -69,12 +69,20 @@ def supplemented(ex: Array, g: Sequence[float] | Array, index: int, what: str) -
 
 def _across(ex: Array, g: Array) -> Array:
     """The part of vectors g (3, n) across the unit vectors ex (3, n)."""
-    return g - np.add.reduce(g * ex) * ex
+    return g - inner(g, ex) * ex
 
 
 def completed(ex: Array, ey: Array) -> Array:
     """Frames (3, 3, n) of x' and y' (3, n)."""
     return np.array((ex, ey, cross(ex, ey))).swapaxes(0, 1)
+
+
+def inner(a: Array, b: Array) -> Array:
+    """a . b of vectors (3, n): of few a product with ones takes less time than `sum`."""
+    return _ONES.dot(a * b)
+
+
+_ONES = np.ones(3)
 
 
 def cross(a: Array, b: Array) -> Array:
@@ -115,7 +123,7 @@ def chords(d: Array, x: Array) -> tuple[Array, Array]:
 
     Raises GeometryError for an element shorter than `SHORT` times the extent of the group.
     """
-    l = np.sqrt(np.add.reduce(d * d))
+    l = np.sqrt(inner(d, d))
     if not smallest(l.real) > 2.0 * SHORT * largest(np.abs(x)):  # which is more than the extent
         points = x.real.reshape(2, 3, -1)
         shortest = SHORT * (points.max((0, 2)) - points.min((0, 2))).max()

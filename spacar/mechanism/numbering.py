@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import accumulate
 from typing import NamedTuple
 
 import numpy as np
@@ -356,8 +355,11 @@ NO_NODES.setflags(write=False)
 
 
 def _slices(counts: Sequence[int], order: Sequence[str]) -> dict[str, slice]:
-    edges = [0, *accumulate(counts)]
-    return dict(zip(order, map(slice, edges, edges[1:]), strict=True))
+    found, first = {}, 0
+    for name, count in zip(order, counts, strict=True):
+        found[name] = slice(first, first + count)
+        first += count
+    return found
 
 
 def _with_role(roles: NDArray[np.uint8], role: str) -> Index:

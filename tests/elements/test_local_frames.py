@@ -1,0 +1,34 @@
+"""Unit vectors of any length that a number can have, and which element a message is about."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from spacar.elements.chord import start_chord
+from spacar.elements.family import GeometryError
+from spacar.elements.local_frames import unit
+
+EPS = np.finfo(float).eps
+
+
+@pytest.mark.parametrize("length", [1e-300, 1e-160, 1e-139, 1.0, 1e139, 1e160, 1e300])
+def test_a_direction_may_have_any_length(length):
+    """Squares of these numbers under- or overflow. 4 eps: five roundings in all, and half as many below the root."""
+    found = unit(np.array([[3.0, 0.0], [0.0, 1.0], [4.0, 0.0]]) * length, 0, "axis")
+    assert found == pytest.approx(np.array([[0.6, 0.0], [0.0, 1.0], [0.8, 0.0]]), rel=4 * EPS)
+
+
+@pytest.mark.parametrize("bad", [0.0, np.inf, np.nan])
+def test_a_vector_without_direction_is_named(bad):
+    with pytest.raises(GeometryError, match="the axis is the zero vector") as told:
+        unit(np.array([[1.0, bad], [0.0, 0.0], [0.0, 0.0]]), 5, "axis")
+    assert told.value.index == 6
+
+
+def test_the_first_of_the_elements_that_are_too_short_is_named():
+    start = np.zeros((2, 4))
+    end = np.array([[1.0, 1e-14, 0.0, 2.0], [0.0, 0.0, 0.0, 0.0]])
+    with pytest.raises(GeometryError, match=r"PLBEAM has length 1e-14 m") as told:
+        start_chord(start, end, "PLBEAM")
+    assert told.value.index == 1
