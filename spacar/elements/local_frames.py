@@ -33,10 +33,11 @@ _BASIS, _PREFERENCE = np.eye(3), EQUAL * np.arange(3)
 def unit(v: Sequence[float] | Array, index: int, what: str) -> Array:
     """v / |v| (3, n). Raises GeometryError for a zero or non-finite vector; `what` names it in the message."""
     a = np.asarray(v)
-    size = np.sqrt(inner(a, a))
     least, most = MODERATE
-    if least < smallest(size.real) and largest(size.real) < most:
-        return a / size
+    if largest(np.abs(a)) < most:
+        size = np.sqrt(inner(a, a))
+        if smallest(size.real) > least:
+            return a / size
     size = np.maximum.reduce(np.abs(a))
     if not (np.minimum.reduce(size, None) > 0.0 and np.maximum.reduce(size, None) < np.inf):
         k = index + int(np.flatnonzero(~((size > 0.0) & (size < np.inf)))[0])
