@@ -53,15 +53,26 @@ class State:
         split, end = 6 * nx, 6 * nx + 5 * ne
         self._together = together = np.empty((end + 2 * model.numbering.nddof + model.numbering.nk, cases))
         self.of_x, self.of_e = together[:split].reshape(6, nx, cases), together[split:end].reshape(5, ne, cases)
-        self.x, self.xd, self.e, self.given_e = self.of_x[0], self.of_x[1], self.of_e[0], self.of_e[4]
         self.x_address = first = address_of(together)
         self.c = CState()
         self.address = ctypes.c_void_p(ctypes.addressof(self.c))
         model.engine.state(model.handle, self.address, first)
 
     @property
+    def x(self) -> Array:
+        return self.of_x[0]
+
+    @property
+    def xd(self) -> Array:
+        return self.of_x[1]
+
+    @property
     def xdd(self) -> Array:
         return self.of_x[2]
+
+    @property
+    def e(self) -> Array:
+        return self.of_e[0]
 
     @property
     def ed(self) -> Array:
@@ -75,9 +86,13 @@ class State:
     def sigma(self) -> Array:
         return self.of_e[3]
 
+    @property
+    def given_e(self) -> Array:
+        return self.of_e[4]
+
     def of_one(self) -> tuple[Array, Array]:
         """Copies of x, xd, xdd and the forces (6, nx), of e, ed, edd and sigma (4, ne) of the only case."""
-        kept, (nx, ne) = self._together[:, 0].copy(), (len(self.x), len(self.e))
+        kept, (nx, ne) = self._together[:, 0].copy(), (self.of_x.shape[1], self.of_e.shape[1])
         return kept[: 6 * nx].reshape(6, nx), kept[6 * nx : 6 * nx + 4 * ne].reshape(4, ne)
 
     def begin(self, x: Array, e: Array) -> None:
@@ -114,7 +129,7 @@ class CompiledModel:
         self.numbers = numbers
         self.cases = cases = numbers.x0.shape[-1]
         self.engine = engine(cases)
-        self._values = np.concatenate([*numbers.arrays(), *scales], axis=None)
+        self._values = np.concatenate([a.ravel() for a in (*numbers.arrays(), *scales)])
         x_end = 3 * cases * len(numbers.x_motion)
         self._e_end = e_end = x_end + 3 * cases * len(numbers.e_motion)
         motions = self._values[:x_end].reshape(-1, 3, cases), self._values[x_end:e_end].reshape(-1, 3, cases)
@@ -156,26 +171,25 @@ class CompiledModel:
 
     def _whole_numbers(self) -> NDArray[np.int32]:
         """Counts and lists, as `read_spec` of model.c reads them."""
-        n, numbers, batches = self.numbering, self.numbers, self.numbers.elements
+        n, numbers = self.numbering, self.numbers
         position, xs, es = n.position_equations, n.x_class, n.e_class
-        classes = [(c[name].start, c[name].stop) for c in (xs, es) for name in ("input", "dynamic", "kinematic")]
-        of_dynamic = es["dynamic"].stop
         counts = [
-            n.nx, n.ne, xs["calculable"].start, es["input"].stop, of_dynamic, len(batches),
+            n.nx, n.ne, xs["calculable"].start, es["input"].stop, es["dynamic"].stop, len(numbers.elements),
             len(numbers.stiffness[0]), len(numbers.damping[0]), n.nddof == 0, len(numbers.mass[0]),
-            *(number for first, last in classes for number in (first, last - first)),
-            self.slots.polynomial, len(position), len(numbers.moments[0]), len(numbers.coupling[0]),
         ]  # fmt: skip
-        for b in batches:
-            counts += [b.kind, len(b.x), b.x.shape[1], b.e.shape[1], b.parameters.shape[1], b.moving]
-        entries = numbers.mass, numbers.stiffness, numbers.damping, numbers.moments, numbers.coupling
-        lists = [np.array(counts), position]
-        for rows, columns, _ in entries:
+        for places in (xs, es):
+            for own in (places["input"], places["dynamic"], places["kinematic"]):
+                counts += own.start, own.stop - own.start
+        counts += self.slots.polynomial, len(position), len(numbers.moments[0]), len(numbers.coupling[0])
+        lists = [position]
+        for rows, columns, _ in (numbers.mass, numbers.stiffness, numbers.damping, numbers.moments, numbers.coupling):
             if len(rows):
                 lists += rows, columns
-        for b in batches:
-            lists += b.x.T, b.e.T
-        return np.concatenate(lists, axis=None).astype(np.int32)
+        for b in numbers.elements:
+            size, n_x = b.x.shape
+            counts += b.kind, size, n_x, b.e.shape[1], b.parameters.shape[1], b.moving
+            lists += b.x.T.ravel(), b.e.T.ravel()
+        return np.concatenate([np.array(counts), *lists], dtype=np.int32)
 
     def state(self) -> State:
         """A new state, at the reference configuration."""

@@ -247,6 +247,7 @@ def why_off() -> str | None:
     return f"the environment variable {GENERAL} asks for it" if switched_off() else unavailable()
 
 
+@lru_cache
 def level() -> str:
     """Level of the processor, by which the build was chosen: 'x86-64-v3', ... Only where the engine is available."""
     name: bytes = _ready().spacar_level()

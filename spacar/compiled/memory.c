@@ -4,8 +4,8 @@ enum { LINE = 64, BLOCK = 1 << 15 };
 typedef struct Block { struct Block *before; } Block;
 typedef struct { Block *last; char *next; size_t left; } Memory; /* zeros: nothing yet */
 
-/* Zeros, at the start of a line of the cache: a vector is one line. NULL when there is no memory. */
-static void *cleared(Memory *of, size_t count, size_t size)
+/* Room that is written before it is read, at the start of a line of the cache: a vector is one line. NULL when there is no memory. */
+static void *taken(Memory *of, size_t count, size_t size)
 {
     const size_t bytes = (count * size + LINE - 1) / LINE * LINE;
     if (!of->last || bytes > of->left) {
@@ -20,7 +20,14 @@ static void *cleared(Memory *of, size_t count, size_t size)
     void *piece = of->next;
     of->next += bytes;
     of->left -= bytes;
-    return memset(piece, 0, bytes);
+    return piece;
+}
+
+/* The same, zeros. */
+static void *cleared(Memory *of, size_t count, size_t size)
+{
+    void *piece = taken(of, count, size);
+    return piece ? memset(piece, 0, count * size) : NULL;
 }
 
 static void give_back(Memory *of)

@@ -3,9 +3,9 @@
 static int entries_begin(Memory *memory, Entries *list, int capacity)
 {
     list->n = 0;
-    list->row = cleared(memory, capacity, sizeof(int));
-    list->column = cleared(memory, capacity, sizeof(int));
-    list->source = cleared(memory, capacity, sizeof(int));
+    list->row = taken(memory, capacity, sizeof(int));
+    list->column = taken(memory, capacity, sizeof(int));
+    list->source = taken(memory, capacity, sizeof(int));
     return list->row && list->column && list->source ? OK : NO_MEMORY;
 }
 
@@ -116,7 +116,7 @@ static int find_entries(Model *m, Memory *work, Entries *V)
         }
     }
     const int n_values = at + s->n_constant;
-    m->values = cleared(&m->memory, n_values, sizeof(real));
+    m->values = taken(&m->memory, n_values, sizeof(real));
     if (!m->values || entries_begin(work, V, n_v) || entries_begin(&m->memory, &m->mass, n_values - n_v)) return NO_MEMORY;
     for (int k = 0; k < n_values; k++) m->values[k] = untouched();
     reference_values(m);
@@ -155,8 +155,8 @@ static int find_entries(Model *m, Memory *work, Entries *V)
 static int sort_rows(Memory *memory, const Entries *list, int n_rows, int **start, int **column, int **place)
 {
     *start = cleared(memory, n_rows + 2, sizeof(int));
-    *column = cleared(memory, list->n, sizeof(int));
-    *place = cleared(memory, list->n, sizeof(int));
+    *column = taken(memory, list->n, sizeof(int));
+    *place = taken(memory, list->n, sizeof(int));
     if (!*start || !*column || !*place) return NO_MEMORY;
     for (int k = 0; k < list->n; k++) (*start)[list->row[k] + 2]++;
     for (int r = 0; r < n_rows; r++) (*start)[r + 2] += (*start)[r + 1];

@@ -5,7 +5,6 @@ Every array has the cases on its last axis. Rows and columns of sparse entries a
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -16,8 +15,9 @@ from spacar.compiled.library import engine
 from spacar.dynamics.forces import StressLaw, gravity_field, moment_entries
 from spacar.dynamics.loaded_mechanism import LoadedMechanism
 from spacar.elements.family import Family
+from spacar.elements.lumped import LumpedMass
 from spacar.mechanism.layout import Batch
-from spacar.mechanism.mechanism import Drive, Loads, Mechanism, Polynomial
+from spacar.mechanism.mechanism import NO_ENTRIES, Drive, Loads, Mechanism, Polynomial
 
 Entries = tuple[Index, Index, Array]  # rows, columns, values (n, cases)
 
@@ -52,13 +52,12 @@ class Numbers(NamedTuple):
     x_motion: Array  # (n, 3, cases) start, rate, acceleration; or what the motion is at a time
     e_motion: Array
 
-    def arrays(self) -> Iterator[Array]:
-        """All of them in the order in which C reads them (`read_spec` of model.c)."""
-        yield from (self.x_motion, self.e_motion, self.force, self.preload, self.x0, self.field)
-        for entries in (self.mass, self.stiffness, self.damping, self.moments, self.coupling):
-            yield entries[2]
-        for batch in self.elements:
-            yield batch.parameters.swapaxes(0, 1)
+    def arrays(self) -> list[Array]:
+        """All that are not empty, in the order in which C reads them (`read_spec` of model.c)."""
+        first = self.x_motion, self.e_motion, self.force, self.preload, self.x0, self.field
+        of_entries = self.mass[2], self.stiffness[2], self.damping[2], self.moments[2], self.coupling[2]
+        of_elements = [batch.parameters.swapaxes(0, 1) for batch in self.elements]
+        return [a for a in (*first, *of_entries, *of_elements) if a.size]
 
     def take(self, cases: slice | Index) -> Numbers:
         """Those of some cases."""
@@ -177,7 +176,11 @@ def constant_mass(mechanism: Mechanism) -> tuple[Index, Index, Array]:
     """Rows, columns and values of the mass matrices that do not depend on the position."""
     rows, columns, values = [], [], []
     for b in mechanism.batches:
-        if b.family.has_mass and b.family.constant_mass:
+        if isinstance(b.family, LumpedMass):
+            rows.append(b.x[0])
+            columns.append(b.x[0])
+            values.append(b.family.m)
+        elif b.family.has_mass and b.family.constant_mass:
             M = np.zeros((len(b.x), *b.x.shape))
             b.family.mass(None, M)
             i, j, k = M.nonzero()
@@ -186,8 +189,7 @@ def constant_mass(mechanism: Mechanism) -> tuple[Index, Index, Array]:
             values.append(M[i, j, k])
     if len(rows) == 1:
         return rows[0], columns[0], values[0]
-    empty = np.zeros(0, np.int64)
-    return np.concatenate([empty, *rows]), np.concatenate([empty, *columns]), np.concatenate([np.zeros(0), *values])
+    return (np.concatenate(rows), np.concatenate(columns), np.concatenate(values)) if rows else NO_ENTRIES
 
 
 def _sorted(entries: tuple[Index, Index, Array], places: Index) -> Entries:

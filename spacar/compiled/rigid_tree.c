@@ -196,8 +196,13 @@ static void rigid_inertia(const struct Tree *T, const Batch *k, const real *x, c
     memset(I, 0, 6 * sizeof *I);
     for (int a = 0; a < nxe; a++) {
         real MB[6] = {0};
-        for (int b = 0; b < nxe; b++) for (int j = 0; j < n; j++) MB[j] += M[a * nxe + b] * B[b][j];
-        for (int i = 0; i < n; i++) for (int j = 0; j < n; j++) I[i][j] += B[a][i] * MB[j];
+        int moves = 0;
+        for (int b = 0; b < nxe; b++) {
+            if (vanishes(M[a * nxe + b], EVERY(0.0))) continue; /* most of a rod */
+            moves = 1;
+            for (int j = 0; j < n; j++) MB[j] += M[a * nxe + b] * B[b][j];
+        }
+        for (int i = 0; moves && i < n; i++) for (int j = 0; j < n; j++) I[i][j] += B[a][i] * MB[j];
     }
 }
 
@@ -343,8 +348,12 @@ static int find_tree(Model *m)
     if (!m->holonomic || s->prescribed || s->n_x_kinematic || s->n_coupled || !s->n_batches) return OK;
     const int kind = s->batches[0].kind, dimension = kind < 0 ? 0 : JOINT[kind].dimension;
     if (!dimension || q > (dimension == 2 ? MOST_PLANAR : MOST_SPATIAL)) return OK;
-    int n = 0;
-    for (int b = 0; b < s->n_batches; b++) n += s->batches[b].n;
+    int n = 0, n_of_nodes = 0;
+    for (int b = 0; b < s->n_batches; b++) {
+        const Batch *k = &s->batches[b];
+        n += k->n;
+        if (k->kind >= 0 && JOINT[k->kind].how == OF_A_NODE) n_of_nodes += k->n;
+    }
     Memory *memory = &m->tree_memory;
     struct Tree *T = m->tree = cleared(memory, 1, sizeof(struct Tree));
     int *of = cleared(memory, s->nx, sizeof(int)), status = T && of ? OK : NO_MEMORY;
@@ -355,7 +364,7 @@ static int find_tree(Model *m)
         T->arms = cleared(memory, n, sizeof(Arm));
         T->pairs = cleared(memory, 6 * n + s->n_constant, sizeof(Pair));
         T->parts = cleared(memory, n, sizeof(Part));
-        T->links = cleared(memory, n, sizeof(Link));
+        T->links = cleared(memory, n - n_of_nodes, sizeof(Link));
         T->mass = cleared(memory, 6 * n, sizeof(real));
         if (!T->links || !T->frames || !T->orientations || !T->points || !T->arms || !T->pairs || !T->parts || !T->mass) status = NO_MEMORY;
     }

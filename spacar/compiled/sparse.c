@@ -79,9 +79,9 @@ static int sparse_begin(Memory *memory, Sparse *s, int n, int n_entries)
 {
     s->n = n;
     s->n_entries = n_entries;
-    s->row = cleared(memory, n_entries, sizeof(int));
-    s->column = cleared(memory, n_entries, sizeof(int));
-    s->source = cleared(memory, n_entries, sizeof(int));
+    s->row = taken(memory, n_entries, sizeof(int));
+    s->column = taken(memory, n_entries, sizeof(int));
+    s->source = taken(memory, n_entries, sizeof(int));
     s->inverse = cleared(memory, n, sizeof(real));
     s->work = cleared(memory, n, sizeof(real));
     return s->row && s->column && s->source && s->inverse && s->work ? OK : NO_MEMORY;

@@ -35,7 +35,7 @@ class StressLaw:
         first = n.e_class["input"].stop if first is None else first
         preload = loads.preload.copy()
         preload[:first] = 0.0
-        stiffness, damping = (active_entries(entries, first) for entries in (mechanism.stiffness, mechanism.damping))
+        stiffness, damping = active_entries(mechanism.stiffness, first), active_entries(mechanism.damping, first)
         return cls(first, n.ne, stiffness, damping, preload)
 
     @cached_property
@@ -124,6 +124,6 @@ def moment_entries(rows: Index, moments: Array) -> tuple[Index, Index, Array]:
 def gravity_field(mechanism: Mechanism, loads: Loads) -> Array:
     """g at every position coordinate, zero elsewhere, (nx,) [m/s^2]."""
     field = np.zeros(mechanism.numbering.nx)
-    if loads.gravity.any():
-        field[mechanism.numbering.positions] = loads.gravity
+    if np.count_nonzero(loads.gravity):
+        field.put(mechanism.numbering.positions, loads.gravity)  # again and again: of every node
     return field

@@ -96,7 +96,7 @@ class SpatialBeam(Family):
     @property
     def second(self) -> Array:
         """(n,) factor of the second order terms with lengths in units of l0: 1, or 0 for LDEFORM."""
-        return np.asarray(self._nonlinear / self.length * self.length)
+        return self._nonlinear.astype(float)
 
     @property
     def unit(self) -> Array:

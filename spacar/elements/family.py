@@ -119,7 +119,7 @@ class Family:
     @property
     def form(self) -> str:
         """Keyword and measure: what the elements of the family have in common."""
-        return f"{self.keyword} {self.measure}".strip()
+        return f"{self.keyword} {self.measure}" if self.measure else self.keyword
 
     @cached_property
     def constitutive(self) -> tuple[Array, Array]:

@@ -54,10 +54,10 @@ class PositionMatrix:
         """Factors of the columns, to measure them in sizes of the coordinates."""
         return self._mechanism.scale[self._mechanism.numbering.velocity_unknowns]
 
-    @cached_property
+    @property
     def zero(self) -> float:
         """A reciprocal condition below which the position is looked at."""
-        return ZERO * sqrt(np.maximum.reduce(np.abs(self._mechanism.x0 / self._mechanism.scale), initial=1.0))
+        return ZERO * sqrt(self._mechanism.distance)
 
     @property
     def kinematics(self) -> Kinematics:

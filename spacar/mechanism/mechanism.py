@@ -216,7 +216,7 @@ class Mechanism:
         for twist rates."""
         n = self.numbering
         scale = np.ones(n.nx)
-        scale[n.positions] = self.length
+        scale.put(n.positions, self.length)
         if n.warped:
             scale[[n.x_index(node.number, 1) for node in n.nodes if node.kind == "warping"]] = 1.0 / self.length
         return scale
@@ -235,3 +235,8 @@ class Mechanism:
     def deformation_scale(self) -> Array:
         """(ne,) typical size of every deformation: `length` for those in metres, 1 for rotations and normalizations."""
         return np.where(self.is_length, self.length, 1.0)
+
+    @cached_property
+    def distance(self) -> float:
+        """Largest coordinate of the reference configuration in its size, at least 1: more is far from the origin."""
+        return float(np.maximum.reduce(np.abs(self.x0 / self.scale), initial=1.0))
