@@ -53,7 +53,7 @@ def forward(run: Run) -> Iterator[Sequence[Frame]]:
         L = linearize(dynamics, frame.xdd, frame.sig, t=frame.t)
         _store_matrices(frame, L, dynamics)
         store.add(frame, L, dynamics)
-        yield (output.add(frame, dynamics.kinematics, L),)
+        yield (output.add(frame, dynamics, L),)
     run.report.lines.extend(store.idle.lines())
 
 
@@ -158,13 +158,12 @@ def stationary(
             if lost_digits(condition.at_most) > LOST:
                 say_lost_digits(run, reduced or descriptor)
         limits = limits or Limits(dynamics, run.report)
-        if about is None or dynamics.forces.heavy:
+        if about is None:
+            found = Accelerations(state.xdd, state.sigma, state.convective)
             convected = dynamics.forces.inertia(dynamics.sweep, dynamics.xd)
+            frame = dynamics.complete(float(stored), found, convected)
         else:
-            convected = np.zeros(n.nx)  # C takes no flow: nothing else has such forces at rest
-        frame = dynamics.complete(
-            float(stored), Accelerations(state.xdd, state.sigma, state.convective), convected
-        )
+            frame = about.frame(float(stored), state.sigma, dynamics.loads)
         limits.check_elements(dynamics, frame)
         singular = not _is_surely_regular(solver, condition) and _is_dead_point(run, solver, level, frame.t, reducible)
         frame.statistics = {"iterations": iterations, "residual": state.norm}
@@ -184,7 +183,7 @@ def stationary(
             continue
         L = linearize(dynamics, state.xdd, state.sigma) if about is None else about.linearization()
         _store_matrices(frame, L, dynamics)
-        frame = output.add(frame, dynamics.kinematics, L)
+        frame = output.add(frame, dynamics, L)
         yield LinearizedSolution(frame, dynamics, L, None, wanted, reduced, condition)
 
 
@@ -215,7 +214,8 @@ def _say_doubtful_inertia(run: Run, solution: LinearizedSolution) -> None:
     if L is None or not len(dynamic) or solution.frame.t:
         return
     M = selected(L.m0, dynamic, dynamic)
-    doubt = linearized_doubt(run.mechanism, solution.dynamics.sweep, M, solution.condition)
+    masses = L.M.diagonal()
+    doubt = linearized_doubt(run.mechanism, lambda: solution.dynamics.sweep, masses, M, solution.condition)
     if doubt:
         run.report.add(f"warning: {doubt}")
 
