@@ -62,7 +62,8 @@ class EquationsOfMotion:
             Kinematics(model.mechanism, kind)  # says what is wrong
         self.xs, self.es = n.x_class, n.e_class
         self.n_positions = n.nddof + n.nk
-        self.n_xm, self.n_em, self.n_xk = int(n.nxp[3]), int(n.nep[3]), int(n.nxp[4])
+        places = self.xs["dynamic"], self.es["dynamic"], self.xs["kinematic"]
+        self.n_xm, self.n_em, self.n_xk = (part.stop - part.start for part in places)
         self.xd, self.ed = np.zeros(n.nx), np.zeros(n.ne)
         self.convected = np.zeros(n.nx)  # h minus gravity on moving families, of the last accelerations
         self.last: State | None = None  # t, x, xd, xdd of the last accelerated state: the next guess starts there
@@ -171,7 +172,7 @@ class EquationsOfMotion:
         if sigma.any():
             force -= sweep.rate_transposed(sigma)
         force -= self._coupling_force(xdd, convective) if self.coupling.present else 0.0
-        if self.numbering.nxp[2]:
+        if self.xs["input"].stop > self.xs["input"].start:
             force -= sweep.mass_times(xdd)
             strain -= sweep.rate(xdd)
         if self.saddle is None:

@@ -37,6 +37,7 @@ from spacar.stream import Run
 # Dynamic degrees of freedom above which no dense matrices are formed: measured, docs/performance.md "Sizes".
 LARGE = 200
 SHARE = 4  # all modes together cost less than the lowest ones if these are more than one in four
+MASS_AND_DAMPING, STIFFNESS = ("m0", "c0", "d0"), ("k0", "n0", "g0")
 LOST = 1e-6  # chosen: relative error of the matrices above which there is a warning
 
 
@@ -223,7 +224,8 @@ def _say_doubtful_inertia(run: Run, solution: LinearizedSolution) -> None:
 def _is_surely_regular(solver: StationarySolver, condition: Conditioning) -> bool:
     """Does the bound tell that the reciprocal condition, which is that of the 1-norm, is above zero?"""
     matrix = solver.dynamics.position_matrix()
-    return solver.determined and len(matrix.columns) * condition.at_most * matrix.zero < 1.0
+    unknowns = solver.mechanism.numbering.e_class["dynamic"].stop
+    return solver.determined and unknowns * condition.at_most * matrix.zero < 1.0
 
 
 def _is_dead_point(run: Run, solver: StationarySolver, level: LoadLevel, t: float, reducible: bool) -> bool:
@@ -248,12 +250,11 @@ def _store_matrices(frame: Frame, L: Linearization, dynamics: Dynamics) -> None:
     q, s = chosen_rows(L, dynamics)
     if not len(q):
         return
-    for name in ("m0", "c0", "d0"):
-        frame.matrices[name] = selected(getattr(L, name), q, q)
-    for name in ("k0", "n0", "g0"):
-        frame.matrices[name] = selected(getattr(L, name), q, s)
-    frame.matrices["ak0"] = selected(L.ak0, s, q)
-    frame.matrices["bk0"] = selected(L.bk0, s, s)
+    whole = len(q) == dynamics.numbering.ndof
+    for names, rows, columns in (MASS_AND_DAMPING, q, q), (STIFFNESS, q, s), (("ak0",), s, q), (("bk0",), s, s):
+        for name in names:
+            A = getattr(L, name)
+            frame.matrices[name] = A if whole else selected(A, rows, columns)
 
 
 def _store_vibration(run: Run, solution: LinearizedSolution) -> None:

@@ -76,8 +76,7 @@ class Layout:
     @cached_property
     def sizes(self) -> tuple[int, int]:
         """How many entries V and M have."""
-        v, m = ((places[-1][1].stop if places else 0) for places in (self.V, self.M))
-        return v, m
+        return sum(len(b.e) * b.x.size for b in self.strained), sum(len(b.x) * b.x.size for b in self.massive)
 
     # -- coordinates of all batches, deformations of the strained ones, coordinates of the moving ones ---------------
     @cached_property

@@ -8,8 +8,8 @@ zeros in the factors are passed over.
 from __future__ import annotations
 
 import ctypes
-from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -35,8 +35,7 @@ class CLinearized(ctypes.Structure):
     ]  # fmt: skip
 
 
-@dataclass(frozen=True)
-class AboutRest:
+class AboutRest(NamedTuple):
     """A state at rest: x (nx,), its deformations e (ne,), all stresses sigma (ne,), and about it
 
     W (nx, ndof), We (ne, ndof)      transfer functions
@@ -79,14 +78,14 @@ class AboutRest:
         shapes = [(nx, ndof), (ne, ndof), *3 * [(ndof, ndof)]], [(ne, nx), (ne, ne), (nx, nx), (nx, nx)]
         (kept, at_kept), (others, at_others) = map(_zeros, shapes)
         (W, We, m0, k0, g0), (V, S, geometric, mass) = kept, others
-        stresses, column = sigma.copy(), m.scale[n.velocity_unknowns]
+        stresses, column = sigma.copy(), m.scale[xs["calculable"]]  # nothing is kinematic
         gravity = np.zeros((nx, nx)) if equations.heavy else None
         for b, M in equations.constant_masses:
             np.add.at(mass, (b.x[:, None], b.x), M)
         c = CLinearized(
             address_of(m.deformation_scale), address_of(column), *at_kept, *at_others,
             None if gravity is None else address_of(gravity), address_of(stresses), len(column),
-            xs["calculable"].start, xs["input"].start, len(n.q_x), es["input"].start, len(n.q_e), equations.n_groups,
+            xs["calculable"].start, *_input_and_dynamic(xs), *_input_and_dynamic(es), equations.n_groups,
         )  # fmt: skip
         if not equations.linearize(x, sigma, c):
             return None
@@ -130,6 +129,12 @@ class AboutRest:
             sigma=self.sigma, V=self.V, M=self.mass, inertia_x=self.geometric, inertia_v=nothing,
             load_x=self.gravity, load_v=nothing, S=self.S, Sd=Sd, geometric_terms=self.terms,
         )  # fmt: skip
+
+
+def _input_and_dynamic(classes: dict[str, slice]) -> tuple[int, int]:
+    """The first degree of freedom, and how many there are: they follow each other."""
+    first, last = classes["input"].start, classes["dynamic"].stop
+    return first, last - first
 
 
 def _zeros(shapes: list[tuple[int, int]]) -> tuple[list[Array], list[int]]:

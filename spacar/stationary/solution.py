@@ -57,7 +57,7 @@ class StationarySolver:
 
     def __post_init__(self) -> None:
         m, n = self.mechanism, self.mechanism.numbering
-        start = m.drive.at(0.0) if len(n.rheonomic) else None
+        start = m.drive.at(0.0) if n.ndof > n.nddof else None
         if start is not None and (start.xdd.any() or start.edd.any()):
             self.report.add("warning: prescribed accelerations are ignored in a stationary solution")
         self._evaluator = e = LevelEvaluator(m)
