@@ -7,7 +7,6 @@ evaluated waits until then.
 from __future__ import annotations
 
 from spacar.arrays import Array
-from spacar.compiled.element_parameters import GUARD
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.kinematics.element_sweep import SweepArrays
 from spacar.kinematics.kinematics import Kinematics
@@ -45,6 +44,8 @@ class LevelDynamics(Dynamics):
         return x, e
 
     def in_range(self) -> bool:
+        from spacar.compiled.element_parameters import GUARD  # not of the numeric core
+
         return self.guard > GUARD
 
     def _go(self, x: Array, solution: bool) -> None:
